@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "calibration/loop/outcome.h"
+#include "sim/measure/row.h"
+
+namespace caltwin {
+
+/// One row of a run's table: what was injected, what came out.
+struct ParameterResult {
+  std::string name{};
+  std::string unit{};
+  double injected = 0;                ///< The built, absolute value.
+  std::optional<double> recovered{};  ///< None where not identifiable.
+  std::optional<double> sd{};
+  std::optional<double> error{};      ///< recovered - injected.
+  std::optional<double> tolerance{};  ///< What was expected; none: nothing.
+  std::optional<bool> passed{};
+  bool identifiable = false;
+  bool is_setting = false;
+};
+
+/// A check that is no parameter's: "outcome", "position_error_mm.p95".
+struct CheckResult {
+  std::string name{};
+  std::string expected{};
+  std::string found{};
+  bool passed = false;
+};
+
+/// What `caltwin run` prints, draws and writes of one run of one scenario.
+struct RunResult {
+  std::string scenario{};  ///< The file, as given.
+  std::string about{};
+  std::string verbatim{};  ///< The scenario's text, kept with its result.
+  std::string machine{};
+  bool passed = false;
+  std::string outcome{};   ///< recovers | diverges | ... as in CONTRACT.
+  std::string fidelity{};  ///< physics | fast
+  std::uint64_t seed = 1;
+  std::vector<ParameterResult> parameters{};
+  std::vector<CheckResult> checks{};
+  std::vector<Step> steps{};
+  std::vector<Observability> observability{};
+  std::vector<std::string> messages{};
+  double position_error_before_p95_mm = 0;  ///< At 1000 seeded poses, both senses.
+  double position_error_after_p95_mm = 0;
+  double machine_time_s = 0;
+  double cpu_s = 0;
+  int touches = 0;
+  RowTable rows{};  ///< Every reading taken.
+};
+
+}  // namespace caltwin

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <string>
+#include <variant>
+
+#include "sim/base/rng.h"
+
+namespace caltwin {
+
+struct Normal {
+  double mean = 0;
+  double sd = 1;
+};
+struct Uniform {
+  double min = 0;
+  double max = 1;
+};
+/// exp of a normal: 68 % lie in median/factor .. median*factor.
+struct LogNormal {
+  double median = 1;
+  double factor = 1;
+};
+
+/// A number, or what a number is drawn from.
+using Distribution = std::variant<double, Normal, Uniform, LogNormal>;
+
+/// One value; a plain number is itself and draws nothing.
+double Draw(const Distribution& distribution, Rng* rng);
+
+/// The middle: mean, mid-range, median; a plain number itself.
+double Middle(const Distribution& distribution);
+
+}  // namespace caltwin

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace caltwin {
+
+/// Where in a user's input something stands; line and column count from 1, 0: unknown.
+struct Place {
+  std::string file{};
+  int line = 0;
+  int column = 0;
+};
+
+/// `file:line:column`, without what is unknown.
+std::string ToString(const Place& place);
+
+/// A person's mistake in a file, an option or a line of G-code: one message a fault,
+/// each `place: what it says, what is allowed` and, indented below, a hint.
+///
+/// Caught in `main` (exit 2, see PrintFaults) and where a server answers.
+class InputError : public std::runtime_error {
+ public:
+  explicit InputError(std::vector<std::string> faults);
+  InputError(const Place& place, const std::string& text, const std::string& hint = "");
+
+  const std::vector<std::string>& faults() const { return faults_; }
+
+ private:
+  std::vector<std::string> faults_;
+};
+
+/// Collects the faults of one input, so that a person sees all of them at once.
+class Faults {
+ public:
+  void Add(const Place& place, const std::string& text, const std::string& hint = "");
+  bool empty() const { return faults_.empty(); }
+  std::size_t size() const { return faults_.size(); }
+  /// Throws InputError with every fault collected, in the order they were added.
+  void ThrowIfAny() const;
+
+ private:
+  std::vector<std::string> faults_;
+};
+
+/// What goes to stderr: at most 20 faults, then "and N more".
+std::string FaultsText(const InputError& error);
+
+/// The known word nearest to `word` (edit distance at most a third of its length), or
+/// empty: what "did you mean" offers.
+std::string NearestWord(const std::string& word, const std::vector<std::string>& known);
+
+}  // namespace caltwin

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+
+namespace caltwin {
+
+/// The whole of a text file. Throws InputError, naming the file, where it is missing, a
+/// folder, unreadable, or larger than `most_bytes` (told from its size, without
+/// reading).
+std::string ReadTextFile(const std::filesystem::path& file, std::size_t most_bytes);
+
+/// Writes beside the final name and renames, so that a reader never sees half a file;
+/// makes missing folders. Throws InputError where that cannot be done.
+void WriteTextFile(const std::filesystem::path& file, const std::string& text);
+
+}  // namespace caltwin

@@ -1,0 +1,386 @@
+#include "sim/base/yaml.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <sstream>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "sim/base/text_file.h"
+
+namespace caltwin {
+namespace {
+
+constexpr std::size_t kLargestFile_bytes = 1'000'000;
+constexpr int kDeepest = 32;
+
+Place PlaceOf(const std::string& file, const YAML::Node& node) {
+  const YAML::Mark mark = node.Mark();
+  if (mark.is_null()) return {.file = file};
+  return {.file = file, .line = mark.line + 1, .column = mark.column + 1};
+}
+
+std::string Kind(const YAML::Node& node) {
+  if (node.IsMap()) return "a mapping";
+  if (node.IsSequence()) return "a list";
+  if (node.IsNull()) return "empty";
+  return fmt::format("'{}'", node.Scalar());
+}
+
+std::optional<double> ParseNumber(const YAML::Node& node) {
+  if (!node.IsScalar()) return std::nullopt;
+  std::string_view text = node.Scalar();
+  if (text.starts_with('+')) text.remove_prefix(1);
+  double value = 0;
+  const auto [end, error] =
+      std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  if (!std::isfinite(value)) return std::nullopt;
+  return value;
+}
+
+// A key twice, a tag, or too deep: yaml-cpp would take them in silence.
+void CheckTree(const YAML::Node& node,
+               const std::string& file,
+               int depth,
+               Faults* faults) {
+  if (depth > kDeepest) {
+    throw InputError(PlaceOf(file, node),
+                     fmt::format("nested deeper than {} levels", kDeepest));
+  }
+  const std::string& tag = node.Tag();
+  if (!tag.empty() && tag != "?" && tag != "!" && node.IsDefined()) {
+    faults->Add(PlaceOf(file, node),
+                fmt::format("the tag '{}' is not allowed: plain YAML only", tag));
+  }
+  if (node.IsSequence()) {
+    for (const YAML::Node& item : node) CheckTree(item, file, depth + 1, faults);
+  }
+  if (!node.IsMap()) return;
+  std::set<std::string> seen;
+  for (const auto& entry : node) {
+    if (!entry.first.IsScalar()) {
+      faults->Add(PlaceOf(file, entry.first), "a key must be a plain word");
+    } else if (!seen.insert(entry.first.Scalar()).second) {
+      faults->Add(PlaceOf(file, entry.first),
+                  fmt::format("the key '{}' stands twice", entry.first.Scalar()));
+    }
+    CheckTree(entry.second, file, depth + 1, faults);
+  }
+}
+
+// Deep nesting would overflow yaml-cpp's recursive parser, and anchors can unfold to
+// any size, so both are refused before it sees the text.
+void CheckText(const std::string& text, const std::string& name) {
+  int line = 1;
+  int flow_depth = 0;
+  std::size_t line_start = 0;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (c == '[' || c == '{') ++flow_depth;
+    if (c == ']' || c == '}') flow_depth = std::max(0, flow_depth - 1);
+    if (c == '\n') {
+      ++line;
+      line_start = i + 1;
+    }
+    const int column = static_cast<int>(i - line_start) + 1;
+    const Place place{.file = name, .line = line, .column = column};
+    if (flow_depth > 2 * kDeepest || i - line_start > 10'000) {
+      throw InputError(place,
+                       "this is not readable as YAML: nested or long beyond reason");
+    }
+    if (c == '\0') throw InputError(place, "a zero byte: this is not a text file");
+  }
+}
+
+}  // namespace
+
+YamlValue::YamlValue(YAML::Node node,
+                     std::string file,
+                     std::string path,
+                     Faults* faults)
+    : node_(std::move(node)),
+      file_(std::move(file)),
+      path_(std::move(path)),
+      faults_(faults) {}
+
+Place YamlValue::place() const {
+  return PlaceOf(file_, node_);
+}
+
+void YamlValue::Fail(const std::string& text, const std::string& hint) const {
+  faults_->Add(place(), path_ + " " + text, hint);
+}
+
+std::string YamlValue::AsWritten() const {
+  if (node_.IsScalar()) return node_.Scalar();
+  std::ostringstream text;
+  text << node_;
+  return text.str();
+}
+
+double YamlValue::Number(Bounds bounds, std::string_view hint) const {
+  const double stand_in = std::clamp(0.0, bounds.min, bounds.max);
+  const std::optional<double> value = ParseNumber(node_);
+  if (!value) {
+    Fail(fmt::format("= {} is not a number", Kind(node_)), std::string(hint));
+    return stand_in;
+  }
+  if (*value < bounds.min || *value > bounds.max) {
+    const std::string range =
+        bounds.min == kPositive.min && bounds.max == kPositive.max ? "not above 0"
+        : bounds.min == 0 && bounds.max == kNotNegative.max
+            ? "below 0"
+            : fmt::format("outside {} .. {}", bounds.min, bounds.max);
+    Fail(fmt::format("= {} is {}", node_.Scalar(), range), std::string(hint));
+    return stand_in;
+  }
+  return *value;
+}
+
+Distribution YamlValue::NumberOrDistribution(Bounds bounds,
+                                             std::string_view hint) const {
+  if (!node_.IsMap()) return Number(bounds, hint);
+  YamlMap map = Map();
+  const auto entries = map.Entries();
+  const std::string kind = entries.size() == 1 ? entries[0].first : "";
+  if (kind != "normal" && kind != "uniform" && kind != "lognormal") {
+    Fail(
+        "is neither a number nor a distribution",
+        "a distribution is one of {normal: {mean: , sd: }}, {uniform: {min: , max: }}, "
+        "{lognormal: {median: , factor: }}");
+    return 0.0;
+  }
+  YamlMap inner = entries[0].second.Map();
+  Distribution result = 0.0;
+  if (kind == "normal") {
+    result =
+        Normal{inner.Number("mean", bounds, hint), inner.Number("sd", kNotNegative)};
+  } else if (kind == "uniform") {
+    const Uniform u{inner.Number("min", bounds, hint),
+                    inner.Number("max", bounds, hint)};
+    if (u.min > u.max) Fail(fmt::format("has min {} above max {}", u.min, u.max));
+    result = u;
+  } else {
+    result = LogNormal{inner.Number("median", {1e-12, bounds.max}, hint),
+                       inner.Number("factor", {1, 1e6})};
+  }
+  inner.NoMoreKeys();
+  return result;
+}
+
+std::int64_t YamlValue::Integer(std::int64_t min, std::int64_t max) const {
+  const std::int64_t stand_in = std::clamp<std::int64_t>(0, min, max);
+  if (node_.IsScalar()) {
+    const std::string& text = node_.Scalar();
+    std::int64_t value = 0;
+    const auto [end, error] =
+        std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error == std::errc() && end == text.data() + text.size()) {
+      if (value >= min && value <= max) return value;
+      Fail(fmt::format("= {} is outside {} .. {}", text, min, max));
+      return stand_in;
+    }
+  }
+  Fail(fmt::format("= {} is not a whole number", Kind(node_)));
+  return stand_in;
+}
+
+bool YamlValue::Flag() const {
+  if (node_.IsScalar() && node_.Scalar() == "true") return true;
+  if (node_.IsScalar() && node_.Scalar() == "false") return false;
+  Fail(fmt::format("= {} is neither true nor false", Kind(node_)));
+  return false;
+}
+
+std::string YamlValue::Text() const {
+  if (node_.IsScalar()) return node_.Scalar();
+  Fail(fmt::format("is {}, where a text is wanted", Kind(node_)));
+  return "";
+}
+
+std::string YamlValue::Word(const std::vector<std::string>& allowed) const {
+  const std::string text = node_.IsScalar() ? node_.Scalar() : "";
+  if (std::find(allowed.begin(), allowed.end(), text) != allowed.end()) return text;
+  const std::string nearest = NearestWord(text, allowed);
+  Fail(fmt::format("= {} is not known", Kind(node_)),
+       (nearest.empty() ? "" : fmt::format("did you mean '{}'? ", nearest)) +
+           fmt::format("It may be: {}", fmt::join(allowed, ", ")));
+  return allowed.front();
+}
+
+YamlMap YamlValue::Map() const {
+  if (!node_.IsMap()) {
+    Fail(fmt::format("is {}, where a mapping is wanted", Kind(node_)));
+    return {YAML::Node(YAML::NodeType::Map), file_, path_, faults_};
+  }
+  return {node_, file_, path_, faults_};
+}
+
+std::vector<YamlValue> YamlValue::List() const {
+  if (!node_.IsSequence()) {
+    Fail(fmt::format("is {}, where a list is wanted", Kind(node_)));
+    return {};
+  }
+  std::vector<YamlValue> items;
+  for (const YAML::Node& item : node_) {
+    items.emplace_back(
+        item, file_, fmt::format("{}[{}]", path_, items.size()), faults_);
+  }
+  return items;
+}
+
+std::vector<double> YamlValue::Numbers(std::size_t count, Bounds bounds) const {
+  std::vector<double> numbers(count, std::clamp(0.0, bounds.min, bounds.max));
+  if (!node_.IsSequence() || node_.size() != count) {
+    Fail(fmt::format("is not a list of {} numbers", count));
+    return numbers;
+  }
+  const auto items = List();
+  for (std::size_t i = 0; i < count; ++i) numbers[i] = items[i].Number(bounds);
+  return numbers;
+}
+
+YamlMap::YamlMap(YAML::Node node, std::string file, std::string path, Faults* faults)
+    : node_(std::move(node)),
+      file_(std::move(file)),
+      path_(std::move(path)),
+      faults_(faults) {}
+
+std::string YamlMap::PathOf(const std::string& key) const {
+  return path_.empty() ? key : path_ + "." + key;
+}
+
+Place YamlMap::place() const {
+  return PlaceOf(file_, node_);
+}
+
+bool YamlMap::Has(const std::string& key) {
+  asked_.insert(key);
+  return static_cast<bool>(node_[key]);
+}
+
+std::optional<YamlValue> YamlMap::Optional(const std::string& key) {
+  if (!Has(key)) return std::nullopt;
+  return YamlValue(node_[key], file_, PathOf(key), faults_);
+}
+
+std::optional<YamlValue> YamlMap::Required(const std::string& key) {
+  auto value = Optional(key);
+  // One misspelling causes an unknown key and a missing one: the unknown one tells.
+  if (!value) {
+    for (const auto& entry : node_) {
+      if (NearestWord(entry.first.Scalar(), {key}) == key &&
+          !asked_.contains(entry.first.Scalar())) {
+        return std::nullopt;
+      }
+    }
+    faults_->Add(place(),
+                 path_.empty() ? fmt::format("the key '{}' is missing", key)
+                               : fmt::format("{} lacks the key '{}'", path_, key));
+  }
+  return value;
+}
+
+std::vector<std::pair<std::string, YamlValue>> YamlMap::Entries() {
+  std::vector<std::pair<std::string, YamlValue>> entries;
+  for (const auto& entry : node_) {
+    if (!entry.first.IsScalar()) continue;
+    const std::string key = entry.first.Scalar();
+    asked_.insert(key);
+    entries.emplace_back(key, YamlValue(entry.second, file_, PathOf(key), faults_));
+  }
+  return entries;
+}
+
+double YamlMap::Number(const std::string& key, Bounds bounds, std::string_view hint) {
+  const auto value = Required(key);
+  return value ? value->Number(bounds, hint) : std::clamp(0.0, bounds.min, bounds.max);
+}
+
+double YamlMap::NumberOr(const std::string& key,
+                         double otherwise,
+                         Bounds bounds,
+                         std::string_view hint) {
+  const auto value = Optional(key);
+  return value ? value->Number(bounds, hint) : otherwise;
+}
+
+std::int64_t YamlMap::IntegerOr(const std::string& key,
+                                std::int64_t otherwise,
+                                std::int64_t min,
+                                std::int64_t max) {
+  const auto value = Optional(key);
+  return value ? value->Integer(min, max) : otherwise;
+}
+
+bool YamlMap::FlagOr(const std::string& key, bool otherwise) {
+  const auto value = Optional(key);
+  return value ? value->Flag() : otherwise;
+}
+
+std::string YamlMap::Text(const std::string& key) {
+  const auto value = Required(key);
+  return value ? value->Text() : "";
+}
+
+std::string YamlMap::TextOr(const std::string& key, const std::string& otherwise) {
+  const auto value = Optional(key);
+  return value ? value->Text() : otherwise;
+}
+
+std::string YamlMap::WordOr(const std::string& key,
+                            const std::string& otherwise,
+                            const std::vector<std::string>& allowed) {
+  const auto value = Optional(key);
+  return value ? value->Word(allowed) : otherwise;
+}
+
+void YamlMap::NoMoreKeys() {
+  const std::vector<std::string> known(asked_.begin(), asked_.end());
+  for (const auto& entry : node_) {
+    if (!entry.first.IsScalar()) continue;
+    const std::string key = entry.first.Scalar();
+    if (asked_.contains(key)) continue;
+    const std::string nearest = NearestWord(key, known);
+    faults_->Add(
+        PlaceOf(file_, entry.first),
+        fmt::format("{} has no key '{}'", path_.empty() ? "this file" : path_, key),
+        (nearest.empty() ? "" : fmt::format("did you mean '{}'? ", nearest)) +
+            fmt::format("It knows: {}", fmt::join(known, ", ")));
+  }
+}
+
+YamlMap ReadYamlText(const std::string& text, const std::string& name, Faults* faults) {
+  if (text.size() > kLargestFile_bytes) {
+    throw InputError(
+        {.file = name},
+        fmt::format("{} bytes: larger than any file of this kind (at most {})",
+                    text.size(),
+                    kLargestFile_bytes));
+  }
+  CheckText(text, name);
+  YAML::Node root;
+  try {
+    root = YAML::Load(text);
+    CheckTree(root, name, 0, faults);
+  } catch (const YAML::Exception& error) {
+    throw InputError(
+        {.file = name, .line = error.mark.line + 1, .column = error.mark.column + 1},
+        fmt::format("this is not YAML: {}", error.msg));
+  }
+  if (!root.IsMap()) {
+    throw InputError({.file = name, .line = 1, .column = 1},
+                     root.IsNull() ? "the file is empty"
+                                   : "the file is not a mapping of keys to values");
+  }
+  return {root, name, "", faults};
+}
+
+YamlMap ReadYamlFile(const std::filesystem::path& file, Faults* faults) {
+  return ReadYamlText(ReadTextFile(file, kLargestFile_bytes), file.string(), faults);
+}
+
+}  // namespace caltwin

@@ -1,0 +1,102 @@
+#pragma once
+
+#include <array>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sim/base/distribution.h"
+#include "sim/machine/axis.h"
+#include "sim/machine/machine.h"
+#include "sim/measure/row.h"
+
+namespace caltwin {
+
+/// Where in the error chain an effect lives. Motion errors change parts; the others
+/// only poison a calibration.
+enum class Bucket { kMotion, kMeasurement, kArtefact, kTime };
+
+/// One number an effect has. Its name ends in its unit and is its key in files; values
+/// are in that unit wherever effects are stored, converted only inside closed forms.
+struct Parameter {
+  std::string_view name;
+  std::string_view unit;  ///< As printed: "mm", "um", "mrad", "1/mm".
+  double min, max;        ///< Beyond these the model is wrong, not merely unlikely.
+  Distribution prior;     ///< What is believed before anything is measured.
+  std::string_view doc;   ///< What it is, with its sign.
+};
+
+/// The five things a person wants to know of a cause, in that order.
+struct Words {
+  std::string_view plot;    ///< What to look at, and what it looks like there.
+  std::string_view values;  ///< Which number, in which unit, how large is usual.
+  std::string_view cause;
+  std::string_view effect;  ///< On parts, or on the calibration.
+  std::string_view action;
+};
+
+/// One way in which a machine differs from its drawing: its declaration. The closed
+/// form (templated on the scalar) stands in the same header, as `Add` of the struct
+/// that carries the declaration; its act on the physics in `sim/effects/acts`.
+struct Effect {
+  std::string_view name;   ///< The cause's id in files and JSON.
+  std::string_view about;  ///< One sentence.
+  Bucket bucket;
+  std::span<const std::string_view> axes;  ///< Allowed after the dot; {""}: none.
+  std::span<const Parameter> parameters;
+  std::string_view formula;
+  std::string_view source;  ///< Where the model and its typical size come from.
+  std::string_view twin;    ///< The cause that looks most like it, and what separates.
+  Words words;
+  /// The values with which it changes nothing on this machine (the drawing's, or 0).
+  void (*neutral)(const Machine& machine,
+                  std::string_view axis,
+                  std::span<double> values);
+};
+
+/// Where and under which circumstances an error is asked for: what is known of one
+/// reading, none of it a parameter.
+struct At {
+  RowKind kind = RowKind::kTouch;
+  /// Commanded tip position [mm], machine axes; for a touch that at the trigger.
+  Vec3<double> q_mm = Vec3<double>::Zero();
+  /// Sense of the last move of each axis, -1 .. 1 (between while it crosses its gap).
+  Vec3<double> dir = Vec3<double>::Zero();
+  /// Outward surface normal, or the direction in which a gauge reads. Unit.
+  Vec3<double> n = Vec3<double>::Zero();
+  /// Steps per mm and backlash compensation that the command was given with.
+  Vec3<double> steps_per_mm = Vec3<double>::Zero();
+  Vec3<double> compensation_mm = Vec3<double>::Zero();
+  double tip_radius_cfg_mm = 0;
+  double feed_mm_s = 0;
+  double load_n = kUnknown;  ///< Axial load; unknown: the rail's own friction.
+  bool on_table = false;     ///< What is touched stands on the table (bed, artefacts).
+  std::string_view setup{};  ///< Placement; each has its own offset.
+};
+
+/// All errors at one place, summed over the effects. Signs as in docs/signs.md.
+template <typename T>
+struct Errors {
+  Vec3<T> motion_mm = Vec3<T>::Zero();       ///< Tip: actual minus commanded.
+  Vec3<T> lost_motion_mm = Vec3<T>::Zero();  ///< Full width; acts as -dir * width / 2.
+  /// Stylus deflection at the trigger for a tip pushed towards + and - of each axis, so
+  /// [axis][0] counts where the machine moves in + (normal towards -).
+  std::array<std::array<T, 2>, 3> pretravel_mm{};
+  T late_mm = T(0);        ///< Travel into the surface after the trigger, along -n.
+  T tip_radius_mm = T(0);  ///< Built.
+  T artefact_mm = T(0);    ///< Surface: actual minus nominal, along n.
+};
+
+/// One effect with values: on the axis named, in file units, in the order declared.
+template <typename T>
+struct Valued {
+  int effect = 0;      ///< Index in the catalog.
+  std::string axis{};  ///< "x", "x+", "C0Y", "" ...
+  std::vector<T> values{};
+};
+
+/// As scenarios inject them.
+using Injected = Valued<double>;
+
+}  // namespace caltwin

@@ -1,0 +1,194 @@
+#include "sim/machine/machine.h"
+
+#include <cstdlib>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#ifndef CALTWIN_SOURCE_DIR
+#define CALTWIN_SOURCE_DIR "."
+#endif
+
+namespace caltwin {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+AxisDrawing ReadAxis(Axis axis, YamlMap map) {
+  AxisDrawing drawing;
+  drawing.min_mm = map.NumberOr("min_mm", 0, {-1e5, 1e5});
+  drawing.max_mm = map.Number("max_mm", {-1e5, 1e5});
+  if (drawing.max_mm <= drawing.min_mm) {
+    map.faults()->Add(map.place(),
+                      fmt::format("{}: max_mm = {} is not above min_mm = {}",
+                                  map.path(),
+                                  drawing.max_mm,
+                                  drawing.min_mm));
+  }
+  const std::string home =
+      map.WordOr("home", axis == Axis::kZ ? "max" : "min", {"min", "max"});
+  drawing.home = home == "min" ? HomeEnd::kMin : HomeEnd::kMax;
+  drawing.is_belt = map.Has("pulley_mm_per_rev");
+  if (drawing.is_belt && map.Has("lead_mm")) {
+    map.faults()->Add(map.place(),
+                      map.path() + " has both lead_mm and pulley_mm_per_rev",
+                      "a screw has a lead, a belt a pulley: keep one");
+  }
+  drawing.lead_mm = map.Number(drawing.is_belt ? "pulley_mm_per_rev" : "lead_mm",
+                               {1e-3, 1e4},
+                               "travel per motor turn");
+  drawing.full_steps_per_rev = map.NumberOr("full_steps_per_rev", 200, {1, 1e6});
+  drawing.microsteps = map.NumberOr("microsteps", 16, {1, 4096});
+  drawing.max_feed_mm_s = map.NumberOr("max_feed_mm_s", 100, {1e-3, 1e4});
+  drawing.acceleration_mm_s2 = map.NumberOr("acceleration_mm_s2", 500, {1e-3, 1e6});
+  drawing.moving_mass_kg = map.NumberOr("moving_mass_kg", 6, {0.01, 1e5});
+  drawing.rail_friction_n = map.NumberOr("rail_friction_n", 8, {0, 1e5});
+  const double weight_n = drawing.moving_mass_kg * kGravity_m_s2;
+  drawing.counterbalance_n =
+      axis == Axis::kZ ? map.NumberOr("counterbalance_n", weight_n, {0, 1e6}) : 0;
+  map.NoMoreKeys();
+  return drawing;
+}
+
+ProbeDrawing ReadProbe(YamlMap map) {
+  ProbeDrawing probe;
+  probe.tip_radius_mm = map.NumberOr(
+      "tip_radius_mm", 1, {0.05, 20}, "the radius of the ball, not its diameter");
+  probe.pretravel_mm = map.NumberOr("pretravel_mm", 0.02, {0.001, 2});
+  probe.hysteresis_mm = map.NumberOr("hysteresis_mm", 0.002, {0, 2});
+  if (probe.hysteresis_mm >= probe.pretravel_mm) {
+    map.faults()->Add(map.place(),
+                      map.path() + ": hysteresis_mm is not below pretravel_mm",
+                      "the switch must release before the stylus is back at rest");
+  }
+  if (const auto speeds = map.Optional("speeds_mm_s")) {
+    probe.speeds_mm_s = speeds->Numbers(2, {0.01, 100});
+  }
+  probe.overtravel_mm = map.NumberOr("overtravel_mm", 3, {0.05, 100});
+  probe.stiffness_n_per_mm = map.NumberOr("stiffness_n_per_mm", 15, {0.1, 100});
+  probe.disc_radius_mm = map.NumberOr("disc_radius_mm", 6, {1, 50});
+  map.NoMoreKeys();
+  return probe;
+}
+
+void ReadByAxis(YamlMap* map,
+                const std::string& key,
+                Bounds bounds,
+                std::array<double, 3>* values) {
+  const auto value = map->Optional(key);
+  if (!value) return;
+  YamlMap by_axis = value->Map();
+  for (const Axis axis : kAxes) {
+    if (const auto number = by_axis.Optional(Name(axis))) {
+      (*values)[Index(axis)] = number->Number(bounds);
+    }
+  }
+  by_axis.NoMoreKeys();
+}
+
+fs::path SourceFolder() {
+  return CALTWIN_SOURCE_DIR;
+}
+
+}  // namespace
+
+bool WeightKeepsGapShut(Axis axis, const AxisDrawing& drawing) {
+  if (axis != Axis::kZ) return false;
+  const double hanging_n =
+      drawing.moving_mass_kg * kGravity_m_s2 - drawing.counterbalance_n;
+  return std::abs(hanging_n) > drawing.rail_friction_n;
+}
+
+void ReadSettings(YamlMap* map, Settings* settings) {
+  ReadByAxis(map, "steps_per_mm", {1e-3, 1e7}, &settings->steps_per_mm);
+  ReadByAxis(map, "backlash_mm", {0, 10}, &settings->backlash_mm);
+  ReadByAxis(map, "probe_deflection_mm", {-10, 10}, &settings->probe_deflection_mm);
+  settings->tip_radius_mm =
+      map->NumberOr("tip_radius_mm", settings->tip_radius_mm, {0, 50});
+  map->NoMoreKeys();
+}
+
+Machine ReadMachine(YamlMap* map) {
+  Machine machine;
+  machine.file = map->file();
+  map->IntegerOr("format", 1, 1, 1);
+  machine.name = map->TextOr("name", machine.file.stem().string());
+  if (const auto kinematics = map->Required("kinematics")) {
+    kinematics->Word({"cartesian"});
+  }
+  if (const auto model = map->Optional("model")) {
+    machine.model = machine.file.parent_path() / model->Text();
+    std::error_code error;
+    if (!fs::is_regular_file(machine.model, error)) {
+      model->Fail(fmt::format("= '{}': there is no such file", model->Text()),
+                  "a path is relative to the machine file");
+    }
+  }
+  if (const auto axes = map->Required("axes")) {
+    YamlMap by_axis = axes->Map();
+    for (const Axis axis : kAxes) {
+      if (const auto drawing = by_axis.Required(Name(axis))) {
+        machine.axes[Index(axis)] = ReadAxis(axis, drawing->Map());
+      }
+    }
+    by_axis.NoMoreKeys();
+  }
+  if (const auto probe = map->Optional("probe"))
+    machine.probe = ReadProbe(probe->Map());
+  machine.settings.tip_radius_mm = machine.probe.tip_radius_mm;
+  for (const Axis axis : kAxes) {
+    machine.settings.steps_per_mm[Index(axis)] = machine.axis(axis).steps_per_mm();
+  }
+  if (const auto settings = map->Optional("settings")) {
+    YamlMap settings_map = settings->Map();
+    ReadSettings(&settings_map, &machine.settings);
+  }
+  map->NoMoreKeys();
+  return machine;
+}
+
+Machine ReadMachine(const fs::path& file) {
+  Faults faults;
+  YamlMap map = ReadYamlFile(file, &faults);
+  Machine machine = ReadMachine(&map);
+  faults.ThrowIfAny();
+  return machine;
+}
+
+fs::path ShareFolder() {
+  std::error_code error;
+  if (const char* folder = std::getenv("CALTWIN_SHARE")) return folder;
+  const fs::path binary = fs::read_symlink("/proc/self/exe", error);
+  const fs::path installed = binary.parent_path().parent_path() / "share" / "caltwin";
+  if (!error && fs::is_directory(installed, error)) return installed;
+  return SourceFolder();
+}
+
+fs::path FindMachine(const std::string& name_or_path,
+                     const fs::path& folder,
+                     const Place& place) {
+  std::error_code error;
+  const bool is_path =
+      name_or_path.find('/') != std::string::npos || name_or_path.ends_with(".yaml");
+  if (is_path) {
+    const fs::path file = folder / name_or_path;
+    if (fs::is_regular_file(file, error)) return file;
+    if (fs::is_regular_file(file / "machine.yaml", error)) return file / "machine.yaml";
+    throw InputError(place,
+                     fmt::format("there is no machine file '{}'", file.string()));
+  }
+  const fs::path here = fs::path("models") / name_or_path / "machine.yaml";
+  if (fs::is_regular_file(here, error)) return here;
+  const fs::path shared = ShareFolder() / here;
+  if (fs::is_regular_file(shared, error)) return shared;
+  throw InputError(
+      place,
+      fmt::format("there is no machine '{}'", name_or_path),
+      fmt::format("looked for {} and {}; `caltwin new machine {}` makes one",
+                  here.string(),
+                  shared.string(),
+                  name_or_path));
+}
+
+}  // namespace caltwin

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "sim/base/input_error.h"
+#include "sim/machine/axis.h"
+
+namespace caltwin {
+
+/// A number that a row may not know; `Known(x)` tells.
+inline constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+constexpr bool Known(double value) {
+  return value == value;
+}
+
+enum class RowKind { kPosition, kTouch, kRadial };
+
+/// One measurement, as one line of a data file (docs/data-format.md has every column).
+///
+/// `position`, `radial`: value = (actual - commanded) . n. `touch`: value = (reported -
+/// nominal) . n, reported being the commanded tip centre at the trigger moved by the
+/// configured tip radius along -n. In general touch = -(motion error) . n - pre-travel
+/// - b/2 + (R_true - R_cfg) + (artefact error) . n.
+struct Row {
+  std::int64_t row = 0;  ///< Running number in the order measured, from 1.
+  std::string campaign{};
+  RowKind kind = RowKind::kPosition;
+  std::string setup{}, home{}, settings{};
+  std::int64_t rep = 0;  ///< 0: unknown.
+  double t_s = kUnknown;
+  double temp_screw_c = kUnknown, temp_frame_c = kUnknown, temp_bed_c = kUnknown;
+  double temp_chamber_c = kUnknown, temp_ambient_c = kUnknown;
+  std::array<double, 3> cmd_mm{kUnknown, kUnknown, kUnknown};
+  std::array<double, 3> motor_mm{kUnknown, kUnknown, kUnknown};  ///< a b c or z1 z2 z3.
+  std::array<double, 3> dir{kUnknown, kUnknown, kUnknown};
+  std::array<double, 3> motor_dir{kUnknown, kUnknown, kUnknown};
+  std::array<double, 3> since_rev_mm{kUnknown, kUnknown, kUnknown};
+  double feed_mm_s = kUnknown;
+  double load_n = kUnknown;
+  std::array<double, 3> n{kUnknown, kUnknown, kUnknown};
+  std::string feature{};
+  double artefact_turn_deg = kUnknown;
+  double probe_angle_deg = kUnknown;
+  std::array<double, 3> probe_off_mm{kUnknown, kUnknown, kUnknown};
+  double value_mm = 0;
+  double sigma_mm = kUnknown;
+  std::string flag{};
+  std::vector<std::string> extra{};  ///< Of the unknown columns, in the table's order.
+  Place place{};                     ///< Where it was read from.
+};
+
+/// All rows of one file, in file order.
+struct RowTable {
+  std::vector<Row> rows{};
+  std::vector<std::string> extra_columns{};  ///< Kept and reported, never used.
+  std::vector<std::string> comments{};       ///< Without the '#'.
+};
+
+}  // namespace caltwin
