@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -25,6 +26,54 @@ struct FirmwareOptions {
 struct Reply {
   std::vector<std::string> lines{};  ///< Without the final `ok`.
   bool error = false;  ///< A line begins with "Error:" or the machine is in alarm.
+};
+
+/// A controller that understands RepRapFirmware's G-code (3.6.1, CNC mode) and drives a
+/// Plant. docs/firmware.md lists the commands and where the model is simpler than the
+/// real one.
+///
+/// Moves wait in a queue, so that consecutive ones can be blended, and are performed
+/// when the queue is full or a command needs the machine at rest (G4 G28 G38 G92 M92
+/// M114 M400 M409 ...). The getters tell of the moves performed so far; call
+/// FinishMoves first to learn of all of them.
+class Firmware {
+ public:
+  /// Switches the controller on: believes `settings`, then runs sys/nxt-user-vars.g
+  /// where `options.files` has it. `plant` is borrowed.
+  Firmware(const Machine& machine,
+           const Settings& settings,
+           const FirmwareOptions& options,
+           Plant* plant);
+  ~Firmware();
+  Firmware(Firmware&&) noexcept;
+
+  /// Obeys one line, without its newline. Never throws for what the line says.
+  Reply Execute(std::string_view line);
+  /// Performs what waits in the queue; an error where the machine alarmed on the way.
+  Reply FinishMoves();
+
+  /// An alarm or M112 stopped the machine; only M999 helps.
+  bool halted() const;
+  /// Duration of all moves and dwells performed so far.
+  double machine_time_s() const;
+  /// What is believed now: M92, M425, and the globals nxtProbeDeflection (one number,
+  /// or {x, y, z}) and nxtProbeTipRadius.
+  const Settings& settings() const;
+  /// Machine coordinates of the tip's centre as the controller believes them: whole
+  /// steps divided by steps per mm, backlash steps excluded.
+  Vec3<double> position_mm() const;
+  /// Where the motors stand, as in Segment: absolute, whole, backlash steps included.
+  Vec3<double> motor_steps() const;
+  /// Sense of each axis's last move: +1, -1; 0 where it has not moved since start-up.
+  Vec3<double> direction() const;
+
+  /// The controller's own storage, by path without drive or leading slash.
+  const std::map<std::string, std::string>& files() const;
+  void WriteFile(const std::string& path, const std::string& text);
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
 };
 
 }  // namespace caltwin
