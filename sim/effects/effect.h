@@ -17,6 +17,10 @@ namespace caltwin {
 /// only poison a calibration.
 enum class Bucket { kMotion, kMeasurement, kArtefact, kTime };
 
+/// Where in the error chain an effect acts, in the order errors build up: what a later
+/// stage sees is what the earlier ones have left.
+enum class Stage { kDrive, kFrame, kProbe, kArtefact, kReadout };
+
 /// One number an effect has. Its name ends in its unit and is its key in files; values
 /// are in that unit wherever effects are stored, converted only inside closed forms.
 struct Parameter {
@@ -43,6 +47,7 @@ struct Effect {
   std::string_view name;   ///< The cause's id in files and JSON.
   std::string_view about;  ///< One sentence.
   Bucket bucket;
+  Stage stage;
   std::span<const std::string_view> axes;  ///< Allowed after the dot; {""}: none.
   std::span<const Parameter> parameters;
   std::string_view formula;
@@ -83,9 +88,22 @@ struct Errors {
   /// Stylus deflection at the trigger for a tip pushed towards + and - of each axis, so
   /// [axis][0] counts where the machine moves in + (normal towards -).
   std::array<std::array<T, 2>, 3> pretravel_mm{};
-  T late_mm = T(0);        ///< Travel into the surface after the trigger, along -n.
+  T latency_s = T(0);      ///< From the switch to the reported step count.
+  T scatter_mm2 = T(0);    ///< Variance of the trigger along n.
   T tip_radius_mm = T(0);  ///< Built.
   T artefact_mm = T(0);    ///< Surface: actual minus nominal, along n.
+};
+
+/// What a closed form is given. `q_mm` is where the axes truly stand: the commanded
+/// position for the drive's own effects, with the drive's errors added for later
+/// stages.
+template <typename T>
+struct Asked {
+  std::span<const T> p;   ///< The effect's values, in file units, as declared.
+  std::string_view axis;  ///< As declared: "x", "x+", "C0Y", "" ...
+  const Machine& machine;
+  const At& at;
+  Vec3<T> q_mm;
 };
 
 /// One effect with values: on the axis named, in file units, in the order declared.

@@ -1,0 +1,132 @@
+#include "sim/effects/injected.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "sim/effects/catalog.h"
+#include "sim/effects/predict.h"
+
+namespace caltwin {
+namespace {
+
+std::vector<std::string> KnownCauses() {
+  std::vector<std::string> names;
+  for (const Effect* effect : AllEffects()) {
+    for (const std::string_view axis : effect->axes) {
+      names.push_back(axis.empty() ? std::string(effect->name)
+                                   : fmt::format("{}.{}", effect->name, axis));
+    }
+  }
+  return names;
+}
+
+bool ReadName(const std::string& key, const YamlValue& value, InjectedSpec* spec) {
+  const std::size_t dot = key.find('.');
+  const std::string cause = key.substr(0, dot);
+  spec->axis = dot == std::string::npos ? "" : key.substr(dot + 1);
+  const std::optional<int> effect = FindEffect(cause);
+  if (!effect) {
+    const std::string nearest = NearestWord(key, KnownCauses());
+    value.Fail("is no effect that this version can inject",
+               (nearest.empty() ? "" : fmt::format("did you mean '{}'? ", nearest)) +
+                   "`caltwin explain` lists them all");
+    return false;
+  }
+  spec->effect = *effect;
+  const auto axes = EffectAt(*effect).axes;
+  if (std::find(axes.begin(), axes.end(), spec->axis) != axes.end()) return true;
+  value.Fail(
+      spec->axis.empty() ? "needs an axis"
+                         : fmt::format("has no axis '{}'", spec->axis),
+      axes.size() == 1 && axes[0].empty()
+          ? fmt::format("write `{}:` alone, it has no axis", cause)
+          : fmt::format(
+                "write {}.{}; it may be: {}", cause, axes[0], fmt::join(axes, ", ")));
+  return false;
+}
+
+}  // namespace
+
+Injected NeutralEffect(int effect, std::string_view axis, const Machine& machine) {
+  const Effect& declaration = EffectAt(effect);
+  Injected injected{.effect = effect, .axis = std::string(axis)};
+  injected.values.resize(declaration.parameters.size());
+  declaration.neutral(machine, axis, injected.values);
+  return injected;
+}
+
+std::vector<InjectedSpec> ReadEffects(YamlMap map, const Machine& machine) {
+  std::vector<InjectedSpec> specs;
+  for (const auto& [key, value] : map.Entries()) {
+    InjectedSpec spec{.place = value.place()};
+    if (!ReadName(key, value, &spec)) continue;
+    const Effect& effect = EffectAt(spec.effect);
+    const Injected neutral = NeutralEffect(spec.effect, spec.axis, machine);
+    YamlMap parameters = value.Map();
+    for (std::size_t i = 0; i < effect.parameters.size(); ++i) {
+      const Parameter& parameter = effect.parameters[i];
+      const auto number = parameters.Optional(std::string(parameter.name));
+      spec.values.push_back(number ? number->NumberOrDistribution(
+                                         {parameter.min, parameter.max}, parameter.doc)
+                                   : Distribution(neutral.values[i]));
+    }
+    parameters.NoMoreKeys();
+    specs.push_back(std::move(spec));
+  }
+  return specs;
+}
+
+std::vector<Injected> DrawEffects(const std::vector<InjectedSpec>& specs,
+                                  std::uint64_t seed,
+                                  std::uint64_t sample) {
+  std::vector<Injected> effects;
+  for (const InjectedSpec& spec : specs) {
+    Injected injected{.effect = spec.effect, .axis = spec.axis};
+    const auto parameters = EffectAt(spec.effect).parameters;
+    for (std::size_t i = 0; i < spec.values.size(); ++i) {
+      Rng rng(
+          seed,
+          sample,
+          fmt::format(
+              "{}.{}.{}", EffectAt(spec.effect).name, spec.axis, parameters[i].name));
+      injected.values.push_back(
+          std::clamp(Draw(spec.values[i], &rng), parameters[i].min, parameters[i].max));
+    }
+    effects.push_back(std::move(injected));
+  }
+  return effects;
+}
+
+std::string ParameterName(int effect, std::string_view axis, std::size_t parameter) {
+  const Effect& declaration = EffectAt(effect);
+  std::string name(declaration.name);
+  if (!axis.empty()) name += fmt::format(".{}", axis);
+  if (declaration.parameters.size() > 1) {
+    name += fmt::format(".{}", declaration.parameters[parameter].name);
+  }
+  return name;
+}
+
+double BuiltValue(const Machine& machine,
+                  const std::vector<Injected>& effects,
+                  int effect,
+                  std::string_view axis,
+                  std::size_t parameter) {
+  double value = NeutralEffect(effect, axis, machine).values[parameter];
+  if (EffectAt(effect).name == ProbePretravel::kDeclaration.name) {
+    const int i = Index(*AxisNamed(axis.substr(0, 1)));
+    const auto& both = ErrorsAt<double>(machine, At{}, effects).pretravel_mm[i];
+    if (axis.ends_with('+')) return both[0];
+    if (axis.ends_with('-')) return both[1];
+    return (both[0] + both[1]) / 2;
+  }
+  for (const Injected& injected : effects) {
+    if (injected.effect == effect && injected.axis == axis)
+      value = injected.values[parameter];
+  }
+  return value;
+}
+
+}  // namespace caltwin

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <cmath>
+#include <span>
+
+#include "sim/effects/catalog.h"
+#include "sim/effects/effect.h"
+
+namespace caltwin {
+
+/// All errors of a machine built with `effects`, at one place.
+///
+/// Two passes: the drive's effects see the commanded position; the later stages see
+/// where the axes then truly stand (drive errors and lost motion added), so that a
+/// squareness on a wrong scale is exact.
+template <typename T>
+Errors<T> ErrorsAt(const Machine& machine,
+                   const At& at,
+                   std::span<const Valued<T>> effects) {
+  Errors<T> errors;
+  for (auto& both : errors.pretravel_mm) both.fill(T(machine.probe.pretravel_mm));
+  errors.tip_radius_mm = T(machine.probe.tip_radius_mm);
+  const auto add = [&](bool drive, const Vec3<T>& q_mm) {
+    for (const Valued<T>& effect : effects) {
+      if ((EffectAt(effect.effect).stage == Stage::kDrive) != drive) continue;
+      const Asked<T> asked{.p = effect.values,
+                           .axis = effect.axis,
+                           .machine = machine,
+                           .at = at,
+                           .q_mm = q_mm};
+      AddErrors(effect.effect, asked, &errors);
+    }
+  };
+  const Vec3<T> q_mm = at.q_mm.template cast<T>();
+  add(true, q_mm);
+  for (int i = 0; i < 3; ++i) {
+    errors.motion_mm[i] -=
+        at.dir[i] * (errors.lost_motion_mm[i] - at.compensation_mm[i]) / 2.0;
+  }
+  add(false, Vec3<T>(q_mm + errors.motion_mm));
+  return errors;
+}
+
+/// Deflection of the stylus at the trigger on a surface of outward normal n:
+/// 1 / sqrt(sum (n_i / p_i)^2), p_i of the sense in which the machine pushes (-n_i).
+template <typename T>
+T Pretravel_mm(const Errors<T>& errors, const Vec3<double>& n) {
+  using std::sqrt;
+  T sum(0);
+  for (int i = 0; i < 3; ++i) {
+    const T& p_mm = errors.pretravel_mm[static_cast<std::size_t>(i)][n[i] < 0 ? 0 : 1];
+    const T ratio = n[i] / p_mm;
+    sum += ratio * ratio;
+  }
+  return 1.0 / sqrt(sum);
+}
+
+/// The one measurement model: `value_mm` of a row taken at `at` on a machine built with
+/// `effects`. Fast fidelity, estimates, atlas and diagnosis all come from ErrorsAt.
+///
+///   position, radial:  motion . n
+///   touch:  -motion . n - pre-travel(n) - v tau + (R_true - R_cfg) + artefact
+///
+/// Motion contains the lost motion not compensated, -dir (b - compensation) / 2.
+template <typename T>
+T Predict_mm(const Machine& machine, const At& at, std::span<const Valued<T>> effects) {
+  const Errors<T> errors = ErrorsAt(machine, at, effects);
+  const T along_mm = errors.motion_mm.dot(at.n.template cast<T>());
+  if (at.kind != RowKind::kTouch) return along_mm;
+  return -along_mm - Pretravel_mm(errors, at.n) - at.feed_mm_s * errors.latency_s +
+         (errors.tip_radius_mm - at.tip_radius_cfg_mm) + errors.artefact_mm;
+}
+
+/// The effect with the values that change nothing on this machine.
+Injected NeutralEffect(int effect, std::string_view axis, const Machine& machine);
+
+}  // namespace caltwin
