@@ -1,0 +1,105 @@
+#include "sim/link/line_channel.h"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <utility>
+
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+namespace caltwin {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using std::chrono::milliseconds;
+
+constexpr milliseconds kWritePatience{10'000};
+
+/// Waits until the descriptor is ready or the time is up; false: the time is up.
+bool WaitFor(int descriptor, short events, Clock::time_point until) {
+  for (;;) {
+    const auto left = std::chrono::ceil<milliseconds>(until - Clock::now());
+    const auto wait = std::clamp<std::int64_t>(left.count(), 0, 3'600'000);
+    pollfd request{.fd = descriptor, .events = events, .revents = 0};
+    const int ready = poll(&request, 1, static_cast<int>(wait));
+    if (ready > 0) return true;
+    if (ready == 0) return false;
+    if (errno != EINTR) return true;  // The read or write that follows says why.
+  }
+}
+
+}  // namespace
+
+LineChannel::LineChannel(int descriptor, std::size_t most_bytes)
+    : descriptor_(descriptor), most_bytes_(most_bytes) {
+  fcntl(descriptor_, F_SETFL, fcntl(descriptor_, F_GETFL) | O_NONBLOCK);
+}
+
+LineChannel::~LineChannel() {
+  close(descriptor_);
+}
+
+bool LineChannel::TakeLine(std::string* line) {
+  for (;;) {
+    const std::size_t end = waiting_.find_first_of("\r\n");
+    if (end == std::string::npos) return false;
+    *line = waiting_.substr(0, end);
+    waiting_.erase(0, end + 1);
+    if (!line->empty()) return true;
+  }
+}
+
+bool LineChannel::Fill() {
+  std::array<char, 4096> buffer{};
+  const ssize_t count = read(descriptor_, buffer.data(), buffer.size());
+  if (count > 0) {
+    waiting_.append(buffer.data(), static_cast<std::size_t>(count));
+    return true;
+  }
+  return count < 0 && (errno == EAGAIN || errno == EINTR);
+}
+
+LineChannel::Result LineChannel::ReadLine(milliseconds patience) {
+  const Clock::time_point until = Clock::now() + patience;
+  std::string line;
+  while (!TakeLine(&line)) {
+    if (waiting_.size() > most_bytes_) return {.status = Status::kClosed};
+    if (!WaitFor(descriptor_, POLLIN, until)) return {.status = Status::kTimeout};
+    if (!Fill()) return {.status = Status::kClosed};
+  }
+  return {.status = Status::kLine, .line = std::move(line)};
+}
+
+bool LineChannel::WriteLine(std::string_view line) {
+  const Clock::time_point until = Clock::now() + kWritePatience;
+  const std::string text = std::string(line) + "\n";
+  std::size_t sent = 0;
+  while (sent < text.size()) {
+    ssize_t count =
+        send(descriptor_, text.data() + sent, text.size() - sent, MSG_NOSIGNAL);
+    if (count < 0 && errno == ENOTSOCK) {
+      count = write(descriptor_, text.data() + sent, text.size() - sent);
+    }
+    if (count > 0) {
+      sent += static_cast<std::size_t>(count);
+    } else if (count < 0 && errno != EAGAIN && errno != EINTR) {
+      return false;
+    } else if (!WaitFor(descriptor_, POLLOUT, until)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+void LineChannel::Discard() {
+  waiting_.clear();
+  const Clock::time_point now = Clock::now();
+  while (WaitFor(descriptor_, POLLIN, now) && Fill() && !waiting_.empty()) {
+    waiting_.clear();
+  }
+}
+
+}  // namespace caltwin

@@ -1,0 +1,45 @@
+#include "sim/link/reply.h"
+
+#include <algorithm>
+#include <cctype>
+
+namespace caltwin {
+namespace {
+
+std::string InSmallLetters(std::string_view text) {
+  std::string small(text);
+  std::ranges::transform(small, small.begin(), [](unsigned char c) {
+    return static_cast<char>(std::tolower(c));
+  });
+  return small;
+}
+
+bool IsFault(std::string_view line) {
+  const std::string small = InSmallLetters(line);
+  return small.starts_with("error:") || small.starts_with("emergency stop");
+}
+
+MachineFault::Kind KindOf(std::string_view reply) {
+  const std::string small = InSmallLetters(reply);
+  const auto says = [&](std::string_view words) {
+    return small.find(words) != std::string::npos;
+  };
+  if (says("emergency stop")) return MachineFault::Kind::kAlarm;
+  if (says("not triggered during") || says("not lose contact during")) {
+    return MachineFault::Kind::kNoTrigger;
+  }
+  return MachineFault::Kind::kRefused;
+}
+
+}  // namespace
+
+Expected<std::vector<std::string>> JudgeReply(std::vector<std::string> lines) {
+  const auto first = std::ranges::find_if(lines, IsFault);
+  if (first == lines.end()) return lines;
+  std::string reply = *first;
+  for (auto line = first + 1; line != lines.end(); ++line) reply += "\n" + *line;
+  const MachineFault::Kind kind = KindOf(reply);
+  return tl::make_unexpected(MachineFault{.kind = kind, .reply = std::move(reply)});
+}
+
+}  // namespace caltwin
