@@ -78,7 +78,8 @@ std::string NearestWord(const std::string& word,
   std::size_t least = std::max<std::size_t>(2, word.size() / 3) + 1;
   for (const std::string& candidate : known) {
     const std::size_t distance = EditDistance(word, candidate);
-    if (distance < least) {
+    const bool shares_a_letter = distance < std::max(word.size(), candidate.size());
+    if (distance < least && shares_a_letter) {
       least = distance;
       nearest = candidate;
     }

@@ -47,8 +47,8 @@ class Faults {
 /// What goes to stderr: at most 20 faults, then "and N more".
 std::string FaultsText(const InputError& error);
 
-/// The known word nearest to `word` (edit distance at most a third of its length), or
-/// empty: what "did you mean" offers.
+/// The known word nearest to `word` (edit distance at most 2 or a third of its length,
+/// and not every letter another), or empty: what "did you mean" offers.
 std::string NearestWord(const std::string& word, const std::vector<std::string>& known);
 
 }  // namespace caltwin

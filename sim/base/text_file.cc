@@ -1,7 +1,7 @@
 #include "sim/base/text_file.h"
 
 #include <fstream>
-#include <iterator>
+#include <string_view>
 #include <system_error>
 
 #include <fmt/format.h>
@@ -13,6 +13,37 @@ namespace caltwin {
 
 namespace fs = std::filesystem;
 
+namespace {
+
+bool IsFollower(unsigned char byte) {
+  return (byte & 0xC0) == 0x80;
+}
+
+// Bytes of the UTF-8 character that `text` (not empty) begins with; 0 if there is none
+// or it is the zero byte. Overlong forms, surrogates and what lies beyond U+10FFFF are
+// not characters (RFC 3629).
+std::size_t Utf8Length(std::string_view text) {
+  const auto at = [&](std::size_t i) -> unsigned char {
+    return i < text.size() ? static_cast<unsigned char>(text[i]) : 0;
+  };
+  const unsigned char first = at(0);
+  if (first == 0) return 0;
+  if (first < 0x80) return 1;
+  const unsigned char second = at(1);
+  if (!IsFollower(second)) return 0;
+  if (first >= 0xC2 && first < 0xE0) return 2;
+  if (!IsFollower(at(2))) return 0;
+  if (first == 0xE0) return second >= 0xA0 ? 3 : 0;
+  if (first == 0xED) return second < 0xA0 ? 3 : 0;
+  if (first > 0xE0 && first < 0xF0) return 3;
+  if (!IsFollower(at(3))) return 0;
+  if (first == 0xF0) return second >= 0x90 ? 4 : 0;
+  if (first == 0xF4) return second < 0x90 ? 4 : 0;
+  return first > 0xF0 && first < 0xF4 ? 4 : 0;
+}
+
+}  // namespace
+
 std::string ReadTextFile(const fs::path& file, std::size_t most_bytes) {
   const Place place{.file = file.string()};
   std::error_code error;
@@ -21,35 +52,64 @@ std::string ReadTextFile(const fs::path& file, std::size_t most_bytes) {
   if (fs::is_directory(status)) {
     throw InputError(place, "this is a folder, where a file is wanted");
   }
+  const auto too_large = [&] {
+    return InputError(
+        place,
+        fmt::format("larger than any file of this kind (at most {} bytes)",
+                    most_bytes));
+  };
+  if (fs::is_regular_file(status) && fs::file_size(file, error) > most_bytes) {
+    throw too_large();
+  }
   std::ifstream in(file, std::ios::binary);
   if (!in) throw InputError(place, "this file cannot be read");
   std::string text;
-  text.resize(most_bytes + 1);
-  in.read(text.data(), static_cast<std::streamsize>(text.size()));
-  text.resize(static_cast<std::size_t>(in.gcount()));
-  if (text.size() > most_bytes) {
-    throw InputError(place,
-                     fmt::format("larger than any file of this kind (at most {} bytes)",
-                                 most_bytes));
+  std::string chunk(1 << 16, '\0');
+  while (in && text.size() <= most_bytes) {
+    in.read(chunk.data(), static_cast<std::streamsize>(chunk.size()));
+    text.append(chunk, 0, static_cast<std::size_t>(in.gcount()));
   }
+  if (in.bad()) throw InputError(place, "this file cannot be read");
+  if (text.size() > most_bytes) throw too_large();
   return text;
+}
+
+void RequireText(const std::string& text, const std::string& name) {
+  int line = 1;
+  std::size_t line_start = 0;
+  for (std::size_t i = 0; i < text.size();) {
+    if (text[i] == '\n') {
+      ++line;
+      line_start = i + 1;
+    }
+    const std::size_t length = Utf8Length(std::string_view(text).substr(i));
+    if (length == 0) {
+      throw InputError(
+          {.file = name, .line = line, .column = static_cast<int>(i - line_start) + 1},
+          text[i] == '\0' ? "a zero byte: this is not a text file"
+                          : "this is not UTF-8 text",
+          text[i] == '\0' ? "" : "save the file as UTF-8");
+    }
+    i += length;
+  }
 }
 
 void WriteTextFile(const fs::path& file, const std::string& text) {
   const Place place{.file = file.string()};
   std::error_code error;
   if (file.has_parent_path()) fs::create_directories(file.parent_path(), error);
-  const fs::path beside = file.string() + fmt::format(".{}.part", ::getpid());
+  const fs::file_status status = fs::status(file, error);
+  const bool in_place = fs::exists(status) && !fs::is_regular_file(status);
+  const fs::path beside =
+      in_place ? file : fs::path(file.string() + fmt::format(".{}.part", ::getpid()));
   std::ofstream out(beside, std::ios::binary);
   out << text;
   out.close();
-  if (!out) {
-    fs::remove(beside, error);
-    throw InputError(place, "this file cannot be written");
-  }
-  fs::rename(beside, file, error);
-  if (error) {
-    fs::remove(beside, error);
+  const bool is_written = static_cast<bool>(out);
+  if (in_place && is_written) return;
+  if (is_written) fs::rename(beside, file, error);
+  if (!is_written || error) {
+    if (!in_place) fs::remove(beside, error);
     throw InputError(place, "this file cannot be written");
   }
 }

@@ -11,8 +11,13 @@ namespace caltwin {
 /// reading).
 std::string ReadTextFile(const std::filesystem::path& file, std::size_t most_bytes);
 
+/// Throws InputError at the first zero byte or byte that is not UTF-8: noise, a
+/// picture, an archive or a text in another encoding given where a text file is wanted.
+void RequireText(const std::string& text, const std::string& name);
+
 /// Writes beside the final name and renames, so that a reader never sees half a file;
-/// makes missing folders. Throws InputError where that cannot be done.
+/// makes missing folders. What is no plain file (/dev/null, a pipe) is written in
+/// place. Throws InputError where that cannot be done.
 void WriteTextFile(const std::filesystem::path& file, const std::string& text);
 
 }  // namespace caltwin

@@ -9,17 +9,17 @@
 #include <fmt/ranges.h>
 
 #include "sim/base/text_file.h"
+#include "sim/base/yaml_check.h"
 
 namespace caltwin {
 namespace {
 
 constexpr std::size_t kLargestFile_bytes = 1'000'000;
-constexpr int kDeepest = 32;
+constexpr int kMostOpenBrackets = 64;
+constexpr std::size_t kLongestLine_bytes = 10'000;
 
 Place PlaceOf(const std::string& file, const YAML::Node& node) {
-  const YAML::Mark mark = node.Mark();
-  if (mark.is_null()) return {.file = file};
-  return {.file = file, .line = mark.line + 1, .column = mark.column + 1};
+  return YamlPlace(file, node.Mark());
 }
 
 std::string Kind(const YAML::Node& node) {
@@ -32,7 +32,7 @@ std::string Kind(const YAML::Node& node) {
 std::optional<double> ParseNumber(const YAML::Node& node) {
   if (!node.IsScalar()) return std::nullopt;
   std::string_view text = node.Scalar();
-  if (text.starts_with('+')) text.remove_prefix(1);
+  if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);
   double value = 0;
   const auto [end, error] =
       std::from_chars(text.data(), text.data() + text.size(), value);
@@ -41,57 +41,32 @@ std::optional<double> ParseNumber(const YAML::Node& node) {
   return value;
 }
 
-// A key twice, a tag, or too deep: yaml-cpp would take them in silence.
-void CheckTree(const YAML::Node& node,
-               const std::string& file,
-               int depth,
-               Faults* faults) {
-  if (depth > kDeepest) {
-    throw InputError(PlaceOf(file, node),
-                     fmt::format("nested deeper than {} levels", kDeepest));
-  }
-  const std::string& tag = node.Tag();
-  if (!tag.empty() && tag != "?" && tag != "!" && node.IsDefined()) {
-    faults->Add(PlaceOf(file, node),
-                fmt::format("the tag '{}' is not allowed: plain YAML only", tag));
-  }
-  if (node.IsSequence()) {
-    for (const YAML::Node& item : node) CheckTree(item, file, depth + 1, faults);
-  }
-  if (!node.IsMap()) return;
-  std::set<std::string> seen;
-  for (const auto& entry : node) {
-    if (!entry.first.IsScalar()) {
-      faults->Add(PlaceOf(file, entry.first), "a key must be a plain word");
-    } else if (!seen.insert(entry.first.Scalar()).second) {
-      faults->Add(PlaceOf(file, entry.first),
-                  fmt::format("the key '{}' stands twice", entry.first.Scalar()));
-    }
-    CheckTree(entry.second, file, depth + 1, faults);
-  }
-}
-
-// Deep nesting would overflow yaml-cpp's recursive parser, and anchors can unfold to
-// any size, so both are refused before it sees the text.
-void CheckText(const std::string& text, const std::string& name) {
-  int line = 1;
+// Flow nesting and line length are bounded before yaml-cpp sees the text: both cost it
+// time beyond reason. Comments do not count.
+void CheckShape(const std::string& text, const std::string& name) {
   int flow_depth = 0;
+  int line = 1;
   std::size_t line_start = 0;
+  bool in_comment = false;
   for (std::size_t i = 0; i < text.size(); ++i) {
     const char c = text[i];
-    if (c == '[' || c == '{') ++flow_depth;
-    if (c == ']' || c == '}') flow_depth = std::max(0, flow_depth - 1);
     if (c == '\n') {
       ++line;
       line_start = i + 1;
+      in_comment = false;
+      continue;
     }
-    const int column = static_cast<int>(i - line_start) + 1;
-    const Place place{.file = name, .line = line, .column = column};
-    if (flow_depth > 2 * kDeepest || i - line_start > 10'000) {
-      throw InputError(place,
-                       "this is not readable as YAML: nested or long beyond reason");
+    if (c == '#' && (i == line_start || text[i - 1] == ' ')) in_comment = true;
+    if (in_comment) continue;
+    if (c == '[' || c == '{') ++flow_depth;
+    if (c == ']' || c == '}') flow_depth = std::max(0, flow_depth - 1);
+    if (flow_depth > kMostOpenBrackets || i - line_start > kLongestLine_bytes) {
+      throw InputError(
+          {.file = name, .line = line, .column = static_cast<int>(i - line_start) + 1},
+          flow_depth > kMostOpenBrackets
+              ? fmt::format("more than {} brackets open at once", kMostOpenBrackets)
+              : fmt::format("a line longer than {} characters", kLongestLine_bytes));
     }
-    if (c == '\0') throw InputError(place, "a zero byte: this is not a text file");
   }
 }
 
@@ -269,19 +244,24 @@ std::optional<YamlValue> YamlMap::Optional(const std::string& key) {
 
 std::optional<YamlValue> YamlMap::Required(const std::string& key) {
   auto value = Optional(key);
+  if (value) return value;
   // One misspelling causes an unknown key and a missing one: the unknown one tells.
-  if (!value) {
-    for (const auto& entry : node_) {
-      if (NearestWord(entry.first.Scalar(), {key}) == key &&
-          !asked_.contains(entry.first.Scalar())) {
-        return std::nullopt;
-      }
+  // Whether a similar key is unknown shows when all have been asked for.
+  for (const auto& entry : node_) {
+    const std::string& written = entry.first.Scalar();
+    if (!asked_.contains(written) && NearestWord(written, {key}) == key) {
+      perhaps_misspelt_.emplace_back(key, written);
+      return std::nullopt;
     }
-    faults_->Add(place(),
-                 path_.empty() ? fmt::format("the key '{}' is missing", key)
-                               : fmt::format("{} lacks the key '{}'", path_, key));
   }
-  return value;
+  AddMissing(key);
+  return std::nullopt;
+}
+
+void YamlMap::AddMissing(const std::string& key) const {
+  faults_->Add(place(),
+               path_.empty() ? fmt::format("the key '{}' is missing", key)
+                             : fmt::format("{} lacks the key '{}'", path_, key));
 }
 
 std::vector<std::pair<std::string, YamlValue>> YamlMap::Entries() {
@@ -339,6 +319,9 @@ std::string YamlMap::WordOr(const std::string& key,
 }
 
 void YamlMap::NoMoreKeys() {
+  for (const auto& [missing, similar] : perhaps_misspelt_) {
+    if (asked_.contains(similar)) AddMissing(missing);
+  }
   const std::vector<std::string> known(asked_.begin(), asked_.end());
   for (const auto& entry : node_) {
     if (!entry.first.IsScalar()) continue;
@@ -361,11 +344,13 @@ YamlMap ReadYamlText(const std::string& text, const std::string& name, Faults* f
                     text.size(),
                     kLargestFile_bytes));
   }
-  CheckText(text, name);
+  RequireText(text, name);
+  CheckShape(text, name);
   YAML::Node root;
   try {
+    CheckYamlEvents(text, name);
     root = YAML::Load(text);
-    CheckTree(root, name, 0, faults);
+    CheckYamlKeys(root, name, faults);
   } catch (const YAML::Exception& error) {
     throw InputError(
         {.file = name, .line = error.mark.line + 1, .column = error.mark.column + 1},

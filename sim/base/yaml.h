@@ -82,7 +82,8 @@ class YamlMap {
   YamlMap(YAML::Node node, std::string file, std::string path, Faults* faults);
 
   bool Has(const std::string& key);
-  /// The value; a fault and nullopt where it is missing.
+  /// The value; nullopt and a fault where it is missing. Where the file has a similar
+  /// key that nobody asks for, that one is the fault (see NoMoreKeys).
   std::optional<YamlValue> Required(const std::string& key);
   std::optional<YamlValue> Optional(const std::string& key);
   /// Every entry in file order, all of them counted as asked for.
@@ -116,17 +117,20 @@ class YamlMap {
 
  private:
   std::string PathOf(const std::string& key) const;
+  void AddMissing(const std::string& key) const;
   YAML::Node node_;
   std::string file_;
   std::string path_;
   Faults* faults_;
   std::set<std::string> asked_;
+  /// Missing keys, each with a key of the file that may be a misspelling of it.
+  std::vector<std::pair<std::string, std::string>> perhaps_misspelt_;
 };
 
 /// Reads a file of at most 1 MB into its root mapping. Throws InputError for what is no
 /// readable YAML mapping: missing file, a folder, empty, not UTF-8, too large, a syntax
-/// error (with its line), tags, anchors, a key twice, nesting beyond 32.
-/// Later faults go to `faults`, which must outlive the map.
+/// error (with its line), tags, anchors, a second document, nesting beyond 32. Later
+/// faults (a key twice among them) go to `faults`, which must outlive the map.
 YamlMap ReadYamlFile(const std::filesystem::path& file, Faults* faults);
 /// The same from text; `name` stands in messages.
 YamlMap ReadYamlText(const std::string& text, const std::string& name, Faults* faults);

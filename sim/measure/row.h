@@ -59,6 +59,7 @@ struct RowTable {
   std::vector<Row> rows{};
   std::vector<std::string> extra_columns{};  ///< Kept and reported, never used.
   std::vector<std::string> comments{};       ///< Without the '#'.
+  std::vector<std::string> remarks{};  ///< What a person should know, but no fault.
 };
 
 }  // namespace caltwin
