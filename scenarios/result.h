@@ -3,10 +3,14 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
+#include <nlohmann/json.hpp>
+
 #include "calibration/loop/outcome.h"
+#include "sim/machine/machine.h"
 #include "sim/measure/row.h"
 
 namespace caltwin {
@@ -54,6 +58,19 @@ struct RunResult {
   double cpu_s = 0;
   int touches = 0;
   RowTable rows{};  ///< Every reading taken.
+  Settings
+      settings_before{};  ///< What the firmware believed at power-up, and at the end.
+  Settings settings_after{};
+  bool lost = false;         ///< A process or link was lost on the way.
+  bool interrupted = false;  ///< By Ctrl-C; what was done until then is here.
 };
+
+/// The tree of `caltwin run --json`.
+nlohmann::ordered_json ToJson(const RunResult& result);
+
+/// How often an interval of 95 % (value +- 1.96 sd) held the truth, over all
+/// identifiable parameters of all runs that stated an uncertainty; nullopt where there
+/// is none.
+std::optional<double> Coverage95(std::span<const RunResult> results);
 
 }  // namespace caltwin

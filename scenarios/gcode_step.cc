@@ -1,0 +1,44 @@
+#include "scenarios/gcode_step.h"
+
+#include <chrono>
+
+#include <fmt/format.h>
+
+#include "scenarios/ending.h"
+
+namespace caltwin {
+namespace {
+
+constexpr std::chrono::minutes kPatience{10};
+
+ProcedureResult SendLines(const std::vector<std::string>& lines, Bench* bench) {
+  ProcedureResult result;
+  for (const std::string& line : lines) {
+    const auto reply = bench->link->Send(line, kPatience);
+    if (!reply) {
+      result.ending = EndingOf(reply.error().kind);
+      result.fault = reply.error().reply;
+      result.messages.push_back(fmt::format("{}: {}", line, reply.error().reply));
+      return result;
+    }
+    for (const std::string& answer : *reply) {
+      result.messages.push_back(fmt::format("{}: {}", line, answer));
+    }
+  }
+  return result;
+}
+
+}  // namespace
+
+PreparedProcedure ReadGcodeStep(YamlMap options) {
+  std::vector<std::string> lines;
+  if (const auto list = options.Required("lines")) {
+    for (const YamlValue& line : list->List()) lines.push_back(line.Text());
+  }
+  options.NoMoreKeys();
+  return [lines](Bench* bench) {
+    return SendLines(lines, bench);
+  };
+}
+
+}  // namespace caltwin

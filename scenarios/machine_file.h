@@ -1,0 +1,53 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sim/base/distribution.h"
+#include "sim/base/rng.h"
+#include "sim/base/yaml.h"
+#include "sim/effects/injected.h"
+#include "sim/machine/machine.h"
+
+namespace caltwin {
+
+/// A machine as a file gives it: the drawing and, where the file is an extension
+/// (`extends: machine.yaml`), what diagnosis found the machine to differ by.
+struct MachineFile {
+  Machine machine{};
+  std::vector<InjectedSpec> effects{};
+  std::vector<std::string> notes{};  ///< What was read but cannot be acted on.
+};
+
+/// Reads a machine file or an extension of one. Of an extension's effects `sd`,
+/// `probability` and `rivals` are read and dropped; `unknown` channels become a note;
+/// `extends_sha256` is kept by the file, not checked. Throws InputError.
+MachineFile ReadMachineFile(const std::filesystem::path& file);
+
+/// One setting that a scenario or truth file gives, perhaps still to be drawn.
+struct SettingSpec {
+  std::string key{};           ///< "steps_per_mm", ... or "tip_radius_mm".
+  std::optional<Axis> axis{};  ///< None: of the probe.
+  Distribution value = 0.0;
+};
+
+/// Reads `settings: {steps_per_mm: {x: }, backlash_mm: , probe_deflection_mm: ,
+/// tip_radius_mm: }`, numbers or distributions.
+std::vector<SettingSpec> ReadSettingSpecs(YamlMap map);
+
+/// `settings` with what the specs say, each drawn from its own stream.
+Settings DrawSettings(Settings settings,
+                      const std::vector<SettingSpec>& specs,
+                      std::uint64_t seed,
+                      std::uint64_t sample);
+
+/// A truth file: the `effects` and `settings` of a scenario, nothing else.
+struct TruthFile {
+  std::vector<InjectedSpec> effects{};
+  std::vector<SettingSpec> settings{};
+};
+TruthFile ReadTruthFile(const std::filesystem::path& file, const Machine& machine);
+
+}  // namespace caltwin

@@ -1,0 +1,97 @@
+#include "scenarios/result.h"
+
+#include <cmath>
+
+namespace caltwin {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+template <typename T>
+Json OrNull(const std::optional<T>& value) {
+  return value ? Json(*value) : Json(nullptr);
+}
+
+Json ParameterJson(const ParameterResult& p) {
+  return {{"name", p.name},
+          {"unit", p.unit},
+          {"injected", p.injected},
+          {"recovered", OrNull(p.recovered)},
+          {"sd", OrNull(p.sd)},
+          {"error", OrNull(p.error)},
+          {"tolerance", OrNull(p.tolerance)},
+          {"passed", OrNull(p.passed)},
+          {"identifiable", p.identifiable},
+          {"source", p.is_setting ? "setting" : "estimate"}};
+}
+
+Json CheckJson(const CheckResult& check) {
+  return {{"name", check.name},
+          {"expected", check.expected},
+          {"found", check.found},
+          {"passed", check.passed}};
+}
+
+Json StepJson(const Step& step) {
+  return {{"procedure", step.procedure},
+          {"variant", step.variant},
+          {"iteration", step.iteration},
+          {"name", step.name},
+          {"before", step.before},
+          {"after", step.after},
+          {"verdict", ToString(step.verdict)},
+          {"message", step.message}};
+}
+
+template <typename List, typename Convert>
+Json ListJson(const List& list, Convert convert) {
+  Json json = Json::array();
+  for (const auto& item : list) json.push_back(convert(item));
+  return json;
+}
+
+}  // namespace
+
+nlohmann::ordered_json ToJson(const RunResult& result) {
+  return {{"format", 1},
+          {"scenario", result.scenario},
+          {"about", result.about},
+          {"machine", result.machine},
+          {"passed", result.passed},
+          {"outcome", result.outcome},
+          {"fidelity", result.fidelity},
+          {"seed", result.seed},
+          {"parameters", ListJson(result.parameters, ParameterJson)},
+          {"checks", ListJson(result.checks, CheckJson)},
+          {"steps", ListJson(result.steps, StepJson)},
+          {"observability",
+           ListJson(result.observability,
+                    [](const Observability& o) {
+                      return Json{{"statement", o.statement},
+                                  {"blind_direction", o.blind_direction}};
+                    })},
+          {"messages", result.messages},
+          {"position_error_mm",
+           {{"p95_before", result.position_error_before_p95_mm},
+            {"p95_after", result.position_error_after_p95_mm}}},
+          {"machine_time_s", result.machine_time_s},
+          {"cpu_s", result.cpu_s},
+          {"touches", result.touches}};
+}
+
+std::optional<double> Coverage95(std::span<const RunResult> results) {
+  constexpr double kSigmasOf95Percent = 1.96;
+  int stated = 0;
+  int held = 0;
+  for (const RunResult& result : results) {
+    for (const ParameterResult& p : result.parameters) {
+      if (!p.identifiable || !p.error || !p.sd) continue;
+      ++stated;
+      if (std::abs(*p.error) <= kSigmasOf95Percent * *p.sd) ++held;
+    }
+  }
+  if (stated == 0) return std::nullopt;
+  return static_cast<double>(held) / stated;
+}
+
+}  // namespace caltwin

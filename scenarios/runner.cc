@@ -1,0 +1,257 @@
+#include "scenarios/runner.h"
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "calibration/loop/bench.h"
+#include "scenarios/ending.h"
+#include "scenarios/external.h"
+#include "scenarios/interrupt.h"
+#include "scenarios/parameter_name.h"
+#include "scenarios/verdict.h"
+#include "sim/base/mutant.h"
+#include "sim/base/rng.h"
+#include "sim/link/transcript.h"
+
+namespace caltwin {
+namespace {
+
+constexpr int kPoses = 1000;
+
+// Lets nothing through once Ctrl-C was pressed, so that a procedure ends at its next
+// line and the work done so far is kept.
+class InterruptibleLink : public Link {
+ public:
+  explicit InterruptibleLink(Link* inner) : inner_(inner) {}
+  Expected<std::vector<std::string>> Send(std::string_view line,
+                                          std::chrono::milliseconds patience) override {
+    if (InterruptRequested()) {
+      return tl::unexpected(
+          MachineFault{.kind = MachineFault::Kind::kLinkLost, .reply = "interrupted"});
+    }
+    return inner_->Send(line, patience);
+  }
+
+ private:
+  Link* inner_;
+};
+
+// After these the machine is not where the next procedure would expect it.
+bool StopsTheRun(Ending ending) {
+  switch (ending) {
+    case Ending::kNoTrigger:
+    case Ending::kCollision:
+    case Ending::kAlarm:
+    case Ending::kLinkLost:
+      return true;
+    case Ending::kDone:
+    case Ending::kReadsZero:
+    case Ending::kConfounded:
+    case Ending::kRefused:
+      break;
+  }
+  return false;
+}
+
+// What a program that reports no steps of its own has changed.
+std::vector<Step> ChangesBetween(const Settings& before, const Settings& after) {
+  std::vector<Step> steps;
+  for (const std::string& name : SettingNames()) {
+    const double was = *SettingNamed(before, name);
+    const double is = *SettingNamed(after, name);
+    if (was == is) continue;
+    steps.push_back({.procedure = "external",
+                     .name = name,
+                     .before = was,
+                     .after = is,
+                     .verdict = Verdict::kApplied,
+                     .message = "set by the external program"});
+  }
+  return steps;
+}
+
+ProcedureResult PerformExternal(const ExternalCommand& command,
+                                Twin* twin,
+                                Bench* bench,
+                                RunResult* result) {
+  const Settings before = twin->settings();
+  const ExternalRun run = RunExternal(command, bench);
+  ProcedureResult performed = run.result;
+  performed.steps = ChangesBetween(before, twin->settings());
+  for (const Estimate& estimate : performed.estimates) {
+    performed.steps.push_back({.procedure = "external",
+                               .name = estimate.name,
+                               .before = estimate.value,
+                               .after = estimate.value,
+                               .verdict = Verdict::kMeasured,
+                               .message = "handed in by the external program"});
+  }
+  result->lost = result->lost || run.lost();
+  result->checks.push_back({.name = "external",
+                            .expected = "exited with 0",
+                            .found = ToString(run.end),
+                            .passed = run.passed()});
+  return performed;
+}
+
+std::vector<ProcedureResult> PerformAll(const Scenario& scenario,
+                                        const RunOptions& options,
+                                        Twin* twin,
+                                        Bench* bench,
+                                        RunResult* result) {
+  std::vector<ProcedureResult> results;
+  for (std::size_t i = 0; i < scenario.calibrate.size(); ++i) {
+    const CalibrationStep& step = scenario.calibrate[i];
+    options.progress(
+        fmt::format("{}/{} {}", i + 1, scenario.calibrate.size(), step.name));
+    results.push_back(step.external
+                          ? PerformExternal(*step.external, twin, bench, result)
+                          : step.procedure(bench));
+    const ProcedureResult& last = results.back();
+    if (InterruptRequested()) {
+      result->interrupted = true;
+      break;
+    }
+    if (last.ending == Ending::kLinkLost) result->lost = true;
+    if (StopsTheRun(last.ending) || (step.external && !result->checks.back().passed)) {
+      if (i + 1 < scenario.calibrate.size()) {
+        result->messages.push_back(fmt::format("{} of {} steps were not reached",
+                                               scenario.calibrate.size() - i - 1,
+                                               scenario.calibrate.size()));
+      }
+      break;
+    }
+  }
+  return results;
+}
+
+void Collect(const std::vector<ProcedureResult>& results, RunResult* result) {
+  const auto append = [](const auto& from, auto* to) {
+    to->insert(to->end(), from.begin(), from.end());
+  };
+  for (const ProcedureResult& part : results) {
+    append(part.steps, &result->steps);
+    append(part.observability, &result->observability);
+    append(part.messages, &result->messages);
+    if (!part.fault.empty()) {
+      result->messages.push_back("the machine said: " + part.fault);
+    }
+  }
+}
+
+void Judge(const Scenario& scenario, Trial trial, RunResult* result) {
+  result->parameters = MakeTable(trial, scenario.expect);
+  result->outcome = JudgeOutcome(trial, result->parameters);
+  const auto checks =
+      MakeChecks(trial, scenario.expect, result->parameters, result->outcome);
+  result->checks.insert(result->checks.begin(), checks.begin(), checks.end());
+  const bool all_checks = std::ranges::all_of(result->checks, &CheckResult::passed);
+  const bool all_parameters = std::ranges::none_of(
+      result->parameters,
+      [](const ParameterResult& row) { return row.passed == false; });
+  result->passed = all_checks &&
+                   Mutant("failed_parameter_passes", all_parameters, true) &&
+                   !result->lost && !result->interrupted;
+}
+
+}  // namespace
+
+TwinConfig MakeTwinConfig(const Scenario& scenario, const RunOptions& options) {
+  const std::uint64_t seed = options.seed.value_or(scenario.seed);
+  return {
+      .machine = scenario.machine.machine,
+      .effects = DrawEffects(scenario.effects, seed, options.sample),
+      .settings = DrawSettings(
+          scenario.machine.machine.settings, scenario.settings, seed, options.sample),
+      .artefacts = scenario.artefacts,
+      .instruments = scenario.instruments,
+      .fidelity = options.fidelity.value_or(scenario.fidelity),
+      .firmware = scenario.firmware,
+      .seed = seed,
+      .sample = options.sample};
+}
+
+double PositionErrorP95_mm(const Twin& twin) {
+  // The poses belong to the machine's travel and not to the run's chance, so that any
+  // two runs are compared at the same places.
+  Rng rng(1, 0, "position_error_mm");
+  std::vector<Vec3<double>> errors_mm;
+  Vec3<double> sum_mm = Vec3<double>::Zero();
+  for (int pose = 0; pose < kPoses; ++pose) {
+    Vec3<double> q_mm;
+    for (const Axis axis : kAxes) {
+      const AxisDrawing& drawing = twin.config().machine.axis(axis);
+      q_mm[Index(axis)] = drawing.min_mm + drawing.travel_mm() * rng.Uniform();
+    }
+    for (const double sense : {1.0, Mutant("position_error_one_sense", -1.0, 1.0)}) {
+      errors_mm.push_back(twin.PositionError_mm(q_mm, Vec3<double>::Constant(sense)));
+      sum_mm += errors_mm.back();
+    }
+  }
+  const Vec3<double> mean_mm = sum_mm / static_cast<double>(errors_mm.size());
+  std::vector<double> sizes_mm;
+  for (const Vec3<double>& error_mm : errors_mm) {
+    sizes_mm.push_back((error_mm - mean_mm).norm());
+  }
+  const auto p95 = sizes_mm.begin() + 2 * kPoses * 95 / 100 - 1;
+  std::nth_element(sizes_mm.begin(), p95, sizes_mm.end());
+  return *p95;
+}
+
+RunResult RunScenario(const Scenario& scenario, const RunOptions& options) {
+  const std::clock_t start = std::clock();
+  Twin twin(MakeTwinConfig(scenario, options));
+  const TwinConfig& config = twin.config();
+  RunResult result{.scenario = scenario.file.string(),
+                   .about = scenario.about,
+                   .verbatim = scenario.verbatim,
+                   .machine = config.machine.name,
+                   .fidelity = ToString(config.fidelity),
+                   .seed = config.seed,
+                   .messages = scenario.machine.notes};
+  result.settings_before = twin.settings();
+  result.position_error_before_p95_mm = PositionErrorP95_mm(twin);
+  InterruptibleLink link(&twin.link());
+  std::unique_ptr<RecordingLink> recorder;
+  if (!options.transcript.empty()) {
+    recorder = std::make_unique<RecordingLink>(&link, options.transcript);
+  }
+  Bench bench;
+  bench.link = recorder ? static_cast<Link*>(recorder.get()) : &link;
+  bench.gauge = &twin.gauge();
+  bench.person = &twin.person();
+  bench.machine = config.machine;
+  bench.artefacts = config.artefacts;
+  bench.instruments = config.instruments;
+  bench.record = &result.rows;
+  bench.say = options.progress;
+
+  const auto results = PerformAll(scenario, options, &twin, &bench, &result);
+
+  if (recorder) recorder->Save();
+  Collect(results, &result);
+  result.settings_after = twin.settings();
+  result.position_error_after_p95_mm = PositionErrorP95_mm(twin);
+  result.machine_time_s = twin.machine_time_s();
+  result.touches = twin.touches();
+  Judge(scenario,
+        {.machine = &config.machine,
+         .effects = &config.effects,
+         .before = result.settings_before,
+         .after = result.settings_after,
+         .results = results,
+         .has_external = std::ranges::any_of(
+             scenario.calibrate,
+             [](const CalibrationStep& step) { return step.external.has_value(); }),
+         .position_error_before_mm = result.position_error_before_p95_mm,
+         .position_error_after_mm = result.position_error_after_p95_mm},
+        &result);
+  result.cpu_s = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+  return result;
+}
+
+}  // namespace caltwin

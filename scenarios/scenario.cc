@@ -1,0 +1,159 @@
+#include "scenarios/scenario.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "scenarios/gcode_step.h"
+#include "sim/base/text_file.h"
+
+namespace caltwin {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::size_t kLargestFile_bytes = 1'000'000;
+constexpr std::int64_t kLargestSeed = std::int64_t{1} << 53;  // JSON keeps it exactly.
+
+void ReadMachineKey(YamlMap* map, const fs::path& folder, Scenario* scenario) {
+  const auto machine = map->Required("machine");
+  if (!machine) return;
+  const std::string name = machine->Text();
+  if (name.empty()) return;
+  scenario->machine = ReadMachineFile(FindMachine(name, folder, machine->place()));
+  scenario->effects = scenario->machine.effects;
+}
+
+void RefuseTwice(const std::vector<InjectedSpec>& specs, Faults* faults) {
+  for (std::size_t i = 0; i < specs.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      if (specs[i].effect != specs[j].effect || specs[i].axis != specs[j].axis)
+        continue;
+      faults->Add(specs[i].place,
+                  "this effect is already in the machine file",
+                  "an effect is given once: leave it out here or there");
+    }
+  }
+}
+
+FirmwareOptions ReadFirmware(YamlMap map) {
+  FirmwareOptions options;
+  options.m400_ignores_backlash = map.FlagOr("m400_ignores_backlash", false);
+  if (const auto files = map.Optional("files")) {
+    for (const auto& [path, text] : files->Map().Entries()) {
+      options.files[path] = text.Text();
+    }
+  }
+  map.NoMoreKeys();
+  return options;
+}
+
+std::vector<std::string> StepNames() {
+  std::vector<std::string> names = {"external", "gcode"};
+  for (const Procedure& procedure : AllProcedures()) names.emplace_back(procedure.name);
+  return names;
+}
+
+CalibrationStep ReadStep(const std::string& name, const YamlValue& options) {
+  CalibrationStep step{.name = name};
+  if (name == "external") {
+    step.external = ReadExternal(options.Map());
+    return step;
+  }
+  if (name == "gcode") {
+    step.procedure = ReadGcodeStep(options.Map());
+    return step;
+  }
+  const Procedure* procedure = FindProcedure(name);
+  if (procedure == nullptr) {
+    const std::string nearest = NearestWord(name, StepNames());
+    options.Fail("is no procedure that this version knows",
+                 (nearest.empty() ? "" : fmt::format("did you mean '{}'? ", nearest)) +
+                     "`caltwin explain` lists them all");
+    return step;
+  }
+  if (options.is_map()) step.variant = options.Map().TextOr("variant", "");
+  // An empty value means a procedure with all its options left out.
+  step.procedure =
+      procedure->prepare(options.is_null() ? YamlMap(YAML::Node(YAML::NodeType::Map),
+                                                     options.file(),
+                                                     options.path(),
+                                                     options.faults())
+                                           : options.Map());
+  return step;
+}
+
+void ReadTwinKeys(YamlMap* map, Scenario* scenario) {
+  if (const auto effects = map->Optional("effects")) {
+    const auto more = ReadEffects(effects->Map(), scenario->machine.machine);
+    scenario->effects.insert(scenario->effects.end(), more.begin(), more.end());
+    RefuseTwice(scenario->effects, map->faults());
+  }
+  if (const auto settings = map->Optional("settings")) {
+    scenario->settings = ReadSettingSpecs(settings->Map());
+  }
+  if (const auto instruments = map->Optional("instruments")) {
+    scenario->instruments = ReadInstruments(instruments->Map());
+  }
+  if (const auto artefacts = map->Optional("artefacts")) {
+    scenario->artefacts = ReadArtefacts(artefacts->Map());
+  }
+  if (const auto firmware = map->Optional("firmware")) {
+    scenario->firmware = ReadFirmware(firmware->Map());
+  }
+}
+
+}  // namespace
+
+std::vector<CalibrationStep> ReadCalibrationSteps(const YamlValue& list) {
+  std::vector<CalibrationStep> steps;
+  for (const YamlValue& item : list.List()) {
+    if (item.is_scalar()) {  // `- next_all`, short for `- next_all: {}`.
+      steps.push_back(
+          ReadStep(item.Text(),
+                   YamlValue(YAML::Node(), item.file(), item.path(), item.faults())));
+      continue;
+    }
+    const auto entries = item.Map().Entries();
+    if (entries.size() != 1) {
+      item.Fail("is not a mapping of one procedure to its options",
+                "write one procedure a line: `- next_dual_dimension: {axis: x}`");
+      continue;
+    }
+    steps.push_back(ReadStep(entries[0].first, entries[0].second));
+  }
+  if (list.is_list() && steps.empty() && list.faults()->empty()) {
+    list.Fail("is empty", "name at least one procedure; `caltwin explain` lists them");
+  }
+  return steps;
+}
+
+Scenario ReadScenarioText(const std::string& text, const fs::path& name) {
+  Faults faults;
+  YamlMap map = ReadYamlText(text, name.string(), &faults);
+  Scenario scenario{.file = name, .verbatim = text};
+  scenario.about = map.TextOr("about", "");
+  ReadMachineKey(&map, name.parent_path(), &scenario);
+  scenario.seed = static_cast<std::uint64_t>(map.IntegerOr("seed", 1, 0, kLargestSeed));
+  scenario.fidelity = map.WordOr("fidelity", "physics", {"physics", "fast"}) == "fast"
+                          ? Fidelity::kFast
+                          : Fidelity::kPhysics;
+  ReadTwinKeys(&map, &scenario);
+  if (const auto calibrate = map.Required("calibrate")) {
+    scenario.calibrate = ReadCalibrationSteps(*calibrate);
+  }
+  if (const auto expect = map.Optional("expect")) {
+    scenario.expect = ReadExpectation(expect->Map());
+  }
+  map.NoMoreKeys();
+  faults.ThrowIfAny();
+  return scenario;
+}
+
+Scenario ReadScenario(const fs::path& file) {
+  return ReadScenarioText(ReadTextFile(file, kLargestFile_bytes), file);
+}
+
+}  // namespace caltwin
