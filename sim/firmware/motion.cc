@@ -1,0 +1,267 @@
+#include "sim/firmware/motion.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace caltwin {
+namespace {
+
+constexpr std::size_t kQueueLength = 40;  // As many as a Duet holds, about.
+constexpr double kHomingFast_mm_s = 20;
+constexpr double kHomingSlow_mm_s = 2;
+constexpr double kHomingBackOff_mm = 5;
+
+MotionLimits LimitsOf(const Machine& machine) {
+  MotionLimits limits;
+  for (const Axis axis : kAxes) {
+    limits.feed_mm_s[Index(axis)] = machine.axis(axis).max_feed_mm_s;
+    limits.acceleration_mm_s2[Index(axis)] = machine.axis(axis).acceleration_mm_s2;
+  }
+  return limits;
+}
+
+std::int64_t WholeSteps(double steps) {
+  return std::llround(steps);
+}
+
+}  // namespace
+
+Motion::Motion(const Machine& machine, const Settings* settings, Plant* plant)
+    : settings_(settings),
+      plant_(plant),
+      drawings_(machine.axes),
+      limits_(LimitsOf(machine)),
+      queue_(limits_) {}
+
+Motion::StepPlan Motion::PlanSteps(const Vec3<double>& target_mm) {
+  StepPlan plan;
+  for (const Axis axis : kAxes) {
+    const int i = Index(axis);
+    AxisState& state = axes_[i];
+    const double steps_per_mm = settings_->steps_per_mm[i];
+    plan.segment.from_steps[i] = static_cast<double>(state.motor());
+    plan.delta[i] = WholeSteps(target_mm[i] * steps_per_mm) - state.count;
+    plan.delta_mm[i] = static_cast<double>(plan.delta[i]) / steps_per_mm;
+    if (plan.delta[i] != 0) {
+      const auto gap = WholeSteps(settings_->backlash_mm[i] * steps_per_mm);
+      plan.backlash[i] = state.backlash.Take(plan.delta[i], gap, backlash_factor_);
+      plan.is_empty = false;
+    }
+    state.count += plan.delta[i];
+    state.commanded_mm = target_mm[i];
+    plan.segment.to_steps[i] = static_cast<double>(state.motor());
+  }
+  return plan;
+}
+
+void Motion::MoveTo(const Vec3<double>& target_mm, double feed_mm_s) {
+  if (alarm_) return;
+  const StepPlan plan = PlanSteps(target_mm);
+  if (plan.is_empty) return;
+  PlannedMove move = MakeMove(plan.delta_mm, feed_mm_s, limits_);
+  move.segment.from_steps = plan.segment.from_steps;
+  move.segment.to_steps = plan.segment.to_steps;
+  queue_.Add(std::move(move));
+  Vec3<double> counts;
+  for (const Axis axis : kAxes) {
+    counts[Index(axis)] = static_cast<double>(axes_[Index(axis)].count);
+  }
+  counts_queued_.push_back(counts);
+  if (queue_.size() > kQueueLength) PerformFirst();
+}
+
+void Motion::PerformFirst() {
+  const Segment segment = queue_.TakeFirst();
+  const Outcome outcome = plant_->Run(segment, Watch{});
+  time_s_ += outcome.time_s;
+  if (outcome.alarm) {
+    RaiseAlarm(*outcome.alarm, segment, outcome.time_s);
+    return;
+  }
+  motors_done_ = segment.to_steps;
+  counts_done_ = counts_queued_.front();
+  counts_queued_.pop_front();
+}
+
+void Motion::Finish() {
+  while (!alarm_ && !queue_.empty()) PerformFirst();
+}
+
+void Motion::Dwell(double s) {
+  Finish();
+  if (alarm_ || s <= 0) return;
+  plant_->Dwell(s);
+  time_s_ += s;
+}
+
+Outcome Motion::RunAlone(const Vec3<double>& target_mm,
+                         double feed_mm_s,
+                         const Watch& watch) {
+  const StepPlan plan = PlanSteps(target_mm);
+  if (plan.is_empty) return {};
+  MoveQueue alone(limits_);
+  PlannedMove move = MakeMove(plan.delta_mm, feed_mm_s, limits_);
+  move.segment.from_steps = plan.segment.from_steps;
+  move.segment.to_steps = plan.segment.to_steps;
+  alone.Add(std::move(move));
+  const Segment segment = alone.TakeFirst();
+  const Outcome outcome = plant_->Run(segment, watch);
+  time_s_ += outcome.time_s;
+  if (outcome.alarm) {
+    RaiseAlarm(*outcome.alarm, segment, outcome.time_s);
+  } else {
+    if (outcome.stopped) AccountForStop(plan, segment, outcome.time_s);
+    NoteDone();
+  }
+  return outcome;
+}
+
+void Motion::AccountForStop(const StepPlan& plan, const Segment& done, double time_s) {
+  const Vec3<double> exact = done.Steps(time_s);
+  const double share = done.profile.Distance_mm(time_s) / done.profile.length_mm;
+  Vec3<double> whole;
+  for (const Axis axis : kAxes) {
+    const int i = Index(axis);
+    AxisState& state = axes_[i];
+    const std::int64_t motor = WholeSteps(exact[i]);
+    const auto applied = WholeSteps(share * static_cast<double>(plan.backlash[i]));
+    state.backlash.Stopped(plan.backlash[i], applied);
+    state.count = motor - state.zero - state.backlash.applied_steps();
+    if (plan.delta[i] != 0) {
+      state.commanded_mm =
+          static_cast<double>(state.count) / settings_->steps_per_mm[i];
+    }
+    whole[i] = static_cast<double>(motor);
+  }
+  plant_->Settle(whole);
+}
+
+void Motion::RaiseAlarm(const std::string& words,
+                        const Segment& segment,
+                        double time_s) {
+  Vec3<double> whole;
+  for (const Axis axis : kAxes) {
+    whole[Index(axis)] = std::round(segment.Steps(time_s)[Index(axis)]);
+  }
+  plant_->Settle(whole);
+  motors_done_ = whole;
+  Abandon();
+  alarm_ = words;
+}
+
+void Motion::Abandon() {
+  queue_.Clear();
+  counts_queued_.clear();
+  for (const Axis axis : kAxes) {
+    const int i = Index(axis);
+    AxisState& state = axes_[i];
+    state.backlash.Clear();
+    state.count = WholeSteps(motors_done_[i]) - state.zero;
+    state.commanded_mm = static_cast<double>(state.count) / settings_->steps_per_mm[i];
+    state.is_homed = false;
+  }
+  NoteDone();
+}
+
+void Motion::NoteDone() {
+  for (const Axis axis : kAxes) {
+    const AxisState& state = axes_[Index(axis)];
+    counts_done_[Index(axis)] = static_cast<double>(state.count);
+    motors_done_[Index(axis)] = static_cast<double>(state.motor());
+  }
+}
+
+Motion::Probed Motion::Probe(const Vec3<double>& target_mm,
+                             double feed_mm_s,
+                             Watch::Kind kind) {
+  Finish();
+  if (alarm_) return {};
+  return {.stopped = RunAlone(target_mm, feed_mm_s, {.kind = kind}).stopped};
+}
+
+bool Motion::RunToSwitch(Axis axis, double travel_mm, double feed_mm_s) {
+  if (plant_->SwitchClosed(axis)) return true;
+  Vec3<double> target_mm = commanded_mm();
+  target_mm[Index(axis)] += travel_mm;
+  return RunAlone(target_mm, feed_mm_s, {Watch::Kind::kSwitchClosed, axis}).stopped;
+}
+
+bool Motion::Home(Axis axis) {
+  Finish();
+  if (alarm_) return false;
+  const AxisDrawing& drawing = drawings_[Index(axis)];
+  const double to_home = drawing.home == HomeEnd::kMin ? -1 : 1;
+  const double search_mm = 1.1 * drawing.travel_mm() + 2 * kHomingBackOff_mm;
+  axes_[Index(axis)].is_homed = false;
+  if (!RunToSwitch(axis, to_home * search_mm, kHomingFast_mm_s)) return false;
+  Vec3<double> away_mm = commanded_mm();
+  away_mm[Index(axis)] -= to_home * kHomingBackOff_mm;
+  if (RunAlone(away_mm, kHomingFast_mm_s, Watch{}).alarm) return false;
+  if (!RunToSwitch(axis, to_home * 2 * kHomingBackOff_mm, kHomingSlow_mm_s)) {
+    return false;
+  }
+  SetPosition(axis, drawing.home_mm());
+  return true;
+}
+
+void Motion::SetPosition(Axis axis, double mm) {
+  Finish();
+  AxisState& state = axes_[Index(axis)];
+  const std::int64_t motor = state.motor();
+  state.backlash.Clear();
+  state.commanded_mm = mm;
+  state.count = WholeSteps(mm * settings_->steps_per_mm[Index(axis)]);
+  state.zero = motor - state.count;
+  state.is_homed = true;
+  NoteDone();
+}
+
+void Motion::KeepPosition() {
+  Finish();
+  for (const Axis axis : kAxes) {
+    AxisState& state = axes_[Index(axis)];
+    const std::int64_t before = state.count;
+    state.count = WholeSteps(state.commanded_mm * settings_->steps_per_mm[Index(axis)]);
+    state.zero += before - state.count;
+  }
+  NoteDone();
+}
+
+void Motion::Recompute(bool ignores_backlash) {
+  Finish();
+  for (const Axis axis : kAxes) {
+    AxisState& state = axes_[Index(axis)];
+    if (ignores_backlash) {
+      state.count += state.backlash.applied_steps();
+      state.backlash.Forget();
+    }
+    state.commanded_mm =
+        static_cast<double>(state.count) / settings_->steps_per_mm[Index(axis)];
+  }
+  NoteDone();
+}
+
+void Motion::Restart() {
+  queue_.Clear();
+  counts_queued_.clear();
+  alarm_.reset();
+  for (const Axis axis : kAxes) {
+    axes_[Index(axis)] = AxisState{.zero = WholeSteps(motors_done_[Index(axis)])};
+  }
+  backlash_factor_ = 10;
+  NoteDone();
+}
+
+Vec3<double> Motion::commanded_mm() const {
+  return {axes_[0].commanded_mm, axes_[1].commanded_mm, axes_[2].commanded_mm};
+}
+
+Vec3<double> Motion::senses() const {
+  Vec3<double> senses;
+  for (const Axis axis : kAxes) {
+    senses[Index(axis)] = axes_[Index(axis)].backlash.sense();
+  }
+  return senses;
+}
+
+}  // namespace caltwin

@@ -1,0 +1,112 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <string>
+
+#include "sim/firmware/backlash.h"
+#include "sim/firmware/planner.h"
+#include "sim/firmware/plant.h"
+#include "sim/machine/machine.h"
+
+namespace caltwin {
+
+/// The part of the firmware that turns coordinates into motor steps and drives the
+/// plant: whole steps, backlash compensation, queue, homing, probe moves.
+///
+/// Three positions of an axis are told apart: *commanded* [mm], what G-code asked for;
+/// *count*, the whole steps nearest to it, from machine zero; and the *motor*, count
+/// plus the backlash steps applied plus where machine zero lies in the plant's steps.
+class Motion {
+ public:
+  /// `settings` and `plant` are borrowed; steps per mm and backlash are read from
+  /// `settings` whenever a move is made.
+  Motion(const Machine& machine, const Settings* settings, Plant* plant);
+
+  /// Queues a straight move to machine coordinates [mm]; performs older ones where the
+  /// queue is full. Limits and homing are the caller's to check.
+  void MoveTo(const Vec3<double>& target_mm, double feed_mm_s);
+  /// Performs what is queued; the machine then stands.
+  void Finish();
+  void Dwell(double s);
+
+  struct Probed {
+    bool stopped = false;  ///< By what was watched for.
+  };
+  /// A move that the probe ends; stands still before and after.
+  Probed Probe(const Vec3<double>& target_mm, double feed_mm_s, Watch::Kind kind);
+  /// Fast to the switch, 5 mm back, slowly again; there the position is the drawing's
+  /// end. False where the switch never closed.
+  bool Home(Axis axis);
+  /// Declares where the axis stands (G92, homing): counts follow, backlash is cleared.
+  void SetPosition(Axis axis, double mm);
+  /// After a change of steps per mm: the position stays, the counts follow.
+  void KeepPosition();
+  /// After M400 and G4: the commanded position is recomputed from the counts. With the
+  /// defect before 3.6.1 the backlash steps applied are taken for travel.
+  void Recompute(bool ignores_backlash);
+  /// As after power-up: not homed, position 0 wherever the machine stands.
+  void Restart();
+  /// Drops the queue where it stands (M112).
+  void Abandon();
+
+  bool is_homed(Axis axis) const { return axes_[Index(axis)].is_homed; }
+  void Unhome(Axis axis) { axes_[Index(axis)].is_homed = false; }
+  /// What stopped the machine for good, until Restart.
+  const std::optional<std::string>& alarm() const { return alarm_; }
+  double time_s() const { return time_s_; }
+  const MotionLimits& limits() const { return limits_; }
+  /// How much longer than a backlash correction a move must be to take all of it.
+  void set_backlash_factor(double factor) { backlash_factor_ = factor; }
+  double backlash_factor() const { return backlash_factor_; }
+
+  /// @name At the end of the queue
+  Vec3<double> commanded_mm() const;
+  /// @name Of what has been performed
+  const Vec3<double>& counts() const { return counts_done_; }
+  const Vec3<double>& motor_steps() const { return motors_done_; }
+  Vec3<double> senses() const;
+
+ private:
+  struct AxisState {
+    double commanded_mm = 0;
+    std::int64_t count = 0;
+    std::int64_t zero = 0;  ///< Motor steps at count 0 without backlash steps.
+    BacklashCompensation backlash{};
+    bool is_homed = false;
+    std::int64_t motor() const { return zero + count + backlash.applied_steps(); }
+  };
+  /// Steps of one move, by axis.
+  struct StepPlan {
+    std::array<std::int64_t, 3> delta{};
+    std::array<std::int64_t, 3> backlash{};
+    Segment segment{};
+    Vec3<double> delta_mm = Vec3<double>::Zero();
+    bool is_empty = true;
+  };
+  StepPlan PlanSteps(const Vec3<double>& target_mm);
+  void PerformFirst();
+  /// One move from rest to rest, or to the stop; the queue is empty.
+  Outcome RunAlone(const Vec3<double>& target_mm, double feed_mm_s, const Watch& watch);
+  void AccountForStop(const StepPlan& plan, const Segment& done, double time_s);
+  void RaiseAlarm(const std::string& words, const Segment& segment, double time_s);
+  bool RunToSwitch(Axis axis, double travel_mm, double feed_mm_s);
+  void NoteDone();
+
+  const Settings* settings_;
+  Plant* plant_;
+  std::array<AxisDrawing, 3> drawings_;
+  MotionLimits limits_{};
+  std::array<AxisState, 3> axes_{};
+  MoveQueue queue_;
+  std::deque<Vec3<double>> counts_queued_{};  ///< At the end of each queued move.
+  Vec3<double> counts_done_ = Vec3<double>::Zero();
+  Vec3<double> motors_done_ = Vec3<double>::Zero();
+  double time_s_ = 0;
+  double backlash_factor_ = 10;
+  std::optional<std::string> alarm_{};
+};
+
+}  // namespace caltwin
