@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "calibration/loop/ledger.h"
 #include "sim/link/link.h"
 #include "sim/machine/artefact.h"
 #include "sim/machine/machine.h"
@@ -23,6 +24,7 @@ struct Bench {
   std::vector<Artefact> artefacts{};
   Instruments instruments{};
   RowTable* record = nullptr;  ///< Every reading is added, where there is one.
+  Ledger ledger{};             ///< From one procedure to the next.
   std::function<void(const std::string&)> say = [](const std::string&) {
   };
 };

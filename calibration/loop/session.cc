@@ -1,0 +1,271 @@
+#include "calibration/loop/session.h"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "sim/base/mutant.h"
+#include "sim/base/require.h"
+#include "sim/base/units.h"
+
+namespace caltwin {
+namespace {
+
+std::size_t At(Axis axis) {
+  return static_cast<std::size_t>(Index(axis));
+}
+
+}  // namespace
+
+std::string NameOf(Setting setting, Axis axis) {
+  switch (setting) {
+    case Setting::kStepsPerMm:
+      return "steps_per_mm." + Name(axis);
+    case Setting::kBacklash:
+      return "backlash." + Name(axis);
+    case Setting::kDeflection:
+    case Setting::kSingleDeflection:
+      return "probe_pretravel." + Name(axis);
+  }
+  Require(false, "a setting that has a name");
+  return "";
+}
+
+std::string UnitOf(Setting setting) {
+  return setting == Setting::kStepsPerMm ? "1/mm" : "mm";
+}
+
+double ValueOf(const Settings& settings, Setting setting, Axis axis) {
+  switch (setting) {
+    case Setting::kStepsPerMm:
+      return settings.steps_per_mm[At(axis)];
+    case Setting::kBacklash:
+      return settings.backlash_mm[At(axis)];
+    case Setting::kDeflection:
+    case Setting::kSingleDeflection:
+      break;
+  }
+  return settings.probe_deflection_mm[At(axis)];
+}
+
+Ending EndingOfFault(const MachineFault& fault) {
+  switch (fault.kind) {
+    case MachineFault::Kind::kAlarm:
+      return IsCollision(fault) ? Ending::kCollision : Ending::kAlarm;
+    case MachineFault::Kind::kRefused:
+      return Ending::kRefused;
+    case MachineFault::Kind::kNoTrigger:
+      return Ending::kNoTrigger;
+    case MachineFault::Kind::kTimeout:
+    case MachineFault::Kind::kLinkLost:
+      break;
+  }
+  return Ending::kLinkLost;
+}
+
+Session::Session(Bench* bench,
+                 std::string procedure,
+                 std::string variant,
+                 LoopRules rules)
+    : bench_(bench),
+      procedure_(std::move(procedure)),
+      variant_(std::move(variant)),
+      rules_(rules),
+      controller_(bench->link, bench->machine),
+      probing_(bench, &controller_) {
+  controller_.set_direction(bench->ledger.direction);
+}
+
+double Session::Believed(Setting setting, Axis axis) const {
+  return ValueOf(controller_.settings(), setting, axis);
+}
+
+Expected<void> Session::Begin() {
+  if (const auto prepared = probing_.Prepare(); !prepared) return prepared;
+  backup_ = controller_.settings();
+  return {};
+}
+
+void Session::Tell(const std::string& message) {
+  result_.messages.push_back(message);
+  bench_->say(message);
+}
+
+void Session::Measured(const std::string& name,
+                       double value,
+                       const std::string& message) {
+  result_.steps.push_back({.procedure = procedure_,
+                           .variant = variant_,
+                           .name = name,
+                           .before = value,
+                           .after = value,
+                           .message = message});
+  bench_->say(message);
+}
+
+void Session::Measured(const Proposal& proposal) {
+  Measured(NameOf(proposal.setting, proposal.axis),
+           Believed(proposal.setting, proposal.axis),
+           proposal.why);
+  result_.steps.back().iteration = proposal.iteration;
+}
+
+Expected<void> Session::Write(Setting setting, Axis axis, double value) {
+  switch (setting) {
+    case Setting::kStepsPerMm: {
+      // The coordinates of an axis hang on its steps/mm, so it is homed again.
+      if (const auto raised = probing_.Raise(); !raised) return raised;
+      const auto written = controller_.WriteStepsPerMm(axis, value);
+      return written ? probing_.Home() : written;
+    }
+    case Setting::kBacklash:
+      return controller_.WriteBacklash(axis, value);
+    case Setting::kDeflection:
+      return controller_.WriteDeflection(axis, value);
+    case Setting::kSingleDeflection:
+      break;
+  }
+  return controller_.WriteSingleDeflection(value);
+}
+
+Expected<bool> Session::Apply(const Proposal& proposal) {
+  const double before = Believed(proposal.setting, proposal.axis);
+  const std::string name = NameOf(proposal.setting, proposal.axis);
+  Step step{.procedure = procedure_,
+            .variant = variant_,
+            .iteration = proposal.iteration,
+            .name = name,
+            .before = before,
+            .after = before,
+            .verdict = Verdict::kRefused,
+            .message = proposal.why};
+  const auto refuse = [&](const std::string& because) {
+    step.message += " " + because;
+    result_.steps.push_back(step);
+    Tell(name + ": " + because);
+    return false;
+  };
+  if (!rules_.apply) {
+    step.verdict = Verdict::kMeasured;
+    result_.steps.push_back(step);
+    return false;
+  }
+  const double change = proposal.after / before - 1;
+  const double limit = Mutant("no_limit", rules_.steps_limit, 1e9);
+  if (proposal.setting == Setting::kStepsPerMm && !(std::abs(change) <= limit)) {
+    refuse(
+        fmt::format("{:.4f} would change {:.4f} by {:.1f} %, beyond the limit of "
+                    "{:.1f} % an iteration: not applied.",
+                    proposal.after,
+                    before,
+                    PercentFromFraction(change),
+                    PercentFromFraction(limit)));
+    Tell(Trouble::kUnreasonable);
+    return false;
+  }
+  const auto answer =
+      bench_->person->Do({.kind = Act::Kind::kConfirm,
+                          .text = fmt::format("Set {} from {:.4f} to {:.4f}? {}",
+                                              name,
+                                              before,
+                                              proposal.after,
+                                              proposal.why),
+                          .axis = Letter(proposal.axis)});
+  if (!answer) {
+    if (answer.error().kind != MachineFault::Kind::kRefused) {
+      return tl::unexpected(answer.error());
+    }
+    return refuse("not confirmed: not applied.");
+  }
+  const auto written = Write(proposal.setting, proposal.axis, proposal.after);
+  if (!written) return tl::unexpected(written.error());
+  step.after = Believed(proposal.setting, proposal.axis);
+  step.verdict = Verdict::kApplied;
+  bench_->say(fmt::format("{}: {:.4f} -> {:.4f}", name, step.before, step.after));
+  result_.steps.push_back(step);
+  return true;
+}
+
+Expected<void> Session::RollBack(const Proposal& proposal, double before) {
+  const std::string name = NameOf(proposal.setting, proposal.axis);
+  Step step{.procedure = procedure_,
+            .variant = variant_,
+            .iteration = proposal.iteration,
+            .name = name,
+            .before = Believed(proposal.setting, proposal.axis),
+            .verdict = Verdict::kRolledBack,
+            .message = "The verification came out worse than before the change."};
+  const auto written = Write(proposal.setting, proposal.axis, before);
+  if (!written) return written;
+  step.after = Believed(proposal.setting, proposal.axis);
+  result_.steps.push_back(step);
+  Tell(fmt::format("{}: rolled back to {:.4f}.", name, step.after));
+  Tell(Trouble::kWorse);
+  return {};
+}
+
+Expected<bool> Session::KeepOrRollBack(const Proposal& proposal,
+                                       double before,
+                                       const Check& check) {
+  constexpr double kSigmas = 3;
+  const double grown = check.error_after - check.error_before;
+  const bool worse =
+      Mutant("keeps_worse", grown, -1.0) > 0 && check.error_after > kSigmas * check.sd;
+  if (!worse) return true;
+  if (!rules_.roll_back) {
+    Tell(
+        fmt::format("{}: the verification came out worse ({:.4f} mm, before {:.4f} mm)"
+                    "; the text does not take the change back.",
+                    NameOf(proposal.setting, proposal.axis),
+                    check.error_after,
+                    check.error_before));
+    return true;
+  }
+  const auto back = RollBack(proposal, before);
+  if (!back) return tl::unexpected(back.error());
+  return false;
+}
+
+void Session::Conclude(const std::string& name,
+                       const std::string& unit,
+                       const Uncertain& estimate,
+                       bool is_setting) {
+  result_.estimates.push_back({.name = name,
+                               .unit = unit,
+                               .value = estimate.value,
+                               .sd = estimate.sd,
+                               .identifiable = estimate.identifiable,
+                               .is_setting = is_setting});
+  if (estimate.identifiable) bench_->ledger.known[name] = estimate;
+}
+
+void Session::Explain(const ObservabilityReport& report) {
+  for (const Observability& blind : report.blind) {
+    result_.observability.push_back(blind);
+  }
+  for (const std::string& advice : report.advice) Tell(advice);
+}
+
+void Session::End(Ending ending) {
+  result_.ending = ending;
+}
+
+ProcedureResult Session::Finish(const Expected<void>& run) {
+  if (!run) {
+    result_.fault = run.error().reply;
+    result_.ending = EndingOfFault(run.error());
+    if (result_.ending == Ending::kNoTrigger) Tell(Trouble::kNoTrigger);
+    if (result_.ending == Ending::kCollision) {
+      Tell(
+          "The stylus ran into something: the way to the next point led through the "
+          "block. Restart the machine and home it before going on.");
+    }
+    // Whatever position and sense it had is lost.
+    if (result_.ending != Ending::kNoTrigger) bench_->ledger.homings = 0;
+  }
+  bench_->ledger.direction = controller_.direction();
+  result_.touches = probing_.touches();
+  return result_;
+}
+
+}  // namespace caltwin

@@ -1,0 +1,125 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "calibration/estimate/observability.h"
+#include "calibration/estimate/uncertain.h"
+#include "calibration/loop/bench.h"
+#include "calibration/loop/controller.h"
+#include "calibration/loop/outcome.h"
+#include "calibration/loop/probing.h"
+#include "calibration/loop/remedies.h"
+
+namespace caltwin {
+
+/// What a firmware can be told.
+enum class Setting { kStepsPerMm, kBacklash, kDeflection, kSingleDeflection };
+
+/// "steps_per_mm.x", "backlash.x", "probe_pretravel.x".
+std::string NameOf(Setting setting, Axis axis);
+std::string UnitOf(Setting setting);
+/// What `settings` hold of it.
+double ValueOf(const Settings& settings, Setting setting, Axis axis);
+
+/// One change of one setting, before it is made.
+struct Proposal {
+  Setting setting = Setting::kStepsPerMm;
+  Axis axis = Axis::kX;
+  double after = 0;
+  int iteration = 1;
+  std::string why{};  ///< One sentence: how the value came about.
+};
+
+/// Rules of the loop that a procedure's text or its options decide.
+struct LoopRules {
+  /// Largest relative change of steps/mm in one iteration (NeXT: 5 %).
+  double steps_limit = 0.05;
+  /// Whether a verification that comes out worse takes the change back.
+  bool roll_back = true;
+  bool apply = true;  ///< false: measure and propose only.
+};
+
+/// One procedure at work on a bench: measure, estimate, propose, confirm, apply,
+/// verify, keep or roll back. Everything it does becomes part of its result.
+class Session {
+ public:
+  Session(Bench* bench, std::string procedure, std::string variant, LoopRules rules);
+
+  Bench& bench() { return *bench_; }
+  Controller& controller() { return controller_; }
+  Probing& probing() { return probing_; }
+  ProcedureResult& result() { return result_; }
+  const LoopRules& rules() const { return rules_; }
+  const Settings& believed() const { return controller_.settings(); }
+  double Believed(Setting setting, Axis axis) const;
+
+  /// Homes where needed, reads settings and keeps them as the backup.
+  Expected<void> Begin();
+  /// For a person, kept with the result; shown at once.
+  void Tell(const std::string& message);
+  void Tell(Trouble trouble) { Tell(RemedyFor(trouble)); }
+
+  /// Limit, confirmation, write; a new steps/mm is followed by homing. Adds a step.
+  /// @return whether it was applied
+  Expected<bool> Apply(const Proposal& proposal);
+  /// Back to `before`, with the step and the remedy that belong to it.
+  Expected<void> RollBack(const Proposal& proposal, double before);
+  /// Keeps the change where the error after it is not larger than before it, else rolls
+  /// it back if the rules say so. Errors are magnitudes; `sd` is that of the later one.
+  struct Check {
+    double error_before = 0;
+    double error_after = 0;
+    double sd = 0;
+  };
+  Expected<bool> KeepOrRollBack(const Proposal& proposal,
+                                double before,
+                                const Check& check);
+
+  /// A step that changes nothing.
+  void Measured(const std::string& name, double value, const std::string& message);
+  void Measured(const Proposal& proposal);
+  /// The procedure's word on a quantity; remembered in the ledger.
+  void Conclude(const std::string& name,
+                const std::string& unit,
+                const Uncertain& estimate,
+                bool is_setting = false);
+  /// The verdict of a plan's Jacobian: blind combinations become observability.
+  void Explain(const ObservabilityReport& report);
+  void End(Ending ending);
+
+  /// The result, a fault among its endings.
+  ProcedureResult Finish(const Expected<void>& run);
+
+ private:
+  Expected<void> Write(Setting setting, Axis axis, double value);
+
+  Bench* bench_;
+  std::string procedure_;
+  std::string variant_;
+  LoopRules rules_;
+  Controller controller_;
+  Probing probing_;
+  Settings backup_{};
+  ProcedureResult result_{};
+};
+
+/// What a person may read of how a run ended on a fault.
+Ending EndingOfFault(const MachineFault& fault);
+
+/// Runs `body` with the firmware's backlash compensation of `axis` at 0 and sets it
+/// back afterwards, also where `body` failed.
+template <typename Body>
+auto WithoutCompensation(Session* session, Axis axis, Body body) -> decltype(body()) {
+  const double kept_mm = session->Believed(Setting::kBacklash, axis);
+  const auto off = session->controller().WriteBacklash(axis, 0);
+  if (!off) return tl::unexpected(off.error());
+  auto result = body();
+  const auto on = session->controller().WriteBacklash(axis, kept_mm);
+  if (!on && result) return tl::unexpected(on.error());
+  return result;
+}
+
+}  // namespace caltwin
