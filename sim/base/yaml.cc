@@ -75,14 +75,17 @@ void CheckShape(const std::string& text, const std::string& name) {
 YamlValue::YamlValue(YAML::Node node,
                      std::string file,
                      std::string path,
-                     Faults* faults)
+                     Faults* faults,
+                     std::optional<Place> key)
     : node_(std::move(node)),
       file_(std::move(file)),
       path_(std::move(path)),
-      faults_(faults) {}
+      faults_(faults),
+      key_(std::move(key)) {}
 
+// Of a value left empty yaml-cpp tells where the next thing stands: its key is nearer.
 Place YamlValue::place() const {
-  return PlaceOf(file_, node_);
+  return node_.IsNull() && key_ ? *key_ : PlaceOf(file_, node_);
 }
 
 void YamlValue::Fail(const std::string& text, const std::string& hint) const {
@@ -96,11 +99,16 @@ std::string YamlValue::AsWritten() const {
   return text.str();
 }
 
+std::string YamlValue::NotA(std::string_view wanted) const {
+  if (node_.IsScalar()) return fmt::format("= {} is not {}", Kind(node_), wanted);
+  return fmt::format("is {}, where {} is wanted", Kind(node_), wanted);
+}
+
 double YamlValue::Number(Bounds bounds, std::string_view hint) const {
   const double stand_in = std::clamp(0.0, bounds.min, bounds.max);
   const std::optional<double> value = ParseNumber(node_);
   if (!value) {
-    Fail(fmt::format("= {} is not a number", Kind(node_)), std::string(hint));
+    Fail(NotA("a number"), std::string(hint));
     return stand_in;
   }
   if (*value < bounds.min || *value > bounds.max) {
@@ -159,14 +167,15 @@ std::int64_t YamlValue::Integer(std::int64_t min, std::int64_t max) const {
       return stand_in;
     }
   }
-  Fail(fmt::format("= {} is not a whole number", Kind(node_)));
+  Fail(NotA("a whole number"));
   return stand_in;
 }
 
 bool YamlValue::Flag() const {
   if (node_.IsScalar() && node_.Scalar() == "true") return true;
   if (node_.IsScalar() && node_.Scalar() == "false") return false;
-  Fail(fmt::format("= {} is neither true nor false", Kind(node_)));
+  Fail(node_.IsScalar() ? fmt::format("= {} is neither true nor false", Kind(node_))
+                        : NotA("true or false"));
   return false;
 }
 
@@ -180,9 +189,10 @@ std::string YamlValue::Word(const std::vector<std::string>& allowed) const {
   const std::string text = node_.IsScalar() ? node_.Scalar() : "";
   if (std::find(allowed.begin(), allowed.end(), text) != allowed.end()) return text;
   const std::string nearest = NearestWord(text, allowed);
-  Fail(fmt::format("= {} is not known", Kind(node_)),
-       (nearest.empty() ? "" : fmt::format("did you mean '{}'? ", nearest)) +
-           fmt::format("It may be: {}", fmt::join(allowed, ", ")));
+  Fail(
+      node_.IsScalar() ? fmt::format("= {} is not known", Kind(node_)) : NotA("a word"),
+      (nearest.empty() ? "" : fmt::format("did you mean '{}'? ", nearest)) +
+          fmt::format("It may be: {}", fmt::join(allowed, ", ")));
   return allowed.front();
 }
 
@@ -232,6 +242,13 @@ Place YamlMap::place() const {
   return PlaceOf(file_, node_);
 }
 
+Place YamlMap::PlaceOfKey(const std::string& key) const {
+  for (const auto& entry : node_) {
+    if (entry.first.Scalar() == key) return PlaceOf(file_, entry.first);
+  }
+  return place();
+}
+
 bool YamlMap::Has(const std::string& key) {
   asked_.insert(key);
   return static_cast<bool>(node_[key]);
@@ -239,7 +256,7 @@ bool YamlMap::Has(const std::string& key) {
 
 std::optional<YamlValue> YamlMap::Optional(const std::string& key) {
   if (!Has(key)) return std::nullopt;
-  return YamlValue(node_[key], file_, PathOf(key), faults_);
+  return YamlValue(node_[key], file_, PathOf(key), faults_, PlaceOfKey(key));
 }
 
 std::optional<YamlValue> YamlMap::Required(const std::string& key) {
@@ -270,7 +287,9 @@ std::vector<std::pair<std::string, YamlValue>> YamlMap::Entries() {
     if (!entry.first.IsScalar()) continue;
     const std::string key = entry.first.Scalar();
     asked_.insert(key);
-    entries.emplace_back(key, YamlValue(entry.second, file_, PathOf(key), faults_));
+    const Place place = PlaceOf(file_, entry.first);
+    entries.emplace_back(key,
+                         YamlValue(entry.second, file_, PathOf(key), faults_, place));
   }
   return entries;
 }

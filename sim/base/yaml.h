@@ -36,7 +36,12 @@ class YamlMap;
 /// file. Call `Faults::ThrowIfAny` before using what was read.
 class YamlValue {
  public:
-  YamlValue(YAML::Node node, std::string file, std::string path, Faults* faults);
+  /// `key`: the place of the key, which stands for that of an empty value.
+  YamlValue(YAML::Node node,
+            std::string file,
+            std::string path,
+            Faults* faults,
+            std::optional<Place> key = std::nullopt);
 
   bool is_map() const { return node_.IsMap(); }
   bool is_list() const { return node_.IsSequence(); }
@@ -69,10 +74,12 @@ class YamlValue {
   std::string AsWritten() const;
 
  private:
+  std::string NotA(std::string_view wanted) const;
   YAML::Node node_;
   std::string file_;
   std::string path_;
   Faults* faults_;
+  std::optional<Place> key_;
 };
 
 /// One YAML mapping, read strictly: each key is asked for by name, and a key nobody
@@ -117,6 +124,7 @@ class YamlMap {
 
  private:
   std::string PathOf(const std::string& key) const;
+  Place PlaceOfKey(const std::string& key) const;
   void AddMissing(const std::string& key) const;
   YAML::Node node_;
   std::string file_;
