@@ -11,6 +11,7 @@
 #include "sim/machine/artefact.h"
 #include "sim/machine/machine.h"
 #include "sim/measure/instrument.h"
+#include "sim/twin/twin_plant.h"
 
 namespace caltwin {
 
@@ -31,13 +32,6 @@ struct TwinConfig {
   std::uint64_t sample = 0;
 };
 
-/// One trigger of the probe as it truly was, for tests and benchmarks: what no
-/// controller could say.
-struct TrueTrigger {
-  Vec3<double> motor_steps;  ///< At the trigger, latency included, before rounding.
-  bool release = false;
-};
-
 /// A simulated machine with its firmware, instruments and operator. Calibration sees
 /// the three interfaces only; the rest is the simulator's truth, for tests, scenarios
 /// and pictures.
@@ -52,7 +46,8 @@ class Twin {
   Operator& person();  ///< Does what is asked at once; confirms everything.
 
   const TwinConfig& config() const;
-  Settings settings() const;  ///< What the firmware believes now.
+  const Built& built() const;  ///< As it is now: the block as last turned.
+  Settings settings() const;   ///< What the firmware believes now.
   double machine_time_s() const;
   int touches() const;
   const std::vector<TrueTrigger>& triggers() const;

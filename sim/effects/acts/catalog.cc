@@ -1,0 +1,40 @@
+#include "sim/effects/catalog.h"
+
+#include <array>
+
+#include "sim/effects/acts/acts.h"
+#include "sim/effects/acts/edits.h"
+
+namespace caltwin {
+namespace {
+
+constexpr std::array kActs = {
+    ActOf{EffectIndex<StepsPerMm>(), ActKind::kDriveMap},
+    ActOf{EffectIndex<Backlash>(), ActKind::kEditModel, EditBacklash},
+    ActOf{EffectIndex<WindupLoad>(), ActKind::kEditModel, EditWindupLoad},
+    ActOf{EffectIndex<Squareness>(), ActKind::kEditModel, EditSquareness},
+    ActOf{EffectIndex<ProbePretravel>(), ActKind::kReadingMap},
+    ActOf{EffectIndex<TipSize>(), ActKind::kEditModel, EditTipSize},
+    ActOf{EffectIndex<TriggerLatency>(), ActKind::kReadingMap},
+    ActOf{EffectIndex<TriggerScatter>(), ActKind::kReadingMap},
+    ActOf{EffectIndex<BedTilt>(), ActKind::kEditModel, EditBedTilt}};
+static_assert(kActs.size() == kNumEffects);
+
+}  // namespace
+
+std::span<const ActOf> AllActs() {
+  return kActs;
+}
+
+void EditModel(const Machine& machine, std::span<const Injected> effects, Mjcf* model) {
+  // In the catalog's order, so that a gap is there before the spring beyond it.
+  for (const ActOf& act : kActs) {
+    for (const Injected& injected : effects) {
+      if (injected.effect == act.effect && act.edit != nullptr) {
+        act.edit(machine, injected, model);
+      }
+    }
+  }
+}
+
+}  // namespace caltwin

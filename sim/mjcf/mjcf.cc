@@ -1,0 +1,266 @@
+#include "sim/mjcf/mjcf.h"
+
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include <Eigen/Geometry>
+#include <fmt/format.h>
+
+#include "sim/base/input_error.h"
+#include "sim/base/require.h"
+
+namespace caltwin {
+namespace {
+
+constexpr double kMPerMm = 1e-3;
+constexpr double kLightBody_kg = 1e-3;  // Inertia is in the joints' armature.
+constexpr double kStylus_kg = 0.02;
+constexpr int kNumBoreFlats = 720;
+constexpr int kTouchable = 2;  // Contact bit of the tip and all it may touch.
+
+constexpr std::array kJoints = {
+    "x", "y", "z", "x_nut", "y_nut", "z_nut", "stylus_x", "stylus_y", "stylus_z"};
+
+mjsElement* Find(const mjSpec* spec, mjtObj type, const std::string& name) {
+  mjsElement* element = mjs_findElement(spec, type, name.c_str());
+  Require(element != nullptr, fmt::format("the model has no '{}'", name));
+  return element;
+}
+
+void SetQuat(const Eigen::Quaterniond& q, double quat[4]) {
+  quat[0] = q.w();
+  quat[1] = q.x();
+  quat[2] = q.y();
+  quat[3] = q.z();
+}
+
+void SetPosition(const Vec3<double>& mm, double pos[3]) {
+  for (int i = 0; i < 3; ++i) pos[i] = mm[i] * kMPerMm;
+}
+
+void MakeTouchable(mjsGeom* geom) {
+  geom->contype = geom->conaffinity = kTouchable;
+  geom->condim = 1;
+}
+
+mjsGeom* AddBox(mjsBody* body,
+                const Vec3<double>& at_mm,
+                double turn_rad,
+                const Vec3<double>& half_mm) {
+  mjsGeom* geom = mjs_addGeom(body, nullptr);
+  geom->type = mjGEOM_BOX;
+  SetPosition(at_mm, geom->pos);
+  SetQuat(Eigen::Quaterniond(Eigen::AngleAxisd(turn_rad, Vec3<double>::UnitZ())),
+          geom->quat);
+  for (int i = 0; i < 3; ++i) geom->size[i] = half_mm[i] * kMPerMm;
+  geom->mass = 0;
+  MakeTouchable(geom);
+  return geom;
+}
+
+}  // namespace
+
+Mjcf Mjcf::FromFile(const std::filesystem::path& file) {
+  std::array<char, 1000> error{};
+  mjSpec* spec = mj_parseXML(file.c_str(), nullptr, error.data(), error.size());
+  if (spec == nullptr) {
+    throw InputError({.file = file.string()},
+                     fmt::format("MuJoCo cannot read this model: {}", error.data()));
+  }
+  Mjcf model(spec);
+  model.CheckNames(file.string());
+  return model;
+}
+
+void Mjcf::CheckNames(const std::string& file) const {
+  Faults faults;
+  const auto check = [&](mjtObj type,
+                         const std::string& kind,
+                         const std::string& name) {
+    if (mjs_findElement(spec_.get(), type, name.c_str()) == nullptr) {
+      faults.Add({.file = file},
+                 fmt::format("the model has no {} named '{}'", kind, name),
+                 "models/gantry_router/model.xml shows the names that caltwin drives");
+    }
+  };
+  for (const char* name : kJoints) check(mjOBJ_JOINT, "joint", name);
+  for (const Axis axis : kAxes) {
+    check(mjOBJ_TENDON, "tendon", Name(axis) + "_play");
+    check(mjOBJ_EQUALITY, "equality", Name(axis) + "_rigid");
+    check(mjOBJ_BODY, "body", Name(axis) + "_carriage");
+  }
+  check(mjOBJ_BODY, "body", "table");
+  check(mjOBJ_BODY, "body", "stylus");
+  check(mjOBJ_GEOM, "geom", "tip");
+  faults.ThrowIfAny();
+}
+
+mjsJoint* Mjcf::Joint(const std::string& name) const {
+  return mjs_asJoint(Find(spec_.get(), mjOBJ_JOINT, name));
+}
+
+mjsTendon* Mjcf::Play(Axis axis) const {
+  return mjs_asTendon(Find(spec_.get(), mjOBJ_TENDON, Name(axis) + "_play"));
+}
+
+void Mjcf::SetTimestep_s(double timestep_s) {
+  mjSpec* spec = spec_.get();
+  spec->option.timestep = timestep_s;
+  const auto hard = [&](mjtNum* solref, mjtNum* solimp, double damping_ratio) {
+    solref[0] = 2 * timestep_s;
+    solref[1] = damping_ratio;
+    solimp[0] = solimp[1] = 0.9999;
+    solimp[2] = 0.001;
+  };
+  for (const Axis axis : kAxes) {
+    mjsJoint* joint = Joint(Name(axis));
+    hard(joint->solref_friction, joint->solimp_friction, 1);
+    mjsTendon* play = Play(axis);
+    hard(play->solref_limit, play->solimp_limit, 1);
+    mjsEquality* rigid =
+        mjs_asEquality(Find(spec, mjOBJ_EQUALITY, Name(axis) + "_rigid"));
+    hard(rigid->solref, rigid->solimp, 0.5);
+  }
+  for (mjsElement* element = mjs_firstElement(spec, mjOBJ_GEOM); element != nullptr;
+       element = mjs_nextElement(spec, element)) {
+    mjsGeom* geom = mjs_asGeom(element);
+    hard(geom->solref, geom->solimp, 1);
+  }
+}
+
+void Mjcf::SetMovingMass(Axis axis, double mass_kg) {
+  Joint(Name(axis))->armature = mass_kg;
+  for (const char* part : {"_carriage", "_nut"}) {
+    mjsBody* body = mjs_asBody(Find(spec_.get(), mjOBJ_BODY, Name(axis) + part));
+    body->explicitinertial = 1;
+    body->mass = kLightBody_kg;
+    body->gravcomp = 1;
+    for (double& inertia : body->inertia) inertia = kLightBody_kg * 1e-3;
+  }
+}
+
+void Mjcf::SetRailFriction(Axis axis, double friction_n) {
+  Joint(Name(axis))->frictionloss = friction_n;
+}
+
+void Mjcf::SetStylus(double tip_radius_mm,
+                     double stiffness_n_per_mm,
+                     double disc_radius_mm) {
+  const double stiffness_n_per_m = stiffness_n_per_mm / kMPerMm;
+  mjsBody* stylus = mjs_asBody(Find(spec_.get(), mjOBJ_BODY, "stylus"));
+  stylus->explicitinertial = 1;
+  stylus->mass = kStylus_kg;
+  stylus->gravcomp = 1;
+  for (const Axis axis : kAxes) {
+    mjsJoint* joint = Joint("stylus_" + Name(axis));
+    joint->stiffness[0] = stiffness_n_per_m;
+    joint->damping[0] = 2 * std::sqrt(kStylus_kg * stiffness_n_per_m);
+  }
+  mjsGeom* tip = mjs_asGeom(Find(spec_.get(), mjOBJ_GEOM, "tip"));
+  MakeTouchable(tip);
+  mjsGeom* disc = mjs_addGeom(stylus, nullptr);
+  mjs_setName(disc->element, "disc");
+  disc->type = mjGEOM_CYLINDER;
+  disc->size[0] = disc_radius_mm * kMPerMm;
+  disc->contype = disc->conaffinity = 0;  // Until the operator fits it.
+  disc->condim = 1;
+  disc->mass = 0;
+  disc->rgba[3] = 0;
+  SetTipRadius(tip_radius_mm);
+}
+
+void Mjcf::SetTipRadius(double radius_mm) {
+  mjs_asGeom(Find(spec_.get(), mjOBJ_GEOM, "tip"))->size[0] = radius_mm * kMPerMm;
+  mjs_asGeom(Find(spec_.get(), mjOBJ_GEOM, "disc"))->size[1] = radius_mm * kMPerMm;
+}
+
+// The nut no longer holds the carriage by itself.
+void Mjcf::FreeOfNut(Axis axis) {
+  mjs_asEquality(Find(spec_.get(), mjOBJ_EQUALITY, Name(axis) + "_rigid"))->active = 0;
+}
+
+void Mjcf::SetGap(Axis axis, double gap_mm) {
+  if (gap_mm <= 0) return;
+  FreeOfNut(axis);
+  mjsTendon* play = Play(axis);
+  play->limited = mjLIMITED_TRUE;
+  play->range[0] = -gap_mm / 2 * kMPerMm;
+  play->range[1] = gap_mm / 2 * kMPerMm;
+}
+
+void Mjcf::SetDriveStiffness(Axis axis, double stiffness_n_per_mm) {
+  FreeOfNut(axis);
+  mjsTendon* play = Play(axis);
+  const bool has_gap = play->limited == mjLIMITED_TRUE;
+  play->limited = mjLIMITED_FALSE;
+  play->stiffness[0] = stiffness_n_per_mm / kMPerMm;
+  play->springlength[0] = has_gap ? play->range[0] : 0;
+  play->springlength[1] = has_gap ? play->range[1] : 0;
+  // Critically damped against the moving mass, so that a stop does not ring.
+  play->damping[0] = 2 * std::sqrt(play->stiffness[0] * Joint(Name(axis))->armature);
+}
+
+void Mjcf::TurnAxis(Axis axis, const Vec3<double>& direction, double pivot_mm) {
+  for (const std::string& name : {Name(axis), Name(axis) + "_nut"}) {
+    mjsJoint* joint = Joint(name);
+    for (int i = 0; i < 3; ++i) joint->axis[i] = direction[i];
+  }
+  mjsBody* carriage =
+      mjs_asBody(Find(spec_.get(), mjOBJ_BODY, Name(axis) + "_carriage"));
+  const Vec3<double> moved_mm = (Unit(axis) - direction) * pivot_mm;
+  for (int i = 0; i < 3; ++i) carriage->pos[i] += moved_mm[i] * kMPerMm;
+}
+
+void Mjcf::TiltTable(double slope_x_rad,
+                     double slope_y_rad,
+                     const Vec3<double>& about_mm) {
+  const Vec3<double> normal = Vec3<double>(-slope_x_rad, -slope_y_rad, 1).normalized();
+  const auto turn = Eigen::Quaterniond::FromTwoVectors(Vec3<double>::UnitZ(), normal);
+  mjsBody* table = mjs_asBody(Find(spec_.get(), mjOBJ_BODY, "table"));
+  SetQuat(turn, table->quat);
+  SetPosition(about_mm - turn * about_mm, table->pos);
+}
+
+void Mjcf::AddSolid(const std::string& name, const Solid& solid) {
+  mjsBody* table = mjs_asBody(Find(spec_.get(), mjOBJ_BODY, "table"));
+  if (solid.bore_radius_mm <= 0) {
+    mjsGeom* box = AddBox(table, solid.center_mm, solid.turn_rad, solid.half_mm);
+    mjs_setName(box->element, name.c_str());
+    return;
+  }
+  const double wall_mm = solid.half_mm[0] - solid.bore_radius_mm;
+  const double flat_mm =
+      solid.bore_radius_mm * std::tan(std::numbers::pi / kNumBoreFlats) * 1.05;
+  for (int i = 0; i < kNumBoreFlats; ++i) {
+    const double angle_rad = solid.turn_rad + 2 * std::numbers::pi * i / kNumBoreFlats;
+    const double middle_mm = solid.bore_radius_mm + wall_mm / 2;
+    const Vec3<double> out(std::cos(angle_rad), std::sin(angle_rad), 0);
+    AddBox(table,
+           solid.center_mm + middle_mm * out,
+           angle_rad,
+           {wall_mm / 2, flat_mm, solid.half_mm[2]});
+  }
+}
+
+ModelPtr Mjcf::Compile() const {
+  ModelPtr model(mj_compile(spec_.get(), nullptr));
+  Require(model != nullptr, fmt::format("MuJoCo: {}", mjs_getError(spec_.get())));
+  return model;
+}
+
+std::string Mjcf::ToText() const {
+  Compile();
+  std::vector<char> text(1'000'000);
+  std::array<char, 1000> error{};
+  const int failed = mj_saveXMLString(spec_.get(),
+                                      text.data(),
+                                      static_cast<int>(text.size()),
+                                      error.data(),
+                                      error.size());
+  Require(failed == 0, error.data());
+  return text.data();
+}
+
+}  // namespace caltwin

@@ -1,0 +1,81 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include <mujoco/mujoco.h>
+
+#include "sim/machine/machine.h"
+#include "sim/machine/surface.h"
+
+namespace caltwin {
+
+struct DeleteModel {
+  void operator()(mjModel* model) const { mj_deleteModel(model); }
+};
+using ModelPtr = std::unique_ptr<mjModel, DeleteModel>;
+
+/// A machine's MuJoCo model as an editable specification. Millimetres, newtons and
+/// kilograms come in; metres exist only inside. Bodies, joints and tendons are those of
+/// models/gantry_router/model.xml: joints `x`, `x_nut`, `stylus_x`, tendon `x_play`,
+/// equality `x_rigid`, bodies `table`, `x_carriage`, `stylus`, geom `tip`.
+class Mjcf {
+ public:
+  /// Throws InputError with MuJoCo's own words where the file is not a model of this
+  /// shape (a name above missing).
+  static Mjcf FromFile(const std::filesystem::path& file);
+  /// The model of a machine that names none: bodies, joints and tendons without looks.
+  static Mjcf GenericCartesian();
+
+  Mjcf(Mjcf&&) noexcept = default;
+  Mjcf& operator=(Mjcf&&) noexcept = default;
+
+  /// Step [s]; every constraint's time constant becomes two steps (PHYSICS: 1000 times
+  /// stiffer than MuJoCo's default).
+  void SetTimestep_s(double timestep_s);
+  /// Inertia along an axis, whatever hangs on it in the model (by armature).
+  void SetMovingMass(Axis axis, double mass_kg);
+  void SetRailFriction(Axis axis, double friction_n);
+  /// The spring of the stylus, and beside its ball a disc of the same half height, not
+  /// touchable until the operator fits it. Call once.
+  void SetStylus(double tip_radius_mm,
+                 double stiffness_n_per_mm,
+                 double disc_radius_mm);
+  void SetTipRadius(double radius_mm);
+  /// A gap of this width between nut and carriage; 0 leaves them as they are.
+  void SetGap(Axis axis, double gap_mm);
+  /// A spring between nut and carriage, beyond the gap; call after SetGap.
+  void SetDriveStiffness(Axis axis, double stiffness_n_per_mm);
+  /// Lets an axis run along `direction` (unit) instead of its letter, turned about the
+  /// point where it stands at `pivot_mm`.
+  void TurnAxis(Axis axis, const Vec3<double>& direction, double pivot_mm);
+  /// Tilts the table and all on it about `about_mm`, to exactly these slopes.
+  void TiltTable(double slope_x_rad, double slope_y_rad, const Vec3<double>& about_mm);
+  /// Adds what can be touched to the table; a bore becomes 720 flats that touch its
+  /// circle (0.2 um inside it at the corners, for 50 mm).
+  void AddSolid(const std::string& name, const Solid& solid);
+
+  /// Throws logic_error with MuJoCo's words where it does not compile.
+  ModelPtr Compile() const;
+  std::string ToText() const;
+
+ private:
+  struct DeleteSpec {
+    void operator()(mjSpec* spec) const { mj_deleteSpec(spec); }
+  };
+  explicit Mjcf(mjSpec* spec) : spec_(spec) {}
+  mjsJoint* Joint(const std::string& name) const;
+  mjsTendon* Play(Axis axis) const;
+  void FreeOfNut(Axis axis);
+  void CheckNames(const std::string& file) const;
+
+  std::unique_ptr<mjSpec, DeleteSpec> spec_;
+};
+
+/// Brings a model in line with the machine file: masses, friction, stylus, table.
+void ApplyDrawing(const Machine& machine, Mjcf* model);
+/// The model a machine file names, or the generic one, with the drawing applied.
+Mjcf ModelOf(const Machine& machine);
+
+}  // namespace caltwin

@@ -1,0 +1,35 @@
+#pragma once
+
+#include "sim/twin/twin_plant.h"
+
+namespace caltwin {
+
+/// The machine in closed form: no time stepping. Triggers are found by tracing the
+/// tip's path towards the surfaces of sim/machine/surface.h to 1e-9 mm.
+///
+/// Quasi-static: a carriage stands where the play operator puts it, the stylus is bent
+/// by as much as the ball would otherwise be inside. Neglects coasting and ringing.
+class FastPlant final : public TwinPlant {
+ public:
+  FastPlant(Built built, std::uint64_t seed, std::uint64_t sample);
+
+  Outcome Run(const Segment& segment, const Watch& watch) override;
+  void Settle(const Vec3<double>& steps) override;
+  void Dwell(double) override {}
+  bool ProbeTriggered() override;
+  bool SwitchClosed(Axis axis) override;
+  void Change(const std::vector<Artefact>& artefacts, Stylus stylus) override;
+  Vec3<double> Tip_mm() override;
+
+ private:
+  /// How far the tip can still go before `watch` is met, at motor steps on the way.
+  double Ahead_mm(const Watch& watch,
+                  const Segment& segment,
+                  const Vec3<double>& steps) const;
+  void GoTo(const Vec3<double>& steps);
+
+  Vec3<double> lag_mm_;  ///< Carriage minus motor.
+  bool triggered_ = false;
+};
+
+}  // namespace caltwin

@@ -1,0 +1,83 @@
+#include "sim/twin/twin_plant.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace caltwin {
+namespace {
+
+constexpr double kSwitchHysteresis_mm = 0.05;
+
+}  // namespace
+
+TwinPlant::TwinPlant(Built built, std::uint64_t seed, std::uint64_t sample)
+    : built_(std::move(built)), scatter_rng_(seed, sample, "trigger_scatter") {
+  steps_ = PowerUpSteps(built_);
+}
+
+Vec3<double> PowerUpSteps(const Built& built) {
+  Vec3<double> motors_mm;
+  for (const Axis axis : kAxes) {
+    motors_mm[Index(axis)] = built.machine.axis(axis).mid_mm();
+  }
+  motors_mm[2] = built.machine.axis(Axis::kZ).max_mm - 10;
+  return built.StepsAt(motors_mm).array().round();
+}
+
+Vec3<double> TwinPlant::LagAt_mm(const Vec3<double>& from_lag_mm,
+                                 const Vec3<double>& from_steps,
+                                 const Vec3<double>& to_steps) const {
+  const Vec3<double> travel_mm =
+      (to_steps - from_steps).cwiseQuotient(built_.steps_per_mm);
+  Vec3<double> lag_mm;
+  for (int i = 0; i < 3; ++i) {
+    const double center_mm = built_.lag_center_mm[i];
+    lag_mm[i] =
+        center_mm +
+        LagAfter_mm(from_lag_mm[i] - center_mm, travel_mm[i], built_.lost_motion_mm[i]);
+  }
+  return lag_mm;
+}
+
+double TwinPlant::BeforeSwitch_mm(const Watch& watch, double carriage_mm) const {
+  const AxisDrawing& axis = built_.machine.axis(watch.axis);
+  const double off_mm = axis.home == HomeEnd::kMin ? carriage_mm - axis.min_mm
+                                                   : axis.max_mm - carriage_mm;
+  return watch.kind == Watch::Kind::kSwitchOpened ? kSwitchHysteresis_mm - off_mm
+                                                  : off_mm;
+}
+
+double TwinPlant::DrawScatter_mm() {
+  const double sd_mm = built_.scatter_mm();
+  return sd_mm > 0 ? sd_mm * scatter_rng_.Normal() : 0;
+}
+
+std::string TwinPlant::CollisionText() const {
+  return fmt::format("collision: the stylus was bent beyond its overtravel of {} mm",
+                     built_.machine.probe.overtravel_mm);
+}
+
+double TimeAt_s(const Profile& p, double distance_mm) {
+  const double a = p.acceleration_mm_s2;
+  const double top = p.feed_top_mm_s;
+  const double up_mm = (top * top - p.feed_in_mm_s * p.feed_in_mm_s) / (2 * a);
+  const double down_mm = (top * top - p.feed_out_mm_s * p.feed_out_mm_s) / (2 * a);
+  const double s_mm = std::clamp(distance_mm, 0.0, p.length_mm);
+  if (s_mm < up_mm) {
+    return (std::sqrt(p.feed_in_mm_s * p.feed_in_mm_s + 2 * a * s_mm) -
+            p.feed_in_mm_s) /
+           a;
+  }
+  const double up_s = (top - p.feed_in_mm_s) / a;
+  const double along_mm = p.length_mm - up_mm - down_mm;
+  if (s_mm <= up_mm + along_mm) return up_s + (s_mm - up_mm) / top;
+  const double left_mm = p.length_mm - s_mm;
+  const double feed =
+      std::sqrt(p.feed_out_mm_s * p.feed_out_mm_s + 2 * a * std::max(0.0, left_mm));
+  return up_s + std::max(0.0, along_mm) / top + (top - feed) / a;
+}
+
+}  // namespace caltwin

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "sim/base/rng.h"
+#include "sim/firmware/plant.h"
+#include "sim/twin/built.h"
+
+namespace caltwin {
+
+/// One trigger of the probe as it truly was: what no controller could say.
+struct TrueTrigger {
+  Vec3<double> motor_steps = Vec3<double>::Zero();  ///< Latency included, not rounded.
+  bool is_release = false;
+};
+
+/// What both fidelities have in common: the machine as built, the chance in each
+/// trigger, the limit switches' places, and a record of what truly happened.
+class TwinPlant : public Plant {
+ public:
+  TwinPlant(Built built, std::uint64_t seed, std::uint64_t sample);
+
+  const Built& built() const { return built_; }
+  const std::vector<TrueTrigger>& triggers() const { return triggers_; }
+  Vec3<double> steps() const { return steps_; }
+
+  /// The operator changed what lies on the table or which stylus is fitted.
+  virtual void Change(const std::vector<Artefact>& artefacts, Stylus stylus) = 0;
+  /// Where the ball's centre truly is, the stylus' deflection left out.
+  virtual Vec3<double> Tip_mm() = 0;
+
+ protected:
+  /// Play, carried across moves: carriage minus motor of each axis.
+  Vec3<double> LagAt_mm(const Vec3<double>& from_lag_mm,
+                        const Vec3<double>& from_steps,
+                        const Vec3<double>& to_steps) const;
+  /// How far the carriage of `axis` is from closing (or, opening, from releasing) its
+  /// switch; positive before. It closes at the home end and opens 0.05 mm off it.
+  double BeforeSwitch_mm(const Watch& watch, double carriage_mm) const;
+  double DrawScatter_mm();
+  std::string CollisionText() const;
+
+  Built built_;
+  Vec3<double> steps_ = Vec3<double>::Zero();  ///< Where the motors stand.
+  double scatter_mm_ = 0;                      ///< Of the trigger now waited for.
+  std::vector<TrueTrigger> triggers_{};
+
+ private:
+  Rng scatter_rng_;
+};
+
+/// The time at which a move has gone `distance_mm`, the inverse of
+/// Profile::Distance_mm.
+double TimeAt_s(const Profile& profile, double distance_mm);
+
+/// Motor steps at power-up: the tool in the middle, near the top.
+Vec3<double> PowerUpSteps(const Built& built);
+
+}  // namespace caltwin
