@@ -1,0 +1,12 @@
+#!/usr/bin/env bash
+# The main job, from an empty clone: a simulated CNC router with hidden errors is
+# calibrated over G-code until the engine has recovered what was injected.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+./tools/setup.sh
+./tools/build.sh build
+echo "run: build/caltwin run scenarios/first_light.yaml --report out/first_light"
+build/caltwin run scenarios/first_light.yaml --report out/first_light
+report=$(find out/first_light -name '*.html' | sort | head -n 1)
+echo "The report is ${report:-out/first_light}: open it in a browser."

@@ -1,0 +1,99 @@
+#!/usr/bin/env bash
+# Installs what building caltwin needs and this machine lacks: packages of Debian 12, and
+# MuJoCo in third_party/mujoco. Says nothing where there is nothing to do.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+packages=(
+  g++ cmake ninja-build
+  libeigen3-dev libceres-dev libyaml-cpp-dev libfmt-dev libcli11-dev
+  nlohmann-json3-dev libexpected-dev libgtest-dev libgmock-dev libbenchmark-dev
+  libosmesa6-dev libpng-dev
+  python3 python3-pip python3-numpy
+)
+
+as_root() {
+  if [[ $(id -u) -eq 0 ]]; then
+    "$@"
+  elif command -v sudo >/dev/null; then
+    sudo "$@"
+  else
+    echo "setup: not root and no sudo: run as root: $*" >&2
+    return 1
+  fi
+}
+
+# Of the packages named, those that are not installed, one a line.
+missing_packages() {
+  local package
+  for package in "$@"; do
+    dpkg-query -W -f '${Status}\n' "$package" 2>/dev/null | grep -q ' installed$' ||
+      echo "$package"
+  done
+}
+
+# Installs the packages named that are missing; the package lists are fetched only where
+# they are missing or too old.
+install_packages() {
+  local missing log
+  mapfile -t missing < <(missing_packages "$@")
+  [[ ${#missing[@]} -eq 0 ]] && return 0
+  echo "setup: installing ${missing[*]}"
+  log=$(mktemp)
+  local install=(env DEBIAN_FRONTEND=noninteractive apt-get install -y -q
+    --no-install-recommends "${missing[@]}")
+  if ! as_root "${install[@]}" >"$log" 2>&1; then
+    if ! { as_root apt-get update -q && as_root "${install[@]}"; } >"$log" 2>&1; then
+      cat "$log" >&2
+      echo "setup: apt-get could not install ${missing[*]}" >&2
+      return 1
+    fi
+  fi
+  rm -f "$log"
+}
+
+# The official wheel holds the library and its headers; no Python of it is run. Platform,
+# Python version and ABI are stated so that any Python fetches the same, hashed, file.
+install_mujoco() {
+  local version=4.0.1 target=third_party/mujoco platform hash
+  [[ -e $target/libmujoco.so.$version ]] && return 0
+  case $(uname -m) in
+    x86_64)
+      platform=manylinux_2_28_x86_64
+      hash=be28c0c7587347ef996b4de0487264e9da296282082b092bae211a9163e9aed6
+      ;;
+    aarch64)
+      platform=manylinux_2_28_aarch64
+      hash=52d934614a56f7d75dcfc2bd8bb72f058b465ecc19a0583a56df242f9505bdb6
+      ;;
+    *)
+      echo "setup: there is no MuJoCo wheel for $(uname -m): unpack your own and" \
+        "build with -DMUJOCO_ROOT=" >&2
+      return 1
+      ;;
+  esac
+  echo "setup: fetching MuJoCo $version"
+  local work
+  work=$(mktemp -d)
+  echo "mujoco-core==$version --hash=sha256:$hash" >"$work/requirements.txt"
+  if ! python3 -m pip download --quiet --disable-pip-version-check --no-deps \
+    --only-binary=:all: --require-hashes --platform "$platform" \
+    --python-version 3.11 --implementation cp --abi cp311 \
+    --dest "$work" -r "$work/requirements.txt"; then
+    rm -rf "$work"
+    echo "setup: MuJoCo could not be fetched" >&2
+    return 1
+  fi
+  python3 -m zipfile -e "$work"/mujoco_core-*.whl "$work/wheel"
+  # Headers, library and licence are all that is kept; renamed into place when whole.
+  mkdir -p "$work/mujoco" third_party
+  cp -r "$work/wheel/mujoco/include" "$work"/wheel/mujoco/libmujoco.so.* "$work/mujoco/"
+  find "$work/wheel" -type f -iname 'LICENSE*' -exec cp {} "$work/mujoco/" \;
+  rm -rf "$target" "$target.part"
+  mv "$work/mujoco" "$target.part"
+  mv "$target.part" "$target"
+  rm -rf "$work"
+}
+
+install_packages "${packages[@]}" "$@"
+install_mujoco
