@@ -1,0 +1,133 @@
+"""Checks every #include against the layers of CMakeLists.txt.
+
+A layer includes itself and the layers it names in USES, and what those use in turn
+where a header of theirs needs it: CMake passes that on, so it is what compiles, and the
+architecture allows it. The longest folder wins: sim/effects/acts is a layer of its own
+inside sim/effects. Beside that, MuJoCo's headers stand only where metres are allowed.
+
+    layers_test.py ROOT          checks a tree
+    layers_test.py --self-test   checks that a leak would be found
+"""
+
+import re
+import sys
+import tempfile
+from pathlib import Path
+
+SOURCE_FOLDERS = ("sim", "calibration", "scenarios", "renders", "tools", "tests")
+MUJOCO_FOLDERS = ("sim/mjcf", "sim/physics", "renders", "tests/bench")
+LAYER = re.compile(r"^caltwin_layer\((\w+)\s+DIR\s+(\S+)([^)]*)\)", re.MULTILINE)
+INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]')
+
+
+def read_layers(cmake_text):
+    """{folder: (name, used)} where `used` holds the layer itself and all below it."""
+    folders, uses = {}, {}
+    for name, folder, rest in LAYER.findall(cmake_text):
+        words = rest.split()
+        used = []
+        if "USES" in words:
+            for word in words[words.index("USES") + 1 :]:
+                if word == "NEEDS":
+                    break
+                used.append(word)
+        folders[folder] = name
+        uses[name] = used
+
+    def closure(name, seen):
+        for used in uses[name]:
+            if used not in seen:
+                seen.add(used)
+                closure(used, seen)
+        return seen
+
+    return {folder: (name, closure(name, {name})) for folder, name in folders.items()}
+
+
+def folder_of(path, layers):
+    """The layer folder that holds `path`; the longest wins. None if there is none."""
+    inside = [folder for folder in layers if path.startswith(folder + "/")]
+    return max(inside, key=len, default=None)
+
+
+def faults_of(path, text, layers):
+    folder = folder_of(path, layers)
+    for number, line in enumerate(text.splitlines(), start=1):
+        match = INCLUDE.match(line)
+        if not match:
+            continue
+        included = match.group(2)
+        if included.startswith("mujoco/"):
+            if not path.startswith(tuple(f + "/" for f in MUJOCO_FOLDERS)):
+                yield f"{path}:{number}: includes {included}, allowed only in " + ", ".join(
+                    MUJOCO_FOLDERS
+                )
+            continue
+        target = folder_of(included, layers)
+        if folder is None or target is None:
+            continue
+        name, used = layers[folder]
+        if layers[target][0] not in used:
+            yield (
+                f"{path}:{number}: includes {included}, but the layer '{name}' does not "
+                f"use the layer '{layers[target][0]}' (see CMakeLists.txt)"
+            )
+
+
+def check(root):
+    layers = read_layers((root / "CMakeLists.txt").read_text())
+    if len(layers) < 3:
+        return ["CMakeLists.txt: no table of layers was found"]
+    faults, files = [], 0
+    for folder in SOURCE_FOLDERS:
+        for file in sorted((root / folder).rglob("*")):
+            if file.suffix in (".h", ".cc"):
+                files += 1
+                path = file.relative_to(root).as_posix()
+                faults += faults_of(path, file.read_text(), layers)
+    if files == 0:
+        faults.append(f"{root}: no source was found")
+    return faults
+
+
+SELF_TEST = {
+    "sim/base/a.h": ("", 0),
+    "sim/base/b.cc": ('#include "sim/top/t.h"\n', 1),
+    "sim/top/c.cc": ('#include "sim/base/a.h"\n#include <mujoco/mujoco.h>\n', 1),
+    "sim/top/deep/d.cc": ('#include "sim/top/t.h"\n  #  include "sim/base/a.h"\n', 1),
+    "sim/other/e.cc": ('#include "sim/base/a.h"\n// #include "sim/top/t.h"\n', 0),
+    "sim/mjcf/f.cc": ("#include <mujoco/mujoco.h>\n#include <vector>\n", 0),
+}
+SELF_TEST_CMAKE = """
+caltwin_layer(base DIR sim/base NEEDS fmt)
+caltwin_layer(top DIR sim/top USES other NEEDS mujoco::mujoco)
+caltwin_layer(other DIR sim/other USES base)
+caltwin_layer(deep DIR sim/top/deep USES base)
+caltwin_layer(mjcf DIR sim/mjcf USES base)
+"""
+
+
+def self_test():
+    with tempfile.TemporaryDirectory() as folder:
+        root = Path(folder)
+        (root / "CMakeLists.txt").write_text(SELF_TEST_CMAKE)
+        for path, (text, _) in SELF_TEST.items():
+            (root / path).parent.mkdir(parents=True, exist_ok=True)
+            (root / path).write_text(text)
+        faults = check(root)
+    wrong = []
+    for path, (_, expected) in SELF_TEST.items():
+        found = [fault for fault in faults if fault.startswith(path + ":")]
+        if len(found) != expected:
+            wrong.append(f"self-test: {path}: expected {expected} faults, got {found}")
+    return wrong
+
+
+def main():
+    faults = self_test() if sys.argv[1] == "--self-test" else check(Path(sys.argv[1]))
+    print("\n".join(faults) if faults else "every #include keeps to its layer")
+    return 1 if faults else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
