@@ -12,7 +12,7 @@
 #include "sim/base/input_error.h"
 #include "sim/firmware/functions.h"
 
-namespace caltwin {
+namespace caltwin::rrf {
 namespace {
 
 constexpr int kDeepestNesting = 64;
@@ -355,4 +355,4 @@ std::optional<Value> Element(const Value& value, const Path& path, std::size_t f
   return *now;
 }
 
-}  // namespace caltwin
+}  // namespace caltwin::rrf

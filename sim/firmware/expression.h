@@ -9,7 +9,7 @@
 
 #include "sim/firmware/value.h"
 
-namespace caltwin {
+namespace caltwin::rrf {
 
 /// One step of a path such as move.axes[0].min: a name or an index.
 using PathStep = std::variant<std::string, std::int64_t>;
@@ -38,4 +38,4 @@ Path ParsePath(std::string_view text, const Lookup& lookup, std::string_view* re
 /// The part of `value` that the steps from `first` on lead to: [index] into arrays.
 std::optional<Value> Element(const Value& value, const Path& path, std::size_t first);
 
-}  // namespace caltwin
+}  // namespace caltwin::rrf

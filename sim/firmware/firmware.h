@@ -71,8 +71,9 @@ class Firmware {
   const std::map<std::string, std::string>& files() const;
   void WriteFile(const std::string& path, const std::string& text);
 
+  struct Parts;  ///< The inside; only sim/firmware knows it.
+
  private:
-  struct Parts;
   std::unique_ptr<Parts> parts_;
 };
 

@@ -10,7 +10,7 @@
 #include "sim/base/input_error.h"
 #include "sim/base/units.h"
 
-namespace caltwin {
+namespace caltwin::rrf {
 namespace {
 
 constexpr std::int64_t kLongestArray = 10'000;
@@ -171,4 +171,4 @@ Value CallFunction(const std::string& name, const std::vector<Value>& arguments)
   throw InputError({}, fmt::format("unknown function '{}'", name));
 }
 
-}  // namespace caltwin
+}  // namespace caltwin::rrf

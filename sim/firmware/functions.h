@@ -6,7 +6,7 @@
 
 #include "sim/firmware/value.h"
 
-namespace caltwin {
+namespace caltwin::rrf {
 
 /// `left` + - * / or % `right`; whole numbers stay whole but for /.
 Value Calculate(const Value& left, char mark, const Value& right);
@@ -19,4 +19,4 @@ Value ApplySign(char mark, const Value& operand);
 /// asin, acos, atan, atan2, degrees, radians, isnan, vector. Angles in radians.
 Value CallFunction(const std::string& name, const std::vector<Value>& arguments);
 
-}  // namespace caltwin
+}  // namespace caltwin::rrf

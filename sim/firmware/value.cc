@@ -7,7 +7,7 @@
 #include "sim/base/input_error.h"
 #include "sim/link/gcode.h"
 
-namespace caltwin {
+namespace caltwin::rrf {
 namespace {
 
 [[noreturn]] void Fail(const std::string& expected, const Value& value) {
@@ -58,4 +58,4 @@ std::string ToText(const Value& value) {
   return text;
 }
 
-}  // namespace caltwin
+}  // namespace caltwin::rrf

@@ -6,7 +6,7 @@
 #include <variant>
 #include <vector>
 
-namespace caltwin {
+namespace caltwin::rrf {
 
 /// A value of RepRapFirmware's meta commands: null, true or false, a whole number, a
 /// number, text or an array.
@@ -30,4 +30,4 @@ struct Value {
 /// As `echo` prints it: numbers with at most six decimals, arrays in braces.
 std::string ToText(const Value& value);
 
-}  // namespace caltwin
+}  // namespace caltwin::rrf

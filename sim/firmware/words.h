@@ -1,0 +1,31 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+
+#include "sim/firmware/expression.h"
+#include "sim/link/gcode.h"
+
+namespace caltwin::rrf {
+
+/// The words of one command, their expressions evaluated. A letter given twice counts
+/// once, with its last value, as in RepRapFirmware.
+class Words {
+ public:
+  Words(const GcodeCommand& command, const Lookup& lookup);
+
+  bool Has(char letter) const { return values_.contains(letter); }
+  /// Nullopt where the letter is absent; throws InputError, naming the command, where
+  /// it has no number.
+  std::optional<double> Number(char letter) const;
+  std::optional<int> Whole(char letter, int min, int max) const;
+  std::optional<std::string> Text(char letter) const;
+  const std::map<char, Value>& values() const { return values_; }
+
+ private:
+  std::string command_;
+  std::map<char, Value> values_{};
+};
+
+}  // namespace caltwin::rrf
