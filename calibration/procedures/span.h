@@ -1,0 +1,56 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "calibration/estimate/deflection.h"
+#include "calibration/loop/session.h"
+#include "sim/machine/artefact.h"
+
+namespace caltwin {
+
+/// A certified size, measured by touching what it lies between.
+struct SpanReading {
+  Given size_mm{};  ///< Certified.
+  SpanKind kind = SpanKind::kExternal;
+  /// After tip compensation by the configured radius, in commanded mm. Of a height over
+  /// a datum that is not touched: up to a constant.
+  Given span_mm{};
+  bool is_height = false;  ///< One face and the machine's zero: no tip, no reversal.
+  std::vector<Touched> faces{};
+  double scatter_mm = 0;  ///< Pooled sample standard deviation of the repeats.
+
+  double error_mm() const { return span_mm.value - size_mm.value; }
+};
+
+/// Has the operator turn a 1-2-3 block so that `length_mm` lies along `axis`; nothing
+/// where it does already. A block that is moved counts as put down anew.
+Expected<void> LayBlock(Session* session, Artefact* block, Axis axis, double length_mm);
+
+/// Touches both faces across `axis`, or for z the top. Throws InputError at `place`
+/// where the artefact lies askew or has no such faces.
+struct SpanPlan {
+  Axis axis = Axis::kX;
+  int repeats = 5;
+  std::string campaign{};
+  Place place{};
+};
+Expected<SpanReading> MeasureSpan(Session* session,
+                                  const Artefact& artefact,
+                                  const SpanPlan& plan);
+
+/// The faces that MeasureSpan would touch.
+std::vector<Face> FacesForSpan(const Artefact& artefact, const SpanPlan& plan);
+
+/// Mean of one face's touches with its uncertainty: the probe's stated sigma or the
+/// scatter seen, whichever is larger, and rounding to motor steps.
+Uncertain MeanOf(Session* session, Axis axis, const std::vector<double>& readings);
+
+/// Ledger's gap less the compensation in force: what is left. kNotGiven where nobody
+/// has measured it.
+Given BacklashLeft(Session* session, Axis axis);
+
+/// Warns by message where repeats scatter by more than 5 um.
+void WarnOfScatter(Session* session, const std::string& what, double scatter_mm);
+
+}  // namespace caltwin
