@@ -16,7 +16,10 @@ namespace {
 
 constexpr double kMPerMm = 1e-3;
 constexpr double kLightBody_kg = 1e-3;  // Inertia is in the joints' armature.
-constexpr double kStylus_kg = 0.02;
+// Light enough to follow a retract, heavy enough not to chatter on the surface in one
+// step (0.02 kg: a release is wrong by 0.35 um; 0.1 kg: by 1.2 um at a reversal).
+constexpr double kStylus_kg = 0.05;
+constexpr double kDampingRatio = 0.05;
 constexpr int kNumBoreFlats = 720;
 constexpr int kTouchable = 2;  // Contact bit of the tip and all it may touch.
 
@@ -158,22 +161,31 @@ void Mjcf::SetStylus(double tip_radius_mm,
     joint->stiffness[0] = stiffness_n_per_m;
     joint->damping[0] = 2 * std::sqrt(kStylus_kg * stiffness_n_per_m);
   }
-  mjsGeom* tip = mjs_asGeom(Find(spec_.get(), mjOBJ_GEOM, "tip"));
-  MakeTouchable(tip);
+  for (mjsElement* element = mjs_firstElement(spec_.get(), mjOBJ_GEOM);
+       element != nullptr;
+       element = mjs_nextElement(spec_.get(), element)) {
+    mjs_asGeom(element)->contype = mjs_asGeom(element)->conaffinity = 0;
+  }
   mjsGeom* disc = mjs_addGeom(stylus, nullptr);
   mjs_setName(disc->element, "disc");
   disc->type = mjGEOM_CYLINDER;
   disc->size[0] = disc_radius_mm * kMPerMm;
-  disc->contype = disc->conaffinity = 0;  // Until the operator fits it.
-  disc->condim = 1;
   disc->mass = 0;
   disc->rgba[3] = 0;
   SetTipRadius(tip_radius_mm);
+  FitDisc(false);
 }
 
 void Mjcf::SetTipRadius(double radius_mm) {
   mjs_asGeom(Find(spec_.get(), mjOBJ_GEOM, "tip"))->size[0] = radius_mm * kMPerMm;
   mjs_asGeom(Find(spec_.get(), mjOBJ_GEOM, "disc"))->size[1] = radius_mm * kMPerMm;
+}
+
+void Mjcf::FitDisc(bool is_disc) {
+  mjsGeom* tip = mjs_asGeom(Find(spec_.get(), mjOBJ_GEOM, "tip"));
+  mjsGeom* disc = mjs_asGeom(Find(spec_.get(), mjOBJ_GEOM, "disc"));
+  tip->contype = tip->conaffinity = disc->contype = disc->conaffinity = 0;
+  MakeTouchable(is_disc ? disc : tip);
 }
 
 // The nut no longer holds the carriage by itself.
@@ -198,19 +210,25 @@ void Mjcf::SetDriveStiffness(Axis axis, double stiffness_n_per_mm) {
   play->stiffness[0] = stiffness_n_per_mm / kMPerMm;
   play->springlength[0] = has_gap ? play->range[0] : 0;
   play->springlength[1] = has_gap ? play->range[1] : 0;
-  // Critically damped against the moving mass, so that a stop does not ring.
-  play->damping[0] = 2 * std::sqrt(play->stiffness[0] * Joint(Name(axis))->armature);
+  // Structural damping; none with a gap, where it would drag the carriage across.
+  const double critical =
+      2 * std::sqrt(play->stiffness[0] * Joint(Name(axis))->armature);
+  play->damping[0] = has_gap ? 0 : kDampingRatio * critical;
 }
 
-void Mjcf::TurnAxis(Axis axis, const Vec3<double>& direction, double pivot_mm) {
+void Mjcf::TurnAxis(Axis axis, Axis about, double angle_rad, double pivot_mm) {
+  const Eigen::AngleAxisd turn(angle_rad, Unit(about));
+  mjsJoint* rail = Joint(Name(axis));
+  const Vec3<double> before(rail->axis[0], rail->axis[1], rail->axis[2]);
+  const Vec3<double> after = turn * before;
   for (const std::string& name : {Name(axis), Name(axis) + "_nut"}) {
-    mjsJoint* joint = Joint(name);
-    for (int i = 0; i < 3; ++i) joint->axis[i] = direction[i];
+    for (int i = 0; i < 3; ++i) Joint(name)->axis[i] = after[i];
   }
   mjsBody* carriage =
       mjs_asBody(Find(spec_.get(), mjOBJ_BODY, Name(axis) + "_carriage"));
-  const Vec3<double> moved_mm = (Unit(axis) - direction) * pivot_mm;
-  for (int i = 0; i < 3; ++i) carriage->pos[i] += moved_mm[i] * kMPerMm;
+  for (int i = 0; i < 3; ++i) {
+    carriage->pos[i] += (before - after)[i] * pivot_mm * kMPerMm;
+  }
 }
 
 void Mjcf::TiltTable(double slope_x_rad,
@@ -244,14 +262,15 @@ void Mjcf::AddSolid(const std::string& name, const Solid& solid) {
   }
 }
 
-ModelPtr Mjcf::Compile() const {
+ModelPtr Mjcf::Compile(bool with_looks) const {
+  spec_->compiler.discardvisual = !with_looks;
   ModelPtr model(mj_compile(spec_.get(), nullptr));
   Require(model != nullptr, fmt::format("MuJoCo: {}", mjs_getError(spec_.get())));
   return model;
 }
 
 std::string Mjcf::ToText() const {
-  Compile();
+  Compile(true);
   std::vector<char> text(1'000'000);
   std::array<char, 1000> error{};
   const int failed = mj_saveXMLString(spec_.get(),

@@ -37,27 +37,30 @@ class Mjcf {
   /// Inertia along an axis, whatever hangs on it in the model (by armature).
   void SetMovingMass(Axis axis, double mass_kg);
   void SetRailFriction(Axis axis, double friction_n);
-  /// The spring of the stylus, and beside its ball a disc of the same half height, not
-  /// touchable until the operator fits it. Call once.
+  /// The spring of the stylus, and beside its ball a disc of the same half height. The
+  /// ball is fitted. Call once.
   void SetStylus(double tip_radius_mm,
                  double stiffness_n_per_mm,
                  double disc_radius_mm);
   void SetTipRadius(double radius_mm);
+  /// Fits the disc in place of the ball, or back: only what is fitted can touch.
+  void FitDisc(bool is_disc);
   /// A gap of this width between nut and carriage; 0 leaves them as they are.
   void SetGap(Axis axis, double gap_mm);
   /// A spring between nut and carriage, beyond the gap; call after SetGap.
   void SetDriveStiffness(Axis axis, double stiffness_n_per_mm);
-  /// Lets an axis run along `direction` (unit) instead of its letter, turned about the
-  /// point where it stands at `pivot_mm`.
-  void TurnAxis(Axis axis, const Vec3<double>& direction, double pivot_mm);
+  /// Turns the direction an axis runs in, right-handed about `about`, pivoting where
+  /// the axis stands at `pivot_mm`. Turns add up.
+  void TurnAxis(Axis axis, Axis about, double angle_rad, double pivot_mm);
   /// Tilts the table and all on it about `about_mm`, to exactly these slopes.
   void TiltTable(double slope_x_rad, double slope_y_rad, const Vec3<double>& about_mm);
   /// Adds what can be touched to the table; a bore becomes 720 flats that touch its
   /// circle (0.2 um inside it at the corners, for 50 mm).
   void AddSolid(const std::string& name, const Solid& solid);
 
-  /// Throws logic_error with MuJoCo's words where it does not compile.
-  ModelPtr Compile() const;
+  /// Throws logic_error with MuJoCo's words where it does not compile. Without looks,
+  /// what cannot touch is left out: a step costs a third less.
+  ModelPtr Compile(bool with_looks) const;
   std::string ToText() const;
 
  private:

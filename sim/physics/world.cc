@@ -38,13 +38,15 @@ World::World(ModelPtr model, double hanging_n)
   carriages_ = SlotsOf("", "");
   stylus_ = SlotsOf("stylus_", "");
   const mjModel* m = model_.get();
-  tip_geom_ = IdOf(m, mjOBJ_GEOM, "tip");
-  disc_geom_ = IdOf(m, mjOBJ_GEOM, "disc");
   z_body_ = IdOf(m, mjOBJ_BODY, "z_carriage");
   const int table = IdOf(m, mjOBJ_BODY, "table");
+  const int stylus = IdOf(m, mjOBJ_BODY, "stylus");
   for (int geom = 0; geom < m->ngeom; ++geom) {
     if (m->geom_bodyid[geom] == table && m->geom_contype[geom] == kTouchable) {
       touchable_.push_back(geom);
+    }
+    if (m->geom_bodyid[geom] == stylus && m->geom_contype[geom] == kTouchable) {
+      stylus_geom_ = geom;
     }
   }
   for (std::size_t i = 0; i < 3; ++i) {
@@ -132,24 +134,14 @@ void World::Step(const Vec3<double>& nuts_mm) {
 
 double World::Clearance_mm(double most_mm) const {
   mj_kinematics(model_.get(), data_.get());
-  const int stylus =
-      model_->geom_contype[disc_geom_] == kTouchable ? disc_geom_ : tip_geom_;
   double least_m = most_mm * kMPerMm;
   for (const int geom : touchable_) {
-    least_m = std::min(
-        least_m,
-        mj_geomDistance(model_.get(), data_.get(), stylus, geom, least_m, nullptr));
+    least_m =
+        std::min(least_m,
+                 mj_geomDistance(
+                     model_.get(), data_.get(), stylus_geom_, geom, least_m, nullptr));
   }
   return least_m * kMmPerM;
-}
-
-void World::FitDisc(bool is_disc) {
-  const auto set = [&](int geom, bool touches) {
-    model_->geom_contype[geom] = model_->geom_conaffinity[geom] =
-        touches ? kTouchable : 0;
-  };
-  set(disc_geom_, is_disc);
-  set(tip_geom_, !is_disc);
 }
 
 }  // namespace caltwin

@@ -45,8 +45,6 @@ class World {
   /// Least distance of the fitted stylus to anything touchable, where it is below
   /// `most_mm`; `most_mm` otherwise. MuJoCo's own geometry, not the closed form's.
   double Clearance_mm(double most_mm) const;
-  /// Which of `tip` and `disc` can touch.
-  void FitDisc(bool is_disc);
 
   const mjModel* model() const { return model_.get(); }
   mjData* data() const { return data_.get(); }
@@ -62,8 +60,7 @@ class World {
   ModelPtr model_;
   std::unique_ptr<mjData, DeleteData> data_;
   Slots nuts_, carriages_, stylus_;
-  int tip_geom_ = 0;
-  int disc_geom_ = 0;
+  int stylus_geom_ = 0;  ///< Ball or disc, whichever is fitted.
   int z_body_ = 0;
   std::vector<int> touchable_{};
   double hanging_n_ = 0;

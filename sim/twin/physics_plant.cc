@@ -54,8 +54,9 @@ void PhysicsPlant::Rebuild() {
     model.AddSolid(fmt::format("solid_{}", i), built_.solids[i]);
   }
   model.SetTimestep_s(kTimestep_s);
-  world_ = std::make_unique<World>(model.Compile(), HangingLoad_n(built_.machine));
-  world_->FitDisc(built_.stylus == Stylus::kDisc);
+  model.FitDisc(built_.stylus == Stylus::kDisc);
+  world_ = std::make_unique<World>(model.Compile(/*with_looks=*/false),
+                                   HangingLoad_n(built_.machine));
 }
 
 void PhysicsPlant::Change(const std::vector<Artefact>& artefacts, Stylus stylus) {

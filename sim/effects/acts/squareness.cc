@@ -1,5 +1,3 @@
-#include <Eigen/Geometry>
-
 #include "sim/base/units.h"
 #include "sim/effects/acts/edits.h"
 
@@ -12,9 +10,7 @@ void EditSquareness(const Machine& machine, const Injected& injected, Mjcf* mode
   const Axis about = injected.axis == "C0Y"   ? Axis::kZ
                      : injected.axis == "B0Z" ? Axis::kY
                                               : Axis::kX;
-  const Vec3<double> direction =
-      Eigen::AngleAxisd(angle_rad, Unit(about)) * Unit(turned);
-  model->TurnAxis(turned, direction, machine.axis(turned).mid_mm());
+  model->TurnAxis(turned, about, angle_rad, machine.axis(turned).mid_mm());
 }
 
 }  // namespace caltwin
