@@ -1,9 +1,12 @@
 #include "scenarios/ending.h"
 
+#include "calibration/loop/controller.h"
+
 namespace caltwin {
 
-Ending EndingOf(MachineFault::Kind kind) {
-  switch (kind) {
+Ending EndingOf(const MachineFault& fault) {
+  if (IsCollision(fault)) return Ending::kCollision;
+  switch (Classified(fault).kind) {
     case MachineFault::Kind::kAlarm:
       return Ending::kAlarm;
     case MachineFault::Kind::kRefused:

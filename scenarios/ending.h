@@ -6,6 +6,6 @@
 namespace caltwin {
 
 /// How a run that met this fault ended.
-Ending EndingOf(MachineFault::Kind kind);
+Ending EndingOf(const MachineFault& fault);
 
 }  // namespace caltwin

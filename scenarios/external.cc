@@ -127,7 +127,7 @@ std::string ExternalProtocol::Answer(std::string_view line) {
 }
 
 std::string ExternalProtocol::Fault(const MachineFault& fault) {
-  ending_ = EndingOf(fault.kind);
+  ending_ = EndingOf(fault);
   fault_ = fault.reply;
   const char* prefix = fault.reply.starts_with("Error") ? "" : "Error: ";
   return fmt::format("{}{}\n{}", prefix, fault.reply, kOk);

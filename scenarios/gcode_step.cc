@@ -16,7 +16,7 @@ ProcedureResult SendLines(const std::vector<std::string>& lines, Bench* bench) {
   for (const std::string& line : lines) {
     const auto reply = bench->link->Send(line, kPatience);
     if (!reply) {
-      result.ending = EndingOf(reply.error().kind);
+      result.ending = EndingOf(reply.error());
       result.fault = reply.error().reply;
       result.messages.push_back(fmt::format("{}: {}", line, reply.error().reply));
       return result;

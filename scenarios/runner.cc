@@ -10,7 +10,7 @@
 #include "calibration/loop/bench.h"
 #include "scenarios/ending.h"
 #include "scenarios/external.h"
-#include "scenarios/interrupt.h"
+#include "scenarios/interruptible_link.h"
 #include "scenarios/parameter_name.h"
 #include "scenarios/verdict.h"
 #include "sim/base/mutant.h"
@@ -21,24 +21,6 @@ namespace caltwin {
 namespace {
 
 constexpr int kPoses = 1000;
-
-// Lets nothing through once Ctrl-C was pressed, so that a procedure ends at its next
-// line and the work done so far is kept.
-class InterruptibleLink : public Link {
- public:
-  explicit InterruptibleLink(Link* inner) : inner_(inner) {}
-  Expected<std::vector<std::string>> Send(std::string_view line,
-                                          std::chrono::milliseconds patience) override {
-    if (InterruptRequested()) {
-      return tl::unexpected(
-          MachineFault{.kind = MachineFault::Kind::kLinkLost, .reply = "interrupted"});
-    }
-    return inner_->Send(line, patience);
-  }
-
- private:
-  Link* inner_;
-};
 
 // After these the machine is not where the next procedure would expect it.
 bool StopsTheRun(Ending ending) {

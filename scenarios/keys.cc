@@ -1,0 +1,108 @@
+#include "scenarios/keys.h"
+
+#include <array>
+
+namespace caltwin {
+namespace {
+
+constexpr std::array kKeys = {
+    Word{"about", "One sentence for people."},
+    Word{"machine",
+         "A name (sought in ./models, then in the models the program came with) or a "
+         "path, relative to this file: the drawing. May be a machine.ext.yaml."},
+    Word{"seed", "The only source of chance: same file, same seed, same result."},
+    Word{"fidelity",
+         "physics (MuJoCo steps the mechanism, contact decides the trigger) or fast "
+         "(closed forms). A claim of recovery needs physics."},
+    Word{"effects",
+         "How the built machine differs from its drawing: cause.axis: {parameter: "
+         "value}. A value may be a distribution."},
+    Word{"settings",
+         "What the firmware wrongly believes at power-up: steps_per_mm, backlash_mm, "
+         "probe_deflection_mm by axis, tip_radius_mm. The rest is as the machine file "
+         "says. A value may be a distribution."},
+    Word{"instruments",
+         "By id: {kind, sigma_um, resolution_um, u_um}. `probe` is the touch probe."},
+    Word{
+        "artefacts",
+        "By id: {type, at_mm, ...}: block123, web, ring, pocket, ledge or plate; at_mm "
+        "is the centre of the base."},
+    Word{
+        "firmware",
+        "The controller: m400_ignores_backlash (a defect before RepRapFirmware 3.6.1), "
+        "files (its own storage by path, such as sys/nxt-user-vars.g)."},
+    Word{"calibrate",
+         "A list of what is done, in order, each a procedure with its options: `- "
+         "next_dual_dimension: {axis: x, variant: corrected}`."},
+    Word{"external",
+         "A step of calibrate: somebody else's program, {command: [python3, mine.py], "
+         "timeout_s: 600}, with the machine on its standard input and output."},
+    Word{"gcode", "A step of calibrate: {lines: [M500, M999]}, sent as they are."},
+    Word{"variant",
+         "An option of a procedure: as_published (what the text says) or corrected "
+         "(what physics says)."},
+    Word{"expect", "What the run must show; each entry is a check."},
+    Word{"outcome", "How the run must end; recovers where nothing is said."},
+    Word{"truth_within",
+         "Of a parameter: abs(recovered - built value) is at most this, in its unit."},
+    Word{"truth_within_sd",
+         "Of a parameter: its error is at most so many of its stated uncertainties."},
+    Word{"sd_below", "Of a parameter: its stated uncertainty is below this."},
+    Word{"identifiable",
+         "Of a parameter: whether the engine must say that it can be told."},
+    Word{"reads",
+         "Of a parameter: {value, within}, what it ends at, right or wrong; for "
+         "published formulas that read something else than their name says."},
+    Word{"steps",
+         "Of a parameter: {after: [...], within: }, its value after each step, in "
+         "order."},
+    Word{"position_error_mm.p95",
+         "{below: }: 95 % quantile of the tip's position error at 1000 seeded poses, "
+         "both senses, mean offset removed, in mm."},
+    Word{"messages", "Texts that must occur in what the run says."}};
+
+constexpr std::array kOutcomeWords = {
+    Word{"recovers",
+         "Every procedure ran to its end, every expected truth was met, and the "
+         "machine's position error did not grow."},
+    Word{"diverges",
+         "The error of one setting grew in two or more passes, even if a limit then "
+         "stopped it."},
+    Word{"no_trigger", "A probe move ended without the contact it was to find."},
+    Word{"collision", "The stylus was bent beyond its overtravel."},
+    Word{"reads_zero", "The reading is zero whatever the machine is like."},
+    Word{"confounded", "The procedure said that it cannot tell."},
+    Word{"refused", "Nothing was applied."},
+    Word{"alarm", "The machine stopped itself for another reason."},
+    Word{
+        "misses",
+        "All was done, but an expected truth was missed or the machine became worse."}};
+
+constexpr std::array kUnitWords = {
+    Word{"mm", "Millimetres: all lengths, unless the name ends in another unit."},
+    Word{"um", "Micrometres: sigmas, amplitudes."},
+    Word{"mrad", "Milliradians: small angles; 1 mrad is 1 mm in a metre."},
+    Word{"deg", "Degrees, counter-clockwise from above."},
+    Word{"s", "Seconds."},
+    Word{"ms", "Milliseconds: latencies."},
+    Word{"mm_s", "Millimetres per second: feeds. Only G-code's F is in mm/min."},
+    Word{"n", "Newtons."},
+    Word{"kg", "Kilograms."},
+    Word{"ppm", "Parts per million."},
+    Word{"1/mm", "Per millimetre: microsteps per millimetre of travel."}};
+
+}  // namespace
+
+std::span<const Word> ScenarioKeys() {
+  return kKeys;
+}
+
+std::span<const Word> OutcomeWords() {
+  return kOutcomeWords;
+}
+
+std::span<const Word> UnitWords() {
+  return kUnitWords;
+}
+
+}  // namespace caltwin

@@ -1,0 +1,217 @@
+#include "scenarios/result_text.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "sim/base/units.h"
+
+namespace caltwin {
+namespace {
+
+constexpr const char* kGreen = "\033[32m";
+constexpr const char* kRed = "\033[31m";
+constexpr const char* kPlain = "\033[0m";
+
+std::string Painted(const std::string& text, bool good, bool colour) {
+  return colour ? fmt::format("{}{}{}", good ? kGreen : kRed, text, kPlain) : text;
+}
+
+std::optional<double> ResolutionOf(const ParameterResult& row) {
+  std::optional<double> resolution;
+  for (const auto& candidate : {row.sd, row.tolerance}) {
+    if (!candidate || !(*candidate > 0)) continue;
+    if (!resolution || *candidate < *resolution) resolution = candidate;
+  }
+  return resolution;
+}
+
+std::string VerdictOf(const ParameterResult& row) {
+  if (!row.identifiable) {
+    return row.passed == true    ? "cannot be told, as expected"
+           : row.passed == false ? "NOT RECOVERED"
+                                 : "not told";
+  }
+  if (row.passed == true) return "recovered";
+  return row.passed == false ? "MISSED" : "measured";
+}
+
+using Cells = std::array<std::string, 8>;
+
+Cells CellsOf(const ParameterResult& row) {
+  const auto resolution = ResolutionOf(row);
+  const auto cell = [&](const std::optional<double>& value) {
+    return value ? Sensible(*value, resolution) : std::string("-");
+  };
+  std::string error = cell(row.error);
+  if (row.error && *row.error >= 0) error = "+" + error;
+  return {row.name,
+          row.unit,
+          Sensible(row.injected, resolution),
+          cell(row.recovered),
+          error,
+          cell(row.sd),
+          cell(row.tolerance),
+          VerdictOf(row)};
+}
+
+std::string TableText(const RunResult& result, bool colour) {
+  std::vector<Cells> lines = {{"quantity",
+                               "unit",
+                               "injected",
+                               "recovered",
+                               "error",
+                               "uncertainty",
+                               "tolerance",
+                               "verdict"}};
+  for (const ParameterResult& row : result.parameters) lines.push_back(CellsOf(row));
+  std::array<std::size_t, 8> widths{};
+  for (const Cells& line : lines) {
+    for (std::size_t i = 0; i < line.size(); ++i) {
+      widths[i] = std::max(widths[i], line[i].size());
+    }
+  }
+  std::string text;
+  for (std::size_t n = 0; n < lines.size(); ++n) {
+    const Cells& line = lines[n];
+    text += fmt::format("  {:<{}}  {:<{}}", line[0], widths[0], line[1], widths[1]);
+    for (std::size_t i = 2; i + 1 < line.size(); ++i) {
+      text += fmt::format("  {:>{}}", line[i], widths[i]);
+    }
+    const bool judged = n > 0 && result.parameters[n - 1].passed.has_value();
+    text +=
+        "  " + (judged ? Painted(line.back(), *result.parameters[n - 1].passed, colour)
+                       : line.back());
+    text += "\n";
+  }
+  return text;
+}
+
+std::string StepText(const Step& step) {
+  std::string text = step.procedure;
+  if (!step.variant.empty()) text += fmt::format(" ({})", step.variant);
+  if (step.iteration > 1) text += fmt::format(", pass {}", step.iteration);
+  text +=
+      step.before == step.after
+          ? fmt::format(": {} {:.7g}", step.name, step.after)
+          : fmt::format(": {} {:.7g} -> {:.7g}", step.name, step.before, step.after);
+  text += ", " + ToString(step.verdict);
+  if (!step.message.empty()) text += ". " + step.message;
+  return text;
+}
+
+std::string ListText(const std::string& title, const std::vector<std::string>& lines) {
+  if (lines.empty()) return "";
+  std::string text = fmt::format("\n{}\n", title);
+  for (const std::string& line : lines) text += fmt::format("  {}\n", line);
+  return text;
+}
+
+std::string ChecksText(const RunResult& result, bool colour) {
+  std::vector<std::string> lines;
+  for (const CheckResult& check : result.checks) {
+    lines.push_back(fmt::format(
+        "{}: {}",
+        check.name,
+        check.passed
+            ? Painted(check.found, true, colour) + ", as expected"
+            : Painted(check.found, false, colour) + ", expected " + check.expected));
+  }
+  lines.push_back(fmt::format("position error (p95): {:.4f} mm before, {:.4f} mm after",
+                              result.position_error_before_p95_mm,
+                              result.position_error_after_p95_mm));
+  return ListText("Checks", lines);
+}
+
+// How many of the things that were expected held, and of how many.
+std::pair<int, int> Score(const RunResult& result) {
+  int passed = 0;
+  int all = 0;
+  for (const ParameterResult& row : result.parameters) {
+    if (!row.passed) continue;
+    ++all;
+    passed += *row.passed ? 1 : 0;
+  }
+  for (const CheckResult& check : result.checks) {
+    ++all;
+    passed += check.passed ? 1 : 0;
+  }
+  return {passed, all};
+}
+
+}  // namespace
+
+std::string Sensible(double value, std::optional<double> resolution) {
+  if (!resolution || !(*resolution > 0)) return fmt::format("{:.6g}", value);
+  const int decimals =
+      std::clamp(1 - static_cast<int>(std::floor(std::log10(*resolution))), 0, 6);
+  const std::string text = fmt::format("{:.{}f}", value, decimals);
+  const bool is_zero = text.find_first_not_of("-0.") == std::string::npos;
+  return is_zero && text.starts_with('-') ? text.substr(1) : text;
+}
+
+std::string ResultText(const RunResult& result, bool colour) {
+  std::string text = result.scenario;
+  if (!result.about.empty()) text += ": " + result.about;
+  text += fmt::format(
+      "\nmachine {}, {}, seed {}\n\n", result.machine, result.fidelity, result.seed);
+  if (!result.parameters.empty()) text += TableText(result, colour);
+  std::vector<std::string> steps;
+  for (const Step& step : result.steps) {
+    steps.push_back(fmt::format("{:>2}  {}", steps.size() + 1, StepText(step)));
+  }
+  text += ListText("What was done", steps);
+  std::vector<std::string> blind;
+  for (const Observability& o : result.observability) blind.push_back(o.statement);
+  text += ListText("What the measurements tell, and what not", blind);
+  text += ListText("Messages", result.messages);
+  text += ChecksText(result, colour);
+  const auto [passed, all] = Score(result);
+  text += fmt::format(
+      "\n{}: {} of {} expectations met; {} touches, {:.0f} s on the "
+      "machine, {:.2f} s here\n",
+      Painted(result.passed ? "PASSED" : "FAILED", result.passed, colour),
+      passed,
+      all,
+      result.touches,
+      result.machine_time_s,
+      result.cpu_s);
+  if (result.lost) text += "A process or link was lost on the way.\n";
+  if (result.interrupted) text += "Interrupted; what was done until then is above.\n";
+  return text;
+}
+
+std::string ResultLine(const RunResult& result, bool colour) {
+  const auto [passed, all] = Score(result);
+  return fmt::format(
+      "{}  {}  seed {}  {}  {} of {} expectations  {:.2f} s",
+      Painted(result.passed ? "passed" : "FAILED", result.passed, colour),
+      result.scenario,
+      result.seed,
+      result.outcome,
+      passed,
+      all,
+      result.cpu_s);
+}
+
+std::string SummaryText(std::span<const RunResult> results) {
+  const auto passed = std::ranges::count_if(results, &RunResult::passed);
+  const double rate = results.empty() ? 0
+                                      : static_cast<double>(passed) /
+                                            static_cast<double>(results.size());
+  std::string text = fmt::format("{} runs, {} passed ({:.1f} %)",
+                                 results.size(),
+                                 passed,
+                                 PercentFromFraction(rate));
+  if (const auto coverage = Coverage95(results)) {
+    text += fmt::format("; the stated 95 % intervals held the truth in {:.1f} %",
+                        PercentFromFraction(*coverage));
+  }
+  return text + "\n";
+}
+
+}  // namespace caltwin

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+
+#include "scenarios/result.h"
+
+namespace caltwin {
+
+/// What `caltwin run` prints of one run: the table, what was done in order, what the
+/// measurements cannot tell, messages, checks, and the verdict. `colour` paints the
+/// verdicts for a terminal.
+std::string ResultText(const RunResult& result, bool colour = false);
+
+/// One line of it: verdict, file, seed, outcome, rows passed.
+std::string ResultLine(const RunResult& result, bool colour = false);
+
+/// The last line of many: count, pass rate, how often stated intervals held the truth.
+std::string SummaryText(std::span<const RunResult> results);
+
+/// `value` with as many decimals as its `resolution` (an uncertainty or a tolerance)
+/// makes sensible: two significant digits of it, at most 6 decimals; without one, six
+/// significant digits.
+std::string Sensible(double value, std::optional<double> resolution);
+
+}  // namespace caltwin

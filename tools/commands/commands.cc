@@ -1,0 +1,59 @@
+#include <array>
+#include <iostream>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "sim/base/input_error.h"
+#include "tools/commands/command.h"
+
+namespace caltwin {
+namespace {
+
+constexpr std::array kCommands = {
+    Command{"run", "run scenarios and check what they expect", DeclareRun},
+    Command{"calibrate", "run a procedure on a machine", DeclareCalibrate},
+    Command{"new", "a starter file for one's own machine", DeclareNew},
+    Command{"validate", "check files without running anything", DeclareValidate},
+    Command{"explain", "what an effect, procedure, unit or key means", DeclareExplain}};
+
+constexpr const char* kFooter =
+    "Exit codes: 0 done and passed, 1 a check failed, 2 bad input, 3 a process or link "
+    "was lost, 130 interrupted.\nStart with: caltwin run scenarios/first_light.yaml";
+
+}  // namespace
+
+std::span<const Command> AllCommands() {
+  return kCommands;
+}
+
+int RunCommandLine(int argc, const char* const* argv) {
+  CLI::App app(
+      "caltwin: a digital twin of a CNC gantry, and the calibration that runs against "
+      "it over G-code.",
+      "caltwin");
+  app.footer(kFooter);
+  app.set_version_flag("--version", std::string("caltwin ") + CALTWIN_VERSION);
+  app.require_subcommand(1);
+  std::vector<std::pair<CLI::App*, Action>> actions;
+  for (const Command& command : AllCommands()) {
+    CLI::App* sub =
+        app.add_subcommand(std::string(command.name), std::string(command.about));
+    actions.emplace_back(sub, command.declare(sub));
+  }
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
+    throw InputError({},
+                     fmt::format("caltwin: {}", error.what()),
+                     "`caltwin --help` and `caltwin COMMAND --help` say what there is");
+  }
+  for (const auto& [sub, action] : actions) {
+    if (sub->parsed()) return action();
+  }
+  return kPassed;
+}
+
+}  // namespace caltwin

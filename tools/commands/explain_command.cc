@@ -1,0 +1,197 @@
+#include <algorithm>
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "calibration/procedures/catalog.h"
+#include "scenarios/keys.h"
+#include "sim/effects/catalog.h"
+#include "tools/commands/command.h"
+
+namespace caltwin {
+namespace {
+
+constexpr std::size_t kWidth = 88;
+
+// Prose folded at spaces, every line indented.
+std::string Folded(std::string_view text, std::size_t indent) {
+  std::string folded;
+  std::string line(indent, ' ');
+  std::size_t start = 0;
+  while (start < text.size()) {
+    const std::size_t end = std::min(text.find(' ', start), text.size());
+    const std::string_view word = text.substr(start, end - start);
+    if (line.size() > indent && line.size() + 1 + word.size() > kWidth) {
+      folded += line + "\n";
+      line.assign(indent, ' ');
+    }
+    if (line.size() > indent) line += ' ';
+    line += word;
+    start = end + 1;
+  }
+  return folded + line + "\n";
+}
+
+std::string Entry(std::string_view title, std::string_view text) {
+  return text.empty() ? "" : fmt::format("  {}\n", title) + Folded(text, 4);
+}
+
+std::string ToText(const Distribution& prior) {
+  struct Words {
+    std::string operator()(double value) const { return fmt::format("{}", value); }
+    std::string operator()(const Normal& n) const {
+      return fmt::format("normal, mean {}, sd {}", n.mean, n.sd);
+    }
+    std::string operator()(const Uniform& u) const {
+      return fmt::format("uniform, {} to {}", u.min, u.max);
+    }
+    std::string operator()(const LogNormal& l) const {
+      return fmt::format("lognormal, median {}, factor {}", l.median, l.factor);
+    }
+  };
+  return std::visit(Words{}, prior);
+}
+
+std::string EffectText(const Effect& effect) {
+  std::string text =
+      fmt::format("{} (effect)\n", effect.name) + Folded(effect.about, 2);
+  if (effect.axes.size() > 1 || !effect.axes[0].empty()) {
+    text += fmt::format("  written {}.AXIS, AXIS one of: {}\n",
+                        effect.name,
+                        fmt::join(effect.axes, ", "));
+  }
+  for (const Parameter& parameter : effect.parameters) {
+    text += fmt::format("  {} [{}], {} to {}; expected: {}\n",
+                        parameter.name,
+                        parameter.unit,
+                        parameter.min,
+                        parameter.max,
+                        ToText(parameter.prior));
+    text += Folded(parameter.doc, 4);
+  }
+  return text + Entry("plot", effect.words.plot) +
+         Entry("values", effect.words.values) + Entry("cause", effect.words.cause) +
+         Entry("effect", effect.words.effect) + Entry("action", effect.words.action) +
+         Entry("formula", effect.formula) + Entry("looks like", effect.twin) +
+         Entry("source", effect.source);
+}
+
+std::string ProcedureText(const Procedure& procedure) {
+  std::string text =
+      fmt::format("{} (procedure)\n", procedure.name) + Folded(procedure.about, 2);
+  if (procedure.has_variants) text += "  variant: as_published or corrected\n";
+  return text + Entry("published", procedure.published) +
+         Entry("physics", procedure.physics) + Entry("source", procedure.source);
+}
+
+std::string WordText(const Word& word, std::string_view kind) {
+  return fmt::format("{} ({})\n", word.name, kind) + Folded(word.meaning, 2);
+}
+
+// "backlash" of "backlash.x" too; every meaning of a word, for some have two.
+std::string Explanation(const std::string& name) {
+  std::string text;
+  const auto effect = FindEffect(name.substr(0, name.find('.')));
+  if (effect) text += EffectText(EffectAt(*effect));
+  if (const Procedure* procedure = FindProcedure(name)) {
+    text += ProcedureText(*procedure);
+  }
+  const auto add = [&](std::span<const Word> words, std::string_view kind) {
+    for (const Word& word : words) {
+      if (word.name == name) text += WordText(word, kind);
+    }
+  };
+  add(ScenarioKeys(), "key");
+  add(OutcomeWords(), "outcome");
+  add(UnitWords(), "unit");
+  for (const Effect* each : AllEffects()) {
+    for (const Parameter& parameter : each->parameters) {
+      if (parameter.name != name || effect) continue;
+      text +=
+          fmt::format("{} [{}] (parameter of {})\n", name, parameter.unit, each->name);
+      text += Folded(parameter.doc, 2);
+    }
+  }
+  return text;
+}
+
+std::string ListText() {
+  std::string text;
+  const auto add = [&](std::string_view name, std::string_view about) {
+    text += fmt::format("  {:<24}{}\n", name, about);
+  };
+  text += "Effects: how a machine may differ from its drawing\n";
+  for (const Effect* effect : AllEffects()) add(effect->name, effect->about);
+  text += "\nProcedures\n";
+  for (const Procedure& procedure : AllProcedures())
+    add(procedure.name, procedure.about);
+  const auto add_names = [&](std::string_view title, std::span<const Word> words) {
+    std::vector<std::string_view> names;
+    for (const Word& word : words) names.push_back(word.name);
+    text += fmt::format("\n{}\n", title);
+    text += Folded(fmt::format("{}", fmt::join(names, " ")), 2);
+  };
+  add_names("Keys of a scenario (`caltwin explain scenario` says them all)",
+            ScenarioKeys());
+  add_names("Outcomes", OutcomeWords());
+  add_names("Units", UnitWords());
+  return text;
+}
+
+std::string ScenarioText() {
+  std::string text = "The keys of a scenario file\n";
+  for (const Word& word : ScenarioKeys()) {
+    text += fmt::format("  {}\n", word.name) + Folded(word.meaning, 4);
+  }
+  return text;
+}
+
+std::vector<std::string> AllNames() {
+  std::vector<std::string> names = {"scenario"};
+  for (const Effect* effect : AllEffects()) {
+    names.emplace_back(effect->name);
+    for (const Parameter& p : effect->parameters) names.emplace_back(p.name);
+  }
+  for (const Procedure& procedure : AllProcedures()) names.emplace_back(procedure.name);
+  for (const auto words : {ScenarioKeys(), OutcomeWords(), UnitWords()}) {
+    for (const Word& word : words) names.emplace_back(word.name);
+  }
+  return names;
+}
+
+int Explain(const std::string& name) {
+  if (name.empty()) {
+    std::cout << ListText();
+    return kPassed;
+  }
+  const std::string text = name == "scenario" ? ScenarioText() : Explanation(name);
+  if (text.empty()) {
+    const std::string nearest = NearestWord(name, AllNames());
+    throw InputError({},
+                     fmt::format("there is nothing called '{}'", name),
+                     nearest.empty()
+                         ? "`caltwin explain` without a name lists everything"
+                         : fmt::format("did you mean '{}'?", nearest));
+  }
+  std::cout << text;
+  return kPassed;
+}
+
+}  // namespace
+
+Action DeclareExplain(CLI::App* app) {
+  auto name = std::make_shared<std::string>();
+  app->add_option(
+      "NAME", *name, "an effect, procedure, outcome, unit or key; none: the list");
+  return [name] {
+    return Explain(*name);
+  };
+}
+
+}  // namespace caltwin

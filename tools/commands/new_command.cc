@@ -1,0 +1,70 @@
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <string>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "sim/base/text_file.h"
+#include "sim/machine/machine.h"
+#include "tools/commands/command.h"
+#include "tools/commands/starter.h"
+
+namespace caltwin {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+struct Options {
+  std::string name{};
+  std::string like = "gantry_router";
+};
+
+int NewMachine(const Options& options) {
+  const bool is_plain =
+      !options.name.empty() &&
+      options.name.find_first_not_of(
+          "abcdefghijklmnopqrstuvwxyz"
+          "ABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-") == std::string::npos;
+  if (!is_plain) {
+    throw InputError({},
+                     fmt::format("'{}' is no name for a machine", options.name),
+                     "letters, digits, _ and - only: it becomes a folder in models/");
+  }
+  const Machine like =
+      ReadMachine(FindMachine(options.like, "", {.file = "--like " + options.like}));
+  const fs::path file = fs::path("models") / options.name / "machine.yaml";
+  std::error_code error;
+  if (fs::exists(file, error)) {
+    throw InputError({.file = file.string()},
+                     "this file is already there",
+                     "take another name, or move it away");
+  }
+  WriteTextFile(file, StarterText(like, options.name));
+  std::cout << fmt::format(
+      "{}\nFill in your own sizes, then: caltwin validate {}\nA scenario uses it as "
+      "`machine: {}`.\n",
+      file.string(),
+      file.string(),
+      options.name);
+  return kPassed;
+}
+
+}  // namespace
+
+Action DeclareNew(CLI::App* app) {
+  auto options = std::make_shared<Options>();
+  CLI::App* machine =
+      app->add_subcommand("machine", "a commented models/NAME/machine.yaml");
+  machine->add_option("NAME", options->name, "letters, digits, _ and -")->required();
+  machine->add_option("--like", options->like, "the machine whose sizes it starts with")
+      ->capture_default_str();
+  app->require_subcommand(1);
+  return [options] {
+    return NewMachine(*options);
+  };
+}
+
+}  // namespace caltwin

@@ -1,0 +1,38 @@
+#include "tools/commands/progress.h"
+
+#include <cstdlib>
+#include <iostream>
+
+#include <unistd.h>
+
+namespace caltwin {
+namespace {
+
+constexpr std::size_t kWidth = 78;
+constexpr const char* kBeginAgain = "\r\033[K";
+
+}  // namespace
+
+ProgressLine::ProgressLine() : is_terminal_(isatty(STDERR_FILENO) == 1) {}
+
+ProgressLine::~ProgressLine() {
+  Clear();
+}
+
+void ProgressLine::Show(const std::string& text) {
+  if (!is_terminal_) return;
+  std::cerr << kBeginAgain << text.substr(0, std::min(kWidth, text.find('\n')))
+            << std::flush;
+  is_shown_ = true;
+}
+
+void ProgressLine::Clear() {
+  if (is_shown_) std::cerr << kBeginAgain << std::flush;
+  is_shown_ = false;
+}
+
+bool MayPaint() {
+  return isatty(STDOUT_FILENO) == 1 && std::getenv("NO_COLOR") == nullptr;
+}
+
+}  // namespace caltwin

@@ -1,0 +1,82 @@
+#include <iostream>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "scenarios/file_kind.h"
+#include "scenarios/machine_file.h"
+#include "scenarios/scenario.h"
+#include "sim/measure/rows.h"
+#include "tools/commands/command.h"
+
+namespace caltwin {
+namespace {
+
+struct Options {
+  std::vector<std::string> files{};
+};
+
+// What each effect of a truth file may be does not depend on the machine; only neutral
+// values do, and those are not used here.
+void ReadTruth(const std::string& file) {
+  ReadTruthFile(file, Machine{});
+}
+
+// Reads a file as what it is; throws InputError where it is not that.
+void Check(const std::string& file, FileKind kind) {
+  switch (kind) {
+    case FileKind::kScenario:
+      ReadScenario(file);
+      return;
+    case FileKind::kMachine:
+      ReadMachineFile(file);
+      return;
+    case FileKind::kTruth:
+      ReadTruth(file);
+      return;
+    case FileKind::kData:
+      ReadRows(file);
+      return;
+    case FileKind::kDataHeader:
+    case FileKind::kPlan:
+    case FileKind::kStudy:
+      break;
+  }
+  throw InputError(
+      {.file = file},
+      fmt::format("this is a {}, which this version does not read", ToString(kind)));
+}
+
+int Validate(const Options& options) {
+  std::vector<std::string> faults;
+  for (const std::string& file : options.files) {
+    try {
+      const FileKind kind = KindOf(file);
+      Check(file, kind);
+      std::cout << fmt::format("{}: a {} without faults\n", file, ToString(kind));
+    } catch (const InputError& error) {
+      faults.insert(faults.end(), error.faults().begin(), error.faults().end());
+    }
+  }
+  if (!faults.empty()) throw InputError(faults);
+  return kPassed;
+}
+
+}  // namespace
+
+Action DeclareValidate(CLI::App* app) {
+  auto options = std::make_shared<Options>();
+  app->add_option("FILE", options->files, "files of any kind caltwin reads")
+      ->required();
+  app->footer(
+      "The kind is told by the top-level key: calibrate (scenario), kinematics or "
+      "extends (machine), effects or settings alone (truth), or a .csv (measured "
+      "rows).");
+  return [options] {
+    return Validate(*options);
+  };
+}
+
+}  // namespace caltwin
