@@ -20,7 +20,7 @@ TEST(DualDimension, CorrectedFindsTheTrueStepsInOnePass) {
   toy.machine.drives[0] = {.true_steps_per_mm = 800, .gap_mm = 0.05};
 
   const ProcedureResult result =
-      RunStep(PrepareDualDimension, "{axis: x, variant: corrected}", &toy);
+      RunStep(kDualDimension, "{axis: x, variant: corrected}", &toy);
 
   EXPECT_EQ(result.ending, Ending::kDone);
   EXPECT_NEAR(toy.machine.settings.steps_per_mm[0], 800, kStepsFromRounding);
@@ -32,8 +32,8 @@ TEST(DualDimension, AsPublishedDoublesTheErrorUntilTheLimitStopsIt) {
   ToyBench toy;
   toy.machine.settings.steps_per_mm[0] = 808;
 
-  const ProcedureResult result = RunStep(
-      PrepareDualDimension, "{axis: x, variant: as_published, iterations: 6}", &toy);
+  const ProcedureResult result =
+      RunStep(kDualDimension, "{axis: x, variant: as_published, iterations: 6}", &toy);
 
   ASSERT_EQ(result.steps.size(), 4u);
   double expected = 808;
@@ -49,7 +49,7 @@ TEST(DualDimension, AsPublishedDoublesTheErrorUntilTheLimitStopsIt) {
 TEST(DualDimension, SaysThatItSeesOnlyTheSumOfPretravelBacklashAndTip) {
   ToyBench toy;
 
-  const ProcedureResult result = RunStep(PrepareDualDimension, "{axis: x}", &toy);
+  const ProcedureResult result = RunStep(kDualDimension, "{axis: x}", &toy);
 
   ASSERT_FALSE(result.observability.empty());
   EXPECT_EQ(result.observability[0].statement,
@@ -59,8 +59,8 @@ TEST(DualDimension, SaysThatItSeesOnlyTheSumOfPretravelBacklashAndTip) {
 TEST(DualDimension, MacroG9000AimsBesideTheFaceAndFindsNothing) {
   ToyBench toy;
 
-  const ProcedureResult result = RunStep(
-      PrepareDualDimension, "{axis: x, variant: as_published, macro: G9000}", &toy);
+  const ProcedureResult result =
+      RunStep(kDualDimension, "{axis: x, variant: as_published, macro: G9000}", &toy);
 
   EXPECT_EQ(result.ending, Ending::kNoTrigger);
   EXPECT_THAT(result.messages.back(), HasSubstr("target lies beyond"));
@@ -71,7 +71,7 @@ TEST(DualDimension, AppliesNothingThatIsNotConfirmed) {
   toy.machine.settings.steps_per_mm[1] = 808;
   toy.machine.confirms = false;
 
-  const ProcedureResult result = RunStep(PrepareDualDimension, "{axis: y}", &toy);
+  const ProcedureResult result = RunStep(kDualDimension, "{axis: y}", &toy);
 
   EXPECT_EQ(result.ending, Ending::kRefused);
   EXPECT_EQ(toy.machine.settings.steps_per_mm[1], 808);

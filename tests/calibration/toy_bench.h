@@ -30,12 +30,12 @@ struct ToyBench {
 };
 
 /// Prepares a procedure from the options as a scenario writes them, and runs it.
-inline ProcedureResult RunStep(PreparedProcedure (*prepare)(YamlMap),
+inline ProcedureResult RunStep(const Procedure& procedure,
                                const std::string& options,
                                ToyBench* toy) {
   Faults faults;
   YamlMap map = ReadYamlText(options, "options.yaml", &faults);
-  const PreparedProcedure run = prepare(map);
+  const PreparedProcedure run = procedure.prepare(map);
   faults.ThrowIfAny();
   return run(&toy->bench);
 }
