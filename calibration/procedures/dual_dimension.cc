@@ -168,7 +168,9 @@ Expected<void> RunDualDimension(Session* session, const DualDimensionOptions& o)
   return {};
 }
 
-PreparedProcedure PrepareDualDimension(YamlMap map) {
+namespace {
+
+PreparedProcedure Prepare(YamlMap map) {
   DualDimensionOptions o;
   o.common = ReadCommon(&map);
   o.sizes_mm = ReadDimensions(
@@ -184,5 +186,27 @@ PreparedProcedure PrepareDualDimension(YamlMap map) {
     return session.Finish(RunDualDimension(&session, o));
   };
 }
+
+}  // namespace
+
+constinit const Procedure kDualDimension{
+    .name = "next_dual_dimension",
+    .about = "NeXT phase 2: steps/mm from two sizes of one block.",
+    .source = "NeXT machine calibration guide 1.0, section 3.4 and macro G9000.",
+    .published =
+        "s_new = s (D2 - D1) / (D2_meas - D1_meas) with D1 = 25.4, D2 = 50.8 mm; then "
+        "both sizes must read within 0.02 mm. Macro G9000 probes to center - D/2 - 5 "
+        "and center + D/2 + 5.",
+    .physics =
+        "Touching a size D reads S = (D + 2R - 2 delta - b) / k - 2 R_cfg with k = s / "
+        "s_true, so the formula is upside down: from 808 (truth 800) it goes to 816, "
+        "832, 866, the error doubling, until the 5 % limit stops it. Correct: s_new = "
+        "s (S2 - S1) / (D2 - D1), right in one pass; what is constant cancels, so the "
+        "order of steps and backlash does not matter. Both sizes cannot read within "
+        "0.02 mm before pre-travel and backlash are compensated: check their "
+        "difference. The macro's targets lie before the faces (no trigger), and "
+        "nothing lifts the probe between them.",
+    .has_variants = true,
+    .prepare = Prepare};
 
 }  // namespace caltwin

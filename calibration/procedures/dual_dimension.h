@@ -14,6 +14,6 @@ struct DualDimensionOptions {
 /// NeXT phase 2: steps/mm of one axis from two sizes of one block.
 Expected<void> RunDualDimension(Session* session, const DualDimensionOptions& options);
 
-PreparedProcedure PrepareDualDimension(YamlMap options);
+extern const Procedure kDualDimension;
 
 }  // namespace caltwin
