@@ -86,21 +86,19 @@ Reply Firmware::Parts::RunMacroLine(std::string_view text,
     if (--lines_left < 0) throw InputError({}, "the macro does not end");
     const GcodeLine line = ParseGcode(text);
     if (!line.is_meta && line.commands.empty()) return {};
-    if (frame->RepeatsWhile(now)) {
-      const bool goes_on = rrf::Evaluate(line.text.substr(5), LookupIn(frame)).Flag();
-      if (!goes_on) frame->Break();
-      return {};
-    }
-    if (const auto back =
-            frame->CloseBlocks(line.indent, line.text.starts_with("el"))) {
-      *index = *back;
-      return {};
+    const bool repeats = frame->RepeatsWhile(now);
+    if (!repeats) {
+      const bool continues_if = line.is_meta && line.text.starts_with("el");
+      if (const auto back = frame->CloseBlocks(line.indent, continues_if)) {
+        *index = *back;
+        return {};
+      }
     }
     if (line.is_meta && line.text.starts_with("while")) {
-      frame->OpenWhile(line.indent,
-                       now,
-                       frame->is_active() &&
-                           rrf::Evaluate(line.text.substr(5), LookupIn(frame)).Flag());
+      if (!repeats) frame->OpenWhile(line.indent, now);
+      const bool goes_on = !frame->is_active() ||
+                           rrf::Evaluate(line.text.substr(5), LookupIn(frame)).Flag();
+      if (!goes_on) frame->Break();
       return {};
     }
     const bool is_active = frame->is_active();

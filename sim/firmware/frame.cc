@@ -54,12 +54,10 @@ bool Frame::SwitchIf(int indent, bool condition) {
   return true;
 }
 
-void Frame::OpenWhile(int indent, std::size_t line, bool condition) {
+void Frame::OpenWhile(int indent, std::size_t line) {
   const bool is_reached = is_active();
-  blocks_.push_back({.kind = Kind::kWhile,
-                     .indent = indent,
-                     .is_active = is_reached && condition,
-                     .line = line});
+  blocks_.push_back(
+      {.kind = Kind::kWhile, .indent = indent, .is_active = is_reached, .line = line});
 }
 
 bool Frame::RepeatsWhile(std::size_t line) {

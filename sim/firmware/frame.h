@@ -28,7 +28,9 @@ class Frame {
   bool SwitchIf(int indent, bool condition);
   /// Whether the condition of an `elif` matters: no branch has been taken yet.
   bool WantsElse(int indent) const;
-  void OpenWhile(int indent, std::size_t line, bool condition);
+  /// A loop begins; its condition is evaluated with the block already open, and Break
+  /// called where it does not hold.
+  void OpenWhile(int indent, std::size_t line);
   /// The running loop whose line this is, for which `iterations` counts on.
   bool RepeatsWhile(std::size_t line);
   /// Ends, or begins anew, the innermost loop; nullopt where there is none.

@@ -90,8 +90,7 @@ Reply Firmware::Parts::Execute(std::string_view line) {
   try {
     const GcodeLine parsed = ParseGcode(line);
     if (parsed.is_meta || !parsed.commands.empty()) {
-      wire.CloseBlocks(parsed.indent,
-                       parsed.text.starts_with("el"));  // elif, else
+      wire.CloseBlocks(parsed.indent, parsed.is_meta && parsed.text.starts_with("el"));
       reply = ExecuteLine(parsed, &wire);
     }
   } catch (const InputError& error) {
