@@ -11,12 +11,8 @@ constexpr double kReached_mm = 1e-10;
 constexpr double kLeastAdvance_mm = 1e-10;
 // Motion errors make the tip's path longer than the motors': up to 5 % for a screw.
 constexpr double kCaution = 0.95;
+constexpr double kNeverMet_mm = 1e9;
 constexpr int kMostAdvances = 100'000;
-
-bool WatchesProbe(const Watch& watch) {
-  return watch.kind == Watch::Kind::kProbeTriggered ||
-         watch.kind == Watch::Kind::kProbeReleased;
-}
 
 }  // namespace
 
@@ -58,23 +54,25 @@ bool FastPlant::SwitchClosed(Axis axis) {
              watch, built_.Motors_mm(steps_)[Index(axis)] + lag_mm_[Index(axis)]) <= 0;
 }
 
-double FastPlant::Ahead_mm(const Watch& watch,
-                           const Segment& segment,
-                           const Vec3<double>& steps) const {
+FastPlant::Ahead FastPlant::Look(const Watch& watch,
+                                 const Segment& segment,
+                                 const Vec3<double>& steps,
+                                 double allowed_mm) const {
   const Vec3<double> lag_mm = LagAt_mm(lag_mm_, segment.from_steps, steps);
-  if (watch.kind == Watch::Kind::kSwitchClosed ||
-      watch.kind == Watch::Kind::kSwitchOpened) {
-    const int i = Index(watch.axis);
-    return BeforeSwitch_mm(watch, built_.Motors_mm(steps)[i] + lag_mm[i]);
-  }
   const SurfaceDistance clearance = built_.Clearance(built_.Tip_mm(steps, lag_mm));
+  Ahead ahead{.watched_mm = kNeverMet_mm,
+              .collision_mm = clearance.distance_mm + allowed_mm};
   const double trigger_mm =
       clearance.distance_mm + built_.Pretravel_mm(clearance.normal) + scatter_mm_;
-  if (watch.kind == Watch::Kind::kProbeTriggered) return trigger_mm;
+  if (watch.kind == Watch::Kind::kProbeTriggered) ahead.watched_mm = trigger_mm;
   if (watch.kind == Watch::Kind::kProbeReleased) {
-    return built_.machine.probe.hysteresis_mm - trigger_mm;
+    ahead.watched_mm = built_.machine.probe.hysteresis_mm - trigger_mm;
   }
-  return clearance.distance_mm + built_.machine.probe.overtravel_mm;
+  if (WatchesSwitch(watch)) {
+    const int i = Index(watch.axis);
+    ahead.watched_mm = BeforeSwitch_mm(watch, built_.Motors_mm(steps)[i] + lag_mm[i]);
+  }
+  return ahead;
 }
 
 Outcome FastPlant::Run(const Segment& segment, const Watch& watch) {
@@ -82,30 +80,30 @@ Outcome FastPlant::Run(const Segment& segment, const Watch& watch) {
   const double motors_mm =
       (segment.to_steps - segment.from_steps).cwiseQuotient(built_.steps_per_mm).norm();
   const double scale = motors_mm > 0 ? segment.profile.length_mm / motors_mm : 1;
+  const double allowed_mm =
+      AllowedDeflection_mm(-built_.Clearance(Tip_mm()).distance_mm);
   if (WatchesProbe(watch)) scatter_mm_ = DrawScatter_mm();
 
   Outcome outcome{.time_s = duration_s};
   double gone_mm = 0;
   for (int i = 0; i < kMostAdvances && gone_mm < segment.profile.length_mm; ++i) {
     const double t_s = TimeAt_s(segment.profile, gone_mm);
-    const double ahead_mm = Ahead_mm(watch, segment, segment.Steps(t_s));
-    if (ahead_mm <= kReached_mm) {
+    const Ahead ahead = Look(watch, segment, segment.Steps(t_s), allowed_mm);
+    const double free_mm = std::min(ahead.watched_mm, ahead.collision_mm);
+    if (free_mm <= kReached_mm) {
       outcome.stopped = true;
       outcome.time_s = t_s;
+      if (ahead.collision_mm <= kReached_mm) outcome.alarm = CollisionText();
       break;
     }
-    gone_mm += std::max(kLeastAdvance_mm, kCaution * ahead_mm) * scale;
+    gone_mm += std::max(kLeastAdvance_mm, kCaution * free_mm) * scale;
   }
-  if (outcome.stopped && watch.kind == Watch::Kind::kNothing) {
-    outcome.alarm = CollisionText();
-  }
-  if (outcome.stopped && WatchesProbe(watch)) {
+  if (outcome.stopped && !outcome.alarm && WatchesProbe(watch)) {
     outcome.time_s = std::min(duration_s, outcome.time_s + built_.probe.latency_s);
     triggered_ = watch.kind == Watch::Kind::kProbeTriggered;
     triggers_.push_back({segment.Steps(outcome.time_s), !triggered_});
   }
-  lag_mm_ = LagAt_mm(lag_mm_, segment.from_steps, segment.Steps(outcome.time_s));
-  steps_ = segment.Steps(outcome.time_s);
+  GoTo(segment.Steps(outcome.time_s));
   return outcome;
 }
 

@@ -22,10 +22,16 @@ class FastPlant final : public TwinPlant {
   Vec3<double> Tip_mm() override;
 
  private:
-  /// How far the tip can still go before `watch` is met, at motor steps on the way.
-  double Ahead_mm(const Watch& watch,
-                  const Segment& segment,
-                  const Vec3<double>& steps) const;
+  /// How far the machine can still go, at motor steps on the way: before what is
+  /// watched for happens, and before the stylus is bent more than `allowed_mm`.
+  struct Ahead {
+    double watched_mm = 0;
+    double collision_mm = 0;
+  };
+  Ahead Look(const Watch& watch,
+             const Segment& segment,
+             const Vec3<double>& steps,
+             double allowed_mm) const;
   void GoTo(const Vec3<double>& steps);
 
   Vec3<double> lag_mm_;  ///< Carriage minus motor.

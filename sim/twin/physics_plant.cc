@@ -22,16 +22,6 @@ constexpr double kCaution = 0.95;
 constexpr int kSettleSteps = 5;
 constexpr int kMostSettleSteps = 250;
 
-bool WatchesProbe(const Watch& watch) {
-  return watch.kind == Watch::Kind::kProbeTriggered ||
-         watch.kind == Watch::Kind::kProbeReleased;
-}
-
-bool WatchesSwitch(const Watch& watch) {
-  return watch.kind == Watch::Kind::kSwitchClosed ||
-         watch.kind == Watch::Kind::kSwitchOpened;
-}
-
 double HangingLoad_n(const Machine& machine) {
   const AxisDrawing& z = machine.axis(Axis::kZ);
   return z.moving_mass_kg * kGravity_m_s2 - z.counterbalance_n;
@@ -210,6 +200,7 @@ Outcome PhysicsPlant::Stopped(const Segment& segment,
 Outcome PhysicsPlant::Run(const Segment& segment, const Watch& watch) {
   const double duration_s = segment.profile.Duration_s();
   const bool may_jump = MayJump(segment);
+  const double allowed_mm = AllowedDeflection_mm(world_->Deflection_mm().norm());
   if (WatchesProbe(watch)) scatter_mm_ = DrawScatter_mm();
   if (Signal_mm(watch) >= 0) return Stopped(segment, watch, 0, 0);
 
@@ -227,7 +218,7 @@ Outcome PhysicsPlant::Run(const Segment& segment, const Watch& watch) {
     StepTo(segment.Steps(t_s + kTimestep_s));
     const double after_mm = Signal_mm(watch);
     t_s += kTimestep_s;
-    if (world_->Deflection_mm().norm() > built_.machine.probe.overtravel_mm) {
+    if (world_->Deflection_mm().norm() > allowed_mm) {
       return {.stopped = true,
               .time_s = std::min(t_s, duration_s),
               .alarm = CollisionText()};

@@ -10,6 +10,7 @@ namespace caltwin {
 namespace {
 
 constexpr double kSwitchHysteresis_mm = 0.05;
+constexpr double kFurtherOut_mm = 0.01;
 
 }  // namespace
 
@@ -53,6 +54,20 @@ double TwinPlant::BeforeSwitch_mm(const Watch& watch, double carriage_mm) const 
 double TwinPlant::DrawScatter_mm() {
   const double sd_mm = built_.scatter_mm();
   return sd_mm > 0 ? sd_mm * scatter_rng_.Normal() : 0;
+}
+
+double TwinPlant::AllowedDeflection_mm(double now_mm) const {
+  return std::max(built_.machine.probe.overtravel_mm, now_mm + kFurtherOut_mm);
+}
+
+bool WatchesProbe(const Watch& watch) {
+  return watch.kind == Watch::Kind::kProbeTriggered ||
+         watch.kind == Watch::Kind::kProbeReleased;
+}
+
+bool WatchesSwitch(const Watch& watch) {
+  return watch.kind == Watch::Kind::kSwitchClosed ||
+         watch.kind == Watch::Kind::kSwitchOpened;
 }
 
 std::string TwinPlant::CollisionText() const {

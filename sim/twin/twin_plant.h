@@ -40,6 +40,9 @@ class TwinPlant : public Plant {
   double BeforeSwitch_mm(const Watch& watch, double carriage_mm) const;
   double DrawScatter_mm();
   std::string CollisionText() const;
+  /// Deflection at which a move collides: the overtravel, or a little more than now for
+  /// a machine that has to get out of a collision.
+  double AllowedDeflection_mm(double now_mm) const;
 
   Built built_;
   Vec3<double> steps_ = Vec3<double>::Zero();  ///< Where the motors stand.
@@ -49,6 +52,9 @@ class TwinPlant : public Plant {
  private:
   Rng scatter_rng_;
 };
+
+bool WatchesProbe(const Watch& watch);
+bool WatchesSwitch(const Watch& watch);
 
 /// The time at which a move has gone `distance_mm`, the inverse of
 /// Profile::Distance_mm.
