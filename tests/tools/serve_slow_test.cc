@@ -1,0 +1,137 @@
+#include <atomic>
+#include <chrono>
+#include <filesystem>
+#include <future>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "sim/base/input_error.h"
+#include "sim/link/open_link.h"
+#include "tools/commands/serve/serve.h"
+
+namespace caltwin {
+namespace {
+
+using std::chrono::seconds;
+using testing::ElementsAre;
+
+class CountingLink : public Link {
+ public:
+  Expected<std::vector<std::string>> Send(std::string_view line,
+                                          std::chrono::milliseconds) override {
+    if (line == "M112") {
+      return tl::make_unexpected(
+          MachineFault{.kind = MachineFault::Kind::kAlarm, .reply = "Emergency Stop!"});
+    }
+    return std::vector<std::string>{std::string(line), std::to_string(++count_)};
+  }
+
+ private:
+  int count_ = 0;
+};
+
+/// A server in a thread of its own, stopped and joined at the end of the test.
+class TcpServer {
+ public:
+  TcpServer() {
+    std::promise<int> port;
+    std::future<int> known = port.get_future();
+    thread_ = std::thread([this, &port] {
+      ServeTcp(&link_, 0, &stop_, [&port](int number) { port.set_value(number); });
+    });
+    port_ = known.get();
+  }
+  ~TcpServer() {
+    stop_ = true;
+    thread_.join();
+  }
+  int port() const { return port_; }
+
+ private:
+  CountingLink link_;
+  std::atomic<bool> stop_ = false;
+  int port_ = 0;
+  std::thread thread_;
+};
+
+TEST(ServeTcp, ClientsTalkToTheMachineOneAfterTheOther) {
+  TcpServer server;
+  for (const char* const count : {"1", "2"}) {
+    const auto link = OpenLink("tcp:127.0.0.1:" + std::to_string(server.port()));
+    const auto reply = link->Send("G28", seconds(5));
+    ASSERT_TRUE(reply.has_value()) << reply.error().reply;
+    EXPECT_THAT(*reply, ElementsAre("G28", count));
+  }
+}
+
+TEST(ServeTcp, FaultsTravel) {
+  TcpServer server;
+  TcpLink link("127.0.0.1", server.port());
+
+  const auto reply = link.Send("M112", seconds(5));
+
+  ASSERT_FALSE(reply.has_value());
+  EXPECT_EQ(reply.error().kind, MachineFault::Kind::kAlarm);
+}
+
+TEST(ServeTcp, StopsWithAClientStillConnected) {
+  auto server = std::make_unique<TcpServer>();
+  TcpLink link("127.0.0.1", server->port());
+  ASSERT_TRUE(link.Send("G28", seconds(5)).has_value());
+
+  const auto before = std::chrono::steady_clock::now();
+  server.reset();
+
+  EXPECT_LT(std::chrono::steady_clock::now() - before, seconds(5));
+  const auto reply = link.Send("G28", seconds(5));
+  ASSERT_FALSE(reply.has_value());
+  EXPECT_EQ(reply.error().kind, MachineFault::Kind::kLinkLost);
+}
+
+TEST(ServeTcp, TakenPortIsAnInputError) {
+  TcpServer server;
+  CountingLink link;
+  const std::atomic<bool> stop = true;
+
+  EXPECT_THROW(ServeTcp(&link, server.port(), &stop), InputError);
+}
+
+TEST(ServePty, TerminalMayBeOpenedTwice) {
+  const auto path = std::filesystem::temp_directory_path() /
+                    ("caltwin_pty_" + std::to_string(getpid()));
+  CountingLink machine;
+  std::atomic<bool> stop = false;
+  std::promise<void> ready;
+  std::thread server(
+      [&] { ServePty(&machine, path, &stop, [&] { ready.set_value(); }); });
+  ready.get_future().get();
+
+  for (const char* const count : {"1", "2"}) {
+    const auto link = OpenLink("serial:" + path.string() + "?baud=115200");
+    const auto reply = link->Send("G28", seconds(5));
+    EXPECT_TRUE(reply.has_value());
+    if (reply) {
+      EXPECT_THAT(*reply, ElementsAre("G28", count));
+    }
+  }
+
+  stop = true;
+  server.join();
+  EXPECT_FALSE(std::filesystem::exists(std::filesystem::symlink_status(path)));
+}
+
+TEST(ServePty, ExistingFileIsNotOverwritten) {
+  CountingLink machine;
+  const std::atomic<bool> stop = true;
+
+  EXPECT_THROW(ServePty(&machine, std::filesystem::temp_directory_path(), &stop),
+               InputError);
+}
+
+}  // namespace
+}  // namespace caltwin

@@ -1,0 +1,68 @@
+#include "tools/commands/serve/session.h"
+
+#include <chrono>
+#include <sstream>
+
+#include <fmt/format.h>
+
+#include "sim/base/input_error.h"
+#include "sim/link/gcode.h"
+#include "sim/link/reply.h"
+
+namespace caltwin {
+namespace {
+
+/// How long a simulated move may take to compute.
+constexpr std::chrono::hours kPatience{1};
+
+bool SetsLineNumber(const GcodeLine& line) {
+  return line.commands.size() == 1 && line.commands[0].Is('M', 110);
+}
+
+void AppendLines(const std::string& text, std::vector<std::string>* lines) {
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) lines->push_back(line);
+}
+
+}  // namespace
+
+std::vector<std::string> ServeSession::AskToResend(const std::string& why) const {
+  return {fmt::format("Error:{}, Last Line: {}", why, last_number_),
+          fmt::format("Resend: {}", last_number_ + 1),
+          "ok"};
+}
+
+std::vector<std::string> ServeSession::Answer(std::string_view line) {
+  std::string to_send(line);
+  try {
+    const GcodeLine parsed = ParseGcode(line);
+    if (parsed.number && SetsLineNumber(parsed)) {
+      last_number_ = *parsed.number;
+      return {"ok"};
+    }
+    if (parsed.number && *parsed.number != last_number_ + 1) {
+      return AskToResend("Line Number is not Last Line Number+1");
+    }
+    if (parsed.number) {
+      last_number_ = *parsed.number;
+      to_send = parsed.text;
+    }
+  } catch (const InputError& error) {
+    const bool is_numbered = !line.empty() && (line[0] == 'N' || line[0] == 'n');
+    if (is_numbered) return AskToResend("checksum mismatch");
+    return {"Error: " + error.faults().front(), "ok"};
+  }
+  std::vector<std::string> answer;
+  const auto reply = link_->Send(to_send, kPatience);
+  if (reply) {
+    for (const std::string& text : *reply) AppendLines(text, &answer);
+  } else {
+    // Whatever went wrong, the client must see that it did.
+    const bool says_so = !JudgeReply({reply.error().reply}).has_value();
+    AppendLines((says_so ? "" : "Error: ") + reply.error().reply, &answer);
+  }
+  answer.emplace_back("ok");
+  return answer;
+}
+
+}  // namespace caltwin
