@@ -65,6 +65,7 @@ ProcedureResult PerformExternal(const ExternalCommand& command,
   ProcedureResult performed = run.result;
   performed.steps = ChangesBetween(before, twin->settings());
   for (const Estimate& estimate : performed.estimates) {
+    if (SettingNamed(before, estimate.name)) continue;  // Told by its change.
     performed.steps.push_back({.procedure = "external",
                                .name = estimate.name,
                                .before = estimate.value,

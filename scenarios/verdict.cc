@@ -55,6 +55,11 @@ std::vector<std::string> NamesOf(const Trial& trial, const Expectation& expect) 
       named.insert(ParameterName(injected.effect, injected.axis, i));
     }
   }
+  for (const std::string& name : SettingNames()) {
+    const bool is_wrong =
+        SettingNamed(trial.before, name) != SettingNamed(trial.machine->settings, name);
+    if (is_wrong) named.insert(name);
+  }
   for (const ProcedureResult& result : trial.results) {
     for (const Estimate& estimate : result.estimates) named.insert(estimate.name);
     for (const Step& step : result.steps) named.insert(step.name);

@@ -26,9 +26,9 @@ struct Trial {
 
 /// The table of injected and recovered.
 ///
-/// Rows: what was injected, what an estimate or a step named, what a file expects, in
-/// the catalog's order. `injected` is the built value, the drawing's where no effect
-/// touches it. `recovered` is
+/// Rows: what was injected, what the scenario gave the firmware wrongly, what an
+/// estimate or a step named, what a file expects, in the catalog's order. `injected` is
+/// the built value, the drawing's where no effect touches it. `recovered` is
 /// - the firmware's setting at the end, for what has one, unless its last estimate was
 ///   measured and not applied;
 /// - else the last estimate that was identifiable;
