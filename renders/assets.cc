@@ -1,0 +1,44 @@
+#include "renders/assets.h"
+
+#include <cstddef>
+
+// The assembler copies each file into the read-only data between two symbols. (C++23
+// has #embed for this; a string literal would be too long for some compilers.)
+#define CALTWIN_ASSET(symbol, file)                                         \
+  asm(".pushsection .rodata\n"                                              \
+      ".global " #symbol "_begin\n" #symbol                                 \
+      "_begin:\n"                                                           \
+      ".incbin \"" CALTWIN_SOURCE_DIR "/renders/assets/" file               \
+      "\"\n"                                                                \
+      ".global " #symbol "_end\n" #symbol "_end:\n.byte 0\n.popsection\n"); \
+  extern "C" const char symbol##_begin[];                                   \
+  extern "C" const char symbol##_end[]
+
+CALTWIN_ASSET(caltwin_uplot_js, "uPlot.iife.min.js");
+CALTWIN_ASSET(caltwin_uplot_css, "uPlot.min.css");
+CALTWIN_ASSET(caltwin_report_js, "report.js");
+CALTWIN_ASSET(caltwin_report_css, "report.css");
+
+namespace caltwin {
+namespace {
+
+std::string_view Between(const char* begin, const char* end) {
+  return {begin, static_cast<std::size_t>(end - begin)};
+}
+
+}  // namespace
+
+std::string_view PlotLibrary() {
+  return Between(caltwin_uplot_js_begin, caltwin_uplot_js_end);
+}
+std::string_view PlotLibraryCss() {
+  return Between(caltwin_uplot_css_begin, caltwin_uplot_css_end);
+}
+std::string_view ReportScript() {
+  return Between(caltwin_report_js_begin, caltwin_report_js_end);
+}
+std::string_view ReportCss() {
+  return Between(caltwin_report_css_begin, caltwin_report_css_end);
+}
+
+}  // namespace caltwin

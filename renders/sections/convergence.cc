@@ -1,0 +1,88 @@
+#include <algorithm>
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "renders/display_unit.h"
+#include "renders/html.h"
+#include "renders/plot.h"
+#include "renders/sections/sections.h"
+
+namespace caltwin {
+namespace {
+
+const ParameterResult* FindResult(const RunResult& result, const std::string& name) {
+  const auto found = std::ranges::find(result.parameters, name, &ParameterResult::name);
+  return found == result.parameters.end() ? nullptr : &*found;
+}
+
+/// "steps_per_mm" of "steps_per_mm.x": what shares a plot.
+std::string CauseOf(const std::string& name) {
+  return name.substr(0, name.find('.'));
+}
+
+/// The error of one quantity after each step that had to do with it, starting with
+/// what was believed before the first.
+Series ErrorsOf(const RunResult& result,
+                const ParameterResult& truth,
+                double per_unit) {
+  Series series{.label = truth.name, .is_line = true};
+  for (std::size_t i = 0; i < result.steps.size(); ++i) {
+    const Step& step = result.steps[i];
+    if (step.name != truth.name) continue;
+    if (series.x.empty()) {
+      series.x.push_back(static_cast<double>(i));
+      series.y.push_back((step.before - truth.injected) * per_unit);
+    }
+    series.x.push_back(static_cast<double>(i + 1));
+    series.y.push_back((step.after - truth.injected) * per_unit);
+  }
+  return series;
+}
+
+std::vector<std::string> CausesInOrder(const RunResult& result) {
+  std::vector<std::string> causes;
+  for (const Step& step : result.steps) {
+    const ParameterResult* truth = FindResult(result, step.name);
+    if (truth == nullptr || !truth->is_setting) continue;
+    const std::string cause = CauseOf(step.name);
+    if (std::ranges::find(causes, cause) == causes.end()) causes.push_back(cause);
+  }
+  return causes;
+}
+
+Plot PlotOf(const RunResult& result, const std::string& cause) {
+  Plot plot{.title = cause,
+            .caption = "setting minus truth; it should end on zero.",
+            .x_label = "step",
+            .y_label = "",
+            .series = {}};
+  for (const ParameterResult& truth : result.parameters) {
+    if (CauseOf(truth.name) != cause || !truth.is_setting) continue;
+    const std::string unit = truth.unit.empty() ? UnitOfName(truth.name) : truth.unit;
+    const ErrorUnit shown = ErrorUnitOf(unit);
+    Series series = ErrorsOf(result, truth, shown.per_unit);
+    if (series.x.empty()) continue;
+    plot.y_label = fmt::format("error [{}]", shown.name);
+    plot.series.push_back(std::move(series));
+  }
+  return plot;
+}
+
+}  // namespace
+
+std::string ConvergenceSection(const RunResult& result,
+                               const ReportPictures& /*pictures*/) {
+  std::string plots;
+  for (const std::string& cause : CausesInOrder(result)) {
+    plots += PlotHtml(PlotOf(result, cause));
+  }
+  if (plots.empty()) return "";
+  return "<p>Error of each setting after every step that touched it. The steps are "
+         "numbered as in the table above.</p>\n<div class=\"plots\">\n" +
+         plots + "</div>\n";
+}
+
+}  // namespace caltwin

@@ -1,0 +1,81 @@
+#include <cmath>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "calibration/loop/outcome.h"
+#include "renders/display_unit.h"
+#include "renders/html.h"
+#include "renders/sections/sections.h"
+
+namespace caltwin {
+namespace {
+
+std::string_view BadgeKind(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::kApplied:
+      return "good";
+    case Verdict::kMeasured:
+      return "dim";
+    case Verdict::kRefused:
+      return "warn";
+    case Verdict::kRolledBack:
+      return "bad";
+  }
+  return "dim";
+}
+
+std::string VerdictWord(Verdict verdict) {
+  return verdict == Verdict::kRolledBack ? "rolled back" : ToString(verdict);
+}
+
+/// Enough digits to see the change, and never fewer than the unit deserves.
+double Resolution(const Step& step, std::string_view unit) {
+  const double usual = unit == "1/mm" ? 0.01 : unit == "mm" ? 0.001 : 0;
+  const double change = std::abs(step.after - step.before);
+  return change > 0 && usual > 0 ? std::min(usual, change) : usual;
+}
+
+std::string StepRow(const Step& step, std::size_t number) {
+  const std::string unit = UnitOfName(step.name);
+  const double resolution = std::max(Resolution(step, unit), 1e-5);
+  const std::string variant =
+      step.variant.empty()
+          ? ""
+          : fmt::format(" <span class=\"kind\">{}</span>", Escaped(step.variant));
+  return fmt::format(
+      "<tr><td class=\"number\">{}</td><td><code>{}</code>{}</td>"
+      "<td class=\"number\">{}</td><td><code>{}</code></td>"
+      "<td class=\"number\">{}</td><td class=\"number\">{}</td><td>{}</td>"
+      "<td><span class=\"badge {}\">{}</span></td><td class=\"words\">{}</td></tr>\n",
+      number,
+      Escaped(step.procedure),
+      variant,
+      step.iteration,
+      Escaped(step.name),
+      NumberText(step.before, resolution),
+      NumberText(step.after, resolution),
+      Escaped(UnitText(unit)),
+      BadgeKind(step.verdict),
+      Escaped(VerdictWord(step.verdict)),
+      Escaped(step.message));
+}
+
+}  // namespace
+
+std::string StepsSection(const RunResult& result, const ReportPictures& /*pictures*/) {
+  if (result.steps.empty()) return "<p>Nothing was applied or measured.</p>\n";
+  std::string html =
+      "<div class=\"scroll\" tabindex=\"0\"><table>\n<caption>What the procedures made "
+      "of each quantity.</caption>\n"
+      "<thead><tr><th scope=\"col\">step</th><th scope=\"col\">procedure</th>"
+      "<th scope=\"col\">pass</th><th scope=\"col\">quantity</th>"
+      "<th scope=\"col\">before</th><th scope=\"col\">after</th>"
+      "<th scope=\"col\">unit</th><th scope=\"col\">verdict</th>"
+      "<th scope=\"col\">message</th></tr></thead>\n<tbody>\n";
+  std::size_t number = 0;
+  for (const Step& step : result.steps) html += StepRow(step, ++number);
+  return html + "</tbody></table></div>\n";
+}
+
+}  // namespace caltwin

@@ -1,0 +1,149 @@
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "renders/display_unit.h"
+#include "renders/html.h"
+#include "renders/sections/sections.h"
+
+namespace caltwin {
+namespace {
+
+std::string Badge(std::string_view kind, std::string_view text) {
+  return fmt::format("<span class=\"badge {}\">{}</span>", kind, text);
+}
+
+std::string ParameterVerdict(const ParameterResult& parameter) {
+  if (parameter.passed.has_value()) {
+    return *parameter.passed ? Badge("good", "passed") : Badge("bad", "failed");
+  }
+  if (!parameter.identifiable) return Badge("dim", "cannot be told");
+  return Badge("dim", "not checked");
+}
+
+/// Half the length of the error bar's scale: what is drawn at its ends.
+double Scale(const ParameterResult& parameter) {
+  const double two_sd = 2 * parameter.sd.value_or(0);
+  const double error = std::abs(parameter.error.value_or(0));
+  return 1.15 * std::max(parameter.tolerance.value_or(0), std::max(error, two_sd));
+}
+
+/// The error as a dot on a line with its 95 % interval, the tolerance as a band.
+std::string ErrorBar(const ParameterResult& parameter) {
+  const double scale = Scale(parameter);
+  if (!parameter.error.has_value() || scale <= 0) return "";
+  const auto x = [scale](double value) {
+    return 60 + 58 * std::clamp(value / scale, -1.0, 1.0);
+  };
+  const double error = *parameter.error;
+  const double two_sd = 2 * parameter.sd.value_or(0);
+  std::string svg =
+      "<svg class=\"errorbar\" viewBox=\"0 0 120 16\" aria-hidden=\"true\">";
+  if (parameter.tolerance.has_value()) {
+    svg += fmt::format(
+        "<rect class=\"band\" x=\"{:.1f}\" y=\"3\" width=\"{:.1f}\" height=\"10\"/>",
+        x(-*parameter.tolerance),
+        x(*parameter.tolerance) - x(-*parameter.tolerance));
+  }
+  svg += "<line class=\"zero\" x1=\"60\" x2=\"60\" y1=\"1\" y2=\"15\"/>";
+  svg += fmt::format(
+      "<line class=\"interval\" x1=\"{:.1f}\" x2=\"{:.1f}\" y1=\"8\" y2=\"8\"/>"
+      "<circle cx=\"{:.1f}\" cy=\"8\" r=\"3\"/></svg>",
+      x(error - two_sd),
+      x(error + two_sd),
+      x(error));
+  return svg;
+}
+
+/// The smallest thing that the numbers of a row should show.
+double Resolution(const ParameterResult& parameter) {
+  if (parameter.sd.value_or(0) > 0) return *parameter.sd;
+  if (parameter.tolerance.value_or(0) > 0) return *parameter.tolerance / 10;
+  return 0;
+}
+
+std::string NumberCell(std::optional<double> value, double resolution, double factor) {
+  const double shown = value.has_value() ? *value * factor : std::nan("");
+  return fmt::format("<td class=\"number\">{}</td>",
+                     NumberText(shown, resolution * factor));
+}
+
+std::string ParameterRow(const ParameterResult& parameter) {
+  const std::string unit =
+      parameter.unit.empty() ? UnitOfName(parameter.name) : parameter.unit;
+  const ErrorUnit small = ErrorUnitOf(unit);
+  const double resolution = Resolution(parameter);
+  std::string row = fmt::format(
+      "<tr><th scope=\"row\"><code>{}</code><span class=\"kind\">{}</span></th>"
+      "<td>{}</td>",
+      Escaped(parameter.name),
+      parameter.is_setting ? "setting" : "estimate",
+      Escaped(UnitText(unit)));
+  row += NumberCell(parameter.injected, resolution, 1);
+  row += NumberCell(parameter.recovered, resolution, 1);
+  const std::string error =
+      parameter.error.has_value()
+          ? SignedText(*parameter.error * small.per_unit, resolution * small.per_unit)
+          : "–";
+  row += fmt::format("<td class=\"number\">{}</td>", error);
+  row += NumberCell(parameter.sd, resolution, small.per_unit);
+  row +=
+      NumberCell(parameter.tolerance, parameter.tolerance.value_or(0), small.per_unit);
+  row += fmt::format("<td>{}</td><td class=\"unit\">{}</td><td>{}</td></tr>\n",
+                     ErrorBar(parameter),
+                     Escaped(small.name),
+                     ParameterVerdict(parameter));
+  return row;
+}
+
+std::string ParameterTable(const RunResult& result) {
+  if (result.parameters.empty()) return "";
+  std::string html =
+      "<div class=\"scroll\" tabindex=\"0\"><table>\n<caption>What the machine was "
+      "given, and what the calibration found. The last four numbers are in the unit "
+      "beside the bar; the bar shows error (dot), its 95&nbsp;% interval (line) and "
+      "the "
+      "tolerance (band).</caption>\n"
+      "<thead><tr><th scope=\"col\">quantity</th><th scope=\"col\">unit</th>"
+      "<th scope=\"col\">injected</th><th scope=\"col\">recovered</th>"
+      "<th scope=\"col\">error</th><th scope=\"col\">uncertainty (1 sd)</th>"
+      "<th scope=\"col\">tolerance</th><th scope=\"col\">error in its tolerance</th>"
+      "<th scope=\"col\">unit of error</th><th "
+      "scope=\"col\">verdict</th></tr></thead>\n"
+      "<tbody>\n";
+  for (const ParameterResult& parameter : result.parameters) {
+    html += ParameterRow(parameter);
+  }
+  return html + "</tbody></table></div>\n";
+}
+
+std::string CheckTable(const RunResult& result) {
+  if (result.checks.empty()) return "";
+  std::string html =
+      "<div class=\"scroll\" tabindex=\"0\"><table>\n<caption>What else the scenario "
+      "expects.</caption>\n<thead><tr><th scope=\"col\">check</th>"
+      "<th scope=\"col\">expected</th><th scope=\"col\">found</th>"
+      "<th scope=\"col\">verdict</th></tr></thead>\n<tbody>\n";
+  for (const CheckResult& check : result.checks) {
+    html += fmt::format(
+        "<tr><th scope=\"row\"><code>{}</code></th><td>{}</td><td>{}</td><td>{}</td>"
+        "</tr>\n",
+        Escaped(check.name),
+        Escaped(check.expected),
+        Escaped(check.found),
+        check.passed ? Badge("good", "passed") : Badge("bad", "failed"));
+  }
+  return html + "</tbody></table></div>\n";
+}
+
+}  // namespace
+
+std::string VerdictSection(const RunResult& result,
+                           const ReportPictures& /*pictures*/) {
+  return ParameterTable(result) + CheckTable(result);
+}
+
+}  // namespace caltwin
