@@ -70,10 +70,10 @@ enum class Kinematics { kCartesian };
 
 /// A machine file: its drawing and the settings it starts with.
 struct Machine {
-  std::string name;
-  std::filesystem::path file;  ///< Where it was read from; empty if made in code.
+  std::string name{};
+  std::filesystem::path file{};  ///< Where it was read from; empty if made in code.
   Kinematics kinematics = Kinematics::kCartesian;
-  std::filesystem::path model;  ///< MJCF, resolved; empty: a generic one is built.
+  std::filesystem::path model{};  ///< MJCF, resolved; empty: a generic one is built.
   std::array<AxisDrawing, 3> axes{};
   ProbeDrawing probe{};
   Settings settings{};

@@ -1,0 +1,108 @@
+#include <cmath>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim/effects/predict.h"
+
+namespace caltwin {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+
+Machine Gantry() {
+  Machine machine{.name = "test"};
+  machine.axes[2].home = HomeEnd::kMax;
+  machine.axes[2].counterbalance_n = machine.axes[2].moving_mass_kg * kGravity_m_s2;
+  return machine;
+}
+
+At SomeTouch() {
+  return {.q_mm = {210, 40, 17},
+          .dir = {1, -1, -1},
+          .n = Vec3<double>(-0.8, 0.36, 0.48).normalized(),
+          .steps_per_mm = {800, 800, 800},
+          .tip_radius_cfg_mm = 1,
+          .feed_mm_s = 2,
+          .on_table = true};
+}
+
+class EveryEffect : public ::testing::TestWithParam<int> {};
+
+TEST_P(EveryEffect, IsDocumentedAndHasAUsablePrior) {
+  const Effect& effect = EffectAt(GetParam());
+  for (const std::string_view words : {effect.about,
+                                       effect.formula,
+                                       effect.source,
+                                       effect.twin,
+                                       effect.words.plot,
+                                       effect.words.values,
+                                       effect.words.cause,
+                                       effect.words.effect,
+                                       effect.words.action}) {
+    EXPECT_THAT(words, Not(IsEmpty()));
+  }
+  EXPECT_FALSE(effect.axes.empty());
+  for (const Parameter& p : effect.parameters) {
+    EXPECT_LT(p.min, p.max) << p.name;
+    EXPECT_GE(Middle(p.prior), p.min) << p.name;
+    EXPECT_LE(Middle(p.prior), p.max) << p.name;
+    EXPECT_THAT(std::string(p.name), HasSubstr("_")) << "carries no unit";
+  }
+}
+
+TEST_P(EveryEffect, AtItsNeutralValuesChangesNoErrorAnywhere) {
+  const Machine machine = Gantry();
+  for (const std::string_view axis : EffectAt(GetParam()).axes) {
+    const std::vector<Injected> neutral{NeutralEffect(GetParam(), axis, machine)};
+
+    const auto with = ErrorsAt<double>(machine, SomeTouch(), neutral);
+    const auto without = ErrorsAt<double>(machine, SomeTouch(), {});
+
+    EXPECT_EQ(with.motion_mm, without.motion_mm) << axis;
+    EXPECT_EQ(with.lost_motion_mm, without.lost_motion_mm) << axis;
+    EXPECT_EQ(with.pretravel_mm, without.pretravel_mm) << axis;
+    EXPECT_EQ(with.tip_radius_mm, without.tip_radius_mm) << axis;
+    EXPECT_EQ(with.artefact_mm, without.artefact_mm) << axis;
+    EXPECT_EQ(with.latency_s, without.latency_s) << axis;
+    EXPECT_EQ(with.scatter_mm2, without.scatter_mm2) << axis;
+  }
+}
+
+TEST_P(EveryEffect, ChangesSomethingAwayFromItsNeutralValues) {
+  const Machine machine = Gantry();
+  for (const std::string_view axis : EffectAt(GetParam()).axes) {
+    std::vector<Injected> moved{NeutralEffect(GetParam(), axis, machine)};
+    for (double& value : moved[0].values)
+      value += 0.01 * std::max(1.0, std::abs(value));
+
+    const auto with = ErrorsAt<double>(machine, SomeTouch(), moved);
+    const auto without = ErrorsAt<double>(machine, SomeTouch(), {});
+
+    const bool changes = with.motion_mm != without.motion_mm ||
+                         with.pretravel_mm != without.pretravel_mm ||
+                         with.tip_radius_mm != without.tip_radius_mm ||
+                         with.artefact_mm != without.artefact_mm ||
+                         with.latency_s != without.latency_s ||
+                         with.scatter_mm2 != without.scatter_mm2;
+    EXPECT_TRUE(changes) << axis;
+  }
+}
+
+std::vector<int> AllIndices() {
+  std::vector<int> indices;
+  for (int i = 0; i < static_cast<int>(kNumEffects); ++i) indices.push_back(i);
+  return indices;
+}
+
+INSTANTIATE_TEST_SUITE_P(,
+                         EveryEffect,
+                         ::testing::ValuesIn(AllIndices()),
+                         [](const auto& test) {
+                           return std::string(EffectAt(test.param).name);
+                         });
+
+}  // namespace
+}  // namespace caltwin
