@@ -182,7 +182,13 @@ Expected<void> Probing::ReleaseOnce(const Face& face,
       Within(controller_->position_mm() + face.n * (kBackOff_mm + LeadIn_mm(face.n)));
   const auto left = controller_->ProbeAway(away_mm, feed_mm_s);
   if (!left) return left;
-  touched->release_mm.push_back(RowOf(face, plan).value_mm);
+  Row row = RowOf(face, plan);
+  row.rep = static_cast<std::int64_t>(touched->trigger_mm.size());
+  row.feed_mm_s = feed_mm_s;
+  row.settings = SettingsId();
+  row.flag = "release";
+  touched->release_mm.push_back(row.value_mm);
+  Record(row);
   return {};
 }
 
@@ -190,7 +196,7 @@ Row Probing::RowOf(const Face& face, const TouchPlan& plan) const {
   const double radius_mm = controller_->settings().tip_radius_mm;
   const Vec3<double>& tip_mm = controller_->position_mm();
   Row row{.campaign = plan.campaign, .kind = RowKind::kTouch};
-  row.setup = SetupId(face.artefact);
+  row.setup = SetupOf(face);
   row.home = HomeId();
   row.feature = face.feature;
   row.value_mm = (tip_mm - face.at_mm).dot(face.n) -
@@ -243,6 +249,18 @@ std::string Probing::SettingsId() {
 
 std::string Probing::HomeId() const {
   return fmt::format("h{}", bench_->ledger.homings);
+}
+
+std::string Probing::SetupOf(const Face& face) const {
+  const bool is_block = std::ranges::any_of(bench_->artefacts, [&](const Artefact& a) {
+    const bool stands =
+        a.type == ArtefactType::kBlock123 || a.type == ArtefactType::kWeb;
+    return stands && a.id == face.artefact;
+  });
+  const bool looks_up = face.n[2] > 0.5;
+  // What stands on the table is as high as its certificate says, however it was turned.
+  if (looks_up && (is_block || face.artefact == "bed")) return "table";
+  return SetupId(face.artefact);
 }
 
 std::string Probing::SetupId(const std::string& artefact) const {

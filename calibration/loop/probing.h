@@ -61,7 +61,11 @@ class Probing {
   /// Id of the settings in force, for rows.
   std::string SettingsId();
   std::string HomeId() const;
+  /// Placement of an artefact: its id, then with the number of times it was put down.
   std::string SetupId(const std::string& artefact) const;
+  /// Placement that a touch of the face shares: "table" for the tops of what stands on
+  /// it.
+  std::string SetupOf(const Face& face) const;
 
  private:
   Vec3<double> Start_mm(const Face& face, double off_mm) const;

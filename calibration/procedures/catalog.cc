@@ -4,14 +4,26 @@
 #include <array>
 
 #include "calibration/procedures/cluster_backlash.h"
+#include "calibration/procedures/deflection.h"
+#include "calibration/procedures/dial_backlash.h"
 #include "calibration/procedures/dual_dimension.h"
+#include "calibration/procedures/plane_tilt.h"
 #include "calibration/procedures/release_backlash.h"
+#include "calibration/procedures/rough_steps.h"
+#include "calibration/procedures/uninformative_backlash.h"
 
 namespace caltwin {
 
 std::span<const Procedure> AllProcedures() {
-  static const std::array kAll = {
-      kDualDimension, kClusterBacklash, kTriggerReleaseBacklash};
+  static const std::array kAll = {kRoughSteps,
+                                  kDualDimension,
+                                  kClusterBacklash,
+                                  kDeflection,
+                                  kTriggerReleaseBacklash,
+                                  kDialBacklash,
+                                  kSameSideBacklash,
+                                  kAwayReturnBacklash,
+                                  kPlaneTilt};
   return kAll;
 }
 

@@ -1,0 +1,294 @@
+#include "calibration/procedures/deflection.h"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "calibration/estimate/deflection.h"
+#include "calibration/procedures/plan_model.h"
+#include "calibration/procedures/span.h"
+#include "sim/base/mutant.h"
+#include "sim/base/units.h"
+
+namespace caltwin {
+namespace {
+
+constexpr double kPublishedTolerance_mm = 0.01;  // NeXT 3.6, step 5.
+constexpr double kTipDoubt_mm = 0.001;           // Of a ball as its maker states it.
+constexpr double kKnown_mm = 0.1;  // A gap less sure than this is not known.
+
+struct FromElsewhere {
+  Given backlash_left_mm = kNotGiven;
+  Given tip_radius_mm{};
+};
+
+// What the span is measured on: for z a ledge, which can be touched from both sides.
+Artefact* ArtefactFor(Session* session, const DeflectionOptions& o) {
+  const CommonOptions& c = o.common;
+  if (c.axis == Axis::kZ) {
+    return SeekArtefact(&session->bench(), c.artefact, {ArtefactType::kLedge}, c.place);
+  }
+  return FindArtefact(
+      &session->bench(),
+      c.artefact,
+      {ArtefactType::kBlock123, ArtefactType::kWeb, ArtefactType::kPocket},
+      c.place);
+}
+
+FromElsewhere WhatIsKnown(Session* session, const DeflectionOptions& o) {
+  FromElsewhere known{
+      .backlash_left_mm =
+          o.backlash_left_mm.value_or(BacklashLeft(session, o.common.axis)),
+      .tip_radius_mm = o.tip_radius_mm.value_or(
+          Given{.value = session->believed().tip_radius_mm, .sd = kTipDoubt_mm})};
+  if (o.tip_radius_mm) return known;
+  const auto& calliper = session->bench().instruments.find("calliper");
+  if (calliper == session->bench().instruments.end()) return known;
+  const auto diameter_mm = session->bench().gauge->Read_mm("calliper.tip");
+  if (!diameter_mm) return known;
+  const double sd_mm =
+      std::hypot(MmFromUm(calliper->second.sigma_um),
+                 MmFromUm(calliper->second.resolution_um) / std::sqrt(12.0),
+                 MmFromUm(calliper->second.u_um)) /
+      2;
+  const double read_mm = *diameter_mm / 2;
+  const double off_mm = read_mm - known.tip_radius_mm.value;
+  constexpr double kSigmas = 4;
+  if (std::abs(off_mm) > kSigmas * std::hypot(sd_mm, known.tip_radius_mm.sd)) {
+    session->Tell(
+        fmt::format("The calliper reads a tip radius of {:.3f} mm, entered are {:.3f}: "
+                    "was the diameter entered as the radius?",
+                    read_mm,
+                    known.tip_radius_mm.value));
+    known.tip_radius_mm = {.value = read_mm, .sd = sd_mm};
+  } else if (sd_mm < known.tip_radius_mm.sd) {
+    known.tip_radius_mm = {.value = read_mm, .sd = sd_mm};
+  }
+  return known;
+}
+
+// Faces of the two touches, and how the disc stylus comes in between.
+Expected<SpanReading> Measure(Session* session,
+                              const Artefact& artefact,
+                              const DeflectionOptions& o) {
+  const CommonOptions& c = o.common;
+  const SpanPlan plan{.axis = c.axis,
+                      .repeats = c.repeats,
+                      .campaign = "deflection." + Name(c.axis),
+                      .place = c.place};
+  if (artefact.type != ArtefactType::kLedge) {
+    return MeasureSpan(session, artefact, plan);
+  }
+  const auto fit = [&](const std::string& stylus) {
+    return session->bench().person->Do(
+        {.kind = Act::Kind::kFitStylus,
+         .text = fmt::format("Fit the {} stylus.", stylus),
+         .artefact = stylus});
+  };
+  if (const auto raised = session->probing().Raise(); !raised) {
+    return tl::unexpected(raised.error());
+  }
+  if (const auto fitted = fit("disc"); !fitted) {
+    return tl::unexpected(fitted.error());
+  }
+  auto span = MeasureSpan(session, artefact, plan);
+  if (!span) return span;
+  if (const auto fitted = fit("ball"); !fitted) {
+    return tl::unexpected(fitted.error());
+  }
+  return span;
+}
+
+DeflectionSpan AsSpan(Session* session,
+                      const SpanReading& span,
+                      const FromElsewhere& known) {
+  const double radius_mm = session->believed().tip_radius_mm;
+  return {.kind = span.kind,
+          .size_mm = span.size_mm,
+          .span_mm = span.span_mm,
+          .tip_radius_cfg_mm = radius_mm,
+          .tip_radius_mm = known.tip_radius_mm,
+          .backlash_mm = known.backlash_left_mm};
+}
+
+void ExplainPlan(Session* session,
+                 const Artefact& artefact,
+                 const DeflectionOptions& o,
+                 const FromElsewhere& known) {
+  PlanModel plan(session);
+  for (const Face& face :
+       FacesForSpan(artefact, {.axis = o.common.axis, .place = o.common.place})) {
+    plan.AddTouch(face, o.common.repeats, artefact.id);
+  }
+  plan.AddKnown(NameOf(Setting::kStepsPerMm, o.common.axis), 0.1);
+  plan.AddKnown("tip_size", std::max(known.tip_radius_mm.sd, 1e-6));
+  if (known.backlash_left_mm.sd < kKnown_mm) {
+    plan.AddKnown(NameOf(Setting::kBacklash, o.common.axis),
+                  std::max(known.backlash_left_mm.sd, 1e-6));
+  }
+  const ObservabilityReport report = plan.Report();
+  session->Tell(InWords(report));
+  session->Explain(report);
+}
+
+// Z has one face only: pre-travel shifts every height alike, and so does the table.
+Expected<void> SayNotIdentifiable(Session* session, Axis axis) {
+  const std::string name = NameOf(Setting::kDeflection, axis);
+  session->Tell(
+      "Along z every height is read by the same pre-travel too low, which no "
+      "touch from above tells from the table's height: pre-travel of z needs "
+      "a ledge, touched from above and from below with the disc stylus.");
+  PlanModel plan(session);
+  plan.AddTouch(TableAt(0, 0), 1, "table");
+  plan.AddKnown(NameOf(Setting::kStepsPerMm, axis), 0.1);
+  plan.AddKnown(NameOf(Setting::kBacklash, axis), 0.001);
+  plan.AddKnown("tip_size", kTipDoubt_mm);
+  session->Explain(plan.Report());
+  session->Conclude(name, "mm", {});
+  session->End(Ending::kConfounded);
+  return {};
+}
+
+Expected<void> RunAsPublished(Session* session,
+                              const Artefact& artefact,
+                              const DeflectionOptions& o) {
+  const CommonOptions& c = o.common;
+  const auto span = Measure(session, artefact, o);
+  if (!span) return tl::unexpected(span.error());
+  const Uncertain deflection_mm = DeflectionAsPublished(AsSpan(session, *span, {}));
+  const auto applied =
+      session->Apply({.setting = Setting::kSingleDeflection,
+                      .axis = c.axis,
+                      .after = deflection_mm.value,
+                      .why = fmt::format("{:.4f} mm measured, {:.4f} mm actual.",
+                                         span->span_mm.value,
+                                         span->size_mm.value)});
+  if (!applied) return tl::unexpected(applied.error());
+  session->Conclude(
+      NameOf(Setting::kDeflection, c.axis), "mm", deflection_mm, *applied);
+  if (!*applied && session->rules().apply) session->End(Ending::kRefused);
+  if (!*applied || !c.verify) return {};
+  const auto again = Measure(session, artefact, o);
+  if (!again) return tl::unexpected(again.error());
+  // G6512 takes its stored deflection off each face, in the sense of the formula.
+  const double compensated_mm =
+      again->span_mm.value -
+      2 * session->believed()
+              .probe_deflection_mm[static_cast<std::size_t>(Index(c.axis))];
+  const double off_mm = compensated_mm - again->size_mm.value;
+  session->Tell(
+      fmt::format("Step 5: reads {:+.4f} mm off after compensation, {} within 0.01 mm: "
+                  "the formula agrees with itself, whatever its sign.",
+                  off_mm,
+                  std::abs(off_mm) <= kPublishedTolerance_mm ? "so" : "not"));
+  return {};
+}
+
+}  // namespace
+
+Expected<void> RunDeflection(Session* session, const DeflectionOptions& o) {
+  const CommonOptions& c = o.common;
+  Artefact* artefact = ArtefactFor(session, o);
+  if (artefact == nullptr) return SayNotIdentifiable(session, c.axis);
+  if (const auto laid = LayBlock(session, artefact, c.axis, o.size_mm); !laid) {
+    return laid;
+  }
+  if (c.as_published) return RunAsPublished(session, *artefact, o);
+  const FromElsewhere known = WhatIsKnown(session, o);
+  ExplainPlan(session, *artefact, o, known);
+  const auto span = Measure(session, *artefact, o);
+  if (!span) return tl::unexpected(span.error());
+  const Deflection found = DeflectionFromSpan(AsSpan(session, *span, known));
+  const std::string name = NameOf(Setting::kDeflection, c.axis);
+  const double before_mm = session->Believed(Setting::kDeflection, c.axis);
+  session->Tell(fmt::format("{}: pre-travel + backlash / 2 - tip radius is {:.4f} mm.",
+                            Letter(c.axis),
+                            found.combination_mm.value));
+  if (known.backlash_left_mm.sd > kKnown_mm) {
+    session->Measured(name, before_mm, "Not applied: the backlash is not known.");
+    session->Tell(
+        "Nobody has measured the backlash of this axis: half of it would be "
+        "taken for pre-travel. Measure it first, or give backlash_left_mm.");
+    session->Conclude(name, "mm", {});
+    session->End(Ending::kConfounded);
+    return {};
+  }
+  const Uncertain delta_mm = found.pretravel_mm;
+  const Proposal proposal{
+      .setting = Setting::kDeflection,
+      .axis = c.axis,
+      .after = delta_mm.value,
+      .why = fmt::format(
+          "{:.4f} mm reads {:.4f} mm.", span->size_mm.value, span->span_mm.value)};
+  const auto applied = session->Apply(proposal);
+  if (!applied) return tl::unexpected(applied.error());
+  if (!*applied || !c.verify) {
+    if (!*applied && session->rules().apply) session->End(Ending::kRefused);
+    session->Conclude(name, "mm", delta_mm, *applied);
+    return {};
+  }
+  const auto again = Measure(session, *artefact, o);
+  if (!again) return tl::unexpected(again.error());
+  const double sign = again->kind == SpanKind::kExternal ? 1 : -1;
+  const auto off_mm = [&](const SpanReading& reading, double deflection_mm) {
+    const double tips_mm =
+        2 * (known.tip_radius_mm.value - session->believed().tip_radius_mm);
+    return std::abs(reading.error_mm() +
+                    sign *
+                        (2 * deflection_mm + known.backlash_left_mm.value - tips_mm));
+  };
+  const auto good = session->KeepOrRollBack(
+      proposal,
+      before_mm,
+      {.error_before = off_mm(*span, before_mm),
+       .error_after = off_mm(*again,
+                             Mutant("deflection_unsigned", 1.0, -1.0) *
+                                 session->Believed(Setting::kDeflection, c.axis)),
+       .sd = again->span_mm.sd});
+  if (!good) return tl::unexpected(good.error());
+  session->Conclude(name, "mm", delta_mm, *good);
+  return {};
+}
+
+namespace {
+
+PreparedProcedure Prepare(YamlMap map) {
+  DeflectionOptions o;
+  o.common = ReadCommon(&map);
+  o.size_mm = map.NumberOr("dimension", 25.4, {0.1, 1000});
+  if (map.Has("backlash_left_mm")) {
+    o.backlash_left_mm = Given{.value = map.Number("backlash_left_mm", {-2, 2}),
+                               .sd = map.NumberOr("backlash_u_mm", 0.001, {0, 2})};
+  }
+  if (map.Has("tip_radius_mm")) {
+    o.tip_radius_mm = Given{.value = map.Number("tip_radius_mm", {0.05, 20}),
+                            .sd = map.NumberOr("tip_radius_u_mm", 0.001, {0, 1})};
+  }
+  map.NoMoreKeys();
+  return [o](Bench* bench) {
+    Session session(bench, "next_deflection", o.common.Variant(), o.common.rules);
+    if (const auto begun = session.Begin(); !begun) return session.Finish(begun);
+    return session.Finish(RunDeflection(&session, o));
+  };
+}
+
+}  // namespace
+
+constinit const Procedure kDeflection{
+    .name = "next_deflection",
+    .about = "NeXT phase 4: pre-travel of the probe from one known size.",
+    .source = "NeXT machine calibration guide 1.0, sections 2.2 and 3.6.",
+    .published =
+        "deflection = (measured - actual) / 2, stored as one number "
+        "global.nxtProbeDeflection.",
+    .physics =
+        "The machine moves on by delta after contact, so a block reads small: S = D - "
+        "2 delta - b + 2 (R - R_cfg), and the formula's sign is wrong. delta + b / 2 - "
+        "R always appear together, in blocks and in bores: the tip's radius comes from "
+        "its certificate or a calliper, the backlash from trigger against release or a "
+        "dial, and without them the procedure says that it cannot tell. One value an "
+        "axis. Along z only a ledge touched from both sides tells.",
+    .has_variants = true,
+    .prepare = Prepare};
+
+}  // namespace caltwin
