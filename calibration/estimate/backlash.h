@@ -35,6 +35,7 @@ struct ReleaseFit {
 /// pre-travel, tip and face cancel. Two feeds extrapolate to rest; one feed needs a
 /// given latency. Holds only where FrictionHoldsCarriage, and with the firmware's
 /// backlash compensation at 0 (it spreads a correction over a longer move than this).
+/// Takes commanded for true millimetres: a scale error of 1 % is 1 % of b.
 ReleaseFit BacklashFromRelease(std::span<const TriggerRelease> feeds,
                                const Given& hysteresis_mm,
                                const Given& latency_s = kNotGiven);

@@ -4,30 +4,10 @@
 #include <string>
 
 #include "calibration/estimate/joint.h"
-#include "sim/effects/injected.h"
 #include "sim/effects/predict.h"
 
 namespace caltwin {
 namespace {
-
-// The machine as estimated: what was fixed, and the free parameters at their estimates.
-std::vector<Injected> Estimated(const JointProblem& problem, const JointFit& fit) {
-  std::vector<Injected> effects = problem.fixed;
-  for (std::size_t i = 0; i < problem.free.size(); ++i) {
-    const FreeParameter& parameter = problem.free[i];
-    const auto same = [&](const Injected& effect) {
-      return effect.effect == parameter.effect && effect.axis == parameter.axis;
-    };
-    auto found = std::ranges::find_if(effects, same);
-    if (found == effects.end()) {
-      effects.push_back(
-          NeutralEffect(parameter.effect, parameter.axis, problem.machine));
-      found = effects.end() - 1;
-    }
-    found->values[parameter.parameter] = fit.estimates[i].value;
-  }
-  return effects;
-}
 
 // Reading less prediction; false where a nuisance of it was not estimated.
 bool HeldOutResidual_mm(const JointProblem& problem,
@@ -47,6 +27,25 @@ bool HeldOutResidual_mm(const JointProblem& problem,
 
 }  // namespace
 
+std::vector<Injected> EstimatedEffects(const JointProblem& problem,
+                                       const JointFit& fit) {
+  std::vector<Injected> effects = problem.fixed;
+  for (std::size_t i = 0; i < problem.free.size(); ++i) {
+    const FreeParameter& parameter = problem.free[i];
+    const auto same = [&](const Injected& effect) {
+      return effect.effect == parameter.effect && effect.axis == parameter.axis;
+    };
+    auto found = std::ranges::find_if(effects, same);
+    if (found == effects.end()) {
+      effects.push_back(
+          NeutralEffect(parameter.effect, parameter.axis, problem.machine));
+      found = effects.end() - 1;
+    }
+    found->values[parameter.parameter] = fit.estimates[i].value;
+  }
+  return effects;
+}
+
 HoldOutError HoldOut(const JointProblem& problem) {
   std::set<std::string> groups;
   for (const Observation& observation : problem.observations) {
@@ -61,7 +60,7 @@ HoldOutError HoldOut(const JointProblem& problem) {
     });
     if (rest.observations.empty()) continue;
     const JointFit fit = FitJoint(rest);
-    const std::vector<Injected> effects = Estimated(rest, fit);
+    const std::vector<Injected> effects = EstimatedEffects(rest, fit);
     ++error.groups;
     for (const Observation& observation : problem.observations) {
       double residual_mm = 0;

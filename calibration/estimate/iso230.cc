@@ -31,11 +31,6 @@ constexpr std::array kSymbols = {
     NamedSymbol{"E_bwd", &Iso230Symbols::e_bwd, "systematic error, backward"},
 };
 
-bool MeasuresAlong(const Row& row, Axis axis) {
-  return row.kind == RowKind::kPosition && Known(row.cmd_mm[Index(axis)]) &&
-         std::abs(row.n[Index(axis)]) > kAlongAxis;
-}
-
 /// Readings at one target.
 struct Readings {
   double target_mm = 0;
@@ -309,6 +304,11 @@ std::vector<std::string> RemarksOn(const Iso230Sheet& sheet,
 
 std::span<const NamedSymbol> AllIso230Symbols() {
   return kSymbols;
+}
+
+bool MeasuresAlong(const Row& row, Axis axis) {
+  return row.kind == RowKind::kPosition && Known(row.cmd_mm[Index(axis)]) &&
+         std::abs(row.n[Index(axis)]) > kAlongAxis;
 }
 
 std::vector<Iso230Choice> Iso230Choices(const RowTable& table) {

@@ -88,6 +88,10 @@ struct Iso230Choice {
   std::string campaign{};
 };
 
+/// Whether a row is a gauge's reading along `axis`: of kind `position`, n within a
+/// cosine error of 0.1 % of it, its commanded place known.
+bool MeasuresAlong(const Row& row, Axis axis);
+
 /// Every (campaign, axis) with `position` rows measured along that axis at two or more
 /// targets of it, in file order. A straightness measurement (read across the motion) is
 /// none.

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 #include <ceres/ceres.h>
 #include <fmt/format.h>
@@ -213,7 +212,7 @@ void AddEstimates(const JointModel& model,
                               .unit = unknown.unit,
                               .value = values[i],
                               .sd = std::sqrt(covariance(i, i)) * unknown.scale,
-                              .identifiable = alone_sd < limit,
+                              .identifiable = fit->converged && alone_sd < limit,
                               .prior_sd = unknown.prior.sd,
                               .is_nuisance = unknown.is_nuisance});
   }
@@ -284,7 +283,11 @@ JointFit FitJoint(const JointProblem& problem) {
     return fit;
   }
   Eigen::VectorXd u = Eigen::VectorXd::Zero(model.size());
-  fit.converged = Minimise(model, problem.loss, &u, &fit.message);
+  // Squares first: far from the solution Huber's loss has hardly any curvature.
+  fit.converged = Minimise(model, Loss::kSquares, &u, &fit.message);
+  if (problem.loss != Loss::kSquares) {
+    fit.converged = Minimise(model, problem.loss, &u, &fit.message);
+  }
   WarnOfBounds(model, u, &fit);
 
   Eigen::MatrixXd jacobian;

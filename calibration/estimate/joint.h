@@ -59,7 +59,8 @@ struct JointEstimate {
   double value = 0;
   double sd = 0;
   /// The readings alone, beliefs relaxed a thousandfold, know it to better than 0.9 of
-  /// its prior's standard deviation. Where false, value and sd only repeat beliefs.
+  /// its prior's standard deviation. Where false, value and sd only repeat beliefs, or
+  /// the fit did not converge.
   bool identifiable = false;
   double prior_sd = 0;  ///< Infinite where there was none.
   bool is_nuisance = false;
@@ -95,6 +96,11 @@ JointFit FitJoint(const JointProblem& problem);
 /// The verdict before anything is measured: values are not looked at, the Jacobian is
 /// taken at the priors' middle.
 ObservabilityReport ObserveJoint(const JointProblem& problem);
+
+/// The machine as estimated: the fixed effects, and the free ones at their estimates.
+/// What an extended model, a prediction or a correction starts from.
+std::vector<Injected> EstimatedEffects(const JointProblem& problem,
+                                       const JointFit& fit);
 
 /// How well rows are predicted that were not fitted.
 struct HoldOutError {

@@ -110,5 +110,39 @@ TEST(Baseline, EveryCampaignHasItsOwnOffset) {
   EXPECT_NEAR(fit.Find("placement.second.x")->value, 1.3, 1e-9);
 }
 
+TEST(Baseline, AxesInOneTableAreFittedAsIfAlone) {
+  RowTable both = Real("ess_target_x_2022-04.csv");
+  const RowTable y = Real("ess_target_y_2022-04.csv");
+  both.rows.insert(both.rows.end(), y.rows.begin(), y.rows.end());
+
+  const BaselineFit fit = FitBaseline(both);
+
+  EXPECT_NEAR(fit.Find("backlash.x")->value, 0.0254, kPrinted_mm);
+  EXPECT_NEAR(fit.Find("backlash.y")->value, 0.0128, kPrinted_mm);
+}
+
+TEST(Baseline, TouchesTellPretravelAndBacklashOnlyTogether) {
+  RowTable table;
+  for (const double place_mm : {0.0, 100.0}) {
+    for (const int normal : {-1, +1}) {
+      Row row{.kind = RowKind::kTouch, .setup = "block"};
+      row.cmd_mm = {place_mm + normal * 10, 0, 0};
+      row.n = {static_cast<double>(normal), 0, 0};
+      row.dir = {static_cast<double>(-normal), 0, 0};
+      row.value_mm = -0.045;  // pre-travel 0.02 and half a gap of 0.05
+      table.rows.push_back(row);
+    }
+  }
+
+  const BaselineFit fit = FitBaseline(table);
+
+  EXPECT_FALSE(fit.Find("probe_pretravel.x")->identifiable);
+  ASSERT_EQ(fit.observability.blind.size(), 1u);
+  EXPECT_EQ(fit.observability.blind[0].statement,
+            "probe_pretravel.x + backlash.x / 2 only");
+  // Beliefs of 0.02 and 0.05 mm already have that sum.
+  EXPECT_NEAR(fit.Find("backlash.x")->value, 0.05, 1e-4);
+}
+
 }  // namespace
 }  // namespace caltwin
