@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "sim/base/mutant.h"
 #include "sim/base/require.h"
 
 namespace caltwin {
@@ -44,7 +45,10 @@ double JunctionFeed_mm_s(const PlannedMove& before,
                          const MotionLimits& limits) {
   return std::min({before.feed_mm_s,
                    after.feed_mm_s,
-                   Tightest(limits.jerk_mm_s, after.along - before.along)});
+                   Tightest(limits.jerk_mm_s,
+                            Mutant("junction_ignores_the_turn",
+                                   Vec3<double>(after.along - before.along),
+                                   Vec3<double>(0, 0, 0)))});
 }
 
 void MoveQueue::Add(PlannedMove move) {
