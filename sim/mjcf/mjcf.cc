@@ -77,6 +77,10 @@ Mjcf Mjcf::FromFile(const std::filesystem::path& file) {
   return model;
 }
 
+Mjcf Mjcf::Copy() const {
+  return Mjcf(mj_copySpec(spec_.get()));
+}
+
 void Mjcf::CheckNames(const std::string& file) const {
   Faults faults;
   const auto check = [&](mjtObj type,

@@ -30,7 +30,7 @@ double HangingLoad_n(const Machine& machine) {
 }  // namespace
 
 PhysicsPlant::PhysicsPlant(Built built, std::uint64_t seed, std::uint64_t sample)
-    : TwinPlant(std::move(built), seed, sample) {
+    : TwinPlant(std::move(built), seed, sample), drawn_(ModelOf(built_.machine)) {
   Rebuild();
   const Vec3<double> motors_mm = built_.Motors_mm(steps_);
   const Vec3<double> still = Vec3<double>::Zero();
@@ -38,7 +38,7 @@ PhysicsPlant::PhysicsPlant(Built built, std::uint64_t seed, std::uint64_t sample
 }
 
 void PhysicsPlant::Rebuild() {
-  Mjcf model = ModelOf(built_.machine);
+  Mjcf model = drawn_.Copy();
   EditModel(built_.machine, built_.effects, &model);
   for (std::size_t i = 0; i < built_.solids.size(); ++i) {
     model.AddSolid(fmt::format("solid_{}", i), built_.solids[i]);

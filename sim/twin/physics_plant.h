@@ -46,6 +46,7 @@ class PhysicsPlant final : public TwinPlant {
   void StepTo(const Vec3<double>& steps);
   Outcome Stopped(const Segment& segment, const Watch& watch, double t_s, double at_s);
 
+  Mjcf drawn_;  ///< The model with the drawing applied, before effects and artefacts.
   std::unique_ptr<World> world_;
   bool triggered_ = false;
   bool jumps_ = true;
