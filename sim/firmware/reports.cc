@@ -12,9 +12,10 @@ namespace {
 /// A number with three decimals, several times faster than the library's: M114 is asked
 /// after every touch.
 std::string Thousandths(double value) {
-  const long long whole = std::llround(value * 1000);
+  constexpr long long kScale = 1000;
+  const long long whole = std::llround(value * static_cast<double>(kScale));
   const long long size = std::abs(whole);
-  return fmt::format("{}{}.{:03}", whole < 0 ? "-" : "", size / 1000, size % 1000);
+  return fmt::format("{}{}.{:03}", whole < 0 ? "-" : "", size / kScale, size % kScale);
 }
 
 }  // namespace
@@ -33,7 +34,7 @@ Reply Firmware::Parts::ReportPosition(const Words&) {
   line += " Machine";
   for (const Axis axis : kAxes) {
     const double steps_per_mm = settings.steps_per_mm[Index(axis)];
-    line += " " + Thousandths(counts[Index(axis)] / steps_per_mm);
+    line += fmt::format(" {}", Thousandths(counts[Index(axis)] / steps_per_mm));
   }
   return {.lines = {line}};
 }
