@@ -19,7 +19,7 @@ namespace caltwin {
 
 inline constexpr int kWorkplaces = 9;  // G54 to G59.3
 inline constexpr double kDefaultFeed_mm_s = 50;
-inline constexpr int kMostLines = 200'000;  // Obeyed because of one line sent.
+inline constexpr int kMostLines = 50'000;  // Obeyed because of one line sent.
 
 /// The inside of the firmware. One class, in a file a concern: interpreter.cc (lines,
 /// blocks, meta commands), files.cc (macros, storage), moves.cc, settings_commands.cc,

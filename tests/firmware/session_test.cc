@@ -41,7 +41,7 @@ TEST(FirmwareSession, NoiseNeverBreaksIt) {
       "M999",   "while "};
   Rng rng(1, 0, "noise");
   FirmwareBench bench;
-  for (int i = 0; i < 2'000; ++i) {
+  for (int i = 0; i < 1'000; ++i) {
     std::string line;
     const auto count = 1 + static_cast<int>(rng.Uniform() * 5);
     for (int k = 0; k < count; ++k) {

@@ -125,6 +125,21 @@ TEST(ServePty, TerminalMayBeOpenedTwice) {
   EXPECT_FALSE(std::filesystem::exists(std::filesystem::symlink_status(path)));
 }
 
+TEST(SharedLink, TwoThreadsTakeTurns) {
+  CountingLink machine;
+  SharedLink shared(&machine);
+  const auto talk = [&] {
+    for (int i = 0; i < 1000; ++i) shared.Send("G28", seconds(1));
+  };
+
+  std::thread one(talk);
+  std::thread two(talk);
+  one.join();
+  two.join();
+
+  EXPECT_THAT(*shared.Send("G28", seconds(1)), ElementsAre("G28", "2001"));
+}
+
 TEST(ServePty, ExistingFileIsNotOverwritten) {
   CountingLink machine;
   const std::atomic<bool> stop = true;

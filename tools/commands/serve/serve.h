@@ -1,13 +1,33 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <filesystem>
 #include <functional>
+#include <mutex>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "sim/link/link.h"
 
 namespace caltwin {
+
+/// One link for several threads: a line is sent only when the one before is answered.
+class SharedLink : public Link {
+ public:
+  /// `inner` is borrowed.
+  explicit SharedLink(Link* inner) : inner_(inner) {}
+  Expected<std::vector<std::string>> Send(std::string_view line,
+                                          std::chrono::milliseconds patience) override {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return inner_->Send(line, patience);
+  }
+
+ private:
+  Link* inner_;
+  std::mutex mutex_{};
+};
 
 /// Serves a Link as a machine that terminal programs and G-code senders connect to: a
 /// line in, its answer and `ok` out, in RepRapFirmware's manner. A fault of the link is
@@ -17,8 +37,8 @@ namespace caltwin {
 ///
 /// Both functions block until `*stop` is true, which they notice within a fifth of a
 /// second (a signal handler may set it), serving one client at a time: on the port
-/// further ones wait until the first has gone. Several may run in threads of their own
-/// only on different links, or on one whose Send is safe to call from both.
+/// further ones wait until the first has gone. To serve one machine on a port and a
+/// terminal at once, run each in a thread of its own on the same SharedLink.
 
 /// Listens on 127.0.0.1 only. `port` 0: any free one. `listening` is called once with
 /// the port. Returns 0; throws InputError where the port cannot be had.
