@@ -54,6 +54,8 @@ class Session {
   ProcedureResult& result() { return result_; }
   const LoopRules& rules() const { return rules_; }
   const Settings& believed() const { return controller_.settings(); }
+  /// What was believed when this session began.
+  const Settings& backup() const { return backup_; }
   double Believed(Setting setting, Axis axis) const;
 
   /// Homes where needed, reads settings and keeps them as the backup.

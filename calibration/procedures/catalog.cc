@@ -7,10 +7,13 @@
 #include "calibration/procedures/deflection.h"
 #include "calibration/procedures/dial_backlash.h"
 #include "calibration/procedures/dual_dimension.h"
+#include "calibration/procedures/joint_estimate.h"
+#include "calibration/procedures/next_all.h"
 #include "calibration/procedures/plane_tilt.h"
 #include "calibration/procedures/release_backlash.h"
 #include "calibration/procedures/rough_steps.h"
 #include "calibration/procedures/uninformative_backlash.h"
+#include "calibration/procedures/verify.h"
 
 namespace caltwin {
 
@@ -19,10 +22,13 @@ std::span<const Procedure> AllProcedures() {
                                   kDualDimension,
                                   kClusterBacklash,
                                   kDeflection,
+                                  kVerify,
+                                  kNextAll,
                                   kTriggerReleaseBacklash,
                                   kDialBacklash,
                                   kSameSideBacklash,
                                   kAwayReturnBacklash,
+                                  kJointEstimate,
                                   kPlaneTilt};
   return kAll;
 }

@@ -29,6 +29,22 @@ CommonOptions ReadCommon(YamlMap* map, const CommonOptions& defaults) {
   return options;
 }
 
+std::vector<Axis> ReadAxes(YamlMap* map) {
+  std::vector<Axis> axes;
+  const auto add = [&](const YamlValue& value) {
+    axes.push_back(AxisNamed(value.Word({"x", "y", "z"})).value_or(Axis::kX));
+  };
+  const auto one = map->Optional("axis");
+  const auto several = map->Optional("axes");
+  if (one) add(*one);
+  if (several) {
+    for (const YamlValue& value : several->List()) add(value);
+    if (one) several->Fail("stands beside `axis`", "give one of the two");
+  }
+  if (axes.empty()) axes.assign(kAxes.begin(), kAxes.end());
+  return axes;
+}
+
 std::vector<double> ReadDimensions(YamlMap* map, const std::vector<double>& otherwise) {
   const auto value = map->Optional("dimensions");
   if (!value) return otherwise;

@@ -33,6 +33,9 @@ struct CommonOptions {
 /// too.
 CommonOptions ReadCommon(YamlMap* map, const CommonOptions& defaults = {});
 
+/// Reads `axis: x` or `axes: [x, y]`; left out: all three.
+std::vector<Axis> ReadAxes(YamlMap* map);
+
 /// Reads `dimensions: [25.4, 76.2]`: sizes of the block, ascending, two or more; else a
 /// fault and `otherwise`.
 std::vector<double> ReadDimensions(YamlMap* map, const std::vector<double>& otherwise);

@@ -111,6 +111,10 @@ void WarnOfScatter(Session* session, const std::string& what, double scatter_mm)
 }
 
 Given BacklashLeft(Session* session, Axis axis) {
+  // Under a hanging load the gap stays shut: nothing is lost, and a compensation adds.
+  if (WeightKeepsGapShut(axis, session->bench().machine.axis(axis))) {
+    return {.value = -session->Believed(Setting::kBacklash, axis)};
+  }
   const auto& known = session->bench().ledger.known;
   const auto gap = known.find(NameOf(Setting::kBacklash, axis));
   if (gap == known.end()) return kNotGiven;
