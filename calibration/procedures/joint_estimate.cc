@@ -51,13 +51,13 @@ std::vector<Change> ChangesOf(Session* session, const JointFit& fit, Axis axis) 
        {Setting::kStepsPerMm, Setting::kBacklash, Setting::kDeflection}) {
     const JointEstimate* found = fit.Find(NameOf(setting, axis));
     if (found == nullptr || !found->identifiable) continue;
-    Change change{.before = session->Believed(setting, axis)};
+    Change& change = changes.emplace_back();
+    change.before = session->Believed(setting, axis);
     change.proposal.setting = setting;
     change.proposal.axis = axis;
     change.proposal.after = found->value;
     change.proposal.why =
         fmt::format("Joint estimate, sd {:.2g} {}.", found->sd, found->unit);
-    changes.push_back(change);
   }
   return changes;
 }
