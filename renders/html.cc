@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "sim/base/units.h"
+
 namespace caltwin {
 namespace {
 
@@ -102,6 +104,14 @@ std::string SignedText(double value, double resolution) {
   const std::string text = NumberText(value, resolution);
   const bool is_positive = text.find_first_of("123456789") != std::string::npos;
   return is_positive && text[0] != '-' ? "+" + text : text;
+}
+
+std::string LengthText(double length_mm) {
+  const double length_um = UmFromMm(length_mm);
+  if (!std::isfinite(length_mm)) return "–";
+  if (std::abs(length_um) >= 999.5) return fmt::format("{:.3g} mm", length_mm);
+  if (std::abs(length_um) < 0.01) return "under 0.01 µm";
+  return fmt::format("{:.3g} µm", length_um);
 }
 
 std::string DurationText(double seconds_s) {

@@ -25,6 +25,9 @@ std::string NumberText(double value, double resolution);
 /// The same with its sign, + included.
 std::string SignedText(double value, double resolution);
 
+/// A small length in the unit that suits its size: "1.43 mm", "4.1 µm", "0.02 µm".
+std::string LengthText(double length_mm);
+
 /// A duration for people: "42 s", "8 min 32 s", "2 h 5 min".
 std::string DurationText(double seconds_s);
 

@@ -187,6 +187,10 @@ std::vector<std::string> CameraNames(const mjModel* model) {
   return names;
 }
 
+bool HasCamera(const mjModel* model, const std::string& name) {
+  return mj_name2id(model, mjOBJ_CAMERA, name.c_str()) >= 0;
+}
+
 Picture DrawScene(const mjModel* model, mjData* data, const PictureOptions& options) {
   return Painter(model, options).Draw(data, options);
 }

@@ -41,6 +41,7 @@ struct PictureOptions {
 
 /// Names of the cameras that a model file declares.
 std::vector<std::string> CameraNames(const mjModel* model);
+bool HasCamera(const mjModel* model, const std::string& name);
 
 /// Draws pictures of one model without a screen (OSMesa: software OpenGL in memory).
 /// Making one costs 0.3 s, a picture 0.1 to 0.5 s, so keep it for several pictures of

@@ -31,9 +31,9 @@
     return {
       width: width, height: 260,
       scales: {x: {time: false}},
-      axes: [Object.assign({label: plot.x, size: 34}, axis), Object.assign({label: plot.y, size: 58}, axis)],
+      axes: [Object.assign({label: plot.x, size: 34, incrs: [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000]}, axis), Object.assign({label: plot.y, size: 58}, axis)],
       series: [{label: plot.x}].concat(series),
-      legend: {live: false},
+      legend: {live: false, markers: {fill: function (u, i) { return u.series[i].stroke(u, i); }}},
       cursor: {points: {show: false}}
     };
   }

@@ -17,10 +17,10 @@ std::string Bar(std::string_view label, double error_mm, double largest_mm) {
       "<div class=\"bar\"><span class=\"label\">{}</span>"
       "<span class=\"track\"><span class=\"fill\" "
       "style=\"width:{:.1f}%\"></span></span>"
-      "<span class=\"number\">{:.3g} µm</span></div>\n",
+      "<span class=\"number\">{}</span></div>\n",
       label,
       percent,
-      UmFromMm(error_mm));
+      LengthText(error_mm));
 }
 
 std::string Change(double before_mm, double after_mm) {

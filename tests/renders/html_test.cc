@@ -52,6 +52,12 @@ TEST(Escaped, LeavesNothingOfMarkup) {
             "&lt;a b=&quot;c&quot; d=&#39;e&#39;&gt;&amp;");
 }
 
+TEST(LengthText, ChoosesTheUnit) {
+  EXPECT_EQ(LengthText(1.4321), "1.43 mm");
+  EXPECT_EQ(LengthText(0.0041), "4.1 µm");
+  EXPECT_EQ(LengthText(0), "under 0.01 µm");
+}
+
 TEST(DurationText, IsForPeople) {
   EXPECT_EQ(DurationText(42), "42 s");
   EXPECT_EQ(DurationText(512), "8 min 32 s");

@@ -1,0 +1,186 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "renders/machine_scene.h"
+#include "renders/run_pictures.h"
+#include "renders/scene.h"
+#include "sim/effects/catalog.h"
+
+namespace caltwin {
+namespace {
+
+TwinConfig Router() {
+  const Machine machine = ReadMachine(std::filesystem::path(CALTWIN_SOURCE_DIR) /
+                                      "models/gantry_router/machine.yaml");
+  return {.machine = machine,
+          .settings = machine.settings,
+          .artefacts = {{.id = "block", .at_mm = {150, 150, 0}}}};
+}
+
+PictureOptions Small(const std::string& camera = "") {
+  return {.width = 320, .height = 240, .camera = camera};
+}
+
+std::size_t NumColours(const Picture& picture) {
+  std::set<std::array<std::uint8_t, 3>> colours;
+  for (std::size_t i = 0; i + 2 < picture.rgb.size(); i += 3) {
+    colours.insert({picture.rgb[i], picture.rgb[i + 1], picture.rgb[i + 2]});
+  }
+  return colours.size();
+}
+
+/// Pixels that are clearly red: of the router, the probe's ruby ball alone is (its
+/// accents are orange: their green is more than a quarter of their red).
+int NumRubyPixels(const Picture& picture) {
+  int count = 0;
+  for (std::size_t i = 0; i + 2 < picture.rgb.size(); i += 3) {
+    const int red = picture.rgb[i], green = picture.rgb[i + 1];
+    if (red > 110 && green < red / 5) ++count;
+  }
+  return count;
+}
+
+TEST(Scene, DrawsTheMachineAndNotAnEmptySheet) {
+  const Picture picture = MachinePicture(Router(), 1, Small());
+
+  EXPECT_EQ(picture.width, 320);
+  EXPECT_EQ(picture.height, 240);
+  EXPECT_GT(NumColours(picture), 100);
+}
+
+TEST(Scene, GivesTheSameBytesTwice) {
+  EXPECT_EQ(PngBytes(MachinePicture(Router(), 1, Small())),
+            PngBytes(MachinePicture(Router(), 1, Small())));
+}
+
+TEST(Scene, ShowsTheTipThroughTheProbesCamera) {
+  EXPECT_GT(NumRubyPixels(MachinePicture(Router(), 1, Small("probe"))), 3);
+}
+
+TEST(Scene, StandsUpright) {
+  // The room is light above the machine, the machine's frame dark at the bottom's
+  // middle.
+  const Picture picture = MachinePicture(Router(), 1, Small("front"));
+  const auto brightness = [&](int row, int column) {
+    const std::size_t at = 3 * (static_cast<std::size_t>(row) * 320 + column);
+    return picture.rgb[at] + picture.rgb[at + 1] + picture.rgb[at + 2];
+  };
+
+  EXPECT_GT(brightness(2, 20), 450);
+  EXPECT_LT(brightness(187, 160), 200);
+}
+
+TEST(Scene, DrawsArrowsWhereTheyAre) {
+  const MachineScene scene(Router());
+  PictureOptions options = Small("table");
+  const Picture without = DrawScene(scene.model(), scene.data(), options);
+  options.arrows = {{.from_mm = {20, 20, 5}, .to_mm = {60, 20, 5}, .radius_mm = 3}};
+
+  const Picture with = DrawScene(scene.model(), scene.data(), options);
+
+  int num_changed = 0, sum_column = 0;
+  for (int i = 0; i < with.width * with.height; ++i) {
+    if (with.rgb[3 * i] == without.rgb[3 * i]) continue;
+    ++num_changed;
+    sum_column += i % with.width;
+  }
+  ASSERT_GT(num_changed, 20);
+  EXPECT_LT(sum_column / num_changed, with.width / 2);  // Left, where x is small.
+}
+
+TEST(Scene, ShowsTheBlock) {
+  TwinConfig bare = Router();
+  bare.artefacts.clear();
+  MachineScene with(Router()), without(bare);
+  const Vec3<double> pose_mm(150, 300, 120);
+  with.MoveTo(pose_mm);
+  without.MoveTo(pose_mm);
+
+  EXPECT_NE(DrawScene(with.model(), with.data(), Small("table")).rgb,
+            DrawScene(without.model(), without.data(), Small("table")).rgb);
+}
+
+TEST(Scene, OfAMachineWithoutAModelShowsTheGenericOne) {
+  TwinConfig config = Router();
+  config.machine.model.clear();
+
+  EXPECT_GT(NumColours(MachinePicture(config, 1, Small())), 20);
+}
+
+TEST(MachineScene, PutsTheTipWhereTheMotorsAre) {
+  MachineScene scene(Router());
+
+  scene.MoveTo({100, 50, 30});
+
+  const int tip = mj_name2id(scene.model(), mjOBJ_GEOM, "tip");
+  const double* at_m = scene.data()->geom_xpos + 3 * tip;
+  EXPECT_NEAR(at_m[0], 0.100, 1e-12);
+  EXPECT_NEAR(at_m[1], 0.050, 1e-12);
+  EXPECT_NEAR(at_m[2], 0.030, 1e-12);
+}
+
+Injected Gap(double gap_mm) {
+  return {.effect = EffectIndex<Backlash>(), .axis = "x", .values = {gap_mm}};
+}
+
+TEST(Exaggerated, ScalesGeometricErrorsAlone) {
+  const Machine machine = Router().machine;
+  const std::vector<Injected> effects = {
+      Gap(0.05),
+      {.effect = EffectIndex<ProbePretravel>(), .axis = "x", .values = {0.03}},
+      {.effect = EffectIndex<BedTilt>(), .values = {1.0, -2.0}}};
+
+  const std::vector<Injected> larger = Exaggerated(machine, effects, 10);
+
+  EXPECT_DOUBLE_EQ(larger[0].values[0], 0.5);
+  EXPECT_EQ(larger[1].values, effects[1].values);
+  EXPECT_DOUBLE_EQ(larger[2].values[0], 10);
+  EXPECT_DOUBLE_EQ(larger[2].values[1], -20);
+}
+
+TEST(Exaggerated, ByZeroIsTheDrawing) {
+  TwinConfig tilted = Router();
+  tilted.effects = {{.effect = EffectIndex<BedTilt>(), .values = {3.0, 3.0}}};
+
+  EXPECT_EQ(MachinePicture(tilted, 0, Small()).rgb,
+            MachinePicture(Router(), 0, Small()).rgb);
+}
+
+TEST(GridErrors, OfAGapAreHalfOfItEachWay) {
+  TwinConfig config = Router();
+  config.effects = {Gap(0.08)};
+
+  for (const PoseError& error : GridErrors(config, config.settings)) {
+    EXPECT_NEAR(error.error_mm.x(), error.is_forward ? -0.04 : 0.04, 1e-9);
+    EXPECT_NEAR(error.error_mm.y(), 0, 1e-9);
+  }
+}
+
+TEST(GridErrors, VanishWithTheRightSteps) {
+  TwinConfig config = Router();
+  Settings wrong = config.settings;
+  wrong.steps_per_mm[0] = 808;
+
+  // 1 % of 300 mm, the mean removed: 1.5 mm at either end.
+  EXPECT_EQ(Magnification(GridErrors(config, wrong)), 20);
+  EXPECT_TRUE(ArrowsOf(GridErrors(config, config.settings), 1000).empty());
+}
+
+TEST(Magnification, IsARoundNumber) {
+  const auto of = [](double error_mm) {
+    return Magnification({{.error_mm = {error_mm, 0, 0}}});
+  };
+
+  EXPECT_DOUBLE_EQ(of(0.04), 1000);
+  EXPECT_DOUBLE_EQ(of(0.05), 500);
+  EXPECT_DOUBLE_EQ(of(0.15), 200);
+  EXPECT_DOUBLE_EQ(of(0), 1);
+}
+
+}  // namespace
+}  // namespace caltwin

@@ -1,0 +1,98 @@
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <string>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "renders/machine_scene.h"
+#include "scenarios/file_kind.h"
+#include "scenarios/machine_file.h"
+#include "scenarios/runner.h"
+#include "tools/commands/command.h"
+
+namespace caltwin {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr int kLeastPixels = 16, kMostPixels = 4096;
+constexpr double kMostExaggeration = 1e6;
+
+struct Options {
+  std::string file{};
+  std::string out{};
+  std::string camera{};
+  double exaggerate = 1;
+  int width = 1280;
+  int height = 960;
+};
+
+/// What the file describes: a machine as its file (or extension) says it was built, or
+/// the machine of a scenario with its effects and artefacts.
+TwinConfig ConfigOf(const fs::path& file) {
+  const FileKind kind = KindOf(file);
+  if (kind == FileKind::kScenario) return MakeTwinConfig(ReadScenario(file));
+  if (kind == FileKind::kMachine) {
+    const MachineFile machine = ReadMachineFile(file);
+    return {.machine = machine.machine,
+            .effects = DrawEffects(machine.effects, /*seed=*/1, /*sample=*/0),
+            .settings = machine.machine.settings};
+  }
+  throw InputError({.file = file.string()},
+                   fmt::format("this is a {}, where a machine or a scenario is wanted",
+                               ToString(kind)));
+}
+
+void CheckCamera(const mjModel* model, const std::string& camera) {
+  if (camera.empty() || HasCamera(model, camera)) return;
+  throw InputError({.file = "--camera"},
+                   fmt::format("the model has no camera '{}'", camera),
+                   fmt::format("it has: {}", fmt::join(CameraNames(model), ", ")));
+}
+
+int Render(const Options& options) {
+  if (fs::path(options.out).extension() != ".png") {
+    throw InputError({.file = "--out"},
+                     fmt::format("'{}' does not end in .png", options.out),
+                     "pictures are PNG files");
+  }
+  const TwinConfig config = ConfigOf(options.file);
+  const MachineScene scene(config, options.exaggerate);
+  CheckCamera(scene.model(), options.camera);
+  WritePng(options.out,
+           DrawScene(scene.model(),
+                     scene.data(),
+                     {.width = options.width,
+                      .height = options.height,
+                      .camera = options.camera}));
+  std::cout << fmt::format("picture: {}\n", options.out);
+  return kPassed;
+}
+
+}  // namespace
+
+Action DeclareRender(CLI::App* app) {
+  auto options = std::make_shared<Options>();
+  app->add_option("FILE", options->file, "a machine or a scenario (YAML)")->required();
+  app->add_option("--out", options->out, "the picture to write (FILE.png)")->required();
+  app->add_option("--exaggerate",
+                  options->exaggerate,
+                  "draw squareness, bed tilt and backlash so many times too large")
+      ->check(CLI::Range(0.0, kMostExaggeration));
+  app->add_option("--camera", options->camera, "a camera of the model, by name");
+  app->add_option("--width", options->width, "pixels across")
+      ->check(CLI::Range(kLeastPixels, kMostPixels))
+      ->capture_default_str();
+  app->add_option("--height", options->height, "pixels down")
+      ->check(CLI::Range(kLeastPixels, kMostPixels))
+      ->capture_default_str();
+  app->footer("Needs no screen: OSMesa draws in memory.");
+  return [options] {
+    return Render(*options);
+  };
+}
+
+}  // namespace caltwin
