@@ -129,11 +129,13 @@ std::map<std::string, double> ByName(std::span<const std::string> names,
 
 // A unit vector whose foremost unknown counts positive.
 Eigen::VectorXd Oriented(const Eigen::VectorXd& direction) {
-  const Eigen::VectorXd unit = direction.normalized();
-  for (const double entry : unit) {
-    if (std::abs(entry) > kZero) return entry < 0 ? Eigen::VectorXd(-unit) : unit;
+  double sign = 1;
+  for (const double entry : direction) {
+    if (std::abs(entry) < kZero) continue;
+    sign = entry < 0 ? -1 : 1;
+    break;
   }
-  return unit;
+  return sign * direction.normalized();
 }
 
 void AddBlind(const Eigen::MatrixXd& directions,
