@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "renders/report.h"
+#include "renders/run_pictures.h"
 #include "scenarios/file_kind.h"
 #include "scenarios/interrupt.h"
 #include "scenarios/junit.h"
@@ -139,7 +140,7 @@ void WriteOutputs(const Options& options,
   if (!options.report.empty()) {
     for (const RunResult& result : results) {
       const fs::path folder = ReportFolder(options, result, is_many);
-      WriteReport(result, {}, folder);
+      WriteReport(result, PicturesOf(result), folder);
       if (!options.json_alone()) {
         std::cout << "report: " << (folder / "index.html").string() << "\n";
       }
