@@ -70,7 +70,8 @@ struct At {
   Vec3<double> dir = Vec3<double>::Zero();
   /// Outward surface normal, or the direction in which a gauge reads. Unit.
   Vec3<double> n = Vec3<double>::Zero();
-  /// Steps per mm and backlash compensation that the command was given with.
+  /// Steps per mm (0: as drawn) and backlash compensation that the command was given
+  /// with.
   Vec3<double> steps_per_mm = Vec3<double>::Zero();
   Vec3<double> compensation_mm = Vec3<double>::Zero();
   double tip_radius_cfg_mm = 0;
@@ -83,6 +84,7 @@ struct At {
 /// All errors at one place, summed over the effects. Signs as in docs/signs.md.
 template <typename T>
 struct Errors {
+  Vec3<T> steps_per_mm = Vec3<T>::Zero();    ///< True.
   Vec3<T> motion_mm = Vec3<T>::Zero();       ///< Tip: actual minus commanded.
   Vec3<T> lost_motion_mm = Vec3<T>::Zero();  ///< Full width; acts as -dir * width / 2.
   /// Stylus deflection at the trigger for a tip pushed towards + and - of each axis, so

@@ -18,6 +18,9 @@ Errors<T> ErrorsAt(const Machine& machine,
                    const At& at,
                    std::span<const Valued<T>> effects) {
   Errors<T> errors;
+  for (const Axis axis : kAxes) {
+    errors.steps_per_mm[Index(axis)] = T(machine.axis(axis).steps_per_mm());
+  }
   for (auto& both : errors.pretravel_mm) both.fill(T(machine.probe.pretravel_mm));
   errors.tip_radius_mm = T(machine.probe.tip_radius_mm);
   const auto add = [&](bool drive, const Vec3<T>& q_mm) {
@@ -32,12 +35,17 @@ Errors<T> ErrorsAt(const Machine& machine,
     }
   };
   const Vec3<T> q_mm = at.q_mm.template cast<T>();
-  add(true, q_mm);
-  for (int i = 0; i < 3; ++i) {
+  add(/*drive=*/true, q_mm);
+  for (const Axis axis : kAxes) {
+    const int i = Index(axis);
+    if (at.steps_per_mm[i] > 0) {
+      errors.motion_mm[i] += (at.q_mm[i] - machine.axis(axis).home_mm()) *
+                             (at.steps_per_mm[i] / errors.steps_per_mm[i] - 1.0);
+    }
     errors.motion_mm[i] -=
         at.dir[i] * (errors.lost_motion_mm[i] - at.compensation_mm[i]) / 2.0;
   }
-  add(false, Vec3<T>(q_mm + errors.motion_mm));
+  add(/*drive=*/false, Vec3<T>(q_mm + errors.motion_mm));
   return errors;
 }
 

@@ -10,6 +10,7 @@ namespace caltwin {
 ///
 /// q commanded position, q_home the home end of that axis, where the error is zero by
 /// definition; s_cfg the steps/mm the command was given with. Positive: moves too far.
+/// ErrorsAt applies it, since a setting can be wrong on a machine built as drawn.
 struct StepsPerMm {
   static constexpr std::array<std::string_view, 3> kAxes = {"x", "y", "z"};
   static constexpr std::array kParameters = {
@@ -48,11 +49,7 @@ struct StepsPerMm {
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {
-    const Axis axis = *AxisNamed(asked.axis);
-    const int i = Index(axis);
-    const double home_mm = asked.machine.axis(axis).home_mm();
-    errors->motion_mm[i] +=
-        (asked.q_mm[i] - home_mm) * (asked.at.steps_per_mm[i] / asked.p[0] - 1.0);
+    errors->steps_per_mm[Index(*AxisNamed(asked.axis))] = asked.p[0];
   }
 };
 

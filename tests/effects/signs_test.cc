@@ -65,6 +65,15 @@ TEST(Signs, AnAxisThatMovesOnePercentTooFarReadsPositiveOnAGaugeAndNegativeOnATo
   EXPECT_NEAR(Touch_mm(one_percent, {100, 0, 0}, -kX) - neutral_mm, +1.0, kExact);
 }
 
+TEST(Signs, AWrongSettingOnAMachineBuiltAsDrawnMovesTooFarToo) {
+  const At at{.kind = RowKind::kPosition,
+              .q_mm = {100, 0, 0},
+              .n = kX,
+              .steps_per_mm = {808, 800, 800}};
+
+  EXPECT_NEAR(Predict_mm<double>(Gantry(), at, {}), +1.0, kExact);
+}
+
 TEST(Signs, TheScaleErrorIsZeroAtTheHomeEnd) {
   const auto one_percent = With("steps_per_mm", "z", {800 / 1.01});
 
