@@ -1,0 +1,151 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "calibration/procedures/joint_estimate.h"
+#include "calibration/procedures/next_all.h"
+#include "calibration/procedures/plane_tilt.h"
+#include "calibration/procedures/verify.h"
+#include "tests/calibration/toy_bench.h"
+
+namespace caltwin {
+namespace {
+
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using testing::RunStep;
+using testing::ToyBench;
+
+constexpr double kStep_mm = 1 / 800.0;
+
+void Spoil(ToyBench* toy) {
+  toy->machine.settings.steps_per_mm = {808, 795, 806};
+  toy->machine.drives[0] = {.gap_mm = 0.05, .pretravel_mm = 0.025};
+  toy->machine.drives[1] = {.gap_mm = 0.08, .pretravel_mm = 0.018};
+  toy->machine.drives[2] = {.gap_mm = 0.03};
+}
+
+const Estimate& Last(const ProcedureResult& result, const std::string& name) {
+  const Estimate* last = nullptr;
+  for (const Estimate& estimate : result.estimates) {
+    if (estimate.name == name) last = &estimate;
+  }
+  if (last == nullptr) throw std::runtime_error("no estimate of " + name);
+  return *last;
+}
+
+TEST(JointEstimate, FindsEverythingButThePretravelOfZ) {
+  ToyBench toy;
+  Spoil(&toy);
+
+  const ProcedureResult result =
+      RunStep(kJointEstimate, "{tip_radius_mm: 1, tip_radius_u_mm: 0.0001}", &toy);
+
+  EXPECT_EQ(result.ending, Ending::kDone);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_NEAR(toy.machine.settings.steps_per_mm[i], 800, 0.05) << i;
+    EXPECT_NEAR(
+        toy.machine.settings.backlash_mm[i], toy.machine.drives[i].gap_mm, 2 * kStep_mm)
+        << i;
+  }
+  EXPECT_NEAR(Last(result, "probe_pretravel.x").value, 0.025, 2 * kStep_mm);
+  EXPECT_NEAR(Last(result, "probe_pretravel.y").value, 0.018, 2 * kStep_mm);
+  EXPECT_FALSE(Last(result, "probe_pretravel.z").identifiable);
+  EXPECT_NEAR(Last(result, "bed_tilt.slope_x_mrad").value, 0, 0.01);
+}
+
+TEST(JointEstimate, LeavesCompensationAsItWasWhereNothingIsApplied) {
+  ToyBench toy;
+  toy.machine.settings.backlash_mm = {0.01, 0.02, 0.03};
+
+  RunStep(kJointEstimate, "{axis: x, apply: false, tilt: false}", &toy);
+
+  EXPECT_THAT(toy.machine.settings.backlash_mm, ElementsAre(0.01, 0.02, 0.03));
+}
+
+TEST(NextAll, CalibratesThreeAxesInEitherOrderAndKeepsThem) {
+  for (const char* order : {"section_2", "appendix_a"}) {
+    ToyBench toy;
+    Spoil(&toy);
+
+    const ProcedureResult result =
+        RunStep(kNextAll, fmt::format("{{date: 2026-11-21, order: {}}}", order), &toy);
+
+    EXPECT_EQ(result.ending, Ending::kDone) << result.fault;
+    for (std::size_t i = 0; i < 3; ++i) {
+      EXPECT_NEAR(toy.machine.settings.steps_per_mm[i], 800, 0.05) << order << i;
+      EXPECT_NEAR(toy.machine.settings.backlash_mm[i],
+                  toy.machine.drives[i].gap_mm,
+                  2 * kStep_mm)
+          << order << i;
+    }
+    EXPECT_NEAR(Last(result, "probe_pretravel.x").value, 0.025, 3 * kStep_mm);
+    EXPECT_FALSE(Last(result, "probe_pretravel.z").identifiable);
+    EXPECT_THAT(toy.machine.written, Contains("; Last calibrated: 2026-11-21"));
+    EXPECT_THAT(toy.machine.written, Contains(HasSubstr("M92 X")));
+  }
+}
+
+TEST(NextAll, TenRunsDriftByLessThanAMicrometre) {
+  ToyBench toy;
+  Spoil(&toy);
+  const std::string options = "{axes: [x], persist: false, verify: false}";
+
+  RunStep(kNextAll, options, &toy);
+  const Settings first = toy.machine.settings;
+  for (int i = 0; i < 9; ++i) RunStep(kNextAll, options, &toy);
+
+  const double drift_mm =
+      300 * (toy.machine.settings.steps_per_mm[0] / first.steps_per_mm[0] - 1);
+  // A reading that falls between two steps may round either way after each homing.
+  EXPECT_LT(std::abs(toy.machine.settings.backlash_mm[0] - first.backlash_mm[0]),
+            kStep_mm);
+  EXPECT_LT(std::abs(drift_mm), 300 * 2 * kStep_mm / 50.8);
+}
+
+TEST(Verify, NamesTheCalibrationToRevisit) {
+  EXPECT_THAT(WhatToRevisit(Axis::kX, {}), IsEmpty());
+  EXPECT_THAT(WhatToRevisit(Axis::kX, {.slope = 0.001}),
+              ElementsAre(HasSubstr("revisit steps/mm")));
+  EXPECT_THAT(
+      WhatToRevisit(Axis::kX,
+                    {.reversal_mm = 0.05, .reversal_known = true, .offset_mm = -0.05}),
+      ElementsAre(HasSubstr("revisit the backlash")));
+  EXPECT_THAT(WhatToRevisit(Axis::kX, {.reversal_known = true, .offset_mm = -0.04}),
+              ElementsAre(HasSubstr("revisit the probe's deflection")));
+  EXPECT_THAT(WhatToRevisit(Axis::kX, {.scatter_mm = 0.008}),
+              ElementsAre(HasSubstr("mechanics")));
+}
+
+TEST(Verify, SeesEachErrorOnTheMachine) {
+  struct Case {
+    double steps, gap, pretravel;
+    const char* words;
+  };
+  for (const Case& c : {Case{801, 0, 0, "revisit steps/mm"},
+                        Case{800, 0.05, 0, "revisit the backlash"},
+                        Case{800, 0, 0.03, "revisit the probe's deflection"}}) {
+    ToyBench toy;
+    toy.machine.settings.steps_per_mm[0] = c.steps;
+    toy.machine.drives[0] = {.gap_mm = c.gap, .pretravel_mm = c.pretravel};
+
+    const ProcedureResult result = RunStep(kVerify, "{axis: x}", &toy);
+
+    EXPECT_THAT(result.messages, Contains(HasSubstr(c.words)));
+    EXPECT_THAT(result.messages.back(), HasSubstr(c.words));
+  }
+}
+
+TEST(PlaneTilt, OfALevelTableIsZero) {
+  ToyBench toy;
+
+  const ProcedureResult result = RunStep(kPlaneTilt, "{grid: [4, 3]}", &toy);
+
+  EXPECT_EQ(result.ending, Ending::kDone);
+  EXPECT_NEAR(Last(result, "bed_tilt.slope_x_mrad").value, 0, 1e-9);
+  EXPECT_GT(Last(result, "bed_tilt.slope_y_mrad").sd, 0);
+}
+
+}  // namespace
+}  // namespace caltwin
