@@ -12,8 +12,12 @@ namespace caltwin {
 namespace {
 
 constexpr double kTimestep_s = 2e-4;
-constexpr int kStepsBeforeContact = 40;
-constexpr double kLeastBeforeContact_mm = 0.01;
+constexpr int kStepsBeforeContact = 20;
+constexpr int kStepsBetweenLooks = 10;
+constexpr double kLeastBeforeContact_mm = 0.005;
+// A stylus that still swings by less than this is at rest long before the next contact.
+constexpr double kSwinging_mm = 1e-4;
+constexpr double kSwinging_mm_s = 0.1;
 constexpr double kAtRest_mm = 1e-6;
 constexpr double kAtRest_mm_s = 1e-3;
 constexpr double kFarthestSeen_mm = 1000;
@@ -148,8 +152,8 @@ void PhysicsPlant::PlaceAt(const Segment& segment, double t_s) {
 // Puts the machine as far ahead on its path as is free; the time then, or `t_s` where
 // it must be stepped.
 double PhysicsPlant::Jump(const Segment& segment, const Watch& watch, double t_s) {
-  if (world_->Deflection_mm().norm() > kAtRest_mm ||
-      world_->Deflection_mm_s().norm() > kAtRest_mm_s) {
+  if (world_->Deflection_mm().norm() > kSwinging_mm ||
+      world_->Deflection_mm_s().norm() > kSwinging_mm_s) {
     return t_s;
   }
   const double feed_mm_s = std::max(segment.profile.Feed_mm_s(t_s),
@@ -206,7 +210,7 @@ Outcome PhysicsPlant::Run(const Segment& segment, const Watch& watch) {
 
   double t_s = 0;
   for (int since_look = 0; t_s < duration_s; ++since_look) {
-    if (may_jump && since_look % kStepsBeforeContact == 0) {
+    if (may_jump && since_look % kStepsBetweenLooks == 0) {
       const double jumped_s = Jump(segment, watch, t_s);
       if (jumped_s > t_s) {
         t_s = jumped_s;
@@ -239,7 +243,7 @@ void PhysicsPlant::Settle(const Vec3<double>& steps) {
   }
   for (int i = 0; i < kMostSettleSteps; ++i) {
     if (world_->Carriages_mm_s().norm() < kAtRest_mm_s &&
-        world_->Deflection_mm_s().norm() < kAtRest_mm_s) {
+        world_->Deflection_mm_s().norm() < kSwinging_mm_s) {
       return;
     }
     StepTo(steps);
