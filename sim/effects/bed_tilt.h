@@ -1,5 +1,6 @@
 #pragma once
 
+#include "sim/base/mutant.h"
 #include "sim/base/units.h"
 #include "sim/effects/effect.h"
 
@@ -52,8 +53,9 @@ struct BedTilt {
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {
     if (!asked.at.on_table) return;
-    const T slope_x = RadFromMrad(asked.p[0]);
-    const T slope_y = RadFromMrad(asked.p[1]);
+    const auto x = Mutant<std::size_t>("bed_tilt_swapped_slopes", 0, 1);
+    const T slope_x = RadFromMrad(asked.p[x]);
+    const T slope_y = RadFromMrad(asked.p[1 - x]);
     const Vec3<T> r_mm(asked.q_mm[0] - asked.machine.axis(Axis::kX).mid_mm(),
                        asked.q_mm[1] - asked.machine.axis(Axis::kY).mid_mm(),
                        asked.q_mm[2]);

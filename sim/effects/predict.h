@@ -3,6 +3,7 @@
 #include <cmath>
 #include <span>
 
+#include "sim/base/mutant.h"
 #include "sim/effects/catalog.h"
 #include "sim/effects/effect.h"
 
@@ -40,10 +41,16 @@ Errors<T> ErrorsAt(const Machine& machine,
     const int i = Index(axis);
     if (at.steps_per_mm[i] > 0) {
       errors.motion_mm[i] += (at.q_mm[i] - machine.axis(axis).home_mm()) *
-                             (at.steps_per_mm[i] / errors.steps_per_mm[i] - 1.0);
+                             (Mutant("predict_scale_inverted",
+                                     T(at.steps_per_mm[i] / errors.steps_per_mm[i]),
+                                     T(errors.steps_per_mm[i] / at.steps_per_mm[i])) -
+                              1.0);
     }
-    errors.motion_mm[i] -=
-        at.dir[i] * (errors.lost_motion_mm[i] - at.compensation_mm[i]) / 2.0;
+    const double sense = Mutant("predict_lost_motion_sense", 1.0, -1.0) * at.dir[i];
+    const double compensation_mm =
+        Mutant("predict_compensation_ignored", at.compensation_mm[i], 0.0);
+    errors.motion_mm[i] -= sense * (errors.lost_motion_mm[i] - compensation_mm) /
+                           Mutant("predict_lost_motion_whole", 2.0, 1.0);
   }
   add(/*drive=*/false, Vec3<T>(q_mm + errors.motion_mm));
   return errors;
@@ -55,8 +62,10 @@ template <typename T>
 T Pretravel_mm(const Errors<T>& errors, const Vec3<double>& n) {
   using std::sqrt;
   T sum(0);
+  const auto plus = Mutant<std::size_t>("predict_pretravel_sense", 0, 1);
   for (int i = 0; i < 3; ++i) {
-    const T& p_mm = errors.pretravel_mm[static_cast<std::size_t>(i)][n[i] < 0 ? 0 : 1];
+    const T& p_mm =
+        errors.pretravel_mm[static_cast<std::size_t>(i)][n[i] < 0 ? plus : 1 - plus];
     const T ratio = n[i] / p_mm;
     sum += ratio * ratio;
   }
@@ -73,10 +82,13 @@ T Pretravel_mm(const Errors<T>& errors, const Vec3<double>& n) {
 template <typename T>
 T Predict_mm(const Machine& machine, const At& at, std::span<const Valued<T>> effects) {
   const Errors<T> errors = ErrorsAt(machine, at, effects);
-  const T along_mm = errors.motion_mm.dot(at.n.template cast<T>());
+  T along_mm = errors.motion_mm.dot(at.n.template cast<T>());
   if (at.kind != RowKind::kTouch) return along_mm;
-  return -along_mm - Pretravel_mm(errors, at.n) - at.feed_mm_s * errors.latency_s +
-         (errors.tip_radius_mm - at.tip_radius_cfg_mm) + errors.artefact_mm;
+  return -along_mm - Pretravel_mm(errors, at.n) -
+         Mutant("predict_latency_sign", 1.0, -1.0) * at.feed_mm_s * errors.latency_s +
+         Mutant("predict_tip_sign", 1.0, -1.0) *
+             (errors.tip_radius_mm - at.tip_radius_cfg_mm) +
+         errors.artefact_mm;
 }
 
 /// The effect with the values that change nothing on this machine.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/base/mutant.h"
 #include "sim/base/units.h"
 #include "sim/effects/injected.h"
 
@@ -27,7 +28,8 @@ Vec3<double> LagCenter_mm(const Machine& machine,
 }  // namespace
 
 double LagAfter_mm(double lag_mm, double travel_mm, double width_mm) {
-  return std::clamp(lag_mm - travel_mm, -width_mm / 2, width_mm / 2);
+  const double half_mm = width_mm / Mutant("play_operator_whole_width", 2.0, 1.0);
+  return std::clamp(lag_mm - travel_mm, -half_mm, half_mm);
 }
 
 void Built::Prepare() {
