@@ -14,8 +14,8 @@ ninja -C "$build" >/dev/null
 
 # NAME<TAB>FILE of every mutant in the sources, once each.
 list() {
-  git grep -hoE 'Mutant(<[^>]*>)?\(\s*"[a-z0-9_]+"' -- sim calibration scenarios |
-    sed -E 's/.*"([a-z0-9_]+)".*/\1/' | sort -u
+  git ls-files sim calibration scenarios | xargs cat | tr '\n' ' ' |
+    grep -oE 'Mutant(<[^>]*>)?\(\s*"[a-z0-9_]+"' | sed -E 's/.*"([a-z0-9_]+)".*/\1/' | sort -u
 }
 where() { git grep -lE "\"$1\"" -- sim calibration scenarios | head -n 1; }
 
