@@ -81,7 +81,8 @@ class Shapes {
 
 void AddArrow(const Arrow& arrow, Shapes* shapes) {
   const Vec3<double> from_m = arrow.from_mm * kMPerMm;
-  const Vec3<double> to_m = arrow.to_mm * kMPerMm;
+  // MuJoCo 4.0.1 draws an arrow half as long as it is asked for.
+  const Vec3<double> to_m = from_m + 2 * (arrow.to_mm - arrow.from_mm) * kMPerMm;
   mjvGeom* geom = shapes->Add();
   mjv_initGeom(geom, mjGEOM_ARROW, nullptr, nullptr, nullptr, arrow.rgba.data());
   mjv_connector(

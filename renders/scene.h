@@ -16,8 +16,8 @@ namespace caltwin {
 struct Arrow {
   Vec3<double> from_mm = Vec3<double>::Zero();
   Vec3<double> to_mm = Vec3<double>::Zero();
-  double radius_mm = 1.2;
-  std::array<float, 4> rgba = {0.9f, 0.2f, 0.1f, 1.0f};
+  double radius_mm = 1.6;
+  std::array<float, 4> rgba = {0.95f, 0.40f, 0.03f, 1.0f};
 };
 
 /// A ball drawn into a scene, in machine axes: marks a place.

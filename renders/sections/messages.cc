@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <set>
 #include <string>
 
 #include <fmt/format.h>
@@ -11,8 +13,13 @@ std::string MessagesSection(const RunResult& result,
                             const ReportPictures& /*pictures*/) {
   if (result.messages.empty()) return "";
   std::string html = "<ul>\n";
+  std::set<std::string> said;
   for (const std::string& message : result.messages) {
-    html += fmt::format("<li>{}</li>\n", Escaped(message));
+    if (!said.insert(message).second) continue;
+    const auto times = std::ranges::count(result.messages, message);
+    html += fmt::format("<li>{}{}</li>\n",
+                        Escaped(message),
+                        times > 1 ? fmt::format(" ({} times)", times) : "");
   }
   return html + "</ul>\n";
 }

@@ -1,3 +1,4 @@
+#include <set>
 #include <string>
 
 #include <fmt/format.h>
@@ -13,7 +14,9 @@ std::string ObservabilitySection(const RunResult& result,
   std::string html =
       "<p>Combinations that the measurements leave open: along these directions the "
       "readings do not change, so no estimator can tell.</p>\n<ul>\n";
+  std::set<std::string> said;
   for (const Observability& item : result.observability) {
+    if (!said.insert(item.statement).second) continue;
     html += fmt::format("<li>{}", Escaped(item.statement));
     if (!item.blind_direction.empty()) {
       html += "<br><span class=\"kind\">blind along ";

@@ -61,40 +61,47 @@ std::string ErrorBar(const ParameterResult& parameter) {
 /// The smallest thing that the numbers of a row should show.
 double Resolution(const ParameterResult& parameter) {
   if (parameter.sd.value_or(0) > 0) return *parameter.sd;
-  if (parameter.tolerance.value_or(0) > 0) return *parameter.tolerance / 10;
+  if (parameter.tolerance.value_or(0) > 0) return *parameter.tolerance;
   return 0;
 }
 
-std::string NumberCell(std::optional<double> value, double resolution, double factor) {
-  const double shown = value.has_value() ? *value * factor : std::nan("");
-  return fmt::format("<td class=\"number\">{}</td>",
-                     NumberText(shown, resolution * factor));
+/// A number with its unit where that is not the row's.
+std::string Cell(const std::string& number, const std::string& unit) {
+  const bool has_unit = !unit.empty() && number != "–";
+  return fmt::format("<td class=\"number\">{}{}{}</td>",
+                     number,
+                     has_unit ? "&nbsp;" : "",
+                     has_unit ? Escaped(unit) : "");
+}
+
+std::string ValueText(std::optional<double> value, double resolution) {
+  return NumberText(value.value_or(std::nan("")), resolution);
 }
 
 std::string ParameterRow(const ParameterResult& parameter) {
   const std::string unit =
       parameter.unit.empty() ? UnitOfName(parameter.name) : parameter.unit;
   const ErrorUnit small = ErrorUnitOf(unit);
+  const std::string small_name = small.name == UnitText(unit) ? "" : small.name;
   const double resolution = Resolution(parameter);
+  const double factor = small.per_unit;
+  const double nan = std::nan("");
   std::string row = fmt::format(
       "<tr><th scope=\"row\"><code>{}</code><span class=\"kind\">{}</span></th>"
       "<td>{}</td>",
       Escaped(parameter.name),
       parameter.is_setting ? "setting" : "estimate",
       Escaped(UnitText(unit)));
-  row += NumberCell(parameter.injected, resolution, 1);
-  row += NumberCell(parameter.recovered, resolution, 1);
-  const std::string error =
-      parameter.error.has_value()
-          ? SignedText(*parameter.error * small.per_unit, resolution * small.per_unit)
-          : "–";
-  row += fmt::format("<td class=\"number\">{}</td>", error);
-  row += NumberCell(parameter.sd, resolution, small.per_unit);
-  row +=
-      NumberCell(parameter.tolerance, parameter.tolerance.value_or(0), small.per_unit);
-  row += fmt::format("<td>{}</td><td class=\"unit\">{}</td><td>{}</td></tr>\n",
+  row += Cell(NumberText(parameter.injected, resolution), "");
+  row += Cell(ValueText(parameter.recovered, resolution), "");
+  row += Cell(SignedText(parameter.error.value_or(nan) * factor, resolution * factor),
+              small_name);
+  row += Cell(NumberText(parameter.sd.value_or(nan) * factor, resolution * factor),
+              small_name);
+  const double tolerance = parameter.tolerance.value_or(nan) * factor;
+  row += Cell(NumberText(tolerance, tolerance), small_name);
+  row += fmt::format("<td>{}</td><td>{}</td></tr>\n",
                      ErrorBar(parameter),
-                     Escaped(small.name),
                      ParameterVerdict(parameter));
   return row;
 }
@@ -111,7 +118,7 @@ std::string ParameterTable(const RunResult& result) {
       "<th scope=\"col\">injected</th><th scope=\"col\">recovered</th>"
       "<th scope=\"col\">error</th><th scope=\"col\">uncertainty (1 sd)</th>"
       "<th scope=\"col\">tolerance</th><th scope=\"col\">error in its tolerance</th>"
-      "<th scope=\"col\">unit of error</th><th "
+      "<th "
       "scope=\"col\">verdict</th></tr></thead>\n"
       "<tbody>\n";
   for (const ParameterResult& parameter : result.parameters) {

@@ -42,12 +42,18 @@ TEST(Report, NamesEveryParameterWithItsNumbers) {
 TEST(Report, ShowsErrorsOfMillimetresInMicrometres) {
   const std::string html = VerdictSection(SampleResult(), {});
 
-  EXPECT_THAT(html, HasSubstr("<td class=\"number\">-0.30</td>"));
-  EXPECT_THAT(html, HasSubstr("<td class=\"unit\">µm</td>"));
+  EXPECT_THAT(html, HasSubstr("<td class=\"number\">-0.30&nbsp;µm</td>"));
 }
 
 TEST(Report, SaysWhatCannotBeTold) {
   EXPECT_THAT(VerdictSection(SampleResult(), {}), HasSubstr("cannot be told"));
+}
+
+TEST(Report, SaysARepeatedMessageOnce) {
+  const RunResult result{.messages = {"a", "b", "a"}};
+
+  EXPECT_EQ(MessagesSection(result, {}),
+            "<ul>\n<li>a (2 times)</li>\n<li>b</li>\n</ul>\n");
 }
 
 TEST(Report, HasEverySectionAndItsAnchor) {

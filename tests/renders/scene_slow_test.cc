@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <cstdlib>
+#include <cstdint>
+#include <filesystem>
 #include <set>
 
 #include <gtest/gtest.h>
@@ -75,22 +75,35 @@ TEST(Scene, StandsUpright) {
   EXPECT_LT(brightness(187, 160), 200);
 }
 
-TEST(Scene, DrawsArrowsWhereTheyAre) {
-  const MachineScene scene(Router());
-  PictureOptions options = Small("table");
-  const Picture without = DrawScene(scene.model(), scene.data(), options);
-  options.arrows = {{.from_mm = {20, 20, 5}, .to_mm = {60, 20, 5}, .radius_mm = 3}};
-
-  const Picture with = DrawScene(scene.model(), scene.data(), options);
-
-  int num_changed = 0, sum_column = 0;
-  for (int i = 0; i < with.width * with.height; ++i) {
-    if (with.rgb[3 * i] == without.rgb[3 * i]) continue;
-    ++num_changed;
-    sum_column += i % with.width;
+/// First and last column in which two pictures differ.
+std::array<int, 2> ChangedColumns(const Picture& a, const Picture& b) {
+  std::array<int, 2> columns = {a.width, -1};
+  for (int i = 0; i < a.width * a.height; ++i) {
+    if (std::equal(&a.rgb[3 * i], &a.rgb[3 * i] + 3, &b.rgb[3 * i])) continue;
+    columns = {std::min(columns[0], i % a.width), std::max(columns[1], i % a.width)};
   }
-  ASSERT_GT(num_changed, 20);
-  EXPECT_LT(sum_column / num_changed, with.width / 2);  // Left, where x is small.
+  return columns;
+}
+
+TEST(Scene, DrawsAnArrowFromItsStartToItsEnd) {
+  MachineScene scene(Router());
+  scene.MoveTo({150, 300, 120});
+  PictureOptions options = Small("table");
+  options.shadows = false;
+  const Picture bare = DrawScene(scene.model(), scene.data(), options);
+  options.arrows = {{.from_mm = {20, 20, 5}, .to_mm = {220, 20, 5}}};
+  const Picture with_arrow = DrawScene(scene.model(), scene.data(), options);
+  options.arrows.clear();
+  options.markers = {{.at_mm = {20, 20, 5}}, {.at_mm = {220, 20, 5}}};
+
+  const Picture with_ends = DrawScene(scene.model(), scene.data(), options);
+
+  const std::array<int, 2> arrow = ChangedColumns(bare, with_arrow);
+  const std::array<int, 2> ends = ChangedColumns(bare, with_ends);
+  // The balls stand out at both ends, and the head tapers to less than a pixel.
+  const double neglected = 0.1 * (ends[1] - ends[0]);
+  EXPECT_NEAR(arrow[0], ends[0], neglected);
+  EXPECT_NEAR(arrow[1], ends[1], neglected);
 }
 
 TEST(Scene, ShowsTheBlock) {
