@@ -200,7 +200,8 @@ Expected<void> Controller::WriteDeflection(Axis axis, double deflection_mm) {
     sent = Send("global nxtProbeDeflection = " + value);
   }
   if (!sent) return tl::unexpected(sent.error());
-  settings_.probe_deflection_mm = all_mm;
+  const std::vector<double> written_mm = NumbersIn(value);
+  settings_.probe_deflection_mm = {written_mm[0], written_mm[1], written_mm[2]};
   return {};
 }
 
@@ -211,7 +212,7 @@ Expected<void> Controller::WriteSingleDeflection(double deflection_mm) {
     sent = Send("global nxtProbeDeflection = " + value);
   }
   if (!sent) return tl::unexpected(sent.error());
-  settings_.probe_deflection_mm.fill(deflection_mm);
+  settings_.probe_deflection_mm.fill(NumbersIn(value).front());
   return {};
 }
 

@@ -97,6 +97,13 @@ Expected<void> Probing::Raise() {
   return controller_->MoveTo(Within(up_mm));
 }
 
+Expected<void> Probing::RaiseToTop() {
+  Vec3<double> up_mm = controller_->position_mm();
+  const double top_mm = bench_->machine.axis(Axis::kZ).max_mm - kBelowTop_mm;
+  up_mm[2] = std::max(up_mm[2], top_mm);
+  return controller_->MoveTo(Within(up_mm));
+}
+
 Expected<void> Probing::GoBefore(const Face& face, double off_mm) {
   if (const auto raised = Raise(); !raised) return raised;
   const Vec3<double> start_mm = Start_mm(face, off_mm);
@@ -178,6 +185,11 @@ Expected<void> Probing::ReleaseOnce(const Face& face,
                                     Touched* touched) {
   const double feed_mm_s =
       plan.feed_mm_s > 0 ? plan.feed_mm_s : bench_->machine.probe.speeds_mm_s.back();
+  if (plan.push_on_mm > 0) {
+    const auto pushed = controller_->MoveTo(
+        Within(controller_->position_mm() - face.n * plan.push_on_mm), feed_mm_s);
+    if (!pushed) return pushed;
+  }
   const Vec3<double> away_mm =
       Within(controller_->position_mm() + face.n * (kBackOff_mm + LeadIn_mm(face.n)));
   const auto left = controller_->ProbeAway(away_mm, feed_mm_s);

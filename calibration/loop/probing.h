@@ -13,8 +13,11 @@ namespace caltwin {
 /// How one face is to be touched.
 struct TouchPlan {
   int repeats = 1;
-  double feed_mm_s = 0;    ///< Of the measuring touch; 0: the probe's slow one.
-  bool release = false;    ///< Back off by G38.4 and read where it lets go.
+  double feed_mm_s = 0;  ///< Of the measuring touch; 0: the probe's slow one.
+  bool release = false;  ///< Back off by G38.4 and read where it lets go.
+  /// Before a release: push the stylus on by so much, so that the switch's scatter
+  /// cannot open it before the machine has turned.
+  double push_on_mm = 0;
   std::string campaign{};  ///< As the rows say it.
 };
 
@@ -43,6 +46,8 @@ class Probing {
   Expected<Touched> Touch(const Face& face, const TouchPlan& plan);
   /// Up to the safe height.
   Expected<void> Raise();
+  /// As far up as the axis goes: room for whatever is put down next.
+  Expected<void> RaiseToTop();
   /// Up, over, down: to where the tip stands off `off_mm` from the face along its
   /// normal.
   Expected<void> GoBefore(const Face& face, double off_mm);

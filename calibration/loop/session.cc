@@ -1,5 +1,6 @@
 #include "calibration/loop/session.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -243,7 +244,10 @@ void Session::Explain(const ObservabilityReport& report) {
   for (const Observability& blind : report.blind) {
     result_.observability.push_back(blind);
   }
-  for (const std::string& advice : report.advice) Tell(advice);
+  for (const std::string& advice : report.advice) {
+    const auto& told = result_.messages;
+    if (std::ranges::find(told, advice) == told.end()) Tell(advice);
+  }
 }
 
 void Session::End(Ending ending) {

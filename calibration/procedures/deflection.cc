@@ -14,7 +14,6 @@ namespace caltwin {
 namespace {
 
 constexpr double kPublishedTolerance_mm = 0.01;  // NeXT 3.6, step 5.
-constexpr double kTipDoubt_mm = 0.001;           // Of a ball as its maker states it.
 constexpr double kKnown_mm = 0.1;  // A gap less sure than this is not known.
 
 struct FromElsewhere {
@@ -36,35 +35,9 @@ Artefact* ArtefactFor(Session* session, const DeflectionOptions& o) {
 }
 
 FromElsewhere WhatIsKnown(Session* session, const DeflectionOptions& o) {
-  FromElsewhere known{
-      .backlash_left_mm =
-          o.backlash_left_mm.value_or(BacklashLeft(session, o.common.axis)),
-      .tip_radius_mm = o.tip_radius_mm.value_or(
-          Given{.value = session->believed().tip_radius_mm, .sd = kTipDoubt_mm})};
-  if (o.tip_radius_mm) return known;
-  const auto& calliper = session->bench().instruments.find("calliper");
-  if (calliper == session->bench().instruments.end()) return known;
-  const auto diameter_mm = session->bench().gauge->Read_mm("calliper.tip");
-  if (!diameter_mm) return known;
-  const double sd_mm =
-      std::hypot(MmFromUm(calliper->second.sigma_um),
-                 MmFromUm(calliper->second.resolution_um) / std::sqrt(12.0),
-                 MmFromUm(calliper->second.u_um)) /
-      2;
-  const double read_mm = *diameter_mm / 2;
-  const double off_mm = read_mm - known.tip_radius_mm.value;
-  constexpr double kSigmas = 4;
-  if (std::abs(off_mm) > kSigmas * std::hypot(sd_mm, known.tip_radius_mm.sd)) {
-    session->Tell(
-        fmt::format("The calliper reads a tip radius of {:.3f} mm, entered are {:.3f}: "
-                    "was the diameter entered as the radius?",
-                    read_mm,
-                    known.tip_radius_mm.value));
-    known.tip_radius_mm = {.value = read_mm, .sd = sd_mm};
-  } else if (sd_mm < known.tip_radius_mm.sd) {
-    known.tip_radius_mm = {.value = read_mm, .sd = sd_mm};
-  }
-  return known;
+  return {.backlash_left_mm =
+              o.backlash_left_mm.value_or(BacklashLeft(session, o.common.axis)),
+          .tip_radius_mm = TipRadius(session, o.tip_radius_mm)};
 }
 
 // Faces of the two touches, and how the disc stylus comes in between.

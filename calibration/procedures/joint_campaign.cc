@@ -17,11 +17,17 @@ Expected<void> TouchBothFeeds(Session* session,
                               const std::string& campaign) {
   std::vector<double> feeds_mm_s = session->bench().machine.probe.speeds_mm_s;
   std::ranges::sort(feeds_mm_s);
+  double push_on_mm = 1;
+  for (const Axis axis : kAxes) {
+    if (face.ApproachSense(axis) == 0) continue;
+    push_on_mm = std::min(push_on_mm, PushOn_mm(session, axis));
+  }
   for (const double feed_mm_s : feeds_mm_s) {
     const auto touched = session->probing().Touch(face,
                                                   {.repeats = o.repeats,
                                                    .feed_mm_s = feed_mm_s,
                                                    .release = true,
+                                                   .push_on_mm = push_on_mm,
                                                    .campaign = campaign});
     if (!touched) return tl::unexpected(touched.error());
   }
@@ -144,11 +150,9 @@ JointProblem MakeJointProblem(Session* session,
   }
   if (o.squareness) problem.free.push_back(Free("squareness", "C0Y"));
   FreeParameter tip = Free("tip_size", "");
-  if (o.tip_radius_mm) {
-    tip.measured =
-        Given{.value = o.tip_radius_mm->value - bench.machine.probe.tip_radius_mm,
-              .sd = o.tip_radius_mm->sd};
-  }
+  const Given radius_mm = TipRadius(session, o.tip_radius_mm);
+  tip.measured = Given{.value = radius_mm.value - bench.machine.probe.tip_radius_mm,
+                       .sd = radius_mm.sd};
   problem.free.push_back(tip);
   problem.free.push_back(Free("trigger_latency", ""));
   const double hysteresis_mm = bench.machine.probe.hysteresis_mm;

@@ -79,6 +79,7 @@ void KeepSlowest(Session* session, Axis axis, const Touched& touched, Releases* 
 Expected<Releases> Measure(Session* session, const ReleaseOptions& o) {
   const CommonOptions& c = o.common;
   const std::vector<double> feeds_mm_s = Feeds(session, o);
+  const double push_on_mm = c.as_published ? 0 : PushOn_mm(session, c.axis);
   Releases all;
   for (const Face& face : FacesToRelease(session, c)) {
     ++all.faces;
@@ -88,6 +89,7 @@ Expected<Releases> Measure(Session* session, const ReleaseOptions& o) {
                                    {.repeats = c.repeats,
                                     .feed_mm_s = feed_mm_s,
                                     .release = true,
+                                    .push_on_mm = push_on_mm,
                                     .campaign = "trigger_release." + Name(c.axis)});
       if (!touched) return tl::unexpected(touched.error());
       for (std::size_t i = 0; i < touched->trigger_mm.size(); ++i) {
@@ -127,6 +129,7 @@ void ExplainPlan(Session* session, const ReleaseOptions& o) {
       plan.AddRelease(face, o.common.repeats, face.artefact, feed_mm_s);
     }
   }
+  plan.AddKnown(NameOf(Setting::kStepsPerMm, o.common.axis), 0.1);
   plan.AddKnown("probe_hysteresis", Hysteresis(session, o).sd + 1e-6);
   const ObservabilityReport report = plan.Report();
   session->Tell(InWords(report));

@@ -35,7 +35,7 @@ Expected<void> LayBlock(Session* session,
                         double length_mm) {
   if (block->type != ArtefactType::kBlock123) return {};
   if (std::abs(block->size_mm[Index(axis)] - length_mm) < kSameSize_mm) return {};
-  if (const auto raised = session->probing().Raise(); !raised) return raised;
+  if (const auto up = session->probing().RaiseToTop(); !up) return up;
   const auto done = session->bench().person->Do(
       {.kind = Act::Kind::kTurnBlock,
        .text = fmt::format("Turn the block '{}' so that its {} mm lie along {}.",
@@ -49,7 +49,7 @@ Expected<void> LayBlock(Session* session,
   block->size_mm = BlockLying(axis, length_mm);
   block->side = axis;
   ++session->bench().ledger.placements[block->id];
-  return session->probing().Raise();
+  return {};
 }
 
 std::vector<Face> FacesForSpan(const Artefact& artefact, const SpanPlan& plan) {
@@ -108,6 +108,40 @@ void WarnOfScatter(Session* session, const std::string& what, double scatter_mm)
                             what,
                             UmFromMm(scatter_mm)));
   session->Tell(Trouble::kInconsistent);
+}
+
+Given TipRadius(Session* session, const std::optional<Given>& told) {
+  if (told) return *told;
+  const Given entered{.value = session->believed().tip_radius_mm, .sd = kTipDoubt_mm};
+  const auto calliper = session->bench().instruments.find("calliper");
+  if (calliper == session->bench().instruments.end()) return entered;
+  const auto diameter_mm = session->bench().gauge->Read_mm("calliper.tip");
+  if (!diameter_mm) return entered;
+  const Instrument& instrument = calliper->second;
+  const double sd_mm = std::hypot(MmFromUm(instrument.sigma_um),
+                                  MmFromUm(instrument.resolution_um) / std::sqrt(12.0),
+                                  MmFromUm(instrument.u_um)) /
+                       2;
+  const Given read{.value = *diameter_mm / 2, .sd = sd_mm};
+  constexpr double kSigmas = 4;
+  const double off_mm = std::abs(read.value - entered.value);
+  if (off_mm > kSigmas * std::hypot(read.sd, entered.sd)) {
+    session->Tell(
+        fmt::format("The calliper reads a tip radius of {:.3f} mm, entered are {:.3f}: "
+                    "was the diameter entered as the radius?",
+                    read.value,
+                    entered.value));
+    return read;
+  }
+  return read.sd < entered.sd ? read : entered;
+}
+
+double PushOn_mm(Session* session, Axis axis) {
+  constexpr double kWanted_mm = 0.05;
+  const ProbeDrawing& probe = session->bench().machine.probe;
+  const double friction_n = session->bench().machine.axis(axis).rail_friction_n;
+  const double force_n = probe.stiffness_n_per_mm * (probe.pretravel_mm + kWanted_mm);
+  return force_n < friction_n / 2 ? kWanted_mm : 0;
 }
 
 Given BacklashLeft(Session* session, Axis axis) {

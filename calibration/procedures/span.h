@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -49,6 +50,18 @@ Uncertain MeanOf(Session* session, Axis axis, const std::vector<double>& reading
 /// Ledger's gap less the compensation in force: what is left. kNotGiven where nobody
 /// has measured it.
 Given BacklashLeft(Session* session, Axis axis);
+
+/// Uncertainty of a ball's radius as its maker states it.
+inline constexpr double kTipDoubt_mm = 0.001;
+
+/// The ball's radius: as told, else from `calliper.tip` where a calliper is among the
+/// instruments and knows it better than the maker or contradicts what was entered, else
+/// as entered. Says so where the two differ.
+Given TipRadius(Session* session, const std::optional<Given>& told);
+
+/// How far the stylus may be pushed on after the trigger [mm] without moving the
+/// carriage in its gap: 0.05, or 0 where half the rail's friction would not hold it.
+double PushOn_mm(Session* session, Axis axis);
 
 /// Warns by message where repeats scatter by more than 5 um.
 void WarnOfScatter(Session* session, const std::string& what, double scatter_mm);
