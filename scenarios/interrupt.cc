@@ -1,7 +1,5 @@
 #include "scenarios/interrupt.h"
 
-#include <atomic>
-
 namespace caltwin {
 namespace {
 
@@ -15,6 +13,10 @@ void RequestInterrupt() {
 }
 
 bool InterruptRequested() {
+  return requested;
+}
+
+const std::atomic<bool>& InterruptFlag() {
   return requested;
 }
 

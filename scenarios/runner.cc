@@ -112,17 +112,28 @@ std::vector<ProcedureResult> PerformAll(const Scenario& scenario,
   return results;
 }
 
+// Procedures repeat what they said before measuring and what the one before them said:
+// once is enough.
+void AddOnce(const std::string& message, std::vector<std::string>* messages) {
+  if (std::ranges::find(*messages, message) == messages->end()) {
+    messages->push_back(message);
+  }
+}
+
 void Collect(const std::vector<ProcedureResult>& results, RunResult* result) {
-  const auto append = [](const auto& from, auto* to) {
-    to->insert(to->end(), from.begin(), from.end());
-  };
   for (const ProcedureResult& part : results) {
-    append(part.steps, &result->steps);
-    append(part.observability, &result->observability);
-    append(part.messages, &result->messages);
-    if (!part.fault.empty()) {
-      result->messages.push_back("the machine said: " + part.fault);
+    result->steps.insert(result->steps.end(), part.steps.begin(), part.steps.end());
+    for (const Observability& o : part.observability) {
+      const bool is_known = std::ranges::any_of(
+          result->observability,
+          [&](const Observability& known) { return known.statement == o.statement; });
+      if (!is_known) result->observability.push_back(o);
     }
+    for (const std::string& message : part.messages) {
+      AddOnce(message, &result->messages);
+    }
+    if (!part.fault.empty())
+      AddOnce("the machine said: " + part.fault, &result->messages);
   }
 }
 

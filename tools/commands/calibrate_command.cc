@@ -98,19 +98,6 @@ std::map<std::string, double> ReadingsOf(const std::vector<std::string>& given) 
   return readings;
 }
 
-void ReadBenchFile(const std::string& file, TwinOptions* options) {
-  Faults faults;
-  YamlMap map = ReadYamlFile(file, &faults);
-  if (const auto artefacts = map.Optional("artefacts")) {
-    options->artefacts = ReadArtefacts(artefacts->Map());
-  }
-  if (const auto instruments = map.Optional("instruments")) {
-    options->instruments = ReadInstruments(instruments->Map());
-  }
-  map.NoMoreKeys();
-  faults.ThrowIfAny();
-}
-
 void TakeTwin(const Options& options, TwinOptions twin_options, AtHand* at_hand) {
   const TwinOptions named = TwinOptionsOf(options.link);
   twin_options.machine = named.machine;

@@ -32,6 +32,9 @@ struct Command {
 /// Every subcommand there is, in the order help lists them (commands.cc).
 std::span<const Command> AllCommands();
 
+/// Parses the command line and runs the subcommand it names; its exit code.
+int RunCommandLine(int argc, const char* const* argv);
+
 /// @name One function a file: NAME_command.cc.
 Action DeclareCalibrate(CLI::App* app);
 Action DeclareExplain(CLI::App* app);

@@ -14,8 +14,9 @@ namespace {
 constexpr std::array kCommands = {
     Command{"run", "run scenarios and check what they expect", DeclareRun},
     Command{"calibrate", "run a procedure on a machine", DeclareCalibrate},
+    Command{"serve", "let real clients talk to a twin", DeclareServe},
     Command{"iso230", "the ISO 230-2 sheet of measured rows", DeclareIso230},
-    Command{"render", "an off-screen picture of a machine or scenario", DeclareRender},
+    Command{"render", "an off-screen picture", DeclareRender},
     Command{"new", "a starter file for one's own machine", DeclareNew},
     Command{"validate", "check files without running anything", DeclareValidate},
     Command{"explain", "what an effect, procedure, unit or key means", DeclareExplain}};

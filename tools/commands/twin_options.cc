@@ -75,6 +75,19 @@ TwinOptions TwinOptionsOf(const std::string& url) {
   return options;
 }
 
+void ReadBenchFile(const std::string& file, TwinOptions* options) {
+  Faults faults;
+  YamlMap map = ReadYamlFile(file, &faults);
+  if (const auto artefacts = map.Optional("artefacts")) {
+    options->artefacts = ReadArtefacts(artefacts->Map());
+  }
+  if (const auto instruments = map.Optional("instruments")) {
+    options->instruments = ReadInstruments(instruments->Map());
+  }
+  map.NoMoreKeys();
+  faults.ThrowIfAny();
+}
+
 std::vector<Artefact> UsualArtefacts(const Machine& machine) {
   return {
       {.id = "block",

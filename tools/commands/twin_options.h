@@ -25,6 +25,9 @@ TwinConfig MakeTwinConfig(const TwinOptions& options);
 /// Reads `twin:M.yaml?truth=T.yaml&fidelity=fast&seed=7`. Throws InputError.
 TwinOptions TwinOptionsOf(const std::string& url);
 
+/// Reads a file with `artefacts` and `instruments` of a scenario, nothing else.
+void ReadBenchFile(const std::string& file, TwinOptions* options);
+
 /// What lies on the table where nobody says: the 1-2-3 block in the middle, 76.2 mm
 /// along x.
 std::vector<Artefact> UsualArtefacts(const Machine& machine);

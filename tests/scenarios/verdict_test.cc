@@ -1,0 +1,248 @@
+#include "scenarios/verdict.h"
+
+#include <algorithm>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "scenarios/parameter_name.h"
+#include "sim/effects/catalog.h"
+
+namespace caltwin {
+namespace {
+
+using ::testing::DoubleEq;
+using ::testing::DoubleNear;
+using ::testing::Eq;
+using ::testing::IsEmpty;
+using ::testing::Optional;
+using ::testing::StrEq;
+
+// A machine whose x is built with 800 steps/mm and a gap of 0.05 mm.
+struct Bench {
+  Machine machine{};
+  std::vector<Injected> effects{
+      {.effect = EffectIndex<Backlash>(), .axis = "x", .values = {0.05}}};
+  Trial trial{};
+
+  Bench() {
+    machine.settings.steps_per_mm.fill(800);
+    trial.machine = &machine;
+    trial.effects = &effects;
+    trial.before.steps_per_mm.fill(800);
+    trial.after = trial.before;
+  }
+};
+
+Step Applied(const std::string& name, double before, double after) {
+  return {.procedure = "p",
+          .name = name,
+          .before = before,
+          .after = after,
+          .verdict = Verdict::kApplied};
+}
+
+Estimate Told(const std::string& name, double value, double sd, bool is_setting) {
+  return {.name = name,
+          .value = value,
+          .sd = sd,
+          .identifiable = true,
+          .is_setting = is_setting};
+}
+
+const ParameterResult& RowOf(const std::vector<ParameterResult>& table,
+                             const std::string& name) {
+  return *std::ranges::find(table, name, &ParameterResult::name);
+}
+
+std::string OutcomeOf(const Trial& trial, const Expectation& expect = {}) {
+  return JudgeOutcome(trial, MakeTable(trial, expect));
+}
+
+TEST(Verdict, ComparesTheSettingWithWhatWasBuilt) {
+  Bench bench;
+  bench.trial.after.backlash_mm[0] = 0.048;
+  bench.trial.results = {{.steps = {Applied("backlash.x", 0, 0.048)},
+                          .estimates = {Told("backlash.x", 0.048, 0.001, true)}}};
+  const Expectation expect{
+      .parameters = {{.name = "backlash.x", .truth_within = 0.003}}};
+
+  const auto table = MakeTable(bench.trial, expect);
+
+  const ParameterResult& row = RowOf(table, "backlash.x");
+  EXPECT_THAT(row.injected, DoubleEq(0.05));
+  EXPECT_THAT(row.recovered, Optional(DoubleEq(0.048)));
+  EXPECT_THAT(row.error, Optional(DoubleNear(-0.002, 1e-12)));
+  EXPECT_THAT(row.passed, Optional(true));
+  EXPECT_TRUE(row.is_setting);
+}
+
+TEST(Verdict, AnErrorBeyondItsToleranceFails) {
+  Bench bench;
+  bench.trial.after.backlash_mm[0] = 0.048;
+  bench.trial.results = {{.estimates = {Told("backlash.x", 0.048, 0.001, true)}}};
+  const Expectation expect{
+      .parameters = {{.name = "backlash.x", .truth_within = 0.001}}};
+
+  EXPECT_THAT(RowOf(MakeTable(bench.trial, expect), "backlash.x").passed,
+              Optional(false));
+  EXPECT_THAT(OutcomeOf(bench.trial, expect), StrEq("misses"));
+}
+
+TEST(Verdict, WhatWasMeasuredButNotAppliedIsAnEstimate) {
+  Bench bench;
+  bench.trial.results = {{.estimates = {Told("backlash.x", 0.051, 0.001, false)}}};
+
+  const auto table = MakeTable(bench.trial, {});
+
+  EXPECT_THAT(RowOf(table, "backlash.x").recovered, Optional(DoubleEq(0.051)));
+  EXPECT_FALSE(RowOf(table, "backlash.x").is_setting);
+}
+
+TEST(Verdict, WhatCannotBeToldHasNoNumbers) {
+  Bench bench;
+  bench.trial.results = {{.estimates = {{.name = "probe_pretravel.z", .value = 3}}}};
+  const Expectation expect{
+      .parameters = {{.name = "probe_pretravel.z", .identifiable = false}}};
+
+  const auto table = MakeTable(bench.trial, expect);
+
+  const ParameterResult& row = RowOf(table, "probe_pretravel.z");
+  EXPECT_FALSE(row.identifiable);
+  EXPECT_THAT(row.recovered, Eq(std::nullopt));
+  EXPECT_THAT(row.sd, Eq(std::nullopt));
+  EXPECT_THAT(row.error, Eq(std::nullopt));
+  EXPECT_THAT(row.passed, Optional(true));
+}
+
+TEST(Verdict, AnExpectedTruthThatNobodyMeasuredFails) {
+  const Bench bench;
+  const Expectation expect{.parameters = {{.name = "backlash.y", .truth_within = 1}}};
+
+  EXPECT_THAT(RowOf(MakeTable(bench.trial, expect), "backlash.y").passed,
+              Optional(false));
+}
+
+TEST(Verdict, InjectedAndNotMeasuredStaysInTheTable) {
+  const Bench bench;
+
+  const auto table = MakeTable(bench.trial, {});
+
+  EXPECT_THAT(RowOf(table, "backlash.x").recovered, Eq(std::nullopt));
+  EXPECT_THAT(RowOf(table, "backlash.x").passed, Eq(std::nullopt));
+}
+
+TEST(Verdict, TwoGrowingPassesDivergeEvenIfALimitStoppedThem) {
+  Bench bench;
+  bench.trial.results = {{.ending = Ending::kRefused,
+                          .steps = {Applied("steps_per_mm.x", 808, 816.1),
+                                    Applied("steps_per_mm.x", 816.1, 832.5)}}};
+
+  EXPECT_THAT(OutcomeOf(bench.trial), StrEq("diverges"));
+}
+
+TEST(Verdict, OneWorseningPassIsNoDivergence) {
+  Bench bench;
+  bench.trial.position_error_before_mm = 0.5;
+  bench.trial.position_error_after_mm = 1.0;
+  bench.trial.results = {{.steps = {Applied("steps_per_mm.x", 808, 816.1)}}};
+
+  EXPECT_THAT(OutcomeOf(bench.trial), StrEq("misses"));
+}
+
+TEST(Verdict, WanderingWithinTheUncertaintyIsNoDivergence) {
+  Bench bench;
+  bench.trial.results = {{.steps = {Applied("steps_per_mm.x", 800, 800.01),
+                                    Applied("steps_per_mm.x", 800.01, 800.02)},
+                          .estimates = {Told("steps_per_mm.x", 800.02, 0.02, true)}}};
+
+  EXPECT_THAT(OutcomeOf(bench.trial), StrEq("recovers"));
+}
+
+TEST(Verdict, RefusedMeansThatNothingWasApplied) {
+  Bench bench;
+  bench.trial.results = {{.ending = Ending::kRefused}};
+  EXPECT_THAT(OutcomeOf(bench.trial), StrEq("refused"));
+
+  bench.trial.results.push_back({.steps = {Applied("steps_per_mm.x", 808, 800)}});
+  EXPECT_THAT(OutcomeOf(bench.trial), StrEq("recovers"));
+}
+
+TEST(Verdict, ZeroWhereThereIsAGapReadsZero) {
+  Bench bench;
+  bench.trial.results = {{.estimates = {Told("backlash.x", 0.0002, 0.001, false)}}};
+  EXPECT_THAT(OutcomeOf(bench.trial), StrEq("reads_zero"));
+
+  bench.effects[0].values[0] = 0.0005;  // No gap to speak of: zero is right.
+  EXPECT_THAT(OutcomeOf(bench.trial), StrEq("recovers"));
+}
+
+struct EndingCase {
+  Ending ending;
+  const char* outcome;
+};
+class EveryEnding : public ::testing::TestWithParam<EndingCase> {};
+
+TEST_P(EveryEnding, HasItsWord) {
+  Bench bench;
+  bench.trial.results = {{.ending = GetParam().ending}};
+
+  EXPECT_THAT(OutcomeOf(bench.trial), StrEq(GetParam().outcome));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    ,
+    EveryEnding,
+    ::testing::Values(EndingCase{Ending::kDone, "recovers"},
+                      EndingCase{Ending::kNoTrigger, "no_trigger"},
+                      EndingCase{Ending::kCollision, "collision"},
+                      EndingCase{Ending::kAlarm, "alarm"},
+                      EndingCase{Ending::kReadsZero, "reads_zero"},
+                      EndingCase{Ending::kConfounded, "confounded"},
+                      EndingCase{Ending::kRefused, "refused"}),
+    [](const auto& test) { return std::string(test.param.outcome); });
+
+TEST(Verdict, AnotherOutcomeThanExpectedFailsItsCheck) {
+  Bench bench;
+  bench.trial.results = {{.ending = Ending::kAlarm}};
+
+  const auto checks = MakeChecks(bench.trial, {}, MakeTable(bench.trial, {}), "alarm");
+
+  ASSERT_THAT(checks.size(), Eq(1u));
+  EXPECT_FALSE(checks[0].passed);
+  EXPECT_THAT(checks[0].expected, StrEq("recovers"));
+  EXPECT_THAT(checks[0].found, StrEq("alarm"));
+}
+
+TEST(Verdict, StepsMustComeInOrderAndNear) {
+  Bench bench;
+  bench.trial.results = {{.steps = {Applied("steps_per_mm.x", 808, 816.1),
+                                    Applied("steps_per_mm.x", 816.1, 832.5)}}};
+  Expectation expect{
+      .parameters = {
+          {.name = "steps_per_mm.x", .steps = {816, 832}, .steps_within = 1}}};
+  const auto passed = [&] {
+    return MakeChecks(bench.trial, expect, MakeTable(bench.trial, expect), "recovers")
+        .back()
+        .passed;
+  };
+
+  EXPECT_TRUE(passed());
+  expect.parameters[0].steps = {832, 816};
+  EXPECT_FALSE(passed());
+  expect.parameters[0].steps = {816, 832, 866};
+  EXPECT_FALSE(passed());
+}
+
+TEST(ParameterName, EveryNameLeadsBackToItself) {
+  for (const std::string& name : AllParameterNames()) {
+    EXPECT_TRUE(FindParameter(name).has_value()) << name;
+  }
+  EXPECT_FALSE(FindParameter("backlash").has_value());
+  for (const std::string& name : SettingNames()) {
+    EXPECT_TRUE(FindParameter(name).has_value()) << name;
+  }
+}
+
+}  // namespace
+}  // namespace caltwin

@@ -1,0 +1,118 @@
+#include <exception>
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include "scenarios/interrupt.h"
+#include "tools/commands/command.h"
+#include "tools/commands/serve/serve.h"
+#include "tools/commands/twin_options.h"
+
+namespace caltwin {
+namespace {
+
+constexpr int kLargestPort = 65535;
+
+struct Options {
+  TwinOptions twin{};
+  std::string bench{};
+  std::optional<int> port{};
+  std::string pty{};
+  std::string dialect = "rrf";
+};
+
+void Announce(const std::string& text) {
+  std::cout << text << std::endl;
+}
+
+void OnPort(const Options& options, Link* link) {
+  ServeTcp(link, *options.port, &InterruptFlag(), [](int port) {
+    Announce(fmt::format("listening on 127.0.0.1:{}", port));
+  });
+}
+
+void OnPty(const Options& options, Link* link) {
+  ServePty(link, options.pty, &InterruptFlag(), [&] {
+    Announce(fmt::format("terminal at {}", options.pty));
+  });
+}
+
+// Both at once, the terminal in a thread of its own; where one cannot be had the other
+// ends too, and the fault is told.
+void OnBoth(const Options& options, Link* link) {
+  SharedLink shared(link);
+  std::exception_ptr fault;
+  std::thread terminal([&] {
+    try {
+      OnPty(options, &shared);
+    } catch (const InputError&) {
+      fault = std::current_exception();
+      RequestInterrupt();
+    }
+  });
+  try {
+    OnPort(options, &shared);
+  } catch (const InputError&) {
+    fault = std::current_exception();
+    RequestInterrupt();
+  }
+  terminal.join();
+  if (fault) std::rethrow_exception(fault);
+}
+
+int Serve(Options options) {
+  if (!options.port && options.pty.empty()) {
+    throw InputError({},
+                     "serve needs to know where",
+                     "--tcp PORT (0: any free one), --pty PATH, or both");
+  }
+  if (!options.bench.empty()) ReadBenchFile(options.bench, &options.twin);
+  Twin twin(MakeTwinConfig(options.twin));
+  Announce(fmt::format("{}, {}, RepRapFirmware's dialect; Ctrl-C ends",
+                       twin.config().machine.name,
+                       ToString(twin.config().fidelity)));
+  if (options.port && !options.pty.empty()) {
+    OnBoth(options, &twin.link());
+  } else if (options.port) {
+    OnPort(options, &twin.link());
+  } else {
+    OnPty(options, &twin.link());
+  }
+  return kPassed;
+}
+
+}  // namespace
+
+Action DeclareServe(CLI::App* app) {
+  auto options = std::make_shared<Options>();
+  app->add_option("--machine", options->twin.machine, "a name or a machine file")
+      ->capture_default_str();
+  app->add_option(
+      "--truth", options->twin.truth, "how it differs from its drawing and settings");
+  app->add_option("--bench",
+                  options->bench,
+                  "a file with `artefacts` and `instruments`; without it the 1-2-3 "
+                  "block lies in the middle of the table, 76.2 mm along x");
+  app->add_option("--tcp", options->port, "listen on this port of 127.0.0.1; 0: any")
+      ->check(CLI::Range(0, kLargestPort));
+  app->add_option("--pty", options->pty, "make a pseudo-terminal of this name");
+  app->add_option("--fidelity", options->twin.fidelity, "physics or fast")
+      ->check(CLI::IsMember({"physics", "fast"}))
+      ->capture_default_str();
+  app->add_option("--seed", options->twin.seed, "of all chance")->capture_default_str();
+  app->add_option("--dialect", options->dialect, "the controller's: rrf")
+      ->check(CLI::IsMember({"rrf"}))
+      ->capture_default_str();
+  app->footer(
+      "A terminal program or G-code sender connects as to a real machine. Only this "
+      "computer can. Ctrl-C ends it.");
+  return [options] {
+    return Serve(*options);
+  };
+}
+
+}  // namespace caltwin
