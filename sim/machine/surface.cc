@@ -117,9 +117,11 @@ SurfaceDistance DistanceTo(const Solid& solid, const Vec3<double>& p_mm) {
 
 SurfaceDistance NearestOf(const std::vector<Solid>& solids, const Vec3<double>& p_mm) {
   SurfaceDistance nearest;
-  for (const Solid& solid : solids) {
-    const SurfaceDistance candidate = DistanceTo(solid, p_mm);
-    if (candidate.distance_mm < nearest.distance_mm) nearest = candidate;
+  for (std::size_t i = 0; i < solids.size(); ++i) {
+    const SurfaceDistance candidate = DistanceTo(solids[i], p_mm);
+    if (candidate.distance_mm >= nearest.distance_mm) continue;
+    nearest = candidate;
+    nearest.solid = i;
   }
   return nearest;
 }

@@ -28,6 +28,7 @@ Solid TableOf(const Machine& machine);
 struct SurfaceDistance {
   double distance_mm = 1e9;
   Vec3<double> normal = Vec3<double>::UnitZ();
+  std::size_t solid = 0;  ///< Which one, where it was sought among several.
 };
 
 SurfaceDistance DistanceTo(const Solid& solid, const Vec3<double>& p_mm);

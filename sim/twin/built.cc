@@ -6,6 +6,7 @@
 #include "sim/base/mutant.h"
 #include "sim/base/units.h"
 #include "sim/effects/injected.h"
+#include "sim/machine/disc_overlap.h"
 
 namespace caltwin {
 
@@ -85,12 +86,35 @@ Vec3<double> Built::Tip_mm(const Vec3<double>& steps,
 }
 
 SurfaceDistance Built::Clearance(const Vec3<double>& tip_mm) const {
-  SurfaceDistance nearest =
-      NearestOf(stylus == Stylus::kDisc ? solids_for_disc : solids, tip_mm);
-  const At at{.q_mm = tip_mm, .n = nearest.normal, .on_table = true};
+  const bool is_disc = stylus == Stylus::kDisc;
+  SurfaceDistance nearest = NearestOf(is_disc ? solids_for_disc : solids, tip_mm);
+  const bool is_flat = is_disc && std::abs(nearest.normal[2]) == 1;
   nearest.distance_mm -=
-      probe.tip_radius_mm + ErrorsAt<double>(machine, at, table_effects).artefact_mm;
+      probe.tip_radius_mm +
+      (is_flat ? TableUnderDisc_mm(tip_mm, nearest) : Table_mm(tip_mm, nearest.normal));
   return nearest;
+}
+
+double Built::Table_mm(const Vec3<double>& p_mm, const Vec3<double>& normal) const {
+  if (table_effects.empty()) return 0;
+  const At at{.q_mm = p_mm, .n = normal, .on_table = true};
+  return ErrorsAt<double>(machine, at, table_effects).artefact_mm;
+}
+
+double Built::TableUnderDisc_mm(const Vec3<double>& p_mm,
+                                const SurfaceDistance& nearest) const {
+  const double here_mm = Table_mm(p_mm, nearest.normal);
+  const Eigen::Vector2d uphill(
+      Table_mm(p_mm + Unit(Axis::kX), nearest.normal) - here_mm,
+      Table_mm(p_mm + Unit(Axis::kY), nearest.normal) - here_mm);
+  const Solid& solid = solids[nearest.solid];
+  const Eigen::Vector2d contact_mm =
+      FirstContact_mm({.disc_mm = p_mm.head<2>(),
+                       .radius_mm = machine.probe.disc_radius_mm,
+                       .face_mm = solid.center_mm.head<2>(),
+                       .half_mm = solid.half_mm.head<2>()},
+                      uphill);
+  return here_mm + uphill.dot(contact_mm - p_mm.head<2>());
 }
 
 double Built::scatter_mm() const {

@@ -49,6 +49,12 @@ struct Built {
     return caltwin::Pretravel_mm(probe, normal);
   }
   double scatter_mm() const;
+
+  /// What the table's effects add to a surface at that point, along its normal.
+  double Table_mm(const Vec3<double>& p_mm, const Vec3<double>& normal) const;
+  /// The same where a flat disc at `p_mm` first touches the solid's flat.
+  double TableUnderDisc_mm(const Vec3<double>& p_mm,
+                           const SurfaceDistance& nearest) const;
 };
 
 /// The play operator: how far the carriage lags (carriage minus motor) after the motor

@@ -238,7 +238,8 @@ TEST(FidelitiesInside, AgreeUnderALedgeWithTheDisc) {
   Artefact ledge{.id = "ledge", .type = ArtefactType::kLedge};
   ledge.at_mm = {150, 150, 0};
   ledge.size_mm = {40, 40, 10};
-  Built built = Gantry({Effect("backlash", "z", {0.05})}, {ledge});
+  Built built = Gantry(
+      {Effect("backlash", "z", {0.05}), Effect("bed_tilt", "", {0.8, -0.5})}, {ledge});
   built.stylus = Stylus::kDisc;
   FastPlant fast(built, 1, 0);
   PhysicsPlant physics(built, 1, 0);
@@ -248,10 +249,10 @@ TEST(FidelitiesInside, AgreeUnderALedgeWithTheDisc) {
     Driver driver(plant);
     driver.Go({150, 190, 60}, 50);
     driver.Go({150, 190, 20}, 50);
-    driver.Go({150, 165, 20}, 50);
-    EXPECT_TRUE(driver.Go({150, 165, 35}, 1, Watch::Kind::kProbeTriggered).stopped);
-    driver.Go({150, 165, 20}, 1, Watch::Kind::kProbeReleased);
-    driver.Go({150, 165, 20}, 50);
+    driver.Go({150, 173, 20}, 50);
+    EXPECT_TRUE(driver.Go({150, 173, 35}, 1, Watch::Kind::kProbeTriggered).stopped);
+    driver.Go({150, 173, 20}, 1, Watch::Kind::kProbeReleased);
+    driver.Go({150, 173, 20}, 50);
     driver.Go({150, 190, 20}, 50);
     driver.Go({150, 190, 60}, 50);
     driver.Go({150, 160, 60}, 50);
