@@ -138,22 +138,25 @@ class HeaderReader {
   CampaignHeader ReadCampaign(const std::string& id, YamlMap* map) {
     CampaignHeader campaign;
     campaign.instrument = map->TextOr("instrument", "");
-    if (const auto plan = map->Optional("plan")) {
-      const auto kinds = plan->Map().Entries();
-      if (kinds.size() != 1) {
-        plan->Fail("does not name one kind of plan", "for example {iso230: {axis: x}}");
-      } else {
-        campaign.plan = kinds[0].first;
-        RemarkUnless(kPlans, campaign.plan, fmt::format("campaign '{}': the plan", id));
-        if (!kinds[0].second.is_null()) {
-          for (const auto& [key, option] : kinds[0].second.Map().Entries()) {
-            campaign.options[key] = option.AsWritten();
-          }
-        }
-      }
-    }
+    if (const auto plan = map->Optional("plan")) ReadPlan(id, *plan, &campaign);
     map->NoMoreKeys();
     return campaign;
+  }
+
+  void ReadPlan(const std::string& id,
+                const YamlValue& plan,
+                CampaignHeader* campaign) {
+    const auto kinds = plan.Map().Entries();
+    if (kinds.size() != 1) {
+      plan.Fail("does not name one kind of plan", "for example {iso230: {axis: x}}");
+      return;
+    }
+    campaign->plan = kinds[0].first;
+    RemarkUnless(kPlans, campaign->plan, fmt::format("campaign '{}': the plan", id));
+    if (kinds[0].second.is_null()) return;
+    for (const auto& [key, option] : kinds[0].second.Map().Entries()) {
+      campaign->options[key] = option.AsWritten();
+    }
   }
 
   CertifiedArtefact ReadArtefact(const std::string& id, YamlMap* map) {
