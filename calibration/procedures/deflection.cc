@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "calibration/estimate/deflection.h"
+#include "calibration/procedures/ledge.h"
 #include "calibration/procedures/plan_model.h"
 #include "calibration/procedures/span.h"
 #include "sim/base/mutant.h"
@@ -40,7 +41,6 @@ FromElsewhere WhatIsKnown(Session* session, const DeflectionOptions& o) {
           .tip_radius_mm = TipRadius(session, o.tip_radius_mm)};
 }
 
-// Faces of the two touches, and how the disc stylus comes in between.
 Expected<SpanReading> Measure(Session* session,
                               const Artefact& artefact,
                               const DeflectionOptions& o) {
@@ -49,27 +49,8 @@ Expected<SpanReading> Measure(Session* session,
                       .repeats = c.repeats,
                       .campaign = "deflection." + Name(c.axis),
                       .place = c.place};
-  if (artefact.type != ArtefactType::kLedge) {
-    return MeasureSpan(session, artefact, plan);
-  }
-  const auto fit = [&](const std::string& stylus) {
-    return session->bench().person->Do(
-        {.kind = Act::Kind::kFitStylus,
-         .text = fmt::format("Fit the {} stylus.", stylus),
-         .artefact = stylus});
-  };
-  if (const auto raised = session->probing().Raise(); !raised) {
-    return tl::unexpected(raised.error());
-  }
-  if (const auto fitted = fit("disc"); !fitted) {
-    return tl::unexpected(fitted.error());
-  }
-  auto span = MeasureSpan(session, artefact, plan);
-  if (!span) return span;
-  if (const auto fitted = fit("ball"); !fitted) {
-    return tl::unexpected(fitted.error());
-  }
-  return span;
+  return artefact.type == ArtefactType::kLedge ? MeasureLedge(session, artefact, plan)
+                                               : MeasureSpan(session, artefact, plan);
 }
 
 DeflectionSpan AsSpan(Session* session,
