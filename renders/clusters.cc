@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <map>
 #include <numeric>
-#include <tuple>
 
 #include <fmt/format.h>
 
@@ -32,6 +31,20 @@ std::string SenseText(const std::array<double, 3>& dir) {
   return text;
 }
 
+/// All that makes two touches comparable. Nominal points are told apart to 0.01 mm.
+std::string KeyOf(const Row& row) {
+  return fmt::format("{}|{}|{}|{}|{}|{}|{:.2f}|{:.2f}|{:.2f}",
+                     row.feature,
+                     ApproachText(row.n),
+                     SenseText(row.dir),
+                     row.settings,
+                     row.setup,
+                     row.home,
+                     row.cmd_mm[0],
+                     row.cmd_mm[1],
+                     row.cmd_mm[2]);
+}
+
 }  // namespace
 
 double Cluster::mean_mm() const {
@@ -55,25 +68,17 @@ double Cluster::range_mm() const {
 }
 
 std::vector<Cluster> ClustersOf(const RowTable& table) {
-  using Key = std::tuple<std::string,
-                         std::string,
-                         std::string,
-                         std::string,
-                         std::string,
-                         std::string>;
-  std::map<Key, std::size_t> index_of;
+  std::map<std::string, std::size_t> index_of;
   std::vector<Cluster> clusters;
   double running = 0;
   for (const Row& row : table.rows) {
     running += 1;
     if (row.kind != RowKind::kTouch) continue;
-    const std::string approach = ApproachText(row.n);
-    const Key key{
-        row.feature, approach, SenseText(row.dir), row.settings, row.setup, row.home};
-    const auto [entry, is_new] = index_of.try_emplace(key, clusters.size());
+    const auto [entry, is_new] = index_of.try_emplace(KeyOf(row), clusters.size());
     if (is_new) {
-      clusters.push_back(
-          {.feature = row.feature, .approach = approach, .settings = row.settings});
+      clusters.push_back({.feature = row.feature,
+                          .approach = ApproachText(row.n),
+                          .settings = row.settings});
     }
     Cluster& cluster = clusters[entry->second];
     cluster.number.push_back(row.row > 0 ? static_cast<double>(row.row) : running);

@@ -63,8 +63,8 @@ PictureOptions TableView(const mjModel* model) {
 
 ReportPicture MachineAsBuilt(const TwinConfig& config) {
   return {.title = "The machine as built.",
-          .caption = fmt::format("Its geometric errors are drawn {} times too large.",
-                                 kExaggerate),
+          .caption =
+              fmt::format("Its geometric errors are enlarged {} times.", kExaggerate),
           .png = PngBytes(MachinePicture(config, kExaggerate, Options()))};
 }
 
@@ -82,7 +82,7 @@ ReportPicture ErrorPicture(MachineScene* scene,
   return {.title = title,
           .caption = fmt::format(
               "From each commanded place an arrow to where the tip is, reached in + "
-              "(orange) and in - (blue), {:g} times too long. The largest error is {}.",
+              "(orange) and in - (blue), enlarged {:g} times. The largest error is {}.",
               magnification,
               LengthText(Largest_mm(errors))),
           .png = PngBytes(painter->Draw(scene->data(), options))};

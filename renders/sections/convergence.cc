@@ -23,22 +23,28 @@ std::string CauseOf(const std::string& name) {
   return name.substr(0, name.find('.'));
 }
 
-/// The error of one quantity after each step that had to do with it, starting with
-/// what was believed before the first.
+/// The error of one quantity over the whole run: level between the steps that had to
+/// do with it, a slope across each of them. Empty where none had.
 Series ErrorsOf(const RunResult& result,
                 const ParameterResult& truth,
                 double per_unit) {
   Series series{.label = truth.name, .is_line = true};
+  const auto add = [&](std::size_t step, double value) {
+    const auto x = static_cast<double>(step);
+    if (!series.x.empty() && series.x.back() == x) return;
+    series.x.push_back(x);
+    series.y.push_back((value - truth.injected) * per_unit);
+  };
+  double last = 0;
   for (std::size_t i = 0; i < result.steps.size(); ++i) {
     const Step& step = result.steps[i];
     if (step.name != truth.name) continue;
-    if (series.x.empty()) {
-      series.x.push_back(static_cast<double>(i));
-      series.y.push_back((step.before - truth.injected) * per_unit);
-    }
-    series.x.push_back(static_cast<double>(i + 1));
-    series.y.push_back((step.after - truth.injected) * per_unit);
+    if (series.x.empty()) add(0, step.before);
+    add(i, step.before);
+    add(i + 1, step.after);
+    last = step.after;
   }
+  if (!series.x.empty()) add(result.steps.size(), last);
   return series;
 }
 

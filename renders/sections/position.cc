@@ -39,9 +39,10 @@ std::string PositionSection(const RunResult& result,
   const double largest_mm = std::max(before_mm, after_mm);
   if (largest_mm <= 0) return "";
   return fmt::format(
-      "<p>At 1000 poses drawn by the seed, approached in both senses, the mean offset "
-      "removed, 95 of 100 places are nearer to where they were asked for than this.{} "
-      "Only the simulator can say so: the calibration never sees it.</p>\n{}{}",
+      "<p>At 1000 poses all over the travel, approached in both senses and the mean "
+      "offset removed, 95 of 100 are reached with a smaller error than this.{} Only "
+      "the "
+      "simulator can say so: the calibration never sees it.</p>\n{}{}",
       Change(before_mm, after_mm),
       Bar("before", before_mm, largest_mm),
       Bar("after", after_mm, largest_mm));

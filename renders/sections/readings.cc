@@ -14,10 +14,12 @@
 namespace caltwin {
 namespace {
 
-/// One plot series an approach direction, x ascending as the rows were measured.
+/// One plot series an approach direction, x ascending as the rows were measured. As
+/// residuals: less the mean of the cluster, of clusters of two and more.
 std::vector<Series> ByApproach(const std::vector<Cluster>& clusters, bool is_residual) {
   std::map<std::string, std::map<double, double>> points;
   for (const Cluster& cluster : clusters) {
+    if (is_residual && cluster.value_mm.size() < 2) continue;
     const double middle_mm = is_residual ? cluster.mean_mm() : 0.0;
     for (std::size_t i = 0; i < cluster.number.size(); ++i) {
       points[cluster.approach][cluster.number[i]] =
@@ -39,8 +41,9 @@ std::vector<Series> ByApproach(const std::vector<Cluster>& clusters, bool is_res
 std::string ClusterTable(const std::vector<Cluster>& clusters) {
   std::string html = fmt::format(
       "<details><summary>The {} clusters in numbers</summary>\n"
-      "<div class=\"scroll\" tabindex=\"0\"><table>\n<caption>Touches that ought to "
-      "read alike.</caption>\n"
+      "<div class=\"scroll\" tabindex=\"0\"><table>\n<caption><span>Touches that ought "
+      "to "
+      "read alike.</span></caption>\n"
       "<thead><tr><th scope=\"col\">feature</th><th scope=\"col\">moving</th>"
       "<th scope=\"col\">settings</th><th scope=\"col\">touches</th>"
       "<th scope=\"col\">mean [µm]</th><th scope=\"col\">sd [µm]</th>"
@@ -80,14 +83,16 @@ std::string ReadingsSection(const RunResult& result,
   const Plot scatter{
       .title = "Scatter",
       .caption =
-          "the same touches, each minus the mean of its cluster (same feature, "
+          "the same touches, each minus the mean of its cluster (same point, "
           "direction, placement and settings): what repeats is gone, noise is "
           "left.",
       .x_label = "reading",
       .y_label = "reading - cluster mean [µm]",
       .series = ByApproach(clusters, true)};
-  return "<div class=\"plots\">\n" + PlotHtml(values) + PlotHtml(scatter) + "</div>\n" +
-         ClusterTable(clusters);
+  return "<p>Drag over a plot to look closer; a double click shows all of it "
+         "again.</p>\n"
+         "<div class=\"plots\">\n" +
+         PlotHtml(values) + PlotHtml(scatter) + "</div>\n" + ClusterTable(clusters);
 }
 
 }  // namespace caltwin

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -29,16 +30,17 @@ std::string VerdictWord(Verdict verdict) {
   return verdict == Verdict::kRolledBack ? "rolled back" : ToString(verdict);
 }
 
-/// Enough digits to see the change, and never fewer than the unit deserves.
+/// Enough digits to see a small change, and never fewer than the unit deserves; 0:
+/// whatever the number needs.
 double Resolution(const Step& step, std::string_view unit) {
   const double usual = unit == "1/mm" ? 0.01 : unit == "mm" ? 0.001 : 0;
   const double change = std::abs(step.after - step.before);
-  return change > 0 && usual > 0 ? std::min(usual, change) : usual;
+  return change > 0 ? std::clamp(change, usual / 100, usual) : usual;
 }
 
 std::string StepRow(const Step& step, std::size_t number) {
   const std::string unit = UnitOfName(step.name);
-  const double resolution = std::max(Resolution(step, unit), 1e-5);
+  const double resolution = Resolution(step, unit);
   const std::string variant =
       step.variant.empty()
           ? ""
@@ -66,8 +68,9 @@ std::string StepRow(const Step& step, std::size_t number) {
 std::string StepsSection(const RunResult& result, const ReportPictures& /*pictures*/) {
   if (result.steps.empty()) return "<p>Nothing was applied or measured.</p>\n";
   std::string html =
-      "<div class=\"scroll\" tabindex=\"0\"><table>\n<caption>What the procedures made "
-      "of each quantity.</caption>\n"
+      "<div class=\"scroll\" tabindex=\"0\"><table>\n<caption><span>What the "
+      "procedures made "
+      "of each quantity.</span></caption>\n"
       "<thead><tr><th scope=\"col\">step</th><th scope=\"col\">procedure</th>"
       "<th scope=\"col\">pass</th><th scope=\"col\">quantity</th>"
       "<th scope=\"col\">before</th><th scope=\"col\">after</th>"

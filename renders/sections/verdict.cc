@@ -88,9 +88,10 @@ std::string ParameterRow(const ParameterResult& parameter) {
   const double nan = std::nan("");
   std::string row = fmt::format(
       "<tr><th scope=\"row\"><code>{}</code><span class=\"kind\">{}</span></th>"
-      "<td>{}</td>",
+      "<td>{}</td><td>{}</td>",
       Escaped(parameter.name),
       parameter.is_setting ? "setting" : "estimate",
+      ParameterVerdict(parameter),
       Escaped(UnitText(unit)));
   row += Cell(NumberText(parameter.injected, resolution), "");
   row += Cell(ValueText(parameter.recovered, resolution), "");
@@ -100,27 +101,29 @@ std::string ParameterRow(const ParameterResult& parameter) {
               small_name);
   const double tolerance = parameter.tolerance.value_or(nan) * factor;
   row += Cell(NumberText(tolerance, tolerance), small_name);
-  row += fmt::format("<td>{}</td><td>{}</td></tr>\n",
-                     ErrorBar(parameter),
-                     ParameterVerdict(parameter));
+  row += fmt::format("<td>{}</td></tr>\n", ErrorBar(parameter));
   return row;
 }
 
 std::string ParameterTable(const RunResult& result) {
   if (result.parameters.empty()) return "";
   std::string html =
-      "<div class=\"scroll\" tabindex=\"0\"><table>\n<caption>What the machine was "
-      "given, and what the calibration found. The last four numbers are in the unit "
-      "beside the bar; the bar shows error (dot), its 95&nbsp;% interval (line) and "
-      "the "
-      "tolerance (band).</caption>\n"
-      "<thead><tr><th scope=\"col\">quantity</th><th scope=\"col\">unit</th>"
-      "<th scope=\"col\">injected</th><th scope=\"col\">recovered</th>"
-      "<th scope=\"col\">error</th><th scope=\"col\">uncertainty (1 sd)</th>"
-      "<th scope=\"col\">tolerance</th><th scope=\"col\">error in its tolerance</th>"
-      "<th "
-      "scope=\"col\">verdict</th></tr></thead>\n"
-      "<tbody>\n";
+      "<div class=\"scroll\" tabindex=\"0\"><table>\n<caption><span>What the machine "
+      "was given, and what the calibration found. The bar shows the error (dot), its "
+      "95&nbsp;% interval (line) and the tolerance (band).</span></caption>\n"
+      "<thead><tr>";
+  for (const char* heading : {"quantity",
+                              "verdict",
+                              "unit",
+                              "injected",
+                              "recovered",
+                              "error",
+                              "uncertainty (1 sd)",
+                              "tolerance",
+                              "error in its tolerance"}) {
+    html += fmt::format("<th scope=\"col\">{}</th>", heading);
+  }
+  html += "</tr></thead>\n<tbody>\n";
   for (const ParameterResult& parameter : result.parameters) {
     html += ParameterRow(parameter);
   }
@@ -130,8 +133,9 @@ std::string ParameterTable(const RunResult& result) {
 std::string CheckTable(const RunResult& result) {
   if (result.checks.empty()) return "";
   std::string html =
-      "<div class=\"scroll\" tabindex=\"0\"><table>\n<caption>What else the scenario "
-      "expects.</caption>\n<thead><tr><th scope=\"col\">check</th>"
+      "<div class=\"scroll\" tabindex=\"0\"><table>\n<caption><span>What else the "
+      "scenario "
+      "expects.</span></caption>\n<thead><tr><th scope=\"col\">check</th>"
       "<th scope=\"col\">expected</th><th scope=\"col\">found</th>"
       "<th scope=\"col\">verdict</th></tr></thead>\n<tbody>\n";
   for (const CheckResult& check : result.checks) {

@@ -38,6 +38,15 @@ TEST(Clusters, KeepSettingsApart) {
   EXPECT_EQ(ClustersOf(table).size(), 2);
 }
 
+TEST(Clusters, KeepPointsOfAPlaneApart) {
+  RowTable table;
+  table.rows = {Touch("bed.top", 0, 0.01), Touch("bed.top", 0, 0.02)};
+  table.rows[0].cmd_mm = {10, 10, 0};
+  table.rows[1].cmd_mm = {200, 10, 0};
+
+  EXPECT_EQ(ClustersOf(table).size(), 2);
+}
+
 TEST(Clusters, LeaveOutWhatAGaugeRead) {
   RowTable table;
   table.rows = {Touch("block.left", -1, 0.01)};
