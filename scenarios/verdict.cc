@@ -17,12 +17,15 @@ namespace {
 constexpr double kSigmas = 3;
 constexpr double kNoWorse_mm = 0.001;
 
-// The last identifiable estimate of a name, else the last.
-const Estimate* LastEstimate(const Trial& trial, const std::string& name) {
+// The last identifiable estimate of a name, else the last; of those that became a
+// setting, or of all.
+const Estimate* LastEstimate(const Trial& trial,
+                             const std::string& name,
+                             bool settings_only = false) {
   const Estimate* last = nullptr;
   for (const ProcedureResult& result : trial.results) {
     for (const Estimate& estimate : result.estimates) {
-      if (estimate.name != name) continue;
+      if (estimate.name != name || (settings_only && !estimate.is_setting)) continue;
       if (last != nullptr && last->identifiable && !estimate.identifiable) continue;
       last = &estimate;
     }
@@ -38,6 +41,13 @@ std::vector<Step> StepsOf(const Trial& trial, const std::string& name) {
     }
   }
   return steps;
+}
+
+// Whether the firmware has taken something for it, perhaps to give it back later.
+bool WasApplied(const Trial& trial, const std::string& name) {
+  const auto steps = StepsOf(trial, name);
+  return trial.has_external ||
+         std::ranges::find(steps, Verdict::kApplied, &Step::verdict) != steps.end();
 }
 
 const ParameterExpectation* ExpectationOf(const Expectation& expect,
@@ -88,9 +98,11 @@ ParameterResult MakeRow(const Trial& trial,
   const auto before = SettingNamed(trial.before, name);
   const auto after = SettingNamed(trial.after, name);
   const Estimate* estimate = LastEstimate(trial, name);
+  const Estimate* setting = LastEstimate(trial, name, true);
   const bool only_measured =
-      estimate != nullptr && estimate->identifiable && !estimate->is_setting;
-  row.is_setting = after.has_value() && (!only_measured || trial.has_external);
+      estimate != nullptr && estimate->identifiable && !WasApplied(trial, name);
+  row.is_setting = after.has_value() && !only_measured;
+  if (row.is_setting && setting != nullptr) estimate = setting;
   if (estimate != nullptr) {
     row.identifiable = estimate->identifiable;
     if (row.identifiable) row.sd = estimate->sd;

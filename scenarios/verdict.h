@@ -29,8 +29,8 @@ struct Trial {
 /// Rows: what was injected, what the scenario gave the firmware wrongly, what an
 /// estimate or a step named, what a file expects, in the catalog's order. `injected` is
 /// the built value, the drawing's where no effect touches it. `recovered` is
-/// - the firmware's setting at the end, for what has one, unless its last estimate was
-///   measured and not applied;
+/// - the firmware's setting at the end, for what has one, where a step applied anything
+///   to it (a change rolled back included) or an external program took part;
 /// - else the last estimate that was identifiable;
 /// - none where the last word was "not identifiable", or where nothing looked at it
 ///   and no external program took part.

@@ -80,7 +80,8 @@ TEST(Verdict, ComparesTheSettingWithWhatWasBuilt) {
 TEST(Verdict, AnErrorBeyondItsToleranceFails) {
   Bench bench;
   bench.trial.after.backlash_mm[0] = 0.048;
-  bench.trial.results = {{.estimates = {Told("backlash.x", 0.048, 0.001, true)}}};
+  bench.trial.results = {{.steps = {Applied("backlash.x", 0, 0.048)},
+                          .estimates = {Told("backlash.x", 0.048, 0.001, true)}}};
   const Expectation expect{
       .parameters = {{.name = "backlash.x", .truth_within = 0.001}}};
 
@@ -97,6 +98,20 @@ TEST(Verdict, WhatWasMeasuredButNotAppliedIsAnEstimate) {
 
   EXPECT_THAT(RowOf(table, "backlash.x").recovered, Optional(DoubleEq(0.051)));
   EXPECT_FALSE(RowOf(table, "backlash.x").is_setting);
+}
+
+TEST(Verdict, AChangeRolledBackLeavesTheSettingAsRecovered) {
+  Bench bench;
+  bench.trial.after.backlash_mm[0] = 0.048;
+  bench.trial.results = {{.steps = {Applied("backlash.x", 0, 0.048)},
+                          .estimates = {Told("backlash.x", 0.048, 0.001, true)}},
+                         {.estimates = {Told("backlash.x", 0.0600, 0.002, false)}}};
+
+  const auto table = MakeTable(bench.trial, {});
+
+  EXPECT_THAT(RowOf(table, "backlash.x").recovered, Optional(DoubleEq(0.048)));
+  EXPECT_THAT(RowOf(table, "backlash.x").sd, Optional(DoubleEq(0.001)));
+  EXPECT_TRUE(RowOf(table, "backlash.x").is_setting);
 }
 
 TEST(Verdict, WhatCannotBeToldHasNoNumbers) {
