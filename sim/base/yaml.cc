@@ -72,12 +72,12 @@ void CheckShape(const std::string& text, const std::string& name) {
 
 }  // namespace
 
-YamlValue::YamlValue(YAML::Node node,
+YamlValue::YamlValue(const YAML::Node& node,
                      std::string file,
                      std::string path,
                      Faults* faults,
                      std::optional<Place> key)
-    : node_(std::move(node)),
+    : node_(node),
       file_(std::move(file)),
       path_(std::move(path)),
       faults_(faults),
@@ -186,7 +186,7 @@ std::string YamlValue::Text() const {
 }
 
 std::string YamlValue::Word(const std::vector<std::string>& allowed) const {
-  const std::string text = node_.IsScalar() ? node_.Scalar() : "";
+  std::string text = node_.IsScalar() ? node_.Scalar() : "";
   if (std::find(allowed.begin(), allowed.end(), text) != allowed.end()) return text;
   const std::string nearest = NearestWord(text, allowed);
   Fail(
@@ -228,11 +228,11 @@ std::vector<double> YamlValue::Numbers(std::size_t count, Bounds bounds) const {
   return numbers;
 }
 
-YamlMap::YamlMap(YAML::Node node, std::string file, std::string path, Faults* faults)
-    : node_(std::move(node)),
-      file_(std::move(file)),
-      path_(std::move(path)),
-      faults_(faults) {}
+YamlMap::YamlMap(const YAML::Node& node,
+                 std::string file,
+                 std::string path,
+                 Faults* faults)
+    : node_(node), file_(std::move(file)), path_(std::move(path)), faults_(faults) {}
 
 std::string YamlMap::PathOf(const std::string& key) const {
   return path_.empty() ? key : path_ + "." + key;

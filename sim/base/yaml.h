@@ -37,7 +37,7 @@ class YamlMap;
 class YamlValue {
  public:
   /// `key`: the place of the key, which stands for that of an empty value.
-  YamlValue(YAML::Node node,
+  YamlValue(const YAML::Node& node,
             std::string file,
             std::string path,
             Faults* faults,
@@ -86,7 +86,7 @@ class YamlValue {
 /// asked for is a fault, so a misspelt key never means "silently the default".
 class YamlMap {
  public:
-  YamlMap(YAML::Node node, std::string file, std::string path, Faults* faults);
+  YamlMap(const YAML::Node& node, std::string file, std::string path, Faults* faults);
 
   bool Has(const std::string& key);
   /// The value; nullopt and a fault where it is missing. Where the file has a similar

@@ -163,7 +163,7 @@ fs::path ShareFolder() {
   std::error_code error;
   if (const char* folder = std::getenv("CALTWIN_SHARE")) return folder;
   const fs::path binary = fs::read_symlink("/proc/self/exe", error);
-  const fs::path installed = binary.parent_path().parent_path() / "share" / "caltwin";
+  fs::path installed = binary.parent_path().parent_path() / "share" / "caltwin";
   if (!error && fs::is_directory(installed, error)) return installed;
   return SourceFolder();
 }
@@ -175,15 +175,15 @@ fs::path FindMachine(const std::string& name_or_path,
   const bool is_path =
       name_or_path.find('/') != std::string::npos || name_or_path.ends_with(".yaml");
   if (is_path) {
-    const fs::path file = folder / name_or_path;
+    fs::path file = folder / name_or_path;
     if (fs::is_regular_file(file, error)) return file;
     if (fs::is_regular_file(file / "machine.yaml", error)) return file / "machine.yaml";
     throw InputError(place,
                      fmt::format("there is no machine file '{}'", file.string()));
   }
-  const fs::path here = fs::path("models") / name_or_path / "machine.yaml";
+  fs::path here = fs::path("models") / name_or_path / "machine.yaml";
   if (fs::is_regular_file(here, error)) return here;
-  const fs::path shared = ShareFolder() / here;
+  fs::path shared = ShareFolder() / here;
   if (fs::is_regular_file(shared, error)) return shared;
   throw InputError(
       place,
