@@ -151,6 +151,14 @@ Expected<bool> Session::Apply(const Proposal& proposal) {
     result_.steps.push_back(step);
     return false;
   }
+  if (std::abs(proposal.after - before) < rules_.keep_within_sd * proposal.sd) {
+    step.verdict = Verdict::kMeasured;
+    step.message +=
+        fmt::format(" What is set agrees with {:.4f} within its uncertainty: kept.",
+                    proposal.after);
+    result_.steps.push_back(step);
+    return true;
+  }
   const double change = proposal.after / before - 1;
   const double limit = Mutant("no_limit", rules_.steps_limit, 1e9);
   if (proposal.setting == Setting::kStepsPerMm && !(std::abs(change) <= limit)) {

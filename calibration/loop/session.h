@@ -29,6 +29,7 @@ struct Proposal {
   Setting setting = Setting::kStepsPerMm;
   Axis axis = Axis::kX;
   double after = 0;
+  double sd = 0;  ///< Standard uncertainty of `after`.
   int iteration = 1;
   std::string why{};  ///< One sentence: how the value came about.
 };
@@ -40,6 +41,9 @@ struct LoopRules {
   /// Whether a verification that comes out worse takes the change back.
   bool roll_back = true;
   bool apply = true;  ///< false: measure and propose only.
+  /// What is set already is kept where it lies within so many standard uncertainties of
+  /// the proposal, so that repeated runs do not wander with the noise; 0: never.
+  double keep_within_sd = 0;
 };
 
 /// One procedure at work on a bench: measure, estimate, propose, confirm, apply,
@@ -65,7 +69,7 @@ class Session {
   void Tell(Trouble trouble) { Tell(RemedyFor(trouble)); }
 
   /// Limit, confirmation, write; a new steps/mm is followed by homing. Adds a step.
-  /// @return whether it was applied
+  /// @return whether the setting now is what was proposed, within its uncertainty
   Expected<bool> Apply(const Proposal& proposal);
   /// Back to `before`, with the step and the remedy that belong to it.
   Expected<void> RollBack(const Proposal& proposal, double before);

@@ -172,6 +172,7 @@ Expected<void> RunDeflection(Session* session, const DeflectionOptions& o) {
       .setting = Setting::kDeflection,
       .axis = c.axis,
       .after = delta_mm.value,
+      .sd = delta_mm.sd,
       .why = fmt::format(
           "{:.4f} mm reads {:.4f} mm.", span->size_mm.value, span->span_mm.value)};
   const auto applied = session->Apply(proposal);

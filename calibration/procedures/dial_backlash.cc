@@ -30,6 +30,7 @@ Expected<void> RunDial(Session* session, const DialOptions& o) {
       .setting = Setting::kBacklash,
       .axis = c.axis,
       .after = std::max(0.0, gap_mm.value),
+      .sd = gap_mm.sd,
       .why = fmt::format("The {} reads {:+.4f} mm of lost motion beside the {:.4f} mm "
                          "compensated.",
                          o.instrument,

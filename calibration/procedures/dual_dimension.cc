@@ -129,6 +129,7 @@ Expected<void> RunDualDimension(Session* session, const DualDimensionOptions& o)
         .setting = Setting::kStepsPerMm,
         .axis = c.axis,
         .after = steps.value,
+        .sd = steps.sd,
         .iteration = pass,
         .why = fmt::format("{:.4g} and {:.4g} mm read {:.4f} and {:.4f} mm.",
                            sizes->first.size_mm.value,

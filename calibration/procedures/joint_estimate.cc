@@ -55,7 +55,10 @@ std::vector<Change> ChangesOf(Session* session, const JointFit& fit, Axis axis) 
     change.before = session->Believed(setting, axis);
     change.proposal.setting = setting;
     change.proposal.axis = axis;
-    change.proposal.after = found->value;
+    change.proposal.sd = found->sd;
+    // Noise may read a gap below none; no firmware takes that.
+    const bool is_gap = setting == Setting::kBacklash;
+    change.proposal.after = is_gap ? std::max(0.0, found->value) : found->value;
     change.proposal.why =
         fmt::format("Joint estimate, sd {:.2g} {}.", found->sd, found->unit);
   }
@@ -227,6 +230,7 @@ PreparedProcedure Prepare(YamlMap map) {
   }
   o.rules.apply = map.FlagOr("apply", true);
   o.rules.roll_back = map.FlagOr("rollback", true);
+  o.rules.keep_within_sd = kKeepWithinSd;
   o.rules.steps_limit = map.NumberOr("steps_limit", 0.05, {1e-4, 0.5});
   map.NoMoreKeys();
   return [o](Bench* bench) {

@@ -97,6 +97,7 @@ PreparedProcedure Prepare(YamlMap map) {
   c.repeats = static_cast<int>(map.IntegerOr("repeats", 5, 1, 1000));
   c.iterations = static_cast<int>(map.IntegerOr("iterations", 1, 1, 100));
   c.rules.roll_back = map.FlagOr("rollback", !c.as_published);
+  c.rules.keep_within_sd = c.as_published ? 0 : kKeepWithinSd;
   c.rules.steps_limit = map.NumberOr("steps_limit", 0.05, {1e-4, 0.5});
   o.rough = map.FlagOr("rough", false);
   o.backlash_first =

@@ -24,6 +24,7 @@ CommonOptions ReadCommon(YamlMap* map, const CommonOptions& defaults) {
   options.verify = map->FlagOr("verify", defaults.verify);
   options.rules.apply = map->FlagOr("apply", true);
   options.rules.roll_back = map->FlagOr("rollback", !options.as_published);
+  options.rules.keep_within_sd = options.as_published ? 0 : kKeepWithinSd;
   options.rules.steps_limit =
       map->NumberOr("steps_limit", defaults.rules.steps_limit, {1e-4, 0.5});
   return options;

@@ -12,6 +12,9 @@
 
 namespace caltwin {
 
+/// LoopRules::keep_within_sd of the corrected procedures.
+inline constexpr double kKeepWithinSd = 2;
+
 /// What every procedure that works on one axis can be told.
 struct CommonOptions {
   Axis axis = Axis::kX;

@@ -320,6 +320,7 @@ Expected<void> RunRelease(Session* session, const ReleaseOptions& o) {
       .setting = Setting::kBacklash,
       .axis = c.axis,
       .after = std::max(0.0, gap_mm.value),
+      .sd = gap_mm.sd,
       .why =
           fmt::format("The gap reads {:.4f} mm (sd {:.4f}).", gap_mm.value, gap_mm.sd)};
   const auto applied = session->Apply(proposal);

@@ -102,6 +102,7 @@ Expected<void> RunRoughSteps(Session* session, const RoughOptions& o) {
     const Proposal proposal{.setting = Setting::kStepsPerMm,
                             .axis = c.axis,
                             .after = steps.value,
+                            .sd = steps.sd,
                             .iteration = pass,
                             .why = fmt::format("{:.3f} mm commanded moved {:.4f} mm.",
                                                move->commanded_mm,

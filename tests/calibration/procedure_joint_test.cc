@@ -98,10 +98,9 @@ TEST(NextAll, TenRunsDriftByLessThanAMicrometre) {
 
   const double drift_mm =
       300 * (toy.machine.settings.steps_per_mm[0] / first.steps_per_mm[0] - 1);
-  // A reading that falls between two steps may round either way after each homing.
   EXPECT_LT(std::abs(toy.machine.settings.backlash_mm[0] - first.backlash_mm[0]),
-            kStep_mm);
-  EXPECT_LT(std::abs(drift_mm), 300 * 2 * kStep_mm / 50.8);
+            0.001);
+  EXPECT_LT(std::abs(drift_mm), 0.001);
 }
 
 TEST(Verify, NamesTheCalibrationToRevisit) {
