@@ -9,6 +9,7 @@
 #include "renders/machine_scene.h"
 #include "renders/run_pictures.h"
 #include "renders/scene.h"
+#include "sim/base/text_file.h"
 #include "sim/effects/catalog.h"
 
 namespace caltwin {
@@ -193,6 +194,23 @@ TEST(Magnification, IsARoundNumber) {
   EXPECT_DOUBLE_EQ(of(0.05), 500);
   EXPECT_DOUBLE_EQ(of(0.15), 200);
   EXPECT_DOUBLE_EQ(of(0), 1);
+}
+
+TEST(RunPictures, ShowTheMachineAndItsErrorsBeforeAndAfter) {
+  RunResult result{.scenario = "scenarios/first_light.yaml", .fidelity = "fast"};
+  result.verbatim = ReadTextFile(result.scenario, 1 << 20);
+  result.settings_before = result.settings_after = Router().settings;
+  result.settings_before.steps_per_mm[0] = 808;
+
+  const ReportPictures pictures = PicturesOf(result);
+
+  ASSERT_EQ(pictures.pictures.size(), 4);
+  EXPECT_EQ(pictures.pictures[1].title, "Before.");
+  EXPECT_EQ(pictures.pictures[3].title, "What is left.");
+  EXPECT_NE(pictures.pictures[1].png, pictures.pictures[2].png);
+  for (const ReportPicture& picture : pictures.pictures) {
+    EXPECT_TRUE(picture.png.starts_with("\x89PNG"));
+  }
 }
 
 }  // namespace
