@@ -40,7 +40,7 @@ struct ProbePretravel {
           "Kinematic resistive probes, ISO 230-10: 5 to 50 um at the stylus tip, "
           "more on long styli.",
       .twin = "backlash, tip_size: spans see pre-travel + b/2 - R only.",
-      .words = {.plot = "Every bore reads small, every boss reads small by the same.",
+      .words = {.plot = "Every boss reads small and every bore large, by the same.",
                 .values = "5 to 50 um, alike at every position.",
                 .cause = "The stylus bends and its seat tips before the contact opens.",
                 .effect = "Sizes measured from inside and outside disagree.",
