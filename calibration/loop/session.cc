@@ -129,69 +129,65 @@ Expected<void> Session::Write(Setting setting, Axis axis, double value) {
   return controller_.WriteSingleDeflection(value);
 }
 
-Expected<bool> Session::Apply(const Proposal& proposal) {
-  const double before = Believed(proposal.setting, proposal.axis);
-  const std::string name = NameOf(proposal.setting, proposal.axis);
-  Step step{.procedure = procedure_,
-            .variant = variant_,
-            .iteration = proposal.iteration,
-            .name = name,
-            .before = before,
-            .after = before,
-            .verdict = Verdict::kRefused,
-            .message = proposal.why};
-  const auto refuse = [&](const std::string& because) {
-    step.message += " " + because;
-    result_.steps.push_back(step);
-    Tell(name + ": " + because);
-    return false;
-  };
-  if (!rules_.apply) {
-    step.verdict = Verdict::kMeasured;
-    result_.steps.push_back(step);
-    return false;
-  }
-  if (std::abs(proposal.after - before) < rules_.keep_within_sd * proposal.sd) {
-    step.verdict = Verdict::kMeasured;
-    step.message +=
-        fmt::format(" What is set agrees with {:.4f} within its uncertainty: kept.",
-                    proposal.after);
-    result_.steps.push_back(step);
-    return true;
-  }
+Expected<std::string> Session::WhyNot(const Proposal& proposal, double before) {
   const double change = proposal.after / before - 1;
   const double limit = Mutant("no_limit", rules_.steps_limit, 1e9);
   if (proposal.setting == Setting::kStepsPerMm && !(std::abs(change) <= limit)) {
-    refuse(
-        fmt::format("{:.4f} would change {:.4f} by {:.1f} %, beyond the limit of "
-                    "{:.1f} % an iteration: not applied.",
-                    proposal.after,
-                    before,
-                    PercentFromFraction(change),
-                    PercentFromFraction(limit)));
     Tell(Trouble::kUnreasonable);
-    return false;
+    return fmt::format(
+        "{:.4f} would change {:.4f} by {:.1f} %, beyond the limit of {:.1f} % an "
+        "iteration: not applied.",
+        proposal.after,
+        before,
+        PercentFromFraction(change),
+        PercentFromFraction(limit));
   }
   const auto answer =
       bench_->person->Do({.kind = Act::Kind::kConfirm,
                           .text = fmt::format("Set {} from {:.4f} to {:.4f}? {}",
-                                              name,
+                                              NameOf(proposal.setting, proposal.axis),
                                               before,
                                               proposal.after,
                                               proposal.why),
                           .axis = Letter(proposal.axis)});
-  if (!answer) {
-    if (answer.error().kind != MachineFault::Kind::kRefused) {
-      return tl::unexpected(answer.error());
-    }
-    return refuse("not confirmed: not applied.");
+  if (answer) return std::string();
+  if (answer.error().kind == MachineFault::Kind::kRefused) {
+    return std::string("not confirmed: not applied.");
+  }
+  return tl::unexpected(answer.error());
+}
+
+Expected<bool> Session::Apply(const Proposal& proposal) {
+  const double before = Believed(proposal.setting, proposal.axis);
+  const std::string name = NameOf(proposal.setting, proposal.axis);
+  result_.steps.push_back({.procedure = procedure_,
+                           .variant = variant_,
+                           .iteration = proposal.iteration,
+                           .name = name,
+                           .before = before,
+                           .after = before,
+                           .message = proposal.why});
+  Step& step = result_.steps.back();
+  if (!rules_.apply) return false;
+  if (std::abs(proposal.after - before) < rules_.keep_within_sd * proposal.sd) {
+    step.message +=
+        fmt::format(" What is set agrees with {:.4f} within its uncertainty: kept.",
+                    proposal.after);
+    return true;
+  }
+  const auto because = WhyNot(proposal, before);
+  if (!because) return tl::unexpected(because.error());
+  if (!because->empty()) {
+    step.verdict = Verdict::kRefused;
+    step.message += " " + *because;
+    Tell(name + ": " + *because);
+    return false;
   }
   const auto written = Write(proposal.setting, proposal.axis, proposal.after);
   if (!written) return tl::unexpected(written.error());
   step.after = Believed(proposal.setting, proposal.axis);
   step.verdict = Verdict::kApplied;
-  bench_->say(fmt::format("{}: {:.4f} -> {:.4f}", name, step.before, step.after));
-  result_.steps.push_back(step);
+  bench_->say(fmt::format("{}: {:.4f} -> {:.4f}", name, before, step.after));
   return true;
 }
 

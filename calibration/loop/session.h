@@ -100,6 +100,8 @@ class Session {
   ProcedureResult Finish(const Expected<void>& run);
 
  private:
+  /// Why a change may not be made, by limit or person; empty: it may.
+  Expected<std::string> WhyNot(const Proposal& proposal, double before);
   Expected<void> Write(Setting setting, Axis axis, double value);
 
   Bench* bench_;

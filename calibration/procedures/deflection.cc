@@ -103,6 +103,19 @@ Expected<void> SayNotIdentifiable(Session* session, Axis axis) {
   return {};
 }
 
+Expected<void> SayGapUnknown(Session* session, Axis axis) {
+  const std::string name = NameOf(Setting::kDeflection, axis);
+  session->Measured(name,
+                    session->Believed(Setting::kDeflection, axis),
+                    "Not applied: the backlash is not known.");
+  session->Tell(
+      "Nobody has measured the backlash of this axis: half of it would be "
+      "taken for pre-travel. Measure it first, or give backlash_left_mm.");
+  session->Conclude(name, "mm", {});
+  session->End(Ending::kConfounded);
+  return {};
+}
+
 Expected<void> RunAsPublished(Session* session,
                               const Artefact& artefact,
                               const DeflectionOptions& o) {
@@ -138,6 +151,21 @@ Expected<void> RunAsPublished(Session* session,
   return {};
 }
 
+// How far a size is off [mm] with this deflection taken off each face, and what is
+// known of gap and tip.
+double Off_mm(Session* session,
+              const FromElsewhere& known,
+              const SpanReading& span,
+              double deflection_mm) {
+  const double sign = span.kind == SpanKind::kExternal ? 1 : -1;
+  const double tips_mm =
+      2 * (known.tip_radius_mm.value - session->believed().tip_radius_mm);
+  const double taken_off_mm =
+      2 * deflection_mm + known.backlash_left_mm.value - tips_mm;
+  return std::abs(span.error_mm() +
+                  Mutant("deflection_unsigned", sign, -sign) * taken_off_mm);
+}
+
 }  // namespace
 
 Expected<void> RunDeflection(Session* session, const DeflectionOptions& o) {
@@ -158,15 +186,7 @@ Expected<void> RunDeflection(Session* session, const DeflectionOptions& o) {
   session->Tell(fmt::format("{}: pre-travel + backlash / 2 - tip radius is {:.4f} mm.",
                             Letter(c.axis),
                             found.combination_mm.value));
-  if (known.backlash_left_mm.sd > kKnown_mm) {
-    session->Measured(name, before_mm, "Not applied: the backlash is not known.");
-    session->Tell(
-        "Nobody has measured the backlash of this axis: half of it would be "
-        "taken for pre-travel. Measure it first, or give backlash_left_mm.");
-    session->Conclude(name, "mm", {});
-    session->End(Ending::kConfounded);
-    return {};
-  }
+  if (known.backlash_left_mm.sd > kKnown_mm) return SayGapUnknown(session, c.axis);
   const Uncertain delta_mm = found.pretravel_mm;
   const Proposal proposal{
       .setting = Setting::kDeflection,
@@ -184,22 +204,13 @@ Expected<void> RunDeflection(Session* session, const DeflectionOptions& o) {
   }
   const auto again = Measure(session, *artefact, o);
   if (!again) return tl::unexpected(again.error());
-  const double sign = again->kind == SpanKind::kExternal ? 1 : -1;
-  const auto off_mm = [&](const SpanReading& reading, double deflection_mm) {
-    const double tips_mm =
-        2 * (known.tip_radius_mm.value - session->believed().tip_radius_mm);
-    return std::abs(reading.error_mm() +
-                    sign *
-                        (2 * deflection_mm + known.backlash_left_mm.value - tips_mm));
-  };
-  const auto good = session->KeepOrRollBack(
-      proposal,
-      before_mm,
-      {.error_before = off_mm(*span, before_mm),
-       .error_after = off_mm(*again,
-                             Mutant("deflection_unsigned", 1.0, -1.0) *
-                                 session->Believed(Setting::kDeflection, c.axis)),
-       .sd = again->span_mm.sd});
+  const double now_mm = session->Believed(Setting::kDeflection, c.axis);
+  const auto good =
+      session->KeepOrRollBack(proposal,
+                              before_mm,
+                              {.error_before = Off_mm(session, known, *span, before_mm),
+                               .error_after = Off_mm(session, known, *again, now_mm),
+                               .sd = again->span_mm.sd});
   if (!good) return tl::unexpected(good.error());
   session->Conclude(name, "mm", delta_mm, *good);
   return {};

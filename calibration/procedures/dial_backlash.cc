@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "calibration/procedures/gap_reading.h"
 #include "calibration/procedures/plan_model.h"
-#include "calibration/procedures/release_backlash.h"
 
 namespace caltwin {
 

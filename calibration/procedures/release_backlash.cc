@@ -8,6 +8,7 @@
 
 #include "calibration/estimate/backlash.h"
 #include "calibration/estimate/clusters.h"
+#include "calibration/procedures/gap_reading.h"
 #include "calibration/procedures/plan_model.h"
 #include "calibration/procedures/span.h"
 #include "sim/base/mutant.h"
@@ -239,52 +240,6 @@ Expected<void> Check(Session* session,
 }
 
 }  // namespace
-
-Expected<Uncertain> ReadGapLeft(Session* session,
-                                Axis axis,
-                                const std::string& instrument,
-                                int repeats) {
-  const AxisDrawing& drawing = session->bench().machine.axis(axis);
-  const double lead_mm = session->probing().LeadIn_mm(Unit(axis)) + 5;
-  if (const auto raised = session->probing().Raise(); !raised) {
-    return tl::unexpected(raised.error());
-  }
-  Vec3<double> at_mm = session->controller().position_mm();
-  // Along z it all happens above the artefacts.
-  const double high_mm = drawing.max_mm - 2 * lead_mm - 1;
-  at_mm[Index(axis)] = axis == Axis::kZ ? high_mm : drawing.mid_mm();
-  const auto go = [&](double by_mm) {
-    Vec3<double> target_mm = at_mm;
-    target_mm[Index(axis)] += by_mm;
-    return session->controller().MoveTo(target_mm, drawing.max_feed_mm_s / 4);
-  };
-  std::vector<double> readings_mm;
-  for (int i = 0; i < repeats; ++i) {
-    const double back_mm = Mutant("dial_without_lead_in", -lead_mm, lead_mm);
-    for (const double by_mm : {back_mm, 0.0}) {
-      if (const auto gone = go(by_mm); !gone) return tl::unexpected(gone.error());
-    }
-    const auto zero = session->bench().gauge->Read_mm(instrument);
-    if (!zero) return tl::unexpected(zero.error());
-    for (const double by_mm : {lead_mm, 0.0}) {
-      if (const auto gone = go(by_mm); !gone) return tl::unexpected(gone.error());
-    }
-    const auto reading = session->bench().gauge->Read_mm(instrument);
-    if (!reading) return tl::unexpected(reading.error());
-    readings_mm.push_back(*reading - *zero);
-  }
-  const std::string kind = instrument.substr(0, instrument.find('.'));
-  double sd_mm = 0;
-  if (const auto found = session->bench().instruments.find(kind);
-      found != session->bench().instruments.end()) {
-    sd_mm = std::hypot(MmFromUm(found->second.sigma_um),
-                       MmFromUm(found->second.resolution_um) / std::sqrt(12.0));
-  }
-  // Stopping on a whole step blurs a reading too, either way.
-  sd_mm = std::hypot(sd_mm, session->probing().Noise(axis).step_mm / std::sqrt(12.0));
-  sd_mm = std::max(sd_mm, Scatter(readings_mm) / std::numbers::sqrt2);
-  return BacklashFromDial(readings_mm, +1, sd_mm);
-}
 
 Expected<void> RunRelease(Session* session, const ReleaseOptions& o) {
   const CommonOptions& c = o.common;

@@ -28,13 +28,6 @@ Expected<void> RunRelease(Session* session, const ReleaseOptions& options);
 /// Reads the options above, the common ones included.
 ReleaseOptions ReadReleaseOptions(YamlMap* map, const CommonOptions& defaults);
 
-/// What is left of a gap by an instrument that is not the motors' counter: led in to +
-/// and zeroed, on in +, back to the same command; positive: lost motion.
-Expected<Uncertain> ReadGapLeft(Session* session,
-                                Axis axis,
-                                const std::string& instrument,
-                                int repeats);
-
 extern const Procedure kTriggerReleaseBacklash;
 
 }  // namespace caltwin

@@ -56,7 +56,8 @@ Expected<MeasuredMove> Measure(Session* session, const RoughOptions& o) {
   double sum_mm = 0;
   for (int i = 0; i < c.repeats; ++i) {
     // Led in, so that the move itself loses no gap.
-    for (const double by_mm : {-lead_mm, 0.0}) {
+    const double back_mm = Mutant("rough_without_lead_in", -lead_mm, lead_mm);
+    for (const double by_mm : {back_mm, 0.0}) {
       if (const auto gone = go(by_mm); !gone) return tl::unexpected(gone.error());
     }
     const auto start_mm = session->bench().gauge->Read_mm(id);
@@ -76,6 +77,25 @@ double Error(const MeasuredMove& move) {
   return std::abs(move.actual_mm.value / move.commanded_mm - 1);
 }
 
+// The published check, and whether the move is nearer to its command than before.
+Expected<bool> CheckAgain(Session* session,
+                          const RoughOptions& o,
+                          const MeasuredMove& move,
+                          const Proposal& proposal,
+                          double before) {
+  const auto again = Measure(session, o);
+  if (!again) return tl::unexpected(again.error());
+  session->Tell(fmt::format("{:.3f} mm commanded now move {:.4f} mm, {} within 1 %.",
+                            again->commanded_mm,
+                            again->actual_mm.value,
+                            Error(*again) <= kPublished ? "so" : "not"));
+  return session->KeepOrRollBack(proposal,
+                                 before,
+                                 {.error_before = Error(move) * move.commanded_mm,
+                                  .error_after = Error(*again) * again->commanded_mm,
+                                  .sd = again->actual_mm.sd});
+}
+
 }  // namespace
 
 Expected<void> RunRoughSteps(Session* session, const RoughOptions& o) {
@@ -91,13 +111,7 @@ Expected<void> RunRoughSteps(Session* session, const RoughOptions& o) {
   for (int pass = 1; pass <= c.iterations; ++pass) {
     const auto move = Measure(session, o);
     if (!move) return tl::unexpected(move.error());
-    MeasuredMove used = *move;
-    used.commanded_mm =
-        Mutant("rough_inverted", used.commanded_mm, move->actual_mm.value);
-    if (used.commanded_mm != move->commanded_mm) {
-      used.actual_mm.value = move->commanded_mm;
-    }
-    const Uncertain steps = StepsFromMove(used);
+    const Uncertain steps = StepsFromMove(*move);
     const double before = session->Believed(Setting::kStepsPerMm, c.axis);
     const Proposal proposal{.setting = Setting::kStepsPerMm,
                             .axis = c.axis,
@@ -115,26 +129,11 @@ Expected<void> RunRoughSteps(Session* session, const RoughOptions& o) {
       return {};
     }
     applied_any = true;
-    bool kept = true;
-    if (c.verify) {
-      const auto again = Measure(session, o);
-      if (!again) return tl::unexpected(again.error());
-      session->Tell(
-          fmt::format("{:.3f} mm commanded now move {:.4f} mm, {} within 1 %.",
-                      again->commanded_mm,
-                      again->actual_mm.value,
-                      Error(*again) <= kPublished ? "so" : "not"));
-      const auto good =
-          session->KeepOrRollBack(proposal,
-                                  before,
-                                  {.error_before = Error(*move) * move->commanded_mm,
-                                   .error_after = Error(*again) * again->commanded_mm,
-                                   .sd = again->actual_mm.sd});
-      if (!good) return tl::unexpected(good.error());
-      kept = *good;
-    }
-    session->Conclude(name, "1/mm", steps, kept);
-    if (!kept) return {};
+    const auto kept = c.verify ? CheckAgain(session, o, *move, proposal, before)
+                               : Expected<bool>(true);
+    if (!kept) return tl::unexpected(kept.error());
+    session->Conclude(name, "1/mm", steps, *kept);
+    if (!*kept) return {};
   }
   return {};
 }
