@@ -125,10 +125,15 @@ ParameterResult MakeRow(const Trial& trial,
   return row;
 }
 
-bool Diverges(const Trial& trial, const ParameterResult& row) {
+// Errors up to this are no reproach: the tolerance, else 3 sd of the last estimate.
+double FloorOf(const Trial& trial, const ParameterResult& row) {
   const Estimate* estimate = LastEstimate(trial, row.name);
   const double sd = estimate != nullptr && estimate->identifiable ? estimate->sd : 0;
-  const double floor = row.tolerance.value_or(kSigmas * sd);
+  return row.tolerance.value_or(kSigmas * sd);
+}
+
+bool Diverges(const Trial& trial, const ParameterResult& row) {
+  const double floor = FloorOf(trial, row);
   int grown = 0;
   for (const Step& step : StepsOf(trial, row.name)) {
     if (step.verdict != Verdict::kApplied) continue;
@@ -147,6 +152,16 @@ bool ReadsZero(const Trial& trial, const ParameterResult& row) {
   const double floor =
       std::max(kSigmas * estimate->sd, row.tolerance.value_or(kNoWorse_mm));
   return std::abs(estimate->value) <= floor && std::abs(*row.error) > floor;
+}
+
+// Whether the firmware was left believing something worse than before.
+bool WasMadeWorse(const Trial& trial, const ParameterResult& row) {
+  const auto before = SettingNamed(trial.before, row.name);
+  const auto after = SettingNamed(trial.after, row.name);
+  if (!before || !WasApplied(trial, row.name)) return false;
+  const double error_after = std::abs(*after - row.injected);
+  return error_after > std::abs(*before - row.injected) &&
+         error_after > FloorOf(trial, row);
 }
 
 bool AnyEnded(const Trial& trial, Ending ending) {
@@ -228,13 +243,15 @@ void CheckParameter(const Trial& trial,
         in_sd && *in_sd <= *expected.truth_within_sd);
   }
   if (expected.reads) {
+    // What nobody has looked at reads as the firmware believes it.
+    const auto reads =
+        row.recovered ? row.recovered : SettingNamed(trial.after, row.name);
     Add(checks,
         expected.name + ".reads",
         fmt::format(
             "{:.6g} within {:.3g}", expected.reads->value, expected.reads->within),
-        OrNone(row.recovered),
-        row.recovered &&
-            std::abs(*row.recovered - expected.reads->value) <= expected.reads->within);
+        OrNone(reads),
+        reads && std::abs(*reads - expected.reads->value) <= expected.reads->within);
   }
   if (!expected.steps.empty()) CheckSteps(trial, expected, checks);
 }
@@ -281,8 +298,8 @@ std::string JudgeOutcome(const Trial& trial,
     return "reads_zero";
   }
   if (AnyEnded(trial, Ending::kConfounded)) return "confounded";
-  const bool missed = std::ranges::any_of(table, [](const ParameterResult& row) {
-    return row.tolerance && row.passed == false;
+  const bool missed = std::ranges::any_of(table, [&](const ParameterResult& row) {
+    return (row.tolerance && row.passed == false) || WasMadeWorse(trial, row);
   });
   const double growth_mm =
       trial.position_error_after_mm - trial.position_error_before_mm;

@@ -165,6 +165,20 @@ TEST(Verdict, OneWorseningPassIsNoDivergence) {
   EXPECT_THAT(OutcomeOf(bench.trial), StrEq("misses"));
 }
 
+TEST(Verdict, ASettingLeftWorseThanItWasMisses) {
+  Bench bench;
+  const auto end_at = [&](double backlash_mm) {
+    bench.trial.after.backlash_mm[0] = backlash_mm;
+    bench.trial.results = {
+        {.steps = {Applied("backlash.x", 0, backlash_mm)},
+         .estimates = {Told("backlash.x", backlash_mm, 0.002, true)}}};
+    return OutcomeOf(bench.trial);
+  };
+
+  EXPECT_THAT(end_at(-0.05), StrEq("misses"));
+  EXPECT_THAT(end_at(0.04), StrEq("recovers"));  // Off, but better than it was.
+}
+
 TEST(Verdict, WanderingWithinTheUncertaintyIsNoDivergence) {
   Bench bench;
   bench.trial.results = {{.steps = {Applied("steps_per_mm.x", 800, 800.01),
