@@ -120,6 +120,20 @@ TEST(Rows, OfATouchHoldTheContractsSigns) {
   EXPECT_NEAR(sum_mm, -0.02 - 0.03, half_step_mm);
 }
 
+TEST(Rows, CiteTheSettingsTheyWereTakenWith) {
+  ToyBench toy;
+  toy.machine.settings.steps_per_mm[0] = 808;
+
+  RunStep(kDualDimension, "{axis: x}", &toy);
+
+  const std::string first = toy.rows.rows.front().settings;
+  const std::string last = toy.rows.rows.back().settings;
+  EXPECT_EQ(toy.bench.ledger.settings.at(first).steps_per_mm[0], 808);
+  EXPECT_EQ(toy.bench.ledger.settings.at(last).steps_per_mm[0],
+            toy.machine.settings.steps_per_mm[0]);
+  EXPECT_NE(toy.rows.rows.front().home, toy.rows.rows.back().home);
+}
+
 TEST(Session, RollsBackWhatMadeThingsWorse) {
   ToyBench toy;
   Session session(&toy.bench, "test", "corrected", {});
@@ -134,6 +148,7 @@ TEST(Session, RollsBackWhatMadeThingsWorse) {
   EXPECT_FALSE(*kept);
   EXPECT_EQ(toy.machine.settings.backlash_mm[0], 0);
   EXPECT_EQ(session.result().steps.back().verdict, Verdict::kRolledBack);
+  ASSERT_FALSE(session.result().messages.empty());
   EXPECT_EQ(session.result().messages.back(), RemedyFor(Trouble::kWorse));
 }
 

@@ -58,6 +58,26 @@ TEST(Deflection, SaysThatItCannotTellAnUnknownGap) {
   EXPECT_TRUE(toy.machine.globals.empty());
 }
 
+TEST(Deflection, OfABoreIsThatOfABlock) {
+  ToyBench toy;
+  toy.machine.drives[0].pretravel_mm = 0.03;
+  toy.bench.artefacts = {{.id = "pocket",
+                          .type = ArtefactType::kPocket,
+                          .at_mm = {150, 150, 0},
+                          .size_mm = {40, 40, 20}}};
+  toy.machine.artefacts.clear();
+  for (const double wall_mm : {150 - 27.5, 150 + 27.5}) {
+    toy.machine.artefacts.push_back(
+        {.id = "wall", .at_mm = {wall_mm, 150, 0}, .size_mm = {15, 70, 20}});
+  }
+
+  const ProcedureResult result =
+      RunStep(kDeflection, "{axis: x, backlash_left_mm: 0, tip_radius_mm: 1}", &toy);
+
+  EXPECT_EQ(result.ending, Ending::kDone);
+  EXPECT_NEAR(DeflectionNow(toy, 0), 0.03, kStep_mm);
+}
+
 TEST(Deflection, AsPublishedStoresTheWrongSignInOneNumber) {
   ToyBench toy;
   toy.machine.drives[0] = {.gap_mm = 0.05, .pretravel_mm = 0.03};

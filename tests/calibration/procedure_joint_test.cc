@@ -136,6 +136,18 @@ TEST(Verify, SeesEachErrorOnTheMachine) {
   }
 }
 
+TEST(PlaneTilt, OfATableThatRisesTowardsXIsItsSlopeAlongXAlone) {
+  ToyBench toy;
+  toy.machine.table_slope_x = 0.001;
+
+  const ProcedureResult result = RunStep(kPlaneTilt, "{grid: [4, 3]}", &toy);
+
+  // Half a motor step at one end of the grid, 260 mm from the other.
+  const double from_rounding_mrad = 1000 * kStep_mm / 260;
+  EXPECT_NEAR(Last(result, "bed_tilt.slope_x_mrad").value, 1, from_rounding_mrad);
+  EXPECT_NEAR(Last(result, "bed_tilt.slope_y_mrad").value, 0, from_rounding_mrad);
+}
+
 TEST(PlaneTilt, OfALevelTableIsZero) {
   ToyBench toy;
 

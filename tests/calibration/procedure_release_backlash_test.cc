@@ -33,6 +33,16 @@ TEST(TriggerRelease, FindsTheGapAndSetsIt) {
   EXPECT_TRUE(result.estimates[0].is_setting);
 }
 
+TEST(TriggerRelease, SaysBeforehandThatItTellsTheGap) {
+  ToyBench toy;
+
+  const ProcedureResult result = RunStep(kTriggerReleaseBacklash, "{axis: x}", &toy);
+
+  EXPECT_THAT(result.messages.at(0), HasSubstr("This plan tells backlash.x"));
+  ASSERT_FALSE(result.observability.empty());
+  EXPECT_EQ(result.observability[0].statement, "probe_pretravel.x - tip_size only");
+}
+
 TEST(TriggerRelease, TwoRunsGiveTheSame) {
   ToyBench toy;
   toy.machine.drives[1].gap_mm = 0.08;

@@ -35,6 +35,7 @@ class ToyMachine final : public Link, public Gauge, public Operator {
   double tip_radius_mm = 1;
   double hysteresis_mm = 0.002;
   double latency_s = 0;
+  double table_slope_x = 0;  ///< dz/dx of the table; what stands on it stays upright.
   bool confirms = true;
   std::function<double()> noise_mm = [] {
     return 0.0;
@@ -216,7 +217,7 @@ class ToyMachine final : public Link, public Gauge, public Operator {
   /// How deep the ball's centre is inside what is solid to it; negative in the air.
   /// Along the nearest face only: enough for touches far from edges.
   double Depth(const std::array<double, 3>& p) const {
-    double deepest_mm = tip_radius_mm - p[2];  // The table.
+    double deepest_mm = tip_radius_mm - (p[2] - table_slope_x * p[0]);  // The table.
     for (const Artefact& artefact : artefacts) {
       double depth_mm = 1e9;
       for (std::size_t i = 0; i < 3; ++i) {
