@@ -126,6 +126,10 @@ Expected<std::vector<std::string>> Controller::Send(const std::string& line) {
 }
 
 Expected<void> Controller::ReadSettings() {
+  // Whoever was here before may have left the machine counting from where it stands.
+  if (const auto absolute = Send("G90"); !absolute) {
+    return tl::unexpected(absolute.error());
+  }
   const auto steps = Send("M92");
   if (!steps) return tl::unexpected(steps.error());
   const auto gaps = Send("M425");
@@ -140,20 +144,24 @@ Expected<void> Controller::ReadSettings() {
       settings_.backlash_mm[i] = *value;
     }
   }
-  // A controller that has no such global refuses to print it: then it is as it was.
-  const auto deflection = Send("echo global.nxtProbeDeflection");
-  if (!deflection) {
-    if (deflection.error().kind != MachineFault::Kind::kRefused) {
-      return tl::unexpected(deflection.error());
-    }
-    return {};
+  const auto deflection = ReadGlobal("nxtProbeDeflection");
+  if (!deflection) return tl::unexpected(deflection.error());
+  if (deflection->size() == 1) settings_.probe_deflection_mm.fill(deflection->front());
+  if (deflection->size() == 3) {
+    std::ranges::copy(*deflection, settings_.probe_deflection_mm.begin());
   }
-  const std::vector<double> numbers = NumbersIn(Joined(*deflection));
-  if (numbers.size() == 1) settings_.probe_deflection_mm.fill(numbers[0]);
-  if (numbers.size() == 3) {
-    settings_.probe_deflection_mm = {numbers[0], numbers[1], numbers[2]};
-  }
+  const auto radius = ReadGlobal("nxtProbeTipRadius");
+  if (!radius) return tl::unexpected(radius.error());
+  if (radius->size() == 1) settings_.tip_radius_mm = radius->front();
   return {};
+}
+
+// A controller that has no such global refuses to print it: then it is as it was.
+Expected<std::vector<double>> Controller::ReadGlobal(const std::string& name) {
+  const auto reply = Send("echo global." + name);
+  if (reply) return NumbersIn(Joined(*reply));
+  if (reply.error().kind == MachineFault::Kind::kRefused) return std::vector<double>{};
+  return tl::unexpected(reply.error());
 }
 
 void Controller::Remember(const Settings& exact) {
@@ -166,7 +174,6 @@ void Controller::Remember(const Settings& exact) {
   near(exact.steps_per_mm, &settings_.steps_per_mm);
   near(exact.backlash_mm, &settings_.backlash_mm);
   near(exact.probe_deflection_mm, &settings_.probe_deflection_mm);
-  settings_.tip_radius_mm = exact.tip_radius_mm;
 }
 
 Expected<void> Controller::WriteStepsPerMm(Axis axis, double steps_per_mm) {
@@ -267,7 +274,8 @@ Expected<void> Controller::Move(const char* command,
     if (std::abs(by_mm) <= kNoMove_mm) continue;
     words.emplace_back(CapitalLetter(axis), target_mm[Index(axis)]);
   }
-  const auto sent = Send(GcodeMove(command, words, feed_mm_s));
+  // G53: machine coordinates, whatever work offset is in force.
+  const auto sent = Send("G53 " + GcodeMove(command, words, feed_mm_s));
   if (!sent) return tl::unexpected(sent.error());
   NoteMove(target_mm);
   return {};

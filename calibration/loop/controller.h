@@ -70,6 +70,8 @@ class Controller {
   Expected<void> Restart();
 
  private:
+  /// Numbers in a global variable's text; none where there is no such variable.
+  Expected<std::vector<double>> ReadGlobal(const std::string& name);
   Expected<void> Move(const char* command,
                       const Vec3<double>& target_mm,
                       double feed_mm_s);

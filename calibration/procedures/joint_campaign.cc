@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "calibration/procedures/joint_estimate.h"
+#include "calibration/procedures/ledge.h"
 #include "calibration/procedures/plane_tilt.h"
 #include "calibration/procedures/span.h"
 #include "sim/effects/catalog.h"
@@ -79,25 +80,6 @@ Expected<void> MeasureSquareness(Session* session,
   return {};
 }
 
-Expected<void> MeasureLedge(Session* session, const Artefact& ledge, int repeats) {
-  for (const bool disc : {true, false}) {
-    const std::string stylus = disc ? "disc" : "ball";
-    if (const auto raised = session->probing().Raise(); !raised) return raised;
-    const auto fitted =
-        session->bench().person->Do({.kind = Act::Kind::kFitStylus,
-                                     .text = "Fit the " + stylus + " stylus.",
-                                     .artefact = stylus});
-    if (!fitted) return fitted;
-    if (!disc) break;
-    for (const Face& face : FacesAcross(ledge, Axis::kZ)) {
-      const auto touched = session->probing().Touch(
-          face, {.repeats = repeats, .campaign = "joint.ledge"});
-      if (!touched) return tl::unexpected(touched.error());
-    }
-  }
-  return {};
-}
-
 FreeParameter Free(std::string_view effect,
                    const std::string& axis,
                    std::size_t i = 0) {
@@ -119,8 +101,13 @@ Expected<void> MeasureJointCampaign(Session* session, const JointOptions& o) {
   const bool has_z = std::ranges::find(o.axes, Axis::kZ) != o.axes.end();
   const Artefact* ledge = SeekArtefact(&bench, "", {ArtefactType::kLedge}, o.place);
   if (has_z && ledge != nullptr) {
-    const auto done = MeasureLedge(session, *ledge, o.repeats);
-    if (!done) return done;
+    const auto done = MeasureLedge(session,
+                                   *ledge,
+                                   {.axis = Axis::kZ,
+                                    .repeats = o.repeats,
+                                    .campaign = "joint.ledge",
+                                    .place = o.place});
+    if (!done) return tl::unexpected(done.error());
   }
   if (!o.tilt) return {};
   for (const Face& face : TiltGrid(session, {.place = o.place})) {
@@ -166,6 +153,10 @@ JointProblem MakeJointProblem(Session* session,
                                         {.settings = bench.ledger.settings,
                                          .default_sigma_mm = 0.001,
                                          .placement_turns = o.squareness});
+  if (const Artefact* ledge =
+          SeekArtefact(&bench, "", {ArtefactType::kLedge}, o.place)) {
+    LevelLedge(*ledge, bench.machine.probe.disc_radius_mm, rows, &problem.observations);
+  }
   return problem;
 }
 

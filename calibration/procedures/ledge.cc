@@ -54,28 +54,36 @@ Expected<Lip> TouchTop(Session* session, const Face& top, const SpanPlan& plan) 
   return lip;
 }
 
-// What tilt alone adds to the span: the rim above, and below the way to where the disc
-// meets the underside; with the uncertainty that the slopes leave.
-Uncertain TiltShare(const Artefact& ledge,
-                    const Face& bottom,
-                    const Lip& lip,
-                    double disc_radius_mm) {
+// What a slope adds to the readings along the outward normals, above and below.
+struct TiltReads {
+  double rim_mm = 0;        // Above: the disc meets the lip at its rim.
+  double underside_mm = 0;  // Below: where the underside hangs lowest over the disc.
+  double reach_mm = 0;      // How far off the lip's middle both happen, at most.
+};
+
+TiltReads ReadsOf(const Artefact& ledge,
+                  const Eigen::Vector2d& below_mm,
+                  const Eigen::Vector2d& slope,
+                  double disc_radius_mm) {
   const double turn_rad = RadFromDeg(ledge.turn_deg);
-  const Eigen::Vector2d out_mm = (bottom.at_mm - ledge.at_mm).head<2>();
   const double c = std::cos(turn_rad);
   const double s = std::sin(turn_rad);
   Eigen::Matrix2d local;  // From the machine's axes to the artefact's.
   local << c, s, -s, c;
-  const Eigen::Vector2d slope = local * lip.slope;
+  const Eigen::Vector2d local_slope = local * slope;
   const Eigen::Vector2d contact_mm =
-      FirstContact_mm({.disc_mm = local * out_mm,
+      FirstContact_mm({.disc_mm = local * (below_mm - ledge.at_mm.head<2>()),
                        .radius_mm = disc_radius_mm,
                        .half_mm = ledge.size_mm.head<2>() / 2},
-                      -slope);
-  const double rim_mm = Mutant("ledge_forgets_the_rim", disc_radius_mm, 0.0);
-  return {.value = rim_mm * slope.norm() - slope.dot(contact_mm),
-          .sd = (disc_radius_mm + contact_mm.norm()) * lip.slope_sd,
-          .identifiable = true};
+                      -local_slope);
+  return {.rim_mm =
+              Mutant("ledge_forgets_the_rim", disc_radius_mm, 0.0) * local_slope.norm(),
+          .underside_mm = -local_slope.dot(contact_mm),
+          .reach_mm = disc_radius_mm + contact_mm.norm()};
+}
+
+bool IsOf(const Row& row, const Artefact& ledge, const std::string& face) {
+  return row.kind == RowKind::kTouch && row.feature == ledge.id + "." + face;
 }
 
 }  // namespace
@@ -99,21 +107,49 @@ Expected<SpanReading> MeasureLedge(Session* session,
   }
 
   const Uncertain under_mm = MeanOf(session, Axis::kZ, below->trigger_mm);
-  const Uncertain tilt_mm =
-      TiltShare(ledge, bottom, *lip, session->bench().machine.probe.disc_radius_mm);
+  const TiltReads tilt = ReadsOf(ledge,
+                                 bottom.at_mm.head<2>(),
+                                 lip->slope,
+                                 session->bench().machine.probe.disc_radius_mm);
+  const double tilt_mm = tilt.rim_mm + tilt.underside_mm;
   SpanReading reading;
   reading.size_mm = {.value = ledge.size_mm[2], .sd = MmFromUm(ledge.u_um)};
   reading.span_mm = {
-      .value = ledge.size_mm[2] + lip->top_mm.value + under_mm.value - tilt_mm.value,
-      .sd = std::hypot(lip->top_mm.sd, under_mm.sd, tilt_mm.sd)};
+      .value = ledge.size_mm[2] + lip->top_mm.value + under_mm.value - tilt_mm,
+      .sd = std::hypot(lip->top_mm.sd, under_mm.sd, tilt.reach_mm * lip->slope_sd)};
   reading.faces = lip->touches;
   reading.faces.push_back(*below);
   session->Tell(fmt::format(
       "The lip lies tilted by {:.2f} mrad; that alone would read {:+.1f} um, "
       "taken off.",
       MradFromRad(lip->slope.norm()),
-      UmFromMm(tilt_mm.value)));
+      UmFromMm(tilt_mm)));
   return reading;
+}
+
+void LevelLedge(const Artefact& ledge,
+                double disc_radius_mm,
+                const std::vector<Row>& rows,
+                std::vector<Observation>* observations) {
+  std::vector<Vec3<double>> tops_mm;
+  for (const Row& row : rows) {
+    if (!IsOf(row, ledge, "top")) continue;
+    tops_mm.emplace_back(row.cmd_mm[0], row.cmd_mm[1], row.value_mm);
+  }
+  const TiltPlane plane = FitTiltPlane(tops_mm, /*sigma_mm=*/0.001, ledge.at_mm);
+  if (!plane.slope_x.identifiable || !plane.slope_y.identifiable) return;
+  const Eigen::Vector2d slope(plane.slope_x.value, plane.slope_y.value);
+  const Eigen::Vector2d middle_mm = ledge.at_mm.head<2>();
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const bool top = IsOf(rows[i], ledge, "top");
+    if (!top && !IsOf(rows[i], ledge, "bottom")) continue;
+    const Eigen::Vector2d at_mm(rows[i].cmd_mm[0], rows[i].cmd_mm[1]);
+    const TiltReads tilt = ReadsOf(ledge, at_mm, slope, disc_radius_mm);
+    Observation& observation = (*observations)[i];
+    observation.value_mm -=
+        top ? tilt.rim_mm + slope.dot(at_mm - middle_mm) : tilt.underside_mm;
+    observation.at.q_mm.head<2>() = middle_mm;
+  }
 }
 
 }  // namespace caltwin

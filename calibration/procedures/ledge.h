@@ -1,5 +1,8 @@
 #pragma once
 
+#include <vector>
+
+#include "calibration/estimate/observation.h"
 #include "calibration/procedures/span.h"
 
 namespace caltwin {
@@ -19,5 +22,13 @@ namespace caltwin {
 Expected<SpanReading> MeasureLedge(Session* session,
                                    const Artefact& ledge,
                                    const SpanPlan& plan);
+
+/// Rows of MeasureLedge, made ready for the joint estimate: `observations`, one for
+/// each of `rows`, read as if the lip were level at its middle. Its own slopes come
+/// from the rows of its top; other rows stay as they are.
+void LevelLedge(const Artefact& ledge,
+                double disc_radius_mm,
+                const std::vector<Row>& rows,
+                std::vector<Observation>* observations);
 
 }  // namespace caltwin

@@ -16,8 +16,8 @@ constexpr double kTimestep_s = 2e-4;
 constexpr int kStepsBeforeContact = 20;
 constexpr int kStepsBetweenLooks = 10;
 constexpr double kLeastBeforeContact_mm = 0.005;
-// A stylus that hangs back under acceleration (1 um at 0.3 m/s^2) or swings by less than
-// this is at rest long before the next contact.
+// A stylus that hangs back under acceleration (1 um at 0.3 m/s^2) or swings by less
+// than this is at rest long before the next contact.
 constexpr double kSwinging_mm = 3e-3;
 constexpr double kSwinging_mm_s = 0.5;
 constexpr double kAtRest_mm = 1e-6;

@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kSwitchHysteresis_mm = 0.05;
 constexpr double kFurtherOut_mm = 0.01;
+constexpr double kScatterShare = 0.95;  // Of the deflection at the release.
 
 }  // namespace
 
@@ -53,7 +54,16 @@ double TwinPlant::BeforeSwitch_mm(const Watch& watch, double carriage_mm) const 
 
 double TwinPlant::DrawScatter_mm() {
   const double sd_mm = built_.scatter_mm();
-  return sd_mm > 0 ? sd_mm * scatter_rng_.Normal() : 0;
+  if (sd_mm == 0) return 0;
+  // A switch opens after contact and closes before the stylus is back at rest, however
+  // badly it scatters.
+  double least_mm = built_.probe.pretravel_mm[0][0];
+  for (const auto& both : built_.probe.pretravel_mm) {
+    least_mm = std::min({least_mm, both[0], both[1]});
+  }
+  const double most_mm =
+      kScatterShare * (least_mm - built_.machine.probe.hysteresis_mm);
+  return std::clamp(sd_mm * scatter_rng_.Normal(), -most_mm, most_mm);
 }
 
 double TwinPlant::AllowedDeflection_mm(double now_mm) const {
