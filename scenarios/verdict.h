@@ -48,8 +48,8 @@ std::vector<ParameterResult> MakeTable(const Trial& trial, const Expectation& ex
 ///   the built one is further away than that;
 /// - `confounded`: a procedure said that it cannot tell;
 /// - `misses`: all was done, yet an expected truth was missed, or a setting was left
-///   further from the truth than it was (beyond its tolerance, else 3 sd), or the p95 of
-///   the position error grew by more than a micrometre;
+///   further from the truth than it was (beyond its tolerance, else 3 sd), or the p95
+///   of the position error grew by more than a micrometre;
 /// - `recovers`: none of these.
 /// An alarm that ends a divergence is a divergence.
 std::string JudgeOutcome(const Trial& trial, const std::vector<ParameterResult>& table);

@@ -215,7 +215,9 @@ TEST(CommandLine, AHugeFileOfNoiseIsRefusedUnread) {
   fs::remove(file);
 
   EXPECT_THAT(run.code, Eq(2));
-  EXPECT_THAT(run.err, AllOf(StartsWith(file.string()), HasSubstr("larger than any file of this kind")));
+  EXPECT_THAT(
+      run.err,
+      AllOf(StartsWith(file.string()), HasSubstr("larger than any file of this kind")));
 }
 
 TEST(CommandLine, OfManyFaultsTwentyAreShown) {
