@@ -75,6 +75,7 @@ nlohmann::ordered_json ToJson(const RunResult& result) {
            {{"p95_before", result.position_error_before_p95_mm},
             {"p95_after", result.position_error_after_p95_mm}}},
           {"machine_time_s", result.machine_time_s},
+          {"version", CALTWIN_VERSION},
           {"cpu_s", result.cpu_s},
           {"touches", result.touches}};
 }

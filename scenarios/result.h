@@ -11,6 +11,7 @@
 
 #include "calibration/loop/outcome.h"
 #include "sim/machine/machine.h"
+#include "sim/measure/data_header.h"
 #include "sim/measure/row.h"
 
 namespace caltwin {
@@ -57,7 +58,8 @@ struct RunResult {
   double machine_time_s = 0;
   double cpu_s = 0;
   int touches = 0;
-  RowTable rows{};  ///< Every reading taken.
+  DataHeader header{};  ///< What explains the rows.
+  RowTable rows{};      ///< Every reading taken.
   Settings
       settings_before{};  ///< What the firmware believed at power-up, and at the end.
   Settings settings_after{};

@@ -12,6 +12,7 @@
 #include "scenarios/external.h"
 #include "scenarios/interruptible_link.h"
 #include "scenarios/parameter_name.h"
+#include "scenarios/record.h"
 #include "scenarios/verdict.h"
 #include "sim/base/mutant.h"
 #include "sim/base/rng.h"
@@ -227,6 +228,7 @@ RunResult RunScenario(const Scenario& scenario, const RunOptions& options) {
   const auto results = PerformAll(scenario, options, &twin, &bench, &result);
 
   if (recorder) recorder->Save();
+  result.header = HeaderOfRun(bench);
   Collect(results, &result);
   result.settings_after = twin.settings();
   result.position_error_after_p95_mm = PositionErrorP95_mm(twin);

@@ -284,9 +284,9 @@ TEST(Validate, TellsTheKindByTheTopLevelKey) {
 
   EXPECT_THAT(run.code, Eq(0));
   EXPECT_THAT(run.out,
-              AllOf(HasSubstr("machine.yaml: a machine without faults\n"),
-                    HasSubstr("t.yaml: a truth without faults\n"),
-                    HasSubstr("good.yaml: a scenario without faults\n")));
+              AllOf(HasSubstr("machine.yaml: machine, no faults\n"),
+                    HasSubstr("t.yaml: truth, no faults\n"),
+                    HasSubstr("good.yaml: scenario, no faults\n")));
 }
 
 TEST(Validate, AFileOfNoKindSaysWhichKeysTell) {

@@ -124,7 +124,7 @@ std::string Explanation(const std::string& name) {
 std::string ListText() {
   std::string text;
   const auto add = [&](std::string_view name, std::string_view about) {
-    text += fmt::format("  {:<24}{}\n", name, about);
+    text += fmt::format("  {:<26}{}\n", name, about);
   };
   text += "Effects: how a machine may differ from its drawing\n";
   for (const Effect* effect : AllEffects()) add(effect->name, effect->about);

@@ -136,7 +136,11 @@ fs::path ReportFolder(const Options& options, const RunResult& result, bool is_m
 void WriteOutputs(const Options& options,
                   const std::vector<RunResult>& results,
                   bool is_many) {
-  if (!options.record.empty()) WriteRows(options.record, results.front().rows);
+  if (!options.record.empty()) {
+    WriteRows(options.record, results.front().rows);
+    WriteDataHeader(fs::path(options.record).replace_extension(".yaml"),
+                    results.front().header);
+  }
   if (!options.report.empty()) {
     for (const RunResult& result : results) {
       const fs::path folder = ReportFolder(options, result, is_many);
@@ -195,7 +199,9 @@ Action DeclareRun(CLI::App* app) {
          "--seeds", options->seeds, "run with so many seeds, from the first on")
       ->check(CLI::Range(std::int64_t{1}, kMostSeeds));
   app->add_option(
-      "--record", options->record, "write every reading as rows (FILE.csv)");
+      "--record",
+      options->record,
+      "write every reading as rows (FILE.csv) and what explains them (FILE.yaml)");
   app->add_option(
       "--transcript", options->transcript, "write every line of G-code and its answer");
   app->add_option("--report", options->report, "write an HTML report into this folder");

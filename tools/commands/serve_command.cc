@@ -82,7 +82,7 @@ int Serve(Options options) {
   } else {
     OnPty(options, &twin.link());
   }
-  return kPassed;
+  return InterruptRequested() ? kInterrupted : kPassed;
 }
 
 }  // namespace

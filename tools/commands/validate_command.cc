@@ -8,6 +8,7 @@
 #include "scenarios/file_kind.h"
 #include "scenarios/machine_file.h"
 #include "scenarios/scenario.h"
+#include "sim/measure/data_header.h"
 #include "sim/measure/rows.h"
 #include "tools/commands/command.h"
 
@@ -40,6 +41,8 @@ void Check(const std::string& file, FileKind kind) {
       ReadRows(file);
       return;
     case FileKind::kDataHeader:
+      ReadDataHeader(file);
+      return;
     case FileKind::kPlan:
     case FileKind::kStudy:
       break;
@@ -55,7 +58,7 @@ int Validate(const Options& options) {
     try {
       const FileKind kind = KindOf(file);
       Check(file, kind);
-      std::cout << fmt::format("{}: a {} without faults\n", file, ToString(kind));
+      std::cout << fmt::format("{}: {}, no faults\n", file, ToString(kind));
     } catch (const InputError& error) {
       faults.insert(faults.end(), error.faults().begin(), error.faults().end());
     }
@@ -72,8 +75,9 @@ Action DeclareValidate(CLI::App* app) {
       ->required();
   app->footer(
       "The kind is told by the top-level key: calibrate (scenario), kinematics or "
-      "extends (machine), effects or settings alone (truth), or a .csv (measured "
-      "rows).");
+      "extends (machine), effects or settings alone (truth), campaigns, artefacts or a "
+      ".csv of "
+      "the same name (data header), or a .csv (measured rows).");
   return [options] {
     return Validate(*options);
   };
