@@ -178,7 +178,11 @@ ExternalRun RunExternal(const ExternalCommand& command, Bench* bench) {
   run.end = ConverseWith(command.child,
                          [&](std::string_view line) { return protocol.Answer(line); });
   run.result.estimates = protocol.estimates();
-  if (run.passed()) return run;
+  // A program may go on after a probe that found nothing; a collision or an alarm is
+  // the machine's, whatever the program makes of it.
+  const bool stopped_the_machine =
+      protocol.ending() == Ending::kCollision || protocol.ending() == Ending::kAlarm;
+  if (run.passed() && !stopped_the_machine) return run;
   // A program that gave up after a fault of the machine: the fault is the outcome.
   run.result.ending = run.lost() ? Ending::kLinkLost : protocol.ending();
   run.result.fault = protocol.fault();

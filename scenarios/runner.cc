@@ -141,6 +141,14 @@ void Collect(const std::vector<ProcedureResult>& results, RunResult* result) {
 void Judge(const Scenario& scenario, Trial trial, RunResult* result) {
   result->parameters = MakeTable(trial, scenario.expect);
   result->outcome = JudgeOutcome(trial, result->parameters);
+  // What a plan could not tell is settled where a later reading has told it.
+  std::erase_if(result->observability, [&](const Observability& blind) {
+    return std::ranges::all_of(blind.blind_direction, [&](const auto& part) {
+      const auto row =
+          std::ranges::find(result->parameters, part.first, &ParameterResult::name);
+      return row == result->parameters.end() || row->identifiable;
+    });
+  });
   const auto checks =
       MakeChecks(trial, scenario.expect, result->parameters, result->outcome);
   result->checks.insert(result->checks.begin(), checks.begin(), checks.end());

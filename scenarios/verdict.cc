@@ -132,6 +132,18 @@ double FloorOf(const Trial& trial, const ParameterResult& row) {
   return row.tolerance.value_or(kSigmas * sd);
 }
 
+// Told, and wrong: beyond its tolerance, else beyond 4 of its own sd, else (a setting
+// without an estimate) less than half of the error gone.
+bool WasMissed(const Trial& trial, const ParameterResult& row) {
+  constexpr double kFarSigmas = 4;
+  if (!row.error) return false;
+  if (row.tolerance) return std::abs(*row.error) > *row.tolerance;
+  if (row.sd) return std::abs(*row.error) > kFarSigmas * *row.sd;
+  const auto before = SettingNamed(trial.before, row.name);
+  const double was = before ? std::abs(*before - row.injected) : 0;
+  return was > 0 && std::abs(*row.error) > was / 2;
+}
+
 bool Diverges(const Trial& trial, const ParameterResult& row) {
   const double floor = FloorOf(trial, row);
   int grown = 0;
@@ -299,11 +311,14 @@ std::string JudgeOutcome(const Trial& trial,
   }
   if (AnyEnded(trial, Ending::kConfounded)) return "confounded";
   const bool missed = std::ranges::any_of(table, [&](const ParameterResult& row) {
-    return (row.tolerance && row.passed == false) || WasMadeWorse(trial, row);
+    return (row.tolerance && row.passed == false) || WasMissed(trial, row) ||
+           WasMadeWorse(trial, row);
   });
+  const bool anything = std::ranges::any_of(
+      table, [&](const ParameterResult& row) { return row.error.has_value(); });
   const double growth_mm =
       trial.position_error_after_mm - trial.position_error_before_mm;
-  if (missed || growth_mm > kNoWorse_mm)
+  if (missed || !anything || growth_mm > kNoWorse_mm)
     return Mutant("misses_is_recovers", "misses", "recovers");
   return "recovers";
 }

@@ -47,7 +47,8 @@ std::vector<ParameterResult> MakeTable(const Trial& trial, const Expectation& ex
 /// - `reads_zero`: a procedure said so, or a backlash was read as 0 within 3 sd where
 ///   the built one is further away than that;
 /// - `confounded`: a procedure said that it cannot tell;
-/// - `misses`: all was done, yet an expected truth was missed, or a setting was left
+/// - `misses`: all was done, yet nothing was told at all, or what was told is wrong
+///   (beyond its tolerance, else 4 of its sd, else half of the error it had), or a setting was left
 ///   further from the truth than it was (beyond its tolerance, else 3 sd), or the p95
 ///   of the position error grew by more than a micrometre;
 /// - `recovers`: none of these.

@@ -129,10 +129,14 @@ Expected<void> Session::Write(Setting setting, Axis axis, double value) {
   return controller_.WriteSingleDeflection(value);
 }
 
+// A change of just the limit is allowed, however it rounds.
+constexpr double kRounding = 1e-9;
+
 Expected<std::string> Session::WhyNot(const Proposal& proposal, double before) {
   const double change = proposal.after / before - 1;
   const double limit = Mutant("no_limit", rules_.steps_limit, 1e9);
-  if (proposal.setting == Setting::kStepsPerMm && !(std::abs(change) <= limit)) {
+  if (proposal.setting == Setting::kStepsPerMm &&
+      !(std::abs(change) <= limit + kRounding)) {
     Tell(Trouble::kUnreasonable);
     return fmt::format(
         "{:.4f} would change {:.4f} by {:.1f} %, beyond the limit of {:.1f} % an "
@@ -217,6 +221,8 @@ Expected<bool> Session::KeepOrRollBack(const Proposal& proposal,
   const bool worse =
       Mutant("keeps_worse", grown, -1.0) > 0 && check.error_after > kSigmas * check.sd;
   if (!worse) return true;
+  // What was kept as it stood has nothing to go back to.
+  if (Believed(proposal.setting, proposal.axis) == before) return true;
   if (!rules_.roll_back) {
     Tell(
         fmt::format("{}: the verification came out worse ({:.4f} mm, before {:.4f} mm)"

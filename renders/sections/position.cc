@@ -40,9 +40,10 @@ std::string PositionSection(const RunResult& result,
   if (largest_mm <= 0) return "";
   return fmt::format(
       "<p>At 1000 poses all over the travel, approached in both senses and the mean "
-      "offset removed, 95 of 100 are reached with a smaller error than this.{} Only "
+      "offset removed, 95 of 100 are reached with a smaller error than this.{} It is "
       "the "
-      "simulator can say so: the calibration never sees it.</p>\n{}{}",
+      "closed forms' answer for the machine as built, with the settings of then; the "
+      "calibration never sees it.</p>\n{}{}",
       Change(before_mm, after_mm),
       Bar("before", before_mm, largest_mm),
       Bar("after", after_mm, largest_mm));

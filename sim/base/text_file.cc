@@ -54,7 +54,7 @@ std::string ReadTextFile(const fs::path& file, std::size_t most_bytes) {
   }
   const auto too_large = [&] {
     return InputError(
-        place,
+        {.file = file.string(), .line = 1, .column = 1},
         fmt::format("larger than any file of this kind (at most {} bytes)",
                     most_bytes));
   };

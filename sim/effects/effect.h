@@ -75,7 +75,7 @@ struct At {
   Vec3<double> steps_per_mm = Vec3<double>::Zero();
   Vec3<double> compensation_mm = Vec3<double>::Zero();
   double tip_radius_cfg_mm = 0;
-  double feed_mm_s = 0;
+  double feed_mm_s = 0;      ///< Along the path; negative for a release.
   double load_n = kUnknown;  ///< Axial load; unknown: the rail's own friction.
   bool on_table = false;     ///< What is touched stands on the table (bed, artefacts).
   std::string_view setup{};  ///< Placement; each has its own offset.

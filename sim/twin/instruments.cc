@@ -5,6 +5,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "sim/base/units.h"
 
@@ -36,7 +37,12 @@ TwinGauge::TwinGauge(Instruments instruments,
       sample_(sample) {}
 
 Expected<double> TwinGauge::Truth_mm(const std::string& id) {
-  firmware_->FinishMoves();
+  const Reply finished = firmware_->FinishMoves();
+  if (finished.error || firmware_->halted()) {
+    return tl::unexpected(
+        MachineFault{MachineFault::Kind::kAlarm,
+                     fmt::format("{}", fmt::join(finished.lines, "\n"))});
+  }
   const auto [kind, what] = SplitAtDot(id);
   if (kind == "laser" || kind == "dial") {
     const auto axis = AxisNamed(what);

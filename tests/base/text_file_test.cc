@@ -71,9 +71,9 @@ TEST_F(TextFile, TheSizeLimitIsInclusive) {
 
   EXPECT_EQ(ReadTextFile(file, 9), "123456789");
   EXPECT_EQ(MessageOf([&] { ReadTextFile(file, 8); }),
-            file + ": larger than any file of this kind (at most 8 bytes)");
+            file + ":1:1: larger than any file of this kind (at most 8 bytes)");
   EXPECT_EQ(MessageOf([&] { ReadTextFile("/dev/zero", 8); }),
-            "/dev/zero: larger than any file of this kind (at most 8 bytes)");
+            "/dev/zero:1:1: larger than any file of this kind (at most 8 bytes)");
 }
 
 TEST_F(TextFile, AFolderIsNotOverwritten) {

@@ -210,7 +210,8 @@ std::vector<ProcedureResult> Perform(const std::vector<CalibrationStep>& steps,
     Print(results.back());
     const Ending ending = results.back().ending;
     if (ending == Ending::kAlarm || ending == Ending::kCollision ||
-        ending == Ending::kLinkLost || InterruptRequested()) {
+        ending == Ending::kNoTrigger || ending == Ending::kLinkLost ||
+        InterruptRequested()) {
       break;
     }
   }

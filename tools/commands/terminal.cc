@@ -42,10 +42,12 @@ Expected<void> TerminalOperator::Do(const Act& act) {
   if (confirm && !options_.apply) {
     return Refused("not applied: this run only measures (--apply applies)");
   }
-  if (options_.yes) return {};
+  // --yes agrees to settings; a block turns only by a hand that says so.
+  if (options_.yes && confirm) return {};
   if (!CanAsk()) {
-    return Refused(fmt::format(
-        "nobody can be asked ('{}'): stdin is no terminal; --yes answers", act.text));
+    return Refused(fmt::format("nobody can be asked ('{}'): stdin is no terminal{}",
+                               act.text,
+                               confirm ? "; --yes answers" : ""));
   }
   const auto answer = AskLine(
       act.text + (confirm ? " [y/n] " : " Press Enter when done, n to refuse. "));
