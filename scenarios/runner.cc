@@ -248,9 +248,6 @@ RunResult RunScenario(const Scenario& scenario, const RunOptions& options) {
          .before = result.settings_before,
          .after = result.settings_after,
          .results = results,
-         .has_external = std::ranges::any_of(
-             scenario.calibrate,
-             [](const CalibrationStep& step) { return step.external.has_value(); }),
          .position_error_before_mm = result.position_error_before_p95_mm,
          .position_error_after_mm = result.position_error_after_p95_mm},
         &result);

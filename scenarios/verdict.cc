@@ -46,8 +46,7 @@ std::vector<Step> StepsOf(const Trial& trial, const std::string& name) {
 // Whether the firmware has taken something for it, perhaps to give it back later.
 bool WasApplied(const Trial& trial, const std::string& name) {
   const auto steps = StepsOf(trial, name);
-  return trial.has_external ||
-         std::ranges::find(steps, Verdict::kApplied, &Step::verdict) != steps.end();
+  return std::ranges::find(steps, Verdict::kApplied, &Step::verdict) != steps.end();
 }
 
 const ParameterExpectation* ExpectationOf(const Expectation& expect,
@@ -107,7 +106,7 @@ ParameterResult MakeRow(const Trial& trial,
     row.identifiable = estimate->identifiable;
     if (row.identifiable) row.sd = estimate->sd;
     if (row.identifiable) row.recovered = row.is_setting ? *after : estimate->value;
-  } else if (after && (trial.has_external || *before != *after)) {
+  } else if (after && *before != *after) {
     row.identifiable = true;
     row.recovered = after;
   }

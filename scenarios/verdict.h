@@ -19,7 +19,6 @@ struct Trial {
   Settings before{};
   Settings after{};
   std::vector<ProcedureResult> results{};  ///< In the order performed.
-  bool has_external = false;               ///< Somebody else's program took part.
   double position_error_before_mm = 0;     ///< p95.
   double position_error_after_mm = 0;
 };
@@ -29,11 +28,10 @@ struct Trial {
 /// Rows: what was injected, what the scenario gave the firmware wrongly, what an
 /// estimate or a step named, what a file expects, in the catalog's order. `injected` is
 /// the built value, the drawing's where no effect touches it. `recovered` is
-/// - the firmware's setting at the end, for what has one, where a step applied anything
-///   to it (a change rolled back included) or an external program took part;
+/// - the firmware's setting at the end, for what has one, where a step or an external
+///   program changed it (a change rolled back included);
 /// - else the last estimate that was identifiable;
-/// - none where the last word was "not identifiable", or where nothing looked at it
-///   and no external program took part.
+/// - none where the last word was "not identifiable", or where nothing looked at it.
 /// A row passes where every expectation of its parameter holds; null where none was
 /// given.
 std::vector<ParameterResult> MakeTable(const Trial& trial, const Expectation& expect);
@@ -48,9 +46,9 @@ std::vector<ParameterResult> MakeTable(const Trial& trial, const Expectation& ex
 ///   the built one is further away than that;
 /// - `confounded`: a procedure said that it cannot tell;
 /// - `misses`: all was done, yet nothing was told at all, or what was told is wrong
-///   (beyond its tolerance, else 4 of its sd, else half of the error it had), or a setting was left
-///   further from the truth than it was (beyond its tolerance, else 3 sd), or the p95
-///   of the position error grew by more than a micrometre;
+///   (beyond its tolerance, else 4 of its sd, else half of the error it had), or a
+///   setting was left further from the truth than it was (beyond its tolerance, else 3
+///   sd), or the p95 of the position error grew by more than a micrometre;
 /// - `recovers`: none of these.
 /// An alarm that ends a divergence is a divergence.
 std::string JudgeOutcome(const Trial& trial, const std::vector<ParameterResult>& table);

@@ -176,7 +176,8 @@ TEST(Verdict, ASettingLeftWorseThanItWasMisses) {
   };
 
   EXPECT_THAT(end_at(-0.05), StrEq("misses"));
-  EXPECT_THAT(end_at(0.04), StrEq("recovers"));  // Off, but better than it was.
+  EXPECT_THAT(end_at(0.04), StrEq("misses"));  // Better than it was, but 5 sd off.
+  EXPECT_THAT(end_at(0.045), StrEq("recovers"));
 }
 
 TEST(Verdict, WanderingWithinTheUncertaintyIsNoDivergence) {
@@ -193,7 +194,9 @@ TEST(Verdict, RefusedMeansThatNothingWasApplied) {
   bench.trial.results = {{.ending = Ending::kRefused}};
   EXPECT_THAT(OutcomeOf(bench.trial), StrEq("refused"));
 
-  bench.trial.results.push_back({.steps = {Applied("steps_per_mm.x", 808, 800)}});
+  bench.trial.results.push_back(
+      {.steps = {Applied("steps_per_mm.x", 808, 800)},
+       .estimates = {Told("steps_per_mm.x", 800, 0.01, true)}});
   EXPECT_THAT(OutcomeOf(bench.trial), StrEq("recovers"));
 }
 
@@ -222,7 +225,7 @@ TEST_P(EveryEnding, HasItsWord) {
 INSTANTIATE_TEST_SUITE_P(
     ,
     EveryEnding,
-    ::testing::Values(EndingCase{Ending::kDone, "recovers"},
+    ::testing::Values(EndingCase{Ending::kDone, "misses"},  // Nothing was told.
                       EndingCase{Ending::kNoTrigger, "no_trigger"},
                       EndingCase{Ending::kCollision, "collision"},
                       EndingCase{Ending::kAlarm, "alarm"},
