@@ -117,7 +117,7 @@ double BuiltValue(const Machine& machine,
   double value = NeutralEffect(effect, axis, machine).values[parameter];
   if (EffectAt(effect).name == ProbePretravel::kDeclaration.name) {
     const int i = Index(*AxisNamed(axis.substr(0, 1)));
-    const auto& both = ErrorsAt<double>(machine, At{}, effects).pretravel_mm[i];
+    const auto both = ErrorsAt<double>(machine, At{}, effects).pretravel_mm[i];
     if (axis.ends_with('+')) return both[0];
     if (axis.ends_with('-')) return both[1];
     return (both[0] + both[1]) / 2;
