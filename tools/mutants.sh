@@ -19,33 +19,38 @@ list() {
 }
 where() { git grep -lE "\"$1\"" -- sim calibration scenarios | head -n 1; }
 
-# The first test that fails under the mutant, cheapest tests first; empty: it survives.
+# The first test that fails under the mutant, unit tests first; empty: it survives.
 killer() {
-  local label
-  for label in unit slow; do
-    CALTWIN_MUTANT=$1 ctest --test-dir "$build" -L "$label" -j2 --stop-on-failure 2>/dev/null |
-      sed -nE 's/^[[:space:]]*[0-9]+ - ([^ ]+).*(Failed|Timeout|SEGFAULT|Exception|Subprocess aborted).*/\1/p' |
-      head -n 1 | grep . && return 0
+  local program out failed
+  # A folder each: tests of two mutants at the same time must not meet.
+  local -x TEST_TMPDIR
+  TEST_TMPDIR=$(mktemp -d)
+  for program in "$build"/tests/*_unit_tests "$build"/tests/*_slow_tests; do
+    out=$(CALTWIN_MUTANT=$1 timeout 120 "$program" --gtest_fail_fast 2>&1) && continue
+    failed=$(sed -nE 's/^\[  FAILED  \] ([^ ,]+).*/\1/p' <<<"$out" | head -n 1)
+    echo "${failed:-$(basename "$program") stops}"
+    break
   done
-  return 0
+  rm -rf "$TEST_TMPDIR"
 }
+row() {
+  local by
+  by=$(killer "$1")
+  printf '| `%s` | `%s` | %s |\n' "$1" "$(where "$1")" "${by:-**survives**}"
+}
+export -f killer row where
+export build
 
 names=("$@")
 [ ${#names[@]} -gt 0 ] || mapfile -t names < <(list)
-if ! CALTWIN_MUTANT='' ctest --test-dir "$build" -j2 >/dev/null; then
+if [ -n "$(killer '')" ]; then
   echo "mutants: the tests fail without any mutant; mend that first" >&2
   exit 1
 fi
 table=$(mktemp)
-survivors=0
-for name in "${names[@]}"; do
-  by=$(killer "$name")
-  if [ -z "$by" ]; then
-    survivors=$((survivors + 1))
-    by='**survives**'
-  fi
-  printf '| `%s` | `%s` | %s |\n' "$name" "$(where "$name")" "$by" | tee -a "$table"
-done
+printf '%s\n' "${names[@]}" | xargs -P "$(nproc)" -I{} bash -c 'row {}' | tee "$table"
+sort -o "$table" "$table"
+survivors=$(grep -c 'survives' "$table" || true)
 if [ $# -eq 0 ]; then
   {
     echo '# Mutants'
