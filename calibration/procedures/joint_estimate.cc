@@ -192,6 +192,11 @@ Expected<void> RunJoint(Session* session, const JointOptions& o) {
     return {};
   }
   Print(session, problem, fit);
+  // What a model leaves out it cannot see, however well it fits.
+  session->Tell(
+      fmt::format("Not in this model, and so not looked for: {}wind-up of the "
+                  "drive, errors that change along an axis.",
+                  o.squareness ? "" : "squareness (squareness: true), "));
   std::array<bool, 3> applied{};
   for (const Axis axis : o.axes) {
     const auto kept = ApplyAxis(session, fit, axis, o);
