@@ -8,7 +8,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "scenarios/ending.h"
+#include "calibration/loop/controller.h"
+#include "calibration/loop/session.h"
 #include "scenarios/parameter_name.h"
 
 namespace caltwin {
@@ -127,7 +128,7 @@ std::string ExternalProtocol::Answer(std::string_view line) {
 }
 
 std::string ExternalProtocol::Fault(const MachineFault& fault) {
-  ending_ = EndingOf(fault);
+  ending_ = EndingOfFault(Classified(fault));
   fault_ = fault.reply;
   const char* prefix = fault.reply.starts_with("Error") ? "" : "Error: ";
   return fmt::format("{}{}\n{}", prefix, fault.reply, kOk);

@@ -4,7 +4,8 @@
 
 #include <fmt/format.h>
 
-#include "scenarios/ending.h"
+#include "calibration/loop/controller.h"
+#include "calibration/loop/session.h"
 
 namespace caltwin {
 namespace {
@@ -16,7 +17,7 @@ ProcedureResult SendLines(const std::vector<std::string>& lines, Bench* bench) {
   for (const std::string& line : lines) {
     const auto reply = bench->link->Send(line, kPatience);
     if (!reply) {
-      result.ending = EndingOf(reply.error());
+      result.ending = EndingOfFault(Classified(reply.error()));
       result.fault = reply.error().reply;
       result.messages.push_back(fmt::format("{}: {}", line, reply.error().reply));
       return result;

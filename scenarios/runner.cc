@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 
 #include "calibration/loop/bench.h"
-#include "scenarios/ending.h"
 #include "scenarios/external.h"
 #include "scenarios/interruptible_link.h"
 #include "scenarios/parameter_name.h"
