@@ -137,7 +137,7 @@ void Collect(const std::vector<ProcedureResult>& results, RunResult* result) {
   }
 }
 
-void Judge(const Scenario& scenario, Trial trial, RunResult* result) {
+void Judge(const Scenario& scenario, const Trial& trial, RunResult* result) {
   result->parameters = MakeTable(trial, scenario.expect);
   result->outcome = JudgeOutcome(trial, result->parameters);
   // What a plan could not tell is settled where a later reading has told it.
