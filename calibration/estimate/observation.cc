@@ -13,27 +13,6 @@
 namespace caltwin {
 namespace {
 
-// Along n: what a row knows of it, or its single commanded axis.
-Vec3<double> DirectionOf(const Row& row) {
-  Vec3<double> n = Vec3<double>::Zero();
-  bool known = false;
-  for (int i = 0; i < 3; ++i) {
-    const double component = row.n[static_cast<std::size_t>(i)];
-    if (!Known(component)) continue;
-    n[i] = component;
-    known = true;
-  }
-  constexpr double kUnitTolerance = 1e-3;
-  if (!known || std::abs(n.norm() - 1) > kUnitTolerance) {
-    throw InputError(
-        row.place,
-        fmt::format("row {} does not say along which unit vector its value "
-                    "is measured: fill in nx, ny and nz",
-                    row.row));
-  }
-  return n.normalized();
-}
-
 Vec3<double> PoseOf(const Row& row, const Machine& machine) {
   Vec3<double> pose_mm;
   for (const Axis axis : kAxes) {
@@ -41,14 +20,6 @@ Vec3<double> PoseOf(const Row& row, const Machine& machine) {
     pose_mm[Index(axis)] = Known(cmd_mm) ? cmd_mm : machine.axis(axis).mid_mm();
   }
   return pose_mm;
-}
-
-double SenseAlongNormal(const Row& row) {
-  double sense = 0;
-  for (std::size_t i = 0; i < 3; ++i) {
-    if (Known(row.dir[i]) && Known(row.n[i])) sense += row.dir[i] * row.n[i];
-  }
-  return sense;
 }
 
 std::string ArtefactKey(const Row& row) {
@@ -90,33 +61,9 @@ std::map<std::string, Vec3<double>> Centres(const RowTable& table,
 
 }  // namespace
 
-bool IsRelease(const Row& row) {
-  return row.kind == RowKind::kTouch && SenseAlongNormal(row) > 0;
-}
-
 At RowToAt(const Row& row, const Machine& machine, const SettingsById& settings) {
   const auto found = settings.find(row.settings);
-  const Settings& in_force = found == settings.end() ? machine.settings : found->second;
-  At at{.kind = row.kind,
-        .q_mm = PoseOf(row, machine),
-        .n = DirectionOf(row),
-        .tip_radius_cfg_mm = in_force.tip_radius_mm,
-        .feed_mm_s = Known(row.feed_mm_s) ? row.feed_mm_s : 0,
-        .load_n = row.load_n,
-        .on_table = row.kind == RowKind::kTouch};
-  if (row.kind == RowKind::kTouch) {
-    at.q_mm += (row.value_mm + in_force.tip_radius_mm) * at.n;
-  }
-  if (IsRelease(row)) at.feed_mm_s = -at.feed_mm_s;
-  for (int i = 0; i < 3; ++i) {
-    const auto index = static_cast<std::size_t>(i);
-    at.dir[i] = Known(row.dir[index]) ? row.dir[index] : 0;
-    at.steps_per_mm[i] = Mutant("observation_stale_settings",
-                                in_force.steps_per_mm[index],
-                                machine.settings.steps_per_mm[index]);
-    at.compensation_mm[i] = in_force.backlash_mm[index];
-  }
-  return at;
+  return AtOf(row, machine, found == settings.end() ? machine.settings : found->second);
 }
 
 std::vector<Observation> ObservationsOf(const RowTable& table,

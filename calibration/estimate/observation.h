@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "sim/effects/effect.h"
+#include "sim/effects/surroundings.h"
 #include "sim/machine/machine.h"
 #include "sim/measure/row.h"
 
@@ -34,19 +35,9 @@ struct RowUse {
   bool placement_turns = false;  ///< Let each artefact placement turn about z too.
 };
 
-/// The circumstances of one row.
-///
-/// A position or radial row is taken at its commanded pose. A touch is taken at the
-/// commanded tip centre at the trigger, q = nominal + (value + R_cfg) n, on something
-/// that stands on the table. A commanded coordinate the row does not know counts as
-/// mid-travel, a sense it does not know as 0: it then stands in the middle of its gap.
-/// The feed counts towards the surface, so it is negative for a release (dir . n > 0).
-/// Throws InputError where the direction n is missing or no unit vector. `At::setup`
-/// stays empty: placements are nuisances here.
+/// The circumstances of one row (AtOf) under the settings it names; an id that is not
+/// in `settings`, or none, has the machine's own.
 At RowToAt(const Row& row, const Machine& machine, const SettingsById& settings);
-
-/// Whether a touch row is a release: read while moving away from the surface.
-bool IsRelease(const Row& row);
 
 /// All rows with their nuisances:
 /// - `placement.KEY.x` and y, z: n's components. KEY is the setup, else the artefact

@@ -1,5 +1,6 @@
 #include "sim/effects/catalog.h"
 
+#include <algorithm>
 #include <array>
 
 #include "sim/base/require.h"
@@ -17,6 +18,8 @@ constexpr auto kDeclarations = Declarations(std::make_index_sequence<kNumEffects
 
 }  // namespace
 
+template void AddErrors<double>(int, const Asked<double>&, Errors<double>*);
+
 std::span<const Effect* const> AllEffects() {
   return kDeclarations;
 }
@@ -31,6 +34,20 @@ std::optional<int> FindEffect(std::string_view name) {
     if (kDeclarations[i]->name == name) return static_cast<int>(i);
   }
   return std::nullopt;
+}
+
+bool HasAxis(const Effect& effect, std::string_view axis) {
+  const auto same = [&](std::string_view word) {
+    return word == axis || (word == kAnyAxis && !axis.empty());
+  };
+  return std::ranges::any_of(effect.axes, same) ||
+         std::ranges::any_of(effect.aliases, same);
+}
+
+std::string AxisOf(const Effect& effect, std::string_view written) {
+  const bool is_alias =
+      std::ranges::find(effect.aliases, written) != effect.aliases.end();
+  return std::string(is_alias ? effect.axes[0] : written);
 }
 
 }  // namespace caltwin

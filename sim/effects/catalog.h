@@ -1,8 +1,10 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <tuple>
 #include <utility>
@@ -51,11 +53,21 @@ constexpr int EffectIndex() {
 /// Adds what the effect of that index contributes.
 template <typename T>
 void AddErrors(int effect, const Asked<T>& asked, Errors<T>* errors) {
-  [&]<std::size_t... kIndex>(std::index_sequence<kIndex...>) {
-    (void)((effect == static_cast<int>(kIndex) &&
-            (std::tuple_element_t<kIndex, EffectList>::Add(asked, errors), true)) ||
-           ...);
-  }(std::make_index_sequence<kNumEffects>{});
+  using Form = void (*)(const Asked<T>&, Errors<T>*);
+  static constexpr auto kForms =
+      []<std::size_t... kIndex>(std::index_sequence<kIndex...>) {
+        return std::array<Form, kNumEffects>{
+            &std::tuple_element_t<kIndex, EffectList>::template Add<T>...};
+      }(std::make_index_sequence<kNumEffects>{});
+  kForms[static_cast<std::size_t>(effect)](asked, errors);
 }
+/// Compiled once, in catalog.cc; other scalars where they are used.
+extern template void AddErrors<double>(int, const Asked<double>&, Errors<double>*);
+
+/// Whether files may write this after the dot of the effect's name.
+bool HasAxis(const Effect& effect, std::string_view axis);
+
+/// The declared word for an axis as a file writes it: an alias becomes axes[0].
+std::string AxisOf(const Effect& effect, std::string_view written);
 
 }  // namespace caltwin

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <array>
+#include <limits>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -9,6 +11,7 @@
 #include "sim/base/distribution.h"
 #include "sim/machine/axis.h"
 #include "sim/machine/machine.h"
+#include "sim/measure/climate.h"
 #include "sim/measure/row.h"
 
 namespace caltwin {
@@ -21,6 +24,13 @@ enum class Bucket { kMotion, kMeasurement, kArtefact, kTime };
 /// stage sees is what the earlier ones have left.
 enum class Stage { kDrive, kFrame, kProbe, kArtefact, kReadout };
 
+/// How diagnosis looks for a parameter.
+enum class Role {
+  kSize,   ///< The effect is proportional to it.
+  kPhase,  ///< An angle [deg] that shares the size: A sin(.. + phase) is two sizes.
+  kForm    ///< Changes the shape: sought on a grid (Sight::forms), then refined.
+};
+
 /// One number an effect has. Its name ends in its unit and is its key in files; values
 /// are in that unit wherever effects are stored, converted only inside closed forms.
 struct Parameter {
@@ -29,6 +39,34 @@ struct Parameter {
   double min, max;        ///< Beyond these the model is wrong, not merely unlikely.
   Distribution prior;     ///< What is believed before anything is measured.
   std::string_view doc;   ///< What it is, with its sign.
+  Role role = Role::kSize;
+};
+
+/// How far measured rows reach: what the values of form parameters are sought in.
+struct Extent {
+  double t_min_s = 0, t_max_s = 0;
+  Vec3<double> q_min_mm = Vec3<double>::Zero();
+  Vec3<double> q_max_mm = Vec3<double>::Zero();
+  /// Times of the rows that could feel the effect, ascending, each once.
+  std::vector<double> times_s{};
+};
+
+/// In which channel an effect shows and what it depends on, in CONTRACT's words.
+struct Shown {
+  std::string channel{};  ///< x y z (motion), probe or bed.
+  std::vector<std::string> covariates{};
+};
+
+/// How diagnosis looks for an effect in measured rows.
+struct Sight {
+  Shown (*shown)(std::string_view axis) = nullptr;
+  /// What its form parameters may be, each entry one value for each of them in the
+  /// declared order. Null: it has none.
+  std::vector<std::vector<double>> (*forms)(const Machine& machine,
+                                            std::string_view axis,
+                                            const Extent& extent) = nullptr;
+  /// Harmonics of a periodic effect, as columns of their own: 2 .. this. 0: not so.
+  int harmonics = 0;
 };
 
 /// The five things a person wants to know of a cause, in that order.
@@ -58,7 +96,14 @@ struct Effect {
   void (*neutral)(const Machine& machine,
                   std::string_view axis,
                   std::span<double> values);
+  /// Words that files may write in place of axes[0], where there is but one axis.
+  std::span<const std::string_view> aliases{};
+  /// What diagnosis may find; none: baseline, or injected only.
+  std::optional<Sight> sight{};
 };
+
+/// In `axes`: any word, such as an artefact's id.
+inline constexpr std::string_view kAnyAxis = "*";
 
 /// Where and under which circumstances an error is asked for: what is known of one
 /// reading, none of it a parameter.
@@ -79,6 +124,27 @@ struct At {
   double load_n = kUnknown;  ///< Axial load; unknown: the rail's own friction.
   bool on_table = false;     ///< What is touched stands on the table (bed, artefacts).
   std::string_view setup{};  ///< Placement; each has its own offset.
+
+  /// Time in the session [s]; where rows know none, their running number.
+  double t_s = 0;
+  /// When the homing session began; the first began before anything.
+  double homed_at_s = -std::numeric_limits<double>::infinity();
+  std::string_view home{};
+  const Climate* climate = nullptr;  ///< Temperatures of the session; borrowed.
+  /// Travel of each axis since its last reversal, kUnknown where not known.
+  Vec3<double> since_rev_mm = Vec3<double>::Constant(kUnknown);
+  double probe_angle_deg = 0;  ///< Spindle, counter-clockwise from above.
+  /// Tip minus where the axes stand; `q_mm` are the axes.
+  Vec3<double> probe_off_mm = Vec3<double>::Zero();
+  std::string_view artefact{};  ///< Its id: the feature's word before the dot.
+  bool inside = false;          ///< A bore or pocket: a larger one recedes along -n.
+  double artefact_turn_deg = 0;
+  /// Middle of what was touched of the artefact in this setup, machine axes.
+  Vec3<double> artefact_mid_mm = Vec3<double>::Zero();
+  double radius_mm = 0;  ///< Of a ball-bar's circle; 0: none.
+
+  /// Where the tip's centre (or what a gauge looks at) is by command, machine axes.
+  Vec3<double> Tip_mm() const { return q_mm + probe_off_mm; }
 };
 
 /// All errors at one place, summed over the effects. Signs as in docs/signs.md.
@@ -90,6 +156,8 @@ struct Errors {
   /// Stylus deflection at the trigger for a tip pushed towards + and - of each axis, so
   /// [axis][0] counts where the machine moves in + (normal towards -).
   std::array<std::array<T, 2>, 3> pretravel_mm{};
+  /// Deflection at the trigger beyond `pretravel_mm`, for the direction asked for.
+  T more_pretravel_mm = T(0);
   T latency_s = T(0);      ///< From the switch to the reported step count.
   T scatter_mm2 = T(0);    ///< Variance of the trigger along n.
   T tip_radius_mm = T(0);  ///< Built.

@@ -36,7 +36,10 @@ bool ReadName(const std::string& key, const YamlValue& value, InjectedSpec* spec
   }
   spec->effect = *effect;
   const auto axes = EffectAt(*effect).axes;
-  if (std::find(axes.begin(), axes.end(), spec->axis) != axes.end()) return true;
+  if (HasAxis(EffectAt(*effect), spec->axis)) {
+    spec->axis = AxisOf(EffectAt(*effect), spec->axis);
+    return true;
+  }
   value.Fail(
       spec->axis.empty() ? "needs an axis"
                          : fmt::format("has no axis '{}'", spec->axis),

@@ -76,19 +76,23 @@ T Pretravel_mm(const Errors<T>& errors, const Vec3<double>& n) {
 /// `effects`. Fast fidelity, estimates, atlas and diagnosis all come from ErrorsAt.
 ///
 ///   position, radial:  motion . n
-///   touch:  -motion . n - pre-travel(n) - v tau + (R_true - R_cfg) + artefact
+///   touch:  -motion . n - pre-travel - v tau + (R_true - R_cfg) + artefact
 ///
 /// Motion contains the lost motion not compensated, -dir (b - compensation) / 2.
 template <typename T>
-T Predict_mm(const Machine& machine, const At& at, std::span<const Valued<T>> effects) {
-  const Errors<T> errors = ErrorsAt(machine, at, effects);
+T Value_mm(const At& at, const Errors<T>& errors) {
   T along_mm = errors.motion_mm.dot(at.n.template cast<T>());
   if (at.kind != RowKind::kTouch) return along_mm;
-  return -along_mm - Pretravel_mm(errors, at.n) -
+  return -along_mm - Pretravel_mm(errors, at.n) - errors.more_pretravel_mm -
          Mutant("predict_latency_sign", 1.0, -1.0) * at.feed_mm_s * errors.latency_s +
          Mutant("predict_tip_sign", 1.0, -1.0) *
              (errors.tip_radius_mm - at.tip_radius_cfg_mm) +
          errors.artefact_mm;
+}
+
+template <typename T>
+T Predict_mm(const Machine& machine, const At& at, std::span<const Valued<T>> effects) {
+  return Value_mm(at, ErrorsAt(machine, at, effects));
 }
 
 /// The effect with the values that change nothing on this machine.
