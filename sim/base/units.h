@@ -22,6 +22,10 @@ constexpr T RadFromMrad(const T& mrad) {
   return mrad * 1e-3;
 }
 template <typename T>
+constexpr T RadFromUrad(const T& urad) {
+  return urad * 1e-6;
+}
+template <typename T>
 constexpr T MradFromRad(const T& rad) {
   return rad * 1e3;
 }
