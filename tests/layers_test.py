@@ -3,7 +3,8 @@
 A layer includes itself and the layers it names in USES, and what those use in turn
 where a header of theirs needs it: CMake passes that on, so it is what compiles, and the
 architecture allows it. The longest folder wins: sim/effects/acts is a layer of its own
-inside sim/effects. Beside that, MuJoCo's headers stand only where metres are allowed.
+inside sim/effects. Beside that, MuJoCo's headers stand only where metres are allowed, and
+the blind tests' truth code includes nothing of any layer: it would test itself.
 
     layers_test.py ROOT          checks a tree
     layers_test.py --self-test   checks that a leak would be found
@@ -16,6 +17,7 @@ from pathlib import Path
 
 SOURCE_FOLDERS = ("sim", "calibration", "scenarios", "renders", "tools", "tests")
 MUJOCO_FOLDERS = ("sim/mjcf", "sim/physics", "renders", "tests/bench")
+BLIND_FOLDER = "tests/blind/"
 LAYER = re.compile(r"^caltwin_layer\((\w+)\s+DIR\s+(\S+)([^)]*)\)", re.MULTILINE)
 INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]')
 
@@ -64,6 +66,9 @@ def faults_of(path, text, layers):
                 )
             continue
         target = folder_of(included, layers)
+        if path.startswith(BLIND_FOLDER) and target is not None:
+            yield f"{path}:{number}: includes {included}, but blind truth shares nothing"
+            continue
         if folder is None or target is None:
             continue
         name, used = layers[folder]
@@ -74,11 +79,19 @@ def faults_of(path, text, layers):
             )
 
 
+def linked_faults(root):
+    """The blind tests link no library of a layer either."""
+    for file in sorted((root / BLIND_FOLDER).glob("CMakeLists.txt")):
+        for number, line in enumerate(file.read_text().splitlines(), start=1):
+            if re.search(r"\bcaltwin_\w", line.split("#")[0]):
+                yield f"{BLIND_FOLDER}{file.name}:{number}: links a layer, but blind truth shares nothing"
+
+
 def check(root):
     layers = read_layers((root / "CMakeLists.txt").read_text())
     if len(layers) < 3:
         return ["CMakeLists.txt: no table of layers was found"]
-    faults, files = [], 0
+    faults, files = list(linked_faults(root)), 0
     for folder in SOURCE_FOLDERS:
         for file in sorted((root / folder).rglob("*")):
             if file.suffix in (".h", ".cc"):
@@ -97,6 +110,8 @@ SELF_TEST = {
     "sim/top/deep/d.cc": ('#include "sim/top/t.h"\n  #  include "sim/base/a.h"\n', 1),
     "sim/other/e.cc": ('#include "sim/base/a.h"\n// #include "sim/top/t.h"\n', 0),
     "sim/mjcf/f.cc": ("#include <mujoco/mujoco.h>\n#include <vector>\n", 0),
+    "tests/blind/g.cc": ('#include "tests/blind/h.h"\n#include "sim/base/a.h"\n', 1),
+    "tests/blind/CMakeLists.txt": ("# of caltwin_base\ntarget_link(g caltwin_base)\n", 1),
 }
 SELF_TEST_CMAKE = """
 caltwin_layer(base DIR sim/base NEEDS fmt)
