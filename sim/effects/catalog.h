@@ -10,11 +10,24 @@
 #include <utility>
 
 #include "sim/effects/backlash.h"
+#include "sim/effects/backlash_worn.h"
 #include "sim/effects/bed_tilt.h"
+#include "sim/effects/cyclic_lead.h"
 #include "sim/effects/effect.h"
+#include "sim/effects/frame_growth.h"
+#include "sim/effects/frame_temperature.h"
+#include "sim/effects/homing_scatter.h"
+#include "sim/effects/microstep.h"
+#include "sim/effects/missed_steps.h"
+#include "sim/effects/pitch_progressive.h"
 #include "sim/effects/probe_pretravel.h"
+#include "sim/effects/probe_temperature.h"
+#include "sim/effects/pulley_eccentric.h"
+#include "sim/effects/random_walk.h"
+#include "sim/effects/reversal_spike.h"
 #include "sim/effects/squareness.h"
 #include "sim/effects/steps_per_mm.h"
+#include "sim/effects/thermal_screw.h"
 #include "sim/effects/tip_size.h"
 #include "sim/effects/trigger_latency.h"
 #include "sim/effects/trigger_scatter.h"
@@ -27,8 +40,21 @@ namespace caltwin {
 using EffectList = std::tuple<StepsPerMm,
                               Backlash,
                               WindupLoad,
+                              CyclicLead,
+                              PulleyEccentric,
+                              Microstep,
+                              PitchProgressive,
+                              BacklashWorn,
+                              ReversalSpike,
+                              ThermalScrew,
+                              MissedSteps,
+                              HomingScatter,
                               Squareness,
+                              FrameGrowth,
+                              FrameTemperature,
+                              RandomWalk,
                               ProbePretravel,
+                              ProbeTemperature,
                               TipSize,
                               TriggerLatency,
                               TriggerScatter,

@@ -28,6 +28,10 @@ struct Squareness {
   static void Neutral(const Machine&, std::string_view, std::span<double> values) {
     values[0] = 0;
   }
+  static Shown In(std::string_view axis) {
+    return {.channel = axis == "A0Z" ? "y" : "x",
+            .covariates = {axis == "C0Y" ? "y" : "z"}};
+  }
   static constexpr Effect kDeclaration = {
       .name = "squareness",
       .about = "Two axes do not meet at a right angle.",
@@ -45,7 +49,8 @@ struct Squareness {
                 .cause = "Gantry not square to its rails, spindle not trammed.",
                 .effect = "Rectangles become parallelograms; diagonals differ.",
                 .action = "Square the gantry; M556 where the firmware has it."},
-      .neutral = Neutral};
+      .neutral = Neutral,
+      .sight = Sight{.shown = In}};
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {

@@ -19,6 +19,8 @@ struct TipSize {
   static void Neutral(const Machine&, std::string_view, std::span<double> values) {
     values[0] = 0;
   }
+  /// The same on every face: it depends on nothing.
+  static Shown In(std::string_view) { return {.channel = "probe"}; }
   static constexpr Effect kDeclaration = {
       .name = "tip_size",
       .about = "The probe's ball is not the size that was entered.",
@@ -36,7 +38,8 @@ struct TipSize {
                 .cause = "Wrong entry, another stylus fitted, a worn ball.",
                 .effect = "Every face is off by the difference.",
                 .action = "Measure the ball with a calliper; enter its radius."},
-      .neutral = Neutral};
+      .neutral = Neutral,
+      .sight = Sight{.shown = In}};
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {

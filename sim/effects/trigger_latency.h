@@ -20,6 +20,9 @@ struct TriggerLatency {
   static void Neutral(const Machine&, std::string_view, std::span<double> values) {
     values[0] = 0;
   }
+  static Shown In(std::string_view) {
+    return {.channel = "probe", .covariates = {"feed"}};
+  }
   static constexpr Effect kDeclaration = {
       .name = "trigger_latency",
       .about = "The controller notices the trigger late, while the machine moves on.",
@@ -35,7 +38,8 @@ struct TriggerLatency {
                 .cause = "Input filter, polling, a slow expander or a wireless probe.",
                 .effect = "Pre-travel that depends on the probing feed.",
                 .action = "Probe at the feed at which the deflection was measured."},
-      .neutral = Neutral};
+      .neutral = Neutral,
+      .sight = Sight{.shown = In}};
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {

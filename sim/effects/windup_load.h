@@ -24,6 +24,10 @@ struct WindupLoad {
   static void Neutral(const Machine&, std::string_view, std::span<double> values) {
     values[0] = 0;
   }
+  static Shown In(std::string_view axis) {
+    const std::string name(axis);
+    return {.channel = name, .covariates = {"load", "dir_" + name}};
+  }
   static constexpr Effect kDeclaration = {
       .name = "windup_load",
       .about =
@@ -44,7 +48,8 @@ struct WindupLoad {
                 .action =
                     "Clean and grease the rails, stiffen the mount; M425 fits one "
                     "load only."},
-      .neutral = Neutral};
+      .neutral = Neutral,
+      .sight = Sight{.shown = In}};
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {

@@ -19,6 +19,19 @@ Machine Gantry() {
   return machine;
 }
 
+// A day on which every part warmed by another amount.
+const Climate& SomeClimate() {
+  static const Climate kClimate = [] {
+    Climate climate;
+    for (std::size_t i = 0; i < kNumSensors; ++i) {
+      climate.logs[i].Add(0, 20);
+      climate.logs[i].Add(2000, 24 + static_cast<double>(i));
+    }
+    return climate;
+  }();
+  return kClimate;
+}
+
 At SomeTouch() {
   return {.q_mm = {210, 40, 17},
           .dir = {1, -1, -1},
@@ -26,7 +39,11 @@ At SomeTouch() {
           .steps_per_mm = {800, 800, 800},
           .tip_radius_cfg_mm = 1,
           .feed_mm_s = 2,
-          .on_table = true};
+          .on_table = true,
+          .t_s = 1000,
+          .home = "1",
+          .climate = &SomeClimate(),
+          .since_rev_mm = {0.3, 0.2, 0.1}};
 }
 
 class EveryEffect : public ::testing::TestWithParam<int> {};
@@ -64,6 +81,7 @@ TEST_P(EveryEffect, AtItsNeutralValuesChangesNoErrorAnywhere) {
     EXPECT_EQ(with.motion_mm, without.motion_mm) << axis;
     EXPECT_EQ(with.lost_motion_mm, without.lost_motion_mm) << axis;
     EXPECT_EQ(with.pretravel_mm, without.pretravel_mm) << axis;
+    EXPECT_EQ(with.more_pretravel_mm, without.more_pretravel_mm) << axis;
     EXPECT_EQ(with.tip_radius_mm, without.tip_radius_mm) << axis;
     EXPECT_EQ(with.artefact_mm, without.artefact_mm) << axis;
     EXPECT_EQ(with.latency_s, without.latency_s) << axis;
@@ -83,6 +101,7 @@ TEST_P(EveryEffect, ChangesSomethingAwayFromItsNeutralValues) {
 
     const bool changes = with.motion_mm != without.motion_mm ||
                          with.pretravel_mm != without.pretravel_mm ||
+                         with.more_pretravel_mm != without.more_pretravel_mm ||
                          with.tip_radius_mm != without.tip_radius_mm ||
                          with.artefact_mm != without.artefact_mm ||
                          with.latency_s != without.latency_s ||
