@@ -9,25 +9,39 @@
 #include <tuple>
 #include <utility>
 
+#include "sim/effects/angular.h"
+#include "sim/effects/axis_twist.h"
 #include "sim/effects/backlash.h"
 #include "sim/effects/backlash_worn.h"
+#include "sim/effects/bed_bowl.h"
+#include "sim/effects/bed_cylinder.h"
 #include "sim/effects/bed_tilt.h"
+#include "sim/effects/bed_twist.h"
+#include "sim/effects/block_rotated.h"
+#include "sim/effects/block_size.h"
 #include "sim/effects/cyclic_lead.h"
 #include "sim/effects/effect.h"
 #include "sim/effects/frame_growth.h"
 #include "sim/effects/frame_temperature.h"
+#include "sim/effects/gantry_sag.h"
 #include "sim/effects/homing_scatter.h"
 #include "sim/effects/microstep.h"
 #include "sim/effects/missed_steps.h"
 #include "sim/effects/pitch_progressive.h"
+#include "sim/effects/probe_lobing.h"
 #include "sim/effects/probe_pretravel.h"
 #include "sim/effects/probe_temperature.h"
 #include "sim/effects/pulley_eccentric.h"
 #include "sim/effects/random_walk.h"
 #include "sim/effects/reversal_spike.h"
+#include "sim/effects/servo_lag.h"
+#include "sim/effects/servo_mismatch.h"
 #include "sim/effects/squareness.h"
 #include "sim/effects/steps_per_mm.h"
+#include "sim/effects/straightness.h"
+#include "sim/effects/stylus_anisotropy.h"
 #include "sim/effects/thermal_screw.h"
+#include "sim/effects/tip_runout.h"
 #include "sim/effects/tip_size.h"
 #include "sim/effects/trigger_latency.h"
 #include "sim/effects/trigger_scatter.h"
@@ -50,15 +64,29 @@ using EffectList = std::tuple<StepsPerMm,
                               MissedSteps,
                               HomingScatter,
                               Squareness,
+                              Straightness,
+                              Angular,
+                              GantrySag,
+                              AxisTwist,
+                              ServoMismatch,
+                              ServoLag,
                               FrameGrowth,
                               FrameTemperature,
                               RandomWalk,
                               ProbePretravel,
                               ProbeTemperature,
+                              ProbeLobing,
+                              StylusAnisotropy,
+                              TipRunout,
                               TipSize,
                               TriggerLatency,
                               TriggerScatter,
-                              BedTilt>;
+                              BedTilt,
+                              BedBowl,
+                              BedCylinder,
+                              BedTwist,
+                              BlockSize,
+                              BlockRotated>;
 inline constexpr std::size_t kNumEffects = std::tuple_size_v<EffectList>;
 
 /// The declarations, in the list's order.

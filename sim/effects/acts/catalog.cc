@@ -22,15 +22,29 @@ constexpr std::array kActs = {
     ActOf{EffectIndex<MissedSteps>(), ActKind::kDriveMap},
     ActOf{EffectIndex<HomingScatter>(), ActKind::kDriveMap},
     ActOf{EffectIndex<Squareness>(), ActKind::kEditModel, EditSquareness},
+    ActOf{EffectIndex<Straightness>(), ActKind::kReadingMap},
+    ActOf{EffectIndex<Angular>(), ActKind::kReadingMap},
+    ActOf{EffectIndex<GantrySag>(), ActKind::kReadingMap},
+    ActOf{EffectIndex<AxisTwist>(), ActKind::kReadingMap},
+    ActOf{EffectIndex<ServoMismatch>(), ActKind::kReadingMap},
+    ActOf{EffectIndex<ServoLag>(), ActKind::kReadingMap},
     ActOf{EffectIndex<FrameGrowth>(), ActKind::kReadingMap},
     ActOf{EffectIndex<FrameTemperature>(), ActKind::kReadingMap},
     ActOf{EffectIndex<RandomWalk>(), ActKind::kReadingMap},
     ActOf{EffectIndex<ProbePretravel>(), ActKind::kReadingMap},
     ActOf{EffectIndex<ProbeTemperature>(), ActKind::kReadingMap},
+    ActOf{EffectIndex<ProbeLobing>(), ActKind::kReadingMap},
+    ActOf{EffectIndex<StylusAnisotropy>(), ActKind::kReadingMap},
+    ActOf{EffectIndex<TipRunout>(), ActKind::kReadingMap},
     ActOf{EffectIndex<TipSize>(), ActKind::kEditModel, EditTipSize},
     ActOf{EffectIndex<TriggerLatency>(), ActKind::kReadingMap},
     ActOf{EffectIndex<TriggerScatter>(), ActKind::kReadingMap},
-    ActOf{EffectIndex<BedTilt>(), ActKind::kEditModel, EditBedTilt}};
+    ActOf{EffectIndex<BedTilt>(), ActKind::kEditModel, EditBedTilt},
+    ActOf{EffectIndex<BedBowl>(), ActKind::kReadingMap},
+    ActOf{EffectIndex<BedCylinder>(), ActKind::kReadingMap},
+    ActOf{EffectIndex<BedTwist>(), ActKind::kReadingMap},
+    ActOf{EffectIndex<BlockSize>(), ActKind::kReadingMap},
+    ActOf{EffectIndex<BlockRotated>(), ActKind::kReadingMap}};
 static_assert(kActs.size() == kNumEffects);
 
 }  // namespace
