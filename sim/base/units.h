@@ -54,4 +54,38 @@ constexpr T PercentFromFraction(const T& fraction) {
   return fraction * 1e2;
 }
 
+template <typename T>
+constexpr T MmFromNm(const T& nm) {
+  return nm * 1e-6;
+}
+template <typename T>
+constexpr T MmFromM(const T& m) {
+  return m * 1e3;
+}
+template <typename T>
+constexpr T MmFromInch(const T& inch) {
+  return inch * 25.4;
+}
+/// A thousandth of an inch: thou, in America mil.
+template <typename T>
+constexpr T MmFromThou(const T& thou) {
+  return thou * 25.4e-3;
+}
+template <typename T>
+constexpr T SFromMin(const T& min) {
+  return min * 60;
+}
+template <typename T>
+constexpr T SFromH(const T& h) {
+  return h * 3600;
+}
+template <typename T>
+constexpr T CelsiusFromKelvin(const T& kelvin) {
+  return kelvin - 273.15;
+}
+template <typename T>
+constexpr T CelsiusFromFahrenheit(const T& fahrenheit) {
+  return (fahrenheit - 32) / 1.8;
+}
+
 }  // namespace caltwin

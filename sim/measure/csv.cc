@@ -20,8 +20,11 @@ std::string_view Trimmed(std::string_view text) {
 
 }  // namespace
 
-CsvReader::CsvReader(std::string_view text, std::string name, Faults* faults)
-    : text_(text), name_(std::move(name)), faults_(faults) {
+CsvReader::CsvReader(std::string_view text,
+                     std::string name,
+                     Faults* faults,
+                     char separator)
+    : text_(text), name_(std::move(name)), faults_(faults), separator_(separator) {
   if (text_.starts_with(kByteOrderMark)) text_.remove_prefix(kByteOrderMark.size());
 }
 
@@ -34,6 +37,17 @@ std::optional<CsvRecord> CsvReader::Next() {
     NextLine();
   }
   return std::nullopt;
+}
+
+// A tab that separates is no blank around a field.
+bool CsvReader::IsBlank(char c) const {
+  return c != separator_ && caltwin::IsBlank(c);
+}
+
+std::string_view CsvReader::Trimmed(std::string_view text) const {
+  while (!text.empty() && IsBlank(text.front())) text.remove_prefix(1);
+  while (!text.empty() && IsBlank(text.back())) text.remove_suffix(1);
+  return text;
 }
 
 bool CsvReader::AtLineEnd() const {
@@ -66,14 +80,15 @@ CsvRecord CsvReader::Record() {
     SkipBlanks();
     record.push_back(at_ < text_.size() && text_[at_] == '"' ? Quoted() : Plain());
     if (AtLineEnd()) break;
-    ++at_;  // Over the comma.
+    ++at_;  // Over the separator.
   }
   NextLine();
   return record;
 }
 
 CsvField CsvReader::Plain() {
-  const std::size_t end = std::min(text_.size(), text_.find_first_of(",\r\n", at_));
+  const std::size_t end = std::min(
+      text_.size(), text_.find_first_of(std::string{separator_, '\r', '\n'}, at_));
   CsvField field{.text = std::string(Trimmed(text_.substr(at_, end - at_))),
                  .line = line_,
                  .column = column()};
@@ -97,7 +112,7 @@ CsvField CsvReader::Quoted() {
     if (at_ < text_.size() && text_[at_] == '"') field.text += '"';
   } while (at_ < text_.size() && text_[at_] == '"');
   SkipBlanks();
-  if (!AtLineEnd() && text_[at_] != ',') {
+  if (!AtLineEnd() && text_[at_] != separator_) {
     faults_->Add({.file = name_, .line = line_, .column = column()},
                  "text after the closing quote",
                  "a quote inside a quoted field is written twice");

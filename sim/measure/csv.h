@@ -27,8 +27,12 @@ using CsvRecord = std::vector<CsvField>;
 /// the rest of its line is skipped.
 class CsvReader {
  public:
-  /// `text` and `faults` must outlive the reader; `name` stands in messages.
-  CsvReader(std::string_view text, std::string name, Faults* faults);
+  /// `text` and `faults` must outlive the reader; `name` stands in messages. Measured
+  /// rows have commas; spreadsheets elsewhere semicolons or tabs.
+  CsvReader(std::string_view text,
+            std::string name,
+            Faults* faults,
+            char separator = ',');
 
   /// The next record; nullopt at the end.
   std::optional<CsvRecord> Next();
@@ -37,6 +41,8 @@ class CsvReader {
 
  private:
   bool AtLineEnd() const;
+  bool IsBlank(char c) const;
+  std::string_view Trimmed(std::string_view text) const;
   std::string_view RestOfLine() const;
   int column() const { return static_cast<int>(at_ - line_start_) + 1; }
   void NextLine();
@@ -50,6 +56,7 @@ class CsvReader {
   std::string_view text_;
   std::string name_;
   Faults* faults_;
+  char separator_;
   std::vector<std::string> comments_;
   std::size_t at_ = 0;
   std::size_t line_start_ = 0;

@@ -1,0 +1,135 @@
+#include "sim/measure/import/blunders.h"
+
+#include <cmath>
+#include <map>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "sim/base/input_error.h"
+#include "sim/measure/import/climb.h"
+#include "sim/measure/import/fields.h"
+
+namespace caltwin {
+namespace {
+
+constexpr double kLargestAdjustment_mm = 1000;
+constexpr double kDeepestHeight_mm = -1;  // Below: no probe triggers there.
+
+/// Looks for one kind of blunder in a line; keeps what it must remember.
+class Seeker {
+ public:
+  Seeker(std::string name, Faults* faults) : name_(std::move(name)), faults_(faults) {}
+
+  void Look(const TextLine& line) {
+    if (line.words.front().text == "DELTA_ANALYZE") LookAtLists(line);
+    LookAtClimb(line);
+    LookAtAdjustment(line);
+    LookAtHeight(line);
+    LookAtDeviation(line);
+  }
+
+ private:
+  void Add(const TextLine& line, const std::string& text, const std::string& hint) {
+    faults_->Add(
+        {.file = name_, .line = line.line, .column = line.words[0].column}, text, hint);
+  }
+
+  void LookAtLists(const TextLine& line) {
+    for (const CsvField& word : line.words) {
+      const std::size_t equals = word.text.find('=');
+      if (equals == std::string::npos) continue;
+      const std::string key = word.text.substr(0, equals);
+      const std::string list = word.text.substr(equals + 1);
+      if (list.find(',') == std::string::npos) continue;
+      const auto [first, is_new] = name_of_list_.emplace(list, key);
+      if (is_new || first->second == key) continue;
+      Add(line,
+          fmt::format("{} repeats the list of {}", key, first->second),
+          "two measurements of different things do not agree in every figure: the list "
+          "was pasted twice. Enter what was measured");
+    }
+  }
+
+  void LookAtClimb(const TextLine& line) {
+    if (line.words.size() < 3 || line.words[0].text != "z" ||
+        line.words[1].text != "=") {
+      return;
+    }
+    std::vector<double> heights_mm;
+    for (std::size_t i = 2; i < line.words.size(); ++i) {
+      const auto value = NumberOf(line.words[i].text);
+      if (!value) return;
+      heights_mm.push_back(*value);
+    }
+    const std::string climb = ClimbText(heights_mm);
+    if (!climb.empty()) Add(line, climb, std::string(kClimbHint));
+  }
+
+  void LookAtAdjustment(const TextLine& line) {
+    for (std::size_t i = 0; i + 2 < line.words.size(); ++i) {
+      if (!line.words[i].text.starts_with("stepper_") ||
+          line.words[i + 1].text != "=") {
+        continue;
+      }
+      const auto adjustment_mm = NumberOf(line.words[i + 2].text);
+      if (!adjustment_mm || std::abs(*adjustment_mm) < kLargestAdjustment_mm) continue;
+      Add(line,
+          fmt::format(
+              "{} is to be moved by {:.0f} mm", line.words[i].text, *adjustment_mm),
+          "the probed points do not tell how the screws stand: they lie on one line "
+          "with, or beside, the pivots. Probe points spread in x and y");
+    }
+  }
+
+  void LookAtHeight(const TextLine& line) {
+    if (line.words.size() != 4 || line.words[0].text != "#*#" ||
+        line.words[2].text != "=" || has_height_) {
+      return;
+    }
+    const std::string& key = line.words[1].text;
+    const bool is_height = key.starts_with("height") && key.size() > 6 &&
+                           key.find_first_not_of("0123456789", 6) == std::string::npos;
+    const auto height_mm = NumberOf(line.words[3].text);
+    if (!is_height || !height_mm || *height_mm > kDeepestHeight_mm) return;
+    has_height_ = true;
+    Add(line,
+        fmt::format(
+            "{} = {:g} mm: the probe would trigger below the bed", key, *height_mm),
+        "z_offset has the wrong sign: it is the height of the nozzle above the bed at "
+        "the trigger, above 0 for a probe that hangs lower than the nozzle. Correct "
+        "it, "
+        "probe again");
+  }
+
+  void LookAtDeviation(const TextLine& line) {
+    constexpr std::string_view kName = "std dev:";
+    const std::size_t at = line.text.find(kName);
+    if (at == std::string_view::npos) return;
+    std::string_view rest = line.text.substr(at + kName.size());
+    rest = rest.substr(0, rest.find_first_of(" \t"));
+    const auto deviation_mm = NumberOf(rest);
+    if (!deviation_mm || *deviation_mm >= 0) return;
+    Add(line,
+        fmt::format("a standard deviation of {:g} mm", *deviation_mm),
+        "below 0 it is an overflow of the firmware's arithmetic: its calibration ran "
+        "away, and the geometry it prints beside it is worth nothing. Begin again from "
+        "the drawing's figures");
+  }
+
+  std::string name_;
+  Faults* faults_;
+  std::map<std::string, std::string> name_of_list_;
+  bool has_height_ = false;
+};
+
+}  // namespace
+
+void RefuseBlunders(const std::string& text, const std::string& name) {
+  Faults faults;
+  Seeker seeker(name, &faults);
+  for (const TextLine& line : LinesOf(text)) seeker.Look(line);
+  faults.ThrowIfAny();
+}
+
+}  // namespace caltwin

@@ -1,0 +1,82 @@
+#include <array>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "sim/base/text_file.h"
+#include "sim/measure/import/blunders.h"
+#include "sim/measure/import/cmm_plate.h"
+#include "sim/measure/import/import.h"
+#include "sim/measure/import/iso230_dat.h"
+#include "sim/measure/import/klipper_thermal.h"
+#include "sim/measure/import/map.h"
+#include "sim/measure/import/probe_accuracy.h"
+
+namespace caltwin {
+namespace {
+
+constexpr std::size_t kLargestFile_bytes = 64'000'000;
+
+constexpr std::array kImporters = {
+    Importer{"iso230-dat",
+             "a positioning test: ecmc *_ISO230.dat, Renishaw .rtl, a sheet of runs",
+             ReadIso230Dat},
+    Importer{
+        "klipper-thermal",
+        "trigger height against temperature: frame expansion CSV, probe drift JSON",
+        ReadKlipperThermal},
+    Importer{"cmm-plate",
+             "holes of a plate, nominal and measured on a coordinate measuring machine",
+             ReadCmmPlate},
+    Importer{"probe-accuracy",
+             "a terminal log of PROBE_ACCURACY (Klipper) or M48 (Marlin)",
+             ReadProbeAccuracy},
+    Importer{"csv", "a spreadsheet, its columns named by --map", ReadMapped}};
+
+const Importer& Find(const std::string& kind) {
+  std::vector<std::string> kinds;
+  for (const Importer& importer : kImporters) {
+    if (importer.kind == kind) return importer;
+    kinds.emplace_back(importer.kind);
+  }
+  const std::string nearest = NearestWord(kind, kinds);
+  throw InputError(
+      {},
+      fmt::format("caltwin import: the kind '{}' is not known", kind),
+      (nearest.empty() ? "" : fmt::format("did you mean '{}'? ", nearest)) +
+          fmt::format("It may be: {}", fmt::join(kinds, ", ")));
+}
+
+}  // namespace
+
+std::span<const Importer> AllImporters() {
+  return kImporters;
+}
+
+Imported Import(const std::string& kind,
+                const std::filesystem::path& file,
+                const ImportOptions& options) {
+  Find(kind);  // A misspelt kind is told before a missing file.
+  return ImportText(
+      kind, ReadTextFile(file, kLargestFile_bytes), file.string(), options);
+}
+
+Imported ImportText(const std::string& kind,
+                    const std::string& text,
+                    const std::string& name,
+                    const ImportOptions& options) {
+  const Importer& importer = Find(kind);
+  RequireText(text, name);
+  RefuseBlunders(text, name);
+  Imported imported = importer.read(text, name, options);
+  std::int64_t number = 0;
+  for (Row& row : imported.table.rows) row.row = ++number;
+  imported.table.comments.insert(
+      imported.table.comments.begin(),
+      fmt::format("Read from {} by caltwin import {}",
+                  std::filesystem::path(name).filename().string(),
+                  kind));
+  return imported;
+}
+
+}  // namespace caltwin

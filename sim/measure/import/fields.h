@@ -1,0 +1,48 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sim/base/input_error.h"
+#include "sim/measure/csv.h"
+
+namespace caltwin {
+
+/// One line of a text and its words, split at blanks; lines count from 1.
+struct TextLine {
+  std::string_view text{};  ///< Without blanks at either end.
+  int line = 0;
+  CsvRecord words{};
+};
+
+/// Every line of a text that is not blank. `text` must outlive the lines.
+std::vector<TextLine> LinesOf(std::string_view text);
+
+/// A number written in full, with `decimal` as its mark; nullopt for anything else, not
+/// finite numbers included.
+std::optional<double> NumberOf(std::string_view text, char decimal = '.');
+
+/// The number a field holds. Says so in `faults` where it holds none, and gives 0.
+double NumberIn(const CsvField& field,
+                const std::string& what,
+                const std::string& name,
+                Faults* faults);
+
+/// In small letters, and without blanks, underscores and quotes: "Meas X" is "measx".
+std::string PlainWord(std::string_view text);
+
+/// Place of a field in a file.
+Place PlaceOf(const CsvField& field, const std::string& name);
+
+/// A date and time or a time of day as seconds, from any fixed zero:
+/// `2021/06/13-20:05:00`, `2021-06-13 20:05:00.5`, `20:05:00` (then of the day).
+/// Nullopt for anything else.
+std::optional<double> ClockTime_s(std::string_view text);
+
+/// The smallest step of which all values are multiples from the first, to a thousandth;
+/// 0 where there is none worth the name (fewer than three values, or all the same).
+double StepOf(const std::vector<double>& values);
+
+}  // namespace caltwin
