@@ -64,10 +64,9 @@ struct FrameTemperature {
                "Frame, gantry or bed expand; two metals bolted together also bend.",
            .effect =
                "Heights and first layers drift as the enclosure or the shop warms.",
-           .action =
-               "Wait until temperatures stand still; probe the height at working "
-               "temperature; enter the coefficient where the firmware corrects it "
-               "(Klipper: z_thermal_adjust, the other sign)."},
+           .action = "Wait until temperatures stand still; probe the height at working "
+                     "temperature; enter the frame's where the firmware corrects it "
+                     "(Klipper: z_thermal_adjust, temp_coeff in mm/K, the same sign)."},
       .neutral = Neutral,
       .sight = Sight{.shown = In, .forms = Grid}};
 

@@ -47,7 +47,7 @@ struct ThermalScrew {
       .parameters = kParameters,
       .formula = "actual - commanded = alpha (q - q_home) (T_screw - T0), lagged",
       .source =
-          "Expansion of steel 11.5 um/(m K), as DIN 103 and ball screws are made of; "
+          "Expansion of steel: 11.5 um/(m K), trapezoidal and ball screws alike; "
           "ISO 230-3 for the test; screws in use warm by 2 to 15 K.",
       .twin =
           "steps_per_mm: the same at one temperature; a run from cold, with positions "
