@@ -240,27 +240,29 @@ void AddFlatSquare(const std::string& name, const Vector3& center, Plan* plan) {
   }
 }
 
-/// The blade of a square standing up, touched at many heights from either side in turn.
+/// The blade of a square standing up, touched at many heights from either side, at two
+/// places: at a single one the wave of a motor step may pass for a slope.
 void AddStandingSquare(const std::string& name,
                        int axis,
                        const Drawing& drawing,
-                       const Vector3& center,
+                       Random* random,
                        Plan* plan) {
-  for (const double turn_deg : {0.0, 180.0}) {
+  for (int stand = 0; stand < 4; ++stand) {
+    const double turn_deg = stand % 2 == 0 ? 0 : 180;
     const double sign = turn_deg == 0 ? -1 : 1;
-    const std::string setup = fmt::format("{}_{:.0f}", name, turn_deg);
-    for (int rep = 1; rep <= 2; ++rep) {
-      for (int i = 0; i < 14; ++i) {
-        const double height_mm = 6 + (drawing.axis(2).max_mm - 20) * i / 13;
-        Stop stop = Touch(name,
-                          setup,
-                          "square.blade",
-                          center + Along(axis, 15 * sign) + Vector3{0, 0, height_mm},
-                          Along(axis, sign));
-        stop.turn_deg = turn_deg;
-        stop.rep = rep;
-        plan->stops.push_back(stop);
-      }
+    const std::string setup =
+        fmt::format("{}_{}_{:.0f}", name, stand / 2 + 1, turn_deg);
+    Vector3 center = {drawing.axis(0).Mid_mm(), drawing.axis(1).Mid_mm(), 0};
+    center[static_cast<std::size_t>(axis)] += random->Uniform(-60, 60);
+    for (int i = 0; i < 14; ++i) {
+      const double height_mm = 6 + (drawing.axis(2).max_mm - 20) * i / 13;
+      Stop stop = Touch(name,
+                        setup,
+                        "square.blade",
+                        center + Along(axis, 15 * sign) + Vector3{0, 0, height_mm},
+                        Along(axis, sign));
+      stop.turn_deg = turn_deg;
+      plan->stops.push_back(stop);
     }
     plan->placements[setup] = {.artefact = "square", .center_mm = center};
   }
@@ -285,7 +287,7 @@ void AddTouchCampaign(const CampaignRequest& request,
   }
   if (request.kind != "square") return;
   if (request.vertical) {
-    AddStandingSquare(name, request.axis, drawing, center, plan);
+    AddStandingSquare(name, request.axis, drawing, random, plan);
   } else {
     AddFlatSquare(name, center, plan);
   }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "tests/blind/separation.h"
 #include "tests/blind/visible.h"
 
 namespace blind {
@@ -151,7 +152,14 @@ void MakeCase(const CaseRequest& request, Case* made) {
                                  FindCause(hidden.cause)->make(hidden.axis, at),
                                  without,
                                  baseline));
-    defects.push_back(made->hidden.back().defect);
+    HiddenTruth& truth = made->hidden.back();
+    defects.push_back(truth.defect);
+    truth.separation = Separation(*made,
+                                  at,
+                                  hidden,
+                                  WhitenedEffect(*made, truth.defect, without),
+                                  without,
+                                  baseline);
   }
   Random random(request.seed, "wander");
   const Circumstances at{made->drawing, weather, made->plan, made->times_s, &random};

@@ -87,8 +87,11 @@ void AddNoise(Case* made);
 /// Noise of one reading, quantisation included.
 double Sigma_mm(const Case& made, const Reading& reading);
 
-/// Writes DATA.csv, DATA.yaml, machine.yaml and TRUTH.json into `folder`.
+/// Writes DATA.csv, DATA.yaml and machine.yaml into `folder`: all that a diagnosis
+/// gets.
 void WriteCase(const Case& made, const std::string& folder);
+/// Writes TRUTH.json beside them, for people; the scorer keeps the truth to itself.
+void WriteTruth(const Case& made, const std::string& folder);
 std::string TruthJson(const Case& made);
 
 }  // namespace blind

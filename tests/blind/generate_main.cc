@@ -59,6 +59,7 @@ int Run(int argc, char** argv) {
   blind::Case made;
   blind::MakeCase(request, &made);
   blind::WriteCase(made, folder);
+  blind::WriteTruth(made, folder);
   std::cout << fmt::format("{}: {} rows\n", folder, made.readings.size());
   return 0;
 }

@@ -246,7 +246,10 @@ void WriteCase(const Case& made, const std::string& folder) {
     WriteText(path / "DATA.yaml", DataYaml(made));
   }
   WriteText(path / "machine.yaml", MachineYaml(made));
-  WriteText(path / "TRUTH.json", TruthJson(made));
+}
+
+void WriteTruth(const Case& made, const std::string& folder) {
+  WriteText(std::filesystem::path(folder) / "TRUTH.json", TruthJson(made));
 }
 
 }  // namespace blind

@@ -1,0 +1,125 @@
+// blind_score: runs the diagnosis on hidden truth, and only here opens the truth.
+
+#include <algorithm>
+#include <atomic>
+#include <exception>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <mutex>
+#include <thread>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "tests/blind/diagnosis.h"
+#include "tests/blind/figures.h"
+#include "tests/blind/sets.h"
+
+namespace {
+
+struct Options {
+  blind::Diagnoser diagnoser{.folder = "/tmp/blind_score"};
+  std::uint64_t seed = 1;
+  std::uint64_t date = 1;
+  int full = 0;
+  int jobs = 2;
+  std::string markdown{};
+  std::string only{};
+  bool failures_only = false;
+};
+
+bool IsWrong(const blind::Judgement& j) {
+  const bool wrong_name = std::ranges::any_of(j.findings, [](const auto& finding) {
+    return !finding.right && !finding.holds && !finding.tolerable;
+  });
+  return !j.ran || wrong_name || (j.hidden > 0 && j.kind != "outside" && !j.set_holds);
+}
+
+/// All cases, a few at a time; the judgements stand in the order of the requests.
+std::vector<blind::Judgement> ExamineAll(
+    const Options& options, const std::vector<blind::CaseRequest>& requests) {
+  std::vector<blind::Judgement> judgements(requests.size());
+  std::atomic<std::size_t> next = 0;
+  std::mutex output;
+  const auto work = [&] {
+    for (std::size_t i = next++; i < requests.size(); i = next++) {
+      judgements[i] = blind::Examine(options.diagnoser, requests[i]);
+      const std::scoped_lock lock(output);
+      const bool wrong = IsWrong(judgements[i]);
+      if (!options.failures_only || wrong) {
+        std::cout << blind::Line(judgements[i]) << "\n";
+      }
+      if (wrong) std::cout << "        " << blind::RerunCommand(requests[i]) << "\n";
+      std::cout.flush();
+    }
+  };
+  std::vector<std::thread> workers;
+  for (int i = 0; i < options.jobs; ++i) workers.emplace_back(work);
+  for (std::thread& worker : workers) worker.join();
+  return judgements;
+}
+
+blind::SetSizes SizesOf(const Options& options) {
+  if (options.full <= 0) return {};
+  return {.nulls = options.full,
+          .singles = options.full,
+          .pairs = options.full / 3,
+          .outside = options.full / 3,
+          .two_sizes = false};
+}
+
+void WriteMarkdown(const Options& options, const std::string& text) {
+  std::ofstream stream(options.markdown, std::ios::binary);
+  stream << "# Blind tests\n\nMade by `blind_score --binary caltwin"
+         << (options.full > 0 ? fmt::format(" --full {}", options.full) : std::string())
+         << fmt::format(" --seed {} --date {}`.\n\n", options.seed, options.date)
+         << text;
+  if (!stream) throw std::runtime_error("cannot write " + options.markdown);
+}
+
+int Run(int argc, char** argv) {
+  CLI::App app("Diagnoses hidden causes and counts how often it was right.");
+  Options options;
+  app.add_option("--binary", options.diagnoser.binary, "the caltwin under test")
+      ->required()
+      ->check(CLI::ExistingFile);
+  app.add_option("--folder", options.diagnoser.folder, "scratch folder");
+  app.add_flag("--keep", options.diagnoser.keep, "keep the cases and their answers");
+  app.add_option("--limit", options.diagnoser.limit_s, "seconds a diagnosis may take");
+  app.add_option("--seed", options.seed, "of the first half");
+  app.add_option("--date", options.date, "of the second half, as 20261121");
+  app.add_option(
+      "--full", options.full, "so many nulls and singles, a third of the rest");
+  app.add_option("--jobs", options.jobs, "diagnoses at a time");
+  app.add_option(
+      "--only", options.only, "only cases of this kind, or hiding this cause");
+  app.add_option("--markdown", options.markdown, "writes figures and confusion there");
+  app.add_flag("--failures-only", options.failures_only, "prints only what went wrong");
+  CLI11_PARSE(app, argc, argv);
+  auto requests = blind::MakeSet(SizesOf(options), options.seed, options.date);
+  std::erase_if(requests, [&](const blind::CaseRequest& request) {
+    const bool hides =
+        !request.hidden.empty() && request.hidden[0].cause == options.only;
+    return !options.only.empty() && request.kind != options.only && !hides;
+  });
+  std::filesystem::create_directories(options.diagnoser.folder);
+  const auto judgements = ExamineAll(options, requests);
+  const std::string text =
+      blind::FiguresText(judgements) + "\n" + blind::ConfusionText(judgements);
+  std::cout << "\n" << text;
+  if (!options.markdown.empty()) WriteMarkdown(options, text);
+  const auto figures = blind::Figures(judgements);
+  return std::ranges::any_of(figures, &blind::Figure::IsBeyondChance) ? 1 : 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return Run(argc, argv);
+  } catch (const std::exception& error) {
+    std::cerr << "blind_score: " << error.what() << "\n";
+    return 2;
+  }
+}
