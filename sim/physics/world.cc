@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <mutex>
 #include <utility>
+#include <vector>
 
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include "sim/base/require.h"
@@ -14,6 +16,9 @@ namespace {
 constexpr double kMPerMm = 1e-3;
 constexpr double kMmPerM = 1e3;
 constexpr int kTouchable = 2;
+// A play whose length depends on joints that follow the carriage settles by a factor of
+// 1000 or so each time.
+constexpr int kSettlings = 3;
 
 int IdOf(const mjModel* model, mjtObj type, const std::string& name) {
   const int id = mj_name2id(model, type, name.c_str());
@@ -39,13 +44,16 @@ World::World(ModelPtr model, double hanging_n)
   stylus_ = SlotsOf("stylus_", "");
   const mjModel* m = model_.get();
   z_body_ = IdOf(m, mjOBJ_BODY, "z_carriage");
-  const int table = IdOf(m, mjOBJ_BODY, "table");
-  const int stylus = IdOf(m, mjOBJ_BODY, "stylus");
+  table_body_ = IdOf(m, mjOBJ_BODY, "table");
+  stylus_body_ = IdOf(m, mjOBJ_BODY, "stylus");
+  std::copy_n(m->body_pos + 3 * stylus_body_, 3, stylus_pos_.begin());
+  std::copy_n(m->body_pos + 3 * table_body_, 3, table_pos_.begin());
+  std::copy_n(m->body_quat + 4 * table_body_, 4, table_quat_.begin());
   for (int geom = 0; geom < m->ngeom; ++geom) {
-    if (m->geom_bodyid[geom] == table && m->geom_contype[geom] == kTouchable) {
+    if (m->geom_bodyid[geom] == table_body_ && m->geom_contype[geom] == kTouchable) {
       touchable_.push_back(geom);
     }
-    if (m->geom_bodyid[geom] == stylus && m->geom_contype[geom] == kTouchable) {
+    if (m->geom_bodyid[geom] == stylus_body_ && m->geom_contype[geom] == kTouchable) {
       stylus_geom_ = geom;
     }
   }
@@ -53,7 +61,44 @@ World::World(ModelPtr model, double hanging_n)
     nut_mass_kg_[i] =
         m->dof_armature[nuts_.dof[i]] + m->body_mass[m->dof_bodyid[nuts_.dof[i]]];
   }
+  for (const Axis axis : kAxes) {
+    plays_[static_cast<std::size_t>(Index(axis))] = PlayOf(axis);
+  }
+  couplings_ = Couplings();
   mj_forward(m, data_.get());
+}
+
+CoupledJoints World::Couplings() const {
+  std::vector<int> placed;
+  for (const Axis axis : kAxes) {
+    for (const std::string& name :
+         {Name(axis), Name(axis) + "_nut", "stylus_" + Name(axis)}) {
+      placed.push_back(IdOf(model_.get(), mjOBJ_JOINT, name));
+    }
+  }
+  return {model_.get(), placed};
+}
+
+World::Play World::PlayOf(Axis axis) const {
+  const mjModel* m = model_.get();
+  Play play{.tendon = IdOf(m, mjOBJ_TENDON, Name(axis) + "_play"),
+            .rigid = IdOf(m, mjOBJ_EQUALITY, Name(axis) + "_rigid")};
+  play.is_sprung = m->tendon_stiffness[play.tendon] > 0;
+  const mjtNum* range = play.is_sprung ? m->tendon_lengthspring : m->tendon_range;
+  play.middle_m =
+      m->eq_active0[play.rigid] != 0
+          ? m->tendon_length0[play.tendon] +
+                m->eq_data[static_cast<std::ptrdiff_t>(mjNEQDATA) * play.rigid]
+          : (range[2 * play.tendon] + range[2 * play.tendon + 1]) / 2;
+  const auto k = static_cast<std::size_t>(Index(axis));
+  for (int i = 0; i < m->tendon_num[play.tendon]; ++i) {
+    const int wrap = m->tendon_adr[play.tendon] + i;
+    Require(m->wrap_type[wrap] == mjWRAP_JOINT, "a play is no fixed tendon");
+    const int address = m->jnt_qposadr[m->wrap_objid[wrap]];
+    if (address == carriages_.qpos[k]) play.carriage = m->wrap_prm[wrap];
+  }
+  Require(play.carriage != 0, "a play does not hold its carriage");
+  return play;
 }
 
 World::Slots World::SlotsOf(const std::string& prefix,
@@ -90,9 +135,75 @@ Vec3<double> World::Deflection_mm_s() const {
   return Read_mm(data_->qvel, stylus_.dof);
 }
 
+// Of the z carriage's frame and the stylus' place in it: the stylus' own frame moves
+// with its deflection.
 Vec3<double> World::Tip_mm() const {
   mj_kinematics(model_.get(), data_.get());
-  return Read_mm(data_->xpos + 3 * z_body_, {0, 1, 2});
+  std::array<mjtNum, 3> offset_m{};
+  mju_mulMatVec3(
+      offset_m.data(), data_->xmat + 9 * z_body_, model_->body_pos + 3 * stylus_body_);
+  return Read_mm(data_->xpos + 3 * z_body_, {0, 1, 2}) +
+         Read_mm(offset_m.data(), {0, 1, 2});
+}
+
+void World::MoveTool_mm(const Vec3<double>& offset_mm) {
+  for (int i = 0; i < 3; ++i) {
+    model_->body_pos[3 * stylus_body_ + i] =
+        stylus_pos_[static_cast<std::size_t>(i)] + offset_mm[i] * kMPerMm;
+  }
+}
+
+void World::SetTable(const Vec3<double>& about_mm,
+                     double height_mm,
+                     double slope_x,
+                     double slope_y) {
+  const Vec3<double> normal = Vec3<double>(-slope_x, -slope_y, 1).normalized();
+  const auto turn = Eigen::Quaterniond::FromTwoVectors(Vec3<double>::UnitZ(), normal);
+  const Vec3<double> about_m = about_mm * kMPerMm;
+  const Eigen::Map<const Vec3<double>> modelled_m(table_pos_.data());
+  const Vec3<double> at_m =
+      about_m + turn * (modelled_m - about_m) + Unit(Axis::kZ) * (height_mm * kMPerMm);
+  std::copy_n(at_m.data(), 3, model_->body_pos + 3 * table_body_);
+  const std::array<mjtNum, 4> quat{turn.w(), turn.x(), turn.y(), turn.z()};
+  mju_mulQuat(model_->body_quat + 4 * table_body_, quat.data(), table_quat_.data());
+}
+
+void World::SetGap_mm(Axis axis, double gap_mm) {
+  mjModel* m = model_.get();
+  const Play& play = plays_[static_cast<std::size_t>(Index(axis))];
+  const double half_m = std::max(gap_mm, 0.0) / 2 * kMPerMm;
+  mjtNum* range = play.is_sprung ? m->tendon_lengthspring : m->tendon_range;
+  range[2 * play.tendon] = play.middle_m - half_m;
+  range[2 * play.tendon + 1] = play.middle_m + half_m;
+  if (play.is_sprung) return;
+  m->tendon_limited[play.tendon] = half_m > 0 ? 1 : 0;
+  data_->eq_active[play.rigid] = half_m > 0 ? 0 : 1;
+}
+
+double World::Gap_mm(Axis axis) const {
+  const mjModel* m = model_.get();
+  const Play& play = plays_[static_cast<std::size_t>(Index(axis))];
+  if (data_->eq_active[play.rigid] != 0) return 0;
+  if (!play.is_sprung && m->tendon_limited[play.tendon] == 0) return 0;
+  const mjtNum* range = play.is_sprung ? m->tendon_lengthspring : m->tendon_range;
+  return (range[2 * play.tendon + 1] - range[2 * play.tendon]) * kMmPerM;
+}
+
+// Puts each carriage where its play's length is the lag told: in the model as drawn
+// that is where it stands already.
+void World::SettlePlays(const Vec3<double>& lag_mm) {
+  const mjModel* m = model_.get();
+  for (int i = 0; i < 3; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const Play& play = plays_[k];
+    double length_m = 0;
+    for (int j = 0; j < m->tendon_num[play.tendon]; ++j) {
+      const int wrap = m->tendon_adr[play.tendon] + j;
+      length_m += m->wrap_prm[wrap] * data_->qpos[m->jnt_qposadr[m->wrap_objid[wrap]]];
+    }
+    data_->qpos[carriages_.qpos[k]] +=
+        (play.middle_m + lag_mm[i] * kMPerMm - length_m) / play.carriage;
+  }
 }
 
 void World::Place(const Vec3<double>& nuts_mm,
@@ -107,6 +218,10 @@ void World::Place(const Vec3<double>& nuts_mm,
     data_->qvel[carriages_.dof[k]] = carriages_mm_s[i] * kMPerMm;
     data_->qpos[stylus_.qpos[k]] = 0;
     data_->qvel[stylus_.dof[k]] = 0;
+  }
+  for (int i = 0; i < kSettlings; ++i) {
+    SettlePlays(carriages_mm - nuts_mm);
+    couplings_->Follow(model_.get(), data_.get());
   }
   // The solver starts from the last solution: forget it, so that a touch is the same
   // whatever came before.

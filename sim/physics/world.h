@@ -2,10 +2,12 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "sim/mjcf/mjcf.h"
+#include "sim/physics/coupled_joints.h"
 
 namespace caltwin {
 
@@ -26,7 +28,9 @@ class World {
 
   double timestep_s() const;
   /// Puts the machine there, stylus at rest, forgetting what was: nuts and carriages at
-  /// these positions and speeds.
+  /// these positions and speeds. The nuts come to stand exactly there, each carriage as
+  /// far from its nut as told, by the model's own coupling (tendon `x_play`); joints
+  /// that an equality ties to them follow.
   void Place(const Vec3<double>& nuts_mm,
              const Vec3<double>& carriages_mm,
              const Vec3<double>& nuts_mm_s,
@@ -34,13 +38,30 @@ class World {
   /// One time step, after which the nuts stand at `nuts_mm`.
   void Step(const Vec3<double>& nuts_mm);
 
+  /// @name Changes while it runs, effective from the next Step, Place or Clearance on
+  /// Stands the stylus that far from where the model has it on the z carriage.
+  void MoveTool_mm(const Vec3<double>& offset_mm);
+  /// Moves the table, with all that stands on it, from where the model has it: raised
+  /// by `height_mm` at `about_mm` and tilted about it to these slopes (height gained
+  /// per length along +x and +y). Calls do not add up; heights of 0 bring it back.
+  void SetTable(const Vec3<double>& about_mm,
+                double height_mm,
+                double slope_x,
+                double slope_y);
+  /// The width of the play between nut and carriage, about its middle as modelled; 0
+  /// couples them firmly (or by the drive's spring, where it has one).
+  void SetGap_mm(Axis axis, double gap_mm);
+  /// That width as it is now, also where a person wrote it into the model.
+  double Gap_mm(Axis axis) const;
+
   Vec3<double> Nuts_mm() const;
   Vec3<double> Carriages_mm() const;
   Vec3<double> Carriages_mm_s() const;
   /// The ball's centre relative to its rest: what opens the switch.
   Vec3<double> Deflection_mm() const;
   Vec3<double> Deflection_mm_s() const;
-  /// Where the ball's centre is at rest (undeflected), machine axes.
+  /// Where the ball's centre is at rest (undeflected), machine axes, tool offset and
+  /// all.
   Vec3<double> Tip_mm() const;
   /// Least distance of the fitted stylus to anything touchable, where it is below
   /// `most_mm`; `most_mm` otherwise. MuJoCo's own geometry, not the closed form's.
@@ -54,7 +75,18 @@ class World {
     std::array<int, 3> qpos{};
     std::array<int, 3> dof{};
   };
+  /// The coupling between a nut and its carriage.
+  struct Play {
+    int tendon = 0;
+    int rigid = 0;        ///< Equality that holds it shut while active.
+    double carriage = 0;  ///< Its coefficient in the tendon's length.
+    double middle_m = 0;  ///< The length when the carriage is in the middle.
+    bool is_sprung = false;
+  };
   Slots SlotsOf(const std::string& prefix, const std::string& suffix) const;
+  CoupledJoints Couplings() const;
+  Play PlayOf(Axis axis) const;
+  void SettlePlays(const Vec3<double>& lag_mm);
   static Vec3<double> Read_mm(const mjtNum* values, const std::array<int, 3>& at);
 
   ModelPtr model_;
@@ -62,6 +94,13 @@ class World {
   Slots nuts_, carriages_, stylus_;
   int stylus_geom_ = 0;  ///< Ball or disc, whichever is fitted.
   int z_body_ = 0;
+  int stylus_body_ = 0;
+  int table_body_ = 0;
+  /// As the model has them: what MoveTool_mm and SetTable start from [m].
+  std::array<mjtNum, 3> stylus_pos_{}, table_pos_{};
+  std::array<mjtNum, 4> table_quat_{};
+  std::array<Play, 3> plays_{};
+  std::optional<CoupledJoints> couplings_{};
   std::vector<int> touchable_{};
   double hanging_n_ = 0;
   std::array<double, 3> nut_mass_kg_{};
