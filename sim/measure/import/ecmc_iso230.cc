@@ -110,7 +110,7 @@ class EcmcReader {
 
   // Every run has every position: a reading missing in between is named.
   void CheckWhole() {
-    if (forward_.empty() && backward_.empty()) {
+    if (forward_.empty() && backward_.empty() && faults_.empty()) {
       throw InputError({.file = name_},
                        "there are targets here, but no REF_DATA_FWD or REF_DATA_BWD");
     }

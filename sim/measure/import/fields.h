@@ -41,8 +41,8 @@ Place PlaceOf(const CsvField& field, const std::string& name);
 /// Nullopt for anything else.
 std::optional<double> ClockTime_s(std::string_view text);
 
-/// The smallest step of which all values are multiples from the first, to a thousandth;
-/// 0 where there is none worth the name (fewer than three values, or all the same).
+/// The smallest step of which all values are multiples from the first, to a fiftieth of
+/// it; 0 where there is none worth the name (fewer than three values, or all the same).
 double StepOf(const std::vector<double>& values);
 
 }  // namespace caltwin

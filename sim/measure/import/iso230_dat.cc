@@ -5,8 +5,30 @@
 #include "sim/base/require.h"
 #include "sim/measure/import/fields.h"
 #include "sim/measure/import/positioning.h"
+#include "sim/measure/rows.h"
 
 namespace caltwin {
+namespace {
+
+// The first line that is no comment names the columns of measured rows.
+bool AreRowsAlready(const std::string& text) {
+  for (const TextLine& line : LinesOf(text)) {
+    if (line.text.starts_with('#')) continue;
+    return line.text.find("campaign") != std::string_view::npos &&
+           line.text.find("value_mm") != std::string_view::npos;
+  }
+  return false;
+}
+
+Imported Unchanged(const std::string& text, const std::string& name) {
+  Imported imported{.table = ParseRows(text, name)};
+  imported.recognised = {fmt::format("{} measured rows already, taken as they are",
+                                     imported.table.rows.size())};
+  imported.warnings = imported.table.remarks;
+  return imported;
+}
+
+}  // namespace
 
 Imported PositioningRows(const std::vector<PositionReading>& readings,
                          const std::string& axis,
@@ -55,6 +77,7 @@ Imported ReadIso230Dat(const std::string& text,
   if (text.find("Run Target Data:") != std::string::npos) {
     return ReadRenishawRtl(text, name, options);
   }
+  if (AreRowsAlready(text)) return Unchanged(text, name);
   return ReadRunSheet(text, name, options);
 }
 

@@ -6,7 +6,7 @@
 
 namespace caltwin {
 
-/// Reads a positioning test of one axis, in any of three forms; value = actual -
+/// Reads a positioning test of one axis, in any of four forms; value = actual -
 /// commanded, one row a reading, in the order measured.
 ///
 /// - ecmc `*_ISO230.dat`: `TGT_DATA[i]=`, `REF_DATA_FWD[i,j]=`, `REF_DATA_BWD[i,j]=`,
@@ -21,6 +21,7 @@ namespace caltwin {
 /// - a sheet: a header line, then a target and the deviations of each run a line. The
 ///   heading of a run begins with `fwd`, `forward`, `up`, `+` or `bwd`, `backward`,
 ///   `rev`, `down`, `-`.
+/// - measured rows already: taken as they are.
 Imported ReadIso230Dat(const std::string& text,
                        const std::string& name,
                        const ImportOptions& options);

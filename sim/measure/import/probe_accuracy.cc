@@ -40,9 +40,10 @@ class LogReader {
     }
     std::vector<double> values_mm;
     for (const Row& row : imported_.table.rows) values_mm.push_back(row.value_mm);
-    imported_.recognised = {fmt::format("a probing log: {} touches in {} batches",
+    imported_.recognised = {fmt::format("a probing log: {} touches in {} {}",
                                         imported_.table.rows.size(),
-                                        num_batches_)};
+                                        num_batches_,
+                                        num_batches_ == 1 ? "batch" : "batches")};
     if (const double step_mm = StepOf(values_mm); step_mm > 0) {
       imported_.recognised.push_back(
           fmt::format("readings come in steps of {:.4g} um", UmFromMm(step_mm)));
@@ -87,6 +88,7 @@ class LogReader {
     const auto y_mm = NumberOf(rest.substr(0, rest.find(' ')));
     const auto z_mm = NumberAfter(after, "z=");
     if (!x_mm || !y_mm || !z_mm) return Refuse(line);
+    if (num_batches_ == 0) Begin();
     if (x_mm.value() != x_mm_ || y_mm.value() != y_mm_) CheckClimb();
     x_mm_ = x_mm.value();
     y_mm_ = y_mm.value();
@@ -97,6 +99,7 @@ class LogReader {
   void ReadMarlin(const TextLine& line) {
     const auto z_mm = NumberAfter(line.text, "z:");
     if (!z_mm) return Refuse(line);
+    if (num_batches_ == 0) Begin();
     Add(line, *z_mm, kUnknown);
   }
 
@@ -107,7 +110,6 @@ class LogReader {
   }
 
   void Add(const TextLine& line, double z_mm, double time_s) {
-    if (num_batches_ == 0) Begin();
     Row row{.campaign = fmt::format("probe_accuracy_{}", num_batches_),
             .kind = RowKind::kTouch,
             .setup = "bed",

@@ -12,12 +12,13 @@ namespace {
 
 constexpr double kLeastRange_k = 3;
 constexpr double kMostFrames = 5;
+constexpr double kGrossly = 20;          // Median residuals.
 constexpr double kLeastExplained = 0.5;  // Of the variance, or temperature is not it.
 
 }  // namespace
 
 // Least squares of the height over frame and bed temperature and an offset, once more
-// without the readings beyond five times the median residual.
+// without readings so far off that homing must have gone wrong.
 FrameGrowth GrowthOf(const RowTable& table, const FrameLogHeader& header) {
   std::vector<Eigen::Vector3d> terms;
   std::vector<double> values_mm;
@@ -58,7 +59,7 @@ FrameGrowth GrowthOf(const RowTable& table, const FrameLogHeader& header) {
     const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
     std::ranges::nth_element(sorted, middle);
     for (std::size_t i = 0; i < terms.size(); ++i) {
-      is_used[i] = sizes_mm[i] <= 5 * *middle;
+      is_used[i] = sizes_mm[i] <= kGrossly * *middle;
     }
   }
   FrameGrowth growth{.growth_mm_per_k = fit[0], .range_k = most_c - least_c};
