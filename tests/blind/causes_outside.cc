@@ -89,6 +89,18 @@ Defect PlayGrows(const std::string& axis, const Circumstances& at) {
   });
 }
 
+std::vector<CampaignRequest> LongRun(const std::string& axis) {
+  return {{.kind = "drift", .axis = AxisIndex(axis)}};
+}
+
+/// The whole frame creeps along an axis with time; the catalogue's growth is upwards.
+Defect FrameCreep(const std::string& axis, const Circumstances& at) {
+  const double tau_s = at.random->LogUniform(1500, 5000);
+  return OnAxis("frame_creep", axis, [=](const Instant& now, std::size_t) {
+    return 1 - std::exp(-now.t_s / tau_s);
+  });
+}
+
 /// A dent in the plate, off its middle.
 Defect Dent(const std::string& axis, const Circumstances& at) {
   const Drawing drawing = at.drawing;
@@ -151,6 +163,7 @@ const std::vector<Cause>& OutsideCauses() {
       {"stick_slip", xy, DenseLine, StickSlip, 10, 0, {}, {"since_rev", "dir"}},
       {"x_times_t", xy, Line, PositionTimesTime, 10, 0, {}, {"q", "t"}},
       {"play_grows", xy, Alternating, PlayGrows, 10, 0, {}, {"dir", "t"}},
+      {"frame_creep", xy, LongRun, FrameCreep, 10, 0, {}, {"t", "temp"}},
       {"dent", {""}, Plates, Dent, 10, 0, {}, {"x", "y"}},
       {"sensor_glitch", {""}, Alternating, SensorGlitch, 10, 0, {}, {"t"}},
       {"rack_joints", xy, Line, Steps, 10, 0, {"pitch_map"}, {"q"}}};

@@ -42,9 +42,8 @@ Defect ThermalScrew(const std::string& axis, const Circumstances& at) {
   return defect;
 }
 
-/// 1 um (1 - exp(-t / tau)) on the axis, with a slower part.
+/// The tool is lifted by 1 um (1 - exp(-t / tau)), with a slower part.
 Defect FrameGrowth(const std::string& axis, const Circumstances& at) {
-  const int a = AxisIndex(axis);
   const double tau_s = at.random->LogUniform(1200, 4500);
   const double slow = at.random->Uniform(0, 0.12);
   const double sign = at.random->Sign();
@@ -53,7 +52,7 @@ Defect FrameGrowth(const std::string& axis, const Circumstances& at) {
   defect.motion = [=](const Instant& now) {
     const double growth = 1 - (1 - slow) * std::exp(-now.t_s / tau_s) -
                           slow * std::exp(-now.t_s / (2.5 * tau_s));
-    return sign * kMmPerUm * growth * Along(a);
+    return sign * kMmPerUm * growth * Along(2);
   };
   return defect;
 }
@@ -145,7 +144,7 @@ Defect HomingScatter(const std::string& axis, const Circumstances& at) {
 std::vector<Cause> TimeCauses() {
   const std::vector<std::string> xy = {"x", "y"};
   return {{"thermal_screw", xy, LongRunAndLine, ThermalScrew, 8},
-          {"frame_growth", {"x", "y", "z"}, LongRun, FrameGrowth, 15},
+          {"frame_growth", {""}, LongRun, FrameGrowth, 15},
           {"frame_temperature", {"frame", "bed"}, LongRun, FrameTemperature, 4},
           {"probe_temperature", {""}, LongRun, ProbeTemperature, 1},
           {"missed_steps", xy, RepeatedDatum, MissedSteps, 15},

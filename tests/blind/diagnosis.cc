@@ -42,29 +42,29 @@ nlohmann::json ReadJson(const fs::path& file) {
   return nlohmann::json::parse(stream, nullptr, /*allow_exceptions=*/false);
 }
 
+}  // namespace
+
 nlohmann::json Diagnose(const Diagnoser& diagnoser,
-                        const fs::path& folder,
-                        const std::string& machine,
-                        const std::string& answer,
-                        const std::string& extend) {
+                        const std::string& folder_name,
+                        const DiagnosisFiles& files) {
+  const fs::path folder(folder_name);
   std::vector<std::string> words = {"timeout",
                                     std::to_string(diagnoser.limit_s),
                                     diagnoser.binary,
                                     "diagnose",
                                     (folder / "DATA.csv").string(),
                                     "--machine",
-                                    (folder / machine).string(),
+                                    (folder / files.machine).string(),
                                     "--json",
-                                    (folder / answer).string()};
-  if (!extend.empty()) {
-    words.insert(words.end(), {"--extend", (folder / extend).string()});
+                                    (folder / files.answer).string()};
+  if (!files.extend.empty()) {
+    words.insert(words.end(), {"--extend", (folder / files.extend).string()});
   }
-  const int exit_code = RunProgram(words, (folder / (answer + ".log")).string());
-  if (exit_code != 0) return nullptr;
-  return ReadJson(folder / answer);
+  const fs::path answer = folder / files.answer;
+  fs::remove(answer);
+  if (RunProgram(words, answer.string() + ".log") != 0) return nullptr;
+  return ReadJson(answer);
 }
-
-}  // namespace
 
 Judgement Examine(const Diagnoser& diagnoser, const CaseRequest& request) {
   Case made;
@@ -75,11 +75,13 @@ Judgement Examine(const Diagnoser& diagnoser, const CaseRequest& request) {
   WriteCase(made, folder.string());
   const auto begin = std::chrono::steady_clock::now();
   const auto answer =
-      Diagnose(diagnoser, folder, "machine.yaml", "answer.json", "machine.ext.yaml");
+      Diagnose(diagnoser, folder.string(), {.extend = "machine.ext.yaml"});
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
   nlohmann::json again = nullptr;
   if (answer.is_object() && fs::exists(folder / "machine.ext.yaml")) {
-    again = Diagnose(diagnoser, folder, "machine.ext.yaml", "again.json", "");
+    again = Diagnose(diagnoser,
+                     folder.string(),
+                     {.machine = "machine.ext.yaml", .answer = "again.json"});
   }
   const auto truth = nlohmann::json::parse(TruthJson(made));
   Judgement judgement = Judge(truth, answer, again);

@@ -17,6 +17,18 @@ struct Diagnoser {
   bool keep = false;  ///< Keep the folders.
 };
 
+/// Which files of a folder a diagnosis reads and writes.
+struct DiagnosisFiles {
+  std::string machine = "machine.yaml";
+  std::string answer = "answer.json";
+  std::string extend{};  ///< Empty: no extended machine is asked for.
+};
+
+/// The answer to the data in `folder`; null where there was none.
+nlohmann::json Diagnose(const Diagnoser& diagnoser,
+                        const std::string& folder,
+                        const DiagnosisFiles& files = {});
+
 /// Makes the case, has it diagnosed, diagnoses again with the extended machine, judges.
 /// The diagnosis gets the data and the machine file; the truth stays in this process.
 Judgement Examine(const Diagnoser& diagnoser, const CaseRequest& request);

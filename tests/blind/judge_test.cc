@@ -6,6 +6,7 @@
 
 #include "tests/blind/causes.h"
 #include "tests/blind/figures.h"
+#include "tests/blind/metamorphic.h"
 #include "tests/blind/sets.h"
 
 namespace blind {
@@ -124,6 +125,16 @@ TEST(Figures, FailOnlyBeyondTheBinomialLimit) {
   EXPECT_TRUE((Figure{"", 5, 60, 0.01, 0, true}.IsBeyondChance()));
   EXPECT_FALSE((Figure{"", 74 - 11, 74, 0.95, 0, false}.IsBeyondChance()));
   EXPECT_TRUE((Figure{"", 74 - 12, 74, 0.95, 0, false}.IsBeyondChance()));
+}
+
+TEST(Metamorphic, AMirrorSwapsXAndYAndTurnsTheOtherWay) {
+  const TextTable table = ParseTable("cmd_x_mm,cmd_y_mm,artefact_turn_deg\n1,2,90\n");
+
+  const TextTable mirrored = Mirrored(table);
+
+  EXPECT_EQ(ToText(mirrored), "cmd_y_mm,cmd_x_mm,artefact_turn_deg\n1,2,-90\n");
+  EXPECT_EQ(ToText(Mirrored(mirrored)),
+            "cmd_x_mm,cmd_y_mm,artefact_turn_deg\n1,2,90\n");
 }
 
 TEST(Sets, TheSecondHalfFollowsTheDate) {

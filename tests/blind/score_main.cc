@@ -14,6 +14,7 @@
 
 #include "tests/blind/diagnosis.h"
 #include "tests/blind/figures.h"
+#include "tests/blind/metamorphic.h"
 #include "tests/blind/sets.h"
 
 namespace {
@@ -23,6 +24,7 @@ struct Options {
   std::uint64_t seed = 1;
   std::uint64_t date = 1;
   int full = 0;
+  int changes = 8;
   int jobs = 2;
   std::string markdown{};
   std::string only{};
@@ -60,6 +62,36 @@ std::vector<blind::Judgement> ExamineAll(
   return judgements;
 }
 
+/// Causes along x or y, each changed in ways after which the answer is known.
+int CountBrokenChanges(const Options& options) {
+  const std::vector<std::string> causes = {"cyclic_lead",
+                                           "backlash_worn",
+                                           "pitch_progressive",
+                                           "thermal_screw",
+                                           "missed_steps",
+                                           "probe_lobing",
+                                           "trigger_latency",
+                                           "windup_load"};
+  int broken = 0;
+  for (int i = 0; i < options.changes; ++i) {
+    blind::CaseRequest request{.kind = "single", .clean = true};
+    request.seed = (i % 2 == 0 ? options.seed : options.date) + 1000 + i;
+    request.hidden = {{causes[static_cast<std::size_t>(i) % causes.size()], "any", 8}};
+    for (const auto& result : blind::ExamineChanges(options.diagnoser, request)) {
+      const bool ok = result.ran && result.held;
+      broken += ok ? 0 : 1;
+      std::cout << fmt::format("change  {:34} {:26} {}\n",
+                               request.hidden[0].cause,
+                               result.what,
+                               !result.ran ? "FAILED"
+                               : ok        ? "held"
+                                           : "BROKEN");
+      if (!ok) std::cout << "        " << blind::RerunCommand(request) << " --clean\n";
+    }
+  }
+  return broken;
+}
+
 blind::SetSizes SizesOf(const Options& options) {
   if (options.full <= 0) return {};
   return {.nulls = options.full,
@@ -91,6 +123,7 @@ int Run(int argc, char** argv) {
   app.add_option("--date", options.date, "of the second half, as 20261121");
   app.add_option(
       "--full", options.full, "so many nulls and singles, a third of the rest");
+  app.add_option("--changes", options.changes, "cases to swap, shuffle and reduce");
   app.add_option("--jobs", options.jobs, "diagnoses at a time");
   app.add_option(
       "--only", options.only, "only cases of this kind, or hiding this cause");
@@ -105,12 +138,14 @@ int Run(int argc, char** argv) {
   });
   std::filesystem::create_directories(options.diagnoser.folder);
   const auto judgements = ExamineAll(options, requests);
+  const int broken = options.only.empty() ? CountBrokenChanges(options) : 0;
   const std::string text =
       blind::FiguresText(judgements) + "\n" + blind::ConfusionText(judgements);
   std::cout << "\n" << text;
   if (!options.markdown.empty()) WriteMarkdown(options, text);
   const auto figures = blind::Figures(judgements);
-  return std::ranges::any_of(figures, &blind::Figure::IsBeyondChance) ? 1 : 0;
+  const bool failed = std::ranges::any_of(figures, &blind::Figure::IsBeyondChance);
+  return failed || broken > 0 ? 1 : 0;
 }
 
 }  // namespace
