@@ -83,8 +83,10 @@ TEST(ImportIso230, EcmcFaultsAreNamedWithTheirPlace) {
   EXPECT_THAT(
       ImportFault("iso230-dat", "TGT_DATA[1]=0\nREF_DATA_FWD[1]=1\n"),
       HasSubstr("f:2:17: 'REF_DATA_FWD[1]' is no index of this format\n  it is"));
-  EXPECT_THAT(ImportFault("iso230-dat", "TGT_DATA[1]=0\nTGT_DATA[1]=0\n"),
+  EXPECT_THAT(ImportFault("iso230-dat", "TGT_DATA[1]=0\n"),
               HasSubstr("but no REF_DATA_FWD"));
+  EXPECT_THAT(ImportFault("iso230-dat", "TGT_DATA[1]=0\nTGT_DATA[1]=0\n"),
+              StrEq("f:2:13: TGT_DATA[1] stands here twice"));
   EXPECT_THAT(ImportFault("iso230-dat", std::string(kSmallEcmc), {.unit = "furlong"}),
               HasSubstr("the unit 'furlong' is not known here\n  it may be: mm, um"));
 }

@@ -1,0 +1,374 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <set>
+#include <tuple>
+
+#include <fmt/format.h>
+
+#include "calibration/diagnosis/plausible_parts.h"
+#include "sim/base/units.h"
+
+namespace caltwin {
+namespace {
+
+constexpr double kInch_mm = MmFromInch(1.0);
+constexpr double kThousand = UmFromMm(1.0);
+constexpr double kLargestGauged_mm = 1;   // Residual scatter that is no machine's.
+constexpr double kLargestTouched_mm = 3;  // Beds and plates are that crooked, not more.
+constexpr double kAbsurdSlope = 0.5;
+constexpr double kNear = 0.03;
+constexpr std::size_t kFewestInLine = 5;
+
+bool IsNear(double ratio, double what) {
+  return std::abs(ratio / what - 1) < kNear;
+}
+
+bool IsGauged(const Row& row) {
+  return row.kind != RowKind::kTouch;
+}
+
+std::string NameOf(const RowSeries& series) {
+  return fmt::format(
+      "campaign {}{}",
+      series.first->campaign,
+      series.first->setup.empty() ? "" : ", setup " + series.first->setup);
+}
+
+/// What a slope of moved against commanded, less one, means where it is no machine's.
+void DoubtSlope(const RowSeries& series, double slope, std::vector<Doubt>* doubts) {
+  const double moved = 1 + (IsGauged(*series.first) ? slope : -slope);
+  Doubt doubt{.kind = "scale_absurd", .refuse = true};
+  if (IsNear(moved, 2)) {
+    doubt.kind = "value_is_position";
+    doubt.hint = "value_mm is the position read, not actual minus commanded";
+  } else if (std::abs(moved) < 0.003) {
+    doubt.kind = "value_is_position";
+    doubt.hint =
+        "the reading does not follow the axis: value_mm is commanded minus a constant, "
+        "the gauge stood still, or it reads metres";
+  } else if (IsNear(moved, -1)) {
+    doubt.kind = "reversed_axis";
+    doubt.hint = "the gauge counts the other way than the axis: reverse one of them";
+  } else if (IsNear(moved, kInch_mm) || IsNear(moved, 1 / kInch_mm)) {
+    doubt.kind = "position_unit";
+    doubt.hint = "that is an inch: reading and command are in different units";
+  } else if (IsNear(moved, kThousand) || IsNear(moved, 1 / kThousand)) {
+    doubt.kind = "position_unit";
+    doubt.hint = "that is a factor of 1000: reading and command are in different units";
+  } else if (std::abs(slope) > kAbsurdSlope) {
+    doubt.hint = "units, sign or column of value_mm or of the position are wrong";
+  } else {
+    return;
+  }
+  doubt.message = fmt::format(
+      "{}: for every mm commanded the readings move {:.4g} mm", NameOf(series), moved);
+  doubts->push_back(std::move(doubt));
+}
+
+void DoubtSize(const RowSeries& series,
+               const SeriesFit& fit,
+               std::vector<Doubt>* doubts) {
+  const double largest_mm =
+      IsGauged(*series.first) ? kLargestGauged_mm : kLargestTouched_mm;
+  if (fit.size_mm < largest_mm) return;
+  doubts->push_back(
+      {.kind = "value_unit",
+       .message = fmt::format("{}: readings scatter by {:.3g} mm about a straight line",
+                              NameOf(series),
+                              fit.size_mm),
+       .hint = fmt::format("in micrometres it would be {:.3g} um: value_mm is in mm",
+                           fit.size_mm),
+       .refuse = true});
+}
+
+// Forward readings lag behind backward ones by the gap; touches of one face have one
+// sense, so gauges only.
+void DoubtGap(const RowSeries& series,
+              const SeriesFit& fit,
+              std::vector<Doubt>* doubts) {
+  constexpr double kSure = 5;
+  if (!IsGauged(*series.first) || fit.half_gap_mm < kSure * fit.half_gap_sd_mm ||
+      fit.half_gap_mm <= 0) {
+    return;
+  }
+  doubts->push_back(
+      {.kind = "negative_gap",
+       .message = fmt::format("{}: readings are {:.1f} um further when the axis came "
+                              "from - than when it came from +",
+                              NameOf(series),
+                              UmFromMm(2 * fit.half_gap_mm)),
+       .hint = "lost motion lags, it never leads: backlash compensation that does too "
+               "much, or the sign of value_mm or of dir_ is reversed"});
+}
+
+/// Mean reading at each pose and sense of a campaign, as motion (touches reversed).
+using Profile = std::map<std::tuple<long, long, long, int>, double>;
+
+Profile ProfileOf(const std::vector<const Row*>& rows) {
+  std::map<std::tuple<long, long, long, int>, std::pair<double, int>> sums;
+  for (const Row* row : rows) {
+    const auto microns = [](double number_mm) {
+      return Known(number_mm) ? std::lround(UmFromMm(number_mm)) : 0;
+    };
+    auto& [sum, count] = sums[{microns(row->cmd_mm[0]),
+                               microns(row->cmd_mm[1]),
+                               microns(row->cmd_mm[2]),
+                               static_cast<int>(SenseAlongNormal(*row))}];
+    sum += row->value_mm * (IsGauged(*row) ? 1 : -1);
+    count += 1;
+  }
+  Profile profile;
+  for (const auto& [pose, sum] : sums) profile[pose] = sum.first / sum.second;
+  return profile;
+}
+
+/// How one campaign's readings follow another's where both measured.
+struct Likeness {
+  std::size_t num_common = 0;
+  double correlation = 0;
+  double ratio = 0;  ///< Of the second's sizes to the first's.
+};
+
+Likeness Compare(const Profile& one, const Profile& other) {
+  std::vector<std::pair<double, double>> pairs;
+  double mean_a = 0, mean_b = 0;
+  for (const auto& [pose, value] : one) {
+    const auto found = other.find(pose);
+    if (found == other.end()) continue;
+    pairs.emplace_back(value, found->second);
+    mean_a += value;
+    mean_b += found->second;
+  }
+  Likeness likeness{.num_common = pairs.size()};
+  if (pairs.empty()) return likeness;
+  const double count = static_cast<double>(pairs.size());
+  double aa = 0, bb = 0, ab = 0;
+  for (const auto& [a, b] : pairs) {
+    const double da = a - mean_a / count;
+    const double db = b - mean_b / count;
+    aa += da * da;
+    bb += db * db;
+    ab += da * db;
+  }
+  if (aa <= 0 || bb <= 0) return likeness;
+  likeness.correlation = ab / std::sqrt(aa * bb);
+  likeness.ratio = std::sqrt(bb / aa);
+  return likeness;
+}
+
+void DoubtLikeness(const std::string& one,
+                   const std::string& other,
+                   const Likeness& likeness,
+                   std::vector<Doubt>* doubts) {
+  constexpr std::size_t kFewestCommon = 8;
+  constexpr double kAlike = 0.9;
+  if (likeness.num_common < kFewestCommon) return;
+  const double r = likeness.correlation;
+  const double larger = std::max(likeness.ratio, 1 / likeness.ratio);
+  const auto is_about = [&](double what) {
+    return std::abs(larger / what - 1) < 0.15;
+  };
+  if (std::abs(r) > kAlike && (is_about(kInch_mm) || is_about(kThousand))) {
+    doubts->push_back(
+        {.kind = "units_differ",
+         .message =
+             fmt::format("campaigns {} and {} read alike at the same places, but "
+                         "{:.4g} times as much",
+                         one,
+                         other,
+                         larger),
+         .hint = is_about(kInch_mm) ? "that is an inch: one of them is in inches"
+                                    : "that is 1000: one of them is in micrometres",
+         .refuse = true});
+  } else if (r < -kAlike && larger < 2) {
+    doubts->push_back(
+        {.kind = "reversed_sign",
+         .message =
+             fmt::format("campaigns {} and {} read the opposite of each other at "
+                         "the same {} places (correlation {:.2f})",
+                         one,
+                         other,
+                         likeness.num_common,
+                         r),
+         .hint = "one of them is commanded minus actual: value_mm is actual minus "
+                 "commanded, of a touch reported minus nominal",
+         .refuse = true});
+  }
+}
+
+// Campaigns under the same settings that measured along the same normal.
+void DoubtCampaigns(const RowTable& table, std::vector<Doubt>* doubts) {
+  using Key = std::tuple<std::array<long, 3>, std::string>;
+  std::map<Key, std::map<std::string, std::vector<const Row*>>> groups;
+  for (const Row& row : table.rows) {
+    std::array<long, 3> n{};
+    for (int axis = 0; axis < 3; ++axis) {
+      n[axis] = Known(row.n[axis]) ? std::lround(1000 * row.n[axis]) : 0;
+    }
+    groups[{n, row.settings}][row.campaign].push_back(&row);
+  }
+  for (const auto& [key, campaigns] : groups) {
+    for (auto one = campaigns.begin(); one != campaigns.end(); ++one) {
+      for (auto other = std::next(one); other != campaigns.end(); ++other) {
+        DoubtLikeness(one->first,
+                      other->first,
+                      Compare(ProfileOf(one->second), ProfileOf(other->second)),
+                      doubts);
+      }
+    }
+  }
+}
+
+// Targets are round numbers in the unit they were chosen in.
+void DoubtPositions(const RowTable& table, std::vector<Doubt>* doubts) {
+  constexpr double kRound_mm = 0.5;
+  for (const int axis : {0, 1, 2}) {
+    std::set<double> positions;
+    for (const Row& row : table.rows) {
+      if (Known(row.cmd_mm[axis]) && row.cmd_mm[axis] != 0) {
+        positions.insert(row.cmd_mm[axis]);
+      }
+    }
+    const auto all_round = [&](double scale, double step, double tolerance) {
+      return std::ranges::all_of(positions, [&](double position) {
+        const double steps = position * scale / step;
+        return std::abs(steps - std::round(steps)) * step < tolerance;
+      });
+    };
+    if (positions.size() < 4 || all_round(1, 0.01, 1e-4) ||
+        !all_round(kInch_mm, kRound_mm, 0.01)) {
+      continue;
+    }
+    doubts->push_back({.kind = "position_unit",
+                       .message = fmt::format(
+                           "the positions along {} are round numbers of mm if taken "
+                           "as inches: {:.5g} is {:.4g} mm",
+                           "xyz"[axis],
+                           *positions.rbegin(),
+                           MmFromInch(*positions.rbegin())),
+                       .hint = fmt::format("cmd_{}_mm is in mm", "xyz"[axis]),
+                       .refuse = true});
+  }
+}
+
+void DoubtSigmas(const RowTable& table,
+                 const DataHeader& header,
+                 const std::vector<RowSeries>& all,
+                 std::vector<Doubt>* doubts) {
+  constexpr double kTooFar = 30;
+  std::vector<double> sigmas_mm;
+  for (const Row& row : table.rows) {
+    double sigma_mm = row.sigma_mm;
+    const auto campaign = header.campaigns.find(row.campaign);
+    if (!Known(sigma_mm) && campaign != header.campaigns.end()) {
+      const auto instrument = header.instruments.find(campaign->second.instrument);
+      if (instrument != header.instruments.end()) {
+        sigma_mm = MmFromUm(instrument->second.sigma_um);
+      }
+    }
+    if (Known(sigma_mm) && sigma_mm > 0) sigmas_mm.push_back(sigma_mm);
+  }
+  const double repeat_mm = RepeatDeviation_mm(all);
+  if (sigmas_mm.size() * 2 < table.rows.size() || !Known(repeat_mm)) return;
+  std::ranges::nth_element(
+      sigmas_mm, sigmas_mm.begin() + static_cast<std::ptrdiff_t>(sigmas_mm.size() / 2));
+  const double sigma_mm = sigmas_mm[sigmas_mm.size() / 2];
+  const double ratio = sigma_mm / repeat_mm;
+  if (ratio < kTooFar && ratio > 1 / (10 * kTooFar)) return;
+  doubts->push_back(
+      {.kind = "sigma_unit",
+       .message =
+           fmt::format("the stated uncertainty of a reading is {:.3g} um, repeated "
+                       "readings scatter by {:.3g} um",
+                       UmFromMm(sigma_mm),
+                       UmFromMm(repeat_mm)),
+       .hint = ratio > 1
+                   ? "sigma_mm is in mm, sigma_um in micrometres; was one written "
+                     "for the other?"
+                   : "value_mm or the uncertainty is in another unit"});
+}
+
+// The finest step between readings against how they scatter.
+void DoubtSteps(const RowTable& table,
+                const std::vector<RowSeries>& all,
+                std::vector<Doubt>* doubts) {
+  std::set<double> values;
+  for (const Row& row : table.rows) values.insert(row.value_mm);
+  if (values.size() < 2) return;
+  double step_mm = INFINITY;
+  for (auto value = std::next(values.begin()); value != values.end(); ++value) {
+    const double gap_mm = *value - *std::prev(value);
+    if (gap_mm > 1e-9) step_mm = std::min(step_mm, gap_mm);
+  }
+  const bool is_grid = std::ranges::all_of(values, [&](double value) {
+    const double steps = (value - *values.begin()) / step_mm;
+    return std::abs(steps - std::round(steps)) < 0.02;
+  });
+  const double repeat_mm = RepeatDeviation_mm(all);
+  if (!is_grid || !Known(repeat_mm) || repeat_mm > step_mm) return;
+  doubts->push_back(
+      {.kind = "quantised",
+       .message =
+           fmt::format("readings come in steps of {:.4g} um and scatter by {:.3g} "
+                       "um",
+                       UmFromMm(step_mm),
+                       UmFromMm(repeat_mm)),
+       .hint = fmt::format("a reading is not known better than {:.3g} um, whatever the "
+                           "scatter says",
+                           UmFromMm(step_mm / std::sqrt(12.0)))});
+}
+
+}  // namespace
+
+void DoubtSizes(const RowTable& table,
+                const DataHeader& header,
+                std::vector<Doubt>* doubts) {
+  const std::vector<RowSeries> all = SeriesOf(table);
+  for (const RowSeries& series : all) {
+    if (series.rows.size() < kFewestInLine) continue;
+    const SeriesFit fit = FitSeries(series);
+    const std::size_t before = doubts->size();
+    DoubtSlope(series, fit.slope, doubts);
+    if (doubts->size() > before) continue;
+    DoubtSize(series, fit, doubts);
+    DoubtGap(series, fit, doubts);
+  }
+  DoubtCampaigns(table, doubts);
+  DoubtPositions(table, doubts);
+  DoubtSigmas(table, header, all, doubts);
+  DoubtSteps(table, all, doubts);
+}
+
+void DoubtTravel(const RowTable& table,
+                 const Machine& machine,
+                 std::vector<Doubt>* doubts) {
+  constexpr double kSlack = 0.05;
+  for (const Axis axis : kAxes) {
+    const int index = Index(axis);
+    const double min_mm = machine.axes[index].min_mm;
+    const double max_mm = machine.axes[index].max_mm;
+    const double slack_mm = kSlack * (max_mm - min_mm);
+    Doubt doubt{.kind = "outside_travel", .refuse = true};
+    for (const Row& row : table.rows) {
+      const double position_mm = row.cmd_mm[index];
+      if (position_mm < min_mm - slack_mm || position_mm > max_mm + slack_mm) {
+        doubt.rows.push_back(row.row);
+      }
+    }
+    if (doubt.rows.empty()) continue;
+    doubt.message = fmt::format(
+        "{} rows are commanded beyond the travel of {} ({:g} .. {:g} mm), "
+        "the first is row {}",
+        doubt.rows.size(),
+        Name(axis),
+        min_mm,
+        max_mm,
+        doubt.rows.front());
+    doubt.hint = "the wrong machine file, or another unit or zero of the positions";
+    doubts->push_back(std::move(doubt));
+  }
+}
+
+}  // namespace caltwin

@@ -1,0 +1,259 @@
+#include "calibration/diagnosis/plausible.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim/base/units.h"
+#include "sim/measure/rows.h"
+
+namespace caltwin {
+namespace {
+
+using ::testing::Contains;
+using ::testing::Each;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+using ::testing::SizeIs;
+
+RowTable RealAxis(const std::string& name) {
+  return ReadRows(std::string(CALTWIN_SOURCE_DIR) + "/tests/data/iso230/" + name +
+                  ".csv");
+}
+
+RowTable X() {
+  return RealAxis("ess_target_x_2022-04");
+}
+
+/// Kinds of doubt about the rows, those that refuse them with an exclamation mark.
+std::vector<std::string> KindsOf(const RowTable& table, const DataHeader& header = {}) {
+  std::vector<std::string> kinds;
+  for (const Doubt& doubt : Doubts(table, header)) {
+    kinds.push_back(doubt.kind + (doubt.refuse ? "!" : ""));
+  }
+  return kinds;
+}
+
+/// What is said of the real X axis after something was done to each row.
+std::vector<std::string> KindsAfter(const std::function<void(Row*)>& act) {
+  RowTable table = X();
+  for (Row& row : table.rows) act(&row);
+  return KindsOf(table);
+}
+
+/// The rows of X twice, the second time as another campaign, changed.
+RowTable WithSecondCampaign(const std::function<void(Row*)>& act) {
+  RowTable table = X();
+  for (Row row : X().rows) {
+    row.campaign = "again";
+    row.row += 90;
+    act(&row);
+    table.rows.push_back(row);
+  }
+  return table;
+}
+
+TEST(Plausible, RealAxesAreNotDoubted) {
+  for (const char* name :
+       {"ess_target_x_2022-04", "ess_target_y_2022-04", "psi_mcu1025_2021-11-10"}) {
+    EXPECT_THAT(KindsOf(RealAxis(name)), IsEmpty()) << name;
+  }
+}
+
+TEST(Plausible, WhatIsNoNumberIsRefused) {
+  for (const double bad : {kUnknown, HUGE_VAL}) {
+    RowTable table = X();
+    table.rows[6].value_mm = bad;
+    const std::vector<Doubt> doubts = Doubts(table, {});
+
+    ASSERT_THAT(doubts, SizeIs(1));
+    EXPECT_EQ(doubts[0].kind, "not_finite");
+    EXPECT_THAT(doubts[0].rows, ElementsAre(7));
+    EXPECT_TRUE(doubts[0].refuse);
+  }
+}
+
+TEST(Plausible, TwoRowsAreRefused) {
+  RowTable table = X();
+  table.rows.resize(2);
+  EXPECT_THAT(KindsOf(table), ElementsAre("too_few!"));
+  EXPECT_THAT(KindsOf({}), ElementsAre("too_few!"));
+}
+
+TEST(Plausible, ReadingsInMicrometresAreRefused) {
+  EXPECT_THAT(KindsAfter([](Row* row) { row->value_mm = UmFromMm(row->value_mm); }),
+              Contains("value_unit!"));
+}
+
+TEST(Plausible, PositionsInInchesAreRefused) {
+  EXPECT_THAT(KindsAfter([](Row* row) { row->cmd_mm[0] /= MmFromInch(1.0); }),
+              Contains("position_unit!"));
+  // Rounded as people write them.
+  EXPECT_THAT(KindsAfter([](Row* row) {
+                row->cmd_mm[0] = std::round(row->cmd_mm[0] / 25.4 * 1e4) / 1e4;
+              }),
+              Contains("position_unit!"));
+}
+
+TEST(Plausible, TheGaugeInInchesTheCommandInMillimetres) {
+  const auto actual_in_inches = [](Row* row) {
+    const double actual_mm = row->cmd_mm[0] + row->value_mm;
+    row->value_mm = actual_mm / MmFromInch(1.0) - row->cmd_mm[0];
+  };
+  EXPECT_THAT(KindsAfter(actual_in_inches), Contains("position_unit!"));
+}
+
+TEST(Plausible, APositionInPlaceOfADeviationIsRefused) {
+  EXPECT_THAT(KindsAfter([](Row* row) { row->value_mm += row->cmd_mm[0]; }),
+              Contains("value_is_position!"));
+  EXPECT_THAT(KindsAfter([](Row* row) { row->value_mm -= row->cmd_mm[0]; }),
+              Contains("value_is_position!"));
+  EXPECT_THAT(KindsAfter([](Row* row) { row->value_mm -= 2 * row->cmd_mm[0]; }),
+              Contains("reversed_axis!"));
+}
+
+// A machine may be that wrong; its rows are not to be refused.
+TEST(Plausible, AScaleWrongByAFifthIsAFinding) {
+  EXPECT_THAT(KindsAfter([](Row* row) { row->value_mm += 0.2 * row->cmd_mm[0]; }),
+              IsEmpty());
+}
+
+TEST(Plausible, CopiesOfRowsAreToldAndTheLaterOnesNamed) {
+  RowTable table = X();
+  for (int i = 0; i < 3; ++i) {
+    table.rows.push_back(table.rows[10 + i]);
+    table.rows.back().row = 91 + i;
+  }
+  const std::vector<Doubt> doubts = Doubts(table, {});
+
+  ASSERT_THAT(doubts, SizeIs(1));
+  EXPECT_EQ(doubts[0].kind, "duplicated_rows");
+  EXPECT_THAT(doubts[0].rows, ElementsAre(91, 92, 93));
+}
+
+TEST(Plausible, AFilePastedTwiceIsToldWithoutRepetitionsToo) {
+  RowTable table = X();
+  for (Row& row : table.rows) row.rep = 0;
+  EXPECT_THAT(KindsOf(table), IsEmpty());  // A few equal readings are no copies.
+  const std::vector<Row> rows = table.rows;
+  for (const Row& row : rows) {
+    table.rows.push_back(row);
+    table.rows.back().row += 90;
+  }
+  const std::vector<Doubt> doubts = Doubts(table, {});
+
+  ASSERT_THAT(doubts, SizeIs(1));
+  EXPECT_THAT(doubts[0].rows, SizeIs(90));
+  EXPECT_EQ(doubts[0].rows.front(), 91);
+}
+
+TEST(Plausible, TimeThatRunsBackwardsIsTold) {
+  EXPECT_THAT(KindsAfter([](Row* row) { row->t_s = static_cast<double>(row->row); }),
+              IsEmpty());
+  RowTable table = X();
+  for (Row& row : table.rows) row.t_s = static_cast<double>(row.row % 50);
+  const std::vector<Doubt> doubts = Doubts(table, {});
+  ASSERT_THAT(doubts, SizeIs(1));
+  EXPECT_EQ(doubts[0].kind, "time_backwards");
+  EXPECT_THAT(doubts[0].rows, ElementsAre(50));
+}
+
+TEST(Plausible, FileOrderIsNotTimeWhereRowsAreNumbered) {
+  RowTable table = X();
+  for (Row& row : table.rows) row.t_s = static_cast<double>(row.row);
+  std::ranges::reverse(table.rows);
+  EXPECT_THAT(KindsOf(table), IsEmpty());
+}
+
+TEST(Plausible, OneSenseAndNoSenseAreTold) {
+  RowTable forward = X();
+  std::erase_if(forward.rows, [](const Row& row) { return row.dir[0] < 0; });
+  EXPECT_THAT(KindsOf(forward), ElementsAre("one_direction"));
+  EXPECT_THAT(KindsAfter([](Row* row) { row->dir[0] = kUnknown; }),
+              ElementsAre("direction_unknown"));
+}
+
+TEST(Plausible, TemperaturesInOtherUnits) {
+  EXPECT_THAT(KindsAfter([](Row* row) { row->temp_frame_c = 28; }), IsEmpty());
+  EXPECT_THAT(KindsAfter([](Row* row) { row->temp_frame_c = 301; }),
+              ElementsAre("temperature_unit!"));
+  EXPECT_THAT(KindsAfter([](Row* row) { row->temp_ambient_c = 68; }),
+              ElementsAre("temperature_unit"));
+  EXPECT_THAT(KindsAfter([](Row* row) { row->temp_bed_c = 105; }), IsEmpty());
+}
+
+TEST(Plausible, StatedUncertaintiesInOtherUnits) {
+  EXPECT_THAT(KindsAfter([](Row* row) { row->sigma_mm = 0.002; }), IsEmpty());
+  EXPECT_THAT(KindsAfter([](Row* row) { row->sigma_mm = 2; }),
+              ElementsAre("sigma_unit"));
+  DataHeader header;
+  header.instruments["laser"] = {.kind = "laser", .sigma_um = 2000};
+  header.campaigns["iso230_x"] = {.instrument = "laser"};
+  EXPECT_THAT(KindsOf(X(), header), ElementsAre("sigma_unit"));
+}
+
+TEST(Plausible, CampaignsThatContradictEachOther) {
+  EXPECT_THAT(KindsOf(WithSecondCampaign([](Row* row) { row->value_mm *= 1.1; })),
+              IsEmpty());
+  EXPECT_THAT(KindsOf(WithSecondCampaign([](Row* row) { row->value_mm *= -1; })),
+              Contains("reversed_sign!"));
+  EXPECT_THAT(KindsOf(WithSecondCampaign([](Row* row) { row->value_mm /= 25.4; })),
+              ElementsAre("units_differ!"));
+  EXPECT_THAT(
+      KindsOf(WithSecondCampaign([](Row* row) { row->value_mm *= UmFromMm(1.0); })),
+      Contains("units_differ!"));
+}
+
+// Settings changed between the two: the machine itself may have been turned about.
+TEST(Plausible, OtherSettingsMayReverseTheReadings) {
+  const RowTable table = WithSecondCampaign([](Row* row) {
+    row->value_mm *= -1;
+    row->settings = "s2";
+  });
+  EXPECT_THAT(KindsOf(table), Not(Contains("reversed_sign!")));
+}
+
+TEST(Plausible, AGapThatLeadsIsTold) {
+  EXPECT_THAT(KindsAfter([](Row* row) { row->value_mm += 0.06 * row->dir[0]; }),
+              ElementsAre("negative_gap"));
+}
+
+TEST(Plausible, AStuckGaugeIsRefused) {
+  EXPECT_THAT(KindsAfter([](Row* row) { row->value_mm = 0.004; }),
+              Contains("constant!"));
+}
+
+TEST(Plausible, CoarseStepsAreTold) {
+  EXPECT_THAT(KindsAfter([](Row* row) {
+                row->value_mm = 0.02 * std::round(row->value_mm / 0.02);
+              }),
+              ElementsAre("quantised"));
+}
+
+TEST(Plausible, PositionsBeyondTheTravelAreRefused) {
+  Machine machine;
+  machine.axes[0].min_mm = 0;
+  machine.axes[0].max_mm = 300;
+  const std::vector<Doubt> doubts = Doubts(X(), {}, &machine);
+
+  ASSERT_THAT(doubts, SizeIs(1));
+  EXPECT_EQ(doubts[0].kind, "outside_travel");
+  EXPECT_THAT(doubts[0].rows, SizeIs(10));  // -20 mm, five runs, both senses.
+  EXPECT_THAT(doubts[0].message, HasSubstr("beyond the travel of x (0 .. 300 mm)"));
+}
+
+// Sizes of effects that machines do have must pass: noise is no doubt.
+TEST(Plausible, LargeErrorsOfARealMachineAreNotRefused) {
+  for (const double times : {1.0, 3.0, 10.0}) {
+    const auto kinds = KindsAfter([&](Row* row) { row->value_mm *= times; });
+    EXPECT_THAT(kinds, Each(Not(HasSubstr("!")))) << times;
+  }
+}
+
+}  // namespace
+}  // namespace caltwin
