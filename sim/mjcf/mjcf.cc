@@ -1,5 +1,6 @@
 #include "sim/mjcf/mjcf.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -130,6 +131,11 @@ void Mjcf::SetTimestep_s(double timestep_s) {
         mjs_asEquality(Find(spec, mjOBJ_EQUALITY, Name(axis) + "_rigid"));
     hard(rigid->solref, rigid->solimp, 0.5);
   }
+  for (mjsElement* element = mjs_firstElement(spec, mjOBJ_EQUALITY); element != nullptr;
+       element = mjs_nextElement(spec, element)) {
+    mjsEquality* equality = mjs_asEquality(element);
+    if (equality->type == mjEQ_JOINT) hard(equality->solref, equality->solimp, 0.5);
+  }
   for (mjsElement* element = mjs_firstElement(spec, mjOBJ_GEOM); element != nullptr;
        element = mjs_nextElement(spec, element)) {
     mjsGeom* geom = mjs_asGeom(element);
@@ -233,6 +239,55 @@ void Mjcf::TurnAxis(Axis axis, Axis about, double angle_rad, double pivot_mm) {
   for (int i = 0; i < 3; ++i) {
     carriage->pos[i] += (before - after)[i] * pivot_mm * kMPerMm;
   }
+}
+
+// A joint behind the axis' own, tied to it by c0 + c1 U + c2 U^2. Beside the light
+// carriages its own inertia makes it stiff; tied as it is, it slows nothing.
+mjsJoint* Mjcf::AddErrorJoint(Axis axis,
+                              const std::array<double, 3>& over_travel,
+                              const AxisDrawing& travel) {
+  int number = 0;
+  for (mjsElement* element = mjs_firstElement(spec_.get(), mjOBJ_EQUALITY);
+       element != nullptr;
+       element = mjs_nextElement(spec_.get(), element)) {
+    ++number;
+  }
+  const std::string name = fmt::format("{}_error_{}", Name(axis), number);
+  mjsJoint* joint = mjs_addJoint(
+      mjs_asBody(Find(spec_.get(), mjOBJ_BODY, Name(axis) + "_carriage")), nullptr);
+  mjs_setName(joint->element, name.c_str());
+  joint->armature = 1;
+  mjsEquality* tie = mjs_addEquality(spec_.get(), nullptr);
+  tie->type = mjEQ_JOINT;
+  tie->objtype = mjOBJ_JOINT;
+  mjs_setString(tie->name1, name.c_str());
+  mjs_setString(tie->name2, Name(axis).c_str());
+  const auto& [c0, c1, c2] = over_travel;
+  const double half_m = travel.travel_mm() / 2 * kMPerMm;
+  const double middle = travel.mid_mm() * kMPerMm / half_m;  // In U.
+  std::fill_n(tie->data, mjNEQDATA, 0.0);
+  tie->data[0] = c0 - c1 * middle + c2 * middle * middle;
+  tie->data[1] = (c1 - 2 * c2 * middle) / half_m;
+  tie->data[2] = c2 / (half_m * half_m);
+  return joint;
+}
+
+void Mjcf::BendRail(Axis axis, Axis across, double bow_mm, const AxisDrawing& travel) {
+  const double bow_m = bow_mm * kMPerMm;
+  mjsJoint* joint = AddErrorJoint(axis, {-bow_m / 3, 0, bow_m}, travel);
+  joint->type = mjJNT_SLIDE;
+  for (int i = 0; i < 3; ++i) joint->axis[i] = Unit(across)[i];
+}
+
+void Mjcf::TwistRail(Axis axis,
+                     Axis about,
+                     double change_rad,
+                     const Vec3<double>& pivot_mm,
+                     const AxisDrawing& travel) {
+  mjsJoint* joint = AddErrorJoint(axis, {0, change_rad / 2, 0}, travel);
+  joint->type = mjJNT_HINGE;
+  SetPosition(pivot_mm, joint->pos);
+  for (int i = 0; i < 3; ++i) joint->axis[i] = Unit(about)[i];
 }
 
 void Mjcf::TiltTable(double slope_x_rad,

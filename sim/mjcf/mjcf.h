@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -35,7 +36,8 @@ class Mjcf {
   Mjcf& operator=(Mjcf&&) noexcept = default;
 
   /// Step [s]; every constraint's time constant becomes two steps (PHYSICS: 1000 times
-  /// stiffer than MuJoCo's default).
+  /// stiffer than MuJoCo's default), equalities between joints that a person wrote
+  /// included.
   void SetTimestep_s(double timestep_s);
   /// Inertia along an axis, whatever hangs on it in the model (by armature).
   void SetMovingMass(Axis axis, double mass_kg);
@@ -55,6 +57,17 @@ class Mjcf {
   /// Turns the direction an axis runs in, right-handed about `about`, pivoting where
   /// the axis stands at `pivot_mm`. Turns add up.
   void TurnAxis(Axis axis, Axis about, double angle_rad, double pivot_mm);
+  /// Lets a carriage leave its straight line as it moves, by `bow_mm` (U^2 - 1/3) along
+  /// `across`, U = -1 .. 1 over the travel. Bows add up.
+  void BendRail(Axis axis, Axis across, double bow_mm, const AxisDrawing& travel);
+  /// Lets a carriage, and all it carries, turn as it moves, by `change_rad` U / 2,
+  /// right-handed about `about` through `pivot_mm` (where that point of the carriage
+  /// lies when all axes stand at 0).
+  void TwistRail(Axis axis,
+                 Axis about,
+                 double change_rad,
+                 const Vec3<double>& pivot_mm,
+                 const AxisDrawing& travel);
   /// Tilts the table and all on it about `about_mm`, to exactly these slopes.
   void TiltTable(double slope_x_rad, double slope_y_rad, const Vec3<double>& about_mm);
   /// Adds what can be touched to the table; a bore becomes 720 flats that touch its
@@ -74,6 +87,9 @@ class Mjcf {
   mjsJoint* Joint(const std::string& name) const;
   mjsTendon* Play(Axis axis) const;
   void FreeOfNut(Axis axis);
+  mjsJoint* AddErrorJoint(Axis axis,
+                          const std::array<double, 3>& over_travel,
+                          const AxisDrawing& travel);
   void CheckNames(const std::string& file) const;
 
   std::unique_ptr<mjSpec, DeleteSpec> spec_;
