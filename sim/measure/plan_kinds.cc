@@ -1,0 +1,512 @@
+#include "sim/measure/plan_kinds.h"
+
+#include <algorithm>
+#include <array>
+
+namespace caltwin {
+namespace {
+
+constexpr std::array<std::string_view, 3> kAxisWords = {"x", "y", "z"};
+constexpr std::array<std::string_view, 3> kPlaneWords = {"xy", "xz", "yz"};
+constexpr std::array<std::string_view, 2> kLevelWords = {"x", "y"};
+using enum OptionType;
+
+// What every campaign has.
+constexpr PlanOption kName = {
+    .name = "name",
+    .type = kText,
+    .otherwise = "''",
+    .doc = "Name in the rows; else the kind, numbered from the second on."};
+constexpr PlanOption kInstrument = {
+    .name = "instrument",
+    .type = kText,
+    .otherwise = "''",
+    .doc = "Id in `instruments` of what reads; else the kind's usual one."};
+constexpr PlanOption kPause = {.name = "pause_s",
+                               .otherwise = "60",
+                               .doc = "Time before it begins [s]: setting up.",
+                               .bounds = {0, 1e6}};
+constexpr PlanOption kAxis = {.name = "axis",
+                              .type = kWord,
+                              .otherwise = "x",
+                              .doc = "The axis that moves.",
+                              .words = kAxisWords};
+constexpr PlanOption kRepeats = {.name = "repeats",
+                                 .type = kCount,
+                                 .otherwise = "2",
+                                 .doc = "How often each point is read.",
+                                 .bounds = {1, 1000}};
+constexpr PlanOption kDwell = {.name = "dwell_s",
+                               .otherwise = "2",
+                               .doc = "Standstill before a reading [s].",
+                               .bounds = {0, 1e5}};
+constexpr PlanOption kMargin = {.name = "margin_mm",
+                                .otherwise = "8",
+                                .doc = "Left free at both ends of the travel [mm].",
+                                .bounds = {0, 1e4}};
+constexpr PlanOption kFeeds = {.name = "feeds_mm_s",
+                               .type = kNumbers,
+                               .otherwise = "[1]",
+                               .doc =
+                                   "Feeds of the touch that counts [mm/s]; three "
+                                   "show a trigger latency.",
+                               .bounds = {0.01, 50}};
+constexpr PlanOption kAt = {.name = "at_mm",
+                            .type = kNumbers,
+                            .otherwise = "[]",
+                            .doc =
+                                "Where [x, y] (a block's base) or [x, y, z] (a "
+                                "line); empty: the middle of the travel [mm].",
+                            .bounds = {-1e5, 1e5}};
+constexpr PlanOption kRegular = {
+    .name = "regular",
+    .type = kFlag,
+    .otherwise = "false",
+    .doc =
+        "Equal spacing; else each target is moved by chance, so that no screw, "
+        "pulley or motor wave can hide in the spacing."};
+constexpr PlanOption kPositions = {.name = "positions",
+                                   .type = kCount,
+                                   .otherwise = "21",
+                                   .doc = "Targets along the axis.",
+                                   .bounds = {2, 10'000}};
+constexpr PlanOption kSpindle = {.name = "spindle_deg",
+                                 .type = kNumbers,
+                                 .otherwise = "[0]",
+                                 .doc =
+                                     "Spindle orientations, counter-clockwise from "
+                                     "above [deg]; four show a tip's run-out, "
+                                     "several its lobes.",
+                                 .bounds = {-360, 360}};
+constexpr PlanOption kArtefact = {.name = "artefact",
+                                  .type = kText,
+                                  .otherwise = "''",
+                                  .doc = "Id of what is touched; else the usual one."};
+
+constexpr std::array kIso230 = {
+    kAxis,
+    kPositions,
+    PlanOption{.name = "runs",
+               .type = kCount,
+               .otherwise = "5",
+               .doc = "There and back, so often.",
+               .bounds = {1, 1000}},
+    kRegular,
+    kDwell,
+    kMargin,
+    kAt,
+    PlanOption{.name = "loads_n",
+               .type = kNumbers,
+               .otherwise = "[]",
+               .doc =
+                   "Axial loads under which all runs are made [N]; two show wind-up. "
+                   "Empty: the rail's own friction.",
+               .bounds = {0, 1e4}},
+    kName,
+    kInstrument,
+    kPause};
+constexpr std::array kDense = {
+    kAxis,
+    PlanOption{.name = "periods",
+               .otherwise = "2.5",
+               .doc = "Length in turns of the screw or pulley.",
+               .bounds = {0.5, 100}},
+    PlanOption{.name = "points_per_period",
+               .type = kCount,
+               .otherwise = "24",
+               .doc = "Readings a turn, in a step that fits no period.",
+               .bounds = {3, 1000}},
+    PlanOption{.name = "start_mm",
+               .type = kNumbers,
+               .otherwise = "[]",
+               .doc = "Where it starts [mm]; empty: a place of chance.",
+               .bounds = {-1e5, 1e5}},
+    PlanOption{.name = "runs",
+               .type = kCount,
+               .otherwise = "1",
+               .doc = "There and back, so often; the turn is read as it comes.",
+               .bounds = {1, 1000}},
+    kDwell,
+    kMargin,
+    kAt,
+    kName,
+    kInstrument,
+    kPause};
+constexpr std::array kAbbe = {
+    kAxis,
+    PlanOption{.name = "lever",
+               .type = kWord,
+               .otherwise = "z",
+               .doc = "The axis at whose places the line is measured again.",
+               .words = kAxisWords},
+    PlanOption{.name = "heights_mm",
+               .type = kNumbers,
+               .otherwise = "[]",
+               .doc = "Places of the lever axis [mm]; empty: 10 % from both ends.",
+               .bounds = {-1e5, 1e5}},
+    PlanOption{.name = "positions",
+               .type = kCount,
+               .otherwise = "15",
+               .doc = "Targets along the axis.",
+               .bounds = {2, 10'000}},
+    PlanOption{.name = "runs",
+               .type = kCount,
+               .otherwise = "2",
+               .doc = "There and back at each height, so often.",
+               .bounds = {1, 1000}},
+    kRegular,
+    kDwell,
+    kMargin,
+    kAt,
+    kName,
+    kInstrument,
+    kPause};
+constexpr std::array kStraightedge = {
+    kAxis,
+    PlanOption{.name = "across",
+               .type = kWord,
+               .otherwise = "y",
+               .doc = "Direction in which the edge is touched; must be another axis "
+                      "(the other of x and y where it is the same).",
+               .words = kAxisWords},
+    PlanOption{.name = "positions",
+               .type = kCount,
+               .otherwise = "15",
+               .doc = "Places along the edge.",
+               .bounds = {3, 10'000}},
+    PlanOption{.name = "repeats",
+               .type = kCount,
+               .otherwise = "3",
+               .doc = "How often each place is touched on each side.",
+               .bounds = {1, 1000}},
+    PlanOption{.name = "width_mm",
+               .otherwise = "20",
+               .doc = "Of the straight-edge, between the sides touched [mm].",
+               .bounds = {1, 500}},
+    PlanOption{.name = "height_mm",
+               .otherwise = "15",
+               .doc = "Of the touches above the table [mm].",
+               .bounds = {0, 1e4}},
+    kFeeds,
+    kMargin,
+    kArtefact,
+    kName,
+    kInstrument,
+    kPause};
+constexpr std::array kSquare = {
+    PlanOption{.name = "plane",
+               .type = kWord,
+               .otherwise = "xy",
+               .doc = "xy: a square lying flat, both outer edges; xz, yz: a blade "
+                      "standing up.",
+               .words = kPlaneWords},
+    PlanOption{.name = "leg_mm",
+               .otherwise = "180",
+               .doc = "Length of its legs [mm].",
+               .bounds = {10, 5000}},
+    PlanOption{.name = "points",
+               .type = kCount,
+               .otherwise = "10",
+               .doc = "Touches along each leg.",
+               .bounds = {2, 1000}},
+    kRepeats,
+    PlanOption{.name = "turns_deg",
+               .type = kNumbers,
+               .otherwise = "[]",
+               .doc = "How the square lies, one after the other [deg]; empty: 0 and 90 "
+                      "flat, 0 and 180 standing. Two separate its own error from the "
+                      "machine's.",
+               .bounds = {-360, 360}},
+    kFeeds,
+    kArtefact,
+    kName,
+    kInstrument,
+    kPause};
+constexpr std::array kBlocks = {
+    PlanOption{.name = "size_mm",
+               .type = kNumbers,
+               .otherwise = "[76.2, 50.8, 25.4]",
+               .doc = "Of the block [mm], long to short.",
+               .bounds = {1, 1000}},
+    PlanOption{.name = "ways",
+               .type = kCount,
+               .otherwise = "3",
+               .doc = "Ways in which it is laid: long side along x, y, then z.",
+               .bounds = {1, 3}},
+    PlanOption{.name = "points",
+               .type = kCount,
+               .otherwise = "3",
+               .doc = "Touches on each of its five free faces.",
+               .bounds = {1, 1000}},
+    PlanOption{.name = "second_mm",
+               .type = kNumbers,
+               .otherwise = "[]",
+               .doc = "Sizes of a second block [mm]: tells a wrong block from a wrong "
+                      "scale.",
+               .bounds = {1, 1000}},
+    PlanOption{.name = "feeds_mm_s",
+               .type = kNumbers,
+               .otherwise = "[1, 5]",
+               .doc = "Feeds of the touch that counts [mm/s].",
+               .bounds = {0.01, 50}},
+    kSpindle,
+    kArtefact,
+    kName,
+    kInstrument,
+    kPause};
+constexpr std::array kPlate = {
+    PlanOption{.name = "grid",
+               .type = kNumbers,
+               .otherwise = "[7, 7]",
+               .doc = "Points along x and y.",
+               .bounds = {2, 200}},
+    kRepeats,
+    PlanOption{.name = "probe_offset_mm",
+               .type = kNumbers,
+               .otherwise = "[0]",
+               .doc = "Offsets of the tip along y with which all is touched [mm]; two "
+                      "show a twist of the beam.",
+               .bounds = {-500, 500}},
+    PlanOption{.name = "extent_mm",
+               .type = kNumbers,
+               .otherwise = "[]",
+               .doc = "Of the grid along x and y [mm]; empty: the travel less margins.",
+               .bounds = {1, 1e4}},
+    PlanOption{.name = "height_mm",
+               .otherwise = "0",
+               .doc = "Of the plate's top above the machine's origin [mm].",
+               .bounds = {0, 1e4}},
+    kFeeds,
+    kMargin,
+    kArtefact,
+    kName,
+    kInstrument,
+    kPause};
+constexpr std::array kRing = {
+    PlanOption{.name = "diameter_mm",
+               .otherwise = "50",
+               .doc = "Of the bore, by its certificate [mm].",
+               .bounds = {5, 1000}},
+    PlanOption{.name = "points",
+               .type = kCount,
+               .otherwise = "24",
+               .doc = "Touches around the bore.",
+               .bounds = {3, 1000}},
+    PlanOption{.name = "spindle_deg",
+               .type = kNumbers,
+               .otherwise = "[0, 90, 180, 270]",
+               .doc = "Spindle orientations, counter-clockwise from above [deg].",
+               .bounds = {-360, 360}},
+    PlanOption{.name = "repeats",
+               .type = kCount,
+               .otherwise = "1",
+               .doc = "How often each point is touched.",
+               .bounds = {1, 1000}},
+    PlanOption{.name = "height_mm",
+               .otherwise = "10",
+               .doc = "Of the touches above the table [mm].",
+               .bounds = {0, 1e4}},
+    kFeeds,
+    kAt,
+    kArtefact,
+    kName,
+    kInstrument,
+    kPause};
+constexpr std::array kBallbar = {
+    PlanOption{.name = "radius_mm",
+               .otherwise = "100",
+               .doc = "Length of the bar [mm].",
+               .bounds = {5, 2000}},
+    PlanOption{.name = "points",
+               .type = kCount,
+               .otherwise = "40",
+               .doc = "Readings a turn.",
+               .bounds = {8, 10'000}},
+    PlanOption{.name = "feeds_mm_s",
+               .type = kNumbers,
+               .otherwise = "[15, 60]",
+               .doc = "Feeds along the circle [mm/s]; two show servo errors.",
+               .bounds = {0.1, 1000}},
+    PlanOption{.name = "senses",
+               .type = kNumbers,
+               .otherwise = "[1, -1]",
+               .doc = "+1: counter-clockwise from above, -1: clockwise.",
+               .bounds = {-1, 1}},
+    PlanOption{.name = "runs",
+               .type = kCount,
+               .otherwise = "1",
+               .doc = "Turns read at each feed and sense.",
+               .bounds = {1, 100}},
+    kAt,
+    kName,
+    kInstrument,
+    kPause};
+constexpr std::array kAlternating = {
+    kAxis,
+    PlanOption{.name = "pairs",
+               .type = kCount,
+               .otherwise = "40",
+               .doc = "How often both faces are touched.",
+               .bounds = {2, 10'000}},
+    PlanOption{.name = "interval_s",
+               .otherwise = "80",
+               .doc = "From pair to pair [s].",
+               .bounds = {1, 1e5}},
+    PlanOption{.name = "from_cold",
+               .type = kFlag,
+               .otherwise = "true",
+               .doc = "The spindle is switched on at its start, and off after half."},
+    kFeeds,
+    kArtefact,
+    kName,
+    kInstrument,
+    kPause};
+constexpr std::array kRehoming = {
+    PlanOption{.name = "homings",
+               .type = kCount,
+               .otherwise = "16",
+               .doc = "How often the machine is referenced.",
+               .bounds = {2, 1000}},
+    PlanOption{.name = "repeats",
+               .type = kCount,
+               .otherwise = "2",
+               .doc = "Touches of each face after each homing.",
+               .bounds = {1, 100}},
+    kFeeds,
+    kArtefact,
+    kName,
+    kInstrument,
+    kPause};
+constexpr std::array kDrift = {
+    PlanOption{.name = "axis",
+               .type = kWord,
+               .otherwise = "x",
+               .doc = "Along which two posts stand far apart.",
+               .words = kLevelWords},
+    PlanOption{.name = "duration_s",
+               .otherwise = "14400",
+               .doc = "Warm-up and cool-down together [s].",
+               .bounds = {60, 1e6}},
+    PlanOption{.name = "interval_s",
+               .otherwise = "400",
+               .doc = "From round to round [s].",
+               .bounds = {10, 1e5}},
+    PlanOption{.name = "from_cold",
+               .type = kFlag,
+               .otherwise = "true",
+               .doc = "Spindle and bed heater are switched on at its start (the bed's "
+                      "later) and off halfway; else the machine stays as warm as it "
+                      "is."},
+    PlanOption{.name = "warm_up_k",
+               .otherwise = "10",
+               .doc = "By how much the screws would warm in the end [K]; the frame by "
+                      "0.4, the bed by 0.6 of it.",
+               .bounds = {-50, 100}},
+    kFeeds,
+    kArtefact,
+    kName,
+    kInstrument,
+    kPause};
+
+constexpr std::array kKinds = {
+    CampaignKind{
+        "iso230",
+        "A laser reads one axis at many targets, from both senses (ISO 230-2).",
+        "Scale, pitch, screw or pulley waves, backlash and worn backlash; with "
+        "two loads wind-up.",
+        "laser",
+        kIso230,
+        PlanIso230},
+    CampaignKind{"dense",
+                 "A laser reads one axis in fine steps over 2.5 turns of its screw.",
+                 "Waves of screw, pulley and motor steps, and the reversal itself.",
+                 "laser",
+                 kDense,
+                 PlanDense},
+    CampaignKind{"abbe",
+                 "The same laser line at two places of another axis.",
+                 "Angular errors: pitch, yaw and roll act by their lever.",
+                 "laser",
+                 kAbbe,
+                 PlanAbbe},
+    CampaignKind{"straightedge",
+                 "The probe touches both sides of a straight-edge along an axis.",
+                 "Straightness; both sides tell the edge's own bow from the machine's.",
+                 "probe",
+                 kStraightedge,
+                 PlanStraightedge},
+    CampaignKind{"square",
+                 "The probe touches both legs of a square, then the square turned.",
+                 "Squareness, apart from the square's own error.",
+                 "probe",
+                 kSquare,
+                 PlanSquare},
+    CampaignKind{"blocks",
+                 "The probe touches the five free faces of a 1-2-3 block laid in three "
+                 "ways.",
+                 "Scale against backlash, pre-travel and tip; with two blocks a wrong "
+                 "block; with three feeds trigger latency.",
+                 "probe",
+                 kBlocks,
+                 PlanBlocks},
+    CampaignKind{"plate",
+                 "The probe touches a flat plate on a grid.",
+                 "Bed plane and shape, sag of the gantry; with two probe offsets a "
+                 "twist of the beam.",
+                 "probe",
+                 kPlate,
+                 PlanPlate},
+    CampaignKind{"plate_turned_90",
+                 "The same plate, turned by a quarter.",
+                 "What turns with the plate is the plate's; what does not, the "
+                 "machine's: gantry sag against a curved bed.",
+                 "probe",
+                 kPlate,
+                 PlanPlateTurned90},
+    CampaignKind{
+        "ring",
+        "The probe touches the bore of a ring all around, the spindle turned in "
+        "steps.",
+        "Lobing, stylus anisotropy, run-out and size of the tip.",
+        "probe",
+        kRing,
+        PlanRing},
+    CampaignKind{"ballbar",
+                 "A ball-bar reads circles in both senses at two feeds.",
+                 "Servo mismatch and lag, reversal spikes, squareness, scale mismatch.",
+                 "ballbar",
+                 kBallbar,
+                 PlanBallbar},
+    CampaignKind{"alternating",
+                 "The probe touches two opposite faces in turn, for an hour from cold.",
+                 "Drift of probe and machine: what has the sign of the face is the "
+                 "probe's.",
+                 "probe",
+                 kAlternating,
+                 PlanAlternating},
+    CampaignKind{"rehoming",
+                 "The probe touches three faces of a datum after each of many homings.",
+                 "Scatter of homing, lost steps.",
+                 "probe",
+                 kRehoming,
+                 PlanRehoming},
+    CampaignKind{"drift",
+                 "The probe touches two far posts, and a lip from above and below, for "
+                 "hours through warm-up and cool-down.",
+                 "Heat of screws, frame, bed and probe; growth with time.",
+                 "probe",
+                 kDrift,
+                 PlanDrift}};
+
+}  // namespace
+
+std::span<const CampaignKind> AllCampaignKinds() {
+  return kKinds;
+}
+
+const CampaignKind* FindCampaignKind(std::string_view id) {
+  const auto found = std::ranges::find(kKinds, id, &CampaignKind::id);
+  return found == kKinds.end() ? nullptr : &*found;
+}
+
+}  // namespace caltwin

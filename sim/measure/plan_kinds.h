@@ -1,0 +1,44 @@
+#pragma once
+
+#include <span>
+#include <string_view>
+
+#include "sim/measure/plan.h"
+
+namespace caltwin {
+
+class Session;
+
+/// A kind of measuring campaign: what `caltwin explain` says of it and how its readings
+/// are planned.
+struct CampaignKind {
+  std::string_view id;
+  std::string_view about;
+  std::string_view shows;       ///< Causes it is for, and why.
+  std::string_view instrument;  ///< Default id of the instrument.
+  std::span<const PlanOption> options;
+  /// Adds the campaign's readings to the session.
+  void (*plan)(const PlannedCampaign& campaign, Session* session);
+};
+
+/// Every kind there is, gantry's first.
+std::span<const CampaignKind> AllCampaignKinds();
+/// Null where there is none.
+const CampaignKind* FindCampaignKind(std::string_view id);
+
+/// @name How each kind is performed: plan_gauge.cc, plan_touch.cc, plan_time.cc
+void PlanIso230(const PlannedCampaign& campaign, Session* session);
+void PlanDense(const PlannedCampaign& campaign, Session* session);
+void PlanAbbe(const PlannedCampaign& campaign, Session* session);
+void PlanBallbar(const PlannedCampaign& campaign, Session* session);
+void PlanStraightedge(const PlannedCampaign& campaign, Session* session);
+void PlanSquare(const PlannedCampaign& campaign, Session* session);
+void PlanBlocks(const PlannedCampaign& campaign, Session* session);
+void PlanPlate(const PlannedCampaign& campaign, Session* session);
+void PlanPlateTurned90(const PlannedCampaign& campaign, Session* session);
+void PlanRing(const PlannedCampaign& campaign, Session* session);
+void PlanAlternating(const PlannedCampaign& campaign, Session* session);
+void PlanRehoming(const PlannedCampaign& campaign, Session* session);
+void PlanDrift(const PlannedCampaign& campaign, Session* session);
+
+}  // namespace caltwin

@@ -1,0 +1,184 @@
+#include "sim/measure/plan_session.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "sim/base/input_error.h"
+
+namespace caltwin {
+namespace {
+
+constexpr double kHoming_s = 25;
+constexpr double kTouchOverhead_s = 0.5;
+constexpr double kStandOff_mm = 4;
+constexpr double kRetract_mm = 2;
+constexpr double kStill_mm = 1e-9;  // Below this an axis has not moved.
+
+double MostFeed_mm_s(const Machine& machine, const Vec3<double>& travel_mm) {
+  double most_mm_s = 1e9;
+  const double length_mm = travel_mm.norm();
+  for (const Axis axis : kAxes) {
+    const double part = std::abs(travel_mm[Index(axis)]) / length_mm;
+    if (part > kStill_mm) {
+      most_mm_s = std::min(most_mm_s, machine.axis(axis).max_feed_mm_s / part);
+    }
+  }
+  return most_mm_s;
+}
+
+}  // namespace
+
+Session::Session(const Plan& plan, const Machine& machine, std::uint64_t seed)
+    : plan_(plan), machine_(machine), seed_(seed), rng_(seed, 0, "plan") {
+  session_.header.machine = plan.machine;
+  session_.header.instruments = plan.instruments;
+  session_.header.tip_radius_mm = machine.settings.tip_radius_mm;
+  for (const Axis axis : kAxes) {
+    const AxisDrawing& drawing = machine.axis(axis);
+    Transmission& transmission = session_.header.transmission[Name(axis)];
+    (drawing.is_belt ? transmission.pulley_mm_per_rev : transmission.lead_mm) =
+        drawing.lead_mm;
+    transmission.full_steps_per_mm = drawing.full_steps_per_rev / drawing.lead_mm;
+  }
+  Home();
+}
+
+void Session::Begin(const PlannedCampaign& campaign, const std::string& instrument) {
+  campaign_ = campaign;
+  rng_ = Rng(seed_, 0, "plan." + campaign.name);
+  session_.header.campaigns[campaign.name] = {.instrument = instrument,
+                                              .plan = campaign.id,
+                                              .options = campaign.options.AsWritten()};
+  Instruments& instruments = session_.header.instruments;
+  if (!instruments.contains(instrument)) instruments[instrument].kind = instrument;
+}
+
+void Session::Home() {
+  t_s_ += kHoming_s;
+  ++homings_;
+  for (const Axis axis : kAxes) {
+    const AxisDrawing& drawing = machine_.axis(axis);
+    const int i = Index(axis);
+    q_mm_[i] = drawing.home_mm();
+    sense_[i] = drawing.home == HomeEnd::kMin ? -1 : 1;
+    since_rev_mm_[i] = drawing.travel_mm() / 2;
+  }
+  last_dir_ = sense_;
+}
+
+void Session::Wait(double s) {
+  t_s_ += s;
+}
+
+void Session::Heat(const HeatPlan& plan) {
+  weather_.Heat(t_s_, plan);
+}
+
+void Session::MoveTo(const Vec3<double>& q_mm, double feed_mm_s) {
+  const Vec3<double> travel_mm = q_mm - q_mm_;
+  const double length_mm = travel_mm.norm();
+  if (length_mm < kStill_mm) return;
+  for (int i = 0; i < 3; ++i) {
+    const double gone_mm = std::abs(travel_mm[i]);
+    last_dir_[i] = gone_mm < kStill_mm ? 0 : std::copysign(1, travel_mm[i]);
+    if (last_dir_[i] == 0) continue;
+    since_rev_mm_[i] = last_dir_[i] == sense_[i] ? since_rev_mm_[i] + gone_mm : gone_mm;
+    sense_[i] = last_dir_[i];
+  }
+  const double feed =
+      std::min(std::max(feed_mm_s, kStill_mm), MostFeed_mm_s(machine_, travel_mm));
+  t_s_ += length_mm / feed + feed / machine_.axis(Axis::kX).acceleration_mm_s2;
+  q_mm_ = q_mm;
+}
+
+void Session::Rapid(const Vec3<double>& q_mm) {
+  MoveTo(q_mm, 1e9);
+}
+
+void Session::Finish(Row row) {
+  row.row = static_cast<std::int64_t>(session_.rows.size()) + 1;
+  row.campaign = campaign_.name;
+  row.home = fmt::format("{}", homings_);
+  // Clocks of measuring programs show tenths of a second.
+  row.t_s = std::round(t_s_ * 10) / 10;
+  weather_.Write(row.t_s, &row);
+  for (int i = 0; i < 3; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    row.dir[k] = last_dir_[i];
+    row.since_rev_mm[k] = std::round(since_rev_mm_[i] * 1e6) / 1e6;
+  }
+  session_.rows.push_back(std::move(row));
+}
+
+void Session::ReadGauge(Row row, double dwell_s) {
+  for (int i = 0; i < 3; ++i) row.cmd_mm[static_cast<std::size_t>(i)] = q_mm_[i];
+  Wait(dwell_s);
+  Finish(std::move(row));
+}
+
+void Session::Touch(Row row) {
+  row.kind = RowKind::kTouch;
+  Vec3<double> contact_mm;
+  Vec3<double> n;
+  for (int i = 0; i < 3; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    n[i] = row.n[k];
+    const double offset_mm = Known(row.probe_off_mm[k]) ? row.probe_off_mm[k] : 0;
+    contact_mm[i] =
+        row.cmd_mm[k] + machine_.settings.tip_radius_mm * row.n[k] - offset_mm;
+  }
+  RequireReach(contact_mm);
+  Rapid(contact_mm + kStandOff_mm * n);
+  MoveTo(contact_mm, machine_.probe.speeds_mm_s.front());
+  MoveTo(contact_mm + kRetract_mm * n, machine_.probe.speeds_mm_s.front());
+  MoveTo(contact_mm, row.feed_mm_s);
+  Wait(kTouchOverhead_s);
+  Finish(std::move(row));
+  MoveTo(contact_mm + kStandOff_mm * n, machine_.axis(Axis::kZ).max_feed_mm_s);
+}
+
+const CertifiedArtefact& Session::Certify(const std::string& id,
+                                          CertifiedArtefact artefact) {
+  const auto said = plan_.artefacts.find(id);
+  if (said != plan_.artefacts.end()) {
+    const auto drawn_mm = artefact.sizes_mm;
+    artefact = said->second;
+    if (artefact.sizes_mm.empty()) artefact.sizes_mm = drawn_mm;
+  }
+  return session_.header.artefacts.try_emplace(id, std::move(artefact)).first->second;
+}
+
+void Session::RequireReach(const Vec3<double>& q_mm) const {
+  for (const Axis axis : kAxes) {
+    const AxisDrawing& drawing = machine_.axis(axis);
+    const double q = q_mm[Index(axis)];
+    if (q >= drawing.min_mm - kStill_mm && q <= drawing.max_mm + kStill_mm) continue;
+    Fail(fmt::format("would take {} to {:.3f} mm, beyond its travel of {} to {} mm",
+                     Name(axis),
+                     q,
+                     drawing.min_mm,
+                     drawing.max_mm),
+         "choose another place or a smaller extent");
+  }
+}
+
+void Session::Fail(const std::string& text, const std::string& hint) const {
+  throw InputError(
+      campaign_.place, fmt::format("campaign '{}' {}", campaign_.name, text), hint);
+}
+
+Vec3<double> Session::Middle_mm() const {
+  return {machine_.axis(Axis::kX).mid_mm(),
+          machine_.axis(Axis::kY).mid_mm(),
+          machine_.axis(Axis::kZ).mid_mm()};
+}
+
+PlannedSession Session::Done() && {
+  session_.duration_s = t_s_;
+  return std::move(session_);
+}
+
+}  // namespace caltwin

@@ -1,0 +1,61 @@
+#include "sim/twin/perform.h"
+
+#include <cmath>
+#include <utility>
+
+#include "sim/effects/predict.h"
+#include "sim/twin/readings.h"
+
+namespace caltwin {
+namespace {
+
+constexpr int kMostRounds = 200;
+constexpr int kPlainRounds = 10;
+constexpr double kSolved_mm = 1e-12;
+
+// The reading for which the closed form, asked at the trigger it implies, gives that
+// same reading. Halved steps once plain ones do not settle: steep waves.
+double SolveTouch_mm(const PerformConfig& config, const Row& row, At* at) {
+  double value_mm = 0;
+  for (int i = 0; i < kMostRounds; ++i) {
+    *at = Readings::WithValue(*at, row, value_mm);
+    const double next_mm = Predict_mm<double>(config.machine, *at, config.effects);
+    const double step_mm = next_mm - value_mm;
+    value_mm += i < kPlainRounds ? step_mm : step_mm / 2;
+    if (std::abs(step_mm) < kSolved_mm) break;
+  }
+  return value_mm;
+}
+
+double FastReading_mm(const PerformConfig& config, const Row& row, Readings* readings) {
+  At at = readings->AtFor(row);
+  if (row.kind == RowKind::kTouch) {
+    double value_mm = SolveTouch_mm(config, row, &at);
+    if (IsRelease(row)) value_mm += config.machine.probe.hysteresis_mm;
+    const double scatter_mm =
+        std::sqrt(ErrorsAt<double>(config.machine, at, config.effects).scatter_mm2);
+    return readings->Shown_mm(row, at, value_mm, scatter_mm);
+  }
+  // The motors stand on whole steps, wherever they were told to go.
+  const Vec3<double> told_mm = at.q_mm;
+  if (config.is_noisy)
+    at.q_mm = readings->Reachable_mm(told_mm, readings->SettingsFor(row));
+  const double off_mm = (at.q_mm - told_mm).dot(at.n);
+  return readings->Shown_mm(
+      row, at, off_mm + Predict_mm<double>(config.machine, at, config.effects), 0);
+}
+
+}  // namespace
+
+RowTable Perform(const PerformConfig& config, std::vector<Row> planned) {
+  Readings readings(config, planned);
+  RowTable table;
+  for (Row& row : planned) {
+    if (config.interrupted && config.interrupted()) break;
+    row.value_mm = FastReading_mm(config, row, &readings);
+    table.rows.push_back(std::move(row));
+  }
+  return table;
+}
+
+}  // namespace caltwin

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "sim/effects/effect.h"
+#include "sim/machine/machine.h"
+#include "sim/measure/data_header.h"
+#include "sim/measure/row.h"
+#include "sim/twin/twin.h"
+
+namespace caltwin {
+
+/// A twin that measures: how it is built, and what the rows are taken with.
+struct PerformConfig {
+  Machine machine{};
+  std::vector<Injected> effects{};
+  /// Instruments by campaign, certificates of artefacts, settings in force by id.
+  DataHeader header{};
+  Fidelity fidelity = Fidelity::kPhysics;
+  std::uint64_t seed = 1;
+  /// Whether readings have what only chance and counting give them: noise and
+  /// resolution of instruments, scatter of the trigger, whole motor steps. Off for a
+  /// replay, whose readings are what the model says and nothing else.
+  bool is_noisy = true;
+  /// Asked before each row; true ends it (the rows done so far are returned).
+  std::function<bool()> interrupted{};
+};
+
+/// Takes every reading of `planned` in its order, whatever `value_mm` says, and fills
+/// in what was read. Rows may come from a plan or from a file: a sense not known leaves
+/// the axis in the middle of its gap, a coordinate not known is mid-travel, settings
+/// not explained are the machine file's.
+///
+/// fast: the measurement model's closed form (sim/effects/predict.h), solved for the
+/// reading where errors depend on it (a touch is taken where it triggers). physics:
+/// MuJoCo's kinematics and contact: a small block stands where the row says the surface
+/// is, in that direction and on the table; the machine comes in the sense that the row
+/// says and touches it. Throws InputError where a row does not say in which direction
+/// it is measured.
+RowTable Perform(const PerformConfig& config, std::vector<Row> planned);
+
+}  // namespace caltwin

@@ -1,0 +1,135 @@
+#include <cstdint>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "scenarios/interrupt.h"
+#include "scenarios/machine_file.h"
+#include "sim/measure/in_force.h"
+#include "sim/measure/plan.h"
+#include "sim/measure/rows.h"
+#include "sim/twin/perform.h"
+#include "tools/commands/command.h"
+#include "tools/commands/progress.h"
+
+namespace caltwin {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr double kSecondsPerMinute = 60;
+
+struct Options {
+  std::string plan{};
+  std::string machine{};
+  std::string truth{};
+  std::string fidelity = "physics";
+  std::optional<std::uint64_t> seed{};
+  std::string out{};
+};
+
+MachineFile MachineOf(const Options& options, const Plan& plan) {
+  if (!options.machine.empty()) {
+    return ReadMachineFile(FindMachine(options.machine, "", {.file = options.machine}));
+  }
+  if (!plan.machine.empty()) {
+    return ReadMachineFile(
+        FindMachine(plan.machine, plan.file.parent_path(), {.file = options.plan}));
+  }
+  throw InputError({.file = options.plan},
+                   "no machine is named",
+                   "give the plan a key `machine: gantry_router`, or the command "
+                   "`--machine FILE`");
+}
+
+// The twin that measures: the machine as built, with the settings its firmware has.
+PerformConfig ConfigOf(const Options& options,
+                       const MachineFile& file,
+                       std::uint64_t seed) {
+  std::vector<InjectedSpec> effects = file.effects;
+  std::vector<SettingSpec> settings;
+  if (!options.truth.empty()) {
+    const TruthFile truth = ReadTruthFile(options.truth, file.machine);
+    effects.insert(effects.end(), truth.effects.begin(), truth.effects.end());
+    settings = truth.settings;
+  }
+  PerformConfig config{
+      .machine = file.machine,
+      .effects = DrawEffects(effects, seed, 0),
+      .fidelity = options.fidelity == "fast" ? Fidelity::kFast : Fidelity::kPhysics,
+      .seed = seed};
+  config.machine.settings =
+      DrawSettings(file.machine.settings, settings, seed, /*sample=*/0);
+  return config;
+}
+
+void CheckOut(const std::string& out) {
+  if (fs::path(out).extension() == ".csv") return;
+  throw InputError({.file = "--out"},
+                   fmt::format("'{}' does not end in .csv", out),
+                   "rows are written there, and what explains them beside it, in a "
+                   ".yaml of the same name");
+}
+
+int Simulate(const Options& options) {
+  CheckOut(options.out);
+  const Plan plan = ReadPlan(options.plan);
+  const std::uint64_t seed = options.seed.value_or(plan.seed);
+  PerformConfig config = ConfigOf(options, MachineOf(options, plan), seed);
+  PlannedSession session = PlanSession(plan, config.machine, seed);
+  if (!options.machine.empty()) session.header.machine = options.machine;
+  session.header.settings["1"] = AsHeader(config.machine.settings);
+  for (Row& row : session.rows) row.settings = "1";
+  config.header = session.header;
+
+  ProgressLine progress;
+  const std::size_t count = session.rows.size();
+  std::size_t done = 0;
+  config.interrupted = [&] {
+    if (done % 50 == 0) progress.Show(fmt::format("{} of {} readings", done, count));
+    ++done;
+    return InterruptRequested();
+  };
+  const RowTable table = Perform(config, std::move(session.rows));
+  progress.Clear();
+  WriteRows(options.out, table);
+  WriteDataHeader(fs::path(options.out).replace_extension(".yaml"), session.header);
+  std::cout << fmt::format(
+      "{}: {} readings of {} campaigns, {:.0f} min of machine time\n",
+      options.out,
+      table.rows.size(),
+      plan.campaigns.size(),
+      session.duration_s / kSecondsPerMinute);
+  return InterruptRequested() ? kInterrupted : kPassed;
+}
+
+}  // namespace
+
+Action DeclareSimulate(CLI::App* app) {
+  auto options = std::make_shared<Options>();
+  app->add_option("PLAN", options->plan, "what to measure (docs/plans.md)")->required();
+  app->add_option("--out", options->out, "rows to write (DATA.csv, and DATA.yaml)")
+      ->required();
+  app->add_option("--machine", options->machine, "in place of the plan's");
+  app->add_option("--truth", options->truth, "effects and settings it truly has");
+  app->add_option(
+         "--fidelity", options->fidelity, "physics (MuJoCo) or fast (closed forms)")
+      ->check(CLI::IsMember({"physics", "fast"}))
+      ->capture_default_str();
+  app->add_option("--seed", options->seed, "in place of the plan's");
+  app->footer(
+      "The same plan, machine, truth and seed give the same bytes.\n"
+      "`caltwin explain iso230` says what a campaign does and its options.");
+  return [options] {
+    return Simulate(*options);
+  };
+}
+
+}  // namespace caltwin
