@@ -7,38 +7,12 @@
 
 #include "sim/measure/columns.h"
 #include "sim/measure/import/fields.h"
-#include "sim/measure/import/map.h"
-#include "sim/measure/import/spreadsheet.h"
-#include "sim/measure/import/unit.h"
+#include "sim/measure/import/map_binding.h"
 
 namespace caltwin {
 namespace {
 
 constexpr std::size_t kMostFaults = 1000;
-
-Quantity QuantityOf(std::string_view target) {
-  if (target.ends_with("_mm")) return Quantity::kLength;
-  if (target == "t_s") return Quantity::kTime;
-  if (target.starts_with("temp_")) return Quantity::kTemperature;
-  return Quantity::kPlain;
-}
-
-const Column* ColumnNamed(std::string_view name) {
-  for (const Column& column : AllColumns()) {
-    if (column.name == name) return &column;
-  }
-  return nullptr;
-}
-
-/// An assignment with everything found: where it reads, and how it converts.
-struct Bound {
-  Assignment assignment{};
-  const Column* column = nullptr;  ///< Null for kind, value_mm and actual_mm.
-  std::size_t source = 0;
-  const NamedUnit* unit = nullptr;
-  bool is_clock = false;
-  bool is_from_order = false;
-};
 
 class Mapper {
  public:
@@ -48,9 +22,9 @@ class Mapper {
   Imported Read(const ImportOptions& options) {
     const std::vector<Assignment> map = ParseMap(options.map);
     if (map.empty()) ThrowWithColumns();
-    Bind(map, options);
-    faults_.ThrowIfAny();
-    RequireColumns();
+    Binding binding = Bind(map, sheet_, name_, options);
+    bound_ = std::move(binding.columns);
+    imported_.assumed = std::move(binding.assumed);
     for (const CsvRecord& record : sheet_.records) {
       ReadRecord(record);
       if (faults_.size() >= kMostFaults) break;
@@ -64,12 +38,6 @@ class Mapper {
   }
 
  private:
-  std::vector<std::string> Headings() const {
-    std::vector<std::string> headings;
-    for (const CsvField& field : sheet_.headings) headings.push_back(field.text);
-    return headings;
-  }
-
   std::size_t num_columns() const { return sheet_.records.front().size(); }
 
   [[noreturn]] void ThrowWithColumns() const {
@@ -87,138 +55,6 @@ class Mapper {
         fmt::format("which column is which? Found: {}", columns),
         "as --map 'cmd_x_mm=1[mm],value_mm=2[um],dir_x=3,campaign:=laser'; a position "
         "instead of a deviation: actual_mm=2[mm]; docs/importers.md");
-  }
-
-  void Bind(const std::vector<Assignment>& map, const ImportOptions& options) {
-    std::string value_unit = options.unit;
-    for (const Assignment& assignment : map) {
-      if (assignment.target == "unit") value_unit = assignment.source;
-    }
-    for (const Assignment& assignment : map) {
-      if (assignment.target == "unit") continue;
-      Bound bound{.assignment = assignment, .column = ColumnNamed(assignment.target)};
-      const Place place{.file = "--map " + assignment.target};
-      if (assignment.is_constant) {
-        BindConstant(&bound);
-      } else {
-        bound.source = SourceOf(assignment, place);
-        BindUnit(value_unit, place, &bound);
-      }
-      bound_.push_back(std::move(bound));
-    }
-  }
-
-  void BindConstant(Bound* bound) const {
-    bound->is_from_order = bound->assignment.target.starts_with("dir_") &&
-                           bound->assignment.source == "order";
-  }
-
-  std::size_t SourceOf(const Assignment& assignment, const Place& place) {
-    std::vector<std::string> found;
-    for (std::size_t i = 0; i < sheet_.headings.size(); ++i) {
-      const std::string& heading = sheet_.headings[i].text;
-      if (heading == assignment.source ||
-          PlainWord(heading) == PlainWord(assignment.source)) {
-        return i;
-      }
-    }
-    const auto number = NumberOf(assignment.source);
-    if (number && *number >= 1 && *number <= static_cast<double>(num_columns()) &&
-        *number == std::round(*number)) {
-      return static_cast<std::size_t>(*number) - 1;
-    }
-    const std::string nearest = NearestWord(assignment.source, Headings());
-    faults_.Add(
-        place,
-        fmt::format("{} has no column '{}'", name_, assignment.source),
-        (nearest.empty() ? "" : fmt::format("did you mean '{}'? ", nearest)) +
-            fmt::format("It has 1 to {}{}",
-                        num_columns(),
-                        sheet_.headings.empty()
-                            ? ""
-                            : fmt::format(": {}", fmt::join(Headings(), ", "))));
-    return 0;
-  }
-
-  // The unit behind the source wins over the heading's; lengths along an axis without
-  // either are taken as mm and said so, a value's unit is never guessed.
-  void BindUnit(const std::string& value_unit, const Place& place, Bound* bound) {
-    const Assignment& assignment = bound->assignment;
-    const Quantity quantity = QuantityOf(assignment.target);
-    if (quantity == Quantity::kPlain) return;
-    if (assignment.unit == "clock" && quantity == Quantity::kTime) {
-      bound->is_clock = true;
-      return;
-    }
-    const bool is_value =
-        assignment.target == "value_mm" || assignment.target == "actual_mm";
-    const NamedUnit* in_heading =
-        sheet_.headings.empty()
-            ? nullptr
-            : UnitInHeading(sheet_.headings[bound->source].text, quantity);
-    std::string stated = assignment.unit;
-    if (stated.empty() && is_value) stated = value_unit;
-    if (!stated.empty()) {
-      bound->unit = &FindUnit(stated, quantity, place);
-      if (in_heading == nullptr || in_heading->name == bound->unit->name) return;
-      faults_.Add(
-          PlaceOf(sheet_.headings[bound->source], name_),
-          fmt::format(
-              "the heading says {}, the map {}", in_heading->name, bound->unit->name),
-          "one of them is wrong: correct the heading or the map");
-    } else if (in_heading != nullptr) {
-      bound->unit = in_heading;
-      imported_.assumed.push_back(fmt::format(
-          "{} is in {}, as its heading says", assignment.target, in_heading->name));
-    } else if (is_value) {
-      faults_.Add(place,
-                  "nothing says its unit",
-                  fmt::format("say it: {}={}[um] or [mm], [inch], [thou]",
-                              assignment.target,
-                              assignment.source));
-    } else {
-      const char* usual = quantity == Quantity::kLength ? "mm"
-                          : quantity == Quantity::kTime ? "s"
-                                                        : "C";
-      bound->unit = &FindUnit(usual, quantity, place);
-      imported_.assumed.push_back(
-          fmt::format("{} is in {}: nothing says so", assignment.target, usual));
-    }
-  }
-
-  bool Has(std::string_view target) const {
-    return std::ranges::any_of(
-        bound_, [&](const Bound& bound) { return bound.assignment.target == target; });
-  }
-
-  void RequireColumns() const {
-    const Place place{.file = "--map"};
-    const std::vector<std::string_view> axes = {"cmd_x_mm", "cmd_y_mm", "cmd_z_mm"};
-    const auto num_axes =
-        std::ranges::count_if(axes, [&](auto axis) { return Has(axis); });
-    if (Has("value_mm") == Has("actual_mm")) {
-      throw InputError(place,
-                       "it names value_mm (a deviation) or actual_mm (a position), one "
-                       "of them",
-                       "as value_mm=dev[um]");
-    }
-    if (num_axes == 0) {
-      throw InputError(place,
-                       "it does not say which column is the commanded position",
-                       "as cmd_x_mm=target[mm]; several axes: also nx, ny, nz");
-    }
-    const bool has_normal = Has("nx") || Has("ny") || Has("nz");
-    if (num_axes > 1 && !has_normal) {
-      throw InputError(place,
-                       "with more than one commanded axis it must say along which the "
-                       "value is measured",
-                       "as nx:=1 (then ny and nz are 0), or nx=3,ny=4");
-    }
-    if (Has("actual_mm") && num_axes > 1) {
-      throw InputError(place,
-                       "actual_mm is a position along the single commanded axis",
-                       "with several axes give the deviation, value_mm");
-    }
   }
 
   void ReadRecord(const CsvRecord& record) {
@@ -240,9 +76,7 @@ class Mapper {
                    bound.column->member);
       }
     }
-    if (std::ranges::any_of(row.n, Known)) {
-      for (double& component : row.n) component = Known(component) ? component : 0;
-    }
+    FillNormal(&row);
     if (Known(actual_mm)) {
       for (const double commanded_mm : row.cmd_mm) {
         if (Known(commanded_mm)) row.value_mm = actual_mm - commanded_mm;
@@ -252,6 +86,26 @@ class Mapper {
       faults_.Add(row.place, "the commanded position is empty");
     }
     imported_.table.rows.push_back(std::move(row));
+  }
+
+  // The single commanded axis where the map names none; a touch faces its approach.
+  void FillNormal(Row* row) {
+    if (std::ranges::none_of(row->n, Known)) {
+      const auto* axis = std::ranges::find_if(row->cmd_mm, Known);
+      if (axis == row->cmd_mm.end()) return;
+      const auto index = static_cast<std::size_t>(axis - row->cmd_mm.begin());
+      const bool is_faced = row->kind == RowKind::kTouch && row->dir[index] == 1;
+      row->n[index] = is_faced ? -1 : 1;
+    }
+    double square = 0;
+    for (double& component : row->n) {
+      if (!Known(component)) component = 0;
+      square += component * component;
+    }
+    if (std::abs(std::sqrt(square) - 1) < 1e-3) return;
+    faults_.Add(row->place,
+                fmt::format("(nx, ny, nz) has the length {:.4g}", std::sqrt(square)),
+                "it is a unit vector: its length is 1");
   }
 
   double Required(const Bound& bound, const CsvField& field) {

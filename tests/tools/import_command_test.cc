@@ -1,0 +1,128 @@
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim/base/text_file.h"
+#include "sim/measure/data_header.h"
+#include "sim/measure/rows.h"
+#include "tools/commands/command.h"
+
+namespace caltwin {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+namespace fs = std::filesystem;
+
+struct Answer {
+  int exit_code = 0;
+  std::string out{};
+  std::string fault{};
+};
+
+/// `caltwin import WORDS...`
+Answer RunImport(const std::vector<std::string>& words) {
+  CLI::App app;
+  const Action action = DeclareImport(&app);
+  app.parse(std::vector<std::string>(words.rbegin(), words.rend()));
+  ::testing::internal::CaptureStdout();
+  Answer answer;
+  try {
+    answer.exit_code = action();
+  } catch (const InputError& error) {
+    answer = {.exit_code = kBadInput, .fault = error.what()};
+  }
+  answer.out = ::testing::internal::GetCapturedStdout();
+  return answer;
+}
+
+class ImportCommand : public ::testing::Test {
+ protected:
+  ~ImportCommand() override { fs::remove_all(folder_); }
+
+  std::string Written(const std::string& name, const std::string& text) const {
+    WriteTextFile(folder_ / name, text);
+    return (folder_ / name).string();
+  }
+  std::string Out() const { return (folder_ / "rows.csv").string(); }
+
+  static std::string Data(const std::string& name) {
+    return std::string(CALTWIN_SOURCE_DIR) + "/tests/data/imports/" + name;
+  }
+
+  const fs::path folder_ =
+      fs::path(::testing::TempDir()) /
+      (std::string("caltwin_import_") +
+       ::testing::UnitTest::GetInstance()->current_test_info()->name());
+};
+
+TEST_F(ImportCommand, WritesRowsAndHeaderAndSaysWhatItTookThemFor) {
+  const Answer answer = RunImport(
+      {"klipper-thermal", Data("frame_log_2021-06-13_05-41.csv"), "--out", Out()});
+
+  EXPECT_EQ(answer.exit_code, kPassed);
+  EXPECT_THAT(answer.out, HasSubstr(Out() + ": 1203 rows from "));
+  EXPECT_THAT(answer.out, HasSubstr("recognised a motor step is 0.0025 mm (line 3)\n"));
+  EXPECT_THAT(answer.out, HasSubstr("assumed    mcu_pos_z counts upwards"));
+  EXPECT_THAT(answer.out, HasSubstr("next:      caltwin diagnose " + Out() + "\n"));
+  EXPECT_EQ(ReadRows(Out()).rows.size(), 1203u);
+  EXPECT_EQ(HeaderOf(Out()).instruments.at("probe").resolution_um, 2.5);
+}
+
+TEST_F(ImportCommand, ARefusedFileLeavesNothingBehind) {
+  const Answer answer = RunImport(
+      {"klipper-thermal", Data("frame_log_2021-06-13_20-04.csv"), "--out", Out()});
+
+  EXPECT_EQ(answer.exit_code, kBadInput);
+  EXPECT_THAT(answer.fault, HasSubstr("frame_log_2021-06-13_20-04.csv:3:1: a step of"));
+  EXPECT_THAT(answer.out, IsEmpty());
+  EXPECT_FALSE(fs::exists(Out()));
+  EXPECT_FALSE(fs::exists(folder_ / "rows.yaml"));
+}
+
+TEST_F(ImportCommand, WhatCannotBeTrueIsRefusedHoweverWellItReads) {
+  const std::string sheet = Written(
+      "sheet.csv", "pos,dev\n0,1\n10,31\n20,-25\n30,40\n40,-33\n50,20\n60,-41\n70,5\n");
+  const auto with_unit = [&](const std::string& unit) {
+    return RunImport({"csv",
+                      sheet,
+                      "--map",
+                      "cmd_x_mm=pos[mm],value_mm=dev[" + unit + "]",
+                      "--out",
+                      Out()});
+  };
+
+  EXPECT_THAT(with_unit("mm").fault, HasSubstr("value_mm is in mm"));
+  const Answer answer = with_unit("um");
+  EXPECT_EQ(answer.exit_code, kPassed);
+  EXPECT_THAT(answer.out, HasSubstr("note       no row along x says from which side"));
+}
+
+TEST_F(ImportCommand, TheFileReadIsNeverWrittenOver) {
+  const std::string sheet = Written("s.csv", "1,2\n3,4\n5,7\n7,1\n9,3\n11,4\n");
+  const Answer answer =
+      RunImport({"csv", sheet, "--map", "cmd_x_mm=1,value_mm=2[um]", "--out", sheet});
+
+  EXPECT_EQ(answer.exit_code, kBadInput);
+  EXPECT_THAT(answer.fault, HasSubstr("this is the file that is read"));
+}
+
+TEST_F(ImportCommand, AMachineIsNotInventedWhereTheFileKnowsNone) {
+  const Answer answer = RunImport({"cmm-plate",
+                                   Data("plate_1396A_excerpt.txt"),
+                                   "--out",
+                                   Out(),
+                                   "--machine-out",
+                                   (folder_ / "m.yaml").string()});
+
+  EXPECT_EQ(answer.exit_code, kBadInput);
+  EXPECT_THAT(answer.fault, HasSubstr("cmm-plate says nothing of the machine"));
+  EXPECT_FALSE(fs::exists(Out()));
+}
+
+}  // namespace
+}  // namespace caltwin

@@ -1,0 +1,125 @@
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "calibration/diagnosis/plausible.h"
+#include "sim/base/text_file.h"
+#include "sim/measure/import/import.h"
+#include "sim/measure/rows.h"
+#include "tools/commands/command.h"
+
+namespace caltwin {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+struct Options {
+  std::string kind{};
+  std::string file{};
+  std::string out{};
+  std::string machine_out{};
+  double step_mm = 0;
+  ImportOptions import{};
+};
+
+/// What stands in a file that cannot be true, however it was read.
+void RefuseImplausible(const std::vector<Doubt>& doubts, const std::string& file) {
+  Faults faults;
+  for (const Doubt& doubt : doubts) {
+    if (doubt.refuse) faults.Add({.file = file}, doubt.message, doubt.hint);
+  }
+  faults.ThrowIfAny();
+}
+
+void Print(const char* title, const std::vector<std::string>& sentences) {
+  for (const std::string& sentence : sentences) {
+    std::cout << fmt::format("{:<11}{}\n", title, sentence);
+  }
+}
+
+void PrintNext(const Imported& imported, const std::string& out) {
+  const bool is_positioning =
+      !imported.header.campaigns.empty() &&
+      imported.header.campaigns.begin()->second.plan == "iso230";
+  std::cout << fmt::format(
+      "next:      caltwin diagnose {}{}\n",
+      out,
+      is_positioning ? fmt::format(", caltwin iso230 {}", out) : "");
+}
+
+int RunImport(const Options& options) {
+  ImportOptions import = options.import;
+  if (options.step_mm > 0) import.step_mm = options.step_mm;
+  const Imported imported = Import(options.kind, options.file, import);
+  const std::vector<Doubt> doubts = Doubts(imported.table, imported.header);
+  RefuseImplausible(doubts, options.file);
+  if (!options.machine_out.empty() && imported.machine_yaml.empty()) {
+    throw InputError(
+        {.file = "--machine-out"},
+        fmt::format("a file of the kind {} says nothing of the machine", options.kind),
+        "caltwin new machine NAME writes a file to begin with");
+  }
+  const fs::path out = options.out.empty()
+                           ? fs::path(options.file).stem().concat(".rows.csv")
+                           : fs::path(options.out);
+  std::error_code error;
+  if (fs::equivalent(out, options.file, error)) {
+    throw InputError({.file = out.string()},
+                     "this is the file that is read: it would be written over",
+                     "give another name with --out");
+  }
+  WriteDataHeader(fs::path(out).replace_extension(".yaml"), imported.header);
+  if (!imported.machine_yaml.empty() && !options.machine_out.empty()) {
+    WriteTextFile(options.machine_out, imported.machine_yaml);
+  }
+  WriteRows(out, imported.table);
+  std::cout << fmt::format(
+      "{}: {} rows from {}\n", out.string(), imported.table.rows.size(), options.file);
+  Print("recognised", imported.recognised);
+  Print("assumed", imported.assumed);
+  Print("warning", imported.warnings);
+  for (const Doubt& doubt : doubts) {
+    Print("note", {doubt.message});
+    if (!doubt.hint.empty()) Print("", {doubt.hint});
+  }
+  PrintNext(imported, out.string());
+  return kPassed;
+}
+
+}  // namespace
+
+Action DeclareImport(CLI::App* app) {
+  const auto options = std::make_shared<Options>();
+  std::string kinds;
+  for (const Importer& importer : AllImporters()) {
+    kinds += fmt::format("  {:<16}{}\n", importer.kind, importer.about);
+  }
+  app->add_option("KIND", options->kind, "what the file is, below")->required();
+  app->add_option("FILE", options->file, "the file to read")->required();
+  app->add_option("--out", options->out, "measured rows, DATA.csv (and DATA.yaml)");
+  app->add_option("--machine-out",
+                  options->machine_out,
+                  "a machine file, where the file knows one");
+  app->add_option("--map",
+                  options->import.map,
+                  "which column is which: value_mm=dev[um],cmd_x_mm=1,campaign:=laser")
+      ->allow_extra_args(false);
+  app->add_option(
+      "--axis", options->import.axis, "x, y or z, where the file is silent");
+  app->add_option(
+      "--unit", options->import.unit, "of the readings, where it is silent");
+  app->add_option("--campaign", options->import.campaign, "a name for the campaign");
+  app->add_option("--step-mm", options->step_mm, "the true length of a motor step")
+      ->check(CLI::Range(1e-7, 1.0));
+  app->footer("Kinds:\n" + kinds);
+  return [options] {
+    return RunImport(*options);
+  };
+}
+
+}  // namespace caltwin
