@@ -40,11 +40,14 @@ std::vector<double> Periods_mm(double drawn_mm, double span_mm) {
 }
 
 std::vector<double> Lags_s(const Extent& extent) {
-  constexpr double kShortest_s = 50, kLongest_s = 6400;
-  const double longest_s = std::min(kLongest_s, 3 * (extent.t_max_s - extent.t_min_s));
+  constexpr double kShortest_s = 50;
+  constexpr int kMost = 8;  // Up to 6400 s.
+  const double longest_s = 3 * (extent.t_max_s - extent.t_min_s);
   std::vector<double> lags_s = {0};
-  for (double lag_s = kShortest_s; lag_s <= longest_s; lag_s *= 2) {
+  double lag_s = kShortest_s;
+  for (int i = 0; i < kMost && lag_s <= longest_s; ++i) {
     lags_s.push_back(lag_s);
+    lag_s *= 2;
   }
   return lags_s;
 }

@@ -18,7 +18,7 @@ double Deviate(int level, std::uint64_t middle) {
 
 }  // namespace
 
-double WanderAt_sqrt_h(double t_s) {
+double BrownianPath(double t_s) {
   const double t_h = t_s / SFromH(1.0);
   double left = 0;
   double right = std::sqrt(kHorizon_h) * Deviate(0, 0);

@@ -5,13 +5,14 @@
 
 namespace caltwin {
 
-/// A Brownian path of variance t / 1 h, the same in every run: 0 before and at t = 0.
+/// A Brownian path [sqrt(h)]: of variance t in hours, the same in every run: 0 before
+/// and at t = 0.
 ///
 /// Built by midpoint displacement (Levy): between two known points the middle is their
 /// mean plus a normal number of standard deviation sqrt(length) / 2, which belongs to
 /// that middle alone. Over 1024 h, exact at multiples of 0.88 s (2^-22 of that),
 /// straight between them; after 1024 h it stands still.
-double WanderAt_sqrt_h(double t_s);
+double BrownianPath(double t_s);
 
 /// The height wanders slowly, without reason or end.
 ///
@@ -60,7 +61,7 @@ struct RandomWalk {
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {
-    errors->motion_mm[2] += MmFromUm(asked.p[0]) * WanderAt_sqrt_h(asked.at.t_s);
+    errors->motion_mm[2] += MmFromUm(asked.p[0]) * BrownianPath(asked.at.t_s);
   }
 };
 

@@ -79,9 +79,8 @@ TEST(SignsOfTime, AWarmProbeReadsMinusOnEveryFace) {
 }
 
 TEST(SignsOfTime, AWanderToPlusLiftsTheTool) {
-  EXPECT_NEAR(Added_mm(With("random_walk", "", {2}), kZ),
-              -0.002 * WanderAt_sqrt_h(3600),
-              kExact);
+  EXPECT_NEAR(
+      Added_mm(With("random_walk", "", {2}), kZ), -0.002 * BrownianPath(3600), kExact);
 }
 
 TEST(SignsOfTime, FilesMayWriteZForWhatActsAlongZAlone) {
