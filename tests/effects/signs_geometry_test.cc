@@ -61,7 +61,7 @@ void ExpectNear(const Vec3<double>& actual,
       << actual.transpose() << " is not " << expected.transpose();
 }
 
-TEST(Signs, APositiveBowHasBothEndsToPlusOfItsMiddleByItsHeight) {
+TEST(SignsOfGeometry, APositiveBowHasBothEndsToPlusOfItsMiddleByItsHeight) {
   for (const std::string_view axis : Straightness::kAxes) {
     const int moving = axis[2] - 'X';
     Vec3<double> low(150, 150, 60);
@@ -79,7 +79,7 @@ TEST(Signs, APositiveBowHasBothEndsToPlusOfItsMiddleByItsHeight) {
   }
 }
 
-TEST(Signs, APositiveSagHangsLowestInTheMiddleOfX) {
+TEST(SignsOfGeometry, APositiveSagHangsLowestInTheMiddleOfX) {
   const double ends_mm = Motion_mm<GantrySag>({300, 20, 30}, "", {60})[2];
   const double middle_mm = Motion_mm<GantrySag>({150, 20, 30}, "", {60})[2];
 
@@ -87,7 +87,7 @@ TEST(Signs, APositiveSagHangsLowestInTheMiddleOfX) {
   EXPECT_NEAR(middle_mm, -0.020, kExact);
 }
 
-TEST(Signs, ATwistLiftsAProbeInFrontAtTheFarEndAndLowersItAtTheNear) {
+TEST(SignsOfGeometry, ATwistLiftsAProbeInFrontAtTheFarEndAndLowersItAtTheNear) {
   const Vec3<double> in_front(0, 40, 0);
 
   // +0.5 mrad about x at x = 300, z in its middle: dz = theta off_y.
@@ -103,7 +103,7 @@ TEST(Signs, ATwistLiftsAProbeInFrontAtTheFarEndAndLowersItAtTheNear) {
              40 * 0.0005 * 0.0005);
 }
 
-TEST(Signs, RotationsOfTheXCarriageAreRightHandedAboutTheirLetter) {
+TEST(SignsOfGeometry, RotationsOfTheXCarriageAreRightHandedAboutTheirLetter) {
   const double neglected_mm = 50 * 1e-4 * 1e-4;
 
   // +100 urad at x = 300. B: x follows z; C: x goes against y, y follows x.
@@ -120,7 +120,7 @@ TEST(Signs, RotationsOfTheXCarriageAreRightHandedAboutTheirLetter) {
       Motion_mm<Angular>({0, 0, 110}, "EBX", {200}), {-50 * 1e-4, 0, 0}, neglected_mm);
 }
 
-TEST(Signs, RotationsOfTheYCarriageReachAlongTheBeamItCarries) {
+TEST(SignsOfGeometry, RotationsOfTheYCarriageReachAlongTheBeamItCarries) {
   const double neglected_mm = 150 * 1e-4 * 1e-4;
 
   // +100 urad at y = 300, the head 100 mm to + of mid x and 50 mm above mid z.
@@ -135,7 +135,7 @@ TEST(Signs, RotationsOfTheYCarriageReachAlongTheBeamItCarries) {
              neglected_mm);
 }
 
-TEST(Signs, RotationsOfTheZSlideReachTheProbesOffsetOnly) {
+TEST(SignsOfGeometry, RotationsOfTheZSlideReachTheProbesOffsetOnly) {
   const double neglected_mm = 40 * 1e-4 * 1e-4;
 
   for (const std::string_view axis : {"EAZ", "EBZ", "ECZ"}) {
@@ -160,7 +160,7 @@ double Height_mm(const Vec3<double>& q_mm, std::string_view axis, double turn_de
   return ErrorsOf<Shape>(at, axis, {100}).artefact_mm;
 }
 
-TEST(Signs, APositiveBedShapeRaisesCornersEdgesAndTwoOppositeCorners) {
+TEST(SignsOfGeometry, APositiveBedShapeRaisesCornersEdgesAndTwoOppositeCorners) {
   EXPECT_NEAR(Height_mm<BedBowl>({150, 150, 0}, ""), 0, kExact);
   EXPECT_NEAR(Height_mm<BedBowl>({300, 0, 0}, ""), +0.1, kExact);
   EXPECT_NEAR(Height_mm<BedBowl>({300, 150, 0}, ""), +0.05, kExact);
@@ -172,7 +172,7 @@ TEST(Signs, APositiveBedShapeRaisesCornersEdgesAndTwoOppositeCorners) {
   EXPECT_NEAR(Height_mm<BedTwist>({300, 0, 0}, ""), -0.1, kExact);
 }
 
-TEST(Signs, APlateTurnedCounterClockwiseTakesItsShapeAlong) {
+TEST(SignsOfGeometry, APlateTurnedCounterClockwiseTakesItsShapeAlong) {
   // The plate's +x edge then lies at +y.
   EXPECT_NEAR(Height_mm<BedCylinder>({150, 300, 0}, "x", 90), +0.1, kExact);
   EXPECT_NEAR(Height_mm<BedCylinder>({300, 150, 0}, "x", 90), 0, kExact);
@@ -181,7 +181,7 @@ TEST(Signs, APlateTurnedCounterClockwiseTakesItsShapeAlong) {
   EXPECT_NEAR(Height_mm<BedTwist>({300, 150, 0}, "", 45), -0.05, kExact);
 }
 
-TEST(Signs, ABedShapeIsNotFeltByWhatDoesNotStandOnTheTable) {
+TEST(SignsOfGeometry, ABedShapeIsNotFeltByWhatDoesNotStandOnTheTable) {
   const At at{.q_mm = {300, 300, 0}, .n = kUp, .on_table = false};
 
   EXPECT_EQ(ErrorsOf<BedBowl>(at, "", {100}).artefact_mm, 0);
@@ -196,7 +196,7 @@ double MorePretravel_mm(double theta_deg, double spindle_deg, bool three) {
                : ErrorsOf<StylusAnisotropy>(at, "", {5, 0}).more_pretravel_mm;
 }
 
-TEST(Signs, LobesAddPretravelWhereTheirPhaseIsZeroAndTurnWithTheSpindle) {
+TEST(SignsOfGeometry, LobesAddPretravelWhereTheirPhaseIsZeroAndTurnWithTheSpindle) {
   EXPECT_NEAR(MorePretravel_mm(0, 0, true), +0.005, kExact);
   EXPECT_NEAR(MorePretravel_mm(120, 0, true), +0.005, kExact);
   EXPECT_NEAR(MorePretravel_mm(180, 0, true), -0.005, kExact);
@@ -206,21 +206,21 @@ TEST(Signs, LobesAddPretravelWhereTheirPhaseIsZeroAndTurnWithTheSpindle) {
   EXPECT_NEAR(MorePretravel_mm(90, 90, false), +0.005, kExact);
 }
 
-TEST(Signs, APositivePhaseTurnsTheLobesClockwise) {
+TEST(SignsOfGeometry, APositivePhaseTurnsTheLobesClockwise) {
   const At at{.n = {1, 0, 0}};
 
   // cos(3 * 0 + 60 deg)
   EXPECT_NEAR(ErrorsOf<ProbeLobing>(at, "", {5, 60}).more_pretravel_mm, 0.0025, kExact);
 }
 
-TEST(Signs, ATouchStraightDownFeelsNoLobes) {
+TEST(SignsOfGeometry, ATouchStraightDownFeelsNoLobes) {
   const At at{.n = kUp};
 
   EXPECT_EQ(ErrorsOf<ProbeLobing>(at, "", {5, 0}).more_pretravel_mm, 0);
   EXPECT_EQ(ErrorsOf<StylusAnisotropy>(at, "", {5, 0}).more_pretravel_mm, 0);
 }
 
-TEST(Signs, ATipThatRunsOutStandsAtItsPhasePlusTheSpindlesAngle) {
+TEST(SignsOfGeometry, ATipThatRunsOutStandsAtItsPhasePlusTheSpindlesAngle) {
   const At still{};
   const At turned{.probe_angle_deg = 90};
   const At gauge{.kind = RowKind::kPosition};
@@ -244,14 +244,15 @@ double Radial_mm(double theta_deg, double sense, double value) {
   return ErrorsOf<Effect>(at, "", {value}).motion_mm.dot(n);
 }
 
-TEST(Signs, AnAxisYThatLagsMakesACounterClockwiseCircleSmallInTheFirstQuadrant) {
+TEST(SignsOfGeometry,
+     AnAxisYThatLagsMakesACounterClockwiseCircleSmallInTheFirstQuadrant) {
   // At 45 degrees the tip moves to -x and +y: y lags by 20 / sqrt 2 um per ms.
   EXPECT_NEAR(Radial_mm<ServoMismatch>(45, +1, 1), -0.010, kExact);
   EXPECT_NEAR(Radial_mm<ServoMismatch>(45, -1, 1), +0.010, kExact);
   EXPECT_NEAR(Radial_mm<ServoMismatch>(135, +1, 1), +0.010, kExact);
 }
 
-TEST(Signs, AServoLagShrinksTheCircleWithFeedSquaredOverRadius) {
+TEST(SignsOfGeometry, AServoLagShrinksTheCircleWithFeedSquaredOverRadius) {
   // 10 um at 50 mm/s and 100 mm: (20 / 50)^2 * 2 of it at 20 mm/s and 50 mm.
   EXPECT_NEAR(Radial_mm<ServoLag>(30, +1, 10), -0.0032, kExact);
   EXPECT_NEAR(Radial_mm<ServoLag>(30, -1, 10), -0.0032, kExact);
@@ -262,7 +263,7 @@ double Face_mm(const Vec3<double>& n, std::string_view artefact, bool inside = f
   return ErrorsOf<BlockSize>(at, "block25", {30}).artefact_mm;
 }
 
-TEST(Signs, ALargerBlockMovesSideFacesByHalfAndItsTopByTheWhole) {
+TEST(SignsOfGeometry, ALargerBlockMovesSideFacesByHalfAndItsTopByTheWhole) {
   EXPECT_NEAR(Face_mm({1, 0, 0}, "block25"), +0.015, kExact);
   EXPECT_NEAR(Face_mm({0, -1, 0}, "block25"), +0.015, kExact);
   EXPECT_NEAR(Face_mm(kUp, "block25"), +0.030, kExact);
@@ -280,7 +281,7 @@ double Turned_mm(const Vec3<double>& q_mm, const Vec3<double>& n) {
   return ErrorsOf<BlockRotated>(at, "", {2}).artefact_mm;
 }
 
-TEST(Signs, ABlockTurnedCounterClockwiseRecedesOnItsRightFaceTowardsTheBack) {
+TEST(SignsOfGeometry, ABlockTurnedCounterClockwiseRecedesOnItsRightFaceTowardsTheBack) {
   // 2 mrad: at 20 mm along the face it has moved by 0.04 mm, against +x.
   EXPECT_NEAR(Turned_mm({190, 170, 5}, {1, 0, 0}), -0.040, 40 * 0.002 * 0.002);
   EXPECT_NEAR(Turned_mm({190, 130, 5}, {1, 0, 0}), +0.040, 40 * 0.002 * 0.002);

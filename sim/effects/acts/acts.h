@@ -8,10 +8,14 @@
 
 namespace caltwin {
 
-/// Where an effect acts in the physics. What is no edit of the model acts where the
-/// physics plant reads the closed form's numbers: the drive map (steps to motor
-/// position) or the probe's switch (threshold, latency, scatter).
-enum class ActKind { kEditModel, kDriveMap, kReadingMap };
+/// Where an effect acts in the physics.
+enum class ActKind {
+  kEditModel,    ///< Bodies, joints, springs of the model, before it is compiled.
+  kDriveMap,     ///< Where the motors put the nuts: steps to position, the gap's width.
+  kReadingMap,   ///< The tip's place and the probe's switch, while it runs.
+  kTableMap,     ///< How the table stands under the tip, while it runs.
+  kArtefactMap,  ///< Size and turn of what lies on the table: BuiltArtefacts.
+};
 
 struct ActOf {
   int effect = 0;

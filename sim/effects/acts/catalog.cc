@@ -40,11 +40,11 @@ constexpr std::array kActs = {
     ActOf{EffectIndex<TriggerLatency>(), ActKind::kReadingMap},
     ActOf{EffectIndex<TriggerScatter>(), ActKind::kReadingMap},
     ActOf{EffectIndex<BedTilt>(), ActKind::kEditModel, EditBedTilt},
-    ActOf{EffectIndex<BedBowl>(), ActKind::kReadingMap},
-    ActOf{EffectIndex<BedCylinder>(), ActKind::kReadingMap},
-    ActOf{EffectIndex<BedTwist>(), ActKind::kReadingMap},
-    ActOf{EffectIndex<BlockSize>(), ActKind::kReadingMap},
-    ActOf{EffectIndex<BlockRotated>(), ActKind::kReadingMap}};
+    ActOf{EffectIndex<BedBowl>(), ActKind::kTableMap},
+    ActOf{EffectIndex<BedCylinder>(), ActKind::kTableMap},
+    ActOf{EffectIndex<BedTwist>(), ActKind::kTableMap},
+    ActOf{EffectIndex<BlockSize>(), ActKind::kArtefactMap},
+    ActOf{EffectIndex<BlockRotated>(), ActKind::kArtefactMap}};
 static_assert(kActs.size() == kNumEffects);
 
 }  // namespace
