@@ -158,49 +158,62 @@ void AddAbbe(const CampaignRequest& request,
        "laser"});
 }
 
-/// Full circles in both senses at two feeds, with half a turn of overrun before.
+constexpr double kBarRadius_mm = 100;
+constexpr int kBarPoints = 40;
+
+/// One circle of a ball-bar: from `start_rad`, with half a turn of overrun before.
+struct Circle {
+  Stop pattern{};
+  Vector3 center_mm{};
+  double start_rad = 0;
+};
+
+void AddCircle(const Circle& circle, Plan* plan) {
+  const double step_rad = 2 * std::numbers::pi / kBarPoints;
+  const auto direction = [](double angle_rad) {
+    return Vector3{std::cos(angle_rad), std::sin(angle_rad), 0};
+  };
+  for (int i = 0; i < kBarPoints; ++i) {
+    Stop stop = circle.pattern;
+    const double angle_rad = circle.start_rad + stop.sense * i * step_rad;
+    stop.n = direction(angle_rad);
+    stop.at_mm = circle.center_mm + kBarRadius_mm * stop.n;
+    const int before = i == 0 ? 400 : 20;
+    const double span_rad = i == 0 ? std::numbers::pi : step_rad;
+    for (int k = before; k > 0; --k) {
+      const double passed_rad = angle_rad - stop.sense * span_rad * k / before;
+      stop.via.push_back(circle.center_mm + kBarRadius_mm * direction(passed_rad));
+    }
+    plan->stops.push_back(stop);
+  }
+}
+
+/// Full circles in both senses at two feeds.
 void AddBallbar(const std::string& name,
                 const Drawing& drawing,
                 Random* random,
                 Plan* plan) {
-  constexpr double kRadius_mm = 100;
-  constexpr int kPoints = 40;
-  const std::string setup = name + "_pivot";
-  const Vector3 center = MiddleOfTravel(drawing);
-  const double start_rad = random->Uniform(0.02, 0.12);
-  const auto point = [&](double angle_rad) {
-    return center + kRadius_mm * Vector3{std::cos(angle_rad), std::sin(angle_rad), 0};
-  };
-  const double step_rad = 2 * std::numbers::pi / kPoints;
+  Circle circle{.center_mm = MiddleOfTravel(drawing),
+                .start_rad = random->Uniform(0.02, 0.12)};
+  circle.pattern.campaign = name;
+  circle.pattern.kind = Kind::kRadial;
+  circle.pattern.setup = name + "_pivot";
+  circle.pattern.feature = "bar.ball";
+  circle.pattern.circle_radius_mm = kBarRadius_mm;
   for (const double feed_mm_s : {15.0, 60.0}) {
     for (const double sense : {1.0, -1.0}) {
-      for (int i = 0; i < kPoints; ++i) {
-        Stop stop;
-        stop.campaign = name;
-        stop.kind = Kind::kRadial;
-        stop.setup = setup;
-        stop.feature = "bar.ball";
-        stop.feed_mm_s = feed_mm_s;
-        stop.sense = sense;
-        stop.circle_radius_mm = kRadius_mm;
-        const double angle_rad = start_rad + sense * i * step_rad;
-        stop.at_mm = point(angle_rad);
-        stop.n = {std::cos(angle_rad), std::sin(angle_rad), 0};
-        const int before = i == 0 ? 400 : 20;
-        const double span_rad = i == 0 ? std::numbers::pi : step_rad;
-        for (int k = before; k > 0; --k) {
-          stop.via.push_back(point(angle_rad - sense * span_rad * k / before));
-        }
-        plan->stops.push_back(stop);
-      }
+      circle.pattern.feed_mm_s = feed_mm_s;
+      circle.pattern.sense = sense;
+      AddCircle(circle, plan);
     }
   }
-  plan->placements[setup] = {.artefact = "bar",
-                             .center_mm = center,
-                             .offset_sd_mm = 0.02,
-                             .turn_sd_rad = 0,
-                             .on_table = false};
-  plan->artefacts["bar"] = {.type = "ballbar", .sizes_mm = {kRadius_mm}, .u_um = 0.5};
+  plan->placements[circle.pattern.setup] = {.artefact = "bar",
+                                            .center_mm = circle.center_mm,
+                                            .offset_sd_mm = 0.02,
+                                            .turn_sd_rad = 0,
+                                            .on_table = false};
+  plan->artefacts["bar"] = {
+      .type = "ballbar", .sizes_mm = {kBarRadius_mm}, .u_um = 0.5};
   plan->campaigns.push_back({name, "ballbar", "{radius_mm: 100}", "ballbar"});
 }
 

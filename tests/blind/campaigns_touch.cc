@@ -168,7 +168,10 @@ void AddRing(const std::string& name,
     random->Shuffle(&stops);
     plan->stops.insert(plan->stops.end(), stops.begin(), stops.end());
   }
-  plan->placements[name] = {.artefact = "ring", .center_mm = center};
+  // Its centre is sought first: further off, cos(2 theta) of the second order would
+  // show.
+  plan->placements[name] = {
+      .artefact = "ring", .center_mm = center, .offset_sd_mm = 0.02};
   plan->artefacts["ring"] = {.type = "ring", .sizes_mm = {kDiameter_mm}, .u_um = 0.5};
   plan->campaigns.push_back(
       {name, "ring", "{directions: 24, orientations: 4}", "probe"});

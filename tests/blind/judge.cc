@@ -33,7 +33,8 @@ bool RightVariable(const json& hidden, const json& finding) {
   for (const json& found : finding.value("covariates", json::array())) {
     const std::string word = found;
     for (const json& truth : covariates) {
-      const std::string wanted = truth == "q" ? axis : truth.get<std::string>();
+      const std::string wanted =
+          truth.get<std::string>() == "q" ? axis : truth.get<std::string>();
       if (word == wanted || word.rfind(wanted + "_", 0) == 0) return true;
     }
   }
@@ -84,9 +85,11 @@ void CountIntervals(const json& truth, const json& finding, Judgement* judgement
         const double sd = told.contains("sd") && told["sd"].is_number()
                               ? told["sd"].get<double>()
                               : 0.0;
-        if (told.value("name", "") != real.at("name") || sd <= 0) continue;
+        if (told.value("name", "") != real.at("name").get<std::string>() || sd <= 0)
+          continue;
         double error = told.value("value", 0.0) - real.at("value").get<double>();
-        if (real.at("name") == "phase_deg") error = std::remainder(error, 360.0);
+        if (real.at("name").get<std::string>() == "phase_deg")
+          error = std::remainder(error, 360.0);
         ++judgement->intervals;
         if (std::abs(error) <= kTwo_sided95 * sd) ++judgement->covered;
       }

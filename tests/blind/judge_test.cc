@@ -39,7 +39,7 @@ json Candidate(const char* cause,
           {"structural", structural}};
 }
 
-json Finding(const char* cause, const char* axis, json others = json::array()) {
+json Finding(const char* cause, const char* axis, const json& others = json::array()) {
   json finding = Candidate(cause, axis, 0.99);
   finding["candidates"] = json::array({Candidate(cause, axis, 0.99)});
   for (const json& other : others) finding["candidates"].push_back(other);

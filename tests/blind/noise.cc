@@ -69,7 +69,8 @@ Defect Wander(const Circumstances& at, double um_per_sqrt_h) {
   for (History& path : *paths) {
     path.step_s = kStep_s;
     double place = 0;
-    for (double t_s = 0; t_s < at.weather.duration_s() + 3 * kStep_s; t_s += kStep_s) {
+    const int steps = static_cast<int>(at.weather.duration_s() / kStep_s) + 3;
+    for (int i = 0; i < steps; ++i) {
       path.values.push_back(place);
       place += at.random->Normal() * std::sqrt(kStep_s / 3600);
     }

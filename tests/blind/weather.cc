@@ -46,7 +46,9 @@ Weather::Weather(const WeatherPlan& plan, Random random)
   double bed_k = 0;
   double chamber_k = 0;
   const double step_s = histories_[0].step_s;
-  for (double t_s = 0; t_s <= plan.duration_s + 2 * step_s; t_s += step_s) {
+  const int steps = static_cast<int>(plan.duration_s / step_s) + 3;
+  for (int step = 0; step < steps; ++step) {
+    const double t_s = step * step_s;
     const bool heated = t_s < plan.heating_until_s;
     const double ambient_c =
         room_c +
