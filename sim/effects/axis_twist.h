@@ -40,9 +40,9 @@ struct AxisTwist {
           "dz = theta off_y, dy = -theta (z - z_mid + off_z), "
           "theta = twist U_x / 2",
       .source =
-          "ISO 230-1 EAX; Klipper's axis_twist_compensation: 0.05 to 0.2 mm "
-          "between the ends of 2020 beams with a probe 20 to 45 mm away; rails "
-          "on milled faces 0.1 to 1 mrad.",
+          "ISO 230-1 EAX. Printers carry the probe 20 to 45 mm beside the nozzle, and "
+          "Klipper has axis_twist_compensation for it; rails on milled faces 0.1 mrad "
+          "over the travel, on extrusions 1 mrad.",
       .twin =
           "bed_tilt: one probe offset shows a tilt about y only; two offsets show "
           "that it grows with the offset, as no bed does.",

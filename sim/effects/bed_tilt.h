@@ -56,9 +56,11 @@ struct BedTilt {
     const auto x = Mutant<std::size_t>("bed_tilt_swapped_slopes", 0, 1);
     const T slope_x = RadFromMrad(asked.p[x]);
     const T slope_y = RadFromMrad(asked.p[1 - x]);
-    const Vec3<T> r_mm(asked.q_mm[0] - asked.machine.axis(Axis::kX).mid_mm(),
-                       asked.q_mm[1] - asked.machine.axis(Axis::kY).mid_mm(),
-                       asked.q_mm[2]);
+    const Vec3<double> middle_mm(asked.machine.axis(Axis::kX).mid_mm(),
+                                 asked.machine.axis(Axis::kY).mid_mm(),
+                                 0);
+    const Vec3<T> r_mm =
+        asked.q_mm + (asked.at.probe_off_mm - middle_mm).template cast<T>();
     const Vec3<double>& n = asked.at.n;
     errors->artefact_mm += n[2] * (slope_x * r_mm[0] + slope_y * r_mm[1]) -
                            (n[0] * slope_x + n[1] * slope_y) * r_mm[2];
