@@ -9,6 +9,7 @@
 #include "sim/effects/axis_twist.h"
 #include "sim/effects/bed_bowl.h"
 #include "sim/effects/bed_cylinder.h"
+#include "sim/effects/bed_tilt.h"
 #include "sim/effects/bed_twist.h"
 #include "sim/effects/block_rotated.h"
 #include "sim/effects/block_size.h"
@@ -185,6 +186,13 @@ TEST(SignsOfGeometry, ABedShapeIsNotFeltByWhatDoesNotStandOnTheTable) {
   const At at{.q_mm = {300, 300, 0}, .n = kUp, .on_table = false};
 
   EXPECT_EQ(ErrorsOf<BedBowl>(at, "", {100}).artefact_mm, 0);
+}
+
+TEST(SignsOfGeometry, ATiltedTableIsFeltWhereTheTipIsNotWhereTheAxesStand) {
+  const At at{
+      .q_mm = {150, 150, 0}, .n = kUp, .on_table = true, .probe_off_mm = {0, 40, 0}};
+
+  EXPECT_NEAR(ErrorsOf<BedTilt>(at, "", {0, 1}).artefact_mm, 0.040, kExact);
 }
 
 // A touch of the face that looks in that direction.
