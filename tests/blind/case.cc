@@ -80,7 +80,7 @@ Projector BaselineOf(const Case& made, const std::vector<Reading>& readings) {
       column[i] /= Sigma_mm(made, readings[i]);
     }
   }
-  return Projector(std::move(columns));
+  return Projector(columns);
 }
 
 /// Makes the defect show as large as wanted; what no baseline can hide of it counts.

@@ -20,27 +20,32 @@ double Product(const Column& a, const Column& b) {
 double Left(const Column& effect, const std::vector<const Column*>& imitation) {
   std::vector<Column> columns;
   for (const Column* column : imitation) columns.push_back(*column);
-  const Column rest = Projector(std::move(columns)).Rest(effect);
+  const Column rest = Projector(columns).Rest(effect);
   return Product(rest, rest);
 }
 
+/// What imitations are measured against.
+struct Ground {
+  const Case& made;
+  const Circumstances& at;
+  const std::vector<Reading>& readings;
+  const Projector& baseline;
+};
+
 /// The best that one rival can do: a single variant, or two of another phase together.
-double BestImitation(const Case& made,
+double BestImitation(const Ground& ground,
                      const Cause& rival,
                      const std::string& axis,
-                     const Circumstances& at,
-                     const Column& rest,
-                     const std::vector<Reading>& readings,
-                     const Projector& baseline) {
+                     const Column& rest) {
   std::vector<Column> variants;
   bool has_phase = false;
   for (int i = 0; i < kVariants; ++i) {
-    const Defect defect = rival.make(axis, at);
+    const Defect defect = rival.make(axis, ground.at);
     has_phase = std::ranges::any_of(defect.parameters, [](const auto& parameter) {
       return parameter.name == "phase_deg";
     });
-    const Column whole = LinearEffect(made, defect, readings);
-    Column column = baseline.Rest(whole);
+    const Column whole = LinearEffect(ground.made, defect, ground.readings);
+    Column column = ground.baseline.Rest(whole);
     if (Product(column, column) <= kHidden * Product(whole, whole)) continue;
     variants.push_back(std::move(column));
   }
@@ -85,6 +90,7 @@ std::map<std::string, double> Separation(const Case& made,
                                          const Projector& baseline) {
   std::map<std::string, double> separation;
   if (FindCause(hidden.cause)->fixed_size > 0) return separation;  // Told by its size.
+  const Ground ground{made, at, readings, baseline};
   const Column rest = baseline.Rest(effect);
   const double whole = Product(rest, rest);
   for (const Cause& rival : LibraryCauses()) {
@@ -94,8 +100,7 @@ std::map<std::string, double> Separation(const Case& made,
       const bool is_belt = made.drawing.axis(AxisIndex(axis)).is_belt;
       if (rival.name == "cyclic_lead" && is_belt) continue;
       if (rival.name == "pulley_eccentric" && !is_belt) continue;
-      const double left =
-          BestImitation(made, rival, axis, at, rest, readings, baseline);
+      const double left = BestImitation(ground, rival, axis, rest);
       if (left < std::max(0.1 * whole, kListed))
         separation[rival.name + " " + axis] = left;
     }

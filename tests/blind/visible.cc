@@ -71,8 +71,8 @@ std::vector<Column> BaselineColumns(const Plan& plan,
   return columns;
 }
 
-Projector::Projector(std::vector<Column> columns) {
-  for (Column& column : columns) {
+Projector::Projector(const std::vector<Column>& columns) {
+  for (const Column& column : columns) {
     const double before = std::sqrt(Dot(column, column));
     if (before == 0) continue;
     Column rest = Rest(Rest(column));

@@ -18,7 +18,7 @@ std::vector<Column> BaselineColumns(const Plan& plan,
 /// Columns made orthonormal; dependent ones are dropped.
 class Projector {
  public:
-  explicit Projector(std::vector<Column> columns);
+  explicit Projector(const std::vector<Column>& columns);
   /// What of `column` no combination of the columns can imitate.
   Column Rest(Column column) const;
 
