@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 
 #include <fmt/format.h>
@@ -5,6 +6,7 @@
 
 #include "sim/base/text_file.h"
 #include "sim/measure/import/blunders.h"
+#include "sim/measure/import/check.h"
 #include "sim/measure/import/cmm_plate.h"
 #include "sim/measure/import/import.h"
 #include "sim/measure/import/iso230_dat.h"
@@ -71,11 +73,16 @@ Imported ImportText(const std::string& kind,
   Imported imported = importer.read(text, name, options);
   std::int64_t number = 0;
   for (Row& row : imported.table.rows) row.row = ++number;
+  CheckImported(imported.table);
   imported.table.comments.insert(
       imported.table.comments.begin(),
       fmt::format("Read from {} by caltwin import {}",
                   std::filesystem::path(name).filename().string(),
                   kind));
+  for (std::string& comment : imported.table.comments) {
+    std::ranges::replace_if(
+        comment, [](char c) { return c >= 0 && c < ' '; }, ' ');
+  }
   return imported;
 }
 

@@ -60,18 +60,23 @@ class PlateReader {
     for (std::size_t i = 0; i < lines_.size(); ++i) {
       const CsvRecord headings = Headings(lines_[i].words);
       for (std::size_t j = 0; j < headings.size(); ++j) {
-        column_[headings[j].text] = j;
+        is_twice_ |= !column_.emplace(headings[j].text, j).second;
       }
       const bool is_it = std::ranges::all_of(
           kNeeded, [&](const char* needed) { return column_.contains(needed); });
       if (is_it) {
+        if (is_twice_) {
+          throw InputError(PlaceOf(headings[0], name_), "a heading stands here twice");
+        }
         num_columns_ = headings.size();
         for (const CsvField& field : headings) {
-          if (IsKept(field.text)) imported_.table.extra_columns.push_back(field.text);
+          if (IsKept(field.text))
+            imported_.table.extra_columns.push_back("cmm_" + field.text);
         }
         return i;
       }
       column_.clear();
+      is_twice_ = false;
       ReadTitle(lines_[i]);
     }
     throw InputError({.file = name_, .line = 1, .column = 1},
@@ -108,8 +113,8 @@ class PlateReader {
           NumberIn(words[column_.at(column)], column, name_, &faults_));
     };
     std::vector<std::string> kept;
-    for (const std::string& heading : imported_.table.extra_columns) {
-      kept.push_back(words[column_.at(heading)].text);
+    for (const std::string& extra : imported_.table.extra_columns) {
+      kept.push_back(words[column_.at(extra.substr(4))].text);
     }
     for (const int axis : {0, 1}) {
       const std::string letter = axis == 0 ? "x" : "y";
@@ -185,6 +190,7 @@ class PlateReader {
   std::vector<TextLine> lines_;
   Faults faults_;
   std::map<std::string, std::size_t> column_;
+  bool is_twice_ = false;  ///< A heading.
   std::size_t num_columns_ = 0;
   const NamedUnit* unit_ = nullptr;
   std::string plate_;

@@ -12,6 +12,7 @@ namespace caltwin {
 namespace {
 
 constexpr double kFarOff_mm = 1;
+constexpr double kFinestStep_mm = 1e-7;
 constexpr const char* kCampaign = "thermal_drift";
 
 /// A column of the log and where it goes.
@@ -39,10 +40,10 @@ FrameLogHeader HeaderIn(const std::vector<TextLine>& lines, Faults* faults) {
     const auto number = NumberOf(written);
     if (key == "stepdist") {
       header.step_line = line.line;
-      if (!number || *number <= 0 || *number > 1) {
+      if (!number || *number < kFinestStep_mm || *number > 1) {
         faults->Add({.line = line.line, .column = static_cast<int>(equals) + 2},
                     fmt::format("step_dist = '{}' is no length of a step", written),
-                    "in mm, above 0 and at most 1");
+                    "in mm, from 1e-7 to 1");
       } else {
         header.step_mm = *number;
       }

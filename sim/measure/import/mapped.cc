@@ -263,7 +263,7 @@ class Mapper {
           fmt::format("not named in the map and left out: {}", fmt::join(left, ", ")));
     }
     imported_.assumed.emplace_back(
-        Has("actual_mm")
+        Names(bound_, "actual_mm")
             ? "value = actual - commanded"
             : "the value is actual minus commanded (a touch: reported minus "
               "nominal, along n); a sheet of commanded minus actual needs "

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <string>
+
+#include "sim/measure/import/import.h"
+#include "sim/measure/rows.h"
+#include "tests/fuzz/fuzz.h"
+
+namespace caltwin {
+
+/// Gives the reader of that kind any bytes; rows that it makes of them are written and
+/// read again to the same.
+inline int TryImport(const char* kind,
+                     const std::uint8_t* data,
+                     std::size_t size,
+                     const ImportOptions& options = {}) {
+  return Try(data, size, [&](const std::string& text) {
+    const Imported imported = ImportText(kind, text, "f", options);
+    const std::string written = RowsText(imported.table);
+    try {
+      MustBeSame(RowsText(ParseRows(written, "again.csv")), written);
+      ParseDataHeader(DataHeaderText(imported.header), "again.yaml");
+    } catch (const InputError& error) {
+      MustBeSame(error.what(), "what was imported is read");
+    }
+  });
+}
+
+}  // namespace caltwin
