@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <string_view>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -47,6 +48,17 @@ void SetPosition(const Vec3<double>& mm, double pos[3]) {
 void MakeTouchable(mjsGeom* geom) {
   geom->contype = geom->conaffinity = kTouchable;
   geom->condim = 1;
+}
+
+// What a person put on the table to be touched. The top that the drawing has becomes a
+// solid of its own (TableOf).
+bool IsOnTableByHand(mjsGeom* geom) {
+  const mjsBody* body = mjs_getParent(geom->element);
+  const auto name = [](mjsElement* element) {
+    return std::string_view(mjs_getString(mjs_getName(element)));
+  };
+  return body != nullptr && name(body->element) == "table" &&
+         name(geom->element) != "table_top" && geom->contype != 0;
 }
 
 mjsGeom* AddBox(mjsBody* body,
@@ -174,7 +186,12 @@ void Mjcf::SetStylus(double tip_radius_mm,
   for (mjsElement* element = mjs_firstElement(spec_.get(), mjOBJ_GEOM);
        element != nullptr;
        element = mjs_nextElement(spec_.get(), element)) {
-    mjs_asGeom(element)->contype = mjs_asGeom(element)->conaffinity = 0;
+    mjsGeom* geom = mjs_asGeom(element);
+    if (IsOnTableByHand(geom)) {
+      MakeTouchable(geom);
+    } else {
+      geom->contype = geom->conaffinity = 0;
+    }
   }
   mjsGeom* disc = mjs_addGeom(stylus, nullptr);
   mjs_setName(disc->element, "disc");

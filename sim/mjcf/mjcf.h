@@ -43,7 +43,8 @@ class Mjcf {
   void SetMovingMass(Axis axis, double mass_kg);
   void SetRailFriction(Axis axis, double friction_n);
   /// The spring of the stylus, and beside its ball a disc of the same half height. The
-  /// ball is fitted. Call once.
+  /// ball is fitted, and nothing else can touch but what a person gave a `contype` in
+  /// the body `table`. Call once.
   void SetStylus(double tip_radius_mm,
                  double stiffness_n_per_mm,
                  double disc_radius_mm);

@@ -175,6 +175,19 @@ TEST(World, AJointThatAPersonTiedToAnAxisIsPlacedWhereItBelongs) {
   }
 }
 
+TEST(World, AGeomThatAPersonPutOnTheTableIsTouched) {
+  Mjcf model = EditedModel({{R"(<body name="table">)",
+                             R"(<body name="table">
+        <geom type="box" pos=".1 .12 .001" size=".02 .02 .001" contype="2"/>)"}});
+  model.AddSolid("table_to_touch", TableOf(Gantry()));
+  World world = WorldOf(model);
+
+  StandAt({100, 120, 10}, &world);
+  EXPECT_NEAR(world.Clearance_mm(kFar_mm), 10 - 2 - 1, kRounding_mm);
+  StandAt({100, 180, 10}, &world);
+  EXPECT_NEAR(world.Clearance_mm(kFar_mm), 10 - 1, kRounding_mm);
+}
+
 TEST(World, AGapThatAPersonWroteIntoTheModelIsKnown) {
   const Mjcf model = EditedModel(
       {{R"(<fixed name="y_play">)", R"(<fixed name="y_play" range="-2e-5 2e-5">)"},
