@@ -5,12 +5,15 @@
 
 #include "sim/base/mutant.h"
 #include "sim/base/units.h"
+#include "sim/effects/acts/acts.h"
+#include "sim/effects/acts/artefacts.h"
 #include "sim/effects/injected.h"
 #include "sim/machine/disc_overlap.h"
 
 namespace caltwin {
-
 namespace {
+
+constexpr double kInverted_mm = 1e-9;
 
 // A hanging load pulls the carriage to one side: through the gap where friction cannot
 // hold it, and by the load over the stiffness (2 / c) of the drive.
@@ -26,6 +29,17 @@ Vec3<double> LagCenter_mm(const Machine& machine,
   return {0, 0, lag_mm};
 }
 
+ActKind KindOfAct(const Injected& effect) {
+  return AllActs()[static_cast<std::size_t>(effect.effect)].kind;
+}
+
+// Raises what is touched while the machine runs, or (a tilt) stands in the model.
+bool ActsOnTable(const Injected& effect) {
+  if (effect.effect == EffectIndex<FrameTemperature>()) return effect.axis == "bed";
+  return EffectAt(effect.effect).stage == Stage::kArtefact &&
+         KindOfAct(effect) != ActKind::kArtefactMap;
+}
+
 }  // namespace
 
 double LagAfter_mm(double lag_mm, double travel_mm, double width_mm) {
@@ -38,16 +52,31 @@ void Built::Prepare() {
     steps_per_mm[Index(axis)] =
         BuiltValue(machine, effects, EffectIndex<StepsPerMm>(), Name(axis), 0);
   }
-  probe = ErrorsAt<double>(machine, At{.steps_per_mm = steps_per_mm}, effects);
+  drive_effects.clear();
+  frame_effects.clear();
+  tool_effects.clear();
+  table_effects.clear();
+  raising_effects.clear();
+  std::vector<Injected> everywhere;
+  for (const Injected& effect : effects) {
+    const ActKind kind = KindOfAct(effect);
+    if (kind == ActKind::kDriveMap && effect.effect != EffectIndex<StepsPerMm>()) {
+      drive_effects.push_back(effect);
+    } else {
+      everywhere.push_back(effect);
+    }
+    if (EffectAt(effect.effect).stage != Stage::kDrive) frame_effects.push_back(effect);
+    if (kind == ActKind::kReadingMap) tool_effects.push_back(effect);
+    if (!ActsOnTable(effect)) continue;
+    table_effects.push_back(effect);
+    if (kind != ActKind::kEditModel) raising_effects.push_back(effect);
+  }
+  probe = ErrorsAt<double>(machine, At{.steps_per_mm = steps_per_mm}, everywhere);
   lost_motion_mm = probe.lost_motion_mm;
   lag_center_mm = LagCenter_mm(machine, effects);
-  table_effects.clear();
-  for (const Injected& effect : effects) {
-    if (EffectAt(effect.effect).stage == Stage::kArtefact)
-      table_effects.push_back(effect);
-  }
+  standing = BuiltArtefacts(artefacts, effects);
   solids = {TableOf(machine)};
-  for (const Artefact& artefact : artefacts) {
+  for (const Artefact& artefact : standing) {
     const auto parts = SolidsOf(artefact);
     solids.insert(solids.end(), parts.begin(), parts.end());
   }
@@ -59,30 +88,84 @@ void Built::Prepare() {
   }
 }
 
+At Built::AtAxes(const Vec3<double>& q_mm) const {
+  At at = now;
+  at.q_mm = q_mm;
+  for (int i = 0; i < 3; ++i) {
+    if (!Known(at.since_rev_mm[i]))
+      at.since_rev_mm[i] = std::abs(q_mm[i] - turned_at_mm[i]);
+  }
+  return at;
+}
+
+Vec3<double> Built::Drawn_mm(const Vec3<double>& steps) const {
+  Vec3<double> q_mm;
+  for (const Axis axis : kAxes) {
+    const AxisDrawing& drawing = machine.axis(axis);
+    q_mm[Index(axis)] = drawing.home_mm() + steps[Index(axis)] / drawing.steps_per_mm();
+  }
+  return q_mm;
+}
+
+Vec3<double> Built::DriveBend_mm(const Vec3<double>& q_mm) const {
+  if (drive_effects.empty()) return Vec3<double>::Zero();
+  At at = AtAxes(q_mm);
+  at.steps_per_mm.setZero();
+  at.compensation_mm.setZero();
+  const auto errors = ErrorsAt<double>(machine, at, drive_effects);
+  // Without the play, which is the carriage's.
+  return errors.motion_mm + at.dir.cwiseProduct(errors.lost_motion_mm) / 2;
+}
+
+Vec3<double> Built::LocalLostMotion_mm(const Vec3<double>& q_mm) const {
+  if (drive_effects.empty()) return Vec3<double>::Zero();
+  return ErrorsAt<double>(machine, AtAxes(q_mm), drive_effects).lost_motion_mm;
+}
+
+Vec3<double> Built::LostMotion_mm(const Vec3<double>& q_mm) const {
+  return lost_motion_mm + LocalLostMotion_mm(q_mm);
+}
+
+Vec3<double> Built::ToolOffset_mm(const Vec3<double>& q_mm) const {
+  if (tool_effects.empty()) return now.probe_off_mm;
+  At at = AtAxes(q_mm);
+  at.steps_per_mm.setZero();
+  at.compensation_mm.setZero();
+  return now.probe_off_mm + ErrorsAt<double>(machine, at, tool_effects).motion_mm;
+}
+
+double Built::Pretravel_mm(const Vec3<double>& normal) const {
+  const double plain_mm = caltwin::Pretravel_mm(probe, normal);
+  if (tool_effects.empty()) return plain_mm;
+  At at = now;
+  at.n = normal;
+  return plain_mm + ErrorsAt<double>(machine, at, tool_effects).more_pretravel_mm;
+}
+
 Vec3<double> Built::Motors_mm(const Vec3<double>& steps) const {
   Vec3<double> motors_mm = steps.cwiseQuotient(steps_per_mm);
   for (const Axis axis : kAxes) motors_mm[Index(axis)] += machine.axis(axis).home_mm();
-  return motors_mm;
+  if (drive_effects.empty()) return motors_mm;
+  return motors_mm + DriveBend_mm(Drawn_mm(steps));
 }
 
 Vec3<double> Built::StepsAt(const Vec3<double>& motors_mm) const {
-  Vec3<double> travel_mm = motors_mm;
-  for (const Axis axis : kAxes) travel_mm[Index(axis)] -= machine.axis(axis).home_mm();
-  return travel_mm.cwiseProduct(steps_per_mm);
+  Vec3<double> steps = Vec3<double>::Zero();
+  constexpr int kMostRounds = 100;
+  for (int i = 0; i < kMostRounds; ++i) {
+    const Vec3<double> off_mm = motors_mm - Motors_mm(steps);
+    steps += off_mm.cwiseProduct(steps_per_mm);
+    if (off_mm.cwiseAbs().maxCoeff() < kInverted_mm) break;
+  }
+  return steps;
 }
 
 Vec3<double> Built::Tip_mm(const Vec3<double>& steps,
                            const Vec3<double>& lag_mm) const {
-  At at{.kind = RowKind::kPosition};
-  for (const Axis axis : kAxes) {
-    const int i = Index(axis);
-    const AxisDrawing& drawing = machine.axis(axis);
-    at.steps_per_mm[i] = drawing.steps_per_mm();
-    at.q_mm[i] = drawing.home_mm() + steps[i] / at.steps_per_mm[i];
-    const double off_mm = lag_mm[i] - lag_center_mm[i];
-    at.dir[i] = lost_motion_mm[i] > 0 ? -2 * off_mm / lost_motion_mm[i] : 0;
-  }
-  return at.q_mm + lag_center_mm + ErrorsAt<double>(machine, at, effects).motion_mm;
+  At at = AtAxes(Motors_mm(steps) + lag_mm);
+  at.steps_per_mm.setZero();
+  at.compensation_mm.setZero();
+  return at.Tip_mm() + ErrorsAt<double>(machine, at, frame_effects).motion_mm;
 }
 
 SurfaceDistance Built::Clearance(const Vec3<double>& tip_mm) const {
@@ -97,8 +180,17 @@ SurfaceDistance Built::Clearance(const Vec3<double>& tip_mm) const {
 
 double Built::Table_mm(const Vec3<double>& p_mm, const Vec3<double>& normal) const {
   if (table_effects.empty()) return 0;
-  const At at{.q_mm = p_mm, .n = normal, .on_table = true};
+  At at = now;
+  at.q_mm = p_mm - at.probe_off_mm;
+  at.n = normal;
   return ErrorsAt<double>(machine, at, table_effects).artefact_mm;
+}
+
+double Built::Raised_mm(const Vec3<double>& p_mm) const {
+  At at = now;
+  at.q_mm = p_mm - at.probe_off_mm;
+  at.n = Vec3<double>::UnitZ();
+  return ErrorsAt<double>(machine, at, raising_effects).artefact_mm;
 }
 
 double Built::TableUnderDisc_mm(const Vec3<double>& p_mm,

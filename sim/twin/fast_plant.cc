@@ -76,6 +76,7 @@ FastPlant::Ahead FastPlant::Look(const Watch& watch,
 }
 
 Outcome FastPlant::Run(const Segment& segment, const Watch& watch) {
+  Begin(segment);
   const double duration_s = segment.profile.Duration_s();
   const double motors_mm =
       (segment.to_steps - segment.from_steps).cwiseQuotient(built_.steps_per_mm).norm();
@@ -104,6 +105,7 @@ Outcome FastPlant::Run(const Segment& segment, const Watch& watch) {
     triggers_.push_back({segment.Steps(outcome.time_s), !triggered_});
   }
   GoTo(segment.Steps(outcome.time_s));
+  End(outcome, watch);
   return outcome;
 }
 

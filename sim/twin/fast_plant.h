@@ -15,7 +15,7 @@ class FastPlant final : public TwinPlant {
 
   Outcome Run(const Segment& segment, const Watch& watch) override;
   void Settle(const Vec3<double>& steps) override;
-  void Dwell(double) override {}
+  void Dwell(double s) override { Pass(s); }
   bool ProbeTriggered() override;
   bool SwitchClosed(Axis axis) override;
   void Change(const std::vector<Artefact>& artefacts, Stylus stylus) override;

@@ -53,7 +53,7 @@ Expected<double> TwinGauge::Truth_mm(const std::string& id) {
   if (id == "calliper.tip") return 2 * plant_->built().probe.tip_radius_mm;
   if (kind == "calliper") {
     const auto [artefact_id, letter] = SplitAtDot(what);
-    for (const Artefact& artefact : plant_->built().artefacts) {
+    for (const Artefact& artefact : plant_->built().standing) {
       const auto axis = AxisNamed(letter);
       if (artefact.id == artefact_id && axis) return artefact.size_mm[Index(*axis)];
     }

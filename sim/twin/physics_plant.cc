@@ -53,6 +53,29 @@ void PhysicsPlant::Rebuild() {
   model.FitDisc(built_.stylus == Stylus::kDisc);
   world_ = std::make_unique<World>(model.Compile(/*with_looks=*/false),
                                    HangingLoad_n(built_.machine));
+  for (const Axis axis : kAxes) drawn_gap_mm_[Index(axis)] = world_->Gap_mm(axis);
+  Feel(steps_);
+}
+
+void PhysicsPlant::Feel(const Vec3<double>& steps) {
+  const Vec3<double> q_mm = built_.Drawn_mm(steps);
+  if (!built_.drive_effects.empty()) {
+    const Vec3<double> wider_mm = built_.LocalLostMotion_mm(q_mm);
+    for (const Axis axis : kAxes) {
+      const int i = Index(axis);
+      if (wider_mm[i] != 0) world_->SetGap_mm(axis, drawn_gap_mm_[i] + wider_mm[i]);
+    }
+  }
+  if (!built_.tool_effects.empty()) world_->MoveTool_mm(built_.ToolOffset_mm(q_mm));
+  if (built_.raising_effects.empty()) return;
+  const Vec3<double> tip_mm = q_mm + built_.now.probe_off_mm;
+  const double height_mm = built_.Raised_mm(tip_mm);
+  // A ball meets the point below it; a disc feels the slope.
+  const bool is_disc = built_.stylus == Stylus::kDisc;
+  const auto slope = [&](Axis axis) {
+    return is_disc ? built_.Raised_mm(tip_mm + Unit(axis)) - height_mm : 0;
+  };
+  world_->SetTable(tip_mm, height_mm, slope(Axis::kX), slope(Axis::kY));
 }
 
 void PhysicsPlant::Change(const std::vector<Artefact>& artefacts, Stylus stylus) {
@@ -113,7 +136,11 @@ bool PhysicsPlant::MayJump(const Segment& segment) const {
   const double length_mm = travel.norm();
   for (const Axis axis : kAxes) {
     const int i = Index(axis);
-    if (built_.lost_motion_mm[i] == 0 || length_mm == 0) continue;
+    if ((built_.lost_motion_mm[i] == 0 && drawn_gap_mm_[i] == 0 &&
+         built_.drive_effects.empty()) ||
+        length_mm == 0) {
+      continue;
+    }
     const AxisDrawing& drawing = built_.machine.axis(axis);
     const double acceleration_m_s2 =
         segment.profile.acceleration_mm_s2 * std::abs(travel[i]) / length_mm * 1e-3;
@@ -141,13 +168,15 @@ void PhysicsPlant::PlaceAt(const Segment& segment, double t_s) {
   const double length_mm = std::max(segment.profile.length_mm, 1e-12);
   const Vec3<double> nuts_mm_s = travel / length_mm * segment.profile.Feed_mm_s(t_s);
   Vec3<double> carriages_mm_s = nuts_mm_s;
+  const Vec3<double> play_mm = built_.LostMotion_mm(built_.Drawn_mm(steps));
   for (int i = 0; i < 3; ++i) {
-    const double behind_mm = built_.lost_motion_mm[i] / 2;
+    const double behind_mm = play_mm[i] / 2;
     const double off_mm = lag_mm[i] - built_.lag_center_mm[i];
     const bool is_pushed = nuts_mm_s[i] * off_mm <= 0 && std::abs(off_mm) >= behind_mm;
     if (!is_pushed) carriages_mm_s[i] = 0;
   }
   const Vec3<double> nuts_mm = built_.Motors_mm(steps);
+  Feel(steps);
   world_->Place(nuts_mm, nuts_mm + lag_mm, nuts_mm_s, carriages_mm_s);
   steps_ = steps;
 }
@@ -181,6 +210,7 @@ double PhysicsPlant::Jump(const Segment& segment, const Watch& watch, double t_s
 }
 
 void PhysicsPlant::StepTo(const Vec3<double>& steps) {
+  Feel(steps);
   world_->Step(built_.Motors_mm(steps));
   steps_ = steps;
   ++num_steps_;
@@ -206,6 +236,13 @@ Outcome PhysicsPlant::Stopped(const Segment& segment,
 }
 
 Outcome PhysicsPlant::Run(const Segment& segment, const Watch& watch) {
+  Begin(segment);
+  const Outcome outcome = Perform(segment, watch);
+  End(outcome, watch);
+  return outcome;
+}
+
+Outcome PhysicsPlant::Perform(const Segment& segment, const Watch& watch) {
   const double duration_s = segment.profile.Duration_s();
   const bool may_jump = MayJump(segment);
   const double allowed_mm = AllowedDeflection_mm(world_->Deflection_mm().norm());
@@ -258,6 +295,8 @@ void PhysicsPlant::Settle(const Vec3<double>& steps) {
 }
 
 // At rest nothing creeps (friction holds to 0.01 um/s), so waiting changes nothing.
-void PhysicsPlant::Dwell(double) {}
+void PhysicsPlant::Dwell(double s) {
+  Pass(s);
+}
 
 }  // namespace caltwin

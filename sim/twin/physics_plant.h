@@ -37,6 +37,9 @@ class PhysicsPlant final : public TwinPlant {
  private:
   struct Watched;
   void Rebuild();
+  /// Brings tool, table and plays to where they are at these motor steps.
+  void Feel(const Vec3<double>& steps);
+  Outcome Perform(const Segment& segment, const Watch& watch);
   bool MayJump(const Segment& segment) const;
   double FreePath_mm(const Watch& watch) const;
   void PlaceAt(const Segment& segment, double t_s);
@@ -48,6 +51,7 @@ class PhysicsPlant final : public TwinPlant {
 
   Mjcf drawn_;  ///< The model with the drawing applied, before effects and artefacts.
   std::unique_ptr<World> world_;
+  Vec3<double> drawn_gap_mm_ = Vec3<double>::Zero();  ///< As the model has them.
   bool triggered_ = false;
   bool jumps_ = true;
   std::int64_t num_steps_ = 0;

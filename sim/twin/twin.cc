@@ -108,7 +108,11 @@ Vec3<double> Twin::TipPosition_mm() const {
 Vec3<double> Twin::PositionError_mm(const Vec3<double>& q_mm,
                                     const Vec3<double>& dir) const {
   const Settings& settings = parts_->firmware.settings();
-  At at{.kind = RowKind::kPosition, .q_mm = q_mm, .dir = dir};
+  At at = built().now;
+  at.kind = RowKind::kPosition;
+  at.on_table = false;
+  at.q_mm = q_mm;
+  at.dir = dir;
   for (int i = 0; i < 3; ++i) {
     at.steps_per_mm[i] = settings.steps_per_mm[i];
     at.compensation_mm[i] = settings.backlash_mm[i];

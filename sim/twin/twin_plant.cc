@@ -34,14 +34,35 @@ Vec3<double> TwinPlant::LagAt_mm(const Vec3<double>& from_lag_mm,
                                  const Vec3<double>& to_steps) const {
   const Vec3<double> travel_mm =
       (to_steps - from_steps).cwiseQuotient(built_.steps_per_mm);
+  const Vec3<double> play_mm = built_.LostMotion_mm(built_.Drawn_mm(to_steps));
   Vec3<double> lag_mm;
   for (int i = 0; i < 3; ++i) {
     const double center_mm = built_.lag_center_mm[i];
     lag_mm[i] =
-        center_mm +
-        LagAfter_mm(from_lag_mm[i] - center_mm, travel_mm[i], built_.lost_motion_mm[i]);
+        center_mm + LagAfter_mm(from_lag_mm[i] - center_mm, travel_mm[i], play_mm[i]);
   }
   return lag_mm;
+}
+
+void TwinPlant::Begin(const Segment& segment) {
+  const Vec3<double> from_mm = built_.Drawn_mm(segment.from_steps);
+  for (int i = 0; i < 3; ++i) {
+    const double travel_steps = segment.to_steps[i] - segment.from_steps[i];
+    if (travel_steps == 0) continue;
+    const double sense = std::copysign(1, travel_steps);
+    if (sense == built_.now.dir[i]) continue;
+    built_.now.dir[i] = sense;
+    built_.turned_at_mm[i] = from_mm[i];
+  }
+}
+
+void TwinPlant::End(const Outcome& outcome, const Watch& watch) {
+  Pass(outcome.time_s);
+  if (!outcome.stopped || watch.kind != Watch::Kind::kSwitchClosed) return;
+  ++homings_;
+  home_ = fmt::format("{}", homings_);
+  built_.now.home = home_;
+  built_.now.homed_at_s = built_.now.t_s;
 }
 
 double TwinPlant::BeforeSwitch_mm(const Watch& watch, double carriage_mm) const {

@@ -25,6 +25,9 @@ class TwinPlant : public Plant {
   const std::vector<TrueTrigger>& triggers() const { return triggers_; }
   Vec3<double> steps() const { return steps_; }
 
+  /// How long the machine has been running [s]; effects follow it.
+  double now_s() const { return built_.now.t_s; }
+
   /// The operator changed what lies on the table or which stylus is fitted.
   virtual void Change(const std::vector<Artefact>& artefacts, Stylus stylus) = 0;
   /// Where the ball's centre truly is, the stylus' deflection left out.
@@ -40,6 +43,11 @@ class TwinPlant : public Plant {
   double BeforeSwitch_mm(const Watch& watch, double carriage_mm) const;
   double DrawScatter_mm();
   std::string CollisionText() const;
+  /// A move begins: which axes turn round, and where.
+  void Begin(const Segment& segment);
+  /// It has ended: time has passed, and an axis that met its switch is homed.
+  void End(const Outcome& outcome, const Watch& watch);
+  void Pass(double s) { built_.now.t_s += s; }
   /// Deflection at which a move collides: the overtravel, or a little more than now for
   /// a machine that has to get out of a collision.
   double AllowedDeflection_mm(double now_mm) const;
@@ -51,6 +59,8 @@ class TwinPlant : public Plant {
 
  private:
   Rng scatter_rng_;
+  std::string home_{};  ///< Name of the homing session, which built_.now borrows.
+  int homings_ = 0;
 };
 
 bool WatchesProbe(const Watch& watch);
