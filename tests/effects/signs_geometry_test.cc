@@ -37,7 +37,7 @@ Machine Gantry() {
 template <typename Effect>
 Errors<double> ErrorsOf(const At& at,
                         std::string_view axis,
-                        std::vector<double> values) {
+                        const std::vector<double>& values) {
   const Machine machine = Gantry();
   Errors<double> errors;
   Effect::template Add<double>(
@@ -49,10 +49,10 @@ Errors<double> ErrorsOf(const At& at,
 template <typename Effect>
 Vec3<double> Motion_mm(const Vec3<double>& q_mm,
                        std::string_view axis,
-                       std::vector<double> values,
+                       const std::vector<double>& values,
                        const Vec3<double>& probe_off_mm = Vec3<double>::Zero()) {
   const At at{.q_mm = q_mm, .probe_off_mm = probe_off_mm};
-  return ErrorsOf<Effect>(at, axis, std::move(values)).motion_mm;
+  return ErrorsOf<Effect>(at, axis, values).motion_mm;
 }
 
 void ExpectNear(const Vec3<double>& actual,
