@@ -37,12 +37,15 @@ int RunCommandLine(int argc, const char* const* argv);
 
 /// @name One function a file: NAME_command.cc.
 Action DeclareCalibrate(CLI::App* app);
+Action DeclareDiagnose(CLI::App* app);
 Action DeclareExplain(CLI::App* app);
+Action DeclareImport(CLI::App* app);
 Action DeclareIso230(CLI::App* app);
 Action DeclareNew(CLI::App* app);
 Action DeclareRender(CLI::App* app);
 Action DeclareRun(CLI::App* app);
 Action DeclareServe(CLI::App* app);
+Action DeclareSimulate(CLI::App* app);
 Action DeclareValidate(CLI::App* app);
 
 }  // namespace caltwin

@@ -14,7 +14,10 @@ namespace {
 constexpr std::array kCommands = {
     Command{"run", "run scenarios and check what they expect", DeclareRun},
     Command{"calibrate", "run a procedure on a machine", DeclareCalibrate},
+    Command{"diagnose", "say what measured rows tell of a machine", DeclareDiagnose},
+    Command{"simulate", "the twin performs a measuring plan", DeclareSimulate},
     Command{"serve", "let real clients talk to a twin", DeclareServe},
+    Command{"import", "read somebody else's measurements", DeclareImport},
     Command{"iso230", "the ISO 230-2 sheet of measured rows", DeclareIso230},
     Command{"render", "an off-screen picture", DeclareRender},
     Command{"new", "a starter file for one's own machine", DeclareNew},

@@ -9,6 +9,7 @@
 #include "scenarios/machine_file.h"
 #include "scenarios/scenario.h"
 #include "sim/measure/data_header.h"
+#include "sim/measure/plan.h"
 #include "sim/measure/rows.h"
 #include "tools/commands/command.h"
 
@@ -44,6 +45,8 @@ void Check(const std::string& file, FileKind kind) {
       ReadDataHeader(file);
       return;
     case FileKind::kPlan:
+      ReadPlan(file);
+      return;
     case FileKind::kStudy:
       break;
   }
@@ -77,7 +80,8 @@ Action DeclareValidate(CLI::App* app) {
       "The kind is told by the top-level key: calibrate (scenario), kinematics or "
       "extends (machine), effects or settings alone (truth), campaigns, artefacts or a "
       ".csv of "
-      "the same name (data header), or a .csv (measured rows).");
+      "the same name (data header), campaigns as a list (plan), or a .csv (measured "
+      "rows).");
   return [options] {
     return Validate(*options);
   };

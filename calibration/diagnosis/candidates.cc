@@ -1,0 +1,336 @@
+#include "calibration/diagnosis/candidates.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "sim/base/units.h"
+#include "sim/effects/predict.h"
+
+namespace caltwin {
+namespace {
+
+// Small against every unit, so that forms with a sine are still straight.
+constexpr double kSmall = 1e-3;
+constexpr double kNothing_mm = 1e-12;
+constexpr double kToleranceShare = 0.2;
+constexpr double kFormStep = 0.03;
+constexpr const char* kHoming = "homing_scatter";
+
+struct Roles {
+  std::optional<std::size_t> size{}, phase{};
+  std::vector<std::size_t> forms{};
+};
+
+Roles RolesOf(const Effect& effect) {
+  Roles roles;
+  for (std::size_t i = 0; i < effect.parameters.size(); ++i) {
+    switch (effect.parameters[i].role) {
+      case Role::kSize:
+        roles.size = i;
+        break;
+      case Role::kPhase:
+        roles.phase = i;
+        break;
+      case Role::kForm:
+        roles.forms.push_back(i);
+    }
+  }
+  return roles;
+}
+
+Injected UnitOf(const Observed& o,
+                int effect,
+                const std::string& axis,
+                const std::vector<double>& forms,
+                double phase_deg) {
+  const Roles roles = RolesOf(EffectAt(effect));
+  Injected unit = NeutralEffect(effect, axis, o.machine());
+  for (std::size_t i = 0; i < roles.forms.size(); ++i) {
+    unit.values[roles.forms[i]] = forms[i];
+  }
+  if (roles.phase) unit.values[*roles.phase] = phase_deg;
+  if (roles.size) unit.values[*roles.size] = kSmall;
+  return unit;
+}
+
+// One column for every homing session.
+Eigen::MatrixXd HomingColumns(const Observed& o, const std::string& axis) {
+  std::vector<std::string> homes;
+  for (const Row& row : o.table().rows) {
+    if (std::ranges::find(homes, row.home) == homes.end()) homes.push_back(row.home);
+  }
+  const Eigen::VectorXd shows = ChannelOf(o, axis);
+  Eigen::MatrixXd columns =
+      Eigen::MatrixXd::Zero(o.num_rows(), static_cast<Eigen::Index>(homes.size()));
+  if (homes.size() < 3) return {};
+  for (Eigen::Index i = 0; i < o.num_rows(); ++i) {
+    const auto home = std::ranges::find(homes, o.row(i).home) - homes.begin();
+    columns(i, home) = shows[i];
+  }
+  return columns;
+}
+
+double PeakOf(const Eigen::MatrixXd& columns) {
+  return columns.cols() == 0 ? 0 : Peak_mm(columns.rowwise().norm());
+}
+
+std::vector<std::string> AxesOf(const Observed& o, const Effect& effect) {
+  if (effect.axes[0] != kAnyAxis) {
+    return {effect.axes.begin(), effect.axes.end()};
+  }
+  std::set<std::string> ids;
+  for (Eigen::Index i = 0; i < o.num_rows(); ++i) {
+    if (!o.at(i).artefact.empty() && o.at(i).artefact != "bed") {
+      ids.emplace(o.at(i).artefact);
+    }
+  }
+  return {ids.begin(), ids.end()};
+}
+
+std::optional<Candidate> CandidateOf(const Observed& o,
+                                     int index,
+                                     const std::string& axis,
+                                     const Extent& extent) {
+  const Effect& effect = EffectAt(index);
+  Candidate candidate{.effect = index,
+                      .cause = std::string(effect.name),
+                      .axis = axis,
+                      .shown = effect.sight->shown(axis)};
+  const Roles roles = RolesOf(effect);
+  candidate.must_be_positive = roles.size && !roles.phase &&
+                               effect.parameters[*roles.size].min >= 0 &&
+                               effect.name != kHoming;
+  std::vector<std::vector<double>> grid = {{}};
+  if (effect.sight->forms != nullptr) {
+    grid = effect.sight->forms(o.machine(), axis, extent);
+  }
+  for (const std::vector<double>& forms : grid) {
+    Variant variant = VariantOf(o, index, axis, forms);
+    if (variant.columns_mm.cols() > 0) candidate.variants.push_back(std::move(variant));
+  }
+  if (candidate.variants.empty()) return std::nullopt;
+  return candidate;
+}
+
+Candidate FreeCandidate(FreeForm form) {
+  Candidate candidate{.cause = "unknown",
+                      .axis = form.channel,
+                      .shown = {form.channel, form.words},
+                      .free_prior = form.prior};
+  candidate.variants.push_back({.columns_mm = std::move(form.columns_mm)});
+  return candidate;
+}
+
+// Columns to append, each scaled to a peak of 1 mm.
+class Columns {
+ public:
+  explicit Columns(Eigen::Index rows) : rows_(rows) {}
+  void Add(const Eigen::VectorXd& column) {
+    const double peak = Peak_mm(column);
+    if (peak > 1e-6) columns_.emplace_back(column / peak);
+  }
+  Eigen::MatrixXd Take() const {
+    Eigen::MatrixXd all(rows_, static_cast<Eigen::Index>(columns_.size()));
+    for (std::size_t k = 0; k < columns_.size(); ++k) {
+      all.col(static_cast<Eigen::Index>(k)) = columns_[k];
+    }
+    return all;
+  }
+
+ private:
+  Eigen::Index rows_;
+  std::vector<Eigen::VectorXd> columns_{};
+};
+
+void AddModulated(const Observed& o,
+                  const Candidate& candidate,
+                  const Variant& variant,
+                  Columns* columns) {
+  for (const std::string& word : candidate.shown.covariates) {
+    if (word.starts_with("dir_")) continue;
+    const auto covariate = CovariateOf(o, word);
+    if (!covariate || covariate->num_distinct < 3 || covariate->is_periodic) continue;
+    for (Eigen::Index k = 0; k < variant.columns_mm.cols(); ++k) {
+      Eigen::VectorXd once = variant.columns_mm.col(k), twice = once;
+      for (Eigen::Index i = 0; i < once.size(); ++i) {
+        const double u = covariate->Scaled(covariate->values[i]);
+        once[i] *= u;
+        twice[i] *= (3 * u * u - 1) / 2;
+      }
+      columns->Add(once);
+      columns->Add(twice);
+    }
+  }
+}
+
+// The two columns are w sin(a) and w cos(a), w the channel's sign and size: harmonics
+// are w sin(k a) and w cos(k a).
+void AddHarmonics(const Observed& o,
+                  const Candidate& candidate,
+                  const Variant& variant,
+                  Columns* columns) {
+  const int most = EffectAt(candidate.effect).sight->harmonics;
+  if (most < 2 || variant.columns_mm.cols() != 2) return;
+  const Eigen::VectorXd shows = ChannelOf(o, candidate.shown.channel);
+  for (int order = 2; order <= most; ++order) {
+    Eigen::VectorXd sine(o.num_rows()), cosine(o.num_rows());
+    for (Eigen::Index i = 0; i < o.num_rows(); ++i) {
+      const double sign = shows[i] < 0 ? -1 : 1;
+      const double size = variant.columns_mm.row(i).norm();
+      const double angle =
+          std::atan2(sign * variant.columns_mm(i, 0), sign * variant.columns_mm(i, 1));
+      sine[i] = sign * size * std::sin(order * angle);
+      cosine[i] = sign * size * std::cos(order * angle);
+    }
+    columns->Add(sine);
+    columns->Add(cosine);
+  }
+}
+
+void AddDerivatives(const Observed& o,
+                    const Candidate& candidate,
+                    const Variant& variant,
+                    Columns* columns) {
+  for (std::size_t f = 0; f < variant.forms.size(); ++f) {
+    std::vector<double> forms = variant.forms;
+    forms[f] *= 1 + kFormStep;
+    if (forms[f] == variant.forms[f]) continue;
+    const Variant moved = VariantOf(o, candidate.effect, candidate.axis, forms);
+    if (moved.columns_mm.cols() != variant.columns_mm.cols()) continue;
+    for (Eigen::Index k = 0; k < moved.columns_mm.cols(); ++k) {
+      columns->Add(moved.columns_mm.col(k) - variant.columns_mm.col(k));
+    }
+  }
+}
+
+}  // namespace
+
+std::string Candidate::Name() const {
+  if (is_free())
+    return fmt::format("unknown.{}{{{}}}", axis, fmt::join(shown.covariates, ","));
+  return axis.empty() ? cause : cause + "." + axis;
+}
+
+double Peak_mm(const Eigen::VectorXd& change_mm) {
+  const double most = change_mm.cwiseAbs().maxCoeff();
+  if (most < kNothing_mm) return 0;
+  std::vector<double> reached;
+  for (const double value : change_mm) {
+    if (std::abs(value) > 1e-3 * most) reached.push_back(std::abs(value));
+  }
+  const auto at =
+      static_cast<std::ptrdiff_t>(0.95 * static_cast<double>(reached.size() - 1));
+  std::nth_element(reached.begin(), reached.begin() + at, reached.end());
+  return reached[static_cast<std::size_t>(at)];
+}
+
+Variant VariantOf(const Observed& observed,
+                  int effect,
+                  const std::string& axis,
+                  const std::vector<double>& forms) {
+  Variant variant{.forms = forms};
+  if (EffectAt(effect).name == kHoming) {
+    variant.columns_mm = HomingColumns(observed, axis);
+    variant.size_per_mm = UmFromMm(1.0);
+    return PeakOf(variant.columns_mm) > kNothing_mm ? variant : Variant{};
+  }
+  const bool has_phase = RolesOf(EffectAt(effect)).phase.has_value();
+  Eigen::MatrixXd columns(observed.num_rows(), has_phase ? 2 : 1);
+  for (Eigen::Index k = 0; k < columns.cols(); ++k) {
+    columns.col(k) =
+        observed.Change_mm(UnitOf(observed, effect, axis, forms, k == 0 ? 0.0 : 90.0));
+  }
+  const double peak_mm = PeakOf(columns);
+  if (peak_mm < kNothing_mm) return {};
+  variant.columns_mm = columns / peak_mm;
+  variant.size_per_mm = kSmall / peak_mm;
+  return variant;
+}
+
+std::vector<Candidate> AllCandidates(const Observed& observed) {
+  // All free forms together weigh half a family, and three nats less.
+  constexpr double kHandicap_nats = 3;
+  const Extent extent = observed.ExtentOf();
+  std::vector<Candidate> candidates;
+  int num_families = 0;
+  for (int index = 0; index < static_cast<int>(kNumEffects); ++index) {
+    const Effect& effect = EffectAt(index);
+    if (!effect.sight) continue;
+    std::vector<Candidate> family;
+    for (const std::string& axis : AxesOf(observed, effect)) {
+      if (auto candidate = CandidateOf(observed, index, axis, extent)) {
+        family.push_back(std::move(*candidate));
+      }
+    }
+    if (family.empty()) continue;
+    ++num_families;
+    for (Candidate& candidate : family) {
+      candidate.log_prior = -std::log(static_cast<double>(family.size()));
+      candidates.push_back(std::move(candidate));
+    }
+  }
+  std::vector<FreeForm> forms = AllFreeForms(observed);
+  for (FreeForm& form : forms) {
+    candidates.push_back(FreeCandidate(std::move(form)));
+    candidates.back().log_prior =
+        std::log(0.5 / static_cast<double>(forms.size())) - kHandicap_nats;
+  }
+  for (Candidate& candidate : candidates) {
+    candidate.log_prior -= std::log(num_families + 0.5);
+  }
+  return candidates;
+}
+
+Tolerance ToleranceOf(const Observed& observed,
+                      const Candidate& candidate,
+                      const Variant& variant) {
+  Columns columns(observed.num_rows());
+  if (!candidate.is_free() && candidate.cause != kHoming) {
+    AddModulated(observed, candidate, variant, &columns);
+    AddHarmonics(observed, candidate, variant, &columns);
+    AddDerivatives(observed, candidate, variant, &columns);
+    constexpr int kSmoothTerms = 4;
+    const FreeForm smooth = FreeFormOf(
+        observed, candidate.shown.channel, candidate.shown.covariates, kSmoothTerms);
+    for (Eigen::Index k = 0; k < smooth.columns_mm.cols(); ++k) {
+      columns.Add(smooth.columns_mm.col(k));
+    }
+  }
+  Tolerance tolerance{.columns_mm = columns.Take()};
+  const auto m = tolerance.columns_mm.cols();
+  tolerance.prior =
+      Eigen::VectorXd::Constant(m,
+                                kToleranceShare * kToleranceShare /
+                                    static_cast<double>(std::max<Eigen::Index>(m, 1)));
+  return tolerance;
+}
+
+Injected ValuesOf(const Observed& observed,
+                  const Candidate& candidate,
+                  const Variant& variant,
+                  const Eigen::VectorXd& sizes_mm) {
+  const Effect& effect = EffectAt(candidate.effect);
+  const Roles roles = RolesOf(effect);
+  Injected values =
+      UnitOf(observed, candidate.effect, candidate.axis, variant.forms, 0);
+  double size = sizes_mm[0] * variant.size_per_mm;
+  if (effect.name == kHoming) {
+    size = std::sqrt(sizes_mm.squaredNorm() / static_cast<double>(sizes_mm.size())) *
+           variant.size_per_mm;
+  } else if (roles.phase) {
+    size = sizes_mm.norm() * variant.size_per_mm;
+    double phase_deg = DegFromRad(std::atan2(sizes_mm[1], sizes_mm[0]));
+    if (phase_deg < 0) phase_deg += 360;
+    values.values[*roles.phase] = phase_deg;
+  }
+  const Parameter& parameter = effect.parameters[*roles.size];
+  values.values[*roles.size] = std::clamp(size, parameter.min, parameter.max);
+  return values;
+}
+
+}  // namespace caltwin

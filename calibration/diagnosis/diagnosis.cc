@@ -1,0 +1,202 @@
+#include "calibration/diagnosis/diagnosis.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include <fmt/format.h>
+
+#include "sim/base/units.h"
+
+namespace caltwin {
+namespace {
+
+constexpr double kAmbiguousAbove = 0.05;
+constexpr std::size_t kKnotsAlone = 33;
+constexpr std::size_t kKnotsOfTwo = 13;
+constexpr double kSecondsPerHour = 3600;
+
+// A free form's values on a grid of knots.
+FreeMap MapOf(const Observed& observed,
+              const Candidate& candidate,
+              const Found& found) {
+  FreeMap map{.channel = candidate.shown.channel,
+              .covariates = candidate.shown.covariates};
+  if (!candidate.is_free()) return map;
+  std::vector<Covariate> covariates;
+  for (const std::string& word : candidate.shown.covariates) {
+    covariates.push_back(*CovariateOf(observed, word));
+    const Covariate& c = covariates.back();
+    const std::size_t num = c.word.starts_with("dir_")               ? 2
+                            : candidate.shown.covariates.size() == 1 ? kKnotsAlone
+                                                                     : kKnotsOfTwo;
+    std::vector<double> knots;
+    for (std::size_t k = 0; k < num; ++k) {
+      knots.push_back(c.min + (c.max - c.min) * static_cast<double>(k) /
+                                  static_cast<double>(num - 1));
+    }
+    map.knots.push_back(knots);
+  }
+  const std::vector<FreeTerm> terms = TermsOf(covariates);
+  const auto value = [&](const std::vector<double>& at) {
+    double sum_mm = 0;
+    for (Eigen::Index k = 0; k < found.sizes_mm.size(); ++k) {
+      sum_mm += found.sizes_mm[k] *
+                ProductAt(terms[static_cast<std::size_t>(k)], covariates, at);
+    }
+    return sum_mm;
+  };
+  for (const double first : map.knots[0]) {
+    if (map.knots.size() == 1) {
+      map.values_um.push_back(UmFromMm(value({first})));
+      continue;
+    }
+    for (const double second : map.knots[1]) {
+      map.values_um.push_back(UmFromMm(value({first, second})));
+    }
+  }
+  return map;
+}
+
+class Reporter {
+ public:
+  Reporter(const Observed& observed,
+           const std::vector<Candidate>& candidates,
+           const SearchResult& search)
+      : observed_(observed), candidates_(candidates), search_(search) {}
+
+  Diagnosis Make() {
+    refined_ = Refit(observed_, candidates_, search_);
+    Diagnosis diagnosis{.gain = GainOf(observed_, candidates_, search_, refined_),
+                        .first = search_.first};
+    for (std::size_t i = 0; i < search_.found.size(); ++i) {
+      diagnosis.findings.push_back(FindingOf(i, diagnosis.gain));
+    }
+    std::ranges::stable_sort(
+        diagnosis.findings, std::ranges::greater{}, &Finding::share);
+    diagnosis.verdict = VerdictOf(diagnosis.findings);
+    for (Eigen::Index i = 0; i < observed_.num_rows(); ++i) {
+      if (search_.circumstances.left_out[static_cast<std::size_t>(i)]) {
+        diagnosis.outlier_rows.push_back(observed_.row(i).row);
+      }
+    }
+    diagnosis.wander_um_per_sqrt_h =
+        UmFromMm(std::sqrt(search_.wander_mm2_per_s * kSecondsPerHour));
+    AddBaseline(&diagnosis);
+    return diagnosis;
+  }
+
+ private:
+  Finding FindingOf(std::size_t i, const GainFigures& gain) const {
+    const Found& found = search_.found[i];
+    const Candidate& candidate = candidates_[found.candidate];
+    const bool is_free = candidate.is_free() || found.lost_its_name;
+    Finding finding{.cause = is_free ? "unknown" : candidate.cause,
+                    .axis = is_free ? candidate.shown.channel : candidate.axis,
+                    .probability = found.probability,
+                    .log_odds = found.log_odds,
+                    .share = gain.shares[i],
+                    .covariates = candidate.shown.covariates,
+                    .rows = found.num_rows};
+    if (is_free) {
+      finding.change_mm = found.variant.columns_mm * found.sizes_mm;
+      finding.map = MapOf(observed_, candidate, found);
+    } else {
+      const Refined& refined = refined_[i];
+      finding.effect = refined.effect;
+      finding.sds = refined.sds;
+      finding.change_mm = refined.variant.columns_mm * refined.sizes_mm;
+      const auto parameters = EffectAt(candidate.effect).parameters;
+      for (std::size_t p = 0; p < parameters.size(); ++p) {
+        finding.parameters.push_back({std::string(parameters[p].name),
+                                      refined.effect.values[p],
+                                      refined.sds[p]});
+      }
+    }
+    finding.peak_um = UmFromMm(Peak_mm(finding.change_mm));
+    finding.candidates.push_back(
+        {finding.cause, finding.axis, finding.probability, false});
+    for (const Rival& rival : found.rivals) {
+      const Candidate& other = candidates_[rival.candidate];
+      finding.candidates.push_back(
+          {other.cause, other.axis, rival.probability, rival.structural});
+    }
+    return finding;
+  }
+
+  static Verdict VerdictOf(const std::vector<Finding>& findings) {
+    Verdict verdict = Verdict::kNone;
+    for (const Finding& finding : findings) {
+      Verdict one = Verdict::kNamed;
+      for (std::size_t c = 1; c < finding.candidates.size(); ++c) {
+        const FindingCandidate& rival = finding.candidates[c];
+        if (rival.structural || rival.probability > kAmbiguousAbove) {
+          one = Verdict::kAmbiguous;
+        }
+      }
+      if (finding.cause == "unknown") one = Verdict::kUnknownStructure;
+      verdict = std::max(verdict, one);
+    }
+    return verdict;
+  }
+
+  void AddBaseline(Diagnosis* diagnosis) const {
+    const Noise noise{search_.circumstances.sigma_mm, search_.wander_mm2_per_s};
+    const std::vector<Nuisance>& baseline = search_.circumstances.nuisances;
+    std::vector<Nuisance> all = baseline;
+    for (std::size_t i = 0; i < search_.found.size(); ++i) {
+      Found found = search_.found[i];
+      if (refined_[i].effect.effect >= 0) found.variant = refined_[i].variant;
+      const auto more = NuisancesOf(observed_, candidates_[found.candidate], found);
+      all.insert(all.end(), more.begin(), more.end());
+    }
+    const auto& out = search_.circumstances.left_out;
+    const Evidence::Fit with = Evidence(observed_, noise, all, out).FitNuisances();
+    diagnosis->residual_after_mm = with.residual_mm;
+    diagnosis->residual_before_mm =
+        Evidence(observed_, noise, baseline, out).FitNuisances().residual_mm;
+    for (std::size_t k = 0; k < baseline.size(); ++k) {
+      if (!baseline[k].reported) continue;
+      const auto at = static_cast<Eigen::Index>(k);
+      diagnosis->baseline.push_back({baseline[k].name,
+                                     baseline[k].unit,
+                                     baseline[k].offset + with.values[at],
+                                     with.sds[at]});
+    }
+  }
+
+  const Observed& observed_;
+  const std::vector<Candidate>& candidates_;
+  const SearchResult& search_;
+  std::vector<Refined> refined_{};
+};
+
+}  // namespace
+
+std::string ToString(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::kNone:
+      return "none";
+    case Verdict::kNamed:
+      return "named";
+    case Verdict::kAmbiguous:
+      return "ambiguous";
+    case Verdict::kUnknownStructure:
+      break;
+  }
+  return "unknown";
+}
+
+Diagnosis Diagnose(const Observed& observed, const DiagnoseOptions& options) {
+  const auto say = [&](const std::string& text) {
+    if (options.progress) options.progress(text);
+  };
+  say(fmt::format("{} rows: listing what they could show", observed.num_rows()));
+  const std::vector<Candidate> candidates = AllCandidates(observed);
+  say(fmt::format("weighing {} candidates", candidates.size()));
+  const SearchResult search = Search(observed, candidates, options.search);
+  say("refining what was found");
+  return Reporter(observed, candidates, search).Make();
+}
+
+}  // namespace caltwin

@@ -1,0 +1,110 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "calibration/diagnosis/gain.h"
+#include "calibration/diagnosis/observed.h"
+#include "calibration/diagnosis/search.h"
+#include "sim/measure/data_header.h"
+#include "sim/measure/row.h"
+
+namespace caltwin {
+
+enum class Verdict { kNone, kNamed, kAmbiguous, kUnknownStructure };
+std::string ToString(Verdict verdict);
+
+/// A cause that could stand for a finding; the first of a finding's is itself.
+struct FindingCandidate {
+  std::string cause{};
+  std::string axis{};
+  double probability = 0;
+  bool structural = false;
+};
+
+struct FindingParameter {
+  std::string name{};  ///< As the effect declares it: "amplitude_um".
+  double value = 0;
+  double sd = 0;
+};
+
+/// A smooth function over one or two covariates, as a table: what a finding without a
+/// formula (pitch_map, unknown) is carried on as.
+struct FreeMap {
+  std::string channel{};  ///< x y z, probe or bed.
+  std::vector<std::string> covariates{};
+  std::vector<std::vector<double>> knots{};  ///< By covariate, ascending.
+  std::vector<double> values_um{};           ///< First covariate slowest.
+  std::vector<double> sds_um{};
+};
+
+/// One cause found.
+struct Finding {
+  std::string cause{};
+  std::string axis{};
+  double probability = 0;
+  double log_odds = 0;  ///< Against none.
+  std::vector<FindingCandidate> candidates{};
+  std::vector<FindingParameter> parameters{};
+  double share = 0;
+  std::vector<std::string> covariates{};
+  int rows = 0;
+  double peak_um = 0;                ///< Near-peak of what it does in these rows.
+  std::optional<Injected> effect{};  ///< What the extended machine gets.
+  std::vector<double> sds{};         ///< Of its values.
+  std::optional<FreeMap> map{};
+  Eigen::VectorXd change_mm{};  ///< What it does to each row.
+};
+
+struct NextCampaign {
+  std::string kind{};
+  std::vector<std::string> separates{};
+  double minutes = 0;
+  double separation_sigma = 0;
+};
+
+struct Absorbed {
+  std::string what{};
+  std::string into{};
+};
+
+struct BaselineLine {
+  std::string name{};
+  std::string unit{};
+  double value = 0;
+  double sd = 0;
+};
+
+/// The answer to the four questions: show, name, extend, gain.
+struct Diagnosis {
+  Verdict verdict = Verdict::kNone;
+  std::vector<Finding> findings{};  ///< Largest share first.
+  GainFigures gain{};
+  std::vector<Absorbed> absorbed{};
+  std::optional<NextCampaign> next_campaign{};
+  std::vector<std::int64_t> outlier_rows{};
+  std::vector<BaselineLine> baseline{};
+  std::vector<std::string> remarks{};  ///< What a person should know.
+  double wander_um_per_sqrt_h = 0;
+
+  /// @name For pictures
+  Eigen::VectorXd residual_before_mm{};  ///< Baseline fitted.
+  Eigen::VectorXd residual_after_mm{};   ///< Findings fitted too.
+  Weighing first{};                      ///< Before anything was accepted.
+};
+
+struct DiagnoseOptions {
+  SearchOptions search{};
+  /// Told of progress in words; may be empty.
+  std::function<void(const std::string&)> progress{};
+};
+
+/// Diagnoses rows against a machine. Throws InputError where rows lack what they must
+/// have (a direction).
+Diagnosis Diagnose(const Observed& observed, const DiagnoseOptions& options);
+
+}  // namespace caltwin

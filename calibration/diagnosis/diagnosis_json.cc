@@ -1,0 +1,118 @@
+#include "calibration/diagnosis/diagnosis_json.h"
+
+#include <cmath>
+
+#include "sim/base/units.h"
+
+namespace caltwin {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json NumberOrNull(double value) {
+  return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
+
+Json FindingJson(const Finding& finding) {
+  Json candidates = Json::array();
+  for (const FindingCandidate& candidate : finding.candidates) {
+    candidates.push_back({{"cause", candidate.cause},
+                          {"axis", candidate.axis},
+                          {"probability", candidate.probability},
+                          {"structural", candidate.structural}});
+  }
+  Json parameters = Json::array();
+  for (const FindingParameter& parameter : finding.parameters) {
+    parameters.push_back({{"name", parameter.name},
+                          {"value", parameter.value},
+                          {"sd", NumberOrNull(parameter.sd)}});
+  }
+  Json json = {{"cause", finding.cause},
+               {"axis", finding.axis},
+               {"probability", finding.probability},
+               {"log_odds", finding.log_odds},
+               {"candidates", candidates},
+               {"parameters", parameters},
+               {"share", finding.share},
+               {"covariates", finding.covariates},
+               {"rows", finding.rows},
+               {"peak_um", finding.peak_um}};
+  if (finding.map) {
+    json["knots"] = {{"channel", finding.map->channel},
+                     {"covariates", finding.map->covariates},
+                     {"knots", finding.map->knots},
+                     {"values_um", finding.map->values_um}};
+  }
+  return json;
+}
+
+Json HeldOutJson(const HeldOut& held) {
+  if (held.groups == 0) return nullptr;
+  return {{"rmse_before_um", UmFromMm(held.before_mm)},
+          {"rmse_after_um", UmFromMm(held.after_mm)},
+          {"rows", held.rows},
+          {"groups", held.groups}};
+}
+
+Json GainJson(const Diagnosis& diagnosis) {
+  const GainFigures& gain = diagnosis.gain;
+  const bool is_none = diagnosis.verdict == Verdict::kNone;
+  return {
+      {"rmse_before_um", UmFromMm(gain.blocks.before_mm)},
+      {"rmse_after_um", UmFromMm(gain.blocks.after_mm)},
+      {"noise_floor_um", UmFromMm(gain.noise_floor_mm)},
+      {"noise_floor_from", gain.floor_from_replicates ? "replicates" : "richest model"},
+      {"explained_fraction", is_none ? Json(nullptr) : Json(gain.explained_fraction)},
+      {"held_out", true},
+      {"runs_left_out", HeldOutJson(gain.runs)},
+      {"positions_left_out", HeldOutJson(gain.positions)}};
+}
+
+}  // namespace
+
+Json ToJson(const Diagnosis& diagnosis,
+            const std::string& extended_model,
+            const Provenance& provenance) {
+  Json findings = Json::array(), absorbed = Json::array(), baseline = Json::array();
+  for (const Finding& finding : diagnosis.findings) {
+    findings.push_back(FindingJson(finding));
+  }
+  for (const Absorbed& one : diagnosis.absorbed) {
+    absorbed.push_back({{"what", one.what}, {"into", one.into}});
+  }
+  for (const BaselineLine& line : diagnosis.baseline) {
+    baseline.push_back({{"name", line.name},
+                        {"unit", line.unit},
+                        {"value", line.value},
+                        {"sd", NumberOrNull(line.sd)}});
+  }
+  Json next = nullptr;
+  if (diagnosis.next_campaign) {
+    next = {{"kind", diagnosis.next_campaign->kind},
+            {"separates", diagnosis.next_campaign->separates},
+            {"minutes", diagnosis.next_campaign->minutes},
+            {"separation_sigma", diagnosis.next_campaign->separation_sigma}};
+  }
+  return {
+      {"format", 1},
+      {"verdict", ToString(diagnosis.verdict)},
+      {"findings", findings},
+      {"gain", GainJson(diagnosis)},
+      {"absorbed", absorbed},
+      {"next_campaign", next},
+      {"outlier_rows", diagnosis.outlier_rows},
+      {"baseline", baseline},
+      {"wander_um_per_sqrt_h", diagnosis.wander_um_per_sqrt_h},
+      {"extended_model", extended_model.empty() ? Json(nullptr) : Json(extended_model)},
+      {"remarks", diagnosis.remarks},
+      {"provenance",
+       {{"data_sha256", provenance.data_sha256},
+        {"machine_sha256",
+         provenance.machine_sha256.empty() ? Json(nullptr)
+                                           : Json(provenance.machine_sha256)},
+        {"version", provenance.version},
+        {"seed", provenance.seed},
+        {"command", provenance.command}}}};
+}
+
+}  // namespace caltwin

@@ -1,0 +1,104 @@
+#include "calibration/diagnosis/evidence.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+#include <Eigen/QR>
+
+namespace caltwin {
+
+Evidence::Evidence(const Observed& observed,
+                   const Noise& noise,
+                   const std::vector<Nuisance>& nuisances,
+                   const std::vector<bool>& left_out)
+    : observed_(&observed),
+      whitener_(observed, noise),
+      keep_(Eigen::VectorXd::Ones(observed.num_rows())) {
+  const Eigen::Index n = observed.num_rows();
+  const auto q = static_cast<Eigen::Index>(nuisances.size());
+  for (std::size_t i = 0; i < left_out.size(); ++i) {
+    if (left_out[i]) keep_[static_cast<Eigen::Index>(i)] = 0;
+  }
+  columns_mm_.resize(n, q);
+  prior_sd_.resize(q);
+  for (Eigen::Index k = 0; k < q; ++k) {
+    const Nuisance& nuisance = nuisances[static_cast<std::size_t>(k)];
+    columns_mm_.col(k) = nuisance.column_mm;
+    prior_sd_[k] = nuisance.prior_sd;
+  }
+  white_residual_ = Whiten(observed.residual_mm());
+  // In units of the prior: pseudo readings are then an identity below.
+  Eigen::MatrixXd tall(n + q, q);
+  tall.topRows(n) = Whiten(columns_mm_) * prior_sd_.asDiagonal();
+  tall.bottomRows(q).setIdentity();
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(tall);
+  r_ = qr.matrixQR().topRows(q).triangularView<Eigen::Upper>();
+  q_ = (qr.householderQ() * Eigen::MatrixXd::Identity(n + q, q)).topRows(n);
+  const Eigen::VectorXd along = q_.transpose() * white_residual_;
+  chi2_ = std::max(white_residual_.squaredNorm() - along.squaredNorm(), 1e-30);
+  // Each nuisance pays for what the rows, not its prior, say of it.
+  dof_ = std::max(1.0, keep_.sum() - q_.squaredNorm());
+  log_none_ = -0.5 * whitener_.log_det() - r_.diagonal().array().abs().log().sum() -
+              0.5 * dof_ * std::log(chi2_);
+}
+
+Eigen::MatrixXd Evidence::Whiten(const Eigen::MatrixXd& columns_mm) const {
+  return keep_.asDiagonal() * whitener_(columns_mm);
+}
+
+Projected Evidence::Project(const Eigen::MatrixXd& white) const {
+  const Eigen::MatrixXd along = q_.transpose() * white;
+  Projected projected;
+  projected.gram.noalias() = white.transpose() * white - along.transpose() * along;
+  projected.match.noalias() = white.transpose() * white_residual_ -
+                              along.transpose() * (q_.transpose() * white_residual_);
+  return projected;
+}
+
+Eigen::MatrixXd Evidence::Left(const Eigen::MatrixXd& white) const {
+  return white - q_ * (q_.transpose() * white);
+}
+
+Eigen::MatrixXd Evidence::ProjectedReadings(
+    const Eigen::MatrixXd& white_readings) const {
+  return Left(keep_.asDiagonal() * white_readings);
+}
+
+double LogBayesOf(const Projected& projected,
+                  const Eigen::VectorXd& prior,
+                  double chi2,
+                  double dof) {
+  // In units of the prior: I + S A S, S = D^(1/2).
+  const Eigen::VectorXd sd = prior.cwiseSqrt();
+  Eigen::MatrixXd inner = sd.asDiagonal() * projected.gram * sd.asDiagonal();
+  inner.diagonal().array() += 1;
+  const Eigen::LLT<Eigen::MatrixXd> llt(inner);
+  if (llt.info() != Eigen::Success) return -1e300;
+  const Eigen::VectorXd scaled =
+      llt.matrixL().solve(Eigen::VectorXd(sd.cwiseProduct(projected.match)));
+  const Eigen::VectorXd diagonal = llt.matrixLLT().diagonal();
+  const double log_det = 2 * diagonal.array().log().sum();
+  const double explained = std::clamp(scaled.squaredNorm() / chi2, 0.0, 1 - 1e-12);
+  return -0.5 * log_det - 0.5 * dof * std::log1p(-explained);
+}
+
+double Evidence::LogBayes(const Projected& projected,
+                          const Eigen::VectorXd& prior) const {
+  return LogBayesOf(projected, prior, chi2_, dof_);
+}
+
+Evidence::Fit Evidence::FitNuisances() const {
+  Fit fit;
+  const auto upper = r_.triangularView<Eigen::Upper>();
+  const Eigen::VectorXd scaled = upper.solve(q_.transpose() * white_residual_);
+  fit.values = prior_sd_.cwiseProduct(scaled);
+  const Eigen::MatrixXd inverse =
+      upper.solve(Eigen::MatrixXd::Identity(r_.rows(), r_.cols()));
+  const double scale = std::sqrt(chi2_ / dof_);
+  fit.sds = inverse.rowwise().norm().cwiseProduct(prior_sd_) * scale;
+  fit.residual_mm = observed_->residual_mm() - columns_mm_ * fit.values;
+  return fit;
+}
+
+}  // namespace caltwin

@@ -1,0 +1,80 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "calibration/diagnosis/noise.h"
+#include "calibration/diagnosis/nuisances.h"
+#include "calibration/diagnosis/observed.h"
+
+namespace caltwin {
+
+/// A set of columns as the evidence sees them: white, and what of them the baseline
+/// cannot imitate.
+///
+///   gram = (W Phi)' M (W Phi),   match = (W Phi)' M (W r)
+struct Projected {
+  Eigen::MatrixXd gram{};
+  Eigen::VectorXd match{};
+};
+
+/// One table of rows under one noise, its baseline projected out.
+///
+/// Nuisances have normal priors (wide ones for the baseline), which enter as one pseudo
+/// reading each, so nothing is ever rank deficient. M projects out what they explain.
+class Evidence {
+ public:
+  Evidence(const Observed& observed,
+           const Noise& noise,
+           const std::vector<Nuisance>& nuisances,
+           const std::vector<bool>& left_out = {});
+
+  /// Residual sum of squares r' W M W r, and its degrees of freedom.
+  double chi2() const { return chi2_; }
+  double dof() const { return dof_; }
+  /// Restricted log likelihood of the rows without any candidate, the common scale of
+  /// the noise integrated out; comparable between noises of the same rows.
+  double log_none() const { return log_none_; }
+
+  Eigen::MatrixXd Whiten(const Eigen::MatrixXd& columns_mm) const;
+  Projected Project(const Eigen::MatrixXd& white) const;
+  /// Of columns already white, with respect to other right-hand sides (n x draws).
+  Eigen::MatrixXd ProjectedReadings(const Eigen::MatrixXd& white_readings) const;
+  /// What of white columns is left (n x k), pseudo readings dropped.
+  Eigen::MatrixXd Left(const Eigen::MatrixXd& white) const;
+  const Eigen::VectorXd& white_residual() const { return white_residual_; }
+
+  /// log of the Bayes factor against none, prior variances `prior` of the amplitudes in
+  /// units of sigma^2:
+  ///   -1/2 log|I + D A| - dof/2 log(1 - b' (D^-1 + A)^-1 b / chi2)
+  double LogBayes(const Projected& projected, const Eigen::VectorXd& prior) const;
+
+  /// Posterior of the nuisances, in their units.
+  struct Fit {
+    Eigen::VectorXd values{};
+    Eigen::VectorXd sds{};
+    Eigen::VectorXd residual_mm{};  ///< Reading less model, by row.
+  };
+  Fit FitNuisances() const;
+
+ private:
+  const Observed* observed_;
+  Whitener whitener_;
+  Eigen::VectorXd keep_;  ///< 0 for rows left out.
+  Eigen::MatrixXd columns_mm_;
+  Eigen::VectorXd prior_sd_;
+  Eigen::MatrixXd q_;  ///< Orthonormal, rows by nuisances (pseudo rows dropped).
+  Eigen::MatrixXd r_;  ///< Triangular factor.
+  Eigen::VectorXd white_residual_;
+  double chi2_ = 0, dof_ = 0, log_none_ = 0;
+};
+
+/// The same without an `Evidence`: for a right-hand side of its own.
+double LogBayesOf(const Projected& projected,
+                  const Eigen::VectorXd& prior,
+                  double chi2,
+                  double dof);
+
+}  // namespace caltwin

@@ -1,0 +1,245 @@
+#include "calibration/diagnosis/gain.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace caltwin {
+namespace {
+
+constexpr int kBlocks = 5;
+constexpr int kMostPositionFolds = 40;
+
+class Gainer {
+ public:
+  Gainer(const Observed& observed,
+         const std::vector<Candidate>& candidates,
+         const SearchResult& search,
+         const std::vector<Refined>& refined)
+      : observed_(observed), search_(search) {
+    for (std::size_t i = 0; i < search.found.size(); ++i) {
+      Found found = search.found[i];
+      if (refined[i].effect.effect >= 0) {
+        found.variant = refined[i].variant;
+        found.sizes_mm = refined[i].sizes_mm;
+      }
+      more_.push_back(NuisancesOf(observed, candidates[found.candidate], found));
+    }
+  }
+
+  // Rows of one group are left out together; group -1 is always fitted, never scored.
+  HeldOut LeaveOut(const std::vector<int>& group_of) const {
+    HeldOut held;
+    held.groups = 1 + *std::ranges::max_element(group_of);
+    if (held.groups < 2) return {};
+    double before = 0, after = 0;
+    for (int group = 0; group < held.groups; ++group) {
+      std::vector<bool> out = search_.circumstances.left_out;
+      for (std::size_t i = 0; i < out.size(); ++i) {
+        if (group_of[i] == group) out[i] = true;
+      }
+      const Eigen::VectorXd without = ResidualOf(NoFinding(), out);
+      const Eigen::VectorXd with = more_.empty() ? without : ResidualOf(All(), out);
+      for (std::size_t i = 0; i < out.size(); ++i) {
+        if (group_of[i] != group || search_.circumstances.left_out[i]) continue;
+        const auto row = static_cast<Eigen::Index>(i);
+        before += without[row] * without[row];
+        after += with[row] * with[row];
+        ++held.rows;
+      }
+    }
+    const double rows = std::max(held.rows, 1);
+    held.before_mm = std::sqrt(before / rows);
+    held.after_mm = std::sqrt(after / rows);
+    return held;
+  }
+
+  // Residual mean square of a subset of the findings, nothing left out [mm^2].
+  double MeanSquare(unsigned subset) const {
+    const std::vector<bool>& out = search_.circumstances.left_out;
+    const Eigen::VectorXd residual = ResidualOf(subset, out);
+    double sum = 0;
+    int rows = 0;
+    for (std::size_t i = 0; i < out.size(); ++i) {
+      if (out[i]) continue;
+      sum += std::pow(residual[static_cast<Eigen::Index>(i)], 2);
+      ++rows;
+    }
+    return sum / std::max(rows, 1);
+  }
+
+  unsigned All() const { return (1U << more_.size()) - 1; }
+  static unsigned NoFinding() { return 0; }
+  std::size_t num_findings() const { return more_.size(); }
+
+ private:
+  Eigen::VectorXd ResidualOf(unsigned subset, const std::vector<bool>& out) const {
+    std::vector<Nuisance> nuisances = search_.circumstances.nuisances;
+    for (std::size_t f = 0; f < more_.size(); ++f) {
+      if ((subset >> f & 1U) == 0) continue;
+      nuisances.insert(nuisances.end(), more_[f].begin(), more_[f].end());
+    }
+    return Evidence(observed_, {search_.circumstances.sigma_mm, 0}, nuisances, out)
+        .FitNuisances()
+        .residual_mm;
+  }
+
+  const Observed& observed_;
+  const SearchResult& search_;
+  std::vector<std::vector<Nuisance>> more_{};
+};
+
+std::string SetupOf(const Row& row) {
+  return row.campaign + "|" + row.setup;
+}
+
+// Contiguous pieces of the time inside each setup.
+std::vector<int> TimeBlocks(const Observed& o) {
+  std::map<std::string, std::vector<Eigen::Index>> by_setup;
+  for (Eigen::Index i = 0; i < o.num_rows(); ++i) {
+    by_setup[SetupOf(o.row(i))].push_back(i);
+  }
+  std::vector<int> blocks(static_cast<std::size_t>(o.num_rows()), -1);
+  for (auto& [setup, rows] : by_setup) {
+    std::ranges::stable_sort(rows, {}, [&](Eigen::Index i) { return o.at(i).t_s; });
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+      blocks[static_cast<std::size_t>(rows[k])] =
+          static_cast<int>(k * kBlocks / rows.size());
+    }
+  }
+  return blocks;
+}
+
+// Groups by a key; -1 for rows that cannot be left out.
+template <typename Key>
+std::vector<int> GroupsBy(const Observed& o, const Key& key_of, int most) {
+  std::map<std::string, int> ids;
+  std::vector<int> groups;
+  for (Eigen::Index i = 0; i < o.num_rows(); ++i) {
+    const std::string key = key_of(o.row(i));
+    if (key.empty()) {
+      groups.push_back(-1);
+      continue;
+    }
+    const int id = ids.try_emplace(key, static_cast<int>(ids.size())).first->second;
+    groups.push_back(id % most);
+  }
+  return groups;
+}
+
+std::string RunOf(const Row& row) {
+  return row.rep > 0 ? std::to_string(row.rep) : "";
+}
+
+std::string PoseOf(const Row& row) {
+  std::string key;
+  for (const double cmd_mm : row.cmd_mm) {
+    key += Known(cmd_mm) ? std::to_string(std::llround(cmd_mm * 1e2)) + "," : "?,";
+  }
+  return key;
+}
+
+// Positions that were measured more than once, the ends of the range excepted: beyond
+// the last position there is nothing to interpolate between.
+std::vector<int> PositionGroups(const Observed& o) {
+  std::map<std::string, int> counts;
+  Vec3<double> low = o.at(0).q_mm, high = low;
+  for (Eigen::Index i = 0; i < o.num_rows(); ++i) {
+    ++counts[PoseOf(o.row(i))];
+    low = low.cwiseMin(o.at(i).q_mm);
+    high = high.cwiseMax(o.at(i).q_mm);
+  }
+  const double most_repeated =
+      static_cast<double>(o.num_rows()) / static_cast<double>(counts.size());
+  const auto is_interior = [&](const Row& row) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double reach = high[static_cast<int>(k)] - low[static_cast<int>(k)];
+      if (!Known(row.cmd_mm[k]) || reach < 1) continue;
+      if (row.cmd_mm[k] - low[static_cast<int>(k)] < 1e-3 * reach) return false;
+      if (high[static_cast<int>(k)] - row.cmd_mm[k] < 1e-3 * reach) return false;
+    }
+    return true;
+  };
+  if (most_repeated < 2)
+    return std::vector<int>(static_cast<std::size_t>(o.num_rows()), -1);
+  return GroupsBy(
+      o,
+      [&](const Row& row) { return is_interior(row) ? PoseOf(row) : std::string(); },
+      kMostPositionFolds);
+}
+
+double Factorial(std::size_t n) {
+  return n < 2 ? 1 : static_cast<double>(n) * Factorial(n - 1);
+}
+
+// Shapley's share of each finding in the variance explained.
+std::vector<double> Shares(const Gainer& gainer, double floor_mm2) {
+  const std::size_t n = gainer.num_findings();
+  std::vector<double> worth(1U << n);
+  for (unsigned subset = 0; subset < worth.size(); ++subset) {
+    worth[subset] = gainer.MeanSquare(subset);
+  }
+  const double explainable = std::max(worth[0] - floor_mm2, 1e-300);
+  std::vector<double> shares(n, 0);
+  for (std::size_t f = 0; f < n; ++f) {
+    for (unsigned subset = 0; subset < worth.size(); ++subset) {
+      if ((subset >> f & 1U) != 0) continue;
+      const auto size = static_cast<std::size_t>(__builtin_popcount(subset));
+      shares[f] += Factorial(size) * Factorial(n - size - 1) / Factorial(n) *
+                   (worth[subset] - worth[subset | 1U << f]) / explainable;
+    }
+    shares[f] = std::clamp(shares[f], 0.0, 1.0);
+  }
+  return shares;
+}
+
+// From replicates where there are enough, else from the richest model.
+double NoiseFloor_mm(const Observed& o,
+                     const SearchResult& search,
+                     bool* from_replicates) {
+  constexpr int kEnough = 10;
+  const PureError pure = PureErrorOf(o, kEnough);
+  double sum = 0;
+  int rows = 0;
+  *from_replicates = true;
+  for (Eigen::Index i = 0; i < o.num_rows(); ++i) {
+    if (search.circumstances.left_out[static_cast<std::size_t>(i)]) continue;
+    const auto c =
+        static_cast<std::size_t>(o.campaign_of()[static_cast<std::size_t>(i)]);
+    double sigma_mm = search.richest.sigma_mm[c];
+    // Drift between replicates and outliers among them would raise the floor.
+    if (Known(pure.sigma_mm[c]) && pure.sigma_mm[c] < 1.3 * sigma_mm) {
+      sigma_mm = pure.sigma_mm[c];
+    } else {
+      *from_replicates = false;
+    }
+    sum += sigma_mm * sigma_mm;
+    ++rows;
+  }
+  return std::sqrt(sum / std::max(rows, 1));
+}
+
+}  // namespace
+
+GainFigures GainOf(const Observed& observed,
+                   const std::vector<Candidate>& candidates,
+                   const SearchResult& search,
+                   const std::vector<Refined>& refined) {
+  const Gainer gainer(observed, candidates, search, refined);
+  GainFigures gain;
+  gain.noise_floor_mm = NoiseFloor_mm(observed, search, &gain.floor_from_replicates);
+  gain.blocks = gainer.LeaveOut(TimeBlocks(observed));
+  if (!search.found.empty()) {
+    gain.runs = gainer.LeaveOut(GroupsBy(observed, RunOf, kMostPositionFolds));
+    gain.positions = gainer.LeaveOut(PositionGroups(observed));
+    const double floor2 = gain.noise_floor_mm * gain.noise_floor_mm;
+    const double before2 = gain.blocks.before_mm * gain.blocks.before_mm;
+    const double after2 = gain.blocks.after_mm * gain.blocks.after_mm;
+    gain.explained_fraction =
+        std::min(1.0, (before2 - after2) / std::max(before2 - floor2, 1e-300));
+    gain.shares = Shares(gainer, floor2);
+  }
+  return gain;
+}
+
+}  // namespace caltwin

@@ -1,0 +1,137 @@
+#include "calibration/diagnosis/noise.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <tuple>
+
+namespace caltwin {
+namespace {
+
+constexpr double kLeastSigma_mm = 1e-7;
+constexpr double kSdOfMad = 1.4826;
+
+// What makes two readings replicates, in steps too small to matter.
+std::string ReplicateKey(const Observed& o, Eigen::Index i) {
+  const Row& row = o.row(i);
+  const At& at = o.at(i);
+  std::string key = row.campaign + "|" + row.setup + "|" + row.feature;
+  const auto add = [&](double value, double step) {
+    key += "|";
+    key += Known(value) ? std::to_string(std::llround(value / step)) : "?";
+  };
+  for (std::size_t k = 0; k < 3; ++k) {
+    add(row.cmd_mm[k], 1e-3);
+    add(row.dir[k], 1e-2);
+    add(row.n[k], 1e-3);
+    add(at.probe_off_mm[static_cast<int>(k)], 1e-3);
+  }
+  add(row.feed_mm_s, 1e-3);
+  add(row.load_n, 1e-2);
+  add(row.probe_angle_deg, 1e-2);
+  add(row.artefact_turn_deg, 1e-2);
+  return key;
+}
+
+double Median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  const auto mid = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), mid, values.end());
+  return *mid;
+}
+
+}  // namespace
+
+Whitener::Whitener(const Observed& observed, const Noise& noise)
+    : wanders_(noise.wander_mm2_per_s > 0),
+      inverse_sd_(noise.sigma_mm.cwiseInverse()),
+      log_det_(2 * noise.sigma_mm.array().log().sum()) {
+  if (!wanders_) return;
+  order_.resize(static_cast<std::size_t>(observed.num_rows()));
+  std::iota(order_.begin(), order_.end(), 0);
+  std::ranges::stable_sort(
+      order_, {}, [&](Eigen::Index i) { return observed.row(i).row; });
+  Eigen::Matrix3d p = Eigen::Matrix3d::Zero();
+  double before_s = observed.at(order_.front()).t_s;
+  log_det_ = 0;
+  for (const Eigen::Index i : order_) {
+    const double step_s = std::max(0.0, observed.at(i).t_s - before_s);
+    before_s = observed.at(i).t_s;
+    p.diagonal().array() += noise.wander_mm2_per_s * step_s;
+    const Eigen::Vector3d h = observed.MotionSign(i) * observed.at(i).n;
+    const Eigen::Vector3d ph = p * h;
+    const double variance = h.dot(ph) + noise.sigma_mm[i] * noise.sigma_mm[i];
+    direction_.push_back(h);
+    gain_.emplace_back(ph / variance);
+    p -= ph * ph.transpose() / variance;
+    inverse_sd_[i] = 1 / std::sqrt(variance);
+    log_det_ += std::log(variance);
+  }
+}
+
+Eigen::MatrixXd Whitener::operator()(const Eigen::MatrixXd& columns_mm) const {
+  if (!wanders_) return inverse_sd_.asDiagonal() * columns_mm;
+  Eigen::MatrixXd white(columns_mm.rows(), columns_mm.cols());
+  for (Eigen::Index c = 0; c < columns_mm.cols(); ++c) {
+    Eigen::Vector3d state = Eigen::Vector3d::Zero();
+    for (std::size_t k = 0; k < order_.size(); ++k) {
+      const Eigen::Index i = order_[k];
+      const double innovation = columns_mm(i, c) - direction_[k].dot(state);
+      state += gain_[k] * innovation;
+      white(i, c) = innovation * inverse_sd_[i];
+    }
+  }
+  return white;
+}
+
+PureError PureErrorOf(const Observed& observed, int least_dof) {
+  std::map<std::string, std::vector<Eigen::Index>> groups;
+  for (Eigen::Index i = 0; i < observed.num_rows(); ++i) {
+    groups[ReplicateKey(observed, i)].push_back(i);
+  }
+  const std::size_t num_campaigns = observed.campaigns().size();
+  std::vector<double> sum(num_campaigns, 0);
+  PureError pure{.sigma_mm = std::vector<double>(num_campaigns, kUnknown),
+                 .dof = std::vector<int>(num_campaigns, 0)};
+  for (const auto& [key, members] : groups) {
+    if (members.size() < 2) continue;
+    double mean = 0;
+    for (const Eigen::Index i : members) mean += observed.residual_mm()[i];
+    mean /= static_cast<double>(members.size());
+    const auto c = static_cast<std::size_t>(
+        observed.campaign_of()[static_cast<std::size_t>(members.front())]);
+    for (const Eigen::Index i : members) {
+      sum[c] += std::pow(observed.residual_mm()[i] - mean, 2);
+    }
+    pure.dof[c] += static_cast<int>(members.size()) - 1;
+  }
+  for (std::size_t c = 0; c < num_campaigns; ++c) {
+    if (pure.dof[c] >= least_dof) pure.sigma_mm[c] = std::sqrt(sum[c] / pure.dof[c]);
+  }
+  return pure;
+}
+
+Eigen::VectorXd GuessSigma_mm(const Observed& observed,
+                              const Eigen::VectorXd& baseline_residual_mm) {
+  constexpr int kEnoughReplicates = 10;
+  const PureError pure = PureErrorOf(observed, kEnoughReplicates);
+  std::vector<std::vector<double>> sizes(observed.campaigns().size());
+  for (Eigen::Index i = 0; i < observed.num_rows(); ++i) {
+    sizes[static_cast<std::size_t>(observed.campaign_of()[static_cast<std::size_t>(i)])]
+        .push_back(std::abs(baseline_residual_mm[i]));
+  }
+  Eigen::VectorXd sigma_mm(observed.num_rows());
+  for (Eigen::Index i = 0; i < observed.num_rows(); ++i) {
+    const auto c =
+        static_cast<std::size_t>(observed.campaign_of()[static_cast<std::size_t>(i)]);
+    const double stated = observed.StatedSigma_mm(i);
+    double sigma = kSdOfMad * Median(sizes[c]);
+    if (Known(pure.sigma_mm[c])) sigma = std::min(sigma, pure.sigma_mm[c]);
+    if (Known(stated)) sigma = stated;
+    sigma_mm[i] = std::max(sigma, kLeastSigma_mm);
+  }
+  return sigma_mm;
+}
+
+}  // namespace caltwin

@@ -1,0 +1,148 @@
+#include "calibration/diagnosis/observed.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "sim/base/units.h"
+#include "sim/effects/predict.h"
+
+namespace caltwin {
+namespace {
+
+void Take(const std::map<std::string, double>& stated, std::array<double, 3>* values) {
+  for (const auto& [name, value] : stated) {
+    if (const auto axis = AxisNamed(name)) {
+      (*values)[static_cast<std::size_t>(Index(*axis))] = value;
+    }
+  }
+}
+
+bool IsInside(const DataHeader& header, std::string_view artefact) {
+  const auto found = header.artefacts.find(std::string(artefact));
+  return found != header.artefacts.end() &&
+         (found->second.type == "ring" || found->second.type == "pocket");
+}
+
+}  // namespace
+
+std::map<std::string, Settings> SettingsOf(const DataHeader& header,
+                                           const Machine& machine) {
+  std::map<std::string, Settings> by_id;
+  Settings plain = machine.settings;
+  if (header.tip_radius_mm) plain.tip_radius_mm = *header.tip_radius_mm;
+  by_id[""] = plain;
+  for (const auto& [id, stated] : header.settings) {
+    Settings settings = plain;
+    Take(stated.steps_per_mm, &settings.steps_per_mm);
+    Take(stated.backlash_mm, &settings.backlash_mm);
+    Take(stated.probe_deflection_mm, &settings.probe_deflection_mm);
+    if (stated.tip_radius_mm) settings.tip_radius_mm = *stated.tip_radius_mm;
+    by_id[id] = settings;
+  }
+  return by_id;
+}
+
+Observed::Observed(RowTable table,
+                   DataHeader header,
+                   Machine machine,
+                   std::vector<Injected> effects)
+    : table_(std::make_shared<const RowTable>(std::move(table))),
+      header_(std::make_shared<const DataHeader>(std::move(header))),
+      surroundings_(std::make_shared<const Surroundings>(table_->rows)),
+      machine_(std::move(machine)),
+      effects_(std::move(effects)) {
+  const auto settings = SettingsOf(*header_, machine_);
+  for (const Row& row : table_->rows) {
+    const auto named = settings.find(row.settings);
+    const Settings& in_force =
+        named == settings.end() ? settings.at("") : named->second;
+    At at = AtOf(row, machine_, in_force);
+    surroundings_->Complete(row, &at);
+    at.inside = IsInside(*header_, at.artefact);
+    at_.push_back(at);
+    auto known = std::ranges::find(campaigns_, row.campaign);
+    if (known == campaigns_.end()) {
+      known = campaigns_.insert(campaigns_.end(), row.campaign);
+    }
+    campaign_of_.push_back(static_cast<int>(known - campaigns_.begin()));
+  }
+  Linearise();
+}
+
+Observed Observed::With(const std::vector<Injected>& more) const {
+  Observed copy = *this;
+  copy.effects_.insert(copy.effects_.end(), more.begin(), more.end());
+  copy.Linearise();
+  return copy;
+}
+
+void Observed::Linearise() {
+  const auto n = static_cast<Eigen::Index>(at_.size());
+  residual_mm_.resize(n);
+  true_q_mm_.resize(at_.size());
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const auto errors = ErrorsAt<double>(machine_, at(i), effects_);
+    true_q_mm_[static_cast<std::size_t>(i)] = at(i).q_mm + errors.motion_mm;
+    residual_mm_[i] = row(i).value_mm - Value_mm(at(i), errors);
+  }
+}
+
+Eigen::VectorXd Observed::Change_mm(const Injected& effect) const {
+  const bool is_drive = EffectAt(effect.effect).stage == Stage::kDrive;
+  Eigen::VectorXd change(num_rows());
+  for (Eigen::Index i = 0; i < num_rows(); ++i) {
+    const At& where = at(i);
+    const Asked<double> asked{
+        .p = effect.values,
+        .axis = effect.axis,
+        .machine = machine_,
+        .at = where,
+        .q_mm = is_drive ? where.q_mm : true_q_mm_[static_cast<std::size_t>(i)]};
+    Errors<double> errors;
+    AddErrors(effect.effect, asked, &errors);
+    const Vec3<double> motion_mm =
+        errors.motion_mm - where.dir.cwiseProduct(errors.lost_motion_mm) / 2;
+    const double along_mm = motion_mm.dot(where.n);
+    change[i] = where.kind != RowKind::kTouch
+                    ? along_mm
+                    : -along_mm - errors.more_pretravel_mm -
+                          where.feed_mm_s * errors.latency_s + errors.tip_radius_mm +
+                          errors.artefact_mm;
+  }
+  return change;
+}
+
+double Observed::StatedSigma_mm(Eigen::Index i) const {
+  if (Known(row(i).sigma_mm) && row(i).sigma_mm > 0) return row(i).sigma_mm;
+  std::string id = at(i).kind == RowKind::kTouch ? "probe" : "";
+  const auto campaign = header_->campaigns.find(row(i).campaign);
+  if (campaign != header_->campaigns.end() && !campaign->second.instrument.empty()) {
+    id = campaign->second.instrument;
+  }
+  const auto instrument = header_->instruments.find(id);
+  if (instrument == header_->instruments.end()) return kUnknown;
+  const Instrument& stated = instrument->second;
+  // A reading rounded to a step is uncertain by the step over sqrt(12).
+  const double sigma_um = std::hypot(stated.sigma_um, stated.resolution_um / 3.4641);
+  return sigma_um > 0 ? MmFromUm(sigma_um) : kUnknown;
+}
+
+Extent Observed::ExtentOf() const {
+  Extent extent;
+  if (at_.empty()) return extent;
+  extent.q_min_mm = extent.q_max_mm = at_.front().q_mm;
+  for (const At& at : at_) {
+    extent.q_min_mm = extent.q_min_mm.cwiseMin(at.q_mm);
+    extent.q_max_mm = extent.q_max_mm.cwiseMax(at.q_mm);
+    extent.times_s.push_back(at.t_s);
+  }
+  std::ranges::sort(extent.times_s);
+  const auto repeated = std::ranges::unique(extent.times_s);
+  extent.times_s.erase(repeated.begin(), repeated.end());
+  extent.t_min_s = extent.times_s.front();
+  extent.t_max_s = extent.times_s.back();
+  return extent;
+}
+
+}  // namespace caltwin

@@ -1,0 +1,192 @@
+#include "calibration/diagnosis/outliers.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+
+namespace caltwin {
+namespace {
+
+constexpr double kOutlier_sigma = 4.2;
+constexpr double kMostOutliers = 0.05;
+constexpr std::size_t kNamedTaken = 14;
+constexpr std::size_t kFreeTaken = 10;
+// Hopeless candidates only cost degrees of freedom.
+constexpr double kWorthTaking_nats = -7;
+constexpr double kSdOfMad = 1.4826;
+
+struct Columns {
+  Eigen::MatrixXd columns{};  ///< In units of their prior.
+};
+
+// All columns of the richest model, white and in units of their priors.
+Eigen::MatrixXd ColumnsOf(const Observed& observed,
+                          const std::vector<Candidate>& candidates,
+                          const Weighing& weighing,
+                          const Circumstances& circumstances) {
+  std::vector<Eigen::VectorXd> all;
+  for (const Nuisance& nuisance : circumstances.nuisances) {
+    all.emplace_back(nuisance.column_mm * nuisance.prior_sd);
+  }
+  std::size_t named = 0, free = 0;
+  for (const Weighed& weighed : weighing.ranked) {
+    const Candidate& candidate = candidates[weighed.candidate];
+    if (weighed.log_odds < kWorthTaking_nats || weighed.sizes_mm.size() == 0) continue;
+    std::size_t& taken = candidate.is_free() ? free : named;
+    if (taken >= (candidate.is_free() ? kFreeTaken : kNamedTaken)) continue;
+    ++taken;
+    const Variant& variant = candidate.variants[weighed.variant];
+    for (Eigen::Index k = 0; k < variant.columns_mm.cols(); ++k) {
+      const double relative = candidate.is_free() ? candidate.free_prior[k] : 1;
+      all.emplace_back(variant.columns_mm.col(k) * weighed.scale_mm *
+                       std::sqrt(relative));
+    }
+  }
+  Eigen::MatrixXd columns(observed.num_rows(), static_cast<Eigen::Index>(all.size()));
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    columns.col(static_cast<Eigen::Index>(k)) = all[k];
+  }
+  return circumstances.sigma_mm.cwiseInverse().asDiagonal() * columns;
+}
+
+struct Ridge {
+  Eigen::VectorXd residual{};  ///< White.
+  Eigen::VectorXd leverage{};
+};
+
+Ridge FitRidge(const Eigen::MatrixXd& columns,
+               const Eigen::VectorXd& white,
+               const Eigen::VectorXd& keep) {
+  const Eigen::MatrixXd kept = keep.asDiagonal() * columns;
+  Eigen::MatrixXd normal = kept.transpose() * kept;
+  normal.diagonal().array() += 1;
+  const Eigen::LLT<Eigen::MatrixXd> llt(normal);
+  const Eigen::VectorXd x = llt.solve(kept.transpose() * white);
+  Ridge ridge{.residual = white - columns * x};
+  const Eigen::MatrixXd half = llt.matrixL().solve(columns.transpose());
+  ridge.leverage = half.colwise().squaredNorm().transpose();
+  return ridge;
+}
+
+// Deleted residuals: as if each row had not taken part. A row left out already did not.
+double Deleted(const Ridge& ridge, const Eigen::VectorXd& keep, Eigen::Index i) {
+  const double h = std::min(ridge.leverage[i], 0.999);
+  return keep[i] > 0 ? ridge.residual[i] / std::sqrt(1 - h)
+                     : ridge.residual[i] / std::sqrt(1 + ridge.leverage[i]);
+}
+
+class Judge {
+ public:
+  Judge(const Observed& observed, Eigen::MatrixXd columns, Eigen::VectorXd white)
+      : observed_(observed),
+        columns_(std::move(columns)),
+        white_(std::move(white)),
+        keep_(Eigen::VectorXd::Ones(observed.num_rows())) {}
+
+  void Run() {
+    const auto most =
+        static_cast<int>(kMostOutliers * static_cast<double>(keep_.size()));
+    ridge_ = FitRidge(columns_, white_, keep_);
+    for (int found = 0; found < most;) {
+      const int more = LeaveOutFarthest(most - found);
+      if (more == 0) break;
+      found += more;
+      ridge_ = FitRidge(columns_, white_, keep_);
+    }
+  }
+
+  Richest Take(const Eigen::VectorXd& sigma_mm) const {
+    const std::size_t num_campaigns = observed_.campaigns().size();
+    Richest richest{.residual_mm = ridge_.residual.cwiseProduct(sigma_mm),
+                    .leverage = ridge_.leverage,
+                    .sigma_mm = std::vector<double>(num_campaigns, 0),
+                    .dof = std::vector<double>(num_campaigns, 0)};
+    for (Eigen::Index i = 0; i < keep_.size(); ++i) {
+      richest.is_outlier.push_back(keep_[i] == 0);
+      if (keep_[i] == 0) continue;
+      const auto c = CampaignOf(i);
+      richest.sigma_mm[c] += std::pow(richest.residual_mm[i], 2);
+      richest.dof[c] += 1 - std::min(ridge_.leverage[i], 1.0);
+    }
+    for (std::size_t c = 0; c < num_campaigns; ++c) {
+      richest.sigma_mm[c] =
+          std::sqrt(richest.sigma_mm[c] / std::max(richest.dof[c], 1.0));
+    }
+    return richest;
+  }
+
+ private:
+  std::size_t CampaignOf(Eigen::Index i) const {
+    return static_cast<std::size_t>(
+        observed_.campaign_of()[static_cast<std::size_t>(i)]);
+  }
+
+  // Robust spread of each campaign's deleted residuals, white.
+  std::vector<double> Spreads() const {
+    std::vector<std::vector<double>> sizes(observed_.campaigns().size());
+    for (Eigen::Index i = 0; i < keep_.size(); ++i) {
+      if (keep_[i] > 0)
+        sizes[CampaignOf(i)].push_back(std::abs(Deleted(ridge_, keep_, i)));
+    }
+    std::vector<double> spreads;
+    for (auto& of_campaign : sizes) {
+      if (of_campaign.empty()) {
+        spreads.push_back(1);
+        continue;
+      }
+      const auto mid =
+          of_campaign.begin() + static_cast<std::ptrdiff_t>(of_campaign.size() / 2);
+      std::nth_element(of_campaign.begin(), mid, of_campaign.end());
+      double sum = 0;
+      for (const double size : of_campaign) {
+        sum += std::pow(std::min(size, kOutlier_sigma * kSdOfMad * *mid), 2);
+      }
+      // The larger of both: a median alone is poor in small campaigns.
+      const double rms = std::sqrt(sum / static_cast<double>(of_campaign.size()));
+      spreads.push_back(std::max(kSdOfMad * *mid, 0.9 * rms));
+    }
+    return spreads;
+  }
+
+  // Leaves out the farthest rows beyond the limit, half of them at most, so that what
+  // they masked shows.
+  int LeaveOutFarthest(int most) {
+    const std::vector<double> spreads = Spreads();
+    std::vector<std::pair<double, Eigen::Index>> far;
+    for (Eigen::Index i = 0; i < keep_.size(); ++i) {
+      if (keep_[i] == 0) continue;
+      const double size =
+          std::abs(Deleted(ridge_, keep_, i)) / std::max(spreads[CampaignOf(i)], 1e-9);
+      if (size > kOutlier_sigma) far.emplace_back(size, i);
+    }
+    std::ranges::sort(far, std::ranges::greater{});
+    const int take = std::min({most,
+                               static_cast<int>(far.size()),
+                               std::max(1, static_cast<int>(far.size() / 2))});
+    for (int k = 0; k < take; ++k) keep_[far[static_cast<std::size_t>(k)].second] = 0;
+    return take;
+  }
+
+  const Observed& observed_;
+  Eigen::MatrixXd columns_;
+  Eigen::VectorXd white_;
+  Eigen::VectorXd keep_;
+  Ridge ridge_{};
+};
+
+}  // namespace
+
+Richest JudgeRows(const Observed& observed,
+                  const std::vector<Candidate>& candidates,
+                  const Weighing& weighing,
+                  const Circumstances& circumstances) {
+  Judge judge(
+      observed,
+      ColumnsOf(observed, candidates, weighing, circumstances),
+      circumstances.sigma_mm.cwiseInverse().cwiseProduct(observed.residual_mm()));
+  judge.Run();
+  return judge.Take(circumstances.sigma_mm);
+}
+
+}  // namespace caltwin

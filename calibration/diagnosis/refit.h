@@ -1,0 +1,29 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "calibration/diagnosis/search.h"
+
+namespace caltwin {
+
+/// A named finding with its parameters refined: what is injected into the extended
+/// machine, and how sure each value is.
+struct Refined {
+  Injected effect{};
+  std::vector<double> sds{};  ///< As declared, in the same units.
+  Variant variant{};          ///< At the refined forms.
+  Eigen::VectorXd sizes_mm{};
+};
+
+/// Refines the named findings together: their form parameters by Ceres over the
+/// projected residual (sizes and baseline are solved exactly for every trial), then
+/// sizes, phases and forms with their covariance from the linearised problem, freedom
+/// of form included. Free forms stay as they are. One entry per finding; a free one has
+/// no effect (index -1).
+std::vector<Refined> Refit(const Observed& observed,
+                           const std::vector<Candidate>& candidates,
+                           const SearchResult& search);
+
+}  // namespace caltwin

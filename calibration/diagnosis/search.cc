@@ -1,0 +1,323 @@
+#include "calibration/diagnosis/search.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include <Eigen/Cholesky>
+
+#include "sim/base/units.h"
+
+namespace caltwin {
+namespace {
+
+const double kNamingOdds = std::log(20.0);
+constexpr double kPracticalSize_sigma = 0.5;
+constexpr double kFormLimit = 0.6;
+constexpr double kImitates = 9;
+constexpr int kFewRows = 3;
+// Above this no draw of noise was ever seen; the bootstrap would only say 0.
+constexpr double kBeyondDoubt_nats = 16;
+constexpr int kDraws = 100;
+constexpr double kMostChance = 0.01;
+constexpr double kShownProbability = 0.01;
+constexpr int kNoiseRounds = 2;
+// A finding's own sizes are free: this many times what was found.
+constexpr double kFree = 30;
+
+class Searcher {
+ public:
+  Searcher(const Observed& observed,
+           const std::vector<Candidate>& candidates,
+           const SearchOptions& options)
+      : observed_(observed), candidates_(candidates), options_(options) {}
+
+  SearchResult Run() {
+    SettleNoise();
+    while (static_cast<int>(found_.size()) < options_.most_findings) {
+      auto next = Best({});
+      if (!next) break;
+      found_.push_back(std::move(*next));
+      if (found_.size() > 1) {
+        Swap();
+        DeleteWeak();
+      }
+      JudgeNoise(Under(found_));
+    }
+    for (std::size_t i = 0; i < found_.size(); ++i) AddRivals(i);
+    return Take();
+  }
+
+ private:
+  std::vector<Nuisance> BaselineAnd(const std::vector<Found>& found,
+                                    std::size_t except) const {
+    std::vector<Nuisance> nuisances = baseline_;
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      if (i == except) continue;
+      const auto more =
+          NuisancesOf(observed_, candidates_[found[i].candidate], found[i]);
+      nuisances.insert(nuisances.end(), more.begin(), more.end());
+    }
+    return nuisances;
+  }
+
+  Circumstances Under(const std::vector<Found>& found, std::size_t except = 99) const {
+    return {sigma_mm_, BaselineAnd(found, except), left_out_};
+  }
+
+  // Sigma of each campaign and outliers, both against the richest model.
+  void JudgeNoise(const Circumstances& circumstances) {
+    const Weighing weighing = Weigh(observed_, candidates_, circumstances);
+    richest_ = JudgeRows(observed_, candidates_, weighing, circumstances);
+    left_out_ = richest_.is_outlier;
+    constexpr double kEnoughDof = 6;
+    for (Eigen::Index i = 0; i < sigma_mm_.size(); ++i) {
+      const auto c = static_cast<std::size_t>(
+          observed_.campaign_of()[static_cast<std::size_t>(i)]);
+      if (richest_.dof[c] >= kEnoughDof) sigma_mm_[i] = richest_.sigma_mm[c];
+    }
+    if (found_.empty()) first_ = weighing;
+    wander_mm2_per_s_ = weighing.wander_mm2_per_s;
+  }
+
+  void SettleNoise() {
+    baseline_ = BaselineOf(observed_);
+    sigma_mm_ = GuessSigma_mm(
+        observed_,
+        Evidence(observed_,
+                 {Eigen::VectorXd::Constant(observed_.num_rows(), 1e-3), 0},
+                 baseline_)
+            .FitNuisances()
+            .residual_mm);
+    left_out_.assign(static_cast<std::size_t>(observed_.num_rows()), false);
+    for (int round = 0; round < kNoiseRounds; ++round) JudgeNoise(Under({}));
+  }
+
+  // Half a sigma of the rows it reaches, or the user's figure.
+  bool IsPractical(const Candidate& candidate, const Weighed& weighed) const {
+    const Eigen::VectorXd change_mm =
+        candidate.variants[weighed.variant].columns_mm * weighed.sizes_mm;
+    if (options_.min_effect_um > 0) {
+      return UmFromMm(Peak_mm(change_mm)) >= options_.min_effect_um;
+    }
+    return Peak_mm(change_mm.cwiseQuotient(sigma_mm_)) >= kPracticalSize_sigma;
+  }
+
+  // Whether it still stands without the few rows that speak most for it.
+  bool RestsOnMany(const Circumstances& circumstances,
+                   const Candidate& candidate,
+                   const Weighed& weighed) const {
+    const Evidence evidence(
+        observed_, {sigma_mm_, wander_mm2_per_s_}, circumstances.nuisances, left_out_);
+    const Eigen::VectorXd shown = evidence.Left(evidence.Whiten(
+        candidate.variants[weighed.variant].columns_mm * weighed.sizes_mm));
+    const Eigen::VectorXd speaks = shown.cwiseProduct(evidence.white_residual());
+    std::vector<std::size_t> order(static_cast<std::size_t>(speaks.size()));
+    for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+    std::ranges::sort(order, std::ranges::greater{}, [&](std::size_t i) {
+      return speaks[static_cast<Eigen::Index>(i)];
+    });
+    Circumstances without = circumstances;
+    without.left_out = left_out_;
+    for (std::size_t k = 0; k < std::min<std::size_t>(kFewRows, order.size()); ++k) {
+      without.left_out[order[k]] = true;
+    }
+    const Weighing again = Weigh(observed_, {candidate}, without);
+    return again.ranked[0].log_odds > 0;
+  }
+
+  int RowsOf(const Candidate& candidate, const Weighed& weighed) const {
+    const Eigen::VectorXd change =
+        (candidate.variants[weighed.variant].columns_mm * weighed.sizes_mm)
+            .cwiseAbs()
+            .cwiseQuotient(sigma_mm_);
+    return static_cast<int>((change.array() > 0.05 * change.maxCoeff()).count());
+  }
+
+  Found FoundFrom(const Weighing& weighing, const Weighed& weighed) const {
+    const Candidate& candidate = candidates_[weighed.candidate];
+    Found found{.candidate = weighed.candidate,
+                .variant = candidate.variants[weighed.variant],
+                .sizes_mm = weighed.sizes_mm,
+                .probability = weighed.probability,
+                .log_odds = weighed.log_odds,
+                .scale_mm = weighed.scale_mm,
+                .lost_its_name = weighed.form_share > kFormLimit,
+                .num_rows = RowsOf(candidate, weighed)};
+    for (const Weighed& other : weighing.ranked) {
+      if (other.probability >= kShownProbability &&
+          other.candidate != weighed.candidate) {
+        found.rivals.push_back(
+            {.candidate = other.candidate, .probability = other.probability});
+      }
+    }
+    return found;
+  }
+
+  // The next cause, all gates passed; none if nothing passes. `except`: the finding to
+  // be replaced.
+  std::optional<Found> Best(std::optional<std::size_t> except) const {
+    const Circumstances circumstances = Under(found_, except.value_or(99));
+    Weighing weighing = Weigh(observed_, candidates_, circumstances);
+    while (!weighing.ranked.empty() && weighing.log_odds_any > kNamingOdds) {
+      const Weighed& top = weighing.ranked.front();
+      const Candidate& candidate = candidates_[top.candidate];
+      if (top.log_odds < 0) return std::nullopt;
+      if (IsPractical(candidate, top) && RestsOnMany(circumstances, candidate, top)) {
+        if (!IsBeyondChance(circumstances, weighing)) return std::nullopt;
+        return FoundFrom(weighing, top);
+      }
+      DropTop(&weighing);
+    }
+    return std::nullopt;
+  }
+
+  static void DropTop(Weighing* weighing) {
+    weighing->ranked.erase(weighing->ranked.begin());
+    std::vector<double> logs = {-1e300};
+    for (const Weighed& weighed : weighing->ranked) logs.push_back(weighed.log_odds);
+    weighing->log_odds_any = LogSum(logs);
+    const double total = LogSum({weighing->log_odds_any, 0.0});
+    for (Weighed& weighed : weighing->ranked) {
+      weighed.probability = std::exp(weighed.log_odds - total);
+    }
+  }
+
+  bool IsBeyondChance(const Circumstances& circumstances,
+                      const Weighing& weighing) const {
+    if (weighing.log_odds_any > kBeyondDoubt_nats) return true;
+    return ChanceUnderNone(observed_,
+                           candidates_,
+                           circumstances,
+                           wander_mm2_per_s_,
+                           weighing.log_odds_any,
+                           kDraws,
+                           options_.seed) <= kMostChance;
+  }
+
+  // With the others in place, each finding may turn out to be another cause.
+  void Swap() {
+    for (std::size_t i = 0; i + 1 < found_.size(); ++i) {
+      auto better = Best(i);
+      if (better && better->candidate != found_[i].candidate) {
+        const bool is_there = std::ranges::any_of(found_, [&](const Found& other) {
+          return other.candidate == better->candidate;
+        });
+        if (!is_there) found_[i] = std::move(*better);
+      } else if (better) {
+        found_[i] = std::move(*better);
+      }
+    }
+  }
+
+  void DeleteWeak() {
+    for (std::size_t i = 0; i < found_.size();) {
+      const Weighing alone =
+          Weigh(observed_, {candidates_[found_[i].candidate]}, Under(found_, i));
+      if (alone.ranked[0].log_odds < kNamingOdds) {
+        found_.erase(found_.begin() + static_cast<std::ptrdiff_t>(i));
+      } else {
+        ++i;
+      }
+    }
+  }
+
+  // How far the fitted effect is from what this candidate could do instead.
+  double Separation(const Evidence& evidence,
+                    const Eigen::VectorXd& effect_white,
+                    const Candidate& rival) const {
+    const Eigen::VectorXd left = evidence.Left(effect_white);
+    const double scale2 = evidence.chi2() / evidence.dof();
+    const double whole = effect_white.dot(left);
+    double least = whole;
+    for (const Variant& variant : rival.variants) {
+      const Eigen::MatrixXd white = evidence.Whiten(variant.columns_mm);
+      Eigen::MatrixXd gram = evidence.Project(white).gram;
+      gram.diagonal().array() += 1e-9 * (gram.diagonal().maxCoeff() + 1e-30);
+      const Eigen::VectorXd match = white.transpose() * left;
+      const Eigen::VectorXd sizes = gram.llt().solve(match);
+      if (rival.must_be_positive && sizes[0] < 0) continue;
+      least = std::min(least, whole - match.dot(sizes));
+    }
+    return least / scale2;
+  }
+
+  void AddRivals(std::size_t i) {
+    Found& found = found_[i];
+    const Candidate& own = candidates_[found.candidate];
+    if (own.is_free() || found.lost_its_name) return;
+    const Evidence evidence(
+        observed_, {sigma_mm_, wander_mm2_per_s_}, BaselineAnd(found_, i), left_out_);
+    const Eigen::VectorXd effect =
+        evidence.Whiten(found.variant.columns_mm * found.sizes_mm);
+    for (std::size_t c = 0; c < candidates_.size(); ++c) {
+      const bool is_found = std::ranges::any_of(
+          found_, [&](const Found& other) { return other.candidate == c; });
+      if (is_found || candidates_[c].is_free()) continue;
+      const double separation = Separation(evidence, effect, candidates_[c]);
+      if (separation >= kImitates) continue;
+      auto known = std::ranges::find(found.rivals, c, &Rival::candidate);
+      if (known == found.rivals.end()) {
+        known = found.rivals.insert(found.rivals.end(), {.candidate = c});
+      }
+      known->structural = true;
+      known->separation = separation;
+    }
+    std::ranges::stable_sort(found.rivals, std::ranges::greater{}, &Rival::probability);
+  }
+
+  SearchResult Take() const {
+    return {.found = found_,
+            .circumstances = {sigma_mm_, baseline_, left_out_},
+            .first = first_,
+            .richest = richest_,
+            .wander_mm2_per_s = wander_mm2_per_s_};
+  }
+
+  const Observed& observed_;
+  const std::vector<Candidate>& candidates_;
+  SearchOptions options_;
+  std::vector<Nuisance> baseline_{};
+  Eigen::VectorXd sigma_mm_{};
+  std::vector<bool> left_out_{};
+  std::vector<Found> found_{};
+  Weighing first_{};
+  Richest richest_{};
+  double wander_mm2_per_s_ = 0;
+};
+
+}  // namespace
+
+SearchResult Search(const Observed& observed,
+                    const std::vector<Candidate>& candidates,
+                    const SearchOptions& options) {
+  return Searcher(observed, candidates, options).Run();
+}
+
+std::vector<Nuisance> NuisancesOf(const Observed& observed,
+                                  const Candidate& candidate,
+                                  const Found& found) {
+  std::vector<Nuisance> nuisances;
+  const double size_mm = std::max(found.sizes_mm.norm(), found.scale_mm);
+  const auto add = [&](const Eigen::VectorXd& column, double prior_sd) {
+    nuisances.push_back({.name = candidate.Name(),
+                         .unit = "mm",
+                         .column_mm = column,
+                         .prior_sd = prior_sd,
+                         .reported = false});
+  };
+  for (Eigen::Index k = 0; k < found.variant.columns_mm.cols(); ++k) {
+    const double relative =
+        candidate.is_free() ? std::sqrt(candidate.free_prior[k]) : kFree;
+    add(found.variant.columns_mm.col(k),
+        candidate.is_free() ? 3 * found.scale_mm * relative : size_mm * kFree);
+  }
+  const Tolerance tolerance = ToleranceOf(observed, candidate, found.variant);
+  const double freedom = found.lost_its_name ? 3 : 1;
+  for (Eigen::Index k = 0; k < tolerance.columns_mm.cols(); ++k) {
+    add(tolerance.columns_mm.col(k), freedom * size_mm * std::sqrt(tolerance.prior[k]));
+  }
+  return nuisances;
+}
+
+}  // namespace caltwin

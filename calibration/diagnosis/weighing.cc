@@ -1,0 +1,296 @@
+#include "calibration/diagnosis/weighing.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include <Eigen/Cholesky>
+
+#include "sim/base/rng.h"
+#include "sim/base/units.h"
+
+namespace caltwin {
+namespace {
+
+// Sizes that an effect may have, all equally likely beforehand.
+constexpr std::array kScales_um = {0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0};
+// Rates of wander asked for; none is as likely as all others together.
+constexpr std::array kWanders_um_per_sqrt_h = {0.0, 0.5, 1.5, 5.0, 15.0};
+constexpr double kSecondsPerHour = 3600;
+// Wanders less likely than this against the best are not carried on.
+constexpr double kNegligible_nats = 4;
+constexpr std::size_t kVariantsInFull = 3;
+constexpr double kHopeless_nats = 12;
+
+double WanderOf(double um_per_sqrt_h) {
+  return std::pow(MmFromUm(um_per_sqrt_h), 2) / kSecondsPerHour;
+}
+
+// One noise, with its weight before the rows are asked and its likelihood.
+struct World_ {
+  double wander_mm2_per_s = 0;
+  Evidence evidence;
+  double log_none = 0;
+  double noise_scale = 1;  ///< sqrt(chi2 / dof): sigma's common factor.
+};
+
+std::vector<World_> WorldsOf(const Observed& observed,
+                             const Circumstances& circumstances) {
+  std::vector<World_> worlds;
+  for (const double rate : kWanders_um_per_sqrt_h) {
+    if (rate > 0 && !observed.has_times()) break;
+    Evidence evidence(observed,
+                      {circumstances.sigma_mm, WanderOf(rate)},
+                      circumstances.nuisances,
+                      circumstances.left_out);
+    const double prior =
+        rate == 0 ? 0.5 : 0.5 / static_cast<double>(kWanders_um_per_sqrt_h.size() - 1);
+    const double log_none = evidence.log_none() + std::log(prior);
+    const double noise_scale = std::sqrt(evidence.chi2() / evidence.dof());
+    worlds.push_back({WanderOf(rate), std::move(evidence), log_none, noise_scale});
+  }
+  return worlds;
+}
+
+// The still world always; of the others those that are likely.
+void DropUnlikely(std::vector<World_>* worlds) {
+  double best = -std::numeric_limits<double>::infinity();
+  for (const World_& world : *worlds) best = std::max(best, world.log_none);
+  std::erase_if(*worlds, [&](const World_& world) {
+    return world.wander_mm2_per_s > 0 && world.log_none < best - kNegligible_nats;
+  });
+}
+
+// Averaged over the sizes; tells the best of them.
+double LogBayesOverScales(const Evidence& evidence,
+                          const Projected& projected,
+                          const Eigen::VectorXd& relative,
+                          double noise_scale,
+                          double* best_scale_mm) {
+  std::vector<double> logs;
+  double best = -std::numeric_limits<double>::infinity();
+  for (const double scale_um : kScales_um) {
+    const double scale_mm = MmFromUm(scale_um);
+    const double in_sigma = scale_mm / noise_scale;
+    const double log_bayes =
+        evidence.LogBayes(projected, relative * (in_sigma * in_sigma));
+    logs.push_back(log_bayes);
+    if (log_bayes > best) {
+      best = log_bayes;
+      *best_scale_mm = scale_mm;
+    }
+  }
+  return LogSum(logs) - std::log(static_cast<double>(logs.size()));
+}
+
+Eigen::VectorXd PriorOf(const Candidate& candidate, const Variant& variant) {
+  if (candidate.is_free()) return candidate.free_prior;
+  return Eigen::VectorXd::Ones(variant.columns_mm.cols());
+}
+
+// A size that may only be positive: twice the posterior's part above zero.
+double LogPositive(const Projected& projected,
+                   const Eigen::VectorXd& prior_in_sigma,
+                   double noise_scale) {
+  Eigen::MatrixXd inner = projected.gram;
+  inner.diagonal() += prior_in_sigma.cwiseInverse();
+  const Eigen::LLT<Eigen::MatrixXd> llt(inner);
+  const Eigen::VectorXd mean = llt.solve(projected.match);
+  Eigen::VectorXd unit = Eigen::VectorXd::Zero(mean.size());
+  unit[0] = 1;
+  const double sd = std::sqrt(llt.solve(unit)[0]) * noise_scale;
+  const double z = mean[0] / std::max(sd, 1e-300);
+  const double part = 0.5 * std::erfc(-z / std::numbers::sqrt2);
+  return std::log(2 * std::max(part, 1e-30));
+}
+
+struct Scored {
+  std::size_t variant = 0;
+  double log_bayes = -1e300;
+};
+
+// Every variant without freedom of form.
+std::vector<Scored> PlainScores(const World_& world, const Candidate& candidate) {
+  std::vector<Scored> scores;
+  for (std::size_t v = 0; v < candidate.variants.size(); ++v) {
+    const Variant& variant = candidate.variants[v];
+    const Projected projected =
+        world.evidence.Project(world.evidence.Whiten(variant.columns_mm));
+    double scale_mm = 0;
+    scores.push_back({v,
+                      LogBayesOverScales(world.evidence,
+                                         projected,
+                                         PriorOf(candidate, variant),
+                                         world.noise_scale,
+                                         &scale_mm)});
+  }
+  return scores;
+}
+
+struct InFull {
+  double log_bayes = -1e300;
+  double scale_mm = 0;
+  Eigen::VectorXd sizes_mm{};
+  double form_share = 0;
+};
+
+InFull WithFreedom(const Observed& observed,
+                   const World_& world,
+                   const Candidate& candidate,
+                   const Variant& variant) {
+  const Tolerance tolerance = ToleranceOf(observed, candidate, variant);
+  const Eigen::Index k = variant.columns_mm.cols(), m = tolerance.columns_mm.cols();
+  Eigen::MatrixXd columns(observed.num_rows(), k + m);
+  columns << variant.columns_mm, tolerance.columns_mm;
+  Eigen::VectorXd relative(k + m);
+  relative << PriorOf(candidate, variant), tolerance.prior;
+  const Projected projected = world.evidence.Project(world.evidence.Whiten(columns));
+  InFull full;
+  full.log_bayes = LogBayesOverScales(
+      world.evidence, projected, relative, world.noise_scale, &full.scale_mm);
+  const double in_sigma = full.scale_mm / world.noise_scale;
+  const Eigen::VectorXd prior = relative * (in_sigma * in_sigma);
+  Eigen::MatrixXd inner = projected.gram;
+  inner.diagonal() += prior.cwiseInverse();
+  const Eigen::VectorXd mean = inner.llt().solve(projected.match);
+  full.sizes_mm = mean.head(k);
+  if (candidate.must_be_positive) {
+    full.log_bayes += LogPositive(projected, prior, world.noise_scale);
+  }
+  const double own = Peak_mm(variant.columns_mm * mean.head(k));
+  if (m > 0 && own > 0) {
+    full.form_share = Peak_mm(tolerance.columns_mm * mean.tail(m)) / own;
+  }
+  return full;
+}
+
+// A candidate in all worlds: log of the sum over worlds of likelihood.
+Weighed WeighOne(const Observed& observed,
+                 const std::vector<World_>& worlds,
+                 double log_none,
+                 const Candidate& candidate,
+                 std::size_t index) {
+  Weighed weighed{.candidate = index};
+  const double per_variant = -std::log(static_cast<double>(candidate.variants.size()));
+  std::vector<double> logs;
+  double best = -std::numeric_limits<double>::infinity();
+  for (const World_& world : worlds) {
+    std::vector<Scored> scores = PlainScores(world, candidate);
+    std::ranges::sort(scores, std::ranges::greater{}, &Scored::log_bayes);
+    std::vector<double> of_variants;
+    for (std::size_t s = 0; s < scores.size(); ++s) {
+      double log_bayes = scores[s].log_bayes;
+      const bool is_close = log_bayes > scores[0].log_bayes - kHopeless_nats;
+      if (s < kVariantsInFull && is_close) {
+        const InFull full = WithFreedom(
+            observed, world, candidate, candidate.variants[scores[s].variant]);
+        log_bayes = full.log_bayes;
+        if (log_bayes + world.log_none > best) {
+          best = log_bayes + world.log_none;
+          weighed.variant = scores[s].variant;
+          weighed.scale_mm = full.scale_mm;
+          weighed.sizes_mm = full.sizes_mm;
+          weighed.form_share = full.form_share;
+        }
+      }
+      of_variants.push_back(log_bayes + per_variant);
+    }
+    logs.push_back(LogSum(of_variants) + world.log_none);
+  }
+  weighed.log_odds = LogSum(logs) - log_none + candidate.log_prior;
+  return weighed;
+}
+
+}  // namespace
+
+double LogSum(const std::vector<double>& logs) {
+  const double most = *std::ranges::max_element(logs);
+  double sum = 0;
+  for (const double value : logs) sum += std::exp(value - most);
+  return most + std::log(sum);
+}
+
+Weighing Weigh(const Observed& observed,
+               const std::vector<Candidate>& candidates,
+               const Circumstances& circumstances) {
+  std::vector<World_> worlds = WorldsOf(observed, circumstances);
+  std::vector<double> none;
+  for (const World_& world : worlds) none.push_back(world.log_none);
+  const double log_none = LogSum(none);
+  Weighing weighing;
+  weighing.wander_mm2_per_s =
+      std::ranges::max_element(worlds, {}, &World_::log_none)->wander_mm2_per_s;
+  DropUnlikely(&worlds);
+  std::vector<double> all;
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    weighing.ranked.push_back(WeighOne(observed, worlds, log_none, candidates[i], i));
+    all.push_back(weighing.ranked.back().log_odds);
+  }
+  if (all.empty()) return weighing;
+  weighing.log_odds_any = LogSum(all);
+  const double total = LogSum({weighing.log_odds_any, 0.0});
+  for (Weighed& weighed : weighing.ranked) {
+    weighed.probability = std::exp(weighed.log_odds - total);
+  }
+  std::ranges::stable_sort(weighing.ranked, std::ranges::greater{}, &Weighed::log_odds);
+  return weighing;
+}
+
+double ChanceUnderNone(const Observed& observed,
+                       const std::vector<Candidate>& candidates,
+                       const Circumstances& circumstances,
+                       double wander_mm2_per_s,
+                       double log_odds_any,
+                       int draws,
+                       std::uint64_t seed) {
+  const Evidence evidence(observed,
+                          {circumstances.sigma_mm, wander_mm2_per_s},
+                          circumstances.nuisances,
+                          circumstances.left_out);
+  Rng rng(seed, 0, "diagnosis.bootstrap");
+  Eigen::MatrixXd readings(observed.num_rows(), draws);
+  for (double& value : readings.reshaped()) value = rng.Normal();
+  readings = evidence.ProjectedReadings(readings);
+  const Eigen::VectorXd chi2 = readings.colwise().squaredNorm();
+  std::vector<std::vector<double>> logs(static_cast<std::size_t>(draws));
+  for (const Candidate& candidate : candidates) {
+    const double per_variant =
+        candidate.log_prior - std::log(static_cast<double>(candidate.variants.size())) -
+        std::log(static_cast<double>(kScales_um.size()));
+    for (const Variant& variant : candidate.variants) {
+      const Eigen::MatrixXd white = evidence.Whiten(variant.columns_mm);
+      Projected projected = evidence.Project(white);
+      const Eigen::MatrixXd matches = white.transpose() * readings;
+      const Eigen::VectorXd relative = PriorOf(candidate, variant);
+      for (int d = 0; d < draws; ++d) {
+        projected.match = matches.col(d);
+        for (const double scale_um : kScales_um) {
+          logs[static_cast<std::size_t>(d)].push_back(
+              per_variant + LogBayesOf(projected,
+                                       relative * std::pow(MmFromUm(scale_um), 2),
+                                       chi2[d],
+                                       evidence.dof()));
+        }
+      }
+    }
+  }
+  std::vector<double> any;
+  for (const auto& of_draw : logs) any.push_back(LogSum(of_draw));
+  std::ranges::sort(any, std::ranges::greater{});
+  // The upper tenth's mean excess is the exponential tail's scale.
+  const std::size_t tail = std::max<std::size_t>(5, any.size() / 10);
+  double excess = 0;
+  for (std::size_t i = 0; i < tail; ++i) excess += any[i] - any[tail];
+  const double scale = std::max(excess / static_cast<double>(tail), 0.1);
+  if (log_odds_any <= any[tail]) {
+    const auto above =
+        std::ranges::count_if(any, [&](double value) { return value >= log_odds_any; });
+    return static_cast<double>(above) / draws;
+  }
+  return static_cast<double>(tail) / draws *
+         std::exp(-(log_odds_any - any[tail]) / scale);
+}
+
+}  // namespace caltwin

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "calibration/diagnosis/candidates.h"
+#include "calibration/diagnosis/evidence.h"
+
+namespace caltwin {
+
+/// What the rows say of one candidate, beside the baseline and what is already found.
+struct Weighed {
+  std::size_t candidate = 0;  ///< Index in the list weighed.
+  std::size_t variant = 0;    ///< The best of its variants.
+  /// log posterior odds against none, prior included.
+  double log_odds = -1e300;
+  double probability = 0;      ///< Among all candidates and none.
+  double scale_mm = 0;         ///< The most likely prior size.
+  Eigen::VectorXd sizes_mm{};  ///< Posterior mean of its sizes.
+  double form_share = 0;       ///< Near-peak of its deviation from form over its own.
+};
+
+/// All candidates, the likeliest first.
+struct Weighing {
+  std::vector<Weighed> ranked{};
+  double log_odds_any = -1e300;  ///< That anything at all is there.
+  /// The wander that is most likely when nothing else is there [mm^2/s].
+  double wander_mm2_per_s = 0;
+};
+
+/// What a weighing is made under.
+struct Circumstances {
+  Eigen::VectorXd sigma_mm{};
+  std::vector<Nuisance> nuisances{};
+  std::vector<bool> left_out{};
+};
+
+/// Weighs every candidate: averaged over its variants, over a grid of sizes, over the
+/// rates of wander that the rows allow; with freedom of form for the best variants.
+Weighing Weigh(const Observed& observed,
+               const std::vector<Candidate>& candidates,
+               const Circumstances& circumstances);
+
+/// Chance that rows of noise alone, with this baseline, would reach `log_odds_any`: the
+/// largest of `draws` simulated weighings, their tail extrapolated as exponential.
+double ChanceUnderNone(const Observed& observed,
+                       const std::vector<Candidate>& candidates,
+                       const Circumstances& circumstances,
+                       double wander_mm2_per_s,
+                       double log_odds_any,
+                       int draws,
+                       std::uint64_t seed);
+
+/// log sum exp, ignoring nothing.
+double LogSum(const std::vector<double>& logs);
+
+}  // namespace caltwin
