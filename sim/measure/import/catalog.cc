@@ -82,6 +82,8 @@ Imported ImportText(const std::string& kind,
   for (std::string& comment : imported.table.comments) {
     std::ranges::replace_if(
         comment, [](char c) { return c >= 0 && c < ' '; }, ' ');
+    comment.erase(comment.find_last_not_of(' ') + 1);
+    comment.erase(0, comment.find_first_not_of(' '));
   }
   return imported;
 }
