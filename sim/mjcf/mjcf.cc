@@ -23,6 +23,7 @@ constexpr double kLightBody_kg = 1e-3;  // Inertia is in the joints' armature.
 constexpr double kStylus_kg = 0.05;
 constexpr double kDampingRatio = 0.05;
 constexpr int kNumBoreFlats = 720;
+constexpr double kTargetHalf_mm = 20;
 constexpr int kTouchable = 2;  // Contact bit of the tip and all it may touch.
 
 constexpr std::array kJoints = {
@@ -336,6 +337,17 @@ void Mjcf::AddSolid(const std::string& name, const Solid& solid) {
            angle_rad,
            {wall_mm / 2, flat_mm, solid.half_mm[2]});
   }
+}
+
+void Mjcf::AddTarget() {
+  mjsBody* target =
+      mjs_addBody(mjs_asBody(Find(spec_.get(), mjOBJ_BODY, "table")), nullptr);
+  mjs_setName(target->element, "target");
+  mjsGeom* block = AddBox(target,
+                          Vec3<double>(0, 0, -kTargetHalf_mm),
+                          0,
+                          Vec3<double>::Constant(kTargetHalf_mm));
+  mjs_setName(block->element, "target");
 }
 
 ModelPtr Mjcf::Compile(bool with_looks) const {

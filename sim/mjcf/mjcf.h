@@ -74,6 +74,9 @@ class Mjcf {
   /// Adds what can be touched to the table; a bore becomes 720 flats that touch its
   /// circle (0.2 um inside it at the corners, for 50 mm).
   void AddSolid(const std::string& name, const Solid& solid);
+  /// Adds a small block on the table, body `target`, which World::PlaceTarget stands
+  /// where something is to be touched. Call before SetTimestep_s.
+  void AddTarget();
 
   /// Throws logic_error with MuJoCo's words where it does not compile. Without looks,
   /// what cannot touch is left out: a step costs a third less.

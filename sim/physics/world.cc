@@ -57,6 +57,8 @@ World::World(ModelPtr model, double hanging_n)
       stylus_geom_ = geom;
     }
   }
+  target_body_ = mj_name2id(m, mjOBJ_BODY, "target");
+  target_geom_ = mj_name2id(m, mjOBJ_GEOM, "target");
   for (std::size_t i = 0; i < 3; ++i) {
     nut_mass_kg_[i] =
         m->dof_armature[nuts_.dof[i]] + m->body_mass[m->dof_bodyid[nuts_.dof[i]]];
@@ -180,6 +182,48 @@ void World::SetGap_mm(Axis axis, double gap_mm) {
   data_->eq_active[play.rigid] = half_m > 0 ? 0 : 1;
 }
 
+void World::SetRailFriction_n(Axis axis, double friction_n) {
+  model_->dof_frictionloss[carriages_.dof[static_cast<std::size_t>(Index(axis))]] =
+      friction_n;
+}
+
+void World::TurnTable(const Vec3<double>& about_mm, double turn_rad) {
+  const Eigen::Quaterniond modelled(
+      table_quat_[0], table_quat_[1], table_quat_[2], table_quat_[3]);
+  const Eigen::Quaterniond turn(Eigen::AngleAxisd(turn_rad, Vec3<double>::UnitZ()));
+  const Vec3<double> about_m = about_mm * kMPerMm;
+  const Vec3<double> at_m = Eigen::Map<const Vec3<double>>(table_pos_.data()) +
+                            modelled * (about_m - turn * about_m);
+  const Eigen::Quaterniond turned = modelled * turn;
+  const std::array<mjtNum, 4> quat{turned.w(), turned.x(), turned.y(), turned.z()};
+  std::copy_n(at_m.data(), 3, model_->body_pos + 3 * table_body_);
+  std::copy_n(quat.data(), 4, model_->body_quat + 4 * table_body_);
+}
+
+void World::MakeTouchable(int geom, bool is_touchable) {
+  model_->geom_contype[geom] = is_touchable ? kTouchable : 0;
+  model_->geom_conaffinity[geom] = is_touchable ? kTouchable : 0;
+}
+
+void World::PlaceTarget(const Vec3<double>& at_mm, const Vec3<double>& normal) {
+  Require(target_body_ >= 0, "the model has no target");
+  const auto turn = Eigen::Quaterniond::FromTwoVectors(Vec3<double>::UnitZ(), normal);
+  const std::array<mjtNum, 4> quat{turn.w(), turn.x(), turn.y(), turn.z()};
+  for (int i = 0; i < 3; ++i) {
+    model_->body_pos[3 * target_body_ + i] = at_mm[i] * kMPerMm;
+  }
+  std::copy_n(quat.data(), 4, model_->body_quat + 4 * target_body_);
+  MakeTouchable(target_geom_, true);
+  for (const int geom : touchable_) MakeTouchable(geom, false);
+  is_target_touched_ = true;
+}
+
+void World::TouchTable() {
+  if (target_geom_ >= 0) MakeTouchable(target_geom_, false);
+  for (const int geom : touchable_) MakeTouchable(geom, true);
+  is_target_touched_ = false;
+}
+
 double World::Gap_mm(Axis axis) const {
   const mjModel* m = model_.get();
   const Play& play = plays_[static_cast<std::size_t>(Index(axis))];
@@ -250,11 +294,16 @@ void World::Step(const Vec3<double>& nuts_mm) {
 double World::Clearance_mm(double most_mm) const {
   mj_kinematics(model_.get(), data_.get());
   double least_m = most_mm * kMPerMm;
-  for (const int geom : touchable_) {
+  const auto look = [&](int geom) {
     least_m =
         std::min(least_m,
                  mj_geomDistance(
                      model_.get(), data_.get(), stylus_geom_, geom, least_m, nullptr));
+  };
+  if (is_target_touched_) {
+    look(target_geom_);
+  } else {
+    for (const int geom : touchable_) look(geom);
   }
   return least_m * kMmPerM;
 }

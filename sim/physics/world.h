@@ -54,6 +54,21 @@ class World {
   /// That width as it is now, also where a person wrote it into the model.
   double Gap_mm(Axis axis) const;
 
+  /// Friction between a carriage and its rail.
+  void SetRailFriction_n(Axis axis, double friction_n);
+  /// Turns the table, with what was put on it by hand, about a vertical, from where the
+  /// model has it; a tilt of the model stays as it is. Undone by SetTable.
+  void TurnTable(const Vec3<double>& about_mm, double turn_rad);
+
+  /// @name A model with a target (Mjcf::AddTarget): what the stylus may touch
+  /// The target alone: its face at a point of the table's own frame, with that outward
+  /// normal.
+  void PlaceTarget(const Vec3<double>& at_mm, const Vec3<double>& normal);
+  /// What was put on the table by hand alone.
+  void TouchTable();
+  /// Whether anything was.
+  bool has_table_shape() const { return !touchable_.empty(); }
+
   Vec3<double> Nuts_mm() const;
   Vec3<double> Carriages_mm() const;
   Vec3<double> Carriages_mm_s() const;
@@ -86,6 +101,7 @@ class World {
   Slots SlotsOf(const std::string& prefix, const std::string& suffix) const;
   CoupledJoints Couplings() const;
   Play PlayOf(Axis axis) const;
+  void MakeTouchable(int geom, bool is_touchable);
   void SettlePlays(const Vec3<double>& lag_mm);
   static Vec3<double> Read_mm(const mjtNum* values, const std::array<int, 3>& at);
 
@@ -102,6 +118,8 @@ class World {
   std::array<Play, 3> plays_{};
   std::optional<CoupledJoints> couplings_{};
   std::vector<int> touchable_{};
+  int target_body_ = -1, target_geom_ = -1;  ///< None: -1.
+  bool is_target_touched_ = false;
   double hanging_n_ = 0;
   std::array<double, 3> nut_mass_kg_{};
 };

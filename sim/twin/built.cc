@@ -57,6 +57,7 @@ void Built::Prepare() {
   tool_effects.clear();
   table_effects.clear();
   raising_effects.clear();
+  surface_effects.clear();
   std::vector<Injected> everywhere;
   for (const Injected& effect : effects) {
     const ActKind kind = KindOfAct(effect);
@@ -67,9 +68,12 @@ void Built::Prepare() {
     }
     if (EffectAt(effect.effect).stage != Stage::kDrive) frame_effects.push_back(effect);
     if (kind == ActKind::kReadingMap) tool_effects.push_back(effect);
+    if (kind == ActKind::kArtefactMap) surface_effects.push_back(effect);
     if (!ActsOnTable(effect)) continue;
     table_effects.push_back(effect);
-    if (kind != ActKind::kEditModel) raising_effects.push_back(effect);
+    if (kind == ActKind::kEditModel) continue;
+    raising_effects.push_back(effect);
+    surface_effects.push_back(effect);
   }
   probe = ErrorsAt<double>(machine, At{.steps_per_mm = steps_per_mm}, everywhere);
   lost_motion_mm = probe.lost_motion_mm;

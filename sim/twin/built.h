@@ -43,6 +43,9 @@ struct Built {
   std::vector<Injected> table_effects{};  ///< Raise what is touched.
   /// Of these, those that act while the machine runs: all but a tilt of the model.
   std::vector<Injected> raising_effects{};
+  /// What displaces a surface though no model of it is turned or resized: all but a
+  /// tilt of the model.
+  std::vector<Injected> surface_effects{};
   std::vector<Artefact> standing{};      ///< Artefacts as built and turned.
   std::vector<Solid> solids{};           ///< Table and artefacts, untilted.
   std::vector<Solid> solids_for_disc{};  ///< The same, grown sideways by the disc.

@@ -1,9 +1,11 @@
 #include "sim/twin/perform.h"
 
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "sim/effects/predict.h"
+#include "sim/twin/measuring_machine.h"
 #include "sim/twin/readings.h"
 
 namespace caltwin {
@@ -27,32 +29,62 @@ double SolveTouch_mm(const PerformConfig& config, const Row& row, At* at) {
   return value_mm;
 }
 
-double FastReading_mm(const PerformConfig& config, const Row& row, Readings* readings) {
+// Takes one row's reading, before chance and counting.
+class Reader {
+ public:
+  explicit Reader(const PerformConfig& config) : config_(config) {
+    if (config.fidelity == Fidelity::kPhysics) {
+      machine_.emplace(config.machine, config.effects);
+    }
+  }
+
+  double Position_mm(const At& at) {
+    if (machine_) return machine_->Position_mm(at);
+    return Predict_mm<double>(config_.machine, at, config_.effects);
+  }
+
+  double Touch_mm(const Row& row, At at) {
+    if (machine_) return machine_->Touch_mm(row, at);
+    // A release comes at a smaller deflection.
+    return SolveTouch_mm(config_, row, &at) +
+           (IsRelease(row) ? config_.machine.probe.hysteresis_mm : 0);
+  }
+
+ private:
+  const PerformConfig& config_;
+  std::optional<MeasuringMachine> machine_{};
+};
+
+double Reading_mm(const PerformConfig& config,
+                  const Row& row,
+                  Reader* reader,
+                  Readings* readings) {
   At at = readings->AtFor(row);
   if (row.kind == RowKind::kTouch) {
-    double value_mm = SolveTouch_mm(config, row, &at);
-    if (IsRelease(row)) value_mm += config.machine.probe.hysteresis_mm;
+    const double value_mm = reader->Touch_mm(row, at);
+    at = Readings::WithValue(at, row, value_mm);
     const double scatter_mm =
         std::sqrt(ErrorsAt<double>(config.machine, at, config.effects).scatter_mm2);
     return readings->Shown_mm(row, at, value_mm, scatter_mm);
   }
   // The motors stand on whole steps, wherever they were told to go.
   const Vec3<double> told_mm = at.q_mm;
-  if (config.is_noisy)
+  if (config.is_noisy) {
     at.q_mm = readings->Reachable_mm(told_mm, readings->SettingsFor(row));
+  }
   const double off_mm = (at.q_mm - told_mm).dot(at.n);
-  return readings->Shown_mm(
-      row, at, off_mm + Predict_mm<double>(config.machine, at, config.effects), 0);
+  return readings->Shown_mm(row, at, off_mm + reader->Position_mm(at), 0);
 }
 
 }  // namespace
 
 RowTable Perform(const PerformConfig& config, std::vector<Row> planned) {
   Readings readings(config, planned);
+  Reader reader(config);
   RowTable table;
   for (Row& row : planned) {
     if (config.interrupted && config.interrupted()) break;
-    row.value_mm = FastReading_mm(config, row, &readings);
+    row.value_mm = Reading_mm(config, row, &reader, &readings);
     table.rows.push_back(std::move(row));
   }
   return table;
