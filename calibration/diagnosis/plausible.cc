@@ -112,19 +112,19 @@ void DoubtTimes(const std::vector<const Row*>& rows, std::vector<Doubt>* doubts)
   doubts->push_back(std::move(doubt));
 }
 
-struct Sensor_c {
+struct SensorColumn {
   std::string_view name{};
   double Row::*member = nullptr;
 };
-constexpr std::array kSensors = {Sensor_c{"temp_screw_c", &Row::temp_screw_c},
-                                 Sensor_c{"temp_frame_c", &Row::temp_frame_c},
-                                 Sensor_c{"temp_bed_c", &Row::temp_bed_c},
-                                 Sensor_c{"temp_chamber_c", &Row::temp_chamber_c},
-                                 Sensor_c{"temp_ambient_c", &Row::temp_ambient_c}};
+constexpr std::array kSensors = {SensorColumn{"temp_screw_c", &Row::temp_screw_c},
+                                 SensorColumn{"temp_frame_c", &Row::temp_frame_c},
+                                 SensorColumn{"temp_bed_c", &Row::temp_bed_c},
+                                 SensorColumn{"temp_chamber_c", &Row::temp_chamber_c},
+                                 SensorColumn{"temp_ambient_c", &Row::temp_ambient_c}};
 
 void DoubtTemperatures(const std::vector<const Row*>& rows,
                        std::vector<Doubt>* doubts) {
-  for (const Sensor_c& sensor : kSensors) {
+  for (const SensorColumn& sensor : kSensors) {
     double first_c = kUnknown;
     double least_c = INFINITY;
     for (const Row* row : rows) {
