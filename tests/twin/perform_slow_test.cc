@@ -16,8 +16,7 @@ class EveryEffectMeasured : public ::testing::TestWithParam<int> {};
 TEST_P(EveryEffectMeasured, ReadsInPhysicsAsInClosedForm) {
   const Machine machine = Gantry();
   static const PlannedSession kSession = SomeOfEverything();
-  static const std::vector<double> kPlain_mm =
-      Read_mm(kSession, {}, Fidelity::kFast);
+  static const std::vector<double> kPlain_mm = Read_mm(kSession, {}, Fidelity::kFast);
   for (const std::string_view axis : EffectAt(GetParam()).axes) {
     const std::vector<Injected> effects{LargeEffect(GetParam(), axis, machine)};
 
@@ -29,7 +28,8 @@ TEST_P(EveryEffectMeasured, ReadsInPhysicsAsInClosedForm) {
     for (std::size_t i = 0; i < fast_mm.size(); ++i) {
       const Row& row = kSession.rows[i];
       shown_mm = std::max(shown_mm, std::abs(fast_mm[i] - kPlain_mm[i]));
-      EXPECT_NEAR(physics_mm[i], fast_mm[i], kMust_mm)
+      EXPECT_NEAR(
+          physics_mm[i], fast_mm[i], kMust_mm + Neglected_mm(effects[0], row, machine))
           << axis << " row " << row.row << " " << row.campaign << " " << row.feature;
     }
     RecordProperty(std::string(axis), fmt::format("{:.1f} um", shown_mm * 1e3));
