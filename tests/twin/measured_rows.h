@@ -26,6 +26,7 @@ seed: 3
 campaigns:
   - drift: {duration_s: 1200, interval_s: 600, warm_up_k: 20}
   - iso230: {axis: x, positions: 4, runs: 1, loads_n: [8, 30]}
+  - dense: {axis: x, periods: 0.5, points_per_period: 24}
   - iso230: {axis: y, positions: 3, runs: 1}
   - iso230: {axis: z, positions: 3, runs: 1}
   - ring: {points: 5, spindle_deg: [0, 70]}
@@ -58,6 +59,8 @@ inline Injected LargeEffect(int effect, std::string_view axis, const Machine& ma
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     injected.values[i] = LargeValue(parameters[i]);
   }
+  // Within the first homing session of SomeOfEverything.
+  if (effect == EffectIndex<MissedSteps>()) injected.values[1] = 400;
   return injected;
 }
 
