@@ -4,6 +4,8 @@
 #include <charconv>
 #include <string>
 
+#include <nlohmann/json.hpp>
+
 namespace caltwin {
 namespace {
 

@@ -1,5 +1,7 @@
 #include <cmath>
 
+#include <nlohmann/json.hpp>
+
 #include "sim/base/input_error.h"
 #include "sim/firmware/model_path.h"
 #include "sim/firmware/parts.h"

@@ -2,6 +2,7 @@
 #include <cstdlib>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "sim/firmware/model_path.h"
 #include "sim/firmware/parts.h"
