@@ -12,6 +12,7 @@
 #include "calibration/procedures/catalog.h"
 #include "scenarios/keys.h"
 #include "sim/effects/catalog.h"
+#include "sim/measure/plan_kinds.h"
 #include "tools/commands/command.h"
 
 namespace caltwin {
@@ -90,6 +91,17 @@ std::string ProcedureText(const Procedure& procedure) {
          Entry("physics", procedure.physics) + Entry("source", procedure.source);
 }
 
+std::string CampaignText(const CampaignKind& kind) {
+  std::string text = fmt::format("{} (campaign of a plan)\n", kind.id) +
+                     Folded(kind.about, 2) + Entry("shows", kind.shows) +
+                     Entry("read by", kind.instrument) + "  options\n";
+  for (const PlanOption& option : kind.options) {
+    text += fmt::format("    {}: {}\n", option.name, option.otherwise);
+    text += Folded(option.doc, 6);
+  }
+  return text;
+}
+
 std::string WordText(const Word& word, std::string_view kind) {
   return fmt::format("{} ({})\n", word.name, kind) + Folded(word.meaning, 2);
 }
@@ -102,6 +114,7 @@ std::string Explanation(const std::string& name) {
   if (const Procedure* procedure = FindProcedure(name)) {
     text += ProcedureText(*procedure);
   }
+  if (const CampaignKind* kind = FindCampaignKind(name)) text += CampaignText(*kind);
   const auto add = [&](std::span<const Word> words, std::string_view kind) {
     for (const Word& word : words) {
       if (word.name == name) text += WordText(word, kind);
@@ -131,6 +144,8 @@ std::string ListText() {
   text += "\nProcedures\n";
   for (const Procedure& procedure : AllProcedures())
     add(procedure.name, procedure.about);
+  text += "\nCampaigns of a plan: what can be measured\n";
+  for (const CampaignKind& kind : AllCampaignKinds()) add(kind.id, kind.about);
   const auto add_names = [&](std::string_view title, std::span<const Word> words) {
     std::vector<std::string_view> names;
     for (const Word& word : words) names.push_back(word.name);
@@ -159,6 +174,7 @@ std::vector<std::string> AllNames() {
     for (const Parameter& p : effect->parameters) names.emplace_back(p.name);
   }
   for (const Procedure& procedure : AllProcedures()) names.emplace_back(procedure.name);
+  for (const CampaignKind& kind : AllCampaignKinds()) names.emplace_back(kind.id);
   for (const auto words : {ScenarioKeys(), OutcomeWords(), UnitWords()}) {
     for (const Word& word : words) names.emplace_back(word.name);
   }
@@ -188,7 +204,9 @@ int Explain(const std::string& name) {
 Action DeclareExplain(CLI::App* app) {
   auto name = std::make_shared<std::string>();
   app->add_option(
-      "NAME", *name, "an effect, procedure, outcome, unit or key; none: the list");
+      "NAME",
+      *name,
+      "an effect, procedure, campaign, outcome, unit or key; none: the list");
   return [name] {
     return Explain(*name);
   };
