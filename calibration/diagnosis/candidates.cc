@@ -75,6 +75,19 @@ Eigen::MatrixXd HomingColumns(const Observed& o, const std::string& axis) {
   return columns;
 }
 
+// The middle of a size's prior, whichever sign it has, in its own unit.
+double UsualSize(const Effect& effect, const Roles& roles) {
+  struct Size {
+    double operator()(double value) const { return std::abs(value); }
+    double operator()(const Normal& n) const { return std::hypot(n.mean, n.sd); }
+    double operator()(const Uniform& u) const {
+      return std::max(std::abs(u.min), std::abs(u.max)) / 2;
+    }
+    double operator()(const LogNormal& l) const { return l.median; }
+  };
+  return std::visit(Size{}, effect.parameters[*roles.size].prior);
+}
+
 double PeakOf(const Eigen::MatrixXd& columns) {
   return columns.cols() == 0 ? 0 : Peak_mm(columns.rowwise().norm());
 }
@@ -249,6 +262,8 @@ Variant VariantOf(const Observed& observed,
   if (peak_mm < kNothing_mm) return {};
   variant.columns_mm = columns / peak_mm;
   variant.size_per_mm = kSmall / peak_mm;
+  variant.usual_mm =
+      UsualSize(EffectAt(effect), RolesOf(EffectAt(effect))) / variant.size_per_mm;
   return variant;
 }
 

@@ -18,6 +18,7 @@ struct Variant {
   /// near-peak of what they do (95th percentile over the rows they reach) is 1 mm.
   Eigen::MatrixXd columns_mm{};
   double size_per_mm = 1;  ///< In the size's own unit, for that peak.
+  double usual_mm = 0.01;  ///< What the cause usually does, from its declared prior.
 };
 
 /// One cause on one axis that might be in the rows, or a free form.

@@ -187,10 +187,11 @@ std::string ToString(Verdict verdict) {
   return "unknown";
 }
 
-Diagnosis Diagnose(const Observed& observed, const DiagnoseOptions& options) {
+Diagnosis Diagnose(const Observed& as_read, const DiagnoseOptions& options) {
   const auto say = [&](const std::string& text) {
     if (options.progress) options.progress(text);
   };
+  const Observed observed = as_read.AtFitted(BaselineResidual_mm(as_read.AtNominal()));
   say(fmt::format("{} rows: listing what they could show", observed.num_rows()));
   const std::vector<Candidate> candidates = AllCandidates(observed);
   say(fmt::format("weighing {} candidates", candidates.size()));

@@ -77,6 +77,22 @@ Observed Observed::With(const std::vector<Injected>& more) const {
   return copy;
 }
 
+Observed Observed::AtFitted(const Eigen::VectorXd& left_mm) const {
+  Observed copy = *this;
+  for (Eigen::Index i = 0; i < num_rows(); ++i) {
+    At& where = copy.at_[static_cast<std::size_t>(i)];
+    if (where.kind == RowKind::kTouch) where.q_mm -= left_mm[i] * where.n;
+  }
+  copy.Linearise();
+  return copy;
+}
+
+Observed Observed::AtNominal() const {
+  Eigen::VectorXd values_mm(num_rows());
+  for (Eigen::Index i = 0; i < num_rows(); ++i) values_mm[i] = row(i).value_mm;
+  return AtFitted(values_mm);
+}
+
 void Observed::Linearise() {
   const auto n = static_cast<Eigen::Index>(at_.size());
   residual_mm_.resize(n);

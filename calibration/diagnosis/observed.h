@@ -31,6 +31,13 @@ class Observed {
   /// The same rows under a model that also holds `more`.
   Observed With(const std::vector<Injected>& more) const;
 
+  /// The same rows, touches taken where a fitted model says that they trigger,
+  /// `left_mm` being reading less fit. Taken where they were read, their own noise
+  /// would move them, and every shape along n would be seen to explain it.
+  Observed AtFitted(const Eigen::VectorXd& left_mm) const;
+  /// Touches taken at their nominal points: what the first fit starts from.
+  Observed AtNominal() const;
+
   Eigen::Index num_rows() const { return residual_mm_.size(); }
   const Row& row(Eigen::Index i) const {
     return table_->rows[static_cast<std::size_t>(i)];

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Cholesky>
+#include <Eigen/QR>
 
 namespace caltwin {
 namespace {
@@ -55,18 +55,26 @@ struct Ridge {
   Eigen::VectorXd leverage{};
 };
 
+// By QR of the columns over an identity, since columns in units of their priors differ
+// by ten orders of magnitude.
 Ridge FitRidge(const Eigen::MatrixXd& columns,
                const Eigen::VectorXd& white,
                const Eigen::VectorXd& keep) {
-  const Eigen::MatrixXd kept = keep.asDiagonal() * columns;
-  Eigen::MatrixXd normal = kept.transpose() * kept;
-  normal.diagonal().array() += 1;
-  const Eigen::LLT<Eigen::MatrixXd> llt(normal);
-  const Eigen::VectorXd x = llt.solve(kept.transpose() * white);
-  Ridge ridge{.residual = white - columns * x};
-  const Eigen::MatrixXd half = llt.matrixL().solve(columns.transpose());
-  ridge.leverage = half.colwise().squaredNorm().transpose();
-  return ridge;
+  const Eigen::Index n = columns.rows(), p = columns.cols();
+  Eigen::MatrixXd tall(n + p, p);
+  tall.topRows(n) = keep.asDiagonal() * columns;
+  tall.bottomRows(p).setIdentity();
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(tall);
+  Eigen::VectorXd long_white = Eigen::VectorXd::Zero(n + p);
+  long_white.head(n) = keep.cwiseProduct(white);
+  const Eigen::VectorXd turned = qr.householderQ().adjoint() * long_white;
+  const auto upper = qr.matrixQR().topRows(p).triangularView<Eigen::Upper>();
+  const Eigen::VectorXd x = upper.solve(turned.head(p));
+  // Leverage: rows of X R^-1.
+  const Eigen::MatrixXd half =
+      upper.transpose().solve(Eigen::MatrixXd(columns.transpose()));
+  return {.residual = white - columns * x,
+          .leverage = half.colwise().squaredNorm().transpose()};
 }
 
 // Deleted residuals: as if each row had not taken part. A row left out already did not.

@@ -82,13 +82,7 @@ class Searcher {
 
   void SettleNoise() {
     baseline_ = BaselineOf(observed_);
-    sigma_mm_ = GuessSigma_mm(
-        observed_,
-        Evidence(observed_,
-                 {Eigen::VectorXd::Constant(observed_.num_rows(), 1e-3), 0},
-                 baseline_)
-            .FitNuisances()
-            .residual_mm);
+    sigma_mm_ = GuessSigma_mm(observed_, BaselineResidual_mm(observed_));
     left_out_.assign(static_cast<std::size_t>(observed_.num_rows()), false);
     for (int round = 0; round < kNoiseRounds; ++round) JudgeNoise(Under({}));
   }
@@ -287,6 +281,15 @@ class Searcher {
 };
 
 }  // namespace
+
+Eigen::VectorXd BaselineResidual_mm(const Observed& observed) {
+  constexpr double kAnySigma_mm = 1e-3;
+  return Evidence(observed,
+                  {Eigen::VectorXd::Constant(observed.num_rows(), kAnySigma_mm), 0},
+                  BaselineOf(observed))
+      .FitNuisances()
+      .residual_mm;
+}
 
 SearchResult Search(const Observed& observed,
                     const std::vector<Candidate>& candidates,

@@ -63,26 +63,40 @@ void DropUnlikely(std::vector<World_>* worlds) {
   });
 }
 
+// How likely each size is beforehand: all within a decade of the usual one about
+// alike, far from it ever less. log of weights that sum to 1.
+std::vector<double> LogWeights(double usual_mm) {
+  std::vector<double> logs;
+  for (const double scale_um : kScales_um) {
+    const double decades = std::log10(MmFromUm(scale_um) / usual_mm);
+    logs.push_back(-0.5 * std::pow(std::max(0.0, std::abs(decades) - 0.5) / 0.4, 2));
+  }
+  const double total = LogSum(logs);
+  for (double& value : logs) value -= total;
+  return logs;
+}
+
 // Averaged over the sizes; tells the best of them.
 double LogBayesOverScales(const Evidence& evidence,
                           const Projected& projected,
                           const Eigen::VectorXd& relative,
+                          double usual_mm,
                           double noise_scale,
                           double* best_scale_mm) {
-  std::vector<double> logs;
+  std::vector<double> logs = LogWeights(usual_mm);
   double best = -std::numeric_limits<double>::infinity();
-  for (const double scale_um : kScales_um) {
-    const double scale_mm = MmFromUm(scale_um);
+  for (std::size_t s = 0; s < kScales_um.size(); ++s) {
+    const double scale_mm = MmFromUm(kScales_um[s]);
     const double in_sigma = scale_mm / noise_scale;
     const double log_bayes =
-        evidence.LogBayes(projected, relative * (in_sigma * in_sigma));
-    logs.push_back(log_bayes);
+        logs[s] + evidence.LogBayes(projected, relative * (in_sigma * in_sigma));
+    logs[s] = log_bayes;
     if (log_bayes > best) {
       best = log_bayes;
       *best_scale_mm = scale_mm;
     }
   }
-  return LogSum(logs) - std::log(static_cast<double>(logs.size()));
+  return LogSum(logs);
 }
 
 Eigen::VectorXd PriorOf(const Candidate& candidate, const Variant& variant) {
@@ -123,6 +137,7 @@ std::vector<Scored> PlainScores(const World_& world, const Candidate& candidate)
                       LogBayesOverScales(world.evidence,
                                          projected,
                                          PriorOf(candidate, variant),
+                                         variant.usual_mm,
                                          world.noise_scale,
                                          &scale_mm)});
   }
@@ -148,8 +163,12 @@ InFull WithFreedom(const Observed& observed,
   relative << PriorOf(candidate, variant), tolerance.prior;
   const Projected projected = world.evidence.Project(world.evidence.Whiten(columns));
   InFull full;
-  full.log_bayes = LogBayesOverScales(
-      world.evidence, projected, relative, world.noise_scale, &full.scale_mm);
+  full.log_bayes = LogBayesOverScales(world.evidence,
+                                      projected,
+                                      relative,
+                                      variant.usual_mm,
+                                      world.noise_scale,
+                                      &full.scale_mm);
   const double in_sigma = full.scale_mm / world.noise_scale;
   const Eigen::VectorXd prior = relative * (in_sigma * in_sigma);
   Eigen::MatrixXd inner = projected.gram;
@@ -257,21 +276,22 @@ double ChanceUnderNone(const Observed& observed,
   std::vector<std::vector<double>> logs(static_cast<std::size_t>(draws));
   for (const Candidate& candidate : candidates) {
     const double per_variant =
-        candidate.log_prior - std::log(static_cast<double>(candidate.variants.size())) -
-        std::log(static_cast<double>(kScales_um.size()));
+        candidate.log_prior - std::log(static_cast<double>(candidate.variants.size()));
     for (const Variant& variant : candidate.variants) {
       const Eigen::MatrixXd white = evidence.Whiten(variant.columns_mm);
       Projected projected = evidence.Project(white);
       const Eigen::MatrixXd matches = white.transpose() * readings;
       const Eigen::VectorXd relative = PriorOf(candidate, variant);
+      const std::vector<double> weights = LogWeights(variant.usual_mm);
       for (int d = 0; d < draws; ++d) {
         projected.match = matches.col(d);
-        for (const double scale_um : kScales_um) {
+        for (std::size_t s = 0; s < kScales_um.size(); ++s) {
           logs[static_cast<std::size_t>(d)].push_back(
-              per_variant + LogBayesOf(projected,
-                                       relative * std::pow(MmFromUm(scale_um), 2),
-                                       chi2[d],
-                                       evidence.dof()));
+              per_variant + weights[s] +
+              LogBayesOf(projected,
+                         relative * std::pow(MmFromUm(kScales_um[s]), 2),
+                         chi2[d],
+                         evidence.dof()));
         }
       }
     }
