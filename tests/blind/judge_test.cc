@@ -55,8 +55,8 @@ json Answer(const char* verdict, json findings) {
 const json kWaveOnX = TruthOf("single", json::array({HiddenCause("cyclic_lead", "x")}));
 
 TEST(Judge, TheRightNameOnTheRightAxisIsRight) {
-  const auto judged =
-      Judge(kWaveOnX, Answer("named", {Finding("cyclic_lead", "x")}), nullptr);
+  const auto judged = Judge(
+      kWaveOnX, Answer("named", json::array({Finding("cyclic_lead", "x")})), nullptr);
 
   EXPECT_TRUE(judged.first_right);
   EXPECT_TRUE(judged.set_holds);
@@ -66,8 +66,8 @@ TEST(Judge, TheRightNameOnTheRightAxisIsRight) {
 }
 
 TEST(Judge, TheRightNameOnTheWrongAxisIsWrong) {
-  const auto judged =
-      Judge(kWaveOnX, Answer("named", {Finding("cyclic_lead", "y")}), nullptr);
+  const auto judged = Judge(
+      kWaveOnX, Answer("named", json::array({Finding("cyclic_lead", "y")})), nullptr);
 
   EXPECT_FALSE(judged.first_right);
   EXPECT_FALSE(judged.set_holds);
@@ -76,8 +76,10 @@ TEST(Judge, TheRightNameOnTheWrongAxisIsWrong) {
 
 TEST(Judge, ACandidateHoldsTheTruthWithoutBeingNamed) {
   const json others = json::array({Candidate("cyclic_lead", "x", 0.2)});
-  const auto judged = Judge(
-      kWaveOnX, Answer("ambiguous", {Finding("microstep", "x", others)}), nullptr);
+  const auto judged =
+      Judge(kWaveOnX,
+            Answer("ambiguous", json::array({Finding("microstep", "x", others)})),
+            nullptr);
 
   EXPECT_FALSE(judged.first_right);
   EXPECT_TRUE(judged.set_holds);
@@ -87,17 +89,18 @@ TEST(Judge, ACandidateHoldsTheTruthWithoutBeingNamed) {
 TEST(Judge, AnAxisIsIgnoredWhereTheCauseHasOnlyOne) {
   const json truth = TruthOf("single", json::array({HiddenCause("gantry_sag", "EZX")}));
   EXPECT_TRUE(
-      Judge(truth, Answer("named", {Finding("gantry_sag", "")}), nullptr).first_right);
+      Judge(truth, Answer("named", json::array({Finding("gantry_sag", "")})), nullptr)
+          .first_right);
 }
 
 TEST(Judge, UnknownInTheRightVariableIsNoWrongMechanism) {
   const json truth =
       TruthOf("outside", json::array({HiddenCause("dead_spot", "x", {"q"})}));
   const auto right =
-      Judge(truth, Answer("unknown", {Finding("unknown", "x")}), nullptr);
+      Judge(truth, Answer("unknown", json::array({Finding("unknown", "x")})), nullptr);
   json elsewhere = Finding("unknown", "probe");
   elsewhere["covariates"] = {"temp"};
-  const auto wrong = Judge(truth, Answer("unknown", {elsewhere}), nullptr);
+  const auto wrong = Judge(truth, Answer("unknown", json::array({elsewhere})), nullptr);
 
   EXPECT_TRUE(right.findings[0].tolerable);
   EXPECT_FALSE(wrong.findings[0].tolerable);
@@ -110,7 +113,7 @@ TEST(Judge, AnAnswerThatCannotBeReadIsNoAnswer) {
 TEST(Figures, AnyFindingOnNullDataIsAnAlarm) {
   const json truth = TruthOf("null", json::array());
   const auto alarm =
-      Judge(truth, Answer("unknown", {Finding("unknown", "x")}), nullptr);
+      Judge(truth, Answer("unknown", json::array({Finding("unknown", "x")})), nullptr);
   const auto quiet = Judge(truth, Answer("none", json::array()), nullptr);
 
   const Figure figure = Figures({alarm, quiet, quiet, quiet})[0];
