@@ -105,6 +105,13 @@ std::vector<std::string> AxesOf(const Observed& o, const Effect& effect) {
   return {ids.begin(), ids.end()};
 }
 
+// What shows in three rows or fewer cannot be told from outliers.
+bool ReachesFew(const Variant& variant) {
+  constexpr Eigen::Index kFew = 3;
+  const Eigen::VectorXd size = variant.columns_mm.rowwise().norm();
+  return (size.array() > 0.02 * size.maxCoeff()).count() <= kFew;
+}
+
 std::optional<Candidate> CandidateOf(const Observed& o,
                                      int index,
                                      const std::string& axis,
@@ -124,7 +131,8 @@ std::optional<Candidate> CandidateOf(const Observed& o,
   }
   for (const std::vector<double>& forms : grid) {
     Variant variant = VariantOf(o, index, axis, forms);
-    if (variant.columns_mm.cols() > 0) candidate.variants.push_back(std::move(variant));
+    if (variant.columns_mm.cols() == 0 || ReachesFew(variant)) continue;
+    candidate.variants.push_back(std::move(variant));
   }
   if (candidate.variants.empty()) return std::nullopt;
   return candidate;

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "calibration/diagnosis/pitch_map.h"
 #include "sim/base/units.h"
 
 namespace caltwin {
@@ -91,7 +92,10 @@ class Reporter {
     const Found& found = search_.found[i];
     const Candidate& candidate = candidates_[found.candidate];
     const bool is_free = candidate.is_free() || found.lost_its_name;
-    Finding finding{.cause = is_free ? "unknown" : candidate.cause,
+    const bool is_map = IsPitchMap(observed_, candidate, gain);
+    Finding finding{.cause = is_map    ? "pitch_map"
+                             : is_free ? "unknown"
+                                       : candidate.cause,
                     .axis = is_free ? candidate.shown.channel : candidate.axis,
                     .probability = found.probability,
                     .log_odds = found.log_odds,

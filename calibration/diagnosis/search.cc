@@ -44,6 +44,7 @@ class Searcher {
       }
       JudgeNoise(Under(found_));
     }
+    DropImitated();
     for (std::size_t i = 0; i < found_.size(); ++i) AddRivals(i);
     return Take();
   }
@@ -116,8 +117,10 @@ class Searcher {
     for (std::size_t k = 0; k < std::min<std::size_t>(kFewRows, order.size()); ++k) {
       without.left_out[order[k]] = true;
     }
-    const Weighing again = Weigh(observed_, {candidate}, without);
-    return again.ranked[0].log_odds > 0;
+    // The same variant: another one might live on other outliers.
+    Candidate only = candidate;
+    only.variants = {candidate.variants[weighed.variant]};
+    return Weigh(observed_, {only}, without).ranked[0].log_odds > 0;
   }
 
   int RowsOf(const Candidate& candidate, const Weighed& weighed) const {
@@ -213,6 +216,41 @@ class Searcher {
       } else {
         ++i;
       }
+    }
+  }
+
+  // A free form found beside a named cause in the same variable is that cause's
+  // deviation from its form: where it outgrows the limit, the name goes and the free
+  // form stands for both.
+  void DropImitated() {
+    for (std::size_t i = 0; i < found_.size();) {
+      const Candidate& own = candidates_[found_[i].candidate];
+      const double own_mm = Peak_mm(found_[i].variant.columns_mm * found_[i].sizes_mm);
+      const bool is_imitated =
+          !own.is_free() && std::ranges::any_of(found_, [&](const Found& other) {
+            const Candidate& free = candidates_[other.candidate];
+            return free.is_free() && free.shown.channel == own.shown.channel &&
+                   std::ranges::is_permutation(free.shown.covariates,
+                                               own.shown.covariates) &&
+                   Peak_mm(other.variant.columns_mm * other.sizes_mm) >
+                       kFormLimit * own_mm;
+          });
+      if (is_imitated) {
+        found_.erase(found_.begin() + static_cast<std::ptrdiff_t>(i));
+        Reweigh();
+      } else {
+        ++i;
+      }
+    }
+  }
+
+  // The sizes of all that is left, each with the others in place.
+  void Reweigh() {
+    for (std::size_t i = 0; i < found_.size(); ++i) {
+      const Weighing again =
+          Weigh(observed_, {candidates_[found_[i].candidate]}, Under(found_, i));
+      found_[i].sizes_mm = again.ranked[0].sizes_mm;
+      found_[i].scale_mm = again.ranked[0].scale_mm;
     }
   }
 

@@ -39,7 +39,10 @@ Defect Wave(const std::string& cause,
   Random& random = *at.random;
   const auto a = static_cast<std::size_t>(AxisIndex(axis));
   const AxisDrawing drawing = at.drawing.axes[a];
-  const double true_period_mm = period_mm * (1 + random.Uniform(-0.0015, 0.0015));
+  // A screw or pulley is a little off its drawing; the motor's full steps are counted
+  // by the firmware itself and cannot be.
+  const double off = random.Uniform(-0.0015, 0.0015);
+  const double true_period_mm = period_mm * (1 + (cause == "microstep" ? 0 : off));
   const double phase_rad = random.Uniform(0, kTurn);
   const double second = random.Uniform(0.05, 0.2);
   const double second_rad = random.Uniform(0, kTurn);
