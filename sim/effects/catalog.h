@@ -27,6 +27,7 @@
 #include "sim/effects/homing_scatter.h"
 #include "sim/effects/microstep.h"
 #include "sim/effects/missed_steps.h"
+#include "sim/effects/pitch_map.h"
 #include "sim/effects/pitch_progressive.h"
 #include "sim/effects/probe_lobing.h"
 #include "sim/effects/probe_pretravel.h"
@@ -45,6 +46,7 @@
 #include "sim/effects/tip_size.h"
 #include "sim/effects/trigger_latency.h"
 #include "sim/effects/trigger_scatter.h"
+#include "sim/effects/unknown_map.h"
 #include "sim/effects/windup_load.h"
 
 namespace caltwin {
@@ -58,6 +60,7 @@ using EffectList = std::tuple<StepsPerMm,
                               PulleyEccentric,
                               Microstep,
                               PitchProgressive,
+                              PitchMap,
                               BacklashWorn,
                               ReversalSpike,
                               ThermalScrew,
@@ -86,7 +89,8 @@ using EffectList = std::tuple<StepsPerMm,
                               BedCylinder,
                               BedTwist,
                               BlockSize,
-                              BlockRotated>;
+                              BlockRotated,
+                              UnknownMap>;
 inline constexpr std::size_t kNumEffects = std::tuple_size_v<EffectList>;
 
 /// The declarations, in the list's order.

@@ -11,6 +11,8 @@
 namespace caltwin {
 namespace {
 
+constexpr Bounds kTableBounds_um{-10000, 10000};
+
 std::vector<std::string> KnownCauses() {
   std::vector<std::string> names;
   for (const Effect* effect : AllEffects()) {
@@ -50,7 +52,33 @@ bool ReadName(const std::string& key, const YamlValue& value, InjectedSpec* spec
   return false;
 }
 
+std::vector<Distribution> ReadTable(YamlMap* map) {
+  const auto knots = map->Required("knots_mm");
+  const auto values = map->Required("values_um");
+  if (!knots || !values) return {};
+  const std::vector<double> knots_mm = ReadKnots(*knots);
+  const auto flat =
+      FlatMap(values->Numbers(knots_mm.size(), kTableBounds_um), {knots_mm});
+  return {flat.begin(), flat.end()};
+}
+
 }  // namespace
+
+std::vector<double> ReadKnots(const YamlValue& list) {
+  std::vector<double> knots;
+  for (const YamlValue& knot : list.List()) {
+    knots.push_back(knot.Number());
+    if (knots.size() > 1 && knots.back() <= knots[knots.size() - 2]) {
+      knot.Fail("is not larger than the knot before it",
+                "list knots in ascending order");
+    }
+  }
+  if (knots.empty()) {
+    list.Fail("needs at least one knot");
+    knots.push_back(0);
+  }
+  return knots;
+}
 
 Injected NeutralEffect(int effect, std::string_view axis, const Machine& machine) {
   const Effect& declaration = EffectAt(effect);
@@ -68,6 +96,12 @@ std::vector<InjectedSpec> ReadEffects(YamlMap map, const Machine& machine) {
     const Effect& effect = EffectAt(spec.effect);
     const Injected neutral = NeutralEffect(spec.effect, spec.axis, machine);
     YamlMap parameters = value.Map();
+    if (spec.effect == EffectIndex<PitchMap>()) {
+      spec.values = ReadTable(&parameters);
+      parameters.NoMoreKeys();
+      specs.push_back(std::move(spec));
+      continue;
+    }
     for (std::size_t i = 0; i < effect.parameters.size(); ++i) {
       const Parameter& parameter = effect.parameters[i];
       const auto number = parameters.Optional(std::string(parameter.name));
@@ -89,6 +123,11 @@ std::vector<Injected> DrawEffects(const std::vector<InjectedSpec>& specs,
     Injected injected{.effect = spec.effect, .axis = spec.axis};
     const auto parameters = EffectAt(spec.effect).parameters;
     for (std::size_t i = 0; i < spec.values.size(); ++i) {
+      // A table has more values than its effect declares: all of them plain numbers.
+      if (spec.values.size() > parameters.size()) {
+        injected.values.push_back(Middle(spec.values[i]));
+        continue;
+      }
       Rng rng(
           seed,
           sample,

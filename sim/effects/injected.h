@@ -21,8 +21,12 @@ struct InjectedSpec {
 
 /// Reads `effects: {cause.axis: {parameter: value}}` strictly: unknown causes, axes and
 /// parameters are faults with a suggestion, numbers must lie within the declared
-/// bounds; a parameter left out is neutral.
+/// bounds; a parameter left out is neutral. `pitch_map.x` has `knots_mm` and
+/// `values_um`, two lists of one length.
 std::vector<InjectedSpec> ReadEffects(YamlMap map, const Machine& machine);
+
+/// A list of ascending numbers, at least one.
+std::vector<double> ReadKnots(const YamlValue& list);
 
 /// One machine's values: each drawn from its own stream, named by cause, axis and
 /// parameter, so that they do not depend on which other effects exist; clamped to the

@@ -12,6 +12,8 @@ void TemperatureLog::Add(double t_s, double temp_c) {
     times_s_.push_back(t_s);
     temps_k_.push_back(temp_c - first_c_);
   }
+  low_k_ = std::min(low_k_, temps_k_.back());
+  high_k_ = std::max(high_k_, temps_k_.back());
   states_k_.clear();
 }
 

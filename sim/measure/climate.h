@@ -27,6 +27,8 @@ class TemperatureLog {
   const std::vector<double>& times_s() const { return times_s_; }
   /// T0: the session's first reading [C]; 0 where there is none.
   double first_c() const { return temps_k_.empty() ? 0 : first_c_; }
+  /// Warmest less coolest reading [K].
+  double swing_k() const { return high_k_ - low_k_; }
   /// T - T0 at that time [K].
   double At_k(double t_s) const;
 
@@ -40,12 +42,16 @@ class TemperatureLog {
 
  private:
   double first_c_ = 0;
+  double low_k_ = 0, high_k_ = 0;
   std::vector<double> times_s_{};
   std::vector<double> temps_k_{};
   /// States at the readings, by lag: a fit asks for the same few lags at every row.
   mutable std::map<double, std::vector<double>> states_k_{};
   const std::vector<double>& StatesFor(double lag_s) const;
 };
+
+/// What a thermometer must move before its readings are a temperature that changes.
+inline constexpr double kLeastSwing_k = 0.2;
 
 /// All temperatures of a session. Not to be shared between threads.
 struct Climate {

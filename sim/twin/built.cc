@@ -36,6 +36,7 @@ ActKind KindOfAct(const Injected& effect) {
 // Raises what is touched while the machine runs, or (a tilt) stands in the model.
 bool ActsOnTable(const Injected& effect) {
   if (effect.effect == EffectIndex<FrameTemperature>()) return effect.axis == "bed";
+  if (effect.effect == EffectIndex<UnknownMap>()) return effect.axis.starts_with("bed");
   return EffectAt(effect.effect).stage == Stage::kArtefact &&
          KindOfAct(effect) != ActKind::kArtefactMap;
 }

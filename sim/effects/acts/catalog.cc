@@ -16,6 +16,7 @@ constexpr std::array kActs = {
     ActOf{EffectIndex<PulleyEccentric>(), ActKind::kDriveMap},
     ActOf{EffectIndex<Microstep>(), ActKind::kDriveMap},
     ActOf{EffectIndex<PitchProgressive>(), ActKind::kDriveMap},
+    ActOf{EffectIndex<PitchMap>(), ActKind::kDriveMap},
     ActOf{EffectIndex<BacklashWorn>(), ActKind::kDriveMap},
     ActOf{EffectIndex<ReversalSpike>(), ActKind::kDriveMap},
     ActOf{EffectIndex<ThermalScrew>(), ActKind::kDriveMap},
@@ -44,7 +45,8 @@ constexpr std::array kActs = {
     ActOf{EffectIndex<BedCylinder>(), ActKind::kTableMap},
     ActOf{EffectIndex<BedTwist>(), ActKind::kTableMap},
     ActOf{EffectIndex<BlockSize>(), ActKind::kArtefactMap},
-    ActOf{EffectIndex<BlockRotated>(), ActKind::kArtefactMap}};
+    ActOf{EffectIndex<BlockRotated>(), ActKind::kArtefactMap},
+    ActOf{EffectIndex<UnknownMap>(), ActKind::kReadingMap}};
 static_assert(kActs.size() == kNumEffects);
 
 }  // namespace
