@@ -9,8 +9,6 @@ namespace {
 
 constexpr double kReached_mm = 1e-10;
 constexpr double kLeastAdvance_mm = 1e-10;
-// Motion errors make the tip's path longer than the motors': up to 5 % for a screw.
-constexpr double kCaution = 0.95;
 constexpr double kNeverMet_mm = 1e9;
 constexpr int kMostAdvances = 100'000;
 
@@ -97,7 +95,7 @@ Outcome FastPlant::Run(const Segment& segment, const Watch& watch) {
       if (ahead.collision_mm <= kReached_mm) outcome.alarm = CollisionText();
       break;
     }
-    gone_mm += std::max(kLeastAdvance_mm, kCaution * free_mm) * scale;
+    gone_mm += std::max(kLeastAdvance_mm, Caution() * free_mm) * scale;
   }
   if (outcome.stopped && !outcome.alarm && WatchesProbe(watch)) {
     outcome.time_s = std::min(duration_s, outcome.time_s + built_.probe.latency_s);

@@ -23,8 +23,6 @@ constexpr double kSwinging_mm_s = 0.5;
 constexpr double kAtRest_mm = 1e-6;
 constexpr double kAtRest_mm_s = 1e-3;
 constexpr double kFarthestSeen_mm = 1000;
-// Motion errors make the tip's path differ from the motors': up to 5 % for a screw.
-constexpr double kCaution = 0.95;
 constexpr int kSettleSteps = 5;
 constexpr int kMostSettleSteps = 250;
 
@@ -199,7 +197,7 @@ double PhysicsPlant::Jump(const Segment& segment, const Watch& watch, double t_s
   const double scale = motors_mm > 0 ? segment.profile.length_mm / motors_mm : 1;
   const double gone_mm = segment.profile.Distance_mm(t_s);
   const double duration_s = segment.profile.Duration_s();
-  const double to_mm = gone_mm + kCaution * free_mm * scale;
+  const double to_mm = gone_mm + Caution() * free_mm * scale;
   const double to_s = to_mm >= segment.profile.length_mm
                           ? duration_s
                           : TimeAt_s(segment.profile, to_mm);
