@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "scenarios/file_kind.h"
 #include "scenarios/interrupt.h"
 #include "scenarios/machine_file.h"
 #include "sim/measure/in_force.h"
@@ -35,18 +36,39 @@ struct Options {
   std::string out{};
 };
 
-MachineFile MachineOf(const Options& options, const Plan& plan) {
+fs::path MachineFileOf(const Options& options, const Plan& plan) {
   if (!options.machine.empty()) {
-    return ReadMachineFile(FindMachine(options.machine, "", {.file = options.machine}));
+    return FindMachine(options.machine, "", {.file = options.machine});
   }
   if (!plan.machine.empty()) {
-    return ReadMachineFile(
-        FindMachine(plan.machine, plan.file.parent_path(), {.file = options.plan}));
+    return FindMachine(plan.machine, plan.file.parent_path(), {.file = options.plan});
   }
   throw InputError({.file = options.plan},
                    "no machine is named",
                    "give the plan a key `machine: gantry_router`, or the command "
                    "`--machine FILE`");
+}
+
+// As the data's header says it: a name, or the file's path from the header's folder.
+std::string WrittenFrom(const Options& options,
+                        const Plan& plan,
+                        const fs::path& machine) {
+  const std::string& said = options.machine.empty() ? plan.machine : options.machine;
+  const bool is_name =
+      fs::path(said).extension().empty() && said.find('/') == std::string::npos;
+  if (is_name) return said;
+  const fs::path folder = fs::absolute(options.out).parent_path();
+  return fs::proximate(fs::absolute(machine), folder).generic_string();
+}
+
+Plan PlanOf(const Options& options) {
+  if (const FileKind kind = KindOf(options.plan); kind != FileKind::kPlan) {
+    throw InputError(
+        {.file = options.plan},
+        fmt::format("this is a {}, where a plan is wanted", ToString(kind)),
+        "a plan has a list of `campaigns`; examples/plans has some");
+  }
+  return ReadPlan(options.plan);
 }
 
 // The twin that measures: the machine as built, with the settings its firmware has.
@@ -80,11 +102,12 @@ void CheckOut(const std::string& out) {
 
 int Simulate(const Options& options) {
   CheckOut(options.out);
-  const Plan plan = ReadPlan(options.plan);
+  const Plan plan = PlanOf(options);
   const std::uint64_t seed = options.seed.value_or(plan.seed);
-  PerformConfig config = ConfigOf(options, MachineOf(options, plan), seed);
+  const fs::path machine = MachineFileOf(options, plan);
+  PerformConfig config = ConfigOf(options, ReadMachineFile(machine), seed);
   PlannedSession session = PlanSession(plan, config.machine, seed);
-  if (!options.machine.empty()) session.header.machine = options.machine;
+  session.header.machine = WrittenFrom(options, plan, machine);
   session.header.settings["1"] = AsHeader(config.machine.settings);
   for (Row& row : session.rows) row.settings = "1";
   config.header = session.header;
