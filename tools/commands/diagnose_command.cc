@@ -1,54 +1,215 @@
+#include <algorithm>
+#include <filesystem>
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 
 #include <fmt/format.h>
 
+#include "calibration/diagnosis/changes_json.h"
+#include "calibration/diagnosis/correction.h"
 #include "calibration/diagnosis/diagnosis.h"
 #include "calibration/diagnosis/diagnosis_json.h"
+#include "calibration/diagnosis/diagnosis_text.h"
+#include "calibration/diagnosis/plausible.h"
 #include "scenarios/machine_file.h"
+#include "sim/base/sha256.h"
 #include "sim/base/text_file.h"
 #include "sim/measure/rows.h"
+#include "tools/commands/assumed_machine.h"
 #include "tools/commands/command.h"
+#include "tools/commands/progress.h"
 
 namespace caltwin {
 namespace {
 
+namespace fs = std::filesystem;
+
 constexpr int kJsonIndent = 2;
+constexpr std::size_t kLeastRows = 3;
+constexpr std::size_t kLargestFile_bytes = 64'000'000;
 
 struct Options {
   std::string file{};
   std::string machine{};
   std::string json{};
   std::string extend{};
+  std::string correction{};
+  std::string controller{};
+  std::string before{};
   double min_effect_um = 0;
   std::uint64_t seed = 1;
 };
 
-int Run(const Options& options) {
-  RowTable table = ReadRows(options.file);
-  DataHeader header = HeaderOf(options.file);
-  MachineFile file;
-  if (!options.machine.empty()) {
-    file = ReadMachineFile(FindMachine(options.machine, "", {.file = options.machine}));
+// The machine that the rows are held against, and what its file adds to the drawing.
+struct Believed {
+  Machine machine{};
+  std::vector<InjectedSpec> effects{};
+  fs::path file{};  // Empty: assumed from the rows.
+};
+
+// A file of rows as read, with what there is to say about it.
+struct Data {
+  RowTable table{};
+  DataHeader header{};
+  std::vector<std::string> notes{};
+};
+
+Data ReadData(const std::string& file) {
+  Data data{.table = ReadRows(file), .header = HeaderOf(file)};
+  if (data.table.rows.size() < kLeastRows) {
+    throw InputError(
+        {.file = file},
+        fmt::format("{} rows: too few to tell anything from", data.table.rows.size()),
+        "a diagnosis takes at least 5; eight positions both ways are a "
+        "beginning");
   }
-  const Observed observed(std::move(table),
-                          std::move(header),
-                          file.machine,
-                          DrawEffects(file.effects, options.seed, 0));
-  const Diagnosis diagnosis = Diagnose(
-      observed,
-      {.search = {.min_effect_um = options.min_effect_um, .seed = options.seed}});
-  const std::string json =
-      ToJson(
-          diagnosis, options.extend, {.version = CALTWIN_VERSION, .seed = options.seed})
-          .dump(kJsonIndent) +
-      "\n";
+  const auto tell = [&](const std::vector<std::string>& remarks) {
+    data.notes.insert(data.notes.end(), remarks.begin(), remarks.end());
+  };
+  tell(data.table.remarks);
+  tell(data.header.remarks);
+  tell(Unexplained(data.table, data.header));
+  return data;
+}
+
+// --machine, else the header's `machine:` (relative to the header), else assumed.
+Believed BelievedMachine(const Options& options, Data* data) {
+  const fs::path header_file = fs::path(options.file).replace_extension(".yaml");
+  Believed believed;
+  if (!options.machine.empty()) {
+    believed.file = FindMachine(options.machine, "", {.file = "--machine"});
+  } else if (!data->header.machine.empty()) {
+    believed.file = FindMachine(data->header.machine,
+                                header_file.parent_path(),
+                                {.file = header_file.string()});
+  }
+  if (believed.file.empty()) {
+    believed.machine = AssumedMachine(data->table, &data->notes);
+  } else {
+    MachineFile read = ReadMachineFile(believed.file);
+    believed.machine = std::move(read.machine);
+    believed.effects = std::move(read.effects);
+    data->notes.insert(data->notes.end(), read.notes.begin(), read.notes.end());
+  }
+  believed.machine = WithTransmission(std::move(believed.machine), data->header);
+  return believed;
+}
+
+// The line of the first row a doubt is about; none: of the file.
+Place PlaceOf(const Doubt& doubt, const Data& data, const std::string& file) {
+  for (const Row& row : data.table.rows) {
+    if (!doubt.rows.empty() && row.row == doubt.rows.front()) return row.place;
+  }
+  return {.file = file, .line = 1};
+}
+
+// Throws InputError with what cannot be true; adds the rest to the notes.
+void JudgeData(const std::string& file, const Machine* machine, Data* data) {
+  Faults faults;
+  for (const Doubt& doubt : Doubts(data->table, data->header, machine)) {
+    if (doubt.refuse) {
+      faults.Add(PlaceOf(doubt, *data, file), doubt.message, doubt.hint);
+    } else {
+      data->notes.push_back(
+          doubt.hint.empty() ? doubt.message : doubt.message + " (" + doubt.hint + ")");
+    }
+  }
+  faults.ThrowIfAny();
+}
+
+// Rows held against a machine, and the answer.
+struct Judged {
+  Observed observed;
+  Diagnosis diagnosis{};
+};
+
+Judged Judge(const Data& data, const Believed& believed, const Options& options) {
+  ProgressLine progress;
+  Judged judged{.observed = Observed(data.table,
+                                     data.header,
+                                     believed.machine,
+                                     DrawEffects(believed.effects, options.seed, 0))};
+  judged.diagnosis = Diagnose(
+      judged.observed,
+      {.search = {.min_effect_um = options.min_effect_um, .seed = options.seed},
+       .progress = [&](const std::string& text) {
+         progress.Show(text);
+       }});
+  return judged;
+}
+
+std::string Sha256OfFile(const fs::path& file) {
+  return file.empty() ? "" : Sha256(ReadTextFile(file, kLargestFile_bytes));
+}
+
+std::string CommandOf(const Options& options) {
+  std::string command = "caltwin diagnose " + options.file;
+  if (!options.machine.empty()) command += " --machine " + options.machine;
+  if (!options.before.empty()) command += " --before " + options.before;
+  if (options.min_effect_um > 0) {
+    command += fmt::format(" --min-effect-um {:g}", options.min_effect_um);
+  }
+  if (options.seed != 1) command += fmt::format(" --seed {}", options.seed);
+  return command;
+}
+
+// The earlier campaign under the same machine; what it is has its own notes.
+std::vector<Change> Compare(const Options& options,
+                            const Believed& believed,
+                            const Judged& now,
+                            std::vector<std::string>* notes) {
+  Data earlier = ReadData(options.before);
+  JudgeData(options.before, nullptr, &earlier);
+  for (const std::string& note : earlier.notes) {
+    notes->push_back(options.before + ": " + note);
+  }
+  const Judged before = Judge(earlier, believed, options);
+  return ChangesSince({before.observed, before.diagnosis},
+                      {now.observed, now.diagnosis});
+}
+
+void WriteJson(const Options& options,
+               const Believed& believed,
+               const Judged& judged,
+               const TextNotes& text_notes) {
+  nlohmann::ordered_json tree = ToJson(judged.diagnosis,
+                                       options.extend,
+                                       {.data_sha256 = Sha256OfFile(options.file),
+                                        .machine_sha256 = Sha256OfFile(believed.file),
+                                        .version = CALTWIN_VERSION,
+                                        .seed = options.seed,
+                                        .command = CommandOf(options)});
+  if (text_notes.has_before) tree["changes"] = ChangesJson(text_notes.changes);
+  const std::string json = tree.dump(kJsonIndent) + "\n";
   if (options.json == "-") {
     std::cout << json;
-  } else if (!options.json.empty()) {
+  } else {
     WriteTextFile(options.json, json);
   }
+}
+
+int Run(const Options& options) {
+  Data data = ReadData(options.file);
+  const Believed believed = BelievedMachine(options, &data);
+  JudgeData(options.file, believed.file.empty() ? nullptr : &believed.machine, &data);
+  Judged judged = Judge(data, believed, options);
+  TextNotes notes{.measured = WhatRowsMeasure(data.table),
+                  .has_before = !options.before.empty()};
+  if (notes.has_before) {
+    notes.changes = Compare(options, believed, judged, &data.notes);
+  }
+  auto& remarks = judged.diagnosis.remarks;
+  remarks.insert(remarks.begin(), data.notes.begin(), data.notes.end());
+  if (options.json != "-") {
+    if (judged.diagnosis.verdict == Verdict::kNone) {
+      notes.would_show = WhatRowsWouldShow(judged.observed, judged.diagnosis);
+    }
+    std::cout << DiagnosisText(judged.diagnosis, notes);
+  }
+  if (!options.json.empty()) WriteJson(options, believed, judged, notes);
   return kPassed;
 }
 
@@ -62,6 +223,14 @@ Action DeclareDiagnose(CLI::App* app) {
   app->add_option(
       "--json", options->json, "write the diagnosis as JSON; - for stdout alone");
   app->add_option("--extend", options->extend, "write the extended machine");
+  app->add_option("--before", options->before, "earlier rows: tell what changed since");
+  CLI::Option* controller =
+      app->add_option("--for", options->controller, "the controller to correct")
+          ->check(CLI::IsMember({"rrf", "klipper", "marlin", "linuxcnc"}));
+  app->add_option("--correction",
+                  options->correction,
+                  "write the controller's settings that mend what was found")
+      ->needs(controller);
   app->add_option("--min-effect-um",
                   options->min_effect_um,
                   "smaller effects are of no interest")

@@ -1,0 +1,288 @@
+#include "calibration/diagnosis/diagnosis_text.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <set>
+#include <span>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "calibration/diagnosis/diagnosis_words.h"
+#include "sim/base/units.h"
+#include "sim/effects/catalog.h"
+
+namespace caltwin {
+namespace {
+
+constexpr double kAxisAligned = 0.999;
+constexpr double kTold = 0.0005;  // Smaller probabilities are not worth a number.
+constexpr std::size_t kMostShown = 8;
+
+double Um(double mm) {
+  return UmFromMm(mm);
+}
+
+// 0.62 -> "62 %", 0.001 -> "0.1 %".
+std::string Percent(double part) {
+  const double percent = 100 * std::clamp(part, 0.0, 1.0);
+  if (percent > 99.9 && percent < 100) return "over 99.9 %";
+  return fmt::format("{:.{}f} %", percent, percent < 10 || percent > 99 ? 1 : 0);
+}
+
+std::string Figure(double um) {
+  return fmt::format("{:.{}f}", um, um < 100 ? 1 : 0);
+}
+
+// The rms after correcting a part `share` of what can be explained [mm].
+double AfterShare_mm(const GainFigures& gain, double share) {
+  const double before2 = std::pow(gain.blocks.before_mm, 2);
+  const double floor2 = std::pow(gain.noise_floor_mm, 2);
+  const double left2 =
+      before2 - std::clamp(share, 0.0, 1.0) * std::max(before2 - floor2, 0.0);
+  return std::sqrt(std::max(left2, 0.0));
+}
+
+std::string HowSure(const Finding& finding) {
+  const auto rivals =
+      std::span(finding.candidates).subspan(finding.candidates.empty() ? 0 : 1);
+  double next = 0;
+  bool may_be_other = false;
+  for (const FindingCandidate& rival : rivals) {
+    next = std::max(next, rival.probability);
+    constexpr double kFits = 0.05;
+    if (rival.structural || rival.probability > kFits) may_be_other = true;
+  }
+  if (may_be_other) return "but another cause could look like this here (below)";
+  if (next < kTold) return "nothing else fits";
+  return fmt::format("nothing else fits (next best {})", Percent(next));
+}
+
+void AddRivals(const Finding& finding, std::string* text) {
+  constexpr double kFits = 0.05;
+  std::vector<std::string> rivals;
+  for (std::size_t i = 1; i < finding.candidates.size(); ++i) {
+    const FindingCandidate& rival = finding.candidates[i];
+    if (!rival.structural && rival.probability <= kFits) continue;
+    std::string said = NameInWords(rival.cause, rival.axis);
+    if (rival.probability >= kTold)
+      said += fmt::format(" ({})", Percent(rival.probability));
+    rivals.push_back(std::move(said));
+  }
+  if (rivals.empty()) return;
+  *text +=
+      fmt::format("  Cannot tell it from: {}. These rows show both alike; {} has {}.\n",
+                  fmt::join(rivals, "; "),
+                  NameInWords(finding.cause, finding.axis),
+                  Percent(finding.probability));
+  const auto effect = FindEffect(finding.cause);
+  if (effect) *text += fmt::format("  What tells: {}\n", EffectAt(*effect).twin);
+}
+
+std::string Headline(const Diagnosis& diagnosis) {
+  const std::size_t count = diagnosis.findings.size();
+  switch (diagnosis.verdict) {
+    case Verdict::kNone:
+      return "Verdict: none. Beyond the baseline these rows show nothing but noise.";
+    case Verdict::kNamed:
+      return fmt::format("Verdict: named. {} found.",
+                         count == 1 ? "One cause" : fmt::format("{} causes", count));
+    case Verdict::kAmbiguous:
+      return "Verdict: ambiguous. Something is there, but these rows cannot tell which "
+             "of several causes it is.";
+    case Verdict::kUnknownStructure:
+      break;
+  }
+  return "Verdict: unknown. Something is there that no cause in the catalogue "
+         "explains.";
+}
+
+void AddHeldOut(const HeldOut& held, std::string_view what, std::string* text) {
+  if (held.groups == 0) return;
+  *text +=
+      fmt::format("With {} left out in turn: {} um rms before, {} after ({} rows).\n",
+                  what,
+                  Figure(Um(held.before_mm)),
+                  Figure(Um(held.after_mm)),
+                  held.rows);
+}
+
+void AddGain(const Diagnosis& diagnosis, std::string* text) {
+  const GainFigures& gain = diagnosis.gain;
+  const std::string floor_from = gain.floor_from_replicates
+                                     ? "from repeated readings"
+                                     : "from what the richest model leaves";
+  if (diagnosis.verdict == Verdict::kNone) {
+    *text += fmt::format(
+        "The baseline predicts rows it has not seen to {} um rms; the noise floor is "
+        "{} "
+        "({}).\n",
+        Figure(Um(gain.blocks.before_mm)),
+        Figure(Um(gain.noise_floor_mm)),
+        floor_from);
+    return;
+  }
+  *text += fmt::format("The noise floor is {}; explained: {} of what can be.\n",
+                       floor_from,
+                       Percent(gain.explained_fraction));
+  AddHeldOut(gain.runs, "runs", text);
+  AddHeldOut(gain.positions, "positions (inner ones)", text);
+}
+
+// The best of each cause; causes on several axes are told once.
+void AddWouldShow(const std::vector<WouldShow>& all, std::string* text) {
+  std::vector<std::string> shown, hidden;
+  std::set<std::string> told;
+  for (const WouldShow& one : all) {
+    if (!told.insert(one.cause).second) continue;
+    const std::string name = NameInWords(one.cause, one.axis);
+    if (std::isfinite(one.smallest_mm)) {
+      shown.push_back(fmt::format("{} from {:.2g} um", name, Um(one.smallest_mm)));
+    } else {
+      hidden.push_back(name);
+    }
+  }
+  const std::size_t more = shown.size() - std::min(shown.size(), kMostShown);
+  shown.resize(shown.size() - more);
+  if (!shown.empty()) {
+    *text += fmt::format(
+        "They would have shown {}{}.\n",
+        fmt::join(shown, ", "),
+        more > 0 ? fmt::format(", and {} other causes less sharply", more) : "");
+  }
+  if (!hidden.empty()) {
+    *text += fmt::format("They could not show {}: the baseline takes it up.\n",
+                         fmt::join(hidden, ", "));
+  }
+}
+
+void AddCannotTell(const Diagnosis& diagnosis, std::string* text) {
+  for (const Absorbed& one : diagnosis.absorbed) {
+    *text +=
+        fmt::format("Cannot be seen here: {}, taken up by {}.\n", one.what, one.into);
+  }
+  if (!diagnosis.next_campaign) return;
+  const NextCampaign& next = *diagnosis.next_campaign;
+  std::string line = fmt::format("Measure next: {}", next.kind);
+  if (next.minutes > 0)
+    line += fmt::format(" ({:.0f} minutes)", std::ceil(next.minutes));
+  if (!next.separates.empty()) {
+    line += fmt::format("; it tells {} apart", fmt::join(next.separates, " and "));
+  }
+  *text += line + ".\n";
+}
+
+void AddChanges(const TextNotes& notes, std::string* text) {
+  if (!notes.has_before) return;
+  std::vector<Change> changed = notes.changes;
+  const auto same = std::ranges::stable_partition(changed, &Change::is_more_than_noise);
+  const auto count = changed.size() - same.size();
+  if (notes.changes.empty()) {
+    *text += "\nSince the earlier rows: the two have no figure in common.\n";
+    return;
+  }
+  *text += fmt::format(
+      "\nSince the earlier rows, {}:\n",
+      count == 0
+          ? "nothing changed by more than noise"
+          : fmt::format(
+                "{} of {} figures changed by more than noise", count, changed.size()));
+  for (const Change& change : changed) {
+    *text +=
+        fmt::format("  {:<24} {} -> {}  {}\n",
+                    change.name,
+                    WithSd(change.before, change.before_sd, change.unit),
+                    WithSd(change.now, change.now_sd, change.unit),
+                    change.is_more_than_noise
+                        ? fmt::format("changed ({:.1f} sigma)", change.sigmas)
+                        : fmt::format("within noise ({:.1f} sigma)", change.sigmas));
+  }
+}
+
+void AddBaseline(const Diagnosis& diagnosis, std::string* text) {
+  if (diagnosis.baseline.empty()) return;
+  *text += "\nBaseline (built minus believed, always fitted):\n";
+  for (const BaselineLine& line : diagnosis.baseline) {
+    *text +=
+        fmt::format("  {:<28} {}\n", line.name, WithSd(line.value, line.sd, line.unit));
+  }
+}
+
+void AddRows(const Diagnosis& diagnosis, std::string* text) {
+  if (!diagnosis.outlier_rows.empty()) {
+    const bool is_one = diagnosis.outlier_rows.size() == 1;
+    *text +=
+        fmt::format("\n{} {} left out: beyond 4.2 sigma of everything that fits.\n",
+                    is_one ? "Row" : "Rows",
+                    fmt::join(diagnosis.outlier_rows, ", "));
+  }
+  if (diagnosis.wander_um_per_sqrt_h > 0) {
+    *text +=
+        fmt::format("{}Slow wander of {:.2g} um per root hour is part of the noise.\n",
+                    diagnosis.outlier_rows.empty() ? "\n" : "",
+                    diagnosis.wander_um_per_sqrt_h);
+  }
+  for (const std::string& remark : diagnosis.remarks) *text += "Note: " + remark + "\n";
+}
+
+}  // namespace
+
+std::string WhatRowsMeasure(const RowTable& table) {
+  std::optional<Axis> common;
+  for (const Row& row : table.rows) {
+    std::optional<Axis> along;
+    for (const Axis axis : kAxes) {
+      if (std::abs(row.n[Index(axis)]) > kAxisAligned) along = axis;
+    }
+    if (!along || (common && *common != *along)) return "the rows";
+    common = along;
+  }
+  return common ? std::string(1, CapitalLetter(*common)) : "the rows";
+}
+
+std::string FindingText(const Finding& finding,
+                        const Diagnosis& diagnosis,
+                        const std::string& measured) {
+  const GainFigures& gain = diagnosis.gain;
+  std::string text = fmt::format("{}: {} of what the model could not explain; {}. ",
+                                 WhatItDoes(finding),
+                                 Percent(finding.share),
+                                 HowSure(finding));
+  const double alone_mm = diagnosis.findings.size() == 1
+                              ? gain.blocks.after_mm
+                              : AfterShare_mm(gain, finding.share);
+  text +=
+      fmt::format("Correcting it takes {} from {} to {} um on data it has not seen; ",
+                  measured,
+                  Figure(Um(gain.blocks.before_mm)),
+                  Figure(Um(alone_mm)));
+  if (diagnosis.findings.size() > 1) {
+    text +=
+        fmt::format("all findings together to {}; ", Figure(Um(gain.blocks.after_mm)));
+  }
+  text += fmt::format("the noise floor is {}.", Figure(Um(gain.noise_floor_mm)));
+  return text;
+}
+
+std::string DiagnosisText(const Diagnosis& diagnosis, const TextNotes& notes) {
+  std::string text = Headline(diagnosis) + "\n";
+  for (const Finding& finding : diagnosis.findings) {
+    text += "\n" + FindingText(finding, diagnosis, notes.measured) + "\n";
+    AddRivals(finding, &text);
+    const std::string action = WhatToDo(finding);
+    if (!action.empty()) text += "  What to do: " + action + "\n";
+  }
+  text += "\n";
+  AddGain(diagnosis, &text);
+  if (diagnosis.verdict == Verdict::kNone) AddWouldShow(notes.would_show, &text);
+  AddCannotTell(diagnosis, &text);
+  AddChanges(notes, &text);
+  AddBaseline(diagnosis, &text);
+  AddRows(diagnosis, &text);
+  return text;
+}
+
+}  // namespace caltwin

@@ -1,0 +1,272 @@
+#include "calibration/diagnosis/diagnosis_words.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "sim/effects/catalog.h"
+
+namespace caltwin {
+namespace {
+
+// What one cause is called, and what it does. In braces a parameter with its
+// uncertainty, or with a tilde without; {axis} {by} {to} are the axis in capitals and,
+// of ISO 230-1 names such as EYX, the axis that moves and the axis that errs.
+struct Phrase {
+  std::string_view cause, name, does;
+};
+
+constexpr std::array kPhrases = {
+    Phrase{"cyclic_lead",
+           "cyclic error of the {axis} screw",
+           "The {axis} screw errs by {amplitude_um} once per turn ({~period_mm})"},
+    Phrase{"pulley_eccentric",
+           "eccentric pulley of {axis}",
+           "The {axis} pulley runs out: the axis errs by {amplitude_um} once per turn "
+           "({~period_mm})"},
+    Phrase{"microstep",
+           "microstep error of the {axis} motor",
+           "The {axis} motor errs by {amplitude_um} within every four full steps"},
+    Phrase{"pitch_progressive",
+           "changing pitch of the {axis} screw",
+           "The pitch of the {axis} screw changes along its travel: both ends are off "
+           "by {bow_um} against the middle"},
+    Phrase{"pitch_map",
+           "position table of {axis}",
+           "The {axis} axis errs with position, in a shape that only a table tells"},
+    Phrase{"thermal_screw",
+           "growth of the {axis} screw with its temperature",
+           "The {axis} screw grows by {expansion_um_per_m_k} as it warms, "
+           "{~lag_s} behind its thermometer"},
+    Phrase{"frame_growth",
+           "growth of the frame along {axis} while warming up",
+           "The frame grows along {axis} by {growth_um} while it warms up, with a time "
+           "constant of {~tau_s}"},
+    Phrase{"frame_temperature",
+           "growth of the {part} with its temperature",
+           "The {part} grows along Z by {growth_um_per_k}, {~lag_s} behind its "
+           "thermometer"},
+    Phrase{"probe_temperature",
+           "drift of the probe with temperature",
+           "The probe drifts by {drift_um_per_k}, {~lag_s} behind the thermometer"},
+    Phrase{"backlash_worn",
+           "backlash of {axis} worn in one place",
+           "The {axis} drive is worn in one place: {extra_mm} more play about "
+           "{~center_mm}, {~width_mm} wide"},
+    Phrase{"windup_load",
+           "wind-up of the {axis} drive under load",
+           "The {axis} drive gives way under load by {compliance_um_per_n}"},
+    Phrase{"reversal_spike",
+           "spike of {axis} after a reversal",
+           "The {axis} axis sticks after a reversal: {height_um}, gone after some "
+           "{~decay_mm}"},
+    Phrase{"missed_steps",
+           "lost steps of {axis}",
+           "The {axis} motor lost steps: a jump of {jump_um} at {~at_t_s}"},
+    Phrase{"homing_scatter",
+           "scatter of homing {axis}",
+           "Homing {axis} scatters by {sd_um}"},
+    Phrase{"squareness",
+           "squareness {axis}",
+           "The axes of {axis} are out of square by {angle_mrad}"},
+    Phrase{"straightness",
+           "straightness {axis}",
+           "{by} does not run straight: it bows by {bow_um} towards {to} ({axis})"},
+    Phrase{"angular",
+           "angular error {axis}",
+           "{by} turns about {to} as it moves: {slope_urad} over its travel ({axis})"},
+    Phrase{"gantry_sag",
+           "sag of the gantry",
+           "The gantry hangs lower in the middle by {sag_um}"},
+    Phrase{"axis_twist",
+           "twist of the beam",
+           "The beam is twisted: the head turns by {twist_mrad} over the travel"},
+    Phrase{"servo_mismatch",
+           "mismatch of the servos",
+           "One servo of X and Y answers later than the other by {mismatch_ms}"},
+    Phrase{"servo_lag",
+           "lag of the servos",
+           "The servos cut the circle by {lag_um_at_50_mm_s} at 50 mm/s"},
+    Phrase{"probe_lobing",
+           "lobing of the probe",
+           "The probe triggers in three lobes of {amplitude_um}"},
+    Phrase{"stylus_anisotropy",
+           "stylus softer one way than across",
+           "The stylus is softer one way than across by {amplitude_um}"},
+    Phrase{"tip_runout",
+           "run-out of the tip",
+           "The tip runs out of the spindle's axis by {offset_um}"},
+    Phrase{"tip_size",
+           "wrong tip radius",
+           "The tip's radius is not the configured one: it differs by "
+           "{radius_error_mm}"},
+    Phrase{"trigger_latency",
+           "latency of the trigger",
+           "The trigger comes late by {latency_ms}"},
+    Phrase{"bed_bowl",
+           "bowl of the bed",
+           "The bed is a bowl: its corners stand {height_um} higher than the middle"},
+    Phrase{"bed_cylinder",
+           "bend of the bed along {axis}",
+           "The bed is bent along {axis}: its edges stand {height_um} higher than the "
+           "middle"},
+    Phrase{"bed_twist",
+           "twist of the bed",
+           "The bed is twisted by {height_um} at its corners"},
+    Phrase{"block_size",
+           "size of the artefact {part}",
+           "The artefact {part} is not as certified: its size is off by {error_um}"}};
+
+const Phrase* PhraseOf(std::string_view cause) {
+  const auto* found = std::ranges::find(kPhrases, cause, &Phrase::cause);
+  return found == kPhrases.end() ? nullptr : &*found;
+}
+
+std::string Capitals(std::string_view text) {
+  std::string capitals(text);
+  for (char& c : capitals) {
+    c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  }
+  return capitals;
+}
+
+// The unit of a parameter, as declared.
+std::string UnitOf(std::string_view cause, std::string_view parameter) {
+  const auto effect = FindEffect(cause);
+  if (!effect) return "";
+  for (const Parameter& one : EffectAt(*effect).parameters) {
+    if (one.name == parameter) return std::string(one.unit);
+  }
+  return "";
+}
+
+// Two letters after the first stand for axes only in names such as EYX.
+std::string LetterAt(std::string_view axis, std::size_t at) {
+  if (axis.size() != 3) return Capitals(axis);
+  // Of an angular error (EBX) the letters A B C turn about X Y Z.
+  const char letter = axis[at];
+  return {letter >= 'A' && letter <= 'C' ? static_cast<char>(letter + ('X' - 'A'))
+                                         : letter};
+}
+
+std::string ValueOf(const Finding& finding, std::string_view key) {
+  const bool plain = key.starts_with('~');
+  if (plain) key.remove_prefix(1);
+  const auto found =
+      std::ranges::find(finding.parameters, key, &FindingParameter::name);
+  if (found == finding.parameters.end()) return "an unknown amount";
+  const std::string unit = UnitOf(finding.cause, key);
+  if (plain && key == "period_mm") return fmt::format("{:.2f} {}", found->value, unit);
+  return WithSd(found->value, plain ? 0 : found->sd, unit);
+}
+
+std::string Filled(std::string_view text, const Finding& finding) {
+  std::string filled;
+  while (!text.empty()) {
+    const std::size_t open = text.find('{');
+    filled += text.substr(0, open);
+    if (open == std::string_view::npos) break;
+    const std::size_t close = text.find('}', open);
+    const std::string_view key = text.substr(open + 1, close - open - 1);
+    if (key == "axis") {
+      filled += Capitals(finding.axis);
+    } else if (key == "part") {
+      filled += finding.axis;
+    } else if (key == "to" || key == "by") {
+      filled += LetterAt(finding.axis, key == "to" ? 1 : 2);
+    } else {
+      filled += ValueOf(finding, key);
+    }
+    text.remove_prefix(close + 1);
+  }
+  return filled;
+}
+
+std::string ChannelInWords(std::string_view channel) {
+  if (channel == "probe") return "the probe";
+  if (channel == "bed") return "the bed";
+  return fmt::format("the {} axis", Capitals(channel));
+}
+
+}  // namespace
+
+std::string WithSd(double value, double sd, std::string_view unit) {
+  const std::string gap = unit.empty() ? "" : " ";
+  constexpr int kMostDecimals = 6;
+  if (!std::isfinite(sd) || sd <= 0) {
+    const int digits =
+        value == 0 ? 0 : 2 - static_cast<int>(std::floor(std::log10(std::abs(value))));
+    return fmt::format(
+        "{:.{}f}{}{}", value, std::clamp(digits, 0, kMostDecimals), gap, unit);
+  }
+  // An uncertainty that rounds up to the next power of ten has one decimal less.
+  const double rounded = std::stod(fmt::format("{:.0e}", sd));
+  const int decimals = -static_cast<int>(std::floor(std::log10(rounded) + 1e-9));
+  const int shown = std::clamp(decimals, 0, kMostDecimals);
+  return fmt::format("{:.{}f} +- {:.{}f}{}{}", value, shown, sd, shown, gap, unit);
+}
+
+std::string NameInWords(std::string_view cause, std::string_view axis) {
+  if (cause == "unknown") {
+    return fmt::format("something without a name in {}", ChannelInWords(axis));
+  }
+  const Finding bare{.cause = std::string(cause), .axis = std::string(axis)};
+  if (const Phrase* phrase = PhraseOf(cause)) return Filled(phrase->name, bare);
+  return axis.empty() ? std::string(cause) : fmt::format("{}.{}", cause, axis);
+}
+
+std::string WhatItDoes(const Finding& finding) {
+  if (finding.cause != "unknown") {
+    if (const Phrase* phrase = PhraseOf(finding.cause)) {
+      return Filled(phrase->does, finding);
+    }
+    std::vector<std::string> sizes;
+    for (const FindingParameter& p : finding.parameters) {
+      sizes.push_back(fmt::format(
+          "{} {}", p.name, WithSd(p.value, p.sd, UnitOf(finding.cause, p.name))));
+    }
+    return fmt::format(
+        "{}: {}", NameInWords(finding.cause, finding.axis), fmt::join(sizes, ", "));
+  }
+  std::vector<std::string> covariates;
+  for (const std::string& word : finding.covariates) {
+    covariates.push_back(CovariateInWords(word));
+  }
+  return fmt::format(
+      "Something makes {} err by up to {:.2g} um that depends on {}; its shape fits no "
+      "cause in the catalogue",
+      ChannelInWords(finding.axis),
+      finding.peak_um,
+      fmt::join(covariates, " and "));
+}
+
+std::string WhatToDo(const Finding& finding) {
+  const auto effect = FindEffect(finding.cause);
+  return effect ? std::string(EffectAt(*effect).words.action) : "";
+}
+
+std::string CovariateInWords(std::string_view word) {
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 6> kWords = {{
+      {"t", "time"},
+      {"temp", "temperature"},
+      {"feed", "feed"},
+      {"load", "load"},
+      {"since_rev", "travel since the reversal"},
+      {"theta", "direction of touch"},
+  }};
+  for (const auto& [key, text] : kWords) {
+    if (word == key) return std::string(text);
+  }
+  if (word.starts_with("dir_")) {
+    return fmt::format("the sense of approach of {}", Capitals(word.substr(4)));
+  }
+  if (word.size() == 1) return fmt::format("position along {}", Capitals(word));
+  return std::string(word);
+}
+
+}  // namespace caltwin

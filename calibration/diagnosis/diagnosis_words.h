@@ -1,0 +1,27 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "calibration/diagnosis/diagnosis.h"
+
+namespace caltwin {
+
+/// A value with its standard uncertainty, to the digit that the uncertainty carries:
+/// "5.6 +- 0.2 um". Without one (NaN or 0): three digits, "5.63 um".
+std::string WithSd(double value, double sd, std::string_view unit);
+
+/// A cause on an axis as a machinist calls it: "cyclic error of the X screw".
+std::string NameInWords(std::string_view cause, std::string_view axis);
+
+/// What the machine does, with its sizes: "The X screw errs by 5.6 +- 0.2 um once per
+/// turn (8.00 mm)". No full stop. A finding without a formula says in what it depends.
+std::string WhatItDoes(const Finding& finding);
+
+/// What to do about it (Words::action); empty where nobody knows.
+std::string WhatToDo(const Finding& finding);
+
+/// A channel or covariate as a machinist calls it: "position along X", "time".
+std::string CovariateInWords(std::string_view word);
+
+}  // namespace caltwin

@@ -1,0 +1,47 @@
+#include "calibration/diagnosis/would_show.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <Eigen/Eigenvalues>
+
+#include "calibration/diagnosis/candidates.h"
+#include "calibration/diagnosis/evidence.h"
+
+namespace caltwin {
+namespace {
+
+constexpr double kVisible_sigma = 10;
+// Less than this part of an effect left by the baseline is rounding, not sight.
+constexpr double kLeastLeft = 1e-6;
+constexpr double kLeastSigma_mm = 1e-6;
+
+}  // namespace
+
+std::vector<WouldShow> WhatRowsWouldShow(const Observed& observed,
+                                         const Diagnosis& diagnosis) {
+  const double sigma_mm = std::max(diagnosis.gain.noise_floor_mm, kLeastSigma_mm);
+  const Eigen::VectorXd sigmas_mm =
+      Eigen::VectorXd::Constant(observed.num_rows(), sigma_mm);
+  const Evidence evidence(observed, {sigmas_mm, 0}, BaselineOf(observed));
+  std::vector<WouldShow> all;
+  for (const Candidate& candidate : AllCandidates(observed)) {
+    if (candidate.is_free() || candidate.variants.empty()) continue;
+    const Variant& middle = candidate.variants[candidate.variants.size() / 2];
+    const Eigen::MatrixXd white = evidence.Whiten(middle.columns_mm);
+    const double whole = white.squaredNorm();
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
+        evidence.Project(white).gram, Eigen::EigenvaluesOnly);
+    const double seen = solver.eigenvalues().minCoeff();
+    all.push_back({.cause = candidate.cause,
+                   .axis = candidate.axis,
+                   .smallest_mm = seen > kLeastLeft * whole
+                                      ? kVisible_sigma / std::sqrt(seen)
+                                      : std::numeric_limits<double>::infinity()});
+  }
+  std::ranges::stable_sort(all, {}, &WouldShow::smallest_mm);
+  return all;
+}
+
+}  // namespace caltwin

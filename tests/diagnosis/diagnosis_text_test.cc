@@ -1,0 +1,151 @@
+#include "calibration/diagnosis/diagnosis_text.h"
+
+#include <limits>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "calibration/diagnosis/diagnosis_words.h"
+
+namespace caltwin {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::StrEq;
+
+Finding CyclicX() {
+  return {.cause = "cyclic_lead",
+          .axis = "x",
+          .probability = 0.998,
+          .candidates = {{"cyclic_lead", "x", 0.998, false},
+                         {"pitch_progressive", "x", 0.001, false}},
+          .parameters = {{"amplitude_um", 5.63, 0.21},
+                         {"phase_deg", 40, 3},
+                         {"period_mm", 8, 0.001}},
+          .share = 0.62};
+}
+
+Diagnosis TwoFindings() {
+  Diagnosis diagnosis{
+      .verdict = Verdict::kNamed,
+      .findings = {CyclicX(), CyclicX()},
+      .gain = {
+          .blocks = {.before_mm = 0.0052, .after_mm = 0.0013, .rows = 84, .groups = 5},
+          .noise_floor_mm = 0.0012,
+          .explained_fraction = 0.99}};
+  diagnosis.findings[1].axis = "y";
+  diagnosis.findings[1].share = 0.37;
+  return diagnosis;
+}
+
+Row Along(double x, double y) {
+  Row row;
+  row.n = {x, y, 0};
+  return row;
+}
+
+TEST(DiagnosisText, SaysAFindingAsTheIssueDoes) {
+  const Diagnosis diagnosis = TwoFindings();
+
+  EXPECT_THAT(
+      FindingText(diagnosis.findings[0], diagnosis, "X"),
+      StrEq("The X screw errs by 5.6 +- 0.2 um once per turn (8.00 mm): 62 % of what "
+            "the model could not explain; nothing else fits (next best 0.1 %). "
+            "Correcting it takes X from 5.2 to 3.3 um on data it has not seen; all "
+            "findings together to 1.3; the noise floor is 1.2."));
+}
+
+TEST(DiagnosisText, OfOneFindingSaysWhatWasHeldOutNotTheShare) {
+  Diagnosis diagnosis = TwoFindings();
+  diagnosis.findings.pop_back();
+
+  const std::string text = FindingText(diagnosis.findings[0], diagnosis, "X");
+
+  EXPECT_THAT(text, HasSubstr("from 5.2 to 1.3 um"));
+  EXPECT_THAT(text, Not(HasSubstr("together")));
+}
+
+TEST(DiagnosisText, AStructuralRivalTakesTheCertaintyAway) {
+  Diagnosis diagnosis = TwoFindings();
+  diagnosis.verdict = Verdict::kAmbiguous;
+  diagnosis.findings[0].candidates.push_back({"pulley_eccentric", "x", 0.0, true});
+
+  const std::string text = DiagnosisText(diagnosis, {});
+
+  EXPECT_THAT(text, HasSubstr("Cannot tell it from: eccentric pulley of X."));
+  EXPECT_THAT(FindingText(diagnosis.findings[0], diagnosis, "X"),
+              Not(HasSubstr("nothing else fits")));
+}
+
+TEST(DiagnosisText, NoneSaysWhatWouldHaveShown) {
+  const Diagnosis diagnosis{
+      .gain = {.blocks = {.before_mm = 0.0013, .groups = 5}, .noise_floor_mm = 0.0012}};
+  const TextNotes notes{
+      .would_show = {{"cyclic_lead", "x", 0.002},
+                     {"squareness", "C0Y", std::numeric_limits<double>::infinity()}}};
+
+  const std::string text = DiagnosisText(diagnosis, notes);
+
+  EXPECT_THAT(text, HasSubstr("Verdict: none."));
+  EXPECT_THAT(text, HasSubstr("shown cyclic error of the X screw from 2 um."));
+  EXPECT_THAT(text, HasSubstr("could not show squareness C0Y"));
+}
+
+TEST(DiagnosisText, TellsRowsLeftOutAndChanges) {
+  Diagnosis diagnosis = TwoFindings();
+  diagnosis.outlier_rows = {17};
+  const TextNotes notes{.changes = {{.name = "backlash.x",
+                                     .unit = "mm",
+                                     .before = 0.02,
+                                     .before_sd = 0.001,
+                                     .now = 0.05,
+                                     .now_sd = 0.001,
+                                     .sigmas = 21.2,
+                                     .is_more_than_noise = true}},
+                        .has_before = true};
+
+  const std::string text = DiagnosisText(diagnosis, notes);
+
+  EXPECT_THAT(text, HasSubstr("Row 17 left out"));
+  EXPECT_THAT(text, HasSubstr("1 of 1 figures changed by more than noise"));
+  EXPECT_THAT(text, HasSubstr("0.020 +- 0.001 mm -> 0.050 +- 0.001 mm"));
+}
+
+TEST(WhatRowsMeasure, IsAnAxisOnlyWhereAllRowsLieAlongIt) {
+  EXPECT_EQ(WhatRowsMeasure({.rows = {Along(1, 0), Along(-1, 0)}}), "X");
+  EXPECT_EQ(WhatRowsMeasure({.rows = {Along(1, 0), Along(0, 1)}}), "the rows");
+  EXPECT_EQ(WhatRowsMeasure({.rows = {Along(0.7, 0.7)}}), "the rows");
+}
+
+TEST(WithSd, GivesTheDigitsThatTheUncertaintyCarries) {
+  EXPECT_EQ(WithSd(5.634, 0.21, "um"), "5.6 +- 0.2 um");
+  EXPECT_EQ(WithSd(5.634, 0.097, "um"), "5.6 +- 0.1 um");
+  EXPECT_EQ(WithSd(1234.4, 25, "ppm"), "1234 +- 25 ppm");
+  EXPECT_EQ(WithSd(8, 0, "mm"), "8.00 mm");
+  EXPECT_EQ(WithSd(0.5, std::numeric_limits<double>::quiet_NaN(), ""), "0.500");
+}
+
+TEST(WhatItDoes, NamesAxesOfGeometricErrors) {
+  EXPECT_EQ(
+      WhatItDoes(
+          {.cause = "straightness", .axis = "EYX", .parameters = {{"bow_um", 12, 1}}}),
+      "X does not run straight: it bows by 12 +- 1 um towards Y (EYX)");
+  EXPECT_EQ(
+      WhatItDoes(
+          {.cause = "angular", .axis = "EBX", .parameters = {{"slope_urad", 40, 2}}}),
+      "X turns about Y as it moves: 40 +- 2 urad over its travel (EBX)");
+}
+
+TEST(WhatItDoes, OfUnknownSaysInWhatItDepends) {
+  EXPECT_EQ(WhatItDoes({.cause = "unknown",
+                        .axis = "x",
+                        .covariates = {"x", "dir_x"},
+                        .peak_um = 21}),
+            "Something makes the X axis err by up to 21 um that depends on position "
+            "along X and the sense of approach of X; its shape fits no cause in the "
+            "catalogue");
+}
+
+}  // namespace
+}  // namespace caltwin

@@ -1,0 +1,72 @@
+#include "tools/commands/assumed_machine.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace caltwin {
+namespace {
+
+constexpr double kLeastTravel_mm = 1;
+
+// The commanded positions of an axis; empty (least above largest) where rows know none.
+std::pair<double, double> Reach_mm(const RowTable& table, Axis axis) {
+  double least = std::numeric_limits<double>::infinity(), largest = -least;
+  for (const Row& row : table.rows) {
+    const double at_mm = row.cmd_mm[Index(axis)];
+    if (!Known(at_mm)) continue;
+    least = std::min(least, at_mm);
+    largest = std::max(largest, at_mm);
+  }
+  return {least, largest};
+}
+
+}  // namespace
+
+Machine AssumedMachine(const RowTable& table, std::vector<std::string>* notes) {
+  Machine machine;
+  machine.name = "assumed";
+  for (const Axis axis : kAxes) {
+    AxisDrawing& drawing = machine.axes[Index(axis)];
+    machine.settings.steps_per_mm[Index(axis)] = drawing.steps_per_mm();
+    const auto [least_mm, largest_mm] = Reach_mm(table, axis);
+    if (least_mm > largest_mm) continue;
+    drawing.min_mm = least_mm;
+    drawing.max_mm = std::max(largest_mm, least_mm + kLeastTravel_mm);
+    notes->push_back(fmt::format(
+        "no machine is named: axis {} is taken to travel from {:g} to {:g} mm, as far "
+        "as "
+        "the rows go, with a lead of {:g} mm unless the header's transmission says "
+        "otherwise (--machine says it)",
+        Name(axis),
+        drawing.min_mm,
+        drawing.max_mm,
+        drawing.lead_mm));
+  }
+  return machine;
+}
+
+Machine WithTransmission(Machine machine, const DataHeader& header) {
+  for (const Axis axis : kAxes) {
+    const auto stated = header.transmission.find(Name(axis));
+    if (stated == header.transmission.end()) continue;
+    const auto at = Index(axis);
+    AxisDrawing& drawing = machine.axes[at];
+    const Transmission& is = stated->second;
+    const bool was_as_drawn =
+        machine.settings.steps_per_mm[at] == drawing.steps_per_mm();
+    if (is.lead_mm || is.pulley_mm_per_rev) {
+      drawing.is_belt = !is.lead_mm.has_value();
+      drawing.lead_mm = is.lead_mm ? *is.lead_mm : *is.pulley_mm_per_rev;
+    }
+    if (is.full_steps_per_mm) {
+      drawing.full_steps_per_rev = *is.full_steps_per_mm * drawing.lead_mm;
+    }
+    if (was_as_drawn) machine.settings.steps_per_mm[at] = drawing.steps_per_mm();
+  }
+  return machine;
+}
+
+}  // namespace caltwin

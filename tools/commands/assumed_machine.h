@@ -1,0 +1,21 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "sim/machine/machine.h"
+#include "sim/measure/data_header.h"
+#include "sim/measure/row.h"
+
+namespace caltwin {
+
+/// A machine nobody described, from the rows themselves: cartesian; each axis travels
+/// from the least to the largest commanded position (at least 1 mm), everything else as
+/// a machine file's defaults. `notes` gains what was assumed, one sentence an axis.
+Machine AssumedMachine(const RowTable& table, std::vector<std::string>* notes);
+
+/// The machine with the leads and full steps that the header's `transmission` states;
+/// steps per mm follow where the machine's were as drawn.
+Machine WithTransmission(Machine machine, const DataHeader& header);
+
+}  // namespace caltwin
