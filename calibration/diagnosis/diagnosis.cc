@@ -68,8 +68,8 @@ class Reporter {
 
   Diagnosis Make() {
     refined_ = Refit(observed_, candidates_, search_);
-    Diagnosis diagnosis{.gain = GainOf(observed_, candidates_, search_, refined_),
-                        .first = search_.first};
+    Diagnosis diagnosis{.gain = GainOf(observed_, candidates_, search_, refined_)};
+    AddEvidence(&diagnosis);
     for (std::size_t i = 0; i < search_.found.size(); ++i) {
       diagnosis.findings.push_back(FindingOf(i, diagnosis.gain));
     }
@@ -126,6 +126,18 @@ class Reporter {
           {other.cause, other.axis, rival.probability, rival.structural});
     }
     return finding;
+  }
+
+  void AddEvidence(Diagnosis* diagnosis) const {
+    constexpr std::size_t kLines = 12;
+    for (const Weighed& weighed : search_.first.ranked) {
+      if (diagnosis->evidence.size() == kLines) break;
+      const Candidate& candidate = candidates_[weighed.candidate];
+      diagnosis->evidence.push_back({candidate.cause,
+                                     candidate.axis,
+                                     candidate.shown.covariates,
+                                     weighed.log_odds});
+    }
   }
 
   static Verdict VerdictOf(const std::vector<Finding>& findings) {

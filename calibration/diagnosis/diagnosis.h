@@ -60,6 +60,14 @@ struct Finding {
   Eigen::VectorXd change_mm{};  ///< What it does to each row.
 };
 
+/// One line of the evidence table: how likely a cause is before any was accepted.
+struct EvidenceLine {
+  std::string cause{};
+  std::string axis{};
+  std::vector<std::string> covariates{};
+  double log_odds = 0;  ///< Against none, prior included.
+};
+
 struct NextCampaign {
   std::string kind{};
   std::vector<std::string> separates{};
@@ -94,7 +102,7 @@ struct Diagnosis {
   /// @name For pictures
   Eigen::VectorXd residual_before_mm{};  ///< Baseline fitted.
   Eigen::VectorXd residual_after_mm{};   ///< Findings fitted too.
-  Weighing first{};                      ///< Before anything was accepted.
+  std::vector<EvidenceLine> evidence{};  ///< The likeliest first.
 };
 
 struct DiagnoseOptions {

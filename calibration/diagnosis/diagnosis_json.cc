@@ -86,6 +86,13 @@ Json ToJson(const Diagnosis& diagnosis,
                         {"value", line.value},
                         {"sd", NumberOrNull(line.sd)}});
   }
+  Json evidence = Json::array();
+  for (const EvidenceLine& line : diagnosis.evidence) {
+    evidence.push_back({{"cause", line.cause},
+                        {"axis", line.axis},
+                        {"covariates", line.covariates},
+                        {"log_odds", line.log_odds}});
+  }
   Json next = nullptr;
   if (diagnosis.next_campaign) {
     next = {{"kind", diagnosis.next_campaign->kind},
@@ -102,6 +109,7 @@ Json ToJson(const Diagnosis& diagnosis,
       {"next_campaign", next},
       {"outlier_rows", diagnosis.outlier_rows},
       {"baseline", baseline},
+      {"evidence", evidence},
       {"wander_um_per_sqrt_h", diagnosis.wander_um_per_sqrt_h},
       {"extended_model", extended_model.empty() ? Json(nullptr) : Json(extended_model)},
       {"remarks", diagnosis.remarks},

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "calibration/diagnosis/candidates.h"
+#include "calibration/diagnosis/free_form.h"
 #include "sim/base/units.h"
 
 namespace caltwin {
@@ -23,8 +24,12 @@ constexpr double kSlopeSd_mrad = 30;
 constexpr double kPlacementSd_mm = 100;
 constexpr double kTurnSd_mrad = 100;
 constexpr double kHysteresisSd_mm = 0.1;
-// What a free plane of each turned plate may differ from the bed's.
-constexpr double kPlateSlopeSd_mrad = 3;
+// How far a plate laid on the bed may lie from its plane: a speck of 10 um under one end.
+constexpr double kPlateSlopeSd_mrad = 0.05;
+// What an effect of the model may still go by, of its size. Of homings: the model draws
+// where each stood, and the machine drew differently, each with the stated scatter.
+constexpr double kFreedomShare = 0.2;
+constexpr double kHomingsApart = 2;
 
 using OfRow = std::function<double(Eigen::Index)>;
 
@@ -111,7 +116,7 @@ void AddBedPlane(const Observed& o, Builder* builder) {
 struct Placement {
   Vec3<double> sum_mm = Vec3<double>::Zero();
   int count = 0;
-  bool has_feature = false, is_gauge = false, is_radial = false, faces_up = false;
+  bool has_feature = false, is_gauge = false, is_radial = false, only_faces_up = true;
 };
 
 std::map<std::string, Placement> PlacementsOf(const Observed& o) {
@@ -123,7 +128,7 @@ std::map<std::string, Placement> PlacementsOf(const Observed& o) {
     placement.has_feature |= !o.row(i).feature.empty();
     placement.is_gauge |= o.at(i).kind != RowKind::kTouch;
     placement.is_radial |= o.at(i).kind == RowKind::kRadial;
-    placement.faces_up |= std::abs(o.at(i).n.z()) > 0.9;
+    placement.only_faces_up &= std::abs(o.at(i).n.z()) > 0.9;
   }
   return placements;
 }
@@ -131,7 +136,7 @@ std::map<std::string, Placement> PlacementsOf(const Observed& o) {
 void AddPlacements(const Observed& o, Builder* builder) {
   const auto placements = PlacementsOf(o);
   const auto num_plates = std::ranges::count_if(placements, [](const auto& entry) {
-    return !entry.second.is_gauge && entry.second.faces_up;
+    return !entry.second.is_gauge && entry.second.only_faces_up;
   });
   for (const auto& [key, placement] : placements) {
     const Vec3<double> mid_mm = placement.sum_mm / placement.count;
@@ -160,7 +165,7 @@ void AddPlacements(const Observed& o, Builder* builder) {
       const Vec3<double> up(0, 0, 1);
       builder->Add(name + "turn", "mrad", kTurnSd_mrad, turned(up));
       const double tilt_sd = placement.is_gauge ? kTurnSd_mrad : kPlateSlopeSd_mrad;
-      if (placement.is_gauge || (placement.faces_up && num_plates > 1)) {
+      if (placement.is_gauge || (placement.only_faces_up && num_plates > 1)) {
         builder->Add(name + "tilt_x", "mrad", tilt_sd, turned({1, 0, 0}));
         builder->Add(name + "tilt_y", "mrad", tilt_sd, turned({0, 1, 0}));
       }
@@ -181,6 +186,86 @@ void AddSizes(const Observed& o, Builder* builder) {
   }
 }
 
+// The columns of a part of the model with what each may still go by, in units of mm.
+void AddFreedom(const std::string& name,
+                const Eigen::MatrixXd& columns_mm,
+                const Eigen::VectorXd& sds,
+                Builder* builder) {
+  for (Eigen::Index k = 0; k < columns_mm.cols(); ++k) {
+    builder->Add(
+        name + ".form",
+        "mm",
+        sds[k],
+        [&](Eigen::Index row) { return columns_mm(row, k); },
+        /*offset=*/0,
+        /*reported=*/false);
+  }
+}
+
+// A table without a formula: smooth functions of its covariates, by as much as a named
+// effect may deviate from its shape.
+void AddFreedomOfMap(const Observed& o, const Injected& effect, Builder* builder) {
+  constexpr int kTerms = 12;
+  const MapWords words = EffectAt(effect.effect).name == PitchMap::kDeclaration.name
+                             ? MapWords{.channel = effect.axis,
+                                        .covariates = {effect.axis, ""},
+                                        .num_covariates = 1}
+                             : WordsOf(effect.axis);
+  const std::vector<std::string> covariates(
+      words.covariates.begin(), words.covariates.begin() + words.num_covariates);
+  if (covariates.empty()) return;
+  const double peak_mm = Peak_mm(o.Change_mm(effect));
+  const FreeForm form = FreeFormOf(o, std::string(words.channel), covariates, kTerms);
+  AddFreedom(std::string(EffectAt(effect.effect).name) + "." + effect.axis,
+             form.columns_mm,
+             kFreedomShare * peak_mm * form.prior.cwiseSqrt(),
+             builder);
+}
+
+// What was found earlier and is in the model keeps the freedom that it was found with:
+// its size by a fifth, its form as a finding's. Of homings, each its own place: the
+// model knows how far they scatter, not where each stood.
+void AddFreedomOfEffect(const Observed& o, const Injected& effect, Builder* builder) {
+  const Effect& declaration = EffectAt(effect.effect);
+  std::vector<double> forms;
+  double size = 0;
+  for (std::size_t i = 0; i < declaration.parameters.size(); ++i) {
+    if (declaration.parameters[i].role == Role::kForm)
+      forms.push_back(effect.values[i]);
+    if (declaration.parameters[i].role == Role::kSize) size = effect.values[i];
+  }
+  const Variant variant = VariantOf(o, effect.effect, effect.axis, forms);
+  if (variant.columns_mm.cols() == 0 || size == 0) return;
+  const Candidate candidate{.effect = effect.effect,
+                            .cause = std::string(declaration.name),
+                            .axis = effect.axis,
+                            .shown = declaration.sight->shown(effect.axis)};
+  const double size_mm = std::abs(size) / variant.size_per_mm;
+  const bool is_homing = declaration.name == HomingScatter::kDeclaration.name;
+  const double share = is_homing ? kHomingsApart : kFreedomShare;
+  AddFreedom(candidate.Name(),
+             variant.columns_mm,
+             Eigen::VectorXd::Constant(variant.columns_mm.cols(), share * size_mm),
+             builder);
+  const Tolerance tolerance = ToleranceOf(o, candidate, variant);
+  AddFreedom(candidate.Name(),
+             tolerance.columns_mm,
+             size_mm * tolerance.prior.cwiseSqrt(),
+             builder);
+}
+
+void AddFreedoms(const Observed& o, Builder* builder) {
+  for (const Injected& effect : o.effects()) {
+    const std::string_view name = EffectAt(effect.effect).name;
+    if (EffectAt(effect.effect).sight) {
+      AddFreedomOfEffect(o, effect, builder);
+    } else if (name == PitchMap::kDeclaration.name ||
+               name == UnknownMap::kDeclaration.name) {
+      AddFreedomOfMap(o, effect, builder);
+    }
+  }
+}
+
 }  // namespace
 
 std::vector<Nuisance> BaselineOf(const Observed& observed) {
@@ -192,6 +277,7 @@ std::vector<Nuisance> BaselineOf(const Observed& observed) {
   builder.Add("probe_hysteresis", "mm", kHysteresisSd_mm, [&](Eigen::Index row) {
     return IsRelease(observed.row(row)) ? -1.0 : 0.0;
   });
+  AddFreedoms(observed, &builder);
   return builder.Take();
 }
 
