@@ -85,11 +85,10 @@ bool LineChannel::WriteLine(std::string_view line) {
     }
     if (count > 0) {
       sent += static_cast<std::size_t>(count);
-    } else if (count < 0 && errno != EAGAIN && errno != EINTR) {
-      return false;
-    } else if (!WaitFor(descriptor_, POLLOUT, until)) {
-      return false;
+      continue;
     }
+    const bool is_broken = count < 0 && errno != EAGAIN && errno != EINTR;
+    if (is_broken || !WaitFor(descriptor_, POLLOUT, until)) return false;
   }
   return true;
 }
