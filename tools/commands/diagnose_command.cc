@@ -13,6 +13,7 @@
 #include "calibration/diagnosis/diagnosis.h"
 #include "calibration/diagnosis/diagnosis_json.h"
 #include "calibration/diagnosis/diagnosis_text.h"
+#include "calibration/diagnosis/extension.h"
 #include "calibration/diagnosis/plausible.h"
 #include "scenarios/machine_file.h"
 #include "sim/base/sha256.h"
@@ -171,12 +172,47 @@ std::vector<Change> Compare(const Options& options,
                       {now.observed, now.diagnosis});
 }
 
+// How the extension names what it extends: a name as given, a file from its own folder.
+std::string ExtendsOf(const Options& options, const fs::path& machine) {
+  const std::string& given = options.machine;
+  const bool is_name = !given.empty() && given.find('/') == std::string::npos &&
+                       !given.ends_with(".yaml");
+  if (is_name) return given;
+  const fs::path folder = fs::absolute(options.extend).lexically_normal().parent_path();
+  return fs::absolute(machine).lexically_normal().lexically_proximate(folder).string();
+}
+
+// Writes the extended machine where something was found; the name of what was written.
+std::string WriteExtension(const Options& options,
+                           const Believed& believed,
+                           const Diagnosis& diagnosis) {
+  if (options.extend.empty() || diagnosis.findings.empty()) return "";
+  WriteTextFile(options.extend,
+                ExtensionText(diagnosis,
+                              {.extends = ExtendsOf(options, believed.file),
+                               .extends_sha256 = Sha256OfFile(believed.file),
+                               .data_sha256 = Sha256OfFile(options.file)}));
+  return options.extend;
+}
+
+void WriteCorrection(const Options& options, const Judged& judged) {
+  if (options.correction.empty()) return;
+  const std::string name = fs::path(options.correction).filename().string();
+  for (const CorrectionFile& file : CorrectionFor(ControllerNamed(options.controller),
+                                                  judged.diagnosis,
+                                                  judged.observed,
+                                                  name)) {
+    WriteTextFile(options.correction + file.suffix, file.text);
+  }
+}
+
 void WriteJson(const Options& options,
                const Believed& believed,
                const Judged& judged,
-               const TextNotes& text_notes) {
+               const TextNotes& text_notes,
+               const std::string& extended) {
   nlohmann::ordered_json tree = ToJson(judged.diagnosis,
-                                       options.extend,
+                                       extended,
                                        {.data_sha256 = Sha256OfFile(options.file),
                                         .machine_sha256 = Sha256OfFile(believed.file),
                                         .version = CALTWIN_VERSION,
@@ -195,6 +231,11 @@ int Run(const Options& options) {
   Data data = ReadData(options.file);
   const Believed believed = BelievedMachine(options, &data);
   JudgeData(options.file, believed.file.empty() ? nullptr : &believed.machine, &data);
+  if (!options.extend.empty() && believed.file.empty()) {
+    throw InputError({.file = "--extend"},
+                     "needs a machine file to extend, and the machine was assumed",
+                     "give --machine; `caltwin new machine NAME` makes one");
+  }
   Judged judged = Judge(data, believed, options);
   TextNotes notes{.measured = WhatRowsMeasure(data.table),
                   .has_before = !options.before.empty()};
@@ -209,7 +250,9 @@ int Run(const Options& options) {
     }
     std::cout << DiagnosisText(judged.diagnosis, notes);
   }
-  if (!options.json.empty()) WriteJson(options, believed, judged, notes);
+  const std::string extended = WriteExtension(options, believed, judged.diagnosis);
+  WriteCorrection(options, judged);
+  if (!options.json.empty()) WriteJson(options, believed, judged, notes, extended);
   return kPassed;
 }
 

@@ -1,0 +1,370 @@
+#include "calibration/diagnosis/correction.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "sim/base/input_error.h"
+#include "sim/base/units.h"
+#include "sim/effects/predict.h"
+
+namespace caltwin {
+namespace {
+
+struct Named {
+  std::string_view word, full;
+  Controller controller;
+};
+constexpr std::array kControllers = {
+    Named{"rrf", "RepRapFirmware", Controller::kRrf},
+    Named{"klipper", "Klipper", Controller::kKlipper},
+    Named{"marlin", "Marlin", Controller::kMarlin},
+    Named{"linuxcnc", "LinuxCNC", Controller::kLinuxCnc}};
+
+// Controllers take no more points of a screw than this (LinuxCNC, EMCMOT_COMP_SIZE).
+constexpr int kMostPoints = 256;
+constexpr int kFewestPoints = 21;
+constexpr double kPointsAPeriod = 8;
+
+std::string Upper(Axis axis) {
+  return std::string(1, static_cast<char>(std::toupper(Letter(axis))));
+}
+
+// The settings that the rows were measured with: the only ones the header states, or
+// the machine's.
+Settings InForce(const Observed& o) {
+  const auto by_id = SettingsOf(o.header(), o.machine());
+  return o.header().settings.size() == 1 ? by_id.at(o.header().settings.begin()->first)
+                                         : by_id.at("");
+}
+
+class Writer {
+ public:
+  Writer(Controller controller,
+         const Diagnosis& diagnosis,
+         const Observed& observed,
+         std::string name)
+      : controller_(controller),
+        name_(std::move(name)),
+        diagnosis_(diagnosis),
+        observed_(observed),
+        is_gcode_(controller == Controller::kRrf || controller == Controller::kMarlin) {
+  }
+
+  std::vector<CorrectionFile> Make() {
+    Comment(fmt::format("Correction for {}, by `caltwin diagnose`.",
+                        kControllers[static_cast<std::size_t>(controller_)].full));
+    for (const Axis axis : kAxes) AddAxis(axis);
+    AddSquareness();
+    if (controller_ == Controller::kKlipper) AddTwist();
+    AddRest();
+    files_.insert(files_.begin(), {.text = text_});
+    return files_;
+  }
+
+ private:
+  void Comment(const std::string& words) {
+    text_ += fmt::format("{} {}\n", is_gcode_ ? ";" : "#", words);
+  }
+  void Line(const std::string& setting, const std::string& source) {
+    if (is_gcode_) {
+      text_ += fmt::format("{} ; {}\n", setting, source);
+      return;
+    }
+    Comment(source);
+    text_ += setting + "\n";
+  }
+
+  const BaselineLine* Fitted(const std::string& name) const {
+    const auto found =
+        std::ranges::find(diagnosis_.baseline, name, &BaselineLine::name);
+    return found == diagnosis_.baseline.end() ? nullptr : &*found;
+  }
+
+  void AddAxis(Axis axis) {
+    const bool has_table = controller_ == Controller::kLinuxCnc && HasShape(axis);
+    const BaselineLine* scale = Fitted("scale." + Name(axis));
+    const BaselineLine* gap = Fitted("backlash." + Name(axis));
+    if (controller_ == Controller::kLinuxCnc && (scale || gap || has_table)) {
+      text_ += fmt::format("[JOINT_{}]\n", Index(axis));
+    }
+    if (controller_ == Controller::kKlipper && scale) {
+      text_ += fmt::format("[stepper_{}]\n", Name(axis));
+    }
+    if (scale) AddScale(axis, *scale);
+    if (has_table) {
+      AddTable(axis);
+    } else if (gap) {
+      AddGap(axis, *gap);
+    }
+  }
+
+  // Moves too far by s: steps/mm / (1 + s).
+  void AddScale(Axis axis, const BaselineLine& scale) {
+    const auto i = static_cast<std::size_t>(Index(axis));
+    const AxisDrawing& drawing = observed_.machine().axis(axis);
+    const double set = InForce(observed_).steps_per_mm[i];
+    const double old = set > 0 ? set : drawing.steps_per_mm();
+    const double steps_per_mm = old / (1 + scale.value * 1e-6);
+    const std::string source = fmt::format("was {:.6g}: scale.{} {:+.1f} +- {:.1f} ppm",
+                                           old,
+                                           Name(axis),
+                                           scale.value,
+                                           scale.sd);
+    if (controller_ == Controller::kKlipper) {
+      const double steps_a_turn = drawing.full_steps_per_rev * drawing.microsteps;
+      Line(fmt::format("rotation_distance: {:.7g}", steps_a_turn / steps_per_mm),
+           "mm a turn; steps/mm " + source);
+    } else if (controller_ == Controller::kLinuxCnc) {
+      Line(fmt::format("SCALE = {:.7g}", steps_per_mm), "steps/mm, " + source);
+    } else {
+      Line(fmt::format("M92 {}{:.7g}", Upper(axis), steps_per_mm),
+           "steps/mm, " + source);
+    }
+  }
+
+  void AddGap(Axis axis, const BaselineLine& gap) {
+    const std::string source = fmt::format(
+        "mm, backlash.{} {:.4f} +- {:.4f} mm", Name(axis), gap.value, gap.sd);
+    const double gap_mm = std::max(gap.value, 0.0);
+    if (controller_ == Controller::kKlipper) {
+      Comment(source + ": Klipper has no backlash compensation; mend the drive");
+    } else if (controller_ == Controller::kLinuxCnc) {
+      Line(fmt::format("BACKLASH = {:.4f}", gap_mm), source);
+    } else {
+      // Marlin corrects by the fraction F, 0 unless it is given.
+      const bool is_marlin = controller_ == Controller::kMarlin;
+      Line(fmt::format("M425 {}{}{:.4f}", is_marlin ? "F1 " : "", Upper(axis), gap_mm),
+           source);
+    }
+  }
+
+  // Acts along its own axis by position (and sense) alone, so a screw table holds it.
+  static std::optional<Axis> ShapeAxis(const Finding& finding) {
+    constexpr std::array<std::string_view, 4> kCauses = {
+        "cyclic_lead", "pulley_eccentric", "pitch_progressive", "backlash_worn"};
+    const auto axis = AxisNamed(finding.axis);
+    if (!axis) return std::nullopt;
+    if (finding.effect && std::ranges::find(kCauses, finding.cause) != kCauses.end()) {
+      return axis;
+    }
+    const bool is_table = finding.map && finding.map->knots.size() == 1 &&
+                          finding.map->covariates[0] == finding.axis;
+    return is_table ? axis : std::nullopt;
+  }
+  bool HasShape(Axis axis) const {
+    return std::ranges::any_of(diagnosis_.findings, [&](const Finding& finding) {
+      return ShapeAxis(finding) == axis;
+    });
+  }
+
+  static Injected EffectOf(const Finding& finding) {
+    if (finding.effect) return *finding.effect;
+    return {.effect = EffectIndex<PitchMap>(),
+            .axis = finding.axis,
+            .values = FlatMap(finding.map->values_um, finding.map->knots)};
+  }
+
+  // As many points as the shortest wave needs; 0 where that is more than are allowed.
+  int NumPoints(Axis axis, const std::vector<Injected>& effects) const {
+    int points = kFewestPoints;
+    for (const Injected& effect : effects) {
+      const auto parameters = EffectAt(effect.effect).parameters;
+      for (std::size_t i = 0; i < parameters.size(); ++i) {
+        if (parameters[i].name != "period_mm") continue;
+        const double turns =
+            observed_.machine().axis(axis).travel_mm() / effect.values[i];
+        points = std::max(points, static_cast<int>(kPointsAPeriod * turns) + 1);
+      }
+    }
+    return points <= kMostPoints ? points : 0;
+  }
+
+  void AddTable(Axis axis) {
+    std::vector<Injected> effects;
+    std::vector<std::string> sources;
+    for (const Finding& finding : diagnosis_.findings) {
+      if (ShapeAxis(finding) != axis) continue;
+      effects.push_back(EffectOf(finding));
+      sources.push_back(fmt::format("{}.{}", finding.cause, finding.axis));
+    }
+    const BaselineLine* gap = Fitted("backlash." + Name(axis));
+    const int points = NumPoints(axis, effects);
+    if (points == 0) {
+      Comment(
+          fmt::format("{}: its wave needs more than the {} points that a screw "
+                      "table of this travel has",
+                      fmt::join(sources, " and "),
+                      kMostPoints));
+      if (gap) AddGap(axis, *gap);
+      return;
+    }
+    if (gap) sources.push_back("backlash." + Name(axis));
+    const std::string suffix = fmt::format(".{}.comp", Name(axis));
+    files_.push_back({suffix, TableText(axis, effects, gap ? gap->value : 0, points)});
+    text_ += "COMP_FILE_TYPE = 0\n";
+    Line(fmt::format("COMP_FILE = {}{}", name_, suffix),
+         fmt::format("mm, nominal, actual forwards, actual backwards; {}",
+                     fmt::join(sources, " and ")));
+    for (const Finding& finding : diagnosis_.findings) {
+      if (ShapeAxis(finding) == axis) carried_.insert(&finding);
+    }
+  }
+
+  // LinuxCNC ends a table at the first line that is not three numbers: no comments.
+  std::string TableText(Axis axis,
+                        const std::vector<Injected>& effects,
+                        double gap_mm,
+                        int points) const {
+    const Machine& machine = observed_.machine();
+    const AxisDrawing& drawing = machine.axis(axis);
+    std::string table;
+    for (int k = 0; k < points; ++k) {
+      const double q_mm = drawing.min_mm + drawing.travel_mm() * k / (points - 1);
+      std::array<double, 2> actual_mm{};
+      for (int sense = 0; sense < 2; ++sense) {
+        At at{.kind = RowKind::kPosition};
+        at.q_mm[Index(axis)] = q_mm;
+        at.dir[Index(axis)] = sense == 0 ? 1 : -1;
+        const auto errors = ErrorsAt<double>(machine, at, effects);
+        actual_mm[static_cast<std::size_t>(sense)] =
+            q_mm + errors.motion_mm[Index(axis)] - at.dir[Index(axis)] * gap_mm / 2;
+      }
+      table += fmt::format("{:.4f} {:.5f} {:.5f}\n", q_mm, actual_mm[0], actual_mm[1]);
+    }
+    return table;
+  }
+
+  const Finding* Found(std::string_view cause, std::string_view axis) const {
+    for (const Finding& finding : diagnosis_.findings) {
+      if (finding.cause == cause && finding.axis == axis && finding.effect) {
+        return &finding;
+      }
+    }
+    return nullptr;
+  }
+
+  // The tool goes by this times the other axis's travel: the slope of x on y, of x on
+  // z, of y on z.
+  void AddSquareness() {
+    struct Pair {
+      std::string_view axis;
+      double sign;
+    };
+    constexpr std::array<Pair, 3> kPairs = {{{"C0Y", -1}, {"B0Z", 1}, {"A0Z", -1}}};
+    std::array<double, 3> slopes{};
+    std::vector<std::string> sources;
+    std::vector<const Finding*> used;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Finding* finding = Found("squareness", kPairs[i].axis);
+      if (finding == nullptr) continue;
+      slopes[i] = kPairs[i].sign * RadFromMrad(finding->effect->values[0]);
+      sources.push_back(fmt::format("squareness.{} {:+.4f} +- {:.4f} mrad",
+                                    finding->axis,
+                                    finding->effect->values[0],
+                                    finding->sds.empty() ? 0 : finding->sds[0]));
+      used.push_back(finding);
+    }
+    if (used.empty() || controller_ == Controller::kLinuxCnc) return;
+    carried_.insert(used.begin(), used.end());
+    const std::string source = fmt::format("{}", fmt::join(sources, ", "));
+    const auto [xy, xz, yz] = slopes;
+    constexpr double kHeight_mm = 100;
+    if (controller_ == Controller::kRrf) {
+      Line(fmt::format("M556 S{:g} X{:.4f} Y{:.4f} Z{:.4f}",
+                       kHeight_mm,
+                       -kHeight_mm * xy,
+                       -kHeight_mm * yz,
+                       -kHeight_mm * xz),
+           fmt::format("mm over {:g} mm, {}", kHeight_mm, source));
+    } else if (controller_ == Controller::kMarlin) {
+      Line(fmt::format("M852 I{:.7f} J{:.7f} K{:.7f}", xy, xz, yz), "mm/mm, " + source);
+    } else {
+      text_ += "[skew_correction caltwin]\n";
+      Line(fmt::format("xy_skew: {:.7f}\nxz_skew: {:.7f}\nyz_skew: {:.7f}", xy, xz, yz),
+           "mm/mm, load with SKEW_PROFILE LOAD=caltwin; " + source);
+    }
+  }
+
+  // How much lower a probe beside the nozzle reads because the beam is twisted.
+  void AddTwist() {
+    const Finding* finding = Found("axis_twist", "");
+    Vec3<double> off_mm = Vec3<double>::Zero();
+    for (Eigen::Index i = 0; i < observed_.num_rows(); ++i) {
+      const Vec3<double>& one_mm = observed_.at(i).probe_off_mm;
+      if (std::abs(one_mm.y()) > std::abs(off_mm.y())) off_mm = one_mm;
+    }
+    if (finding == nullptr || off_mm.y() == 0) return;
+    carried_.insert(finding);
+    const AxisDrawing& x = observed_.machine().axis(Axis::kX);
+    constexpr int kPoints = 3;
+    std::vector<std::string> values;
+    for (int k = 0; k < kPoints; ++k) {
+      At at{.kind = RowKind::kPosition};
+      at.q_mm.x() = x.min_mm + x.travel_mm() * k / (kPoints - 1);
+      at.probe_off_mm = off_mm;
+      const auto errors =
+          ErrorsAt<double>(observed_.machine(), at, std::span(&*finding->effect, 1));
+      values.push_back(fmt::format("{:.5f}", errors.motion_mm.z()));
+    }
+    text_ += fmt::format(
+        "[axis_twist_compensation]\ncompensation_start_x: {:g}\n"
+        "compensation_end_x: {:g}\n",
+        x.min_mm,
+        x.max_mm);
+    Line(fmt::format("z_compensations: {}", fmt::join(values, ", ")),
+         fmt::format("mm, added to what a probe at y {:+g} mm reads; axis_twist "
+                     "{:+.4f} mrad",
+                     off_mm.y(),
+                     finding->effect->values[0]));
+  }
+
+  void AddRest() {
+    for (const Finding& finding : diagnosis_.findings) {
+      if (carried_.contains(&finding)) continue;
+      const auto effect = FindEffect(finding.cause);
+      Comment(
+          fmt::format("{}{}{}: no setting of {} carries this. {}",
+                      finding.cause,
+                      finding.axis.empty() ? "" : ".",
+                      finding.axis,
+                      kControllers[static_cast<std::size_t>(controller_)].full,
+                      effect ? EffectAt(*effect).words.action : std::string_view{}));
+    }
+  }
+
+  Controller controller_;
+  std::string name_;
+  const Diagnosis& diagnosis_;
+  const Observed& observed_;
+  bool is_gcode_;
+  std::string text_{};
+  std::vector<CorrectionFile> files_{};
+  std::set<const Finding*> carried_{};
+};
+
+}  // namespace
+
+Controller ControllerNamed(std::string_view word) {
+  const auto found = std::ranges::find(kControllers, word, &Named::word);
+  if (found != kControllers.end()) return found->controller;
+  throw InputError({.file = "--for"},
+                   fmt::format("'{}' is no controller known here", word),
+                   "rrf, klipper, marlin or linuxcnc");
+}
+
+std::vector<CorrectionFile> CorrectionFor(Controller controller,
+                                          const Diagnosis& diagnosis,
+                                          const Observed& observed,
+                                          const std::string& name) {
+  return Writer(controller, diagnosis, observed, name).Make();
+}
+
+}  // namespace caltwin
