@@ -109,7 +109,7 @@ std::vector<std::string> AxesOf(const Observed& o, const Effect& effect) {
 bool ReachesFew(const Variant& variant) {
   constexpr Eigen::Index kFew = 3;
   const Eigen::VectorXd size = variant.columns_mm.rowwise().norm();
-  return (size.array() > 0.02 * size.maxCoeff()).count() <= kFew;
+  return (size.array() > 0.3 * size.maxCoeff()).count() <= kFew;
 }
 
 std::optional<Candidate> CandidateOf(const Observed& o,

@@ -106,7 +106,8 @@ class Searcher {
         observed_, {sigma_mm_, wander_mm2_per_s_}, circumstances.nuisances, left_out_);
     const Eigen::VectorXd shown = evidence.Left(evidence.Whiten(
         candidate.variants[weighed.variant].columns_mm * weighed.sizes_mm));
-    const Eigen::VectorXd speaks = shown.cwiseProduct(evidence.white_residual());
+    const Eigen::VectorXd speaks =
+        shown.cwiseProduct(evidence.Left(evidence.white_residual()));
     std::vector<std::size_t> order(static_cast<std::size_t>(speaks.size()));
     for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
     std::ranges::sort(order, std::ranges::greater{}, [&](std::size_t i) {
