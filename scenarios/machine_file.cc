@@ -4,7 +4,10 @@
 
 #include <fmt/format.h>
 
+#include "sim/base/sha256.h"
 #include "sim/base/text_file.h"
+#include "sim/effects/catalog.h"
+#include "sim/effects/map_table.h"
 
 namespace caltwin {
 
@@ -38,34 +41,101 @@ YamlMap PlainEffects(const fs::path& file, Faults* faults) {
   return {effects, file.string(), "effects", faults};
 }
 
-std::size_t CountEntries(const YamlValue& value) {
-  if (value.is_list()) return value.List().size();
-  return value.is_map() ? value.Map().Entries().size() : 0;
+// Knots of every covariate: a list of lists, or the knots of the only one.
+std::vector<std::vector<double>> ReadAllKnots(const YamlValue& value,
+                                              std::size_t num_covariates) {
+  const std::vector<YamlValue> lists = value.List();
+  if (num_covariates == 1 && !lists.empty() && !lists[0].is_list()) {
+    return {ReadKnots(value)};
+  }
+  if (lists.size() != num_covariates) {
+    value.Fail("has not one list of knots for each covariate");
+    return {};
+  }
+  std::vector<std::vector<double>> knots;
+  for (const YamlValue& list : lists) knots.push_back(ReadKnots(list));
+  return knots;
+}
+
+std::vector<std::string> ReadCovariates(const YamlValue& value) {
+  constexpr std::size_t kMost = 2;
+  std::vector<std::string> words;
+  for (const YamlValue& word : value.List()) {
+    words.push_back(word.Text());
+    if (!IsCovariate(words.back())) {
+      word.Fail("is no covariate",
+                "x y z t temp dir_x dir_y dir_z since_rev feed load theta");
+    }
+  }
+  if (words.empty() || words.size() > kMost) {
+    value.Fail("names one or two covariates");
+    words.resize(1);
+  }
+  return words;
+}
+
+// One table of `unknown`; `sd`, `probability` and `rivals` are read and dropped. A
+// table over its own axis in a motion channel is that axis's unknown, not a pitch map:
+// the name is the diagnosis's to give.
+std::optional<InjectedSpec> ReadUnknown(YamlMap map) {
+  const auto channel = map.Required("channel");
+  const auto covariates = map.Required("covariates");
+  const auto knots = map.Required("knots");
+  const auto values = map.Required("values");
+  for (const char* key : {"sd", "probability", "rivals"}) map.Optional(key);
+  map.NoMoreKeys();
+  if (!channel || !covariates || !knots || !values) return std::nullopt;
+  const std::vector<std::string> words = ReadCovariates(*covariates);
+  const auto table = ReadAllKnots(*knots, words.size());
+  if (table.empty()) return std::nullopt;
+  std::size_t cells = 1;
+  for (const auto& list : table) cells *= list.size();
+  const auto& parameter = UnknownMap::kParameters[0];
+  const auto flat =
+      FlatMap(values->Numbers(cells, {parameter.min, parameter.max}), table);
+  return InjectedSpec{
+      .effect = EffectIndex<UnknownMap>(),
+      .axis = MapAxis(channel->Word({"x", "y", "z", "probe", "bed"}), words),
+      .values = {flat.begin(), flat.end()},
+      .place = channel->place()};
+}
+
+// What the file that is extended was when diagnosis extended it, and is now.
+void CheckBase(const fs::path& file,
+               const fs::path& base,
+               const std::string& sha256,
+               MachineFile* extension) {
+  if (sha256.empty() || sha256 == Sha256(ReadTextFile(base, kLargestFile_bytes)))
+    return;
+  extension->notes.push_back(
+      fmt::format("{}: {} has changed since it was extended (its SHA-256 is another); "
+                  "diagnose again",
+                  file.string(),
+                  base.string()));
 }
 
 MachineFile ReadExtension(const fs::path& file, YamlMap* map) {
   const auto base = map->Required("extends");
-  MachineFile extension =
-      ReadMachineFile(FindMachine(base->Text(), file.parent_path(), base->place()));
+  const fs::path base_file =
+      FindMachine(base->Text(), file.parent_path(), base->place());
+  MachineFile extension = ReadMachineFile(base_file);
   extension.machine.file = file;
   map->IntegerOr("format", 1, 1, 1);
   extension.machine.name = map->TextOr("name", extension.machine.name);
-  map->TextOr("extends_sha256", "");
+  CheckBase(file, base_file, map->TextOr("extends_sha256", ""), &extension);
   map->Optional("evidence");
-  if (const auto unknown = map->Optional("unknown")) {
-    const std::size_t count = CountEntries(*unknown);
-    if (count > 0) {
-      extension.notes.push_back(
-          fmt::format("{}: {} unknown channel(s) are not acted on by this version",
-                      file.string(),
-                      count));
-    }
-  }
   if (map->Has("effects") && map->Optional("effects")->is_map()) {
     const auto more = ReadEffects(PlainEffects(file, map->faults()), extension.machine);
     extension.effects.insert(extension.effects.end(), more.begin(), more.end());
   } else if (const auto effects = map->Optional("effects")) {
     effects->Map();
+  }
+  if (const auto unknown = map->Optional("unknown"); unknown && !unknown->is_null()) {
+    for (const YamlValue& entry : unknown->List()) {
+      if (const auto spec = ReadUnknown(entry.Map())) {
+        extension.effects.push_back(*spec);
+      }
+    }
   }
   map->NoMoreKeys();
   return extension;

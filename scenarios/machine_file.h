@@ -18,12 +18,13 @@ namespace caltwin {
 struct MachineFile {
   Machine machine{};
   std::vector<InjectedSpec> effects{};
-  std::vector<std::string> notes{};  ///< What was read but cannot be acted on.
+  std::vector<std::string> notes{};  ///< What a person should know of it.
 };
 
-/// Reads a machine file or an extension of one. Of an extension's effects `sd`,
-/// `probability` and `rivals` are read and dropped; `unknown` channels become a note;
-/// `extends_sha256` is kept by the file, not checked. Throws InputError.
+/// Reads a machine file or an extension of one, which may extend another. Of an
+/// extension's effects `sd`, `probability` and `rivals` are read and dropped; the
+/// tables of `unknown` become effects too; a base that is not the one `extends_sha256`
+/// was taken of becomes a note. Throws InputError.
 MachineFile ReadMachineFile(const std::filesystem::path& file);
 
 /// One setting that a scenario or truth file gives, perhaps still to be drawn.

@@ -7,6 +7,7 @@
 
 #include "sim/base/text_file.h"
 #include "sim/effects/catalog.h"
+#include "sim/effects/predict.h"
 
 namespace caltwin {
 namespace {
@@ -30,7 +31,6 @@ fs::path Written(const std::string& name, const std::string& text) {
 TEST(MachineFile, AnExtensionIsTheMachineWithItsFoundEffects) {
   const fs::path file = Written("found.ext.yaml", R"(
 extends: gantry_router
-extends_sha256: 00
 effects:
   backlash.x: {gap_mm: 0.05, sd: {gap_mm: 0.001}, probability: 0.99, rivals: []}
 evidence: {data_sha256: 11, log_odds: 12.5}
@@ -45,15 +45,46 @@ evidence: {data_sha256: 11, log_odds: 12.5}
   EXPECT_THAT(read.notes, IsEmpty());
 }
 
-TEST(MachineFile, UnknownChannelsAreNamedAndNotActedOn) {
-  const fs::path file = Written(
-      "odd.ext.yaml",
-      "extends: gantry_router\nunknown: [{channel: x, knots: [0], values: [1]}]\n");
+TEST(MachineFile, TablesOfUnknownStructureAct) {
+  const fs::path file = Written("odd.ext.yaml", R"(
+extends: gantry_router
+unknown:
+  - {channel: z, covariates: [x, y], knots: [[0, 100], [0, 200]], values: [0, 4, 0, 8]}
+)");
 
-  const MachineFile read = ReadMachineFile(file);
+  const auto effects = DrawEffects(ReadMachineFile(file).effects, 1, 0);
 
-  EXPECT_THAT(read.notes,
-              ElementsAre(HasSubstr("1 unknown channel(s) are not acted on")));
+  ASSERT_THAT(effects, SizeIs(1));
+  const At at{.q_mm = {50, 100, 0}};
+  EXPECT_THAT(ErrorsAt<double>(Machine{}, at, effects).motion_mm[2], DoubleEq(3e-3));
+}
+
+TEST(MachineFile, ATableWithAWordThatIsNoCovariateSaysWhichThereAre) {
+  const fs::path file = Written("odd_word.ext.yaml", R"(
+extends: gantry_router
+unknown:
+  - {channel: z, covariates: [q], knots: [0, 100], values: [0, 4]}
+)");
+
+  try {
+    ReadMachineFile(file);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(FaultsText(error),
+                StrEq(file.string() +
+                      ":4:32: unknown.0.covariates.0 is no covariate
+  x y z t temp "
+                      "dir_x dir_y dir_z since_rev feed load theta
+"));
+  }
+}
+
+TEST(MachineFile, AnExtensionOfAFileThatHasChangedSaysSo) {
+  const fs::path file =
+      Written("changed.ext.yaml", "extends: gantry_router\nextends_sha256: \"00\"\n");
+
+  EXPECT_THAT(ReadMachineFile(file).notes,
+              ElementsAre(HasSubstr("has changed since it was extended")));
 }
 
 TEST(MachineFile, AnExtensionWithAMisspeltEffectSaysWhere) {
