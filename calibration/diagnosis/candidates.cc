@@ -105,6 +105,18 @@ std::vector<std::string> AxesOf(const Observed& o, const Effect& effect) {
   return {ids.begin(), ids.end()};
 }
 
+// Time causes need times, waves more positions than a wave has ways to fit them.
+bool CanTell(const Observed& o, const Effect& effect, const Shown& shown) {
+  constexpr int kPositionsOfWave = 8;
+  for (const std::string& word : shown.covariates) {
+    if (word == "t" && !o.has_times() && effect.name != kHoming) return false;
+    if (effect.sight->harmonics == 0 || word.starts_with("dir_")) continue;
+    const auto covariate = CovariateOf(o, word);
+    if (!covariate || covariate->num_distinct < kPositionsOfWave) return false;
+  }
+  return true;
+}
+
 // What shows in three rows or fewer cannot be told from outliers.
 bool ReachesFew(const Variant& variant) {
   constexpr Eigen::Index kFew = 3;
@@ -121,6 +133,7 @@ std::optional<Candidate> CandidateOf(const Observed& o,
                       .cause = std::string(effect.name),
                       .axis = axis,
                       .shown = effect.sight->shown(axis)};
+  if (!CanTell(o, effect, candidate.shown)) return std::nullopt;
   const Roles roles = RolesOf(effect);
   candidate.must_be_positive = roles.size && !roles.phase &&
                                effect.parameters[*roles.size].min >= 0 &&

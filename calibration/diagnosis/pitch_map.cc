@@ -43,6 +43,11 @@ bool SeesAllWaves(const Observed& observed, Axis axis) {
   constexpr std::size_t kFewest = 5;
   const auto positions_mm = PositionsOf(observed, Index(axis));
   if (positions_mm.size() < kFewest) return false;
+  // A machine that was only assumed has no periods to rule out.
+  if (observed.machine().file.empty() &&
+      !observed.header().transmission.contains(Name(axis))) {
+    return false;
+  }
   const AxisDrawing& drawing = observed.machine().axis(axis);
   const double microstep_mm = 4 * drawing.lead_mm / drawing.full_steps_per_rev;
   return SeesWave(positions_mm, drawing.lead_mm) &&

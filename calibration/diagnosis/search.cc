@@ -161,13 +161,22 @@ class Searcher {
       const Weighed& top = weighing.ranked.front();
       const Candidate& candidate = candidates_[top.candidate];
       if (top.log_odds < 0) return std::nullopt;
-      if (IsPractical(candidate, top) && RestsOnMany(circumstances, candidate, top)) {
+      if (!IsFound(top.candidate, except) && IsPractical(candidate, top) &&
+          RestsOnMany(circumstances, candidate, top)) {
         if (!IsBeyondChance(circumstances, weighing)) return std::nullopt;
         return FoundFrom(weighing, top);
       }
       DropTop(&weighing);
     }
     return std::nullopt;
+  }
+
+  // A cause is found once; twice, at other lags or periods, it only mends its form.
+  bool IsFound(std::size_t candidate, std::optional<std::size_t> except) const {
+    for (std::size_t i = 0; i < found_.size(); ++i) {
+      if (i != except && found_[i].candidate == candidate) return true;
+    }
+    return false;
   }
 
   static void DropTop(Weighing* weighing) {
@@ -220,7 +229,7 @@ class Searcher {
     }
   }
 
-  // A free form found beside a named cause in the same variable is that cause's
+  // A free form found beside a named cause in one of its variables is that cause's
   // deviation from its form: where it outgrows the limit, the name goes and the free
   // form stands for both.
   void DropImitated() {
@@ -231,8 +240,7 @@ class Searcher {
           !own.is_free() && std::ranges::any_of(found_, [&](const Found& other) {
             const Candidate& free = candidates_[other.candidate];
             return free.is_free() && free.shown.channel == own.shown.channel &&
-                   std::ranges::is_permutation(free.shown.covariates,
-                                               own.shown.covariates) &&
+                   SharesVariable(free.shown, own.shown) &&
                    Peak_mm(other.variant.columns_mm * other.sizes_mm) >
                        kFormLimit * own_mm;
           });
@@ -243,6 +251,13 @@ class Searcher {
         ++i;
       }
     }
+  }
+
+  static bool SharesVariable(const Shown& one, const Shown& other) {
+    return std::ranges::any_of(one.covariates, [&](const std::string& word) {
+      return !word.starts_with("dir_") &&
+             std::ranges::find(other.covariates, word) != other.covariates.end();
+    });
   }
 
   // The sizes of all that is left, each with the others in place.
