@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 
 #include <fmt/format.h>
@@ -112,6 +113,41 @@ std::vector<double> Targets_mm(const PlannedCampaign& campaign,
   return targets_mm;
 }
 
+using PointAt = std::function<Vec3<double>(double angle_rad)>;
+
+// All runs of one feed and sense (+1 positive about Z), read on the way.
+void TurnBallbar(const PlannedCampaign& campaign,
+                 const PointAt& point,
+                 double feed_mm_s,
+                 double sense,
+                 Session* session) {
+  const int points = campaign.options.Count("points");
+  const double step_rad = 2 * std::numbers::pi / points;
+  // Not on the quadrants, where an axis just turns round.
+  const double start_rad = 0.4 * step_rad;
+  const auto arc = [&](double to_rad, double span_rad, int chords) {
+    for (int k = chords - 1; k >= 0; --k) {
+      session->MoveTo(point(to_rad - sense * span_rad * k / chords), feed_mm_s);
+    }
+  };
+  // Half a turn to come up to speed, every axis having turned round once.
+  session->Rapid(point(start_rad - sense * std::numbers::pi));
+  arc(start_rad - sense * step_rad,
+      std::numbers::pi - step_rad,
+      kChordsPerPoint * points / 2);
+  for (int i = 0; i < points * campaign.options.Count("runs"); ++i) {
+    const double angle_rad = start_rad + sense * i * step_rad;
+    arc(angle_rad, step_rad, kChordsPerPoint);
+    Row row{.kind = RowKind::kRadial,
+            .setup = campaign.name,
+            .rep = 1 + i / points,
+            .feed_mm_s = feed_mm_s,
+            .n = {std::cos(angle_rad), std::sin(angle_rad), 0},
+            .feature = "bar.ball"};
+    session->ReadGauge(std::move(row), 0);
+  }
+}
+
 }  // namespace
 
 void PlanIso230(const PlannedCampaign& campaign, Session* session) {
@@ -174,7 +210,6 @@ void PlanAbbe(const PlannedCampaign& campaign, Session* session) {
 void PlanBallbar(const PlannedCampaign& campaign, Session* session) {
   const CampaignOptions& options = campaign.options;
   const double radius_mm = options.Number("radius_mm");
-  const int points = options.Count("points");
   Vec3<double> center_mm = session->Middle_mm();
   const auto& at_mm = options.Numbers("at_mm");
   for (std::size_t i = 0; i < std::min<std::size_t>(3, at_mm.size()); ++i) {
@@ -189,33 +224,9 @@ void PlanBallbar(const PlannedCampaign& campaign, Session* session) {
     session->RequireReach(point(RadFromDeg(angle_deg)));
   }
   session->Certify("bar", {.type = "ballbar", .sizes_mm = {radius_mm}, .u_um = 0.5});
-  const double step_rad = 2 * std::numbers::pi / points;
-  // Not on the quadrants, where an axis just turns round.
-  const double start_rad = 0.4 * step_rad;
   for (const double feed_mm_s : options.Numbers("feeds_mm_s")) {
-    for (const double sense_wanted : options.Numbers("senses")) {
-      const double sense = sense_wanted < 0 ? -1 : 1;
-      const auto arc = [&](double to_rad, double span_rad, int chords) {
-        for (int k = chords - 1; k >= 0; --k) {
-          session->MoveTo(point(to_rad - sense * span_rad * k / chords), feed_mm_s);
-        }
-      };
-      // Half a turn to come up to speed, every axis having turned round once.
-      session->Rapid(point(start_rad - sense * std::numbers::pi));
-      arc(start_rad - sense * step_rad,
-          std::numbers::pi - step_rad,
-          kChordsPerPoint * points / 2);
-      for (int i = 0; i < points * options.Count("runs"); ++i) {
-        const double angle_rad = start_rad + sense * i * step_rad;
-        arc(angle_rad, step_rad, kChordsPerPoint);
-        Row row{.kind = RowKind::kRadial,
-                .setup = campaign.name,
-                .rep = 1 + i / points,
-                .feed_mm_s = feed_mm_s,
-                .n = {std::cos(angle_rad), std::sin(angle_rad), 0},
-                .feature = "bar.ball"};
-        session->ReadGauge(std::move(row), 0);
-      }
+    for (const double sense : options.Numbers("senses")) {
+      TurnBallbar(campaign, point, feed_mm_s, sense < 0 ? -1 : 1, session);
     }
   }
 }

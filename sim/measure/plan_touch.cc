@@ -178,6 +178,19 @@ Vec3<double> Sizes(const PlannedCampaign& campaign,
   return {size_mm[0], size_mm[1], size_mm[2]};
 }
 
+// The touches once more at each angle of the spindle; 0 alone needs no saying.
+std::vector<Row> AtAllAngles(const std::vector<Row>& rows,
+                             const std::vector<double>& angles_deg) {
+  std::vector<Row> at_all_angles;
+  for (const double angle_deg : angles_deg) {
+    for (Row row : rows) {
+      if (angles_deg.size() > 1 || angle_deg != 0) row.probe_angle_deg = angle_deg;
+      at_all_angles.push_back(std::move(row));
+    }
+  }
+  return at_all_angles;
+}
+
 void TouchBlock(const PlannedCampaign& campaign,
                 const std::string& id,
                 const Vec3<double>& size_mm,
@@ -208,18 +221,11 @@ void TouchBlock(const PlannedCampaign& campaign,
                      {.type = id == "block123" ? "block123" : "block",
                       .sizes_mm = {size_mm[0], size_mm[1], size_mm[2]},
                       .u_um = 0.5});
-    std::vector<Row> rows =
+    const std::vector<Row> rows =
         BlockTouches(block, campaign.options.Count("points"), session->rng());
-    std::vector<Row> at_all_angles;
-    for (const double angle_deg : campaign.options.Numbers("spindle_deg")) {
-      for (Row row : rows) {
-        if (campaign.options.Numbers("spindle_deg").size() > 1 || angle_deg != 0) {
-          row.probe_angle_deg = angle_deg;
-        }
-        at_all_angles.push_back(std::move(row));
-      }
-    }
-    TouchAll(std::move(at_all_angles), campaign.options.Numbers("feeds_mm_s"), session);
+    TouchAll(AtAllAngles(rows, campaign.options.Numbers("spindle_deg")),
+             campaign.options.Numbers("feeds_mm_s"),
+             session);
   }
 }
 
@@ -243,39 +249,65 @@ Vec3<double> HalfGrid_mm(const PlannedCampaign& campaign, const Session& session
   return half_mm;
 }
 
+// Points of a grid about its middle, the second axis running fastest.
+std::vector<Vec3<double>> GridPoints_mm(const std::vector<double>& counts,
+                                        const Vec3<double>& half_mm) {
+  const auto place = [](int i, double count, double half) {
+    return Rounded(half * (2 * i / (std::floor(count) - 1) - 1));
+  };
+  std::vector<Vec3<double>> points_mm;
+  for (int i = 0; i < static_cast<int>(counts[0]); ++i) {
+    for (int k = 0; k < static_cast<int>(counts[1]); ++k) {
+      points_mm.emplace_back(
+          place(i, counts[0], half_mm[0]), place(k, counts[1], half_mm[1]), 0);
+    }
+  }
+  return points_mm;
+}
+
+// The grid is the machine's: a turned plate is touched where the other was.
+std::vector<Vec3<double>> GridPoints(const PlannedCampaign& campaign,
+                                     const Vec3<double>& half_mm,
+                                     const Session& session) {
+  const auto& grid = campaign.options.Numbers("grid");
+  if (grid.size() != 2) session.Fail("needs two numbers in grid", "[7, 7]");
+  const auto place = [](int i, int count, double half) {
+    return Rounded(half * (2.0 * i / (count - 1) - 1));
+  };
+  const int along_x = static_cast<int>(grid[0]);
+  const int along_y = static_cast<int>(grid[1]);
+  Vec3<double> middle_mm = session.Middle_mm();
+  middle_mm[2] = campaign.options.Number("height_mm");
+  std::vector<Vec3<double>> points_mm;
+  for (int i = 0; i < along_x * along_y; ++i) {
+    points_mm.emplace_back(middle_mm +
+                           Vec3<double>(place(i / along_y, along_x, half_mm[0]),
+                                        place(i % along_y, along_y, half_mm[1]),
+                                        0));
+  }
+  return points_mm;
+}
+
 void PlanPlateTurned(const PlannedCampaign& campaign,
                      double turn_deg,
                      Session* session) {
   const CampaignOptions& options = campaign.options;
-  const auto& grid = options.Numbers("grid");
-  if (grid.size() != 2) session->Fail("needs two numbers in grid", "[7, 7]");
   const Vec3<double> half_mm = HalfGrid_mm(campaign, *session);
   const std::string id = ArtefactId(campaign, "plate");
   session->Certify(id, {.type = "plate", .sizes_mm = {2 * half_mm[0], 2 * half_mm[1]}});
-  Vec3<double> middle_mm = session->Middle_mm();
-  middle_mm[2] = options.Number("height_mm");
-  const auto place = [](int i, double count, double half) {
-    return Rounded(half * (2 * i / (std::floor(count) - 1) - 1));
-  };
-  for (const double offset_mm : options.Numbers("probe_offset_mm")) {
+  const auto points_mm = GridPoints(campaign, half_mm, *session);
+  const auto& offsets_mm = options.Numbers("probe_offset_mm");
+  for (const double offset_mm : offsets_mm) {
     std::vector<Row> rows;
     for (int rep = 1; rep <= options.Count("repeats"); ++rep) {
-      for (int i = 0; i < static_cast<int>(grid[0]); ++i) {
-        for (int k = 0; k < static_cast<int>(grid[1]); ++k) {
-          // The grid is the machine's: a turned plate is touched where the other was.
-          Row row = TouchOf(campaign.name,
-                            id + ".top",
-                            middle_mm + Vec3<double>(place(i, grid[0], half_mm[0]),
-                                                     place(k, grid[1], half_mm[1]),
-                                                     0),
-                            Unit(Axis::kZ));
-          row.rep = rep;
-          row.artefact_turn_deg = turn_deg;
-          if (options.Numbers("probe_offset_mm").size() > 1 || offset_mm != 0) {
-            row.probe_off_mm = {0, offset_mm, 0};
-          }
-          rows.push_back(std::move(row));
+      for (const Vec3<double>& at_mm : points_mm) {
+        Row row = TouchOf(campaign.name, id + ".top", at_mm, Unit(Axis::kZ));
+        row.rep = rep;
+        row.artefact_turn_deg = turn_deg;
+        if (offsets_mm.size() > 1 || offset_mm != 0) {
+          row.probe_off_mm = {0, offset_mm, 0};
         }
+        rows.push_back(std::move(row));
       }
     }
     TouchAll(std::move(rows), options.Numbers("feeds_mm_s"), session);
