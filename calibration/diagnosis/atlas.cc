@@ -102,8 +102,12 @@ Sighted SightOf(const Evidence& evidence, const Candidate& candidate) {
     const Eigen::MatrixXd white = evidence.Whiten(candidate.variants[v].columns_mm);
     by_size.emplace_back(Smallest_um(evidence.Project(white).gram, is_random), v);
   }
+  // A wave must be seen whatever its period; of other forms the middle one stands for
+  // all: a jump in the very last row is seen by nobody.
+  const bool is_wave = candidate.variants.front().columns_mm.cols() == 2;
   const auto middle =
-      by_size.begin() + static_cast<std::ptrdiff_t>((by_size.size() - 1) / 2);
+      by_size.begin() + static_cast<std::ptrdiff_t>(is_wave ? by_size.size() - 1
+                                                            : (by_size.size() - 1) / 2);
   std::ranges::nth_element(by_size, middle);
   const Variant& variant = candidate.variants[middle->second];
   const Eigen::MatrixXd white = evidence.Whiten(variant.columns_mm);

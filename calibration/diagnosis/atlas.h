@@ -19,8 +19,8 @@ struct AtlasCause {
   std::string cause{};
   std::string axis{};
   /// Near-peak [um] that would be seen at odds of about 20:1, in its worst phase: five
-  /// sigma of what the baseline leaves, |M W Phi a|^2 = 25. Of a cause with a form
-  /// (a period, a time constant) the median over its forms.
+  /// sigma of what the baseline leaves, |M W Phi a|^2 = 25. Of a wave the worst
+  /// period, of another cause with a form (a time constant) the median over its forms.
   double smallest_um = 0;
   double usual_um = 0;    ///< Near-peak that its declared prior expects.
   double share_left = 0;  ///< |M W Phi| over |W Phi|: what the baseline leaves.

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -68,8 +69,10 @@ struct EvidenceLine {
   double log_odds = 0;  ///< Against none, prior included.
 };
 
+/// What would best settle what is open.
 struct NextCampaign {
   std::string kind{};
+  std::map<std::string, std::string> options{};  ///< That differ from the usual.
   std::vector<std::string> separates{};
   double minutes = 0;
   double separation_sigma = 0;

@@ -96,6 +96,7 @@ Json ToJson(const Diagnosis& diagnosis,
   Json next = nullptr;
   if (diagnosis.next_campaign) {
     next = {{"kind", diagnosis.next_campaign->kind},
+            {"options", diagnosis.next_campaign->options},
             {"separates", diagnosis.next_campaign->separates},
             {"minutes", diagnosis.next_campaign->minutes},
             {"separation_sigma", diagnosis.next_campaign->separation_sigma}};

@@ -1,0 +1,247 @@
+#include "calibration/diagnosis/next_campaign.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <Eigen/Cholesky>
+
+#include "calibration/diagnosis/atlas.h"
+#include "calibration/diagnosis/evidence.h"
+#include "calibration/diagnosis/free_form.h"
+#include "sim/base/input_error.h"
+
+namespace caltwin {
+namespace {
+
+constexpr double kPause_s = 600;
+constexpr double kSecondsPerMinute = 60;
+constexpr double kApart = 9;
+constexpr double kResolved_sigma = 5;
+constexpr double kEnough_sigma = 10;
+constexpr double kAmbiguousAbove = 0.05;
+constexpr int kMostTerms = 12;
+
+double LastTime_s(const Observed& observed) {
+  double last_s = 0;
+  for (Eigen::Index i = 0; i < observed.num_rows(); ++i) {
+    if (Known(observed.row(i).t_s)) last_s = std::max(last_s, observed.row(i).t_s);
+  }
+  return last_s;
+}
+
+double Median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::ranges::nth_element(values, middle);
+  return *middle;
+}
+
+// Sigmas as judged; of planned readings as stated, else as those of the same kind.
+Eigen::VectorXd SigmaOf(const Observed& both, const Eigen::VectorXd& judged_mm) {
+  Eigen::VectorXd sigma_mm = PlannedSigma_mm(both);
+  const Eigen::Index n = judged_mm.size();
+  sigma_mm.head(n) = judged_mm;
+  for (const RowKind kind : {RowKind::kPosition, RowKind::kTouch, RowKind::kRadial}) {
+    std::vector<double> known;
+    for (Eigen::Index i = 0; i < n; ++i) {
+      if (both.at(i).kind == kind) known.push_back(judged_mm[i]);
+    }
+    if (known.empty()) continue;
+    const double usual_mm = Median(known);
+    for (Eigen::Index i = n; i < both.num_rows(); ++i) {
+      if (both.at(i).kind == kind) sigma_mm[i] = usual_mm;
+    }
+  }
+  return sigma_mm;
+}
+
+struct Rated {
+  NextCampaign next{};
+  double rate = 0;
+  bool resolves = false;
+};
+
+// One finding against one campaign more.
+class Rater {
+ public:
+  Rater(const Observed& observed,
+        const std::vector<Candidate>& candidates,
+        const SearchResult& search,
+        const Found& found,
+        std::vector<std::size_t> rivals)
+      : observed_(observed),
+        candidates_(candidates),
+        search_(search),
+        found_(found),
+        rivals_(std::move(rivals)) {}
+
+  Rated Rate(const CampaignChoice& choice, std::uint64_t seed) const {
+    const Plan plan{.instruments = observed_.header().instruments,
+                    .campaigns = {choice.campaign}};
+    PlannedSession session = PlanSession(plan, observed_.machine(), seed);
+    const double minutes = session.duration_s / kSecondsPerMinute;
+    const Observed both = Followed(observed_, std::move(session));
+    Rated rated{.next = {.kind = choice.campaign.id, .minutes = minutes}};
+    for (const auto& [option, word] : choice.changed) {
+      rated.next.options[option] = word;
+    }
+    std::vector<bool> left_out = search_.circumstances.left_out;
+    left_out.resize(static_cast<std::size_t>(both.num_rows()), false);
+    const Evidence evidence(both,
+                            {SigmaOf(both, search_.circumstances.sigma_mm), 0},
+                            BaselineOf(both),
+                            left_out);
+    if (rivals_.empty()) {
+      rated.rate = Learnt_nats(both, evidence) / minutes;
+      rated.next.separates = {"unknown"};
+      rated.resolves = true;
+    } else {
+      AddSeparation(both, evidence, &rated);
+      rated.rate = std::min(rated.next.separation_sigma, kEnough_sigma) / minutes;
+      rated.resolves = rated.next.separation_sigma >= kResolved_sigma;
+    }
+    return rated;
+  }
+
+ private:
+  // What of the shape becomes known: 1/2 log|I + D A|.
+  double Learnt_nats(const Observed& both, const Evidence& evidence) const {
+    const Candidate& own = candidates_[found_.candidate];
+    const FreeForm form =
+        FreeFormOf(both, own.shown.channel, own.shown.covariates, kMostTerms);
+    if (form.columns_mm.cols() == 0) return 0;
+    const double size_mm = std::max(found_.scale_mm, found_.sizes_mm.norm());
+    const Eigen::VectorXd sd = form.prior.cwiseSqrt() * size_mm;
+    Eigen::MatrixXd inner = sd.asDiagonal() *
+                            evidence.Project(evidence.Whiten(form.columns_mm)).gram *
+                            sd.asDiagonal();
+    inner.diagonal().array() += 1;
+    const Eigen::MatrixXd lower = inner.llt().matrixL();
+    return lower.diagonal().array().log().sum();
+  }
+
+  void AddSeparation(const Observed& both,
+                     const Evidence& evidence,
+                     Rated* rated) const {
+    const Candidate& own = candidates_[found_.candidate];
+    const Variant mine = VariantOf(both, own.effect, own.axis, found_.variant.forms);
+    if (mine.columns_mm.cols() != found_.sizes_mm.size()) return;
+    const Eigen::VectorXd effect =
+        evidence.Whiten(mine.columns_mm * found_.sizes_mm *
+                        (found_.variant.size_per_mm / mine.size_per_mm));
+    const Eigen::MatrixXd whole = evidence.Project(effect).gram;
+    double least = whole(0, 0);
+    rated->next.separates = {own.cause};
+    for (const std::size_t r : rivals_) {
+      const double lambda = LambdaTo(both, evidence, effect, whole, candidates_[r]);
+      least = std::min(least, lambda);
+      const std::string& cause = candidates_[r].cause;
+      auto& names = rated->next.separates;
+      if (lambda >= kApart && std::ranges::find(names, cause) == names.end()) {
+        names.push_back(cause);
+      }
+    }
+    rated->next.separation_sigma = std::sqrt(std::max(least, 0.0));
+  }
+
+  static double LambdaTo(const Observed& both,
+                         const Evidence& evidence,
+                         const Eigen::VectorXd& effect,
+                         const Eigen::MatrixXd& whole,
+                         const Candidate& rival) {
+    double least = whole(0, 0);
+    for (const Variant& variant : rival.variants) {
+      const Variant its = VariantOf(both, rival.effect, rival.axis, variant.forms);
+      if (its.columns_mm.cols() == 0) continue;
+      const Eigen::MatrixXd white = evidence.Whiten(its.columns_mm);
+      const Eigen::MatrixXd cross = white.transpose() * evidence.Left(effect);
+      if (rival.must_be_positive && cross.rows() == 1 && cross(0, 0) < 0) continue;
+      least = std::min(
+          least,
+          Lambda(whole, cross, evidence.Project(white).gram, 1, /*is_random=*/false));
+    }
+    return least;
+  }
+
+  const Observed& observed_;
+  const std::vector<Candidate>& candidates_;
+  const SearchResult& search_;
+  const Found& found_;
+  std::vector<std::size_t> rivals_;
+};
+
+// Named rivals that keep a finding from being sure.
+std::vector<std::size_t> RivalsOf(const std::vector<Candidate>& candidates,
+                                  const Found& found) {
+  std::vector<std::size_t> rivals;
+  for (const Rival& rival : found.rivals) {
+    const bool matters = rival.structural || rival.probability > kAmbiguousAbove;
+    if (matters && !candidates[rival.candidate].is_free()) {
+      rivals.push_back(rival.candidate);
+    }
+  }
+  return rivals;
+}
+
+}  // namespace
+
+Observed Followed(const Observed& observed, PlannedSession session) {
+  RowTable table = observed.table();
+  DataHeader header = observed.header();
+  const double start_s = LastTime_s(observed) + kPause_s;
+  for (Row row : session.rows) {
+    row.row = static_cast<std::int64_t>(table.rows.size()) + 1;
+    row.campaign = "next_" + row.campaign;
+    if (row.kind == RowKind::kTouch || !row.setup.empty()) {
+      row.setup = "next_" + (row.setup.empty() ? row.campaign : row.setup);
+    }
+    row.home = "next_" + row.home;
+    row.t_s = observed.has_times() ? row.t_s + start_s : kUnknown;
+    row.extra.resize(table.extra_columns.size());
+    table.rows.push_back(std::move(row));
+  }
+  header.instruments.merge(session.header.instruments);
+  header.artefacts.merge(session.header.artefacts);
+  for (const auto& [name, campaign] : session.header.campaigns) {
+    header.campaigns["next_" + name] = campaign;
+  }
+  return {std::move(table), std::move(header), observed.machine(), observed.effects()};
+}
+
+std::optional<NextCampaign> BestNext(const Observed& observed,
+                                     const std::vector<Candidate>& candidates,
+                                     const SearchResult& search,
+                                     std::uint64_t seed) {
+  const Found* open = nullptr;
+  for (const Found& found : search.found) {
+    const bool is_free = candidates[found.candidate].is_free();
+    if (!open && !is_free && !RivalsOf(candidates, found).empty()) open = &found;
+  }
+  for (const Found& found : search.found) {
+    if (!open && candidates[found.candidate].is_free()) open = &found;
+  }
+  if (!open) return std::nullopt;
+  const bool is_free = candidates[open->candidate].is_free();
+  const Rater rater(observed,
+                    candidates,
+                    search,
+                    *open,
+                    is_free ? std::vector<std::size_t>{} : RivalsOf(candidates, *open));
+  std::optional<Rated> best;
+  for (const CampaignChoice& choice : CampaignChoices()) {
+    try {
+      Rated rated = rater.Rate(choice, seed);
+      if (rated.next.separates.size() < 2 && !is_free) continue;
+      if (!best || std::pair(rated.resolves, rated.rate) >
+                       std::pair(best->resolves, best->rate)) {
+        best = std::move(rated);
+      }
+    } catch (const InputError&) {
+      continue;  // It does not fit this machine's travel.
+    }
+  }
+  if (!best) return std::nullopt;
+  return best->next;
+}
+
+}  // namespace caltwin
