@@ -249,26 +249,10 @@ Vec3<double> HalfGrid_mm(const PlannedCampaign& campaign, const Session& session
   return half_mm;
 }
 
-// Points of a grid about its middle, the second axis running fastest.
-std::vector<Vec3<double>> GridPoints_mm(const std::vector<double>& counts,
-                                        const Vec3<double>& half_mm) {
-  const auto place = [](int i, double count, double half) {
-    return Rounded(half * (2 * i / (std::floor(count) - 1) - 1));
-  };
-  std::vector<Vec3<double>> points_mm;
-  for (int i = 0; i < static_cast<int>(counts[0]); ++i) {
-    for (int k = 0; k < static_cast<int>(counts[1]); ++k) {
-      points_mm.emplace_back(
-          place(i, counts[0], half_mm[0]), place(k, counts[1], half_mm[1]), 0);
-    }
-  }
-  return points_mm;
-}
-
 // The grid is the machine's: a turned plate is touched where the other was.
-std::vector<Vec3<double>> GridPoints(const PlannedCampaign& campaign,
-                                     const Vec3<double>& half_mm,
-                                     const Session& session) {
+std::vector<Vec3<double>> GridPoints_mm(const PlannedCampaign& campaign,
+                                        const Vec3<double>& half_mm,
+                                        const Session& session) {
   const auto& grid = campaign.options.Numbers("grid");
   if (grid.size() != 2) session.Fail("needs two numbers in grid", "[7, 7]");
   const auto place = [](int i, int count, double half) {
@@ -288,29 +272,36 @@ std::vector<Vec3<double>> GridPoints(const PlannedCampaign& campaign,
   return points_mm;
 }
 
+std::vector<Row> PlateTouches(const PlannedCampaign& campaign,
+                              const std::string& feature,
+                              double turn_deg,
+                              const std::vector<Vec3<double>>& points_mm) {
+  std::vector<Row> rows;
+  for (int rep = 1; rep <= campaign.options.Count("repeats"); ++rep) {
+    for (const Vec3<double>& at_mm : points_mm) {
+      rows.push_back(TouchOf(campaign.name, feature, at_mm, Unit(Axis::kZ)));
+      rows.back().rep = rep;
+      rows.back().artefact_turn_deg = turn_deg;
+    }
+  }
+  return rows;
+}
+
 void PlanPlateTurned(const PlannedCampaign& campaign,
                      double turn_deg,
                      Session* session) {
-  const CampaignOptions& options = campaign.options;
   const Vec3<double> half_mm = HalfGrid_mm(campaign, *session);
   const std::string id = ArtefactId(campaign, "plate");
   session->Certify(id, {.type = "plate", .sizes_mm = {2 * half_mm[0], 2 * half_mm[1]}});
-  const auto points_mm = GridPoints(campaign, half_mm, *session);
-  const auto& offsets_mm = options.Numbers("probe_offset_mm");
+  const auto points_mm = GridPoints_mm(campaign, half_mm, *session);
+  const auto& offsets_mm = campaign.options.Numbers("probe_offset_mm");
   for (const double offset_mm : offsets_mm) {
-    std::vector<Row> rows;
-    for (int rep = 1; rep <= options.Count("repeats"); ++rep) {
-      for (const Vec3<double>& at_mm : points_mm) {
-        Row row = TouchOf(campaign.name, id + ".top", at_mm, Unit(Axis::kZ));
-        row.rep = rep;
-        row.artefact_turn_deg = turn_deg;
-        if (offsets_mm.size() > 1 || offset_mm != 0) {
-          row.probe_off_mm = {0, offset_mm, 0};
-        }
-        rows.push_back(std::move(row));
-      }
+    auto rows = PlateTouches(campaign, id + ".top", turn_deg, points_mm);
+    const bool is_offset = offsets_mm.size() > 1 || offset_mm != 0;
+    for (Row& row : rows) {
+      if (is_offset) row.probe_off_mm = {0, offset_mm, 0};
     }
-    TouchAll(std::move(rows), options.Numbers("feeds_mm_s"), session);
+    TouchAll(std::move(rows), campaign.options.Numbers("feeds_mm_s"), session);
   }
 }
 
