@@ -26,7 +26,7 @@ PictureOptions Options() {
 }
 
 /// `low`, `high` and what lies between, evenly.
-double Between(double low, double high, int index) {
+double PlaceAmong(double low, double high, int index) {
   return low + (high - low) * index / (kPosesAcross - 1);
 }
 
@@ -101,8 +101,8 @@ std::vector<PoseError> GridErrors(const TwinConfig& config, const Settings& sett
   Vec3<double> mean_mm = Vec3<double>::Zero();
   for (int i = 0; i < kPosesAcross * kPosesAcross * 2; ++i) {
     const bool is_forward = i % 2 == 0;
-    const Vec3<double> at_mm(Between(x.min_mm, x.max_mm, i / 2 % kPosesAcross),
-                             Between(y.min_mm, y.max_mm, i / 2 / kPosesAcross),
+    const Vec3<double> at_mm(PlaceAmong(x.min_mm, x.max_mm, i / 2 % kPosesAcross),
+                             PlaceAmong(y.min_mm, y.max_mm, i / 2 / kPosesAcross),
                              config.machine.axis(Axis::kZ).min_mm + kAboveTable_mm);
     const Vec3<double> dir = Vec3<double>::Constant(is_forward ? 1 : -1);
     const Vec3<double> error_mm = twin.PositionError_mm(at_mm, dir);

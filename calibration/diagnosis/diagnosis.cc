@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "calibration/diagnosis/atlas.h"
+#include "calibration/diagnosis/next_campaign.h"
 #include "calibration/diagnosis/pitch_map.h"
 #include "sim/base/units.h"
 
@@ -84,6 +86,13 @@ class Reporter {
     diagnosis.wander_um_per_sqrt_h =
         UmFromMm(std::sqrt(search_.wander_mm2_per_s * kSecondsPerHour));
     AddBaseline(&diagnosis);
+    for (const AtlasCause& line : AbsorbedOf(observed_,
+                                             candidates_,
+                                             search_.circumstances.sigma_mm,
+                                             search_.circumstances.nuisances)) {
+      diagnosis.absorbed.push_back({line.Name(), line.into});
+    }
+    diagnosis.next_campaign = BestNext(observed_, candidates_, search_, /*seed=*/1);
     return diagnosis;
   }
 
@@ -187,6 +196,28 @@ class Reporter {
   std::vector<Refined> refined_{};
 };
 
+// Findings that predict nothing of rows they have not seen go; where much remains that
+// the named causes should have explained, they lose their names. Scatter from homing to
+// homing predicts nothing by its nature.
+void DoubtFindings(const Observed& observed,
+                   const std::vector<Candidate>& candidates,
+                   SearchResult* search) {
+  constexpr double kLeastGain = 0.05;
+  constexpr double kLeastShare = 0.6;
+  const bool scatters = std::ranges::any_of(search->found, [&](const Found& found) {
+    return candidates[found.candidate].cause == "homing_scatter";
+  });
+  if (search->found.empty() || scatters) return;
+  const GainFigures gain =
+      GainOf(observed, candidates, *search, Refit(observed, candidates, *search));
+  if (gain.explained_fraction < kLeastGain) search->found.clear();
+  const double explained = std::accumulate(gain.shares.begin(), gain.shares.end(), 0.0);
+  for (Found& found : search->found) {
+    if (explained < kLeastShare) found.lost_its_name = true;
+    if (found.lost_its_name) found.rivals.clear();
+  }
+}
+
 }  // namespace
 
 std::string ToString(Verdict verdict) {
@@ -211,8 +242,9 @@ Diagnosis Diagnose(const Observed& as_read, const DiagnoseOptions& options) {
   say(fmt::format("{} rows: listing what they could show", observed.num_rows()));
   const std::vector<Candidate> candidates = AllCandidates(observed);
   say(fmt::format("weighing {} candidates", candidates.size()));
-  const SearchResult search = Search(observed, candidates, options.search);
+  SearchResult search = Search(observed, candidates, options.search);
   say("refining what was found");
+  DoubtFindings(observed, candidates, &search);
   return Reporter(observed, candidates, search).Make();
 }
 

@@ -24,7 +24,8 @@ constexpr double kSlopeSd_mrad = 30;
 constexpr double kPlacementSd_mm = 100;
 constexpr double kTurnSd_mrad = 100;
 constexpr double kHysteresisSd_mm = 0.1;
-// How far a plate laid on the bed may lie from its plane: a speck of 10 um under one end.
+// How far a plate laid on the bed may lie from its plane: a speck of 10 um under one
+// end.
 constexpr double kPlateSlopeSd_mrad = 0.05;
 // What an effect of the model may still go by, of its size. Of homings: the model draws
 // where each stood, and the machine drew differently, each with the stated scatter.

@@ -372,7 +372,9 @@ std::vector<Nuisance> NuisancesOf(const Observed& observed,
   const Tolerance tolerance = ToleranceOf(observed, candidate, found.variant);
   const double freedom = found.lost_its_name ? 3 : 1;
   for (Eigen::Index k = 0; k < tolerance.columns_mm.cols(); ++k) {
-    add(tolerance.columns_mm.col(k), freedom * size_mm * std::sqrt(tolerance.prior[k]));
+    // A fifth of what it does, not of what it might do.
+    add(tolerance.columns_mm.col(k),
+        freedom * found.sizes_mm.norm() * std::sqrt(tolerance.prior[k]));
   }
   return nuisances;
 }

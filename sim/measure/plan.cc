@@ -254,7 +254,7 @@ PlannedCampaign DefaultCampaign(std::string_view id) {
 PlannedSession PlanSession(const Plan& plan,
                            const Machine& machine,
                            std::uint64_t seed) {
-  Session session(plan, machine, seed);
+  MeasuringSession session(plan, machine, seed);
   for (const PlannedCampaign& campaign : plan.campaigns) {
     const CampaignKind* kind = FindCampaignKind(campaign.id);
     Require(kind != nullptr, fmt::format("no kind of campaign '{}'", campaign.id));

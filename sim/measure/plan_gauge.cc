@@ -39,7 +39,8 @@ Vec3<double> On(const Line& line, double target_mm) {
   return q_mm;
 }
 
-void Pass(const Line& line, double sense, int rep, bool overruns, Session* session) {
+void Pass(
+    const Line& line, double sense, int rep, bool overruns, MeasuringSession* session) {
   std::vector<double> targets_mm = line.targets_mm;
   if (sense < 0) std::ranges::reverse(targets_mm);
   if (overruns) {
@@ -59,14 +60,14 @@ void Pass(const Line& line, double sense, int rep, bool overruns, Session* sessi
   }
 }
 
-void ThereAndBack(const Line& line, int runs, Session* session) {
+void ThereAndBack(const Line& line, int runs, MeasuringSession* session) {
   for (int rep = 1; rep <= runs; ++rep) {
     Pass(line, +1, rep, /*overruns=*/true, session);
     Pass(line, -1, rep, line.overruns_back, session);
   }
 }
 
-Line LineOf(const PlannedCampaign& campaign, Session* session) {
+Line LineOf(const PlannedCampaign& campaign, MeasuringSession* session) {
   Line line{.axis = campaign.options.axis("axis"),
             .setup = campaign.name + "_laser",
             .base_mm = session->Middle_mm(),
@@ -84,7 +85,7 @@ Line LineOf(const PlannedCampaign& campaign, Session* session) {
 // Where targets may lie: the travel less margin and overrun.
 std::pair<double, double> Reach_mm(const PlannedCampaign& campaign,
                                    Axis axis,
-                                   const Session& session) {
+                                   const MeasuringSession& session) {
   const AxisDrawing& drawing = session.machine().axis(axis);
   const double off_mm = std::max(campaign.options.Number("margin_mm"), kOverrun_mm);
   if (drawing.travel_mm() <= 2 * off_mm) {
@@ -97,7 +98,7 @@ std::pair<double, double> Reach_mm(const PlannedCampaign& campaign,
 // spacing unless regular.
 std::vector<double> Targets_mm(const PlannedCampaign& campaign,
                                Axis axis,
-                               Session* session) {
+                               MeasuringSession* session) {
   const auto [low_mm, high_mm] = Reach_mm(campaign, axis, *session);
   const int count = campaign.options.Count("positions");
   const double spacing_mm = (high_mm - low_mm) / (count - 1);
@@ -120,7 +121,7 @@ void TurnBallbar(const PlannedCampaign& campaign,
                  const PointAt& point,
                  double feed_mm_s,
                  double sense,
-                 Session* session) {
+                 MeasuringSession* session) {
   const int points = campaign.options.Count("points");
   const double step_rad = 2 * std::numbers::pi / points;
   // Not on the quadrants, where an axis just turns round.
@@ -150,7 +151,7 @@ void TurnBallbar(const PlannedCampaign& campaign,
 
 }  // namespace
 
-void PlanIso230(const PlannedCampaign& campaign, Session* session) {
+void PlanIso230(const PlannedCampaign& campaign, MeasuringSession* session) {
   Line line = LineOf(campaign, session);
   line.targets_mm = Targets_mm(campaign, line.axis, session);
   std::vector<double> loads_n = campaign.options.Numbers("loads_n");
@@ -161,7 +162,7 @@ void PlanIso230(const PlannedCampaign& campaign, Session* session) {
   }
 }
 
-void PlanDense(const PlannedCampaign& campaign, Session* session) {
+void PlanDense(const PlannedCampaign& campaign, MeasuringSession* session) {
   Line line = LineOf(campaign, session);
   line.overruns_back = false;
   const double lead_mm = session->machine().axis(line.axis).lead_mm;
@@ -186,7 +187,7 @@ void PlanDense(const PlannedCampaign& campaign, Session* session) {
   ThereAndBack(line, campaign.options.Count("runs"), session);
 }
 
-void PlanAbbe(const PlannedCampaign& campaign, Session* session) {
+void PlanAbbe(const PlannedCampaign& campaign, MeasuringSession* session) {
   Line line = LineOf(campaign, session);
   line.targets_mm = Targets_mm(campaign, line.axis, session);
   const Axis lever = campaign.options.axis("lever");
@@ -207,7 +208,7 @@ void PlanAbbe(const PlannedCampaign& campaign, Session* session) {
   }
 }
 
-void PlanBallbar(const PlannedCampaign& campaign, Session* session) {
+void PlanBallbar(const PlannedCampaign& campaign, MeasuringSession* session) {
   const CampaignOptions& options = campaign.options;
   const double radius_mm = options.Number("radius_mm");
   Vec3<double> center_mm = session->Middle_mm();

@@ -7,7 +7,7 @@
 
 namespace caltwin {
 
-class Session;
+class MeasuringSession;
 
 /// A kind of measuring campaign: what `caltwin explain` says of it and how its readings
 /// are planned.
@@ -18,7 +18,7 @@ struct CampaignKind {
   std::string_view instrument;  ///< Default id of the instrument.
   std::span<const PlanOption> options;
   /// Adds the campaign's readings to the session.
-  void (*plan)(const PlannedCampaign& campaign, Session* session);
+  void (*plan)(const PlannedCampaign& campaign, MeasuringSession* session);
 };
 
 /// Every kind there is, gantry's first.
@@ -26,19 +26,20 @@ std::span<const CampaignKind> AllCampaignKinds();
 /// Null where there is none.
 const CampaignKind* FindCampaignKind(std::string_view id);
 
-/// @name How each kind is performed: plan_gauge.cc, plan_touch.cc, plan_time.cc
-void PlanIso230(const PlannedCampaign& campaign, Session* session);
-void PlanDense(const PlannedCampaign& campaign, Session* session);
-void PlanAbbe(const PlannedCampaign& campaign, Session* session);
-void PlanBallbar(const PlannedCampaign& campaign, Session* session);
-void PlanStraightedge(const PlannedCampaign& campaign, Session* session);
-void PlanSquare(const PlannedCampaign& campaign, Session* session);
-void PlanBlocks(const PlannedCampaign& campaign, Session* session);
-void PlanPlate(const PlannedCampaign& campaign, Session* session);
-void PlanPlateTurned90(const PlannedCampaign& campaign, Session* session);
-void PlanRing(const PlannedCampaign& campaign, Session* session);
-void PlanAlternating(const PlannedCampaign& campaign, Session* session);
-void PlanRehoming(const PlannedCampaign& campaign, Session* session);
-void PlanDrift(const PlannedCampaign& campaign, Session* session);
+/// @name How each kind is performed: plan_gauge.cc, plan_touch.cc, plan_edges.cc,
+/// plan_time.cc
+void PlanIso230(const PlannedCampaign& campaign, MeasuringSession* session);
+void PlanDense(const PlannedCampaign& campaign, MeasuringSession* session);
+void PlanAbbe(const PlannedCampaign& campaign, MeasuringSession* session);
+void PlanBallbar(const PlannedCampaign& campaign, MeasuringSession* session);
+void PlanStraightedge(const PlannedCampaign& campaign, MeasuringSession* session);
+void PlanSquare(const PlannedCampaign& campaign, MeasuringSession* session);
+void PlanBlocks(const PlannedCampaign& campaign, MeasuringSession* session);
+void PlanPlate(const PlannedCampaign& campaign, MeasuringSession* session);
+void PlanPlateTurned90(const PlannedCampaign& campaign, MeasuringSession* session);
+void PlanRing(const PlannedCampaign& campaign, MeasuringSession* session);
+void PlanAlternating(const PlannedCampaign& campaign, MeasuringSession* session);
+void PlanRehoming(const PlannedCampaign& campaign, MeasuringSession* session);
+void PlanDrift(const PlannedCampaign& campaign, MeasuringSession* session);
 
 }  // namespace caltwin

@@ -31,7 +31,9 @@ double MostFeed_mm_s(const Machine& machine, const Vec3<double>& travel_mm) {
 
 }  // namespace
 
-Session::Session(const Plan& plan, const Machine& machine, std::uint64_t seed)
+MeasuringSession::MeasuringSession(const Plan& plan,
+                                   const Machine& machine,
+                                   std::uint64_t seed)
     : plan_(plan), machine_(machine), seed_(seed), rng_(seed, 0, "plan") {
   session_.header.machine = plan.machine;
   session_.header.instruments = plan.instruments;
@@ -46,7 +48,8 @@ Session::Session(const Plan& plan, const Machine& machine, std::uint64_t seed)
   Home();
 }
 
-void Session::Begin(const PlannedCampaign& campaign, const std::string& instrument) {
+void MeasuringSession::Begin(const PlannedCampaign& campaign,
+                             const std::string& instrument) {
   campaign_ = campaign;
   rng_ = Rng(seed_, 0, "plan." + campaign.name);
   session_.header.campaigns[campaign.name] = {.instrument = instrument,
@@ -56,7 +59,7 @@ void Session::Begin(const PlannedCampaign& campaign, const std::string& instrume
   if (!instruments.contains(instrument)) instruments[instrument].kind = instrument;
 }
 
-void Session::Home() {
+void MeasuringSession::Home() {
   t_s_ += kHoming_s;
   ++homings_;
   for (const Axis axis : kAxes) {
@@ -69,15 +72,15 @@ void Session::Home() {
   last_dir_ = sense_;
 }
 
-void Session::Wait(double s) {
+void MeasuringSession::Wait(double s) {
   t_s_ += s;
 }
 
-void Session::Heat(const HeatPlan& plan) {
+void MeasuringSession::Heat(const HeatPlan& plan) {
   weather_.Heat(t_s_, plan);
 }
 
-void Session::MoveTo(const Vec3<double>& q_mm, double feed_mm_s) {
+void MeasuringSession::MoveTo(const Vec3<double>& q_mm, double feed_mm_s) {
   const Vec3<double> travel_mm = q_mm - q_mm_;
   const double length_mm = travel_mm.norm();
   if (length_mm < kStill_mm) return;
@@ -94,11 +97,11 @@ void Session::MoveTo(const Vec3<double>& q_mm, double feed_mm_s) {
   q_mm_ = q_mm;
 }
 
-void Session::Rapid(const Vec3<double>& q_mm) {
+void MeasuringSession::Rapid(const Vec3<double>& q_mm) {
   MoveTo(q_mm, 1e9);
 }
 
-void Session::Finish(Row row) {
+void MeasuringSession::Finish(Row row) {
   row.row = static_cast<std::int64_t>(session_.rows.size()) + 1;
   row.campaign = campaign_.name;
   row.home = fmt::format("{}", homings_);
@@ -113,13 +116,13 @@ void Session::Finish(Row row) {
   session_.rows.push_back(std::move(row));
 }
 
-void Session::ReadGauge(Row row, double dwell_s) {
+void MeasuringSession::ReadGauge(Row row, double dwell_s) {
   for (int i = 0; i < 3; ++i) row.cmd_mm[static_cast<std::size_t>(i)] = q_mm_[i];
   Wait(dwell_s);
   Finish(std::move(row));
 }
 
-void Session::Touch(Row row) {
+void MeasuringSession::Touch(Row row) {
   row.kind = RowKind::kTouch;
   Vec3<double> contact_mm;
   Vec3<double> n;
@@ -140,8 +143,8 @@ void Session::Touch(Row row) {
   MoveTo(contact_mm + kStandOff_mm * n, machine_.axis(Axis::kZ).max_feed_mm_s);
 }
 
-const CertifiedArtefact& Session::Certify(const std::string& id,
-                                          CertifiedArtefact artefact) {
+const CertifiedArtefact& MeasuringSession::Certify(const std::string& id,
+                                                   CertifiedArtefact artefact) {
   const auto said = plan_.artefacts.find(id);
   if (said != plan_.artefacts.end()) {
     const auto drawn_mm = artefact.sizes_mm;
@@ -151,7 +154,7 @@ const CertifiedArtefact& Session::Certify(const std::string& id,
   return session_.header.artefacts.try_emplace(id, std::move(artefact)).first->second;
 }
 
-void Session::RequireReach(const Vec3<double>& q_mm) const {
+void MeasuringSession::RequireReach(const Vec3<double>& q_mm) const {
   for (const Axis axis : kAxes) {
     const AxisDrawing& drawing = machine_.axis(axis);
     const double q = q_mm[Index(axis)];
@@ -165,18 +168,18 @@ void Session::RequireReach(const Vec3<double>& q_mm) const {
   }
 }
 
-void Session::Fail(const std::string& text, const std::string& hint) const {
+void MeasuringSession::Fail(const std::string& text, const std::string& hint) const {
   throw InputError(
       campaign_.place, fmt::format("campaign '{}' {}", campaign_.name, text), hint);
 }
 
-Vec3<double> Session::Middle_mm() const {
+Vec3<double> MeasuringSession::Middle_mm() const {
   return {machine_.axis(Axis::kX).mid_mm(),
           machine_.axis(Axis::kY).mid_mm(),
           machine_.axis(Axis::kZ).mid_mm()};
 }
 
-PlannedSession Session::Done() && {
+PlannedSession MeasuringSession::Done() && {
   session_.duration_s = t_s_;
   return std::move(session_);
 }

@@ -12,9 +12,9 @@ namespace caltwin {
 /// Follows a machine through its measuring session, as far as commands say: where its
 /// axes stand, in which sense each moved last and how far since it turned round, what
 /// time it is, how warm. Campaigns tell it where to go and what to read.
-class Session {
+class MeasuringSession {
  public:
-  Session(const Plan& plan, const Machine& machine, std::uint64_t seed);
+  MeasuringSession(const Plan& plan, const Machine& machine, std::uint64_t seed);
 
   /// Begins a campaign: after this, readings are its own.
   void Begin(const PlannedCampaign& campaign, const std::string& instrument);

@@ -7,6 +7,7 @@
 
 #include "sim/measure/plan_kinds.h"
 #include "sim/measure/plan_session.h"
+#include "sim/measure/plan_touching.h"
 
 namespace caltwin {
 namespace {
@@ -26,22 +27,16 @@ struct Spot {
 void TouchSpot(const Spot& spot,
                const PlannedCampaign& campaign,
                int rep,
-               Session* session) {
+               MeasuringSession* session) {
   for (const double feed_mm_s : campaign.options.Numbers("feeds_mm_s")) {
-    Row row{.kind = RowKind::kTouch,
-            .setup = spot.setup,
-            .rep = rep,
-            .feed_mm_s = feed_mm_s,
-            .feature = spot.feature};
-    for (int i = 0; i < 3; ++i) {
-      row.cmd_mm[static_cast<std::size_t>(i)] = spot.at_mm[i];
-      row.n[static_cast<std::size_t>(i)] = spot.n[i];
-    }
+    Row row = TouchOf(spot.setup, spot.feature, spot.at_mm, spot.n);
+    row.rep = rep;
+    row.feed_mm_s = feed_mm_s;
     session->Touch(std::move(row));
   }
 }
 
-void HeatFor(double duration_s, double warm_up_k, Session* session) {
+void HeatFor(double duration_s, double warm_up_k, MeasuringSession* session) {
   session->Heat({.spindle_on_s = 0,
                  .spindle_off_s = kSpindleOff * duration_s,
                  .bed_on_s = kBedOn * duration_s,
@@ -49,11 +44,6 @@ void HeatFor(double duration_s, double warm_up_k, Session* session) {
                  .screw_rise_k = warm_up_k,
                  .frame_rise_k = 0.4 * warm_up_k,
                  .bed_rise_k = 0.6 * warm_up_k});
-}
-
-std::string ArtefactId(const PlannedCampaign& campaign, const std::string& usual) {
-  const std::string& said = campaign.options.Text("artefact");
-  return said.empty() ? usual : said;
 }
 
 // The two faces of something across an axis.
@@ -75,7 +65,7 @@ std::vector<Spot> BothFaces(const std::string& setup,
   return spots;
 }
 
-Vec3<double> OnTable(const Session& session, double height_mm) {
+Vec3<double> OnTable(const MeasuringSession& session, double height_mm) {
   Vec3<double> at_mm = session.Middle_mm();
   at_mm[2] = height_mm;
   return at_mm;
@@ -83,7 +73,7 @@ Vec3<double> OnTable(const Session& session, double height_mm) {
 
 }  // namespace
 
-void PlanAlternating(const PlannedCampaign& campaign, Session* session) {
+void PlanAlternating(const PlannedCampaign& campaign, MeasuringSession* session) {
   const CampaignOptions& options = campaign.options;
   const int pairs = options.Count("pairs");
   const double interval_s = options.Number("interval_s");
@@ -107,7 +97,7 @@ void PlanAlternating(const PlannedCampaign& campaign, Session* session) {
   }
 }
 
-void PlanRehoming(const PlannedCampaign& campaign, Session* session) {
+void PlanRehoming(const PlannedCampaign& campaign, MeasuringSession* session) {
   const std::string id = ArtefactId(campaign, "cube");
   session->Certify(id, {.type = "block", .sizes_mm = {50, 50, 25}, .u_um = 0.5});
   const Vec3<double> center_mm = OnTable(*session, 0);
@@ -123,7 +113,7 @@ void PlanRehoming(const PlannedCampaign& campaign, Session* session) {
   }
 }
 
-void PlanDrift(const PlannedCampaign& campaign, Session* session) {
+void PlanDrift(const PlannedCampaign& campaign, MeasuringSession* session) {
   const CampaignOptions& options = campaign.options;
   const Axis axis = options.axis("axis");
   const double duration_s = options.Number("duration_s");

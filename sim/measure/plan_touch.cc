@@ -1,5 +1,4 @@
-// Campaigns touched by the machine's own probe: straight-edge, square, blocks, plates,
-// ring.
+// Campaigns touched by the machine's own probe: blocks, plates, ring.
 
 #include <algorithm>
 #include <array>
@@ -11,12 +10,10 @@
 #include "sim/base/units.h"
 #include "sim/measure/plan_kinds.h"
 #include "sim/measure/plan_session.h"
+#include "sim/measure/plan_touching.h"
 
 namespace caltwin {
 namespace {
-
-// Keeps the tip clear of an artefact's edges.
-constexpr double kInset_mm = 10;
 
 struct Face {
   const char* name;
@@ -29,44 +26,7 @@ constexpr std::array kFaces = {Face{"left", Axis::kX, -1},
                                Face{"back", Axis::kY, +1},
                                Face{"top", Axis::kZ, +1}};
 
-// Points are written on micrometres, as a plan's author would.
-double Rounded(double mm) {
-  return std::round(mm * 1e3) / 1e3;
-}
-
-Row TouchOf(const std::string& setup,
-            const std::string& feature,
-            const Vec3<double>& at_mm,
-            const Vec3<double>& n) {
-  Row row{.kind = RowKind::kTouch, .setup = setup, .feature = feature};
-  for (int i = 0; i < 3; ++i) {
-    row.cmd_mm[static_cast<std::size_t>(i)] = at_mm[i];
-    row.n[static_cast<std::size_t>(i)] = n[i];
-  }
-  return row;
-}
-
-std::string ArtefactId(const PlannedCampaign& campaign, const std::string& usual) {
-  const std::string& said = campaign.options.Text("artefact");
-  return said.empty() ? usual : said;
-}
-
-// Every row at every feed, in random order.
-void TouchAll(std::vector<Row> rows,
-              const std::vector<double>& feeds_mm_s,
-              Session* session) {
-  std::vector<Row> all;
-  for (const double feed_mm_s : feeds_mm_s) {
-    for (Row& row : rows) {
-      row.feed_mm_s = feed_mm_s;
-      all.push_back(row);
-    }
-  }
-  Shuffle(&all, session->rng());
-  for (Row& row : all) session->Touch(std::move(row));
-}
-
-Vec3<double> OnTable(const PlannedCampaign& campaign, const Session& session) {
+Vec3<double> OnTable(const PlannedCampaign& campaign, const MeasuringSession& session) {
   Vec3<double> at_mm = session.Middle_mm();
   at_mm[2] = 0;
   if (campaign.options.Numbers("at_mm").size() >= 2) {
@@ -74,70 +34,6 @@ Vec3<double> OnTable(const PlannedCampaign& campaign, const Session& session) {
     at_mm[1] = campaign.options.Numbers("at_mm")[1];
   }
   return at_mm;
-}
-
-Vec3<double> Turned(const Vec3<double>& v, double turn_deg) {
-  // Quarters exactly: a face's normal stays a unit vector of an axis.
-  const double turn_rad = RadFromDeg(turn_deg);
-  double c = std::cos(turn_rad);
-  double s = std::sin(turn_rad);
-  if (std::fmod(turn_deg, 90) == 0) {
-    c = std::round(c);
-    s = std::round(s);
-  }
-  return {c * v[0] - s * v[1], s * v[0] + c * v[1], v[2]};
-}
-
-// Both outer edges of a square that lies flat, its corner towards -x -y at turn 0.
-std::vector<Row> FlatSquare(const PlannedCampaign& campaign,
-                            const std::string& id,
-                            double turn_deg,
-                            const Session& session) {
-  const double leg_mm = campaign.options.Number("leg_mm");
-  const int points = campaign.options.Count("points");
-  Vec3<double> center_mm = session.Middle_mm();
-  center_mm[2] = kInset_mm;
-  std::vector<Row> rows;
-  for (int i = 0; i < 2 * points; ++i) {
-    const bool is_long = i < points;
-    const double along_mm =
-        Rounded(-leg_mm / 2 + kInset_mm +
-                (leg_mm - 2 * kInset_mm) * (i % points) / (points - 1));
-    const Vec3<double> from_center = is_long ? Vec3<double>(along_mm, -leg_mm / 2, 0)
-                                             : Vec3<double>(-leg_mm / 2, along_mm, 0);
-    const Vec3<double> n = is_long ? Vec3<double>(0, -1, 0) : Vec3<double>(-1, 0, 0);
-    rows.push_back(TouchOf(fmt::format("{}_{:.0f}", campaign.name, turn_deg),
-                           id + (is_long ? ".long" : ".short"),
-                           center_mm + Turned(from_center, turn_deg),
-                           Turned(n, turn_deg)));
-    rows.back().artefact_turn_deg = turn_deg;
-  }
-  return rows;
-}
-
-// The blade of a square standing up, touched at many heights; turned by half, its other
-// side faces the probe.
-std::vector<Row> StandingSquare(const PlannedCampaign& campaign,
-                                const std::string& id,
-                                double turn_deg,
-                                const Session& session) {
-  const Axis across = campaign.options.Text("plane") == "xz" ? Axis::kX : Axis::kY;
-  const int points = 2 * campaign.options.Count("points");
-  const double sign = std::cos(RadFromDeg(turn_deg)) > 0 ? -1 : 1;
-  const double most_mm =
-      std::min(campaign.options.Number("leg_mm"),
-               session.machine().axis(Axis::kZ).max_mm - 2 * kInset_mm);
-  Vec3<double> at_mm = session.Middle_mm() + 15 * sign * Unit(across);
-  std::vector<Row> rows;
-  for (int i = 0; i < points; ++i) {
-    at_mm[2] = Rounded(kInset_mm + (most_mm - kInset_mm) * i / (points - 1));
-    rows.push_back(TouchOf(fmt::format("{}_{:.0f}", campaign.name, turn_deg),
-                           id + ".blade",
-                           at_mm,
-                           sign * Unit(across)));
-    rows.back().artefact_turn_deg = turn_deg;
-  }
-  return rows;
 }
 
 // A block somewhere on the table: where the center of its base is, and its sizes.
@@ -169,7 +65,7 @@ std::vector<Row> BlockTouches(const Standing& block, int points, Rng* rng) {
 
 Vec3<double> Sizes(const PlannedCampaign& campaign,
                    const std::string& option,
-                   const Session& session) {
+                   const MeasuringSession& session) {
   const auto& size_mm = campaign.options.Numbers(option);
   if (size_mm.size() != 3) {
     session.Fail(fmt::format("needs three numbers in {}", option),
@@ -195,7 +91,7 @@ void TouchBlock(const PlannedCampaign& campaign,
                 const std::string& id,
                 const Vec3<double>& size_mm,
                 int place,
-                Session* session) {
+                MeasuringSession* session) {
   // Long, middle and short side along x, y, z, in each way it is laid.
   const std::array<Vec3<double>, 3> lying = {
       Vec3<double>(size_mm[0], size_mm[1], size_mm[2]),
@@ -230,7 +126,8 @@ void TouchBlock(const PlannedCampaign& campaign,
 }
 
 // Half the extent of the grid: as asked for, else what all offsets leave of the travel.
-Vec3<double> HalfGrid_mm(const PlannedCampaign& campaign, const Session& session) {
+Vec3<double> HalfGrid_mm(const PlannedCampaign& campaign,
+                         const MeasuringSession& session) {
   const auto& extent_mm = campaign.options.Numbers("extent_mm");
   if (extent_mm.size() >= 2) return {extent_mm[0] / 2, extent_mm[1] / 2, 0};
   double offset_mm = 0;
@@ -252,7 +149,7 @@ Vec3<double> HalfGrid_mm(const PlannedCampaign& campaign, const Session& session
 // The grid is the machine's: a turned plate is touched where the other was.
 std::vector<Vec3<double>> GridPoints_mm(const PlannedCampaign& campaign,
                                         const Vec3<double>& half_mm,
-                                        const Session& session) {
+                                        const MeasuringSession& session) {
   const auto& grid = campaign.options.Numbers("grid");
   if (grid.size() != 2) session.Fail("needs two numbers in grid", "[7, 7]");
   const auto place = [](int i, int count, double half) {
@@ -289,7 +186,7 @@ std::vector<Row> PlateTouches(const PlannedCampaign& campaign,
 
 void PlanPlateTurned(const PlannedCampaign& campaign,
                      double turn_deg,
-                     Session* session) {
+                     MeasuringSession* session) {
   const Vec3<double> half_mm = HalfGrid_mm(campaign, *session);
   const std::string id = ArtefactId(campaign, "plate");
   session->Certify(id, {.type = "plate", .sizes_mm = {2 * half_mm[0], 2 * half_mm[1]}});
@@ -307,71 +204,7 @@ void PlanPlateTurned(const PlannedCampaign& campaign,
 
 }  // namespace
 
-void PlanStraightedge(const PlannedCampaign& campaign, Session* session) {
-  const CampaignOptions& options = campaign.options;
-  const Axis axis = options.axis("axis");
-  Axis across = options.axis("across");
-  if (across == axis) across = axis == Axis::kX ? Axis::kY : Axis::kX;
-  const AxisDrawing& drawing = session->machine().axis(axis);
-  const double margin_mm = options.Number("margin_mm");
-  const double room_mm = drawing.travel_mm() - 2 * margin_mm;
-  if (room_mm <= 0) session->Fail("leaves no travel", "choose a smaller margin_mm");
-  const std::string id = ArtefactId(campaign, "edge");
-  session->Certify(
-      id, {.type = "straight_edge", .sizes_mm = {drawing.travel_mm()}, .u_um = 0.3});
-  const std::array<const char*, 2> sides =
-      across == Axis::kX   ? std::array{"left", "right"}
-      : across == Axis::kY ? std::array{"front", "back"}
-                           : std::array{"bottom", "top"};
-  const int count = options.Count("positions");
-  std::vector<Row> rows;
-  for (int rep = 1; rep <= options.Count("repeats"); ++rep) {
-    for (int i = 0; i < count; ++i) {
-      const double spacing_mm = room_mm / (count - 1);
-      const double place_mm =
-          std::clamp(drawing.min_mm + margin_mm +
-                         (i + 0.4 * (session->rng()->Uniform() - 0.5)) * spacing_mm,
-                     drawing.min_mm + margin_mm,
-                     drawing.max_mm - margin_mm);
-      for (const double side : {-1.0, 1.0}) {
-        Vec3<double> at_mm = session->Middle_mm();
-        at_mm[2] = options.Number("height_mm");
-        if (axis == Axis::kZ || across == Axis::kZ) at_mm[2] = session->Middle_mm()[2];
-        at_mm[Index(across)] += side * options.Number("width_mm") / 2;
-        at_mm[Index(axis)] = Rounded(place_mm);
-        rows.push_back(TouchOf(campaign.name,
-                               fmt::format("{}.{}", id, sides[side < 0 ? 0 : 1]),
-                               at_mm,
-                               side * Unit(across)));
-        rows.back().rep = rep;
-      }
-    }
-  }
-  TouchAll(std::move(rows), options.Numbers("feeds_mm_s"), session);
-}
-
-void PlanSquare(const PlannedCampaign& campaign, Session* session) {
-  const CampaignOptions& options = campaign.options;
-  const bool is_flat = options.Text("plane") == "xy";
-  std::vector<double> turns_deg = options.Numbers("turns_deg");
-  if (turns_deg.empty()) turns_deg = {0, is_flat ? 90.0 : 180.0};
-  const std::string id = ArtefactId(campaign, "square");
-  session->Certify(
-      id, {.type = "square", .sizes_mm = {options.Number("leg_mm")}, .u_um = 0.5});
-  for (const double turn_deg : turns_deg) {
-    std::vector<Row> rows;
-    for (int rep = 1; rep <= options.Count("repeats"); ++rep) {
-      for (Row row : is_flat ? FlatSquare(campaign, id, turn_deg, *session)
-                             : StandingSquare(campaign, id, turn_deg, *session)) {
-        row.rep = rep;
-        rows.push_back(std::move(row));
-      }
-    }
-    TouchAll(std::move(rows), options.Numbers("feeds_mm_s"), session);
-  }
-}
-
-void PlanBlocks(const PlannedCampaign& campaign, Session* session) {
+void PlanBlocks(const PlannedCampaign& campaign, MeasuringSession* session) {
   TouchBlock(campaign,
              ArtefactId(campaign, "block123"),
              Sizes(campaign, "size_mm", *session),
@@ -381,14 +214,14 @@ void PlanBlocks(const PlannedCampaign& campaign, Session* session) {
   TouchBlock(campaign, "block2", Sizes(campaign, "second_mm", *session), 1, session);
 }
 
-void PlanPlate(const PlannedCampaign& campaign, Session* session) {
+void PlanPlate(const PlannedCampaign& campaign, MeasuringSession* session) {
   PlanPlateTurned(campaign, 0, session);
 }
-void PlanPlateTurned90(const PlannedCampaign& campaign, Session* session) {
+void PlanPlateTurned90(const PlannedCampaign& campaign, MeasuringSession* session) {
   PlanPlateTurned(campaign, 90, session);
 }
 
-void PlanRing(const PlannedCampaign& campaign, Session* session) {
+void PlanRing(const PlannedCampaign& campaign, MeasuringSession* session) {
   const CampaignOptions& options = campaign.options;
   const double radius_mm = options.Number("diameter_mm") / 2;
   const std::string id = ArtefactId(campaign, "ring");
@@ -400,7 +233,7 @@ void PlanRing(const PlannedCampaign& campaign, Session* session) {
     std::vector<Row> rows;
     for (int rep = 1; rep <= options.Count("repeats"); ++rep) {
       for (int i = 0; i < points; ++i) {
-        const Vec3<double> out = Turned({1, 0, 0}, 360.0 * i / points);
+        const Vec3<double> out = TurnedAboutZ({1, 0, 0}, 360.0 * i / points);
         rows.push_back(
             TouchOf(campaign.name, id + ".bore", center_mm + radius_mm * out, -out));
         rows.back().rep = rep;

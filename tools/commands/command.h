@@ -42,6 +42,7 @@ Action DeclareExplain(CLI::App* app);
 Action DeclareImport(CLI::App* app);
 Action DeclareIso230(CLI::App* app);
 Action DeclareNew(CLI::App* app);
+Action DeclarePlan(CLI::App* app);
 Action DeclareRender(CLI::App* app);
 Action DeclareRun(CLI::App* app);
 Action DeclareServe(CLI::App* app);
