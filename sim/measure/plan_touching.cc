@@ -30,7 +30,7 @@ std::string ArtefactId(const PlannedCampaign& campaign, const std::string& usual
 
 void TouchAll(const std::vector<Row>& rows,
               const std::vector<double>& feeds_mm_s,
-              Session* session) {
+              MeasuringSession* session) {
   std::vector<Row> all;
   for (const double feed_mm_s : feeds_mm_s) {
     for (const Row& row : rows) {

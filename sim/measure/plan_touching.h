@@ -24,7 +24,7 @@ std::string ArtefactId(const PlannedCampaign& campaign, const std::string& usual
 /// Touches every row at every feed, in random order.
 void TouchAll(const std::vector<Row>& rows,
               const std::vector<double>& feeds_mm_s,
-              Session* session);
+              MeasuringSession* session);
 /// Turned counter-clockwise from above; quarters exactly, so that a face's normal stays
 /// a unit vector of an axis.
 Vec3<double> TurnedAboutZ(const Vec3<double>& v, double turn_deg);
