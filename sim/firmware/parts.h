@@ -91,6 +91,7 @@ struct Firmware::Parts {
 
   /// @name object_model.cc
   nlohmann::ordered_json ObjectModel();
+  nlohmann::ordered_json AxisModel(Axis axis);
 
   Vec3<double> offset_mm() const { return workplaces_mm[workplace]; }
   bool is_halted() const { return halted || motion.alarm().has_value(); }
