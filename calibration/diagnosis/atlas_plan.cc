@@ -23,10 +23,10 @@ struct Performed {
   double duration_s = 0;
 };
 
-Performed Plan_(const Plan& plan,
-                const Machine& machine,
-                const std::vector<Injected>& effects,
-                std::uint64_t seed) {
+Performed PerformedBy(const Plan& plan,
+                      const Machine& machine,
+                      const std::vector<Injected>& effects,
+                      std::uint64_t seed) {
   PlannedSession session = PlanSession(plan, machine, seed);
   return {Observed({.rows = std::move(session.rows)},
                    std::move(session.header),
@@ -135,7 +135,7 @@ PlanAtlas AtlasOfPlan(const Plan& plan,
                       const Machine& machine,
                       const std::vector<Injected>& effects,
                       std::uint64_t seed) {
-  const Performed alone = Plan_(plan, machine, effects, seed);
+  const Performed alone = PerformedBy(plan, machine, effects, seed);
   PlanAtlas result{.atlas = AtlasOf(alone.observed,
                                     AllCandidates(alone.observed),
                                     PlannedSigma_mm(alone.observed)),
@@ -148,7 +148,7 @@ PlanAtlas AtlasOfPlan(const Plan& plan,
     choice.campaign.name = "added_" + choice.campaign.id;
     more.campaigns.push_back(choice.campaign);
     try {
-      const Performed both = Plan_(more, machine, effects, seed);
+      const Performed both = PerformedBy(more, machine, effects, seed);
       Addition addition = GainOf(open,
                                  AtlasOf(both.observed,
                                          Concerned(both.observed, open),

@@ -93,7 +93,7 @@ Change OfFinding(const Finding& finding,
 }
 
 // Normal deviate exceeded in size once in 1 / chance times, by bisection.
-double TwoSided_sigma(double chance) {
+double TwoSidedQuantile(double chance) {
   double low = 0, high = 10;
   while (high - low > 1e-6) {
     const double middle = (low + high) / 2;
@@ -117,7 +117,7 @@ std::vector<Change> ChangesSince(const Diagnosed& before, const Diagnosed& now) 
     }
   }
   const auto count = static_cast<double>(std::max<std::size_t>(changes.size(), 1));
-  const double limit = TwoSided_sigma(kChanceOfAny / count);
+  const double limit = TwoSidedQuantile(kChanceOfAny / count);
   for (Change& change : changes) change.is_more_than_noise = change.sigmas > limit;
   return changes;
 }

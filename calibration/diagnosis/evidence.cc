@@ -49,10 +49,12 @@ Eigen::MatrixXd Evidence::Whiten(const Eigen::MatrixXd& columns_mm) const {
 
 Projected Evidence::Project(const Eigen::MatrixXd& white) const {
   const Eigen::MatrixXd along = q_.transpose() * white;
+  const Eigen::VectorXd taken = q_.transpose() * white_residual_;
   Projected projected;
-  projected.gram.noalias() = white.transpose() * white - along.transpose() * along;
-  projected.match.noalias() = white.transpose() * white_residual_ -
-                              along.transpose() * (q_.transpose() * white_residual_);
+  projected.gram = white.transpose() * white;
+  projected.gram -= along.transpose() * along;
+  projected.match = white.transpose() * white_residual_;
+  projected.match -= along.transpose() * taken;
   // What the baseline takes all but a billionth of is not there: rounding would be
   // taken for it.
   constexpr double kInvisible = 1e-9;

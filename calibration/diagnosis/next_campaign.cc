@@ -92,7 +92,7 @@ class Rater {
                             BaselineOf(both),
                             left_out);
     if (rivals_.empty()) {
-      rated.rate = Learnt_nats(both, evidence) / minutes;
+      rated.rate = InformationGained(both, evidence) / minutes;
       rated.next.separates = {"unknown"};
       rated.resolves = true;
     } else {
@@ -105,7 +105,7 @@ class Rater {
 
  private:
   // What of the shape becomes known: 1/2 log|I + D A|.
-  double Learnt_nats(const Observed& both, const Evidence& evidence) const {
+  double InformationGained(const Observed& both, const Evidence& evidence) const {
     const Candidate& own = candidates_[found_.candidate];
     const FreeForm form =
         FreeFormOf(both, own.shown.channel, own.shown.covariates, kMostTerms);
