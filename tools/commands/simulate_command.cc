@@ -61,6 +61,19 @@ std::string WrittenFrom(const Options& options,
   return fs::proximate(fs::absolute(machine), folder).generic_string();
 }
 
+// The header is written beside the rows, under their name: not over what was read.
+void CheckSpares(const Options& options) {
+  const fs::path header = fs::path(options.out).replace_extension(".yaml");
+  for (const std::string& read : {options.plan, options.machine, options.truth}) {
+    if (read.empty() || fs::weakly_canonical(read) != fs::weakly_canonical(header)) {
+      continue;
+    }
+    throw InputError({.file = options.out},
+                     fmt::format("its header would be written over {}", read),
+                     "give the rows another name");
+  }
+}
+
 Plan PlanOf(const Options& options) {
   if (const FileKind kind = KindOf(options.plan); kind != FileKind::kPlan) {
     throw InputError(
@@ -102,6 +115,7 @@ void CheckOut(const std::string& out) {
 
 int Simulate(const Options& options) {
   CheckOut(options.out);
+  CheckSpares(options);
   const Plan plan = PlanOf(options);
   const std::uint64_t seed = options.seed.value_or(plan.seed);
   const fs::path machine = MachineFileOf(options, plan);
