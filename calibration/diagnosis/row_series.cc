@@ -94,7 +94,7 @@ SeriesFit FitSeries(const RowSeries& series) {
     // that repeat another, get nothing.
     const Terms ridge = 1e-9 * normal.diagonal().array() + 1e-12;
     normal.diagonal() += ridge;
-    const Eigen::LDLT<Normal> solver(normal);
+    const Eigen::LDLT<Normal> solver{normal};
     const Terms terms = solver.solve(right);
     for (std::size_t i = 0; i < series.rows.size(); ++i) {
       sizes_mm[i] = std::abs(series.rows[i]->value_mm -

@@ -18,7 +18,6 @@ constexpr double kImitates = 9;
 constexpr int kFewRows = 3;
 // Above this no draw of noise was ever seen; the bootstrap would only say 0.
 constexpr double kBeyondDoubt_nats = 16;
-constexpr int kDraws = 100;
 constexpr double kMostChance = 0.01;
 constexpr double kShownProbability = 0.01;
 constexpr int kNoiseRounds = 2;
@@ -198,7 +197,6 @@ class Searcher {
                            circumstances,
                            wander_mm2_per_s_,
                            weighing.log_odds_any,
-                           kDraws,
                            options_.seed) <= kMostChance;
   }
 

@@ -22,6 +22,7 @@ constexpr double kSecondsPerHour = 3600;
 // Wanders less likely than this against the best are not carried on.
 constexpr double kNegligible_nats = 4;
 constexpr std::size_t kVariantsInFull = 3;
+constexpr int kDraws = 100;  // Of noise alone.
 constexpr double kHopeless_nats = 12;
 
 double WanderOf(double um_per_sqrt_h) {
@@ -29,16 +30,16 @@ double WanderOf(double um_per_sqrt_h) {
 }
 
 // One noise, with its weight before the rows are asked and its likelihood.
-struct World_ {
+struct NoiseWorld {
   double wander_mm2_per_s = 0;
   Evidence evidence;
   double log_none = 0;
   double noise_scale = 1;  ///< sqrt(chi2 / dof): sigma's common factor.
 };
 
-std::vector<World_> WorldsOf(const Observed& observed,
-                             const Circumstances& circumstances) {
-  std::vector<World_> worlds;
+std::vector<NoiseWorld> WorldsOf(const Observed& observed,
+                                 const Circumstances& circumstances) {
+  std::vector<NoiseWorld> worlds;
   for (const double rate : kWanders_um_per_sqrt_h) {
     if (rate > 0 && !observed.has_times()) break;
     Evidence evidence(observed,
@@ -55,10 +56,10 @@ std::vector<World_> WorldsOf(const Observed& observed,
 }
 
 // The still world always; of the others those that are likely.
-void DropUnlikely(std::vector<World_>* worlds) {
+void DropUnlikely(std::vector<NoiseWorld>* worlds) {
   double best = -std::numeric_limits<double>::infinity();
-  for (const World_& world : *worlds) best = std::max(best, world.log_none);
-  std::erase_if(*worlds, [&](const World_& world) {
+  for (const NoiseWorld& world : *worlds) best = std::max(best, world.log_none);
+  std::erase_if(*worlds, [&](const NoiseWorld& world) {
     return world.wander_mm2_per_s > 0 && world.log_none < best - kNegligible_nats;
   });
 }
@@ -126,7 +127,7 @@ struct Scored {
 };
 
 // Every variant without freedom of form.
-std::vector<Scored> PlainScores(const World_& world, const Candidate& candidate) {
+std::vector<Scored> PlainScores(const NoiseWorld& world, const Candidate& candidate) {
   std::vector<Scored> scores;
   for (std::size_t v = 0; v < candidate.variants.size(); ++v) {
     const Variant& variant = candidate.variants[v];
@@ -152,7 +153,7 @@ struct InFull {
 };
 
 InFull WithFreedom(const Observed& observed,
-                   const World_& world,
+                   const NoiseWorld& world,
                    const Candidate& candidate,
                    const Variant& variant) {
   const Tolerance tolerance = ToleranceOf(observed, candidate, variant);
@@ -185,9 +186,28 @@ InFull WithFreedom(const Observed& observed,
   return full;
 }
 
+// One variant in full; remembers it where it is the best so far.
+double Refine(const Observed& observed,
+              const NoiseWorld& world,
+              const Candidate& candidate,
+              std::size_t variant,
+              double* best,
+              Weighed* weighed) {
+  const InFull full =
+      WithFreedom(observed, world, candidate, candidate.variants[variant]);
+  if (full.log_bayes + world.log_none > *best) {
+    *best = full.log_bayes + world.log_none;
+    weighed->variant = variant;
+    weighed->scale_mm = full.scale_mm;
+    weighed->sizes_mm = full.sizes_mm;
+    weighed->form_share = full.form_share;
+  }
+  return full.log_bayes;
+}
+
 // A candidate in all worlds: log of the sum over worlds of likelihood.
 Weighed WeighOne(const Observed& observed,
-                 const std::vector<World_>& worlds,
+                 const std::vector<NoiseWorld>& worlds,
                  double log_none,
                  const Candidate& candidate,
                  std::size_t index) {
@@ -195,31 +215,63 @@ Weighed WeighOne(const Observed& observed,
   const double per_variant = -std::log(static_cast<double>(candidate.variants.size()));
   std::vector<double> logs;
   double best = -std::numeric_limits<double>::infinity();
-  for (const World_& world : worlds) {
+  for (const NoiseWorld& world : worlds) {
     std::vector<Scored> scores = PlainScores(world, candidate);
     std::ranges::sort(scores, std::ranges::greater{}, &Scored::log_bayes);
     std::vector<double> of_variants;
     for (std::size_t s = 0; s < scores.size(); ++s) {
-      double log_bayes = scores[s].log_bayes;
-      const bool is_close = log_bayes > scores[0].log_bayes - kHopeless_nats;
+      const bool is_close = scores[s].log_bayes > scores[0].log_bayes - kHopeless_nats;
       if (s < kVariantsInFull && is_close) {
-        const InFull full = WithFreedom(
-            observed, world, candidate, candidate.variants[scores[s].variant]);
-        log_bayes = full.log_bayes;
-        if (log_bayes + world.log_none > best) {
-          best = log_bayes + world.log_none;
-          weighed.variant = scores[s].variant;
-          weighed.scale_mm = full.scale_mm;
-          weighed.sizes_mm = full.sizes_mm;
-          weighed.form_share = full.form_share;
-        }
+        scores[s].log_bayes =
+            Refine(observed, world, candidate, scores[s].variant, &best, &weighed);
       }
-      of_variants.push_back(log_bayes + per_variant);
+      of_variants.push_back(scores[s].log_bayes + per_variant);
     }
     logs.push_back(LogSum(of_variants) + world.log_none);
   }
   weighed.log_odds = LogSum(logs) - log_none + candidate.log_prior;
   return weighed;
+}
+
+// What every draw says of one variant, added to its list.
+void AddDraws(const Evidence& evidence,
+              const Eigen::MatrixXd& readings,
+              const Candidate& candidate,
+              const Variant& variant,
+              double log_prior,
+              std::vector<std::vector<double>>* logs) {
+  const Eigen::MatrixXd white = evidence.Whiten(variant.columns_mm);
+  Projected projected = evidence.Project(white);
+  const Eigen::MatrixXd matches = white.transpose() * readings;
+  const Eigen::VectorXd relative = PriorOf(candidate, variant);
+  const std::vector<double> weights = LogWeights(variant.usual_mm);
+  for (Eigen::Index d = 0; d < readings.cols(); ++d) {
+    projected.match = matches.col(d);
+    const double chi2 = readings.col(d).squaredNorm();
+    for (std::size_t s = 0; s < kScales_um.size(); ++s) {
+      const double size_mm = MmFromUm(kScales_um[s]);
+      (*logs)[static_cast<std::size_t>(d)].push_back(
+          log_prior + weights[s] +
+          LogBayesOf(projected, relative * size_mm * size_mm, chi2, evidence.dof()));
+    }
+  }
+}
+
+// How often a draw reaches `value`: counted, beyond the upper tenth as an exponential
+// tail whose scale is that tenth's mean excess.
+double ChanceBeyond(double value, std::vector<double> draws) {
+  std::ranges::sort(draws, std::ranges::greater{});
+  const std::size_t tail = std::max<std::size_t>(5, draws.size() / 10);
+  const auto num = static_cast<double>(draws.size());
+  if (value <= draws[tail]) {
+    const auto above =
+        std::ranges::count_if(draws, [&](double drawn) { return drawn >= value; });
+    return static_cast<double>(above) / num;
+  }
+  double excess = 0;
+  for (std::size_t i = 0; i < tail; ++i) excess += draws[i] - draws[tail];
+  const double scale = std::max(excess / static_cast<double>(tail), 0.1);
+  return static_cast<double>(tail) / num * std::exp(-(value - draws[tail]) / scale);
 }
 
 }  // namespace
@@ -234,13 +286,13 @@ double LogSum(const std::vector<double>& logs) {
 Weighing Weigh(const Observed& observed,
                const std::vector<Candidate>& candidates,
                const Circumstances& circumstances) {
-  std::vector<World_> worlds = WorldsOf(observed, circumstances);
+  std::vector<NoiseWorld> worlds = WorldsOf(observed, circumstances);
   std::vector<double> none;
-  for (const World_& world : worlds) none.push_back(world.log_none);
+  for (const NoiseWorld& world : worlds) none.push_back(world.log_none);
   const double log_none = LogSum(none);
   Weighing weighing;
   weighing.wander_mm2_per_s =
-      std::ranges::max_element(worlds, {}, &World_::log_none)->wander_mm2_per_s;
+      std::ranges::max_element(worlds, {}, &NoiseWorld::log_none)->wander_mm2_per_s;
   DropUnlikely(&worlds);
   std::vector<double> all;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
@@ -262,55 +314,26 @@ double ChanceUnderNone(const Observed& observed,
                        const Circumstances& circumstances,
                        double wander_mm2_per_s,
                        double log_odds_any,
-                       int draws,
                        std::uint64_t seed) {
   const Evidence evidence(observed,
                           {circumstances.sigma_mm, wander_mm2_per_s},
                           circumstances.nuisances,
                           circumstances.left_out);
   Rng rng(seed, 0, "diagnosis.bootstrap");
-  Eigen::MatrixXd readings(observed.num_rows(), draws);
+  Eigen::MatrixXd readings(observed.num_rows(), kDraws);
   for (double& value : readings.reshaped()) value = rng.Normal();
   readings = evidence.ProjectedReadings(readings);
-  const Eigen::VectorXd chi2 = readings.colwise().squaredNorm();
-  std::vector<std::vector<double>> logs(static_cast<std::size_t>(draws));
+  std::vector<std::vector<double>> logs(kDraws);
   for (const Candidate& candidate : candidates) {
     const double per_variant =
         candidate.log_prior - std::log(static_cast<double>(candidate.variants.size()));
     for (const Variant& variant : candidate.variants) {
-      const Eigen::MatrixXd white = evidence.Whiten(variant.columns_mm);
-      Projected projected = evidence.Project(white);
-      const Eigen::MatrixXd matches = white.transpose() * readings;
-      const Eigen::VectorXd relative = PriorOf(candidate, variant);
-      const std::vector<double> weights = LogWeights(variant.usual_mm);
-      for (int d = 0; d < draws; ++d) {
-        projected.match = matches.col(d);
-        for (std::size_t s = 0; s < kScales_um.size(); ++s) {
-          logs[static_cast<std::size_t>(d)].push_back(
-              per_variant + weights[s] +
-              LogBayesOf(projected,
-                         relative * std::pow(MmFromUm(kScales_um[s]), 2),
-                         chi2[d],
-                         evidence.dof()));
-        }
-      }
+      AddDraws(evidence, readings, candidate, variant, per_variant, &logs);
     }
   }
   std::vector<double> any;
   for (const auto& of_draw : logs) any.push_back(LogSum(of_draw));
-  std::ranges::sort(any, std::ranges::greater{});
-  // The upper tenth's mean excess is the exponential tail's scale.
-  const std::size_t tail = std::max<std::size_t>(5, any.size() / 10);
-  double excess = 0;
-  for (std::size_t i = 0; i < tail; ++i) excess += any[i] - any[tail];
-  const double scale = std::max(excess / static_cast<double>(tail), 0.1);
-  if (log_odds_any <= any[tail]) {
-    const auto above =
-        std::ranges::count_if(any, [&](double value) { return value >= log_odds_any; });
-    return static_cast<double>(above) / draws;
-  }
-  return static_cast<double>(tail) / draws *
-         std::exp(-(log_odds_any - any[tail]) / scale);
+  return ChanceBeyond(log_odds_any, std::move(any));
 }
 
 }  // namespace caltwin

@@ -44,13 +44,12 @@ Weighing Weigh(const Observed& observed,
                const Circumstances& circumstances);
 
 /// Chance that rows of noise alone, with this baseline, would reach `log_odds_any`: the
-/// largest of `draws` simulated weighings, their tail extrapolated as exponential.
+/// largest of a hundred simulated weighings, their tail extrapolated as exponential.
 double ChanceUnderNone(const Observed& observed,
                        const std::vector<Candidate>& candidates,
                        const Circumstances& circumstances,
                        double wander_mm2_per_s,
                        double log_odds_any,
-                       int draws,
                        std::uint64_t seed);
 
 /// log sum exp, ignoring nothing.

@@ -108,7 +108,7 @@ void PlanStraightedge(const PlannedCampaign& campaign, MeasuringSession* session
       }
     }
   }
-  TouchAll(std::move(rows), options.Numbers("feeds_mm_s"), session);
+  TouchAll(rows, options.Numbers("feeds_mm_s"), session);
 }
 
 void PlanSquare(const PlannedCampaign& campaign, MeasuringSession* session) {
@@ -128,7 +128,7 @@ void PlanSquare(const PlannedCampaign& campaign, MeasuringSession* session) {
         rows.push_back(std::move(row));
       }
     }
-    TouchAll(std::move(rows), options.Numbers("feeds_mm_s"), session);
+    TouchAll(rows, options.Numbers("feeds_mm_s"), session);
   }
 }
 
