@@ -11,7 +11,8 @@ namespace {
 using ::testing::ElementsAre;
 
 Injected Unknown(const std::string& axis, std::vector<double> values) {
-  return {.effect = EffectIndex<UnknownMap>(), .axis = axis, .values = std::move(values)};
+  return {
+      .effect = EffectIndex<UnknownMap>(), .axis = axis, .values = std::move(values)};
 }
 
 double Motion_mm(const Injected& effect, const At& at) {
@@ -59,9 +60,8 @@ TEST(MapTable, OfTheProbeAndTheBedShowInTouches) {
   const Injected bed = Unknown("bed", {7});
   const double plain_mm = Predict_mm<double>(Machine{}, at, {});
 
-  EXPECT_NEAR(Predict_mm<double>(Machine{}, at, std::span(&probe, 1)) - plain_mm,
-              -7e-3,
-              1e-12);
+  EXPECT_NEAR(
+      Predict_mm<double>(Machine{}, at, std::span(&probe, 1)) - plain_mm, -7e-3, 1e-12);
   EXPECT_NEAR(
       Predict_mm<double>(Machine{}, at, std::span(&bed, 1)) - plain_mm, 7e-3, 1e-12);
 }

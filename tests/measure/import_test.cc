@@ -103,7 +103,8 @@ TEST(ImportCmmPlate, HolesBecomeTwoRowsEach) {
   EXPECT_NEAR(table.rows[0].value_mm, -0.020, 1e-9);
   EXPECT_THAT(table.rows[1].n, ::testing::ElementsAre(0, 1, 0));
   EXPECT_NEAR(table.rows[1].value_mm, 0.015, 1e-9);
-  EXPECT_THAT(table.extra_columns, ::testing::ElementsAre("cmm_measd", "cmm_nomd", "cmm_round"));
+  EXPECT_THAT(table.extra_columns,
+              ::testing::ElementsAre("cmm_measd", "cmm_nomd", "cmm_round"));
 }
 
 TEST(ImportCmmPlate, AReversedSignAndAMixedUnitAreRefused) {
