@@ -3,19 +3,10 @@
 #include <string>
 #include <vector>
 
+#include "sim/measure/in_force.h"
+
 namespace caltwin {
 namespace {
-
-SettingsInForce InForce(const Settings& settings) {
-  SettingsInForce in_force{.tip_radius_mm = settings.tip_radius_mm};
-  for (const Axis axis : kAxes) {
-    const auto i = static_cast<std::size_t>(Index(axis));
-    in_force.steps_per_mm[Name(axis)] = settings.steps_per_mm[i];
-    in_force.backlash_mm[Name(axis)] = settings.backlash_mm[i];
-    in_force.probe_deflection_mm[Name(axis)] = settings.probe_deflection_mm[i];
-  }
-  return in_force;
-}
 
 std::vector<double> CertifiedSizes_mm(const Artefact& artefact) {
   const Vec3<double>& size_mm = artefact.size_mm;
@@ -40,7 +31,7 @@ std::vector<double> CertifiedSizes_mm(const Artefact& artefact) {
 DataHeader HeaderOfRun(const Bench& bench) {
   DataHeader header{.machine = bench.machine.name, .instruments = bench.instruments};
   for (const auto& [id, settings] : bench.ledger.settings) {
-    header.settings[id] = InForce(settings);
+    header.settings[id] = AsHeader(settings);
   }
   for (const Artefact& artefact : bench.artefacts) {
     header.artefacts[artefact.id] = {.type = ToString(artefact.type),

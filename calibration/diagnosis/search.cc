@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <set>
 
 #include <Eigen/Cholesky>
@@ -50,7 +51,7 @@ class Searcher {
 
  private:
   std::vector<Nuisance> BaselineAnd(const std::vector<Found>& found,
-                                    std::size_t except) const {
+                                    std::optional<std::size_t> except) const {
     std::vector<Nuisance> nuisances = baseline_;
     for (std::size_t i = 0; i < found.size(); ++i) {
       if (i == except) continue;
@@ -61,7 +62,8 @@ class Searcher {
     return nuisances;
   }
 
-  Circumstances Under(const std::vector<Found>& found, std::size_t except = 99) const {
+  Circumstances Under(const std::vector<Found>& found,
+                      std::optional<std::size_t> except = {}) const {
     return {sigma_mm_, BaselineAnd(found, except), left_out_};
   }
 
@@ -154,7 +156,7 @@ class Searcher {
   // The next cause, all gates passed; none if nothing passes. `except`: the finding to
   // be replaced.
   std::optional<Found> Best(std::optional<std::size_t> except) const {
-    const Circumstances circumstances = Under(found_, except.value_or(99));
+    const Circumstances circumstances = Under(found_, except);
     Weighing weighing = Weigh(observed_, candidates_, circumstances);
     while (!weighing.ranked.empty() && weighing.log_odds_any > kNamingOdds) {
       const Weighed& top = weighing.ranked.front();
