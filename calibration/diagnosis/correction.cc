@@ -14,6 +14,7 @@
 #include "sim/base/input_error.h"
 #include "sim/base/units.h"
 #include "sim/effects/predict.h"
+#include "sim/measure/in_force.h"
 
 namespace caltwin {
 namespace {
@@ -39,10 +40,10 @@ std::string Upper(Axis axis) {
 
 // The settings that the rows were measured with: the only ones the header states, or
 // the machine's.
-Settings InForce(const Observed& o) {
-  const auto by_id = SettingsOf(o.header(), o.machine());
-  return o.header().settings.size() == 1 ? by_id.at(o.header().settings.begin()->first)
-                                         : by_id.at("");
+Settings SettingsOf(const Observed& o) {
+  const auto& stated = o.header().settings;
+  return InForce(
+      o.header(), o.machine(), stated.size() == 1 ? stated.begin()->first : "");
 }
 
 class Writer {
@@ -110,7 +111,7 @@ class Writer {
   void AddScale(Axis axis, const BaselineLine& scale) {
     const auto i = static_cast<std::size_t>(Index(axis));
     const AxisDrawing& drawing = observed_.machine().axis(axis);
-    const double set = InForce(observed_).steps_per_mm[i];
+    const double set = SettingsOf(observed_).steps_per_mm[i];
     const double old = set > 0 ? set : drawing.steps_per_mm();
     const double steps_per_mm = old / (1 + scale.value * 1e-6);
     const std::string source = fmt::format("was {:.6g}: scale.{} {:+.1f} +- {:.1f} ppm",

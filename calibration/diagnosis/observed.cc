@@ -6,17 +6,10 @@
 
 #include "sim/base/units.h"
 #include "sim/effects/predict.h"
+#include "sim/measure/in_force.h"
 
 namespace caltwin {
 namespace {
-
-void Take(const std::map<std::string, double>& stated, std::array<double, 3>* values) {
-  for (const auto& [name, value] : stated) {
-    if (const auto axis = AxisNamed(name)) {
-      (*values)[static_cast<std::size_t>(Index(*axis))] = value;
-    }
-  }
-}
 
 bool IsInside(const DataHeader& header, std::string_view artefact) {
   const auto found = header.artefacts.find(std::string(artefact));
@@ -25,23 +18,6 @@ bool IsInside(const DataHeader& header, std::string_view artefact) {
 }
 
 }  // namespace
-
-std::map<std::string, Settings> SettingsOf(const DataHeader& header,
-                                           const Machine& machine) {
-  std::map<std::string, Settings> by_id;
-  Settings plain = machine.settings;
-  if (header.tip_radius_mm) plain.tip_radius_mm = *header.tip_radius_mm;
-  by_id[""] = plain;
-  for (const auto& [id, stated] : header.settings) {
-    Settings settings = plain;
-    Take(stated.steps_per_mm, &settings.steps_per_mm);
-    Take(stated.backlash_mm, &settings.backlash_mm);
-    Take(stated.probe_deflection_mm, &settings.probe_deflection_mm);
-    if (stated.tip_radius_mm) settings.tip_radius_mm = *stated.tip_radius_mm;
-    by_id[id] = settings;
-  }
-  return by_id;
-}
 
 Observed::Observed(RowTable table,
                    DataHeader header,
@@ -52,12 +28,8 @@ Observed::Observed(RowTable table,
       surroundings_(std::make_shared<const Surroundings>(table_->rows)),
       machine_(std::move(machine)),
       effects_(std::move(effects)) {
-  const auto settings = SettingsOf(*header_, machine_);
   for (const Row& row : table_->rows) {
-    const auto named = settings.find(row.settings);
-    const Settings& in_force =
-        named == settings.end() ? settings.at("") : named->second;
-    At at = AtOf(row, machine_, in_force);
+    At at = AtOf(row, machine_, InForce(*header_, machine_, row.settings));
     surroundings_->Complete(row, &at);
     at.inside = IsInside(*header_, at.artefact);
     at_.push_back(at);

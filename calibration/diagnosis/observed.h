@@ -1,6 +1,5 @@
 #pragma once
 
-#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -85,9 +84,5 @@ class Observed {
   std::vector<int> campaign_of_{};
   std::vector<std::string> campaigns_{};
 };
-
-/// The settings in force by id, those that a header states over the machine's own.
-std::map<std::string, Settings> SettingsOf(const DataHeader& header,
-                                           const Machine& machine);
 
 }  // namespace caltwin
