@@ -198,7 +198,7 @@ void PlanPlateTurned(const PlannedCampaign& campaign,
     for (Row& row : rows) {
       if (is_offset) row.probe_off_mm = {0, offset_mm, 0};
     }
-    TouchAll(std::move(rows), campaign.options.Numbers("feeds_mm_s"), session);
+    TouchAll(rows, campaign.options.Numbers("feeds_mm_s"), session);
   }
 }
 
@@ -240,7 +240,7 @@ void PlanRing(const PlannedCampaign& campaign, MeasuringSession* session) {
         rows.back().probe_angle_deg = spindle_deg;
       }
     }
-    TouchAll(std::move(rows), options.Numbers("feeds_mm_s"), session);
+    TouchAll(rows, options.Numbers("feeds_mm_s"), session);
   }
 }
 

@@ -110,6 +110,19 @@ struct Case {
   std::vector<Injected> effects;
 };
 
+// All that is wrong at once.
+Case AllTogether() {
+  return {"all_together",
+          {Effect("steps_per_mm", "x", {792}),
+           Effect("backlash", "x", {0.05}),
+           Effect("backlash", "y", {0.1}),
+           Effect("squareness", "C0Y", {1}),
+           Effect("probe_pretravel", "y+", {0.03}),
+           Effect("tip_size", "", {0.1}),
+           Effect("trigger_latency", "", {0.5}),
+           Effect("bed_tilt", "", {1, -1})}};
+}
+
 std::vector<Case> Cases() {
   return {
       {"none", {}},
@@ -162,15 +175,7 @@ std::vector<Case> Cases() {
         Effect("tip_runout", "", {30, 50})}},
       {"bed_shapes", {Effect("bed_bowl", "", {200}), Effect("bed_twist", "", {-150})}},
       {"block_size", {Effect("block_size", "block", {40})}},
-      {"all_together",
-       {Effect("steps_per_mm", "x", {792}),
-        Effect("backlash", "x", {0.05}),
-        Effect("backlash", "y", {0.1}),
-        Effect("squareness", "C0Y", {1}),
-        Effect("probe_pretravel", "y+", {0.03}),
-        Effect("tip_size", "", {0.1}),
-        Effect("trigger_latency", "", {0.5}),
-        Effect("bed_tilt", "", {1, -1})}}};
+      AllTogether()};
 }
 
 class Fidelities : public ::testing::TestWithParam<Case> {};
