@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "calibration/diagnosis/atlas.h"
+#include "calibration/diagnosis/baseline_fit.h"
 #include "calibration/diagnosis/next_campaign.h"
 #include "calibration/diagnosis/pitch_map.h"
 #include "sim/base/units.h"
@@ -238,7 +239,7 @@ Diagnosis Diagnose(const Observed& as_read, const DiagnoseOptions& options) {
   const auto say = [&](const std::string& text) {
     if (options.progress) options.progress(text);
   };
-  const Observed observed = as_read.AtFitted(BaselineResidual_mm(as_read.AtNominal()));
+  const Observed observed = AtBaseline(as_read);
   say(fmt::format("{} rows: listing what they could show", observed.num_rows()));
   const std::vector<Candidate> candidates = AllCandidates(observed);
   say(fmt::format("weighing {} candidates", candidates.size()));

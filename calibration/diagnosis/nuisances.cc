@@ -95,9 +95,13 @@ void AddAxes(const Observed& o, Builder* builder) {
         kPretravelSd_mm,
         [&](Eigen::Index row) {
           if (o.at(row).kind != RowKind::kTouch) return 0.0;
-          return -o.at(row).n[i] * o.at(row).n[i];
+          // Of 1 / sqrt(sum (n_i / p_i)^2) by p_i.
+          const Vec3<double>& p_mm = o.pretravel_mm();
+          const Vec3<double>& n = o.at(row).n;
+          const double along_mm = 1 / n.cwiseQuotient(p_mm).norm();
+          return -n[i] * n[i] * std::pow(along_mm / p_mm[i], 3);
         },
-        o.machine().probe.pretravel_mm);
+        o.pretravel_mm()[i]);
   }
 }
 

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "sim/base/units.h"
+#include "sim/effects/injected.h"
 #include "sim/effects/predict.h"
 #include "sim/measure/in_force.h"
 
@@ -17,6 +18,21 @@ bool IsInside(const DataHeader& header, std::string_view artefact) {
          (found->second.type == "ring" || found->second.type == "pocket");
 }
 
+// `at.dir`, scaled by how far each axis has crossed its gap since its last reversal: -1
+// where it has only just turned, 1 once the nut pushes again. With nut = travel since
+// the reversal + compensation, where known:
+//
+//   dir clamp(2 nut / gap - 1, -1, 1)
+Vec3<double> CrossedSense(const At& at, const Vec3<double>& gap_mm) {
+  Vec3<double> sense = at.dir;
+  for (int i = 0; i < 3; ++i) {
+    const double nut_mm = at.since_rev_mm[i] + at.compensation_mm[i];
+    if (!Known(nut_mm) || nut_mm >= gap_mm[i]) continue;
+    sense[i] *= 2 * nut_mm / gap_mm[i] - 1;
+  }
+  return sense;
+}
+
 }  // namespace
 
 Observed::Observed(RowTable table,
@@ -27,12 +43,19 @@ Observed::Observed(RowTable table,
       header_(std::make_shared<const DataHeader>(std::move(header))),
       surroundings_(std::make_shared<const Surroundings>(table_->rows)),
       machine_(std::move(machine)),
-      effects_(std::move(effects)) {
+      effects_(std::move(effects)),
+      model_(effects_),
+      pretravel_mm_(Vec3<double>::Constant(machine_.probe.pretravel_mm)) {
+  for (const Axis axis : kAxes) {
+    pretravel_mm_[Index(axis)] =
+        BuiltValue(machine_, effects_, EffectIndex<ProbePretravel>(), Name(axis), 0);
+  }
   for (const Row& row : table_->rows) {
     At at = AtOf(row, machine_, InForce(*header_, machine_, row.settings));
     surroundings_->Complete(row, &at);
     at.inside = IsInside(*header_, at.artefact);
     at_.push_back(at);
+    dir_.push_back(at.dir);
     auto known = std::ranges::find(campaigns_, row.campaign);
     if (known == campaigns_.end()) {
       known = campaigns_.insert(campaigns_.end(), row.campaign);
@@ -45,15 +68,29 @@ Observed::Observed(RowTable table,
 Observed Observed::With(const std::vector<Injected>& more) const {
   Observed copy = *this;
   copy.effects_.insert(copy.effects_.end(), more.begin(), more.end());
+  copy.model_.insert(copy.model_.end(), more.begin(), more.end());
   copy.Linearise();
   return copy;
 }
 
-Observed Observed::AtFitted(const Eigen::VectorXd& left_mm) const {
+Observed Observed::AtFitted(const Eigen::VectorXd& left_mm,
+                            const BaselinePoint& point) const {
   Observed copy = *this;
+  for (const Axis axis : kAxes) {
+    const double pretravel_mm = point.pretravel_mm[Index(axis)];
+    if (!Known(pretravel_mm)) continue;
+    copy.pretravel_mm_[Index(axis)] = pretravel_mm;
+    copy.model_.push_back({.effect = EffectIndex<ProbePretravel>(),
+                           .axis = Name(axis),
+                           .values = {pretravel_mm}});
+  }
   for (Eigen::Index i = 0; i < num_rows(); ++i) {
     At& where = copy.at_[static_cast<std::size_t>(i)];
     if (where.kind == RowKind::kTouch) where.q_mm -= left_mm[i] * where.n;
+    where.dir = dir_[static_cast<std::size_t>(i)];
+    const Vec3<double> lost_mm =
+        ErrorsAt<double>(machine_, where, effects_).lost_motion_mm;
+    where.dir = CrossedSense(where, lost_mm + point.gap_mm);
   }
   copy.Linearise();
   return copy;
@@ -62,7 +99,7 @@ Observed Observed::AtFitted(const Eigen::VectorXd& left_mm) const {
 Observed Observed::AtNominal() const {
   Eigen::VectorXd values_mm(num_rows());
   for (Eigen::Index i = 0; i < num_rows(); ++i) values_mm[i] = row(i).value_mm;
-  return AtFitted(values_mm);
+  return AtFitted(values_mm, {});
 }
 
 void Observed::Linearise() {
@@ -70,7 +107,7 @@ void Observed::Linearise() {
   residual_mm_.resize(n);
   true_q_mm_.resize(at_.size());
   for (Eigen::Index i = 0; i < n; ++i) {
-    const auto errors = ErrorsAt<double>(machine_, at(i), effects_);
+    const auto errors = ErrorsAt<double>(machine_, at(i), model_);
     true_q_mm_[static_cast<std::size_t>(i)] = at(i).q_mm + errors.motion_mm;
     residual_mm_[i] = row(i).value_mm - Value_mm(at(i), errors);
   }

@@ -14,6 +14,14 @@
 
 namespace caltwin {
 
+/// The part of the baseline that rows do not depend on linearly: where it is taken.
+struct BaselinePoint {
+  /// Lost motion of each axis beyond the model's.
+  Vec3<double> gap_mm = Vec3<double>::Zero();
+  /// Pre-travel along each axis; kUnknown: the model's own.
+  Vec3<double> pretravel_mm = Vec3<double>::Constant(kUnknown);
+};
+
 /// Measured rows made ready for diagnosis: the circumstances of each, what the model at
 /// hand predicts, and what is left. Rows keep the order of the file.
 ///
@@ -30,10 +38,12 @@ class Observed {
   /// The same rows under a model that also holds `more`.
   Observed With(const std::vector<Injected>& more) const;
 
-  /// The same rows, touches taken where a fitted model says that they trigger,
-  /// `left_mm` being reading less fit. Taken where they were read, their own noise
-  /// would move them, and every shape along n would be seen to explain it.
-  Observed AtFitted(const Eigen::VectorXd& left_mm) const;
+  /// The same rows with their baseline about `point`, touches taken where a fitted
+  /// model says that they trigger, `left_mm` being reading less fit. Taken where they
+  /// were read, their own noise would move them, and every shape along n would be seen
+  /// to explain it. What was read while an axis still crossed its gap has the sense
+  /// that is left of it there (-1 .. 1).
+  Observed AtFitted(const Eigen::VectorXd& left_mm, const BaselinePoint& point) const;
   /// Touches taken at their nominal points: what the first fit starts from.
   Observed AtNominal() const;
 
@@ -67,6 +77,9 @@ class Observed {
   /// where nobody said.
   double StatedSigma_mm(Eigen::Index i) const;
 
+  /// Pre-travel along each axis that the baseline is linear about.
+  const Vec3<double>& pretravel_mm() const { return pretravel_mm_; }
+
   /// What the rows reach of positions and times, for the forms of one axis.
   Extent ExtentOf() const;
 
@@ -78,7 +91,10 @@ class Observed {
   std::shared_ptr<const Surroundings> surroundings_;
   Machine machine_;
   std::vector<Injected> effects_;
+  std::vector<Injected> model_{};  ///< effects_, and the baseline's point.
+  Vec3<double> pretravel_mm_ = Vec3<double>::Zero();
   std::vector<At> at_{};
+  std::vector<Vec3<double>> dir_{};        ///< As the rows say.
   std::vector<Vec3<double>> true_q_mm_{};  ///< Where the axes stand, drive errors in.
   Eigen::VectorXd residual_mm_{};
   std::vector<int> campaign_of_{};

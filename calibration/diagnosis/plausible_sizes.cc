@@ -221,7 +221,21 @@ void DoubtCampaigns(const RowTable& table, std::vector<Doubt>* doubts) {
   }
 }
 
-// Targets are round numbers in the unit they were chosen in.
+// How many different remainders positions leave, those that are round leaving none.
+std::size_t NumRemainders(const std::set<double>& positions, double step) {
+  constexpr double kResolution = 1e-3;
+  std::set<long> remainders;
+  for (const double position : positions) {
+    const double steps = position / step;
+    const long remainder =
+        std::lround((steps - std::round(steps)) * step / kResolution);
+    if (remainder != 0) remainders.insert(remainder);
+  }
+  return remainders.size();
+}
+
+// Targets are round numbers in the unit they were chosen in. One odd position, and
+// those a round number away from it, may be round in inches by chance.
 void DoubtPositions(const RowTable& table, std::vector<Doubt>* doubts) {
   constexpr double kRound_mm = 0.5;
   for (const int axis : {0, 1, 2}) {
@@ -237,7 +251,7 @@ void DoubtPositions(const RowTable& table, std::vector<Doubt>* doubts) {
         return std::abs(steps - std::round(steps)) * step < tolerance;
       });
     };
-    if (positions.size() < 4 || all_round(1, 0.01, 1e-4) ||
+    if (all_round(1, 0.01, 1e-4) || NumRemainders(positions, kRound_mm) < 4 ||
         !all_round(kInch_mm, kRound_mm, 0.01)) {
       continue;
     }

@@ -6,7 +6,9 @@
 #include <set>
 
 #include <Eigen/Cholesky>
+#include <Eigen/QR>
 
+#include "calibration/diagnosis/baseline_fit.h"
 #include "sim/base/units.h"
 
 namespace caltwin {
@@ -84,7 +86,7 @@ class Searcher {
 
   void SettleNoise() {
     baseline_ = BaselineOf(observed_);
-    sigma_mm_ = GuessSigma_mm(observed_, BaselineResidual_mm(observed_));
+    sigma_mm_ = GuessSigma_mm(observed_, FitBaseline(observed_).left_mm);
     left_out_.assign(static_cast<std::size_t>(observed_.num_rows()), false);
     for (int round = 0; round < kNoiseRounds; ++round) JudgeNoise(Under({}));
   }
@@ -133,7 +135,33 @@ class Searcher {
     return static_cast<int>((change.array() > 0.05 * change.maxCoeff()).count());
   }
 
-  Found FoundFrom(const Weighing& weighing, const Weighed& weighed) const {
+  // Of what was found, cause and deviation from its form together, the part that no
+  // form and size of the cause itself could be: its near-peak over that of the rest,
+  // in sigma, the baseline taken out of both.
+  double FormShare(const Circumstances& circumstances, const Weighed& weighed) const {
+    const Candidate& candidate = candidates_[weighed.candidate];
+    if (weighed.deviation_mm.size() == 0 || candidate.is_free()) return 0;
+    const Evidence evidence(
+        observed_, {sigma_mm_, wander_mm2_per_s_}, circumstances.nuisances, left_out_);
+    const Eigen::VectorXd whole = evidence.Left(evidence.Whiten(
+        candidate.variants[weighed.variant].columns_mm * weighed.sizes_mm +
+        weighed.deviation_mm));
+    double least = 1e300;
+    for (const Variant& variant : candidate.variants) {
+      const Eigen::MatrixXd columns =
+          evidence.Left(evidence.Whiten(variant.columns_mm));
+      const Eigen::VectorXd sizes = columns.colPivHouseholderQr().solve(whole);
+      if (candidate.must_be_positive && sizes[0] < 0) continue;
+      const Eigen::VectorXd own = columns * sizes;
+      const double share = Peak_mm(whole - own) / std::max(Peak_mm(own), 1e-300);
+      least = std::min(least, share);
+    }
+    return least;
+  }
+
+  Found FoundFrom(const Circumstances& circumstances,
+                  const Weighing& weighing,
+                  const Weighed& weighed) const {
     const Candidate& candidate = candidates_[weighed.candidate];
     Found found{.candidate = weighed.candidate,
                 .variant = candidate.variants[weighed.variant],
@@ -141,7 +169,7 @@ class Searcher {
                 .probability = weighed.probability,
                 .log_odds = weighed.log_odds,
                 .scale_mm = weighed.scale_mm,
-                .lost_its_name = weighed.form_share > kFormLimit,
+                .lost_its_name = FormShare(circumstances, weighed) > kFormLimit,
                 .num_rows = RowsOf(candidate, weighed)};
     for (const Weighed& other : weighing.ranked) {
       if (other.probability >= kShownProbability &&
@@ -165,7 +193,7 @@ class Searcher {
       if (!IsFound(top.candidate, except) && IsPractical(candidate, top) &&
           RestsOnMany(circumstances, candidate, top)) {
         if (!IsBeyondChance(circumstances, weighing)) return std::nullopt;
-        return FoundFrom(weighing, top);
+        return FoundFrom(circumstances, weighing, top);
       }
       DropTop(&weighing);
     }
@@ -335,15 +363,6 @@ class Searcher {
 };
 
 }  // namespace
-
-Eigen::VectorXd BaselineResidual_mm(const Observed& observed) {
-  constexpr double kAnySigma_mm = 1e-3;
-  return Evidence(observed,
-                  {Eigen::VectorXd::Constant(observed.num_rows(), kAnySigma_mm), 0},
-                  BaselineOf(observed))
-      .FitNuisances()
-      .residual_mm;
-}
 
 SearchResult Search(const Observed& observed,
                     const std::vector<Candidate>& candidates,

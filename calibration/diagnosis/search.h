@@ -52,9 +52,6 @@ SearchResult Search(const Observed& observed,
                     const std::vector<Candidate>& candidates,
                     const SearchOptions& options);
 
-/// What the baseline alone leaves of each row, all rows counting alike.
-Eigen::VectorXd BaselineResidual_mm(const Observed& observed);
-
 /// What a finding adds to the nuisances while others are sought: its own sizes, free,
 /// and its freedom of form.
 std::vector<Nuisance> NuisancesOf(const Observed& observed,

@@ -149,7 +149,7 @@ struct InFull {
   double log_bayes = -1e300;
   double scale_mm = 0;
   Eigen::VectorXd sizes_mm{};
-  double form_share = 0;
+  Eigen::VectorXd deviation_mm{};
 };
 
 InFull WithFreedom(const Observed& observed,
@@ -179,10 +179,7 @@ InFull WithFreedom(const Observed& observed,
   if (candidate.must_be_positive) {
     full.log_bayes += LogPositive(projected, prior, world.noise_scale);
   }
-  const double own = Peak_mm(variant.columns_mm * mean.head(k));
-  if (m > 0 && own > 0) {
-    full.form_share = Peak_mm(tolerance.columns_mm * mean.tail(m)) / own;
-  }
+  full.deviation_mm = tolerance.columns_mm * mean.tail(m);
   return full;
 }
 
@@ -200,7 +197,7 @@ double Refine(const Observed& observed,
     weighed->variant = variant;
     weighed->scale_mm = full.scale_mm;
     weighed->sizes_mm = full.sizes_mm;
-    weighed->form_share = full.form_share;
+    weighed->deviation_mm = full.deviation_mm;
   }
   return full.log_bayes;
 }

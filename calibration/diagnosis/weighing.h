@@ -16,10 +16,10 @@ struct Weighed {
   std::size_t variant = 0;    ///< The best of its variants.
   /// log posterior odds against none, prior included.
   double log_odds = -1e300;
-  double probability = 0;      ///< Among all candidates and none.
-  double scale_mm = 0;         ///< The most likely prior size.
-  Eigen::VectorXd sizes_mm{};  ///< Posterior mean of its sizes.
-  double form_share = 0;       ///< Near-peak of its deviation from form over its own.
+  double probability = 0;          ///< Among all candidates and none.
+  double scale_mm = 0;             ///< The most likely prior size.
+  Eigen::VectorXd sizes_mm{};      ///< Posterior mean of its sizes.
+  Eigen::VectorXd deviation_mm{};  ///< Posterior mean of its deviation from form.
 };
 
 /// All candidates, the likeliest first.

@@ -37,24 +37,17 @@ void WriteText(const fs::path& file, const std::string& text) {
   std::ofstream(file, std::ios::binary) << text;
 }
 
-/// "x: {" and "y: {" at the beginning of lines, as machine file and header write axes.
+/// Keys x and y exchanged wherever machine file and header write axes: "  x: {" at the
+/// beginning of a line, "{x: 800, y: 640" within one; and "axis: x" of a plan.
 std::string MirroredYaml(const std::string& text) {
-  std::string mirrored;
-  std::istringstream lines(text);
-  for (std::string line; std::getline(lines, line);) {
-    if (line.rfind("  x: {", 0) == 0) {
-      line[2] = 'y';
-    } else if (line.rfind("  y: {", 0) == 0) {
-      line[2] = 'x';
-    }
-    for (const auto& [from, to] : {std::pair{"axis: x", "axis: #"},
-                                   std::pair{"axis: y", "axis: x"},
-                                   std::pair{"axis: #", "axis: y"}}) {
-      if (const auto at = line.find(from); at != std::string::npos) {
-        line.replace(at, 7, to);
-      }
-    }
-    mirrored += line + "\n";
+  std::string mirrored = text;
+  for (std::size_t at = 0; (at = mirrored.find_first_of("xy", at)) != std::string::npos;
+       ++at) {
+    const bool begins = at > 0 && std::string_view(" {").find(mirrored[at - 1]) !=
+                                      std::string_view::npos;
+    const bool is_key = begins && mirrored.compare(at + 1, 2, ": ") == 0;
+    const bool is_axis = at >= 6 && mirrored.compare(at - 6, 6, "axis: ") == 0;
+    if (is_key || is_axis) mirrored[at] = mirrored[at] == 'x' ? 'y' : 'x';
   }
   return mirrored;
 }

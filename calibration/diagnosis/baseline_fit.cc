@@ -1,0 +1,81 @@
+#include "calibration/diagnosis/baseline_fit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "calibration/diagnosis/evidence.h"
+#include "calibration/diagnosis/nuisances.h"
+
+namespace caltwin {
+
+namespace {
+
+// Rows further out than this many standard deviations of their campaign, as its median
+// deviation tells them.
+std::vector<bool> FarOut(const Observed& observed, const Eigen::VectorXd& left_mm) {
+  constexpr double kFar = 5;
+  constexpr double kSigmaOfMedian = 1.4826;
+  std::vector<std::vector<double>> sizes_mm(observed.campaigns().size());
+  const auto campaign = [&](Eigen::Index i) {
+    return static_cast<std::size_t>(
+        observed.campaign_of()[static_cast<std::size_t>(i)]);
+  };
+  for (Eigen::Index i = 0; i < left_mm.size(); ++i) {
+    sizes_mm[campaign(i)].push_back(std::abs(left_mm[i]));
+  }
+  for (auto& of_campaign : sizes_mm) {
+    const auto middle =
+        of_campaign.begin() + static_cast<std::ptrdiff_t>(of_campaign.size() / 2);
+    std::ranges::nth_element(of_campaign, middle);
+    std::swap(of_campaign.front(), *middle);
+  }
+  std::vector<bool> far(static_cast<std::size_t>(left_mm.size()));
+  for (Eigen::Index i = 0; i < left_mm.size(); ++i) {
+    const double sigma_mm = kSigmaOfMedian * sizes_mm[campaign(i)].front();
+    far[static_cast<std::size_t>(i)] = std::abs(left_mm[i]) > kFar * sigma_mm;
+  }
+  return far;
+}
+
+}  // namespace
+
+BaselineFit FitBaseline(const Observed& observed) {
+  constexpr double kAnySigma_mm = 1e-3;
+  constexpr double kSure = 2;  // Standard deviations.
+  constexpr int kRounds = 3;
+  const std::vector<Nuisance> baseline = BaselineOf(observed);
+  const Noise noise{Eigen::VectorXd::Constant(observed.num_rows(), kAnySigma_mm), 0};
+  Evidence::Fit fit;
+  std::vector<bool> left_out;
+  for (int round = 0; round < kRounds; ++round) {
+    fit = Evidence(observed, noise, baseline, left_out).FitNuisances();
+    left_out = FarOut(observed, fit.residual_mm);
+  }
+  const auto known = [&](const std::string& name) {
+    const auto nuisance = std::ranges::find(baseline, name, &Nuisance::name);
+    const auto k = nuisance - baseline.begin();
+    if (nuisance == baseline.end()) return kUnknown;
+    const double value = nuisance->offset + fit.values[k];
+    return value > kSure * fit.sds[k] ? value : kUnknown;
+  };
+  BaselineFit found{.left_mm = fit.residual_mm};
+  for (const Axis axis : kAxes) {
+    const double gap_mm = known("backlash." + Name(axis));
+    if (Known(gap_mm)) found.point.gap_mm[Index(axis)] = gap_mm;
+    found.point.pretravel_mm[Index(axis)] = known("probe_pretravel." + Name(axis));
+  }
+  return found;
+}
+
+Observed AtBaseline(const Observed& as_read) {
+  constexpr int kRounds = 3;
+  Observed at = as_read.AtNominal();
+  for (int round = 0; round < kRounds; ++round) {
+    const BaselineFit fit = FitBaseline(at);
+    at = as_read.AtFitted(fit.left_mm, fit.point);
+  }
+  return at;
+}
+
+}  // namespace caltwin
