@@ -42,7 +42,8 @@ std::vector<bool> FarOut(const Observed& observed, const Eigen::VectorXd& left_m
 
 BaselineFit FitBaseline(const Observed& observed) {
   constexpr double kAnySigma_mm = 1e-3;
-  constexpr double kSure = 2;  // Standard deviations.
+  constexpr double kSure = 2;                 // Standard deviations.
+  constexpr double kMostPretravel_mm = 0.15;  // More of it is a wrong tip.
   constexpr int kRounds = 3;
   const std::vector<Nuisance> baseline = BaselineOf(observed);
   const Noise noise{Eigen::VectorXd::Constant(observed.num_rows(), kAnySigma_mm), 0};
@@ -63,7 +64,10 @@ BaselineFit FitBaseline(const Observed& observed) {
   for (const Axis axis : kAxes) {
     const double gap_mm = known("backlash." + Name(axis));
     if (Known(gap_mm)) found.point.gap_mm[Index(axis)] = gap_mm;
-    found.point.pretravel_mm[Index(axis)] = known("probe_pretravel." + Name(axis));
+    const double pretravel_mm = known("probe_pretravel." + Name(axis));
+    if (pretravel_mm < kMostPretravel_mm) {
+      found.point.pretravel_mm[Index(axis)] = pretravel_mm;
+    }
   }
   return found;
 }

@@ -197,24 +197,64 @@ class Reporter {
   std::vector<Refined> refined_{};
 };
 
-// Findings that predict nothing of rows they have not seen go; where much remains that
-// the named causes should have explained, they lose their names. Scatter from homing to
-// homing predicts nothing by its nature.
-void DoubtFindings(const Observed& observed,
-                   const std::vector<Candidate>& candidates,
-                   SearchResult* search) {
-  constexpr double kLeastGain = 0.05;
+// Findings that make rows they have not seen no likelier go, the worst first. Scatter
+// from homing to homing predicts nothing by its nature.
+void DropUnpredictive(const Observed& observed,
+                      const std::vector<Candidate>& candidates,
+                      SearchResult* search) {
+  while (!search->found.empty()) {
+    std::vector<double> scores =
+        GainOf(observed, candidates, *search, Refit(observed, candidates, *search))
+            .scores;
+    for (std::size_t i = 0; i < scores.size(); ++i) {
+      if (candidates[search->found[i].candidate].cause == "homing_scatter") {
+        scores[i] = std::max(scores[i], 1.0);
+      }
+    }
+    const auto worst = std::ranges::min_element(scores);
+    if (*worst > 0) return;
+    search->found.erase(search->found.begin() + (worst - scores.begin()));
+  }
+}
+
+// With all that was found but one in the baseline.
+Circumstances CircumstancesBut(const Observed& observed,
+                               const std::vector<Candidate>& candidates,
+                               const SearchResult& search,
+                               std::size_t except) {
+  Circumstances circumstances = search.circumstances;
+  for (std::size_t i = 0; i < search.found.size(); ++i) {
+    if (i == except) continue;
+    const Found& found = search.found[i];
+    const auto more = NuisancesOf(observed, candidates[found.candidate], found);
+    circumstances.nuisances.insert(
+        circumstances.nuisances.end(), more.begin(), more.end());
+  }
+  return circumstances;
+}
+
+// Where much remains that the named causes should have explained, they lose their
+// names.
+void DoubtNames(const Observed& observed,
+                const std::vector<Candidate>& candidates,
+                SearchResult* search) {
   constexpr double kLeastShare = 0.6;
-  const bool scatters = std::ranges::any_of(search->found, [&](const Found& found) {
-    return candidates[found.candidate].cause == "homing_scatter";
-  });
-  if (search->found.empty() || scatters) return;
+  constexpr double kMuch = 1.3;  // Of the noise floor.
+  if (search->found.empty()) return;
   const GainFigures gain =
       GainOf(observed, candidates, *search, Refit(observed, candidates, *search));
-  if (gain.explained_fraction < kLeastGain) search->found.clear();
   const double explained = std::accumulate(gain.shares.begin(), gain.shares.end(), 0.0);
-  for (Found& found : search->found) {
-    if (explained < kLeastShare) found.lost_its_name = true;
+  const bool much_remains = gain.fitted_mm > kMuch * gain.noise_floor_mm;
+  for (std::size_t i = 0; i < search->found.size(); ++i) {
+    Found& found = search->found[i];
+    if (explained < kLeastShare && much_remains &&
+        !candidates[found.candidate].is_free()) {
+      found.lost_its_name = true;
+      found = FreeInstead(observed,
+                          candidates,
+                          CircumstancesBut(observed, candidates, *search, i),
+                          found);
+    }
     if (found.lost_its_name) found.rivals.clear();
   }
 }
@@ -245,7 +285,8 @@ Diagnosis Diagnose(const Observed& as_read, const DiagnoseOptions& options) {
   say(fmt::format("weighing {} candidates", candidates.size()));
   SearchResult search = Search(observed, candidates, options.search);
   say("refining what was found");
-  DoubtFindings(observed, candidates, &search);
+  DropUnpredictive(observed, candidates, &search);
+  DoubtNames(observed, candidates, &search);
   return Reporter(observed, candidates, search).Make();
 }
 

@@ -102,8 +102,10 @@ Evidence::Fit Evidence::FitNuisances() const {
   const Eigen::MatrixXd inverse =
       upper.solve(Eigen::MatrixXd::Identity(r_.rows(), r_.cols()));
   const double scale = std::sqrt(chi2_ / dof_);
-  fit.sds = inverse.rowwise().norm().cwiseProduct(prior_sd_) * scale;
+  fit.half = prior_sd_.asDiagonal() * inverse * scale;
+  fit.sds = fit.half.rowwise().norm();
   fit.residual_mm = observed_->residual_mm() - columns_mm_ * fit.values;
+  fit.sd_mm = (columns_mm_ * fit.half).rowwise().norm();
   return fit;
 }
 

@@ -56,6 +56,9 @@ class Evidence {
     Eigen::VectorXd values{};
     Eigen::VectorXd sds{};
     Eigen::VectorXd residual_mm{};  ///< Reading less model, by row.
+    /// What the nuisances leave open of each row, whether it was fitted or left out.
+    Eigen::VectorXd sd_mm{};
+    Eigen::MatrixXd half{};  ///< Covariance of `values` = half half'.
   };
   Fit FitNuisances() const;
 

@@ -9,6 +9,7 @@ namespace {
 
 constexpr int kBlocks = 5;
 constexpr int kMostPositionFolds = 40;
+constexpr double kForetold = 1.5;  // Of a row's sigma that the baseline may leave open.
 
 class Gainer {
  public:
@@ -38,12 +39,19 @@ class Gainer {
       for (std::size_t i = 0; i < out.size(); ++i) {
         if (group_of[i] == group) out[i] = true;
       }
-      const Eigen::VectorXd without = ResidualOf(NoFinding(), out);
-      const Eigen::VectorXd with = more_.empty() ? without : ResidualOf(All(), out);
+      const Evidence baseline = EvidenceOf(NoFinding(), out, 0);
+      const Evidence::Fit without = baseline.FitNuisances();
+      // What is not in the baseline raises its chi2.
+      const double foretold = kForetold * std::sqrt(baseline.chi2() / baseline.dof());
+      const Eigen::VectorXd with =
+          more_.empty() ? without.residual_mm : ResidualOf(All(), out);
       for (std::size_t i = 0; i < out.size(); ++i) {
         if (group_of[i] != group || search_.circumstances.left_out[i]) continue;
         const auto row = static_cast<Eigen::Index>(i);
-        before += without[row] * without[row];
+        if (without.sd_mm[row] > foretold * search_.circumstances.sigma_mm[row]) {
+          continue;
+        }
+        before += without.residual_mm[row] * without.residual_mm[row];
         after += with[row] * with[row];
         ++held.rows;
       }
@@ -68,20 +76,44 @@ class Gainer {
     return sum / std::max(rows, 1);
   }
 
+  // log p(block | rest) of a subset of the findings, summed over the blocks.
+  double Score(unsigned subset, const std::vector<int>& block_of) const {
+    const std::vector<bool>& nothing_more = search_.circumstances.left_out;
+    const double whole = EvidenceOf(subset, nothing_more).log_none();
+    const int num_blocks = 1 + *std::ranges::max_element(block_of);
+    double score = 0;
+    for (int block = 0; block < num_blocks; ++block) {
+      std::vector<bool> out = nothing_more;
+      for (std::size_t i = 0; i < out.size(); ++i) {
+        if (block_of[i] == block) out[i] = true;
+      }
+      score += whole - EvidenceOf(subset, out).log_none();
+    }
+    return score;
+  }
+
   unsigned All() const { return (1U << more_.size()) - 1; }
   static unsigned NoFinding() { return 0; }
   std::size_t num_findings() const { return more_.size(); }
 
  private:
   Eigen::VectorXd ResidualOf(unsigned subset, const std::vector<bool>& out) const {
+    return EvidenceOf(subset, out, 0).FitNuisances().residual_mm;
+  }
+
+  Evidence EvidenceOf(unsigned subset, const std::vector<bool>& out) const {
+    return EvidenceOf(subset, out, search_.wander_mm2_per_s);
+  }
+  Evidence EvidenceOf(unsigned subset,
+                      const std::vector<bool>& out,
+                      double wander_mm2_per_s) const {
     std::vector<Nuisance> nuisances = search_.circumstances.nuisances;
     for (std::size_t f = 0; f < more_.size(); ++f) {
       if ((subset >> f & 1U) == 0) continue;
       nuisances.insert(nuisances.end(), more_[f].begin(), more_[f].end());
     }
-    return Evidence(observed_, {search_.circumstances.sigma_mm, 0}, nuisances, out)
-        .FitNuisances()
-        .residual_mm;
+    return {
+        observed_, {search_.circumstances.sigma_mm, wander_mm2_per_s}, nuisances, out};
   }
 
   const Observed& observed_;
@@ -139,33 +171,37 @@ std::string PoseOf(const Row& row) {
   return key;
 }
 
-// Positions that were measured more than once, the ends of the range excepted: beyond
-// the last position there is nothing to interpolate between.
+// Positions that were measured more than once, the ends of the axis read excepted:
+// beyond the last position there is nothing to interpolate between.
 std::vector<int> PositionGroups(const Observed& o) {
   std::map<std::string, int> counts;
-  Vec3<double> low = o.at(0).q_mm, high = low;
+  const auto along = [&](Eigen::Index i) {
+    Eigen::Index axis = 0;
+    o.at(i).n.cwiseAbs().maxCoeff(&axis);
+    return axis;
+  };
+  Vec3<double> low = Vec3<double>::Constant(1e300), high = -low;
   for (Eigen::Index i = 0; i < o.num_rows(); ++i) {
+    const Eigen::Index axis = along(i);
     ++counts[PoseOf(o.row(i))];
-    low = low.cwiseMin(o.at(i).q_mm);
-    high = high.cwiseMax(o.at(i).q_mm);
+    low[axis] = std::min(low[axis], o.at(i).q_mm[axis]);
+    high[axis] = std::max(high[axis], o.at(i).q_mm[axis]);
   }
   const double most_repeated =
       static_cast<double>(o.num_rows()) / static_cast<double>(counts.size());
-  const auto is_interior = [&](const Row& row) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const double reach = high[static_cast<int>(k)] - low[static_cast<int>(k)];
-      if (!Known(row.cmd_mm[k]) || reach < 1) continue;
-      if (row.cmd_mm[k] - low[static_cast<int>(k)] < 1e-3 * reach) return false;
-      if (high[static_cast<int>(k)] - row.cmd_mm[k] < 1e-3 * reach) return false;
-    }
-    return true;
-  };
-  if (most_repeated < 2)
-    return std::vector<int>(static_cast<std::size_t>(o.num_rows()), -1);
-  return GroupsBy(
-      o,
-      [&](const Row& row) { return is_interior(row) ? PoseOf(row) : std::string(); },
-      kMostPositionFolds);
+  std::vector<int> groups(static_cast<std::size_t>(o.num_rows()), -1);
+  if (most_repeated < 2) return groups;
+  std::map<std::string, int> ids;
+  for (Eigen::Index i = 0; i < o.num_rows(); ++i) {
+    const Eigen::Index axis = along(i);
+    const double end_mm = 1e-3 * (high[axis] - low[axis]);
+    const double q_mm = o.at(i).q_mm[axis];
+    if (q_mm - low[axis] < end_mm || high[axis] - q_mm < end_mm) continue;
+    const int id =
+        ids.try_emplace(PoseOf(o.row(i)), static_cast<int>(ids.size())).first->second;
+    groups[static_cast<std::size_t>(i)] = id % kMostPositionFolds;
+  }
+  return groups;
 }
 
 double Factorial(std::size_t n) {
@@ -238,6 +274,13 @@ GainFigures GainOf(const Observed& observed,
     gain.explained_fraction =
         std::min(1.0, (before2 - after2) / std::max(before2 - floor2, 1e-300));
     gain.shares = Shares(gainer, floor2);
+    gain.fitted_mm = std::sqrt(gainer.MeanSquare(gainer.All()));
+    const std::vector<int> blocks = TimeBlocks(observed);
+    const double with = gainer.Score(gainer.All(), blocks);
+    for (std::size_t f = 0; f < gainer.num_findings(); ++f) {
+      const double without = gainer.Score(gainer.All() & ~(1U << f), blocks);
+      gain.scores.push_back(with - without);
+    }
   }
   return gain;
 }

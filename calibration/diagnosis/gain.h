@@ -8,7 +8,8 @@
 
 namespace caltwin {
 
-/// How well rows are predicted that were not fitted [mm rms].
+/// How well rows are predicted that were not fitted [mm rms]. Only rows that the rest
+/// tells the baseline of count: a setup's offset cannot be foretold.
 struct HeldOut {
   double before_mm = 0;  ///< Baseline alone.
   double after_mm = 0;   ///< With the findings.
@@ -20,7 +21,8 @@ struct GainFigures {
   HeldOut blocks{};  ///< Contiguous times left out inside each setup.
   HeldOut
       runs{};  ///< Repetitions left out: gain where it was measured. 0 groups: none.
-  HeldOut positions{};  ///< Positions left out: gain between them. 0 groups: none.
+  HeldOut positions{};   ///< Positions left out: gain between them. 0 groups: none.
+  double fitted_mm = 0;  ///< What is left of rows that were fitted, with the findings.
   double noise_floor_mm = 0;
   bool floor_from_replicates = false;
   /// (before^2 - after^2) / (before^2 - floor^2) of `blocks`.
@@ -28,6 +30,11 @@ struct GainFigures {
   /// Share of each finding in the explainable variance, Shapley; what is missing to 1
   /// remains unexplained.
   std::vector<double> shares{};
+  /// By how much each finding, beside the others, makes rows left out (blocks) more
+  /// likely: sum over blocks of log p(block | rest, with) - log p(block | rest,
+  /// without). Unlike rms, it does not mind that a block may be far from what is left
+  /// [nats].
+  std::vector<double> scores{};
 };
 
 GainFigures GainOf(const Observed& observed,

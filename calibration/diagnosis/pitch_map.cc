@@ -54,8 +54,9 @@ bool SeesAllWaves(const Observed& observed, Axis axis) {
          SeesWave(positions_mm, microstep_mm);
 }
 
-double GainOfVariance(const HeldOut& held) {
-  return held.before_mm * held.before_mm - held.after_mm * held.after_mm;
+// Part of the variance of rows left out that the findings explain.
+double Explained(const HeldOut& held) {
+  return 1 - std::pow(held.after_mm / std::max(held.before_mm, 1e-300), 2);
 }
 
 }  // namespace
@@ -72,9 +73,9 @@ bool IsPitchMap(const Observed& observed,
   if (!SeesAllWaves(observed, *axis)) return false;
   // Where no position was measured twice, leaving rows out leaves positions out.
   if (gain.positions.groups == 0 || gain.runs.groups == 0) {
-    return GainOfVariance(gain.blocks) > 0;
+    return Explained(gain.blocks) > 0;
   }
-  return GainOfVariance(gain.positions) >= kHolds * GainOfVariance(gain.runs);
+  return Explained(gain.positions) >= kHolds * Explained(gain.runs);
 }
 
 }  // namespace caltwin

@@ -36,7 +36,9 @@ class Searcher {
 
   SearchResult Run() {
     SettleNoise();
-    while (static_cast<int>(found_.size()) < options_.most_findings) {
+    // What is deleted may be found again: no more rounds than could ever be of use.
+    for (int round = 0; round < 2 * options_.most_findings; ++round) {
+      if (static_cast<int>(found_.size()) >= options_.most_findings) break;
       auto next = Best({});
       if (!next) break;
       found_.push_back(std::move(*next));
@@ -135,18 +137,19 @@ class Searcher {
     return static_cast<int>((change.array() > 0.05 * change.maxCoeff()).count());
   }
 
-  // Of what was found, cause and deviation from its form together, the part that no
-  // form and size of the cause itself could be: its near-peak over that of the rest,
-  // in sigma, the baseline taken out of both.
+  // How much of what was found is the deviation from the cause's form, its near-peak
+  // over that of the rest: as fitted, or, where less, the part that no other form and
+  // size of the cause could be, in sigma, the baseline taken out of both.
   double FormShare(const Circumstances& circumstances, const Weighed& weighed) const {
     const Candidate& candidate = candidates_[weighed.candidate];
     if (weighed.deviation_mm.size() == 0 || candidate.is_free()) return 0;
+    const Eigen::VectorXd fitted_mm =
+        candidate.variants[weighed.variant].columns_mm * weighed.sizes_mm;
     const Evidence evidence(
         observed_, {sigma_mm_, wander_mm2_per_s_}, circumstances.nuisances, left_out_);
-    const Eigen::VectorXd whole = evidence.Left(evidence.Whiten(
-        candidate.variants[weighed.variant].columns_mm * weighed.sizes_mm +
-        weighed.deviation_mm));
-    double least = 1e300;
+    const Eigen::VectorXd whole =
+        evidence.Left(evidence.Whiten(fitted_mm + weighed.deviation_mm));
+    double least = Peak_mm(weighed.deviation_mm) / std::max(Peak_mm(fitted_mm), 1e-300);
     for (const Variant& variant : candidate.variants) {
       const Eigen::MatrixXd columns =
           evidence.Left(evidence.Whiten(variant.columns_mm));
@@ -171,6 +174,9 @@ class Searcher {
                 .scale_mm = weighed.scale_mm,
                 .lost_its_name = FormShare(circumstances, weighed) > kFormLimit,
                 .num_rows = RowsOf(candidate, weighed)};
+    if (found.lost_its_name) {
+      return FreeInstead(observed_, candidates_, circumstances, found);
+    }
     for (const Weighed& other : weighing.ranked) {
       if (other.probability >= kShownProbability &&
           other.candidate != weighed.candidate) {
@@ -193,7 +199,9 @@ class Searcher {
       if (!IsFound(top.candidate, except) && IsPractical(candidate, top) &&
           RestsOnMany(circumstances, candidate, top)) {
         if (!IsBeyondChance(circumstances, weighing)) return std::nullopt;
-        return FoundFrom(circumstances, weighing, top);
+        Found found = FoundFrom(circumstances, weighing, top);
+        // A free form that stands in for it may be there already.
+        if (!IsFound(found.candidate, except)) return found;
       }
       DropTop(&weighing);
     }
@@ -368,6 +376,32 @@ SearchResult Search(const Observed& observed,
                     const std::vector<Candidate>& candidates,
                     const SearchOptions& options) {
   return Searcher(observed, candidates, options).Run();
+}
+
+Found FreeInstead(const Observed& observed,
+                  const std::vector<Candidate>& candidates,
+                  const Circumstances& circumstances,
+                  const Found& found) {
+  const Shown& shown = candidates[found.candidate].shown;
+  const std::set<std::string> words(shown.covariates.begin(), shown.covariates.end());
+  for (std::size_t c = 0; c < candidates.size(); ++c) {
+    const Candidate& free = candidates[c];
+    if (!free.is_free() || free.shown.channel != shown.channel) continue;
+    if (words != std::set<std::string>(free.shown.covariates.begin(),
+                                       free.shown.covariates.end())) {
+      continue;
+    }
+    const Weighed weighed = Weigh(observed, {free}, circumstances).ranked[0];
+    Found instead = found;
+    instead.candidate = c;
+    instead.variant = free.variants[0];
+    instead.sizes_mm = weighed.sizes_mm;
+    instead.scale_mm = weighed.scale_mm;
+    instead.lost_its_name = false;
+    instead.rivals.clear();
+    return instead;
+  }
+  return found;
 }
 
 std::vector<Nuisance> NuisancesOf(const Observed& observed,

@@ -52,6 +52,14 @@ SearchResult Search(const Observed& observed,
                     const std::vector<Candidate>& candidates,
                     const SearchOptions& options);
 
+/// The free form in the variables of a finding that lost its name, in its place; the
+/// finding itself where no free form has them. `circumstances`: the others found in the
+/// baseline.
+Found FreeInstead(const Observed& observed,
+                  const std::vector<Candidate>& candidates,
+                  const Circumstances& circumstances,
+                  const Found& found);
+
 /// What a finding adds to the nuisances while others are sought: its own sizes, free,
 /// and its freedom of form.
 std::vector<Nuisance> NuisancesOf(const Observed& observed,

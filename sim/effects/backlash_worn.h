@@ -50,7 +50,7 @@ struct BacklashWorn {
     const std::string name(axis);
     return {.channel = name, .covariates = {name, "dir_" + name}};
   }
-  /// Nine centres over the rows' extent, each with three widths. None where rows do not
+  /// Nine centres over the rows' extent, each with five widths. None where rows do not
   /// reach along the axis.
   static Forms Grid(const Machine& machine,
                     std::string_view name,
@@ -64,7 +64,7 @@ struct BacklashWorn {
     for (int i = 0; i < kNumCentres; ++i) {
       const double centre_mm =
           extent.q_min_mm[Index(axis)] + span_mm * i / (kNumCentres - 1);
-      for (const double part : {0.15, 0.3, 0.6}) {
+      for (const double part : {0.15, 0.2, 0.3, 0.4, 0.6}) {
         forms.push_back({centre_mm, part * span_mm});
       }
     }
