@@ -40,12 +40,13 @@ std::vector<bool> FarOut(const Observed& observed, const Eigen::VectorXd& left_m
 
 }  // namespace
 
-BaselineFit FitBaseline(const Observed& observed) {
+BaselineFit FitBaseline(const Observed& observed, const std::vector<Nuisance>& found) {
   constexpr double kAnySigma_mm = 1e-3;
   constexpr double kSure = 2;                 // Standard deviations.
   constexpr double kMostPretravel_mm = 0.15;  // More of it is a wrong tip.
   constexpr int kRounds = 3;
-  const std::vector<Nuisance> baseline = BaselineOf(observed);
+  std::vector<Nuisance> baseline = BaselineOf(observed);
+  baseline.insert(baseline.end(), found.begin(), found.end());
   const Noise noise{Eigen::VectorXd::Constant(observed.num_rows(), kAnySigma_mm), 0};
   Evidence::Fit fit;
   std::vector<bool> left_out;
@@ -60,26 +61,38 @@ BaselineFit FitBaseline(const Observed& observed) {
     const double value = nuisance->offset + fit.values[k];
     return value > kSure * fit.sds[k] ? value : kUnknown;
   };
-  BaselineFit found{.left_mm = fit.residual_mm};
+  BaselineFit at{.left_mm = fit.residual_mm};
   for (const Axis axis : kAxes) {
     const double gap_mm = known("backlash." + Name(axis));
-    if (Known(gap_mm)) found.point.gap_mm[Index(axis)] = gap_mm;
+    if (Known(gap_mm)) at.point.gap_mm[Index(axis)] = gap_mm;
     const double pretravel_mm = known("probe_pretravel." + Name(axis));
     if (pretravel_mm < kMostPretravel_mm) {
-      found.point.pretravel_mm[Index(axis)] = pretravel_mm;
+      at.point.pretravel_mm[Index(axis)] = pretravel_mm;
     }
   }
-  return found;
+  return at;
 }
 
-Observed AtBaseline(const Observed& as_read) {
+Observed AtBaseline(const Observed& as_read, const std::vector<Nuisance>& found) {
   constexpr int kRounds = 3;
   Observed at = as_read.AtNominal();
   for (int round = 0; round < kRounds; ++round) {
-    const BaselineFit fit = FitBaseline(at);
+    const BaselineFit fit = FitBaseline(at, found);
     at = as_read.AtFitted(fit.left_mm, fit.point);
   }
   return at;
+}
+
+bool AreApart(const Observed& one, const Observed& other) {
+  constexpr double kPart = 0.05;
+  const Vec3<double> moved_mm = one.pretravel_mm() - other.pretravel_mm();
+  if ((moved_mm.cwiseQuotient(one.pretravel_mm()).cwiseAbs().array() > kPart).any()) {
+    return true;
+  }
+  for (Eigen::Index i = 0; i < one.num_rows(); ++i) {
+    if ((one.at(i).dir - other.at(i).dir).cwiseAbs().maxCoeff() > kPart) return true;
+  }
+  return false;
 }
 
 }  // namespace caltwin

@@ -1,23 +1,33 @@
 #pragma once
 
+#include <vector>
+
 #include <Eigen/Core>
 
+#include "calibration/diagnosis/nuisances.h"
 #include "calibration/diagnosis/observed.h"
 
 namespace caltwin {
 
 /// The baseline alone, all rows counting alike but those far out, which count for
-/// nothing.
+/// nothing. `found` as in AtBaseline.
 struct BaselineFit {
   Eigen::VectorXd left_mm{};  ///< Reading less fit, by row.
   /// What the rows tell well enough to be linear about.
   BaselinePoint point{};
 };
-BaselineFit FitBaseline(const Observed& observed);
+BaselineFit FitBaseline(const Observed& observed,
+                        const std::vector<Nuisance>& found = {});
 
 /// The rows as the baseline has them: touches taken where it says that they trigger,
 /// rows read inside a gap with the sense they have there, pre-travel as large as it is
 /// in each direction. In rounds, since what decides upon rows is fitted to them.
-Observed AtBaseline(const Observed& as_read);
+/// `found`: what the rows show beside the baseline, by column; without it the baseline
+/// would take part of it.
+Observed AtBaseline(const Observed& as_read, const std::vector<Nuisance>& found = {});
+
+/// Whether two baselines of the same rows are about points that differ enough to
+/// matter.
+bool AreApart(const Observed& one, const Observed& other);
 
 }  // namespace caltwin

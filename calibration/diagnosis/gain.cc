@@ -76,18 +76,27 @@ class Gainer {
     return sum / std::max(rows, 1);
   }
 
-  // log p(block | rest) of a subset of the findings, summed over the blocks.
+  // log p(row | all but its block) of a subset of the findings, summed over the rows.
   double Score(unsigned subset, const std::vector<int>& block_of) const {
-    const std::vector<bool>& nothing_more = search_.circumstances.left_out;
-    const double whole = EvidenceOf(subset, nothing_more).log_none();
+    constexpr double kFarthest = 5;  // Sigmas that a row may count for: robust.
     const int num_blocks = 1 + *std::ranges::max_element(block_of);
     double score = 0;
     for (int block = 0; block < num_blocks; ++block) {
-      std::vector<bool> out = nothing_more;
+      std::vector<bool> out = search_.circumstances.left_out;
       for (std::size_t i = 0; i < out.size(); ++i) {
         if (block_of[i] == block) out[i] = true;
       }
-      score += whole - EvidenceOf(subset, out).log_none();
+      const Evidence evidence = EvidenceOf(subset, out, 0);
+      const Evidence::Fit fit = evidence.FitNuisances();
+      const double scale = std::sqrt(evidence.chi2() / evidence.dof());
+      for (std::size_t i = 0; i < out.size(); ++i) {
+        if (block_of[i] != block || search_.circumstances.left_out[i]) continue;
+        const auto row = static_cast<Eigen::Index>(i);
+        const double sd_mm =
+            std::hypot(search_.circumstances.sigma_mm[row], fit.sd_mm[row] / scale);
+        const double z = std::min(std::abs(fit.residual_mm[row]) / sd_mm, kFarthest);
+        score -= 0.5 * z * z + std::log(sd_mm);
+      }
     }
     return score;
   }
@@ -101,9 +110,6 @@ class Gainer {
     return EvidenceOf(subset, out, 0).FitNuisances().residual_mm;
   }
 
-  Evidence EvidenceOf(unsigned subset, const std::vector<bool>& out) const {
-    return EvidenceOf(subset, out, search_.wander_mm2_per_s);
-  }
   Evidence EvidenceOf(unsigned subset,
                       const std::vector<bool>& out,
                       double wander_mm2_per_s) const {

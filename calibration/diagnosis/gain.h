@@ -31,9 +31,9 @@ struct GainFigures {
   /// remains unexplained.
   std::vector<double> shares{};
   /// By how much each finding, beside the others, makes rows left out (blocks) more
-  /// likely: sum over blocks of log p(block | rest, with) - log p(block | rest,
-  /// without). Unlike rms, it does not mind that a block may be far from what is left
-  /// [nats].
+  /// likely: sum over rows of log p(row | rest, with) - log p(row | rest, without),
+  /// each row as far as five sigmas. Unlike rms, it knows how far a row is from what is
+  /// left, and minds no outlier [nats].
   std::vector<double> scores{};
 };
 

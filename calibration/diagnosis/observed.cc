@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <tuple>
 #include <utility>
 
 #include "sim/base/units.h"
@@ -33,6 +35,49 @@ Vec3<double> CrossedSense(const At& at, const Vec3<double>& gap_mm) {
   return sense;
 }
 
+double MedianOf(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::ranges::nth_element(values, middle);
+  return *middle;
+}
+
+double MedianDeviation(std::vector<double> values) {
+  const double median = MedianOf(values);
+  for (double& value : values) value = std::abs(value - median);
+  return MedianOf(values);
+}
+
+// Travel since the reversal up to the nominal point, of touches that count it up to the
+// trigger: a reading would else explain itself, travel being the longer the later it
+// triggers. They count so if that makes the travels of a setup more alike; then those
+// that differ by no more than readings do have travelled the same.
+void CountTravelToNominal(const std::vector<Row>& rows, std::vector<At>* at) {
+  constexpr double kAlike = 10;  // Of the median deviation.
+  for (int axis = 0; axis < 3; ++axis) {
+    std::map<std::tuple<std::string, double>, std::vector<std::size_t>> groups;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      const At& where = (*at)[i];
+      if (where.kind != RowKind::kTouch || !Known(where.since_rev_mm[axis])) continue;
+      groups[{rows[i].setup, where.dir[axis]}].push_back(i);
+    }
+    for (const auto& [key, members] : groups) {
+      std::vector<double> to_trigger_mm, to_nominal_mm;
+      for (const std::size_t i : members) {
+        const double d_mm = (*at)[i].since_rev_mm[axis];
+        to_trigger_mm.push_back(d_mm);
+        to_nominal_mm.push_back(d_mm + rows[i].value_mm * std::abs((*at)[i].n[axis]));
+      }
+      const double deviation_mm = MedianDeviation(to_nominal_mm);
+      if (deviation_mm >= MedianDeviation(to_trigger_mm)) continue;
+      const double median_mm = MedianOf(to_nominal_mm);
+      for (std::size_t k = 0; k < members.size(); ++k) {
+        if (std::abs(to_nominal_mm[k] - median_mm) > kAlike * deviation_mm) continue;
+        (*at)[members[k]].since_rev_mm[axis] = median_mm;
+      }
+    }
+  }
+}
+
 }  // namespace
 
 Observed::Observed(RowTable table,
@@ -62,6 +107,7 @@ Observed::Observed(RowTable table,
     }
     campaign_of_.push_back(static_cast<int>(known - campaigns_.begin()));
   }
+  CountTravelToNominal(table_->rows, &at_);
   Linearise();
 }
 

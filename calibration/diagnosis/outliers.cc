@@ -16,9 +16,11 @@ constexpr std::size_t kFreeTaken = 10;
 constexpr double kWorthTaking_nats = -7;
 constexpr double kSdOfMad = 1.4826;
 
-struct Columns {
-  Eigen::MatrixXd columns{};  ///< In units of their prior.
-};
+// Of how many rows' making the visible part of an effect is: (sum v^2)^2 / sum v^4.
+double RowsBehind(const Evidence& evidence, const Eigen::VectorXd& effect_mm) {
+  const Eigen::ArrayXd v2 = evidence.Left(evidence.Whiten(effect_mm)).array().square();
+  return v2.sum() * v2.sum() / std::max(v2.square().sum(), 1e-300);
+}
 
 // All columns of the richest model, white and in units of their priors.
 Eigen::MatrixXd ColumnsOf(const Observed& observed,
@@ -29,14 +31,21 @@ Eigen::MatrixXd ColumnsOf(const Observed& observed,
   for (const Nuisance& nuisance : circumstances.nuisances) {
     all.emplace_back(nuisance.column_mm * nuisance.prior_sd);
   }
+  // What a handful of rows makes would explain them, and hide that they are outliers.
+  constexpr double kFewestRows = 4;
+  const Evidence evidence(
+      observed, {circumstances.sigma_mm, 0}, circumstances.nuisances);
   std::size_t named = 0, free = 0;
   for (const Weighed& weighed : weighing.ranked) {
     const Candidate& candidate = candidates[weighed.candidate];
     if (weighed.log_odds < kWorthTaking_nats || weighed.sizes_mm.size() == 0) continue;
     std::size_t& taken = candidate.is_free() ? free : named;
     if (taken >= (candidate.is_free() ? kFreeTaken : kNamedTaken)) continue;
-    ++taken;
     const Variant& variant = candidate.variants[weighed.variant];
+    if (RowsBehind(evidence, variant.columns_mm * weighed.sizes_mm) < kFewestRows) {
+      continue;
+    }
+    ++taken;
     for (Eigen::Index k = 0; k < variant.columns_mm.cols(); ++k) {
       const double relative = candidate.is_free() ? candidate.free_prior[k] : 1;
       all.emplace_back(variant.columns_mm.col(k) * weighed.scale_mm *

@@ -133,7 +133,7 @@ class ToyMachine final : public Link, public Gauge, public Operator {
   }
 
   Reply Obey(const GcodeCommand& command) {
-    if (command.letter == 'M') return Obey_M(command);
+    if (command.letter == 'M') return ObeyM(command);
     if (command.Is('G', 28)) return Home();
     if (command.Is('G', 38, 2)) return Probe(command, true);
     if (command.Is('G', 38, 4)) return Probe(command, false);
@@ -141,7 +141,7 @@ class ToyMachine final : public Link, public Gauge, public Operator {
     return Reply{};
   }
 
-  Reply Obey_M(const GcodeCommand& command) {
+  Reply ObeyM(const GcodeCommand& command) {
     if (command.code == 92 || command.code == 425) {
       auto& values = command.code == 92 ? settings.steps_per_mm : settings.backlash_mm;
       for (std::size_t i = 0; i < 3; ++i) {
