@@ -143,13 +143,16 @@ class Reporter {
   void AddEvidence(Diagnosis* diagnosis) const {
     constexpr std::size_t kLines = 12;
     for (const Weighed& weighed : search_.first.ranked) {
-      if (diagnosis->evidence.size() == kLines) break;
       const Candidate& candidate = candidates_[weighed.candidate];
-      diagnosis->evidence.push_back({candidate.cause,
-                                     candidate.axis,
-                                     candidate.shown.covariates,
-                                     weighed.log_odds});
+      diagnosis->weighed.push_back({candidate.cause,
+                                    candidate.axis,
+                                    candidate.shown.covariates,
+                                    weighed.log_odds,
+                                    candidate.shown.channel});
     }
+    diagnosis->evidence = diagnosis->weighed;
+    diagnosis->evidence.resize(std::min(kLines, diagnosis->evidence.size()));
+    diagnosis->sigma_mm = search_.circumstances.sigma_mm;
   }
 
   static Verdict VerdictOf(const std::vector<Finding>& findings) {

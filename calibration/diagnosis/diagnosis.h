@@ -66,7 +66,8 @@ struct EvidenceLine {
   std::string cause{};
   std::string axis{};
   std::vector<std::string> covariates{};
-  double log_odds = 0;  ///< Against none, prior included.
+  double log_odds = 0;    ///< Against none, prior included.
+  std::string channel{};  ///< x y z (motion), probe or bed: where it shows.
 };
 
 /// What would best settle what is open.
@@ -106,6 +107,8 @@ struct Diagnosis {
   Eigen::VectorXd residual_before_mm{};  ///< Baseline fitted.
   Eigen::VectorXd residual_after_mm{};   ///< Findings fitted too.
   std::vector<EvidenceLine> evidence{};  ///< The likeliest first.
+  std::vector<EvidenceLine> weighed{};   ///< Every candidate, the likeliest first.
+  Eigen::VectorXd sigma_mm{};            ///< Of each row, as judged.
 };
 
 struct DiagnoseOptions {
