@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <iostream>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -15,6 +16,9 @@
 #include "calibration/diagnosis/diagnosis_text.h"
 #include "calibration/diagnosis/extension.h"
 #include "calibration/diagnosis/plausible.h"
+#include "calibration/diagnosis/replay.h"
+#include "calibration/diagnosis/volumetric.h"
+#include "scenarios/interrupt.h"
 #include "scenarios/machine_file.h"
 #include "sim/base/sha256.h"
 #include "sim/base/text_file.h"
@@ -40,6 +44,8 @@ struct Options {
   std::string correction{};
   std::string controller{};
   std::string before{};
+  std::string replay = "physics";
+  bool must_replay = false;  // The person said so, however many rows there are.
   double min_effect_um = 0;
   std::uint64_t seed = 1;
 };
@@ -125,6 +131,8 @@ void JudgeData(const std::string& file, const Machine* machine, Data* data) {
 struct Judged {
   Observed observed;
   Diagnosis diagnosis{};
+  Replay replay{};
+  std::optional<VolumetricGain> volumetric{};
 };
 
 Judged Judge(const Data& data, const Believed& believed, const Options& options) {
@@ -140,6 +148,19 @@ Judged Judge(const Data& data, const Believed& believed, const Options& options)
          progress.Show(text);
        }});
   return judged;
+}
+
+// What physics says to the diagnosis, and what it is worth at poses nobody measured.
+void TryInTwin(const Options& options, Judged* judged) {
+  judged->volumetric =
+      VolumetricGainOf(judged->observed, judged->diagnosis, options.seed);
+  if (options.replay == "none") {
+    judged->replay.why_not = "Not replayed in MuJoCo, as told (--replay none).";
+    return;
+  }
+  ReplayOptions how{.interrupted = InterruptRequested};
+  if (options.must_replay) how.most_rows = std::numeric_limits<int>::max();
+  judged->replay = ReplayOf(judged->observed, judged->diagnosis, how);
 }
 
 std::string Sha256OfFile(const fs::path& file) {
@@ -218,6 +239,8 @@ void WriteJson(const Options& options,
                                         .version = CALTWIN_VERSION,
                                         .seed = options.seed,
                                         .command = CommandOf(options)});
+  tree["gain"]["volumetric"] = VolumetricJson(judged.volumetric);
+  tree["replay"] = ReplayJson(judged.replay);
   if (text_notes.has_before) tree["changes"] = ChangesJson(text_notes.changes);
   const std::string json = tree.dump(kJsonIndent) + "\n";
   if (options.json == "-") {
@@ -237,6 +260,7 @@ int Run(const Options& options) {
                      "give --machine; `caltwin new machine NAME` makes one");
   }
   Judged judged = Judge(data, believed, options);
+  TryInTwin(options, &judged);
   TextNotes notes{.measured = WhatRowsMeasure(data.table),
                   .has_before = !options.before.empty()};
   if (notes.has_before) {
@@ -248,7 +272,8 @@ int Run(const Options& options) {
     if (judged.diagnosis.verdict == Verdict::kNone) {
       notes.would_show = WhatRowsWouldShow(judged.observed, judged.diagnosis);
     }
-    std::cout << DiagnosisText(judged.diagnosis, notes);
+    std::cout << DiagnosisText(judged.diagnosis, notes) << "\n"
+              << VolumetricText(judged.volumetric) << ReplayText(judged.replay);
   }
   const std::string extended = WriteExtension(options, believed, judged.diagnosis);
   WriteCorrection(options, judged);
@@ -279,7 +304,15 @@ Action DeclareDiagnose(CLI::App* app) {
                   "smaller effects are of no interest")
       ->check(CLI::Range(0.0, 1e6));
   app->add_option("--seed", options->seed, "of the bootstrap");
-  return [options] {
+  const CLI::Option* replay =
+      app->add_option("--replay",
+                      options->replay,
+                      "physics: take the rows again in MuJoCo, with what was found "
+                      "(left alone beyond 3000 rows unless told); none: do not")
+          ->check(CLI::IsMember({"physics", "none"}))
+          ->capture_default_str();
+  return [options, replay] {
+    options->must_replay = replay->count() > 0;
     return Run(*options);
   };
 }

@@ -1,0 +1,128 @@
+#include "calibration/diagnosis/as_found.h"
+
+#include <algorithm>
+#include <string_view>
+
+#include "sim/base/units.h"
+#include "sim/effects/catalog.h"
+#include "sim/effects/injected.h"
+#include "sim/effects/map_table.h"
+
+namespace caltwin {
+namespace {
+
+// The effect in the list, added with its neutral values where it is not yet there.
+Injected* Find(int effect,
+               const std::string& axis,
+               const Machine& machine,
+               std::vector<Injected>* effects) {
+  for (Injected& one : *effects) {
+    if (one.effect == effect && one.axis == axis) return &one;
+  }
+  Injected fresh{.effect = effect, .axis = axis};
+  const auto count = EffectAt(effect).parameters.size();
+  for (std::size_t p = 0; p < count; ++p) {
+    fresh.values.push_back(BuiltValue(machine, *effects, effect, axis, p));
+  }
+  effects->push_back(std::move(fresh));
+  return &effects->back();
+}
+
+bool BuildScale(double scale_ppm,
+                Axis axis,
+                const Machine& machine,
+                std::vector<Injected>* effects) {
+  const AxisDrawing& drawing = machine.axis(axis);
+  double set = machine.settings.steps_per_mm[static_cast<std::size_t>(Index(axis))];
+  if (set <= 0) set = drawing.steps_per_mm();
+  // The line counts from the drawing.
+  const double more = FractionFromPpm(scale_ppm) - (set / drawing.steps_per_mm() - 1);
+  double& steps_per_mm =
+      Find(EffectIndex<StepsPerMm>(), Name(axis), machine, effects)->values[0];
+  const double inverse = 1 / steps_per_mm + more / set;
+  if (inverse <= 0) return false;
+  steps_per_mm = 1 / inverse;
+  return true;
+}
+
+bool BuildGap(double gap_mm,
+              Axis axis,
+              const Machine& machine,
+              std::vector<Injected>* effects) {
+  if (WeightKeepsGapShut(axis, machine.axis(axis))) return false;
+  const double built_mm =
+      BuiltValue(machine, *effects, EffectIndex<Backlash>(), Name(axis), 0);
+  if (built_mm + gap_mm < 0) return false;
+  Find(EffectIndex<Backlash>(), Name(axis), machine, effects)->values[0] += gap_mm;
+  return true;
+}
+
+bool BuildPretravel(double pretravel_mm,
+                    Axis axis,
+                    const Machine& machine,
+                    std::vector<Injected>* effects) {
+  if (pretravel_mm < ProbePretravel::kParameters[0].min) return false;
+  std::erase_if(*effects, [&](const Injected& one) {
+    return one.effect == EffectIndex<ProbePretravel>() &&
+           one.axis.starts_with(Name(axis));
+  });
+  Find(EffectIndex<ProbePretravel>(), Name(axis), machine, effects)->values[0] =
+      pretravel_mm;
+  return true;
+}
+
+}  // namespace
+
+std::optional<Injected> EffectOf(const Finding& finding) {
+  if (finding.effect) {
+    if (finding.effect->effect == EffectIndex<HomingScatter>()) return std::nullopt;
+    return finding.effect;
+  }
+  if (!finding.map || finding.map->knots.empty()) return std::nullopt;
+  const FreeMap& map = *finding.map;
+  if (!std::ranges::all_of(map.covariates, IsCovariate)) return std::nullopt;
+  const bool is_pitch = finding.cause == PitchMap::kDeclaration.name;
+  return Injected{
+      .effect = is_pitch ? EffectIndex<PitchMap>() : EffectIndex<UnknownMap>(),
+      .axis = is_pitch ? map.channel : MapAxis(map.channel, map.covariates),
+      .values = FlatMap(map.values_um, map.knots)};
+}
+
+bool BuildIn(const BaselineLine& line,
+             const Machine& machine,
+             std::vector<Injected>* effects) {
+  const std::string_view name(line.name);
+  const std::string_view kind = name.substr(0, name.find('.'));
+  const std::string_view word = name.substr(std::min(name.size(), kind.size() + 1));
+  if (kind == "bed_plane" && word.starts_with("slope_")) {
+    Injected* tilt = Find(EffectIndex<BedTilt>(), "", machine, effects);
+    tilt->values[word == "slope_x" ? 0 : 1] += line.value;
+    return true;
+  }
+  const std::optional<Axis> axis = AxisNamed(word);
+  if (!axis) return false;
+  if (kind == "scale") return BuildScale(line.value, *axis, machine, effects);
+  if (kind == "backlash") return BuildGap(line.value, *axis, machine, effects);
+  return kind == "probe_pretravel" &&
+         BuildPretravel(line.value, *axis, machine, effects);
+}
+
+AsFound AsFoundBy(const Observed& observed, const Diagnosis& diagnosis) {
+  AsFound as_found{.baseline = observed.effects()};
+  for (const BaselineLine& line : diagnosis.baseline) {
+    if (BuildIn(line, observed.machine(), &as_found.baseline)) {
+      as_found.built.insert(line.name);
+    }
+  }
+  as_found.with_found = as_found.baseline;
+  for (std::size_t i = 0; i < diagnosis.findings.size(); ++i) {
+    if (const auto effect = EffectOf(diagnosis.findings[i])) {
+      as_found.with_found.push_back(*effect);
+    } else {
+      as_found.not_built.push_back(i);
+    }
+  }
+  return as_found;
+}
+
+}  // namespace caltwin

@@ -1,0 +1,226 @@
+#include "calibration/diagnosis/replay.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "calibration/diagnosis/as_found.h"
+#include "calibration/diagnosis/baseline_fit.h"
+#include "calibration/diagnosis/nuisances.h"
+#include "calibration/estimate/linear_fit.h"
+#include "sim/base/input_error.h"
+#include "sim/base/units.h"
+#include "sim/twin/perform.h"
+
+namespace caltwin {
+namespace {
+
+constexpr double kSmallPart = 0.5;   // Of a row's noise.
+constexpr double kFinest_mm = 1e-4;  // No noise is believed to be smaller.
+constexpr std::size_t kNamedRows = 10;
+
+// Noise of each row as judged; 0: the row does not count.
+Eigen::VectorXd SigmaOf(const Observed& observed, const Diagnosis& diagnosis) {
+  Eigen::VectorXd sigma_mm = diagnosis.sigma_mm.cwiseMax(kFinest_mm);
+  for (Eigen::Index i = 0; i < sigma_mm.size(); ++i) {
+    const bool is_out =
+        std::ranges::find(diagnosis.outlier_rows, observed.row(i).row) !=
+        diagnosis.outlier_rows.end();
+    if (is_out) sigma_mm[i] = 0;
+  }
+  return sigma_mm;
+}
+
+// What is left of readings once these columns are fitted to them, priors counting as a
+// reading each.
+Eigen::VectorXd LeftOf(const Eigen::VectorXd& left_mm,
+                       const std::vector<Nuisance>& columns,
+                       const Eigen::VectorXd& sigma_mm) {
+  if (columns.empty()) return left_mm;
+  const Eigen::Index n = left_mm.size();
+  const auto k = static_cast<Eigen::Index>(columns.size());
+  Eigen::MatrixXd plain(n, k);
+  for (Eigen::Index c = 0; c < k; ++c) {
+    const Nuisance& column = columns[static_cast<std::size_t>(c)];
+    plain.col(c) = column.column_mm * column.prior_sd;
+  }
+  Eigen::MatrixXd white = Eigen::MatrixXd::Zero(n + k, k);
+  Eigen::VectorXd right = Eigen::VectorXd::Zero(n + k);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    if (sigma_mm[i] == 0) continue;
+    white.row(i) = plain.row(i) / sigma_mm[i];
+    right[i] = left_mm[i] / sigma_mm[i];
+  }
+  white.bottomRows(k).setIdentity();
+  return left_mm - plain * SolveLinear(white, right).x;
+}
+
+double Rms_mm(const Eigen::VectorXd& left_mm, const Eigen::VectorXd& sigma_mm) {
+  double sum = 0;
+  int rows = 0;
+  for (Eigen::Index i = 0; i < left_mm.size(); ++i) {
+    if (sigma_mm[i] == 0) continue;
+    sum += left_mm[i] * left_mm[i];
+    ++rows;
+  }
+  return std::sqrt(sum / std::max(rows, 1));
+}
+
+class Replayer {
+ public:
+  Replayer(const Observed& observed,
+           const Diagnosis& diagnosis,
+           const ReplayOptions& options)
+      : observed_(observed),
+        diagnosis_(diagnosis),
+        options_(options),
+        as_found_(AsFoundBy(observed, diagnosis)),
+        baseline_(BaselineOf(AtBaseline(observed))),
+        sigma_mm_(SigmaOf(observed, diagnosis)) {}
+
+  Replay Make() {
+    Replay replay{.is_generic_model = observed_.machine().model.empty(),
+                  .rows = static_cast<int>((sigma_mm_.array() > 0).count())};
+    const Eigen::VectorXd without_mm = Read_mm(as_found_.baseline, Fidelity::kPhysics);
+    const Eigen::VectorXd with_mm =
+        diagnosis_.findings.empty() ? without_mm
+                                    : Read_mm(as_found_.with_found, Fidelity::kPhysics);
+    if (was_interrupted_) return {.why_not = "The replay was interrupted."};
+    Compare(with_mm - Read_mm(as_found_.with_found, Fidelity::kFast), &replay);
+    std::vector<Nuisance> not_built;
+    for (const Nuisance& one : baseline_) {
+      if (!as_found_.built.contains(one.name)) not_built.push_back(one);
+    }
+    Eigen::VectorXd rest_mm = Measured_mm() - with_mm;
+    for (const std::size_t i : as_found_.not_built) {
+      const Finding& finding = diagnosis_.findings[i];
+      replay.as_fitted.push_back(
+          finding.axis.empty() ? finding.cause : finding.cause + "." + finding.axis);
+      rest_mm -= finding.change_mm;
+    }
+    replay.left_before_mm = LeftOf(Measured_mm() - without_mm, baseline_, sigma_mm_);
+    replay.left_after_mm = LeftOf(rest_mm, not_built, sigma_mm_);
+    replay.before_mm = Rms_mm(replay.left_before_mm, sigma_mm_);
+    replay.after_mm = Rms_mm(replay.left_after_mm, sigma_mm_);
+    return replay;
+  }
+
+ private:
+  Eigen::VectorXd Measured_mm() const {
+    Eigen::VectorXd values_mm(observed_.num_rows());
+    for (Eigen::Index i = 0; i < values_mm.size(); ++i) {
+      values_mm[i] = observed_.row(i).value_mm;
+    }
+    return values_mm;
+  }
+
+  Eigen::VectorXd Read_mm(const std::vector<Injected>& effects, Fidelity fidelity) {
+    const RowTable table = Perform({.machine = observed_.machine(),
+                                    .effects = effects,
+                                    .header = observed_.header(),
+                                    .fidelity = fidelity,
+                                    .is_noisy = false,
+                                    .interrupted = options_.interrupted},
+                                   observed_.table().rows);
+    Eigen::VectorXd values_mm = Eigen::VectorXd::Zero(observed_.num_rows());
+    if (table.rows.size() < observed_.table().rows.size()) was_interrupted_ = true;
+    for (std::size_t i = 0; i < table.rows.size(); ++i) {
+      values_mm[static_cast<Eigen::Index>(i)] = table.rows[i].value_mm;
+    }
+    return values_mm;
+  }
+
+  void Compare(const Eigen::VectorXd& apart_mm, Replay* replay) const {
+    replay->form_rms_mm = Rms_mm(apart_mm, sigma_mm_);
+    for (Eigen::Index i = 0; i < apart_mm.size(); ++i) {
+      if (sigma_mm_[i] == 0) continue;
+      replay->form_max_mm = std::max(replay->form_max_mm, std::abs(apart_mm[i]));
+      if (std::abs(apart_mm[i]) > kSmallPart * sigma_mm_[i]) {
+        replay->far_rows.push_back(observed_.row(i).row);
+      }
+    }
+  }
+
+  const Observed& observed_;
+  const Diagnosis& diagnosis_;
+  const ReplayOptions& options_;
+  AsFound as_found_;
+  std::vector<Nuisance> baseline_;
+  Eigen::VectorXd sigma_mm_;
+  bool was_interrupted_ = false;
+};
+
+std::string FarText(const Replay& replay) {
+  const std::size_t named = std::min(kNamedRows, replay.far_rows.size());
+  const std::string more =
+      replay.far_rows.size() > named
+          ? fmt::format(" and {} more", replay.far_rows.size() - named)
+          : "";
+  return fmt::format(
+      "MuJoCo and the closed form differ by more than half of the noise in row{} {}{} "
+      "(at most {:.2f} um): do not lean on them.\n",
+      replay.far_rows.size() == 1 ? "" : "s",
+      fmt::join(replay.far_rows.begin(),
+                replay.far_rows.begin() + static_cast<std::ptrdiff_t>(named),
+                ", "),
+      more,
+      UmFromMm(replay.form_max_mm));
+}
+
+}  // namespace
+
+Replay ReplayOf(const Observed& observed,
+                const Diagnosis& diagnosis,
+                const ReplayOptions& options) {
+  if (observed.num_rows() > options.most_rows) {
+    return {.why_not = fmt::format(
+                "Not replayed in MuJoCo: {} rows, and more than {} take long; --replay "
+                "physics does it all the same.",
+                observed.num_rows(),
+                options.most_rows)};
+  }
+  try {
+    return Replayer(observed, diagnosis, options).Make();
+  } catch (const InputError& error) {
+    return {.why_not = fmt::format("Not replayed in MuJoCo: {}.", error.what())};
+  }
+}
+
+std::string ReplayText(const Replay& replay) {
+  if (!replay.why_not.empty()) return replay.why_not + "\n";
+  std::string text = fmt::format(
+      "Replayed in MuJoCo ({}): {:.1f} um rms of {} rows before the findings act in "
+      "the "
+      "twin, {:.1f} after; closed form and twin agree to {:.2f} um rms, {:.2f} at "
+      "most.\n",
+      replay.is_generic_model ? "a generic model, the machine file names none"
+                              : "the machine's own model",
+      UmFromMm(replay.before_mm),
+      replay.rows,
+      UmFromMm(replay.after_mm),
+      UmFromMm(replay.form_rms_mm),
+      UmFromMm(replay.form_max_mm));
+  if (!replay.far_rows.empty()) text += FarText(replay);
+  if (!replay.as_fitted.empty()) {
+    text += fmt::format("No twin can be built with {}: taken as fitted.\n",
+                        fmt::join(replay.as_fitted, ", "));
+  }
+  return text;
+}
+
+nlohmann::ordered_json ReplayJson(const Replay& replay) {
+  if (!replay.why_not.empty()) return nullptr;
+  return {{"rmse_before_um", UmFromMm(replay.before_mm)},
+          {"rmse_after_um", UmFromMm(replay.after_mm)},
+          {"closed_form_rms_um", UmFromMm(replay.form_rms_mm)},
+          {"closed_form_max_um", UmFromMm(replay.form_max_mm)},
+          {"rows", replay.rows},
+          {"rows_apart", replay.far_rows},
+          {"findings_as_fitted", replay.as_fitted},
+          {"model", replay.is_generic_model ? "generic" : "file"}};
+}
+
+}  // namespace caltwin

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "calibration/diagnosis/diagnosis.h"
+#include "calibration/diagnosis/observed.h"
+
+namespace caltwin {
+
+/// The measured rows taken again by MuJoCo: what the twin of the machine as believed
+/// with its baseline as fitted reads, and what it reads once the findings act in it.
+/// Rows that the diagnosis left out do not count [mm rms].
+struct Replay {
+  /// Why there is none, a sentence; empty: there is one.
+  std::string why_not{};
+  bool is_generic_model = false;  ///< The machine file names no model of its own.
+  double before_mm = 0;           ///< Baseline as well as it can be fitted alone.
+  double after_mm = 0;            ///< The findings act in the twin.
+  /// Reading in MuJoCo less that of the closed form, the findings acting in both.
+  double form_rms_mm = 0, form_max_mm = 0;
+  int rows = 0;
+  /// Rows whose difference from the closed form exceeds half of their noise.
+  std::vector<std::int64_t> far_rows{};
+  /// Findings that no twin can be built with; they are taken as fitted.
+  std::vector<std::string> as_fitted{};
+  Eigen::VectorXd left_before_mm{}, left_after_mm{};  ///< Of every row, for pictures.
+};
+
+struct ReplayOptions {
+  int most_rows = 3000;
+  /// Asked before each row; true ends it.
+  std::function<bool()> interrupted{};
+};
+
+/// Replays the rows. What cannot be built into a machine (where artefacts lie, the
+/// zeros of gauges, sizes within their certificates, each homing's place) is fitted as
+/// the diagnosis fits it, by the same columns and priors; before the findings act, the
+/// whole baseline is fitted anew, since without them it takes other values.
+Replay ReplayOf(const Observed& observed,
+                const Diagnosis& diagnosis,
+                const ReplayOptions& options);
+
+/// One sentence, and one for each thing a person should know of it.
+std::string ReplayText(const Replay& replay);
+
+/// `"replay"` of `diagnose --json`; null where there is none.
+nlohmann::ordered_json ReplayJson(const Replay& replay);
+
+}  // namespace caltwin
