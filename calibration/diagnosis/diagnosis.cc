@@ -269,22 +269,41 @@ void DropUnpredictive(const Observed& observed,
   }
 }
 
-// Where much remains that the named causes should have explained, they lose their
-// names.
+// Whether the rows tell how large it is: not where it stands at the end of what is
+// possible, nor where it may as well be nothing.
+bool HasSize(const Candidate& candidate, const Refined& refined) {
+  if (candidate.cause == "homing_scatter") return true;  // Its size is a scatter.
+  constexpr double kLeast_sds = 2;
+  constexpr double kAtEnd = 1e-6;
+  const auto parameters = EffectAt(candidate.effect).parameters;
+  for (std::size_t p = 0; p < parameters.size(); ++p) {
+    if (parameters[p].role != Role::kSize) continue;
+    const double size = refined.effect.values[p];
+    const double end = kAtEnd * (parameters[p].max - parameters[p].min);
+    if (std::abs(size) < kLeast_sds * refined.sds[p]) return false;
+    if (size > parameters[p].max - end) return false;
+    if (size < parameters[p].min + end) return false;
+  }
+  return true;
+}
+
+// Where much remains that the named causes should have explained, and where the rows do
+// not tell how large they are, they lose their names.
 void DoubtNames(const Observed& observed,
                 const std::vector<Candidate>& candidates,
                 SearchResult* search) {
-  constexpr double kLeastShare = 0.6;
-  constexpr double kMuch = 1.3;  // Of the noise floor.
+  constexpr double kLeastShare = 0.7;
   if (search->found.empty()) return;
-  const GainFigures gain =
-      GainOf(observed, candidates, *search, Refit(observed, candidates, *search));
+  const std::vector<Refined> refined = Refit(observed, candidates, *search);
+  const GainFigures gain = GainOf(observed, candidates, *search, refined);
   const double explained = std::accumulate(gain.shares.begin(), gain.shares.end(), 0.0);
-  const bool much_remains = gain.fitted_mm > kMuch * gain.noise_floor_mm;
   for (std::size_t i = 0; i < search->found.size(); ++i) {
     Found& found = search->found[i];
-    if (explained < kLeastShare && much_remains &&
-        !candidates[found.candidate].is_free()) {
+    const Candidate& candidate = candidates[found.candidate];
+    if (candidate.is_free()) continue;
+    const bool explains_little = explained < kLeastShare &&
+                                 !IsBeyondPrediction(observed, candidates, *search, i);
+    if (explains_little || !HasSize(candidate, refined[i])) {
       found.lost_its_name = true;
       found = FreeInstead(observed,
                           candidates,

@@ -280,7 +280,6 @@ GainFigures GainOf(const Observed& observed,
     gain.explained_fraction =
         std::min(1.0, (before2 - after2) / std::max(before2 - floor2, 1e-300));
     gain.shares = Shares(gainer, floor2);
-    gain.fitted_mm = std::sqrt(gainer.MeanSquare(gainer.All()));
     const std::vector<int> blocks = TimeBlocks(observed);
     const double with = gainer.Score(gainer.All(), blocks);
     for (std::size_t f = 0; f < gainer.num_findings(); ++f) {

@@ -22,6 +22,8 @@ constexpr int kFewRows = 3;
 // Above this no draw of noise was ever seen; the bootstrap would only say 0.
 constexpr double kBeyondDoubt_nats = 16;
 constexpr double kMostChance = 0.01;
+// The free forms' prior weight and handicap come to some eight.
+constexpr double kStoryOfMany_nats = 5;
 constexpr double kShownProbability = 0.01;
 constexpr int kNoiseRounds = 2;
 // A finding's own sizes are free: this many times what was found.
@@ -199,13 +201,26 @@ class Searcher {
       if (!IsFound(top.candidate, except) && IsPractical(candidate, top) &&
           RestsOnMany(circumstances, candidate, top)) {
         if (!IsBeyondChance(circumstances, weighing)) return std::nullopt;
-        Found found = FoundFrom(circumstances, weighing, top);
+        Found found = FoundFrom(circumstances, weighing, Nameable(weighing, top));
         // A free form that stands in for it may be there already.
         if (!IsFound(found.candidate, except)) return found;
       }
       DropTop(&weighing);
     }
     return std::nullopt;
+  }
+
+  // What may be reported of the likeliest: where a free form, prior weights and
+  // handicap apart, explains the rows about as well as a name, the name is one story of
+  // many.
+  const Weighed& Nameable(const Weighing& weighing, const Weighed& top) const {
+    if (candidates_[top.candidate].is_free()) return top;
+    for (const Weighed& other : weighing.ranked) {
+      const Candidate& free = candidates_[other.candidate];
+      const bool is_close = other.log_odds > top.log_odds - kStoryOfMany_nats;
+      if (free.is_free() && is_close && !IsFound(other.candidate, {})) return other;
+    }
+    return top;
   }
 
   // A cause is found once; twice, at other lags or periods, it only mends its form.
