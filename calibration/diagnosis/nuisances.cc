@@ -18,7 +18,7 @@ namespace {
 
 // How far a machine may be off before another word than calibration is needed.
 constexpr double kScaleSd_ppm = 3e4;
-constexpr double kBacklashSd_mm = 1;
+constexpr double kBacklashSd_mm = 0.2;
 constexpr double kPretravelSd_mm = 0.1;
 constexpr double kSlopeSd_mrad = 30;
 constexpr double kPlacementSd_mm = 100;

@@ -27,7 +27,7 @@ void RawMujocoStep(benchmark::State& state) {
   PhysicsPlant plant(Gantry(), 1, 0);
   const mjModel* model = plant.world().model();
   mjData* data = plant.world().data();
-  for (auto _ : state) mj_step(model, data);
+  while (state.KeepRunning()) mj_step(model, data);
 }
 BENCHMARK(RawMujocoStep);
 
@@ -35,7 +35,7 @@ BENCHMARK(RawMujocoStep);
 void WorldStep(benchmark::State& state) {
   PhysicsPlant plant(Gantry(), 1, 0);
   const Vec3<double> nuts_mm = plant.world().Nuts_mm();
-  for (auto _ : state) plant.world().Step(nuts_mm);
+  while (state.KeepRunning()) plant.world().Step(nuts_mm);
 }
 BENCHMARK(WorldStep);
 
@@ -62,7 +62,7 @@ void Touch(TwinPlant* plant, benchmark::State& state) {
   go(off, 40, Watch::Kind::kNothing);
   double machine_s = 0;
   const std::clock_t start = std::clock();
-  for (auto _ : state) {
+  while (state.KeepRunning()) {
     machine_s += go(in, 1, Watch::Kind::kProbeTriggered);
     machine_s += go(off, 40, Watch::Kind::kNothing);
   }
@@ -87,7 +87,7 @@ BENCHMARK(FastTouch)->Unit(benchmark::kMicrosecond);
 void MakeTwin(benchmark::State& state) {
   TwinConfig config{.machine = ReadMachine("models/gantry_router/machine.yaml")};
   config.settings = config.machine.settings;
-  for (auto _ : state) benchmark::DoNotOptimize(Twin(config));
+  while (state.KeepRunning()) benchmark::DoNotOptimize(Twin(config));
 }
 BENCHMARK(MakeTwin)->Unit(benchmark::kMillisecond);
 
@@ -97,7 +97,7 @@ void FirstLight(benchmark::State& state, Fidelity fidelity) {
   double machine_s = 0;
   double cpu_s = 0;
   double touches = 0;
-  for (auto _ : state) {
+  while (state.KeepRunning()) {
     const RunResult result = RunScenario(scenario, {.fidelity = fidelity});
     machine_s += result.machine_time_s;
     cpu_s += result.cpu_s;

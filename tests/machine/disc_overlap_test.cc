@@ -31,9 +31,9 @@ TEST(FirstContact, IsNowhereLowerThanAnyPointOfTheOverlap) {
 
     const double found_mm = uphill.dot(FirstContact_mm(edge, uphill));
 
-    for (double x = -4; x <= 8; x += 0.25) {
-      for (double y = 17; y <= 20; y += 0.25) {
-        const Eigen::Vector2d point(x, y);
+    for (int i = 0; i <= 48; ++i) {
+      for (int j = 0; j <= 12; ++j) {
+        const Eigen::Vector2d point(-4 + 0.25 * i, 17 + 0.25 * j);
         if ((point - edge.disc_mm).norm() > edge.radius_mm) continue;
         EXPECT_GE(found_mm, uphill.dot(point) - 1e-9) << k;
       }
