@@ -8,6 +8,7 @@
 #include <set>
 
 #include <Eigen/Core>
+#include <Eigen/LU>
 
 #include "calibration/diagnosis/baseline_fit.h"
 #include "calibration/diagnosis/covariate.h"
