@@ -15,9 +15,11 @@
 #include "calibration/diagnosis/diagnosis_json.h"
 #include "calibration/diagnosis/diagnosis_text.h"
 #include "calibration/diagnosis/extension.h"
+#include "calibration/diagnosis/pictures_json.h"
 #include "calibration/diagnosis/plausible.h"
 #include "calibration/diagnosis/replay.h"
 #include "calibration/diagnosis/volumetric.h"
+#include "renders/diagnosis_report.h"
 #include "scenarios/interrupt.h"
 #include "scenarios/machine_file.h"
 #include "sim/base/sha256.h"
@@ -40,6 +42,7 @@ struct Options {
   std::string file{};
   std::string machine{};
   std::string json{};
+  std::string report{};
   std::string extend{};
   std::string correction{};
   std::string controller{};
@@ -241,6 +244,7 @@ void WriteJson(const Options& options,
                                         .command = CommandOf(options)});
   tree["gain"]["volumetric"] = VolumetricJson(judged.volumetric);
   tree["replay"] = ReplayJson(judged.replay);
+  tree["show"] = ShowJson(PicturesDataOf(judged.observed, judged.diagnosis));
   if (text_notes.has_before) tree["changes"] = ChangesJson(text_notes.changes);
   const std::string json = tree.dump(kJsonIndent) + "\n";
   if (options.json == "-") {
@@ -248,6 +252,24 @@ void WriteJson(const Options& options,
   } else {
     WriteTextFile(options.json, json);
   }
+}
+
+void WriteReportOf(const Options& options,
+                   const Judged& judged,
+                   const TextNotes& text_notes) {
+  if (options.report.empty()) return;
+  WriteDiagnosisReport(
+      judged.diagnosis,
+      PicturesDataOf(judged.observed, judged.diagnosis),
+      {.data = options.file,
+       .text = DiagnosisText(judged.diagnosis, text_notes) + "\n" +
+               VolumetricText(judged.volumetric) + ReplayText(judged.replay),
+       .command = CommandOf(options),
+       .folder = options.report,
+       .measured = text_notes.measured,
+       .version = CALTWIN_VERSION,
+       .seed = options.seed},
+      options.report);
 }
 
 int Run(const Options& options) {
@@ -268,15 +290,16 @@ int Run(const Options& options) {
   }
   auto& remarks = judged.diagnosis.remarks;
   remarks.insert(remarks.begin(), data.notes.begin(), data.notes.end());
+  if (judged.diagnosis.verdict == Verdict::kNone) {
+    notes.would_show = WhatRowsWouldShow(judged.observed, judged.diagnosis);
+  }
   if (options.json != "-") {
-    if (judged.diagnosis.verdict == Verdict::kNone) {
-      notes.would_show = WhatRowsWouldShow(judged.observed, judged.diagnosis);
-    }
     std::cout << DiagnosisText(judged.diagnosis, notes) << "\n"
               << VolumetricText(judged.volumetric) << ReplayText(judged.replay);
   }
   const std::string extended = WriteExtension(options, believed, judged.diagnosis);
   WriteCorrection(options, judged);
+  WriteReportOf(options, judged, notes);
   if (!options.json.empty()) WriteJson(options, believed, judged, notes, extended);
   return kPassed;
 }
@@ -290,6 +313,7 @@ Action DeclareDiagnose(CLI::App* app) {
       "--machine", options->machine, "a name, a machine file, or an extension");
   app->add_option(
       "--json", options->json, "write the diagnosis as JSON; - for stdout alone");
+  app->add_option("--report", options->report, "write an HTML report to this folder");
   app->add_option("--extend", options->extend, "write the extended machine");
   app->add_option("--before", options->before, "earlier rows: tell what changed since");
   CLI::Option* controller =
