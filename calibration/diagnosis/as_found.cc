@@ -107,17 +107,18 @@ bool BuildIn(const BaselineLine& line,
          BuildPretravel(line.value, *axis, machine, effects);
 }
 
-AsFound AsFoundBy(const Observed& observed, const Diagnosis& diagnosis) {
-  AsFound as_found{.baseline = observed.effects()};
-  for (const BaselineLine& line : diagnosis.baseline) {
-    if (BuildIn(line, observed.machine(), &as_found.baseline)) {
+AsFound AsFoundBy(const Observed& observed,
+                  const std::vector<BaselineLine>& baseline,
+                  const std::vector<Finding>& findings) {
+  AsFound as_found{.effects = observed.effects()};
+  for (const BaselineLine& line : baseline) {
+    if (BuildIn(line, observed.machine(), &as_found.effects)) {
       as_found.built.insert(line.name);
     }
   }
-  as_found.with_found = as_found.baseline;
-  for (std::size_t i = 0; i < diagnosis.findings.size(); ++i) {
-    if (const auto effect = EffectOf(diagnosis.findings[i])) {
-      as_found.with_found.push_back(*effect);
+  for (std::size_t i = 0; i < findings.size(); ++i) {
+    if (const auto effect = EffectOf(findings[i])) {
+      as_found.effects.push_back(*effect);
     } else {
       as_found.not_built.push_back(i);
     }

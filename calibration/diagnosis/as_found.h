@@ -27,13 +27,14 @@ bool BuildIn(const BaselineLine& line,
              const Machine& machine,
              std::vector<Injected>* effects);
 
-/// The machine as diagnosis found it.
+/// The machine as a diagnosis found it.
 struct AsFound {
-  std::vector<Injected> baseline{};      ///< As believed, with the baseline as fitted.
-  std::vector<Injected> with_found{};    ///< The findings too.
-  std::set<std::string> built{};         ///< Lines of the baseline that are built in.
+  std::vector<Injected> effects{};  ///< As believed, baseline and findings built in.
+  std::set<std::string> built{};    ///< Lines of the baseline that are.
   std::vector<std::size_t> not_built{};  ///< Findings that cannot be.
 };
-AsFound AsFoundBy(const Observed& observed, const Diagnosis& diagnosis);
+AsFound AsFoundBy(const Observed& observed,
+                  const std::vector<BaselineLine>& baseline,
+                  const std::vector<Finding>& findings);
 
 }  // namespace caltwin

@@ -34,28 +34,40 @@ Eigen::VectorXd SigmaOf(const Observed& observed, const Diagnosis& diagnosis) {
   return sigma_mm;
 }
 
-// What is left of readings once these columns are fitted to them, priors counting as a
+// The values of columns, in their units, that fit readings best; priors count as a
 // reading each.
-Eigen::VectorXd LeftOf(const Eigen::VectorXd& left_mm,
+Eigen::VectorXd FitOf(const Eigen::VectorXd& left_mm,
+                      const std::vector<Nuisance>& columns,
+                      const Eigen::VectorXd& sigma_mm) {
+  const Eigen::Index n = left_mm.size();
+  const auto k = static_cast<Eigen::Index>(columns.size());
+  Eigen::MatrixXd white = Eigen::MatrixXd::Zero(n + k, k);
+  Eigen::VectorXd right = Eigen::VectorXd::Zero(n + k);
+  Eigen::VectorXd prior_sd(k);
+  for (Eigen::Index c = 0; c < k; ++c) {
+    const Nuisance& column = columns[static_cast<std::size_t>(c)];
+    prior_sd[c] = column.prior_sd;
+    white.col(c).head(n) = column.column_mm * column.prior_sd;
+  }
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const double weight = sigma_mm[i] > 0 ? 1 / sigma_mm[i] : 0;
+    white.row(i) *= weight;
+    right[i] = left_mm[i] * weight;
+  }
+  white.bottomRows(k).setIdentity();
+  return prior_sd.cwiseProduct(SolveLinear(white, right).x);
+}
+
+// What they leave.
+Eigen::VectorXd LeftOf(Eigen::VectorXd left_mm,
                        const std::vector<Nuisance>& columns,
                        const Eigen::VectorXd& sigma_mm) {
   if (columns.empty()) return left_mm;
-  const Eigen::Index n = left_mm.size();
-  const auto k = static_cast<Eigen::Index>(columns.size());
-  Eigen::MatrixXd plain(n, k);
-  for (Eigen::Index c = 0; c < k; ++c) {
-    const Nuisance& column = columns[static_cast<std::size_t>(c)];
-    plain.col(c) = column.column_mm * column.prior_sd;
+  const Eigen::VectorXd values = FitOf(left_mm, columns, sigma_mm);
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    left_mm -= columns[c].column_mm * values[static_cast<Eigen::Index>(c)];
   }
-  Eigen::MatrixXd white = Eigen::MatrixXd::Zero(n + k, k);
-  Eigen::VectorXd right = Eigen::VectorXd::Zero(n + k);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    if (sigma_mm[i] == 0) continue;
-    white.row(i) = plain.row(i) / sigma_mm[i];
-    right[i] = left_mm[i] / sigma_mm[i];
-  }
-  white.bottomRows(k).setIdentity();
-  return left_mm - plain * SolveLinear(white, right).x;
+  return left_mm;
 }
 
 double Rms_mm(const Eigen::VectorXd& left_mm, const Eigen::VectorXd& sigma_mm) {
@@ -69,46 +81,76 @@ double Rms_mm(const Eigen::VectorXd& left_mm, const Eigen::VectorXd& sigma_mm) {
   return std::sqrt(sum / std::max(rows, 1));
 }
 
+// A twin of the machine with these findings, the baseline as it is beside them.
+struct Extended {
+  AsFound as_found{};
+  std::vector<Nuisance> not_built{};  ///< Columns of the baseline that it lacks.
+};
+
+Extended ExtendedBy(const Observed& observed,
+                    const std::vector<Finding>& findings,
+                    const Eigen::VectorXd& sigma_mm) {
+  std::vector<Nuisance> found;
+  Eigen::VectorXd change_mm = Eigen::VectorXd::Zero(observed.num_rows());
+  for (const Finding& finding : findings) {
+    found.push_back({.name = finding.cause, .column_mm = finding.change_mm});
+    change_mm += finding.change_mm;
+  }
+  const Observed at = AtBaseline(observed, found);
+  const std::vector<Nuisance> baseline = BaselineOf(at);
+  const Eigen::VectorXd values =
+      FitOf(at.residual_mm() - change_mm, baseline, sigma_mm);
+  std::vector<BaselineLine> lines;
+  for (std::size_t k = 0; k < baseline.size(); ++k) {
+    lines.push_back(
+        {.name = baseline[k].name,
+         .value = baseline[k].offset + values[static_cast<Eigen::Index>(k)]});
+  }
+  Extended extended{.as_found = AsFoundBy(observed, lines, findings)};
+  for (const Nuisance& one : baseline) {
+    if (!extended.as_found.built.contains(one.name)) extended.not_built.push_back(one);
+  }
+  return extended;
+}
+
 class Replayer {
  public:
   Replayer(const Observed& observed,
            const Diagnosis& diagnosis,
            const ReplayOptions& options)
       : observed_(observed),
-        diagnosis_(diagnosis),
         options_(options),
-        as_found_(AsFoundBy(observed, diagnosis)),
-        baseline_(BaselineOf(AtBaseline(observed))),
         sigma_mm_(SigmaOf(observed, diagnosis)) {}
 
-  Replay Make() {
+  Replay Make(const std::vector<Finding>& findings) {
     Replay replay{.is_generic_model = observed_.machine().model.empty(),
                   .rows = static_cast<int>((sigma_mm_.array() > 0).count())};
-    const Eigen::VectorXd without_mm = Read_mm(as_found_.baseline, Fidelity::kPhysics);
-    const Eigen::VectorXd with_mm =
-        diagnosis_.findings.empty() ? without_mm
-                                    : Read_mm(as_found_.with_found, Fidelity::kPhysics);
-    if (was_interrupted_) return {.why_not = "The replay was interrupted."};
-    Compare(with_mm - Read_mm(as_found_.with_found, Fidelity::kFast), &replay);
-    std::vector<Nuisance> not_built;
-    for (const Nuisance& one : baseline_) {
-      if (!as_found_.built.contains(one.name)) not_built.push_back(one);
-    }
+    const Extended with = ExtendedBy(observed_, findings, sigma_mm_);
+    const Eigen::VectorXd with_mm = Read_mm(with, Fidelity::kPhysics);
+    Compare(with_mm - Read_mm(with, Fidelity::kFast), &replay);
     Eigen::VectorXd rest_mm = Measured_mm() - with_mm;
-    for (const std::size_t i : as_found_.not_built) {
-      const Finding& finding = diagnosis_.findings[i];
+    for (const std::size_t i : with.as_found.not_built) {
+      const Finding& finding = findings[i];
       replay.as_fitted.push_back(
           finding.axis.empty() ? finding.cause : finding.cause + "." + finding.axis);
       rest_mm -= finding.change_mm;
     }
-    replay.left_before_mm = LeftOf(Measured_mm() - without_mm, baseline_, sigma_mm_);
-    replay.left_after_mm = LeftOf(rest_mm, not_built, sigma_mm_);
+    replay.left_after_mm = LeftOf(rest_mm, with.not_built, sigma_mm_);
+    replay.left_before_mm = findings.empty() ? replay.left_after_mm : LeftBefore_mm();
     replay.before_mm = Rms_mm(replay.left_before_mm, sigma_mm_);
     replay.after_mm = Rms_mm(replay.left_after_mm, sigma_mm_);
+    if (was_interrupted_) return {.why_not = "The replay was interrupted."};
     return replay;
   }
 
  private:
+  Eigen::VectorXd LeftBefore_mm() {
+    const Extended without = ExtendedBy(observed_, {}, sigma_mm_);
+    return LeftOf(Measured_mm() - Read_mm(without, Fidelity::kPhysics),
+                  without.not_built,
+                  sigma_mm_);
+  }
+
   Eigen::VectorXd Measured_mm() const {
     Eigen::VectorXd values_mm(observed_.num_rows());
     for (Eigen::Index i = 0; i < values_mm.size(); ++i) {
@@ -117,9 +159,9 @@ class Replayer {
     return values_mm;
   }
 
-  Eigen::VectorXd Read_mm(const std::vector<Injected>& effects, Fidelity fidelity) {
+  Eigen::VectorXd Read_mm(const Extended& twin, Fidelity fidelity) {
     const RowTable table = Perform({.machine = observed_.machine(),
-                                    .effects = effects,
+                                    .effects = twin.as_found.effects,
                                     .header = observed_.header(),
                                     .fidelity = fidelity,
                                     .is_noisy = false,
@@ -145,10 +187,7 @@ class Replayer {
   }
 
   const Observed& observed_;
-  const Diagnosis& diagnosis_;
   const ReplayOptions& options_;
-  AsFound as_found_;
-  std::vector<Nuisance> baseline_;
   Eigen::VectorXd sigma_mm_;
   bool was_interrupted_ = false;
 };
@@ -183,7 +222,7 @@ Replay ReplayOf(const Observed& observed,
                 options.most_rows)};
   }
   try {
-    return Replayer(observed, diagnosis, options).Make();
+    return Replayer(observed, diagnosis, options).Make(diagnosis.findings);
   } catch (const InputError& error) {
     return {.why_not = fmt::format("Not replayed in MuJoCo: {}.", error.what())};
   }

@@ -37,10 +37,12 @@ struct ReplayOptions {
   std::function<bool()> interrupted{};
 };
 
-/// Replays the rows. What cannot be built into a machine (where artefacts lie, the
-/// zeros of gauges, sizes within their certificates, each homing's place) is fitted as
-/// the diagnosis fits it, by the same columns and priors; before the findings act, the
-/// whole baseline is fitted anew, since without them it takes other values.
+/// Replays the rows. The baseline is fitted beside the findings as they are stated, and
+/// once more without them, since it then takes other values; each goes into a twin of
+/// its own. What cannot be built into a machine (where artefacts lie, the zeros of
+/// gauges, sizes within their certificates, each homing's place) is then fitted to what
+/// that twin leaves. The freedom of form that a finding was granted is not: what it
+/// took shows in the rest.
 Replay ReplayOf(const Observed& observed,
                 const Diagnosis& diagnosis,
                 const ReplayOptions& options);
