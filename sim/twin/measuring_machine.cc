@@ -1,7 +1,9 @@
 #include "sim/twin/measuring_machine.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -11,6 +13,7 @@
 #include "sim/effects/acts/acts.h"
 #include "sim/effects/injected.h"
 #include "sim/effects/surroundings.h"
+#include "sim/twin/gap_sense.h"
 
 namespace caltwin {
 namespace {
@@ -81,8 +84,9 @@ MeasuringMachine::MeasuringMachine(const Machine& machine,
 // comes; 0 leaves it in the middle of its gap.
 void MeasuringMachine::Prepare(const At& at, const Vec3<double>& sense) {
   built_.now = at;
+  told_dir_ = at.dir;
   const Machine& machine = built_.machine;
-  const Vec3<double> lost_mm =
+  Vec3<double> play_mm =
       ErrorsAt<double>(machine, built_.AtAxes(at.q_mm), built_.effects).lost_motion_mm;
   const Vec3<double> local_mm = built_.LocalLostMotion_mm(at.q_mm);
   for (const Axis axis : kAxes) {
@@ -93,13 +97,18 @@ void MeasuringMachine::Prepare(const At& at, const Vec3<double>& sense) {
     gap_mm_[i] = gap_mm;
     world_->SetRailFriction_n(axis,
                               Known(at.load_n) ? at.load_n : drawing.rail_friction_n);
-    double play_mm = lost_mm[i];
-    if (!WeightKeepsGapShut(axis, drawing)) {
-      play_mm +=
-          drawn_gap_mm_[i] -
-          BuiltValue(machine, built_.effects, EffectIndex<Backlash>(), Name(axis), 0);
-    }
-    lag_mm_[i] = built_.lag_center_mm[i] - sense[i] * play_mm / 2;
+    if (WeightKeepsGapShut(axis, drawing)) continue;
+    play_mm[i] +=
+        drawn_gap_mm_[i] -
+        BuiltValue(machine, built_.effects, EffectIndex<Backlash>(), Name(axis), 0);
+  }
+  built_.now.dir = GapSense(at, play_mm);
+  for (int i = 0; i < 3; ++i) {
+    crossed_mm_[i] = std::numeric_limits<double>::infinity();
+    lag_mm_[i] = built_.lag_center_mm[i] - sense[i] * play_mm[i] / 2;
+    if (built_.now.dir[i] == at.dir[i]) continue;
+    crossed_mm_[i] = at.since_rev_mm[i] + at.compensation_mm[i];
+    lag_mm_[i] += sense[i] * (play_mm[i] - crossed_mm_[i]);
   }
   world_->MoveTool_mm(built_.ToolOffset_mm(at.q_mm));
 }
@@ -112,15 +121,39 @@ Vec3<double> MeasuringMachine::Nuts_mm(const Vec3<double>& q_mm) const {
   for (const Axis axis : kAxes) {
     const int i = Index(axis);
     const double home_mm = built_.machine.axis(axis).home_mm();
-    const double travel_mm = q_mm[i] - home_mm + at.dir[i] * at.compensation_mm[i] / 2;
+    const double travel_mm =
+        q_mm[i] - home_mm + told_dir_[i] * at.compensation_mm[i] / 2;
     nuts_mm[i] += home_mm + travel_mm * at.steps_per_mm[i] / built_.steps_per_mm[i];
   }
   return nuts_mm;
 }
 
+// To where the row has the axes, each from `way_mm` before it; of one within its gap
+// from where it left the other side, if that is nearer.
+MeasuringMachine::Way MeasuringMachine::WayOf(const At& at,
+                                              const Vec3<double>& sense,
+                                              double way_mm) const {
+  Way way;
+  for (int i = 0; i < 3; ++i) {
+    way.feed_mm_s[i] =
+        kReadingFeed_mm_s * sense[i] * std::min(1.0, crossed_mm_[i] / way_mm);
+  }
+  way.from_mm = at.q_mm - way_mm / kReadingFeed_mm_s * way.feed_mm_s;
+  return way;
+}
+
+// A carriage whose nut is within its gap stands, as it will in the end.
 void MeasuringMachine::Stand(const Way& way) {
   const Vec3<double> nuts_mm = Nuts_mm(way.from_mm);
-  world_->Place(nuts_mm, nuts_mm + lag_mm_, way.feed_mm_s, way.feed_mm_s);
+  const Vec3<double> end_nuts_mm = Nuts_mm(built_.now.q_mm);
+  Vec3<double> carriages_mm = nuts_mm + lag_mm_;
+  Vec3<double> carriages_mm_s = way.feed_mm_s;
+  for (int i = 0; i < 3; ++i) {
+    if (std::isinf(crossed_mm_[i])) continue;
+    carriages_mm[i] = end_nuts_mm[i] + lag_mm_[i];
+    carriages_mm_s[i] = 0;
+  }
+  world_->Place(nuts_mm, carriages_mm, way.feed_mm_s, carriages_mm_s);
 }
 
 void MeasuringMachine::Step(const Way& way, int step) {
@@ -137,8 +170,11 @@ bool MeasuringMachine::GoesSteadily(const Way& way, int steps) {
       lag_before_mm = world_->Carriages_mm() - world_->Nuts_mm();
     }
   }
-  const Vec3<double> behind_mm =
+  Vec3<double> behind_mm =
       (world_->Carriages_mm() - world_->Nuts_mm() - lag_before_mm).cwiseAbs();
+  for (int i = 0; i < 3; ++i) {
+    if (!std::isinf(crossed_mm_[i])) behind_mm[i] = 0;
+  }
   return behind_mm.maxCoeff() <=
          kFallsBehind * kStepsWatched * kTimestep_s * kReadingFeed_mm_s;
 }
@@ -153,9 +189,7 @@ double MeasuringMachine::Position_mm(const At& at) {
   for (const double way_mm : kWays_mm) {
     const int steps =
         static_cast<int>(std::lround(way_mm / (kReadingFeed_mm_s * kTimestep_s)));
-    Way way{.feed_mm_s = kReadingFeed_mm_s * sense};
-    way.from_mm = at.q_mm - steps * kTimestep_s * way.feed_mm_s;
-    if (GoesSteadily(way, steps)) break;
+    if (GoesSteadily(WayOf(at, sense, way_mm), steps)) break;
   }
   return (world_->Tip_mm() - at.Tip_mm()).dot(at.n);
 }

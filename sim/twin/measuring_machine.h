@@ -16,7 +16,8 @@ namespace caltwin {
 ///
 /// A person may have changed the model (bent a rail, opened a gap, turned an axis, put
 /// a shape on the table): nothing here knows what it ought to be. Where a gap is found
-/// not to be taken up, the machine comes from further away.
+/// not to be taken up, the machine comes from further away; where the row says that an
+/// axis has turned round less than its gap ago, its nut comes no further than that.
 class MeasuringMachine {
  public:
   MeasuringMachine(const Machine& machine, const std::vector<Injected>& effects);
@@ -38,6 +39,7 @@ class MeasuringMachine {
     Vec3<double> At(double t_s) const { return from_mm + t_s * feed_mm_s; }
   };
   void Prepare(const At& at, const Vec3<double>& sense);
+  Way WayOf(const At& at, const Vec3<double>& sense, double way_mm) const;
   Vec3<double> Nuts_mm(const Vec3<double>& q_mm) const;
   void Stand(const Way& way);
   void Step(const Way& way, int step);
@@ -52,6 +54,10 @@ class MeasuringMachine {
   Vec3<double> drawn_gap_mm_ = Vec3<double>::Zero();  ///< As the model has them.
   Vec3<double> gap_mm_ = Vec3<double>::Zero();        ///< As they are now.
   Vec3<double> lag_mm_ = Vec3<double>::Zero();        ///< Carriage minus nut, expected.
+  Vec3<double> told_dir_ = Vec3<double>::Zero();      ///< As the row has it.
+  /// How far the nut of an axis that stands within its gap has come since it left the
+  /// other side; infinite where it pushes.
+  Vec3<double> crossed_mm_ = Vec3<double>::Zero();
 };
 
 }  // namespace caltwin

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "sim/effects/predict.h"
+#include "sim/twin/gap_sense.h"
 #include "sim/twin/measuring_machine.h"
 #include "sim/twin/readings.h"
 
@@ -14,6 +15,13 @@ namespace {
 constexpr int kMostRounds = 200;
 constexpr int kPlainRounds = 10;
 constexpr double kSolved_mm = 1e-12;
+
+// The closed form knows how far an axis has crossed its gap by the sense alone.
+At InGap(const PerformConfig& config, At at) {
+  at.dir =
+      GapSense(at, ErrorsAt<double>(config.machine, at, config.effects).lost_motion_mm);
+  return at;
+}
 
 // The reading for which the closed form, asked at the trigger it implies, gives that
 // same reading. Halved steps once plain ones do not settle: steep waves.
@@ -40,11 +48,12 @@ class Reader {
 
   double Position_mm(const At& at) {
     if (machine_) return machine_->Position_mm(at);
-    return Predict_mm<double>(config_.machine, at, config_.effects);
+    return Predict_mm<double>(config_.machine, InGap(config_, at), config_.effects);
   }
 
   double Touch_mm(const Row& row, At at) {
     if (machine_) return machine_->Touch_mm(row, at);
+    at = InGap(config_, at);
     // A release comes at a smaller deflection.
     return SolveTouch_mm(config_, row, &at) +
            (IsRelease(row) ? config_.machine.probe.hysteresis_mm : 0);
