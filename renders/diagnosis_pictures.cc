@@ -1,6 +1,8 @@
 #include "renders/diagnosis_pictures.h"
 
 #include <algorithm>
+#include <array>
+#include <cctype>
 #include <cmath>
 #include <cstddef>
 #include <numeric>
@@ -117,12 +119,15 @@ DiagnosisPicture FindingPicture(const FindingSeries& series, std::size_t number)
                .y_min = y.min,
                .y_max = y.max});
   chart.Band(band[0], band[1], "2 sigma of a reading");
-  if (series.split_labels.size() == 2) {
-    const Pair forward = RowsOf(series, 0, scale.unit);
-    const Pair backward = RowsOf(series, 1, scale.unit);
-    chart.Points(forward.at, forward.before_um, Ink::kBefore, "before, forward");
-    chart.Points(backward.at, backward.before_um, Ink::kThird, "before, backward");
-  } else {
+  const std::array inks = {Ink::kBefore, Ink::kThird, Ink::kDim};
+  for (std::size_t part = 0; part < series.split_labels.size(); ++part) {
+    const Pair rows = RowsOf(series, static_cast<int>(part), scale.unit);
+    chart.Points(rows.at,
+                 rows.before_um,
+                 inks.at(part),
+                 (part == 0 ? "before: " : "") + series.split_labels[part]);
+  }
+  if (series.split_labels.empty()) {
     chart.Points(all.at, all.before_um, Ink::kBefore, "before");
   }
   chart.Points(all.at, all.after_um, Ink::kAfter, "after");
@@ -167,37 +172,55 @@ void ShadeHidden(const Periodogram& one, Chart* chart) {
     while (end + 1 < count && !std::isfinite(one.before_um[end + 1])) ++end;
     const double from = one.period_mm[i > 0 ? i - 1 : i];
     const double to = one.period_mm[end + 1 < count ? end + 1 : end];
-    // The gap between harmonics of a turn and four full steps was not asked.
-    if (from / to < 3) chart->Shade(from, to);
+    chart->Shade(from, to);
     i = end;
   }
 }
 
-// The same without a line across periods that were not asked.
-std::vector<double> Broken(const Periodogram& one, const std::vector<double>& values) {
-  std::vector<double> broken = values;
-  for (std::size_t i = 1; i < broken.size(); ++i) {
-    if (one.period_mm[i - 1] > 1.9 * one.period_mm[i] && i > 2) {
-      broken[i] = std::nan("");
-    }
+// What the periods about four full steps hold, in a sentence.
+std::string OfSteps(const Periodogram& one, std::size_t first) {
+  double most_um = -1;
+  for (std::size_t i = first; i < one.before_um.size(); ++i) {
+    if (std::isfinite(one.before_um[i])) most_um = std::max(most_um, one.before_um[i]);
   }
-  return broken;
+  if (most_um < 0) {
+    return fmt::format("Waves of four full steps ({:.3g} mm) cannot be told here.",
+                       one.four_full_steps_mm);
+  }
+  return fmt::format("About four full steps ({:.3g} mm): {:.2g} µm at most.",
+                     one.four_full_steps_mm,
+                     most_um);
+}
+
+// The periods of turns alone.
+Periodogram OfTurns(const Periodogram& one) {
+  Periodogram turns = one;
+  const std::size_t count = NumOfTurns(one);
+  turns.period_mm.resize(count);
+  turns.before_um.resize(count);
+  turns.after_um.resize(count);
+  return turns;
 }
 
 }  // namespace
 
-DiagnosisPicture PeriodogramPicture(const Periodogram& one) {
-  const std::string axis = Letter(one.axis);
-  const std::string part = one.is_belt ? "pulley" : "screw";
+DiagnosisPicture PeriodogramPicture(const Periodogram& all) {
+  const std::string axis = Letter(all.axis);
+  const std::string part = all.is_belt ? "pulley" : "screw";
+  const Periodogram one = OfTurns(all);
   DiagnosisPicture picture{
       .name = "periodogram_" + one.axis,
       .title = fmt::format("Waves along {}", axis),
       .caption = fmt::format(
           "Amplitude of the wave of each period that fits the readings best beside the "
-          "baseline. Highest at {:.4g} mm. Grey: periods that these positions cannot "
-          "tell from the baseline. Noise alone passes the dashed line in one of a "
-          "hundred such pictures.",
-          PeakPeriod_mm(one))};
+          "baseline and a bend; highest at {:.4g} mm. Grey: periods that these "
+          "positions "
+          "cannot tell from the baseline. Noise alone passes the dashed line in one of "
+          "a "
+          "hundred such pictures. {}",
+          PeakPeriod_mm(one),
+          OfSteps(all, one.period_mm.size()))};
+  if (one.period_mm.size() < 2) return picture;
   const std::vector<double> top = {0, one.noise_um};
   const Range y = RangeOf({&one.before_um, &one.after_um, &top}, 0.08);
   Chart chart({.x_label = "period [mm]",
@@ -211,14 +234,12 @@ DiagnosisPicture PeriodogramPicture(const Periodogram& one) {
                    {fmt::format("period [turns of the {}]", part), one.lead_mm},
                    {"period [four full steps of the motor]", one.four_full_steps_mm}}});
   ShadeHidden(one, &chart);
-  chart.Vertical(one.four_full_steps_mm, "4 full steps");
   chart.Vertical(one.lead_mm / 4, "1/4");
   chart.Vertical(one.lead_mm / 3, "1/3");
   chart.Vertical(one.lead_mm / 2, "1/2");
   chart.Vertical(one.lead_mm, "1 turn");
-  chart.Line(one.period_mm, Broken(one, one.before_um), Ink::kBefore, "baseline alone");
-  chart.Line(
-      one.period_mm, Broken(one, one.after_um), Ink::kAfter, "with the findings");
+  chart.Line(one.period_mm, one.before_um, Ink::kBefore, "baseline alone");
+  chart.Line(one.period_mm, one.after_um, Ink::kAfter, "with the findings");
   chart.Horizontal(one.noise_um, "noise, 99 %");
   picture.svg = chart.Svg();
   return picture;

@@ -65,6 +65,26 @@ std::vector<Named> Occurring(const std::array<Named, kSize>& all,
   return occurring;
 }
 
+// Parted where it is nearest to the middle.
+std::vector<std::string> TwoLines(const std::string& text, char at) {
+  constexpr std::size_t kShort = 8;
+  std::size_t best = std::string::npos;
+  const auto off = [&](std::size_t i) {
+    return std::abs(2 * static_cast<double>(i) - static_cast<double>(text.size()));
+  };
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] != at) continue;
+    if (best == std::string::npos || off(i) < off(best)) best = i;
+  }
+  if (best == std::string::npos || text.size() <= kShort) return {text};
+  return {text.substr(0, best), text.substr(best + 1)};
+}
+
+// The size, `wanted` or smaller, at which a text is no wider than `width`.
+double FittingSize(std::string_view text, double wanted, double width) {
+  return std::min(wanted, wanted * width / std::max(TextWidth(text, wanted), 1.0));
+}
+
 std::string CellSvg(const EvidenceCell& cell,
                     double left,
                     double top,
@@ -91,10 +111,12 @@ std::string CellSvg(const EvidenceCell& cell,
   };
   svg += text(
       top + 19, 13, fmt::format("{:.{}f}", cell.log_odds, cell.log_odds < 10 ? 1 : 0));
-  std::string name = cell.cause;
-  const double size =
-      std::min(9.5, 9.5 * (width - 8) / std::max(TextWidth(name, 9.5), 1.0));
-  return svg + text(top + 32, std::max(size, 6.5), name);
+  double y = top + 32;
+  for (const std::string& line : TwoLines(cell.cause, '_')) {
+    svg += text(y, FittingSize(line, 10, width - 6), line);
+    y += 11;
+  }
+  return svg;
 }
 
 }  // namespace
@@ -114,7 +136,7 @@ DiagnosisPicture EvidencePicture(const PicturesData& data) {
       Occurring(kCovariates, data.evidence_map, &EvidenceCell::covariate);
   const auto rows = Occurring(kChannels, data.evidence_map, &EvidenceCell::channel);
   if (columns.empty() || rows.empty()) return picture;
-  constexpr double kLeft = 116, kTop = 30, kRow = 42;
+  constexpr double kLeft = 116, kTop = 36, kRow = 52;
   const double width =
       std::min(120.0, (kWidth - kLeft - 6) / static_cast<double>(columns.size()));
   const double most = std::max(
@@ -122,18 +144,18 @@ DiagnosisPicture EvidencePicture(const PicturesData& data) {
   std::string svg = SvgOpen(
       kWidth, kTop + kRow * static_cast<double>(rows.size()) + 6, picture.title);
   for (std::size_t c = 0; c < columns.size(); ++c) {
-    const double size = std::min(
-        12.0, 12.0 * (width - 4) / std::max(TextWidth(columns[c].shown, 12), 1.0));
-    svg += SvgText(kLeft + width * (static_cast<double>(c) + 0.5),
-                   20,
-                   columns[c].shown,
-                   "middle",
-                   Ink::kText,
-                   size);
+    const double middle = kLeft + width * (static_cast<double>(c) + 0.5);
+    const auto lines = TwoLines(std::string(columns[c].shown), ' ');
+    double y = lines.size() > 1 ? 14 : 27;
+    for (const std::string& line : lines) {
+      const double size = FittingSize(line, 12, width - 4);
+      svg += SvgText(middle, y, line, "middle", Ink::kText, size);
+      y += 13;
+    }
   }
   for (std::size_t r = 0; r < rows.size(); ++r) {
     const double top = kTop + kRow * static_cast<double>(r);
-    svg += SvgText(kLeft - 8, top + 25, rows[r].shown, "end");
+    svg += SvgText(kLeft - 8, top + 30, rows[r].shown, "end");
     for (std::size_t c = 0; c < columns.size(); ++c) {
       for (const EvidenceCell& cell : data.evidence_map) {
         if (cell.channel != rows[r].word || cell.covariate != columns[c].word) continue;

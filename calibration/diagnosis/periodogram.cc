@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 #include <set>
+#include <utility>
 
 #include <Eigen/Core>
 #include <Eigen/LU>
@@ -38,10 +39,8 @@ class Waves {
       : observed_(AtBaseline(observed)),
         axis_(axis),
         shows_(ChannelOf(observed_, Name(axis))),
-        evidence_(observed_,
-                  {diagnosis.sigma_mm, 0},
-                  BaselineOf(observed_),
-                  LeftOut(diagnosis)),
+        evidence_(
+            observed_, {diagnosis.sigma_mm, 0}, BaselineAndBend(), LeftOut(diagnosis)),
         before_(evidence_.Whiten(diagnosis.residual_before_mm)),
         after_(evidence_.Whiten(diagnosis.residual_after_mm)) {}
 
@@ -55,7 +54,7 @@ class Waves {
   }
 
   Wave At(double per_mm) const {
-    constexpr double kLeastVisible = 0.05;
+    constexpr double kLeastVisible = 0.15;
     Eigen::MatrixXd columns(shows_.size(), 2);
     for (Eigen::Index i = 0; i < shows_.size(); ++i) {
       const double angle = 2 * std::numbers::pi * per_mm * Q_mm(i);
@@ -63,16 +62,16 @@ class Waves {
       columns(i, 1) = shows_[i] * std::cos(angle);
     }
     const Eigen::MatrixXd white = evidence_.Whiten(columns);
-    const Eigen::Matrix2d gram = evidence_.Project(white).gram;
+    const Eigen::MatrixXd left = evidence_.Left(white);
+    const Eigen::Matrix2d gram = left.transpose() * left;
     const double whole = white.squaredNorm() / 2;
     const double mean = gram.trace() / 2;
     const double spread = std::hypot((gram(0, 0) - gram(1, 1)) / 2, gram(0, 1));
     Wave wave;
     if (mean - spread < kLeastVisible * whole) return wave;
     const Eigen::Matrix2d inverse = gram.inverse();
-    // The residuals have the baseline taken off: what they match is projected too.
-    wave.before_mm = (inverse * (white.transpose() * before_)).norm();
-    wave.after_mm = (inverse * (white.transpose() * after_)).norm();
+    wave.before_mm = (inverse * (left.transpose() * before_)).norm();
+    wave.after_mm = (inverse * (left.transpose() * after_)).norm();
     wave.variance_mm2 = inverse.trace() / 2;
     return wave;
   }
@@ -88,6 +87,21 @@ class Waves {
     }
     return out;
   }
+  // A bend would leak into every wave.
+  std::vector<Nuisance> BaselineAndBend() const {
+    constexpr double kFree = 1e3;  // In units of 1 mm at the ends.
+    std::vector<Nuisance> all = BaselineOf(observed_);
+    const auto along = CovariateOf(observed_, Name(axis_));
+    if (!along) return all;
+    for (const int power : {2, 3}) {
+      Nuisance bend{.column_mm = shows_, .prior_sd = kFree, .reported = false};
+      for (Eigen::Index i = 0; i < shows_.size(); ++i) {
+        bend.column_mm[i] *= std::pow(along->Scaled(along->values[i]), power);
+      }
+      all.push_back(std::move(bend));
+    }
+    return all;
+  }
   bool IsAlong(Eigen::Index i) const { return std::abs(shows_[i]) > kAlong; }
   double Q_mm(Eigen::Index i) const { return observed_.at(i).q_mm[Index(axis_)]; }
 
@@ -98,13 +112,14 @@ class Waves {
   Eigen::VectorXd before_, after_;
 };
 
-// Frequencies in 1/mm, ascending: from one wave over the span to the harmonics of a
+// Frequencies in 1/mm, ascending: from two waves over the span to the harmonics of a
 // turn, then those about four full steps.
 std::vector<double> Frequencies_per_mm(double span_mm, const Periodogram& shape) {
   const double last = kMostHarmonic / shape.lead_mm;
   const double step = std::max(1 / (kLinesPerSpan * span_mm), last / kMostLines);
   std::vector<double> all;
-  for (double f = 1 / span_mm; f <= last; f += step) all.push_back(f);
+  if (2 / span_mm > last) return all;
+  for (double f = 2 / span_mm; f <= last; f += step) all.push_back(f);
   const double of_steps = 1 / shape.four_full_steps_mm;
   const double first = std::max(last + step, of_steps - kLinesAboutStep / span_mm);
   const double fine = 1 / (kLinesPerSpan * span_mm);
@@ -158,6 +173,13 @@ double PeakPeriod_mm(const Periodogram& periodogram) {
     }
   }
   return period_mm;
+}
+
+std::size_t NumOfTurns(const Periodogram& periodogram) {
+  const double shortest_mm = periodogram.lead_mm / (kMostHarmonic * 1.001);
+  const auto first = std::ranges::find_if(periodogram.period_mm,
+                                          [&](double mm) { return mm < shortest_mm; });
+  return static_cast<std::size_t>(first - periodogram.period_mm.begin());
 }
 
 }  // namespace caltwin
