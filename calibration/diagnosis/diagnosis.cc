@@ -93,7 +93,10 @@ class Reporter {
                                              candidates_,
                                              search_.circumstances.sigma_mm,
                                              search_.circumstances.nuisances)) {
-      diagnosis.absorbed.push_back({line.Name(), line.into});
+      const bool is_found = std::ranges::any_of(search_.found, [&](const Found& found) {
+        return candidates_[found.candidate].Name() == line.Name();
+      });
+      if (!is_found) diagnosis.absorbed.push_back({line.Name(), line.into});
     }
     diagnosis.next_campaign = BestNext(observed_, candidates_, search_, /*seed=*/1);
     return diagnosis;
@@ -186,13 +189,19 @@ class Reporter {
     diagnosis->residual_after_mm = with.residual_mm;
     diagnosis->residual_before_mm =
         Evidence(observed_, noise, baseline, out).FitNuisances().residual_mm;
+    // What leaves a row open by so much is not known, whatever number comes out.
+    constexpr double kOpen_mm = 0.05;
+    constexpr double kKnown = 0.5;  // Of what was known of it before.
     for (std::size_t k = 0; k < baseline.size(); ++k) {
       if (!baseline[k].reported) continue;
       const auto at = static_cast<Eigen::Index>(k);
+      const double open_mm = with.sds[at] * baseline[k].column_mm.cwiseAbs().maxCoeff();
       diagnosis->baseline.push_back({baseline[k].name,
                                      baseline[k].unit,
                                      baseline[k].offset + with.values[at],
-                                     with.sds[at]});
+                                     with.sds[at],
+                                     open_mm < kOpen_mm &&
+                                         with.sds[at] < kKnown * baseline[k].prior_sd});
     }
   }
 

@@ -89,6 +89,7 @@ struct BaselineLine {
   std::string unit{};
   double value = 0;
   double sd = 0;
+  bool is_determined = true;  ///< By these rows, beside the other lines.
 };
 
 /// The answer to the four questions: show, name, extend, gain.

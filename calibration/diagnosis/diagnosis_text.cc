@@ -159,11 +159,31 @@ void AddWouldShow(const std::vector<WouldShow>& all, std::string* text) {
   }
 }
 
-void AddCannotTell(const Diagnosis& diagnosis, std::string* text) {
-  for (const Absorbed& one : diagnosis.absorbed) {
-    *text +=
-        fmt::format("Cannot be seen here: {}, taken up by {}.\n", one.what, one.into);
+// A line: "cyclic_lead (z), tip_size"; what takes each of them is in the JSON.
+void AddAbsorbed(const std::vector<Absorbed>& absorbed, std::string* text) {
+  std::vector<std::pair<std::string, std::vector<std::string>>> causes;
+  for (const Absorbed& one : absorbed) {
+    const std::size_t dot = one.what.find('.');
+    const std::string cause = one.what.substr(0, dot);
+    if (causes.empty() || causes.back().first != cause) causes.push_back({cause, {}});
+    if (dot != std::string::npos) {
+      causes.back().second.push_back(one.what.substr(dot + 1));
+    }
   }
+  std::vector<std::string> words;
+  for (const auto& [cause, axes] : causes) {
+    words.push_back(
+        axes.empty() ? cause : fmt::format("{} ({})", cause, fmt::join(axes, ", ")));
+  }
+  if (words.empty()) return;
+  *text += fmt::format(
+      "Cannot be seen here, since the baseline takes it up (--json says which part of "
+      "it): {}.\n",
+      fmt::join(words, ", "));
+}
+
+void AddCannotTell(const Diagnosis& diagnosis, std::string* text) {
+  AddAbsorbed(diagnosis.absorbed, text);
   if (!diagnosis.next_campaign) return;
   const NextCampaign& next = *diagnosis.next_campaign;
   std::string line = fmt::format("Measure next: {}", next.kind);
@@ -205,9 +225,17 @@ void AddChanges(const TextNotes& notes, std::string* text) {
 void AddBaseline(const Diagnosis& diagnosis, std::string* text) {
   if (diagnosis.baseline.empty()) return;
   *text += "\nBaseline (built minus believed, always fitted):\n";
+  std::vector<std::string> open;
   for (const BaselineLine& line : diagnosis.baseline) {
+    if (!line.is_determined) {
+      open.push_back(line.name);
+      continue;
+    }
     *text +=
         fmt::format("  {:<28} {}\n", line.name, WithSd(line.value, line.sd, line.unit));
+  }
+  if (!open.empty()) {
+    *text += fmt::format("  not determined by these rows: {}\n", fmt::join(open, ", "));
   }
 }
 
@@ -247,6 +275,14 @@ std::string FindingText(const Finding& finding,
                         const Diagnosis& diagnosis,
                         const std::string& measured) {
   const GainFigures& gain = diagnosis.gain;
+  constexpr double kNoShare = 0.005;
+  if (finding.share < kNoShare) {
+    return fmt::format(
+        "{}; {}. The rows fit no better with it: without it the baseline would need "
+        "values that are not believable.",
+        WhatItDoes(finding),
+        HowSure(finding));
+  }
   std::string text = fmt::format("{}: {} of what the model could not explain; {}. ",
                                  WhatItDoes(finding),
                                  Percent(finding.share),

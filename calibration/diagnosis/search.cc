@@ -5,10 +5,8 @@
 #include <optional>
 #include <set>
 
-#include <Eigen/Cholesky>
-#include <Eigen/QR>
-
 #include "calibration/diagnosis/baseline_fit.h"
+#include "calibration/diagnosis/gates.h"
 #include "sim/base/units.h"
 
 namespace caltwin {
@@ -18,7 +16,6 @@ const double kNamingOdds = std::log(20.0);
 constexpr double kPracticalSize_sigma = 0.5;
 constexpr double kFormLimit = 0.6;
 constexpr double kImitates = 9;
-constexpr int kFewRows = 3;
 // Above this no draw of noise was ever seen; the bootstrap would only say 0.
 constexpr double kBeyondDoubt_nats = 16;
 constexpr double kMostChance = 0.01;
@@ -26,8 +23,6 @@ constexpr double kMostChance = 0.01;
 constexpr double kStoryOfMany_nats = 5;
 constexpr double kShownProbability = 0.01;
 constexpr int kNoiseRounds = 2;
-// A finding's own sizes are free: this many times what was found.
-constexpr double kFree = 30;
 
 class Searcher {
  public:
@@ -78,6 +73,9 @@ class Searcher {
     const Weighing weighing = Weigh(observed_, candidates_, circumstances);
     richest_ = JudgeRows(observed_, candidates_, weighing, circumstances);
     left_out_ = richest_.is_outlier;
+    for (std::size_t i = 0; i < suspects_.size(); ++i) {
+      if (suspects_[i]) left_out_[i] = true;
+    }
     constexpr double kEnoughDof = 6;
     for (Eigen::Index i = 0; i < sigma_mm_.size(); ++i) {
       const auto c = static_cast<std::size_t>(
@@ -92,6 +90,7 @@ class Searcher {
     baseline_ = BaselineOf(observed_);
     sigma_mm_ = GuessSigma_mm(observed_, FitBaseline(observed_).left_mm);
     left_out_.assign(static_cast<std::size_t>(observed_.num_rows()), false);
+    suspects_ = left_out_;
     for (int round = 0; round < kNoiseRounds; ++round) JudgeNoise(Under({}));
   }
 
@@ -105,32 +104,6 @@ class Searcher {
     return Peak_mm(change_mm.cwiseQuotient(sigma_mm_)) >= kPracticalSize_sigma;
   }
 
-  // Whether it still stands without the few rows that speak most for it.
-  bool RestsOnMany(const Circumstances& circumstances,
-                   const Candidate& candidate,
-                   const Weighed& weighed) const {
-    const Evidence evidence(
-        observed_, {sigma_mm_, wander_mm2_per_s_}, circumstances.nuisances, left_out_);
-    const Eigen::VectorXd shown = evidence.Left(evidence.Whiten(
-        candidate.variants[weighed.variant].columns_mm * weighed.sizes_mm));
-    const Eigen::VectorXd speaks =
-        shown.cwiseProduct(evidence.Left(evidence.white_residual()));
-    std::vector<std::size_t> order(static_cast<std::size_t>(speaks.size()));
-    for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-    std::ranges::sort(order, std::ranges::greater{}, [&](std::size_t i) {
-      return speaks[static_cast<Eigen::Index>(i)];
-    });
-    Circumstances without = circumstances;
-    without.left_out = left_out_;
-    for (std::size_t k = 0; k < std::min<std::size_t>(kFewRows, order.size()); ++k) {
-      without.left_out[order[k]] = true;
-    }
-    // The same variant: another one might live on other outliers.
-    Candidate only = candidate;
-    only.variants = {candidate.variants[weighed.variant]};
-    return Weigh(observed_, {only}, without).ranked[0].log_odds > 0;
-  }
-
   int RowsOf(const Candidate& candidate, const Weighed& weighed) const {
     const Eigen::VectorXd change =
         (candidate.variants[weighed.variant].columns_mm * weighed.sizes_mm)
@@ -139,42 +112,19 @@ class Searcher {
     return static_cast<int>((change.array() > 0.05 * change.maxCoeff()).count());
   }
 
-  // How much of what was found is the deviation from the cause's form, its near-peak
-  // over that of the rest: as fitted, or, where less, the part that no other form and
-  // size of the cause could be, in sigma, the baseline taken out of both.
-  double FormShare(const Circumstances& circumstances, const Weighed& weighed) const {
-    const Candidate& candidate = candidates_[weighed.candidate];
-    if (weighed.deviation_mm.size() == 0 || candidate.is_free()) return 0;
-    const Eigen::VectorXd fitted_mm =
-        candidate.variants[weighed.variant].columns_mm * weighed.sizes_mm;
-    const Evidence evidence(
-        observed_, {sigma_mm_, wander_mm2_per_s_}, circumstances.nuisances, left_out_);
-    const Eigen::VectorXd whole =
-        evidence.Left(evidence.Whiten(fitted_mm + weighed.deviation_mm));
-    double least = Peak_mm(weighed.deviation_mm) / std::max(Peak_mm(fitted_mm), 1e-300);
-    for (const Variant& variant : candidate.variants) {
-      const Eigen::MatrixXd columns =
-          evidence.Left(evidence.Whiten(variant.columns_mm));
-      const Eigen::VectorXd sizes = columns.colPivHouseholderQr().solve(whole);
-      if (candidate.must_be_positive && sizes[0] < 0) continue;
-      const Eigen::VectorXd own = columns * sizes;
-      const double share = Peak_mm(whole - own) / std::max(Peak_mm(own), 1e-300);
-      least = std::min(least, share);
-    }
-    return least;
-  }
-
   Found FoundFrom(const Circumstances& circumstances,
                   const Weighing& weighing,
                   const Weighed& weighed) const {
     const Candidate& candidate = candidates_[weighed.candidate];
+    const Evidence evidence(
+        observed_, {sigma_mm_, wander_mm2_per_s_}, circumstances.nuisances, left_out_);
     Found found{.candidate = weighed.candidate,
                 .variant = candidate.variants[weighed.variant],
                 .sizes_mm = weighed.sizes_mm,
                 .probability = weighed.probability,
                 .log_odds = weighed.log_odds,
                 .scale_mm = weighed.scale_mm,
-                .lost_its_name = FormShare(circumstances, weighed) > kFormLimit,
+                .lost_its_name = FormShare(evidence, candidate, weighed) > kFormLimit,
                 .num_rows = RowsOf(candidate, weighed)};
     if (found.lost_its_name) {
       return FreeInstead(observed_, candidates_, circumstances, found);
@@ -191,15 +141,25 @@ class Searcher {
 
   // The next cause, all gates passed; none if nothing passes. `except`: the finding to
   // be replaced.
-  std::optional<Found> Best(std::optional<std::size_t> except) const {
-    const Circumstances circumstances = Under(found_, except);
+  std::optional<Found> Best(std::optional<std::size_t> except) {
+    Circumstances circumstances = Under(found_, except);
     Weighing weighing = Weigh(observed_, candidates_, circumstances);
     while (!weighing.ranked.empty() && weighing.log_odds_any > kNamingOdds) {
       const Weighed& top = weighing.ranked.front();
       const Candidate& candidate = candidates_[top.candidate];
       if (top.log_odds < 0) return std::nullopt;
-      if (!IsFound(top.candidate, except) && IsPractical(candidate, top) &&
-          RestsOnMany(circumstances, candidate, top)) {
+      const bool is_new = !IsFound(top.candidate, except);
+      Support support;
+      if (is_new && IsPractical(candidate, top)) {
+        support =
+            SupportOf(observed_, circumstances, wander_mm2_per_s_, candidate, top);
+      }
+      if (!support.is_by_many && Suspect(support.loudest)) {
+        circumstances = Under(found_, except);
+        weighing = Weigh(observed_, candidates_, circumstances);
+        continue;
+      }
+      if (support.is_by_many) {
         if (!IsBeyondChance(circumstances, weighing)) return std::nullopt;
         Found found = FoundFrom(circumstances, weighing, Nameable(weighing, top));
         // A free form that stands in for it may be there already.
@@ -208,6 +168,18 @@ class Searcher {
       DropTop(&weighing);
     }
     return std::nullopt;
+  }
+
+  // A row that alone makes a cause of itself is an outlier, though a model as rich as
+  // the candidates may pass through it. False: no more may be left out.
+  bool Suspect(std::optional<std::size_t> row) {
+    constexpr double kMostSuspects = 0.02;
+    const auto most = kMostSuspects * static_cast<double>(suspects_.size());
+    const auto have = std::ranges::count(suspects_, true);
+    if (!row || suspects_[*row] || static_cast<double>(have) >= most) return false;
+    suspects_[*row] = true;
+    left_out_[*row] = true;
+    return true;
   }
 
   // What may be reported of the likeliest: where a free form, prior weights and
@@ -321,26 +293,6 @@ class Searcher {
     }
   }
 
-  // How far the fitted effect is from what this candidate could do instead.
-  double Separation(const Evidence& evidence,
-                    const Eigen::VectorXd& effect_white,
-                    const Candidate& rival) const {
-    const Eigen::VectorXd left = evidence.Left(effect_white);
-    const double scale2 = evidence.chi2() / evidence.dof();
-    const double whole = effect_white.dot(left);
-    double least = whole;
-    for (const Variant& variant : rival.variants) {
-      const Eigen::MatrixXd white = evidence.Whiten(variant.columns_mm);
-      Eigen::MatrixXd gram = evidence.Project(white).gram;
-      gram.diagonal().array() += 1e-9 * (gram.diagonal().maxCoeff() + 1e-30);
-      const Eigen::VectorXd match = white.transpose() * left;
-      const Eigen::VectorXd sizes = gram.llt().solve(match);
-      if (rival.must_be_positive && sizes[0] < 0) continue;
-      least = std::min(least, whole - match.dot(sizes));
-    }
-    return least / scale2;
-  }
-
   void AddRivals(std::size_t i) {
     Found& found = found_[i];
     const Candidate& own = candidates_[found.candidate];
@@ -379,6 +331,7 @@ class Searcher {
   std::vector<Nuisance> baseline_{};
   Eigen::VectorXd sigma_mm_{};
   std::vector<bool> left_out_{};
+  std::vector<bool> suspects_{};  ///< Of them, those that the search met.
   std::vector<Found> found_{};
   Weighing first_{};
   Richest richest_{};
@@ -391,60 +344,6 @@ SearchResult Search(const Observed& observed,
                     const std::vector<Candidate>& candidates,
                     const SearchOptions& options) {
   return Searcher(observed, candidates, options).Run();
-}
-
-Found FreeInstead(const Observed& observed,
-                  const std::vector<Candidate>& candidates,
-                  const Circumstances& circumstances,
-                  const Found& found) {
-  const Shown& shown = candidates[found.candidate].shown;
-  const std::set<std::string> words(shown.covariates.begin(), shown.covariates.end());
-  for (std::size_t c = 0; c < candidates.size(); ++c) {
-    const Candidate& free = candidates[c];
-    if (!free.is_free() || free.shown.channel != shown.channel) continue;
-    if (words != std::set<std::string>(free.shown.covariates.begin(),
-                                       free.shown.covariates.end())) {
-      continue;
-    }
-    const Weighed weighed = Weigh(observed, {free}, circumstances).ranked[0];
-    Found instead = found;
-    instead.candidate = c;
-    instead.variant = free.variants[0];
-    instead.sizes_mm = weighed.sizes_mm;
-    instead.scale_mm = weighed.scale_mm;
-    instead.lost_its_name = false;
-    instead.rivals.clear();
-    return instead;
-  }
-  return found;
-}
-
-std::vector<Nuisance> NuisancesOf(const Observed& observed,
-                                  const Candidate& candidate,
-                                  const Found& found) {
-  std::vector<Nuisance> nuisances;
-  const double size_mm = std::max(found.sizes_mm.norm(), found.scale_mm);
-  const auto add = [&](const Eigen::VectorXd& column, double prior_sd) {
-    nuisances.push_back({.name = candidate.Name(),
-                         .unit = "mm",
-                         .column_mm = column,
-                         .prior_sd = prior_sd,
-                         .reported = false});
-  };
-  for (Eigen::Index k = 0; k < found.variant.columns_mm.cols(); ++k) {
-    const double relative =
-        candidate.is_free() ? std::sqrt(candidate.free_prior[k]) : kFree;
-    add(found.variant.columns_mm.col(k),
-        candidate.is_free() ? 3 * found.scale_mm * relative : size_mm * kFree);
-  }
-  const Tolerance tolerance = ToleranceOf(observed, candidate, found.variant);
-  const double freedom = found.lost_its_name ? 3 : 1;
-  for (Eigen::Index k = 0; k < tolerance.columns_mm.cols(); ++k) {
-    // A fifth of what it does, not of what it might do.
-    add(tolerance.columns_mm.col(k),
-        freedom * found.sizes_mm.norm() * std::sqrt(tolerance.prior[k]));
-  }
-  return nuisances;
 }
 
 }  // namespace caltwin
