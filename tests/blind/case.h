@@ -8,6 +8,7 @@
 
 #include "tests/blind/causes.h"
 #include "tests/blind/machine.h"
+#include "tests/blind/visible.h"
 
 namespace blind {
 
@@ -27,6 +28,8 @@ struct CaseRequest {
   /// Without outliers, wrong stated sigma, missing columns, wander and clutter.
   bool clean = false;
   int max_rows = 400;
+  /// MuJoCo performs the plan with a model edited as text (physics_case.h).
+  bool physics = false;
 };
 
 /// How the data differ from what a careful person would have written.
@@ -36,6 +39,9 @@ struct Blemishes {
   double outlier_share = 0;
   double wander_um_per_sqrt_h = 0;
   double clutter_sigma = 0;
+  /// Whether the travel since a reversal is the commanded one, to the nominal point; or
+  /// the true one, to the trigger.
+  bool logs_commanded_travel = false;
   std::set<std::string> missing{};  ///< Columns, or groups of them.
 };
 
@@ -66,12 +72,26 @@ struct Case {
   Case& operator=(const Case&) = delete;
 };
 
-/// Makes `made` from its request.
+/// Makes `made` from its request, by the truth code's own closed forms.
 void MakeCase(const CaseRequest& request, Case* made);
+
+/// The request with everything drawn that it leaves open.
+CaseRequest Filled(CaseRequest request);
+/// Campaigns that show what is hidden, and some others.
+std::vector<CampaignRequest> ChooseCampaigns(const CaseRequest& request,
+                                             const Drawing& drawing,
+                                             Random* random);
+/// All that is wander and clutter, added to the truth's defects.
+void AddDistractions(const Weather& weather, Case* made);
+/// What every diagnosis fits away, in sigma.
+Projector BaselineOf(const Case& made, const std::vector<Reading>& readings);
+/// A form is hidden by its plan when the baseline leaves less than this of its peak.
+inline constexpr double kLeastVisible = 1e-3;
 
 /// Parts of it: the machine as drawn, the plan, the faults every machine has.
 Drawing DrawMachine(const CaseRequest& request);
-Plan MakePlan(const CaseRequest& request, const Drawing& drawing);
+/// @param attempt  other plans for the same request
+Plan MakePlan(const CaseRequest& request, const Drawing& drawing, int attempt = 0);
 Truth DrawTruth(const CaseRequest& request, const Drawing& drawing, const Plan& plan);
 Blemishes DrawBlemishes(const CaseRequest& request);
 std::map<std::string, Noise> DrawInstruments(const CaseRequest& request,
@@ -86,6 +106,15 @@ void AddNoise(Case* made);
 
 /// Noise of one reading, quantisation included.
 double Sigma_mm(const Case& made, const Reading& reading);
+
+/// What a machine file says beside the drawing's axes.
+struct MachineWords {
+  std::string model{};  ///< Empty: none is named.
+  double pretravel_mm = 0.02;
+  double tip_growth_mm = 0;  ///< Against what the firmware believes.
+  double microsteps = 0;     ///< Of every axis; 0: the drawing's.
+};
+std::string MachineYaml(const Drawing& drawing, const MachineWords& words);
 
 /// Writes DATA.csv, DATA.yaml and machine.yaml into `folder`: all that a diagnosis
 /// gets.

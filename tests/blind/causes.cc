@@ -20,7 +20,11 @@ const std::vector<Cause>& LibraryCauses() {
   return causes;
 }
 
-const Cause* FindCause(const std::string& name) {
+const Cause* FindCause(const std::string& name, bool physics) {
+  if (physics) {
+    const auto found = std::ranges::find(PhysicsCauses(), name, &Cause::name);
+    return found == PhysicsCauses().end() ? nullptr : &*found;
+  }
   for (const auto* list : {&LibraryCauses(), &OutsideCauses()}) {
     const auto found = std::ranges::find(*list, name, &Cause::name);
     if (found != list->end()) return &*found;

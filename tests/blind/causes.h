@@ -40,8 +40,10 @@ struct Cause {
 /// Causes of the catalogue, then those outside it.
 const std::vector<Cause>& LibraryCauses();
 const std::vector<Cause>& OutsideCauses();
-/// Of either list; nullptr if there is none of that name.
-const Cause* FindCause(const std::string& name);
+/// Those of the catalogue that a model of MuJoCo, edited as text, can have.
+const std::vector<Cause>& PhysicsCauses();
+/// Of any list; nullptr if there is none of that name. `physics`: of that list only.
+const Cause* FindCause(const std::string& name, bool physics = false);
 
 std::vector<Cause> DriveCauses();
 std::vector<Cause> FrameCauses();

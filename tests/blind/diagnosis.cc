@@ -5,37 +5,15 @@
 #include <fstream>
 #include <vector>
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <spawn.h>
-#include <sys/wait.h>
 
-extern char** environ;
+#include "tests/blind/physics_case.h"
+#include "tests/blind/program.h"
 
 namespace blind {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// Runs a program to its end, its output into `log`; its exit code, or -1.
-int RunProgram(const std::vector<std::string>& words, const std::string& log) {
-  std::vector<char*> argv;
-  for (const std::string& word : words) argv.push_back(const_cast<char*>(word.c_str()));
-  argv.push_back(nullptr);
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addopen(
-      &actions, 1, log.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
-  posix_spawn_file_actions_adddup2(&actions, 1, 2);
-  pid_t child = 0;
-  const int failed =
-      posix_spawnp(&child, argv[0], &actions, nullptr, argv.data(), environ);
-  posix_spawn_file_actions_destroy(&actions);
-  if (failed != 0) return -1;
-  int status = 0;
-  waitpid(child, &status, 0);
-  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-}
 
 nlohmann::json ReadJson(const fs::path& file) {
   std::ifstream stream(file);
@@ -67,11 +45,20 @@ nlohmann::json Diagnose(const Diagnoser& diagnoser,
 }
 
 Judgement Examine(const Diagnoser& diagnoser, const CaseRequest& request) {
-  Case made;
-  MakeCase(request, &made);
   const std::string cause = request.hidden.empty() ? "" : request.hidden[0].cause + "_";
-  const fs::path folder = fs::path(diagnoser.folder) /
-                          fmt::format("{}_{}{}", request.kind, cause, request.seed);
+  const fs::path folder =
+      fs::path(diagnoser.folder) / fmt::format("{}{}_{}{}",
+                                               request.physics ? "physics_" : "",
+                                               request.kind,
+                                               cause,
+                                               request.seed);
+  Case made;
+  if (request.physics) {
+    const Simulator simulator{diagnoser.binary, folder.string(), diagnoser.model};
+    MakePhysicsCase(simulator, request, &made);
+  } else {
+    MakeCase(request, &made);
+  }
   WriteCase(made, folder.string());
   const auto begin = std::chrono::steady_clock::now();
   const auto answer =

@@ -11,8 +11,9 @@ namespace blind {
 
 /// The program under test, run as anybody runs it.
 struct Diagnoser {
-  std::string binary{};  ///< Path of `caltwin`.
-  std::string folder{};  ///< Scratch; each case has its own folder in it.
+  std::string binary{};             ///< Path of `caltwin`.
+  std::string folder{};             ///< Scratch; each case has its own folder in it.
+  std::string model = BLIND_MODEL;  ///< Un-edited, of a router: for physics.
   int limit_s = 120;
   bool keep = false;  ///< Keep the folders.
 };

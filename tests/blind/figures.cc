@@ -234,6 +234,49 @@ std::string FiguresText(const std::vector<Judgement>& judgements) {
   return text + MedianText(judgements) + ReliabilityText(judgements);
 }
 
+std::string NameRatesText(const std::vector<Judgement>& judgements) {
+  struct Count {
+    int cases = 0, right = 0, physics = 0, physics_right = 0;
+  };
+  std::map<std::string, Count> counts;
+  for (const Judgement& j : judgements) {
+    if (!IsSingle(j, 3) || j.separation < kSeparated) continue;
+    Count& count = counts[j.name.substr(0, j.name.find(' '))];
+    ++count.cases;
+    count.right += j.first_right ? 1 : 0;
+    count.physics += j.physics ? 1 : 0;
+    count.physics_right += j.physics && j.first_right ? 1 : 0;
+  }
+  std::string text =
+      "| hidden, 3 sigma and above, apart from every twin | named | of | rate | by "
+      "MuJoCo |\n|---|---|---|---|---|\n";
+  for (const auto& [cause, count] : counts) {
+    text +=
+        fmt::format("| {} | {} | {} | {:.0f} % | {} |\n",
+                    cause,
+                    count.right,
+                    count.cases,
+                    100.0 * count.right / count.cases,
+                    count.physics == 0
+                        ? std::string("-")
+                        : fmt::format("{} of {}", count.physics_right, count.physics));
+  }
+  return text;
+}
+
+std::string AllText(const std::vector<Judgement>& judgements) {
+  std::vector<Judgement> physics;
+  std::vector<Judgement> closed;
+  for (const Judgement& j : judgements) (j.physics ? physics : closed).push_back(j);
+  std::string text = FiguresText(judgements);
+  if (!physics.empty() && !closed.empty()) {
+    text += "\n## Performed by MuJoCo\n\n" + FiguresText(physics);
+    text += "\n## Of closed form\n\n" + FiguresText(closed);
+  }
+  return text + "\n## Names\n\n" + NameRatesText(judgements) + "\n" +
+         ConfusionText(judgements);
+}
+
 std::string ConfusionText(const std::vector<Judgement>& judgements) {
   std::map<std::string, std::map<std::string, int>> rows;
   for (const Judgement& j : judgements) {

@@ -36,6 +36,13 @@ std::vector<Figure> Figures(const std::vector<Judgement>& judgements);
 /// The table, medians and reliability as Markdown.
 std::string FiguresText(const std::vector<Judgement>& judgements);
 
+/// How often each cause was named where it shows with 3 sigma and more and no twin
+/// hides it, as Markdown.
+std::string NameRatesText(const std::vector<Judgement>& judgements);
+
+/// All of the above, of all cases, of those performed by MuJoCo, and of the others.
+std::string AllText(const std::vector<Judgement>& judgements);
+
 /// Hidden cause against named cause (single causes of 3 sigma and above), as Markdown.
 std::string ConfusionText(const std::vector<Judgement>& judgements);
 

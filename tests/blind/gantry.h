@@ -38,6 +38,8 @@ struct Drawing {
   }
 };
 
+class ModelText;
+
 enum class Kind { kPosition, kTouch, kRadial };
 
 /// Temperatures of a row [deg C].
@@ -91,6 +93,8 @@ struct Defect {
   std::function<double(const Instant&)> reading{};
   /// Growth of the tip's true radius.
   double tip_radius_mm = 0;
+  /// How a model of MuJoCo gets it, as text; empty: it cannot.
+  std::function<void(double size, ModelText* model)> build{};
 };
 
 }  // namespace blind

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "tests/blind/case.h"
+#include "tests/blind/physics_case.h"
 
 namespace {
 
@@ -31,6 +32,7 @@ int Run(int argc, char** argv) {
   std::vector<std::string> axes;
   std::vector<double> sigmas;
   std::string folder;
+  blind::Simulator simulator;
   bool list = false;
   app.add_option("--kind", request.kind, "null, single, pair or outside")
       ->check(CLI::IsMember({"null", "single", "pair", "outside"}));
@@ -42,6 +44,9 @@ int Run(int argc, char** argv) {
   app.add_option("--out", folder, "folder to write");
   app.add_option("--max-rows", request.max_rows, "no other campaigns beyond this");
   app.add_flag("--clean", request.clean, "no outliers, wander, missing columns ...");
+  app.add_flag("--physics", request.physics, "MuJoCo performs an edited model");
+  app.add_option("--binary", simulator.binary, "the caltwin that does so");
+  app.add_option("--model", simulator.model, "the model.xml to edit");
   app.add_flag("--list", list, "lists causes and axes");
   CLI11_PARSE(app, argc, argv);
   if (list) {
@@ -57,7 +62,14 @@ int Run(int argc, char** argv) {
                               i < sigmas.size() ? sigmas[i] : request.sigma});
   }
   blind::Case made;
-  blind::MakeCase(request, &made);
+  if (request.physics) {
+    if (simulator.binary.empty())
+      throw std::invalid_argument("--physics needs --binary");
+    simulator.folder = folder;
+    blind::MakePhysicsCase(simulator, request, &made);
+  } else {
+    blind::MakeCase(request, &made);
+  }
   blind::WriteCase(made, folder);
   blind::WriteTruth(made, folder);
   std::cout << fmt::format("{}: {} rows\n", folder, made.readings.size());

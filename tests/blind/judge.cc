@@ -100,6 +100,7 @@ void CountIntervals(const json& truth, const json& finding, Judgement* judgement
 void ReadTruth(const json& truth, Judgement* judgement) {
   judgement->kind = truth.at("kind");
   judgement->seed = truth.at("seed");
+  judgement->physics = truth.value("physics", false);
   std::vector<std::string> names;
   judgement->sigma = judgement->sum_squares = 1e9;
   for (const json& hidden : truth.at("causes")) {
@@ -177,8 +178,9 @@ std::string Line(const Judgement& judgement) {
           ? "-"
           : fmt::format("{:.1f} sigma, {:.0f}", judgement.sigma, judgement.sum_squares);
   return fmt::format(
-      "{:7} {:34} {:18} seed {:<10} {:9} {:5.1f} s  {}{}",
+      "{:7} {} {:34} {:18} seed {:<10} {:9} {:5.1f} s  {}{}",
       judgement.kind,
+      judgement.physics ? "M" : " ",
       judgement.name,
       size,
       judgement.seed,

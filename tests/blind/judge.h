@@ -23,6 +23,7 @@ struct JudgedFinding {
 struct Judgement {
   std::string kind{}, name{};  ///< "single", "cyclic_lead x".
   unsigned long long seed = 0;
+  bool physics = false;     ///< Performed by MuJoCo.
   double sigma = 0;         ///< Smallest of the hidden causes [sigma of one reading].
   double sum_squares = 0;   ///< Of the effect the plan can see; smallest.
   double separation = 1e9;  ///< From the nearest twin.

@@ -215,7 +215,7 @@ Reading Machine::Touch(const Stop& stop, double t_s) {
   for (std::size_t i = 0; i < 3; ++i) {
     reading.dir[i] = std::abs(stop.n[i]) > 1e-9 ? carriages_[i].dir : 0;
   }
-  reading.value_mm = inner_mm;
+  reading.value_mm = reading.trigger_mm = inner_mm;
   for (const Defect& defect : truth_.defects) {
     if (defect.reading)
       reading.value_mm += defect.size * defect.reading(reading.instant);

@@ -41,6 +41,7 @@ struct Reading {
   Instant instant{};  ///< At the reading; for a touch that at the trigger.
   Vector3 dir{};      ///< As logged: 0 where the axis took no part in the approach.
   double value_mm = 0;
+  double trigger_mm = 0;  ///< Of a touch, value before noise: where along n it ended.
   bool is_outlier = false;
 };
 

@@ -5,7 +5,6 @@
 #include <fstream>
 #include <iterator>
 #include <set>
-#include <sstream>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -15,18 +14,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
-
-std::vector<std::string> Split(const std::string& line) {
-  std::vector<std::string> words(1);
-  for (const char letter : line) {
-    if (letter == ',') {
-      words.emplace_back();
-    } else {
-      words.back() += letter;
-    }
-  }
-  return words;
-}
 
 std::string ReadText(const fs::path& file) {
   std::ifstream stream(file, std::ios::binary);
@@ -120,32 +107,6 @@ const char* Word(Change change) {
 }
 
 }  // namespace
-
-int TextTable::Column(const std::string& name) const {
-  const auto found = std::ranges::find(columns, name);
-  return found == columns.end() ? -1 : static_cast<int>(found - columns.begin());
-}
-
-TextTable ParseTable(const std::string& text) {
-  TextTable table;
-  std::istringstream lines(text);
-  for (std::string line; std::getline(lines, line);) {
-    if (table.columns.empty()) {
-      table.columns = Split(line);
-    } else {
-      table.rows.push_back(Split(line));
-    }
-  }
-  return table;
-}
-
-std::string ToText(const TextTable& table) {
-  std::string text = fmt::format("{}", fmt::join(table.columns, ",")) + "\n";
-  for (const auto& row : table.rows) {
-    text += fmt::format("{}", fmt::join(row, ",")) + "\n";
-  }
-  return text;
-}
 
 TextTable Mirrored(TextTable table) {
   for (const auto& [x, y] : {std::pair{"cmd_x_mm", "cmd_y_mm"},

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "tests/blind/diagnosis.h"
+#include "tests/blind/table.h"
 
 namespace blind {
 
@@ -20,16 +21,6 @@ struct ChangeResult {
   std::string what{};
   bool ran = false, held = false;
 };
-
-/// A table of text: measured rows as written.
-struct TextTable {
-  std::vector<std::string> columns{};
-  std::vector<std::vector<std::string>> rows{};
-
-  int Column(const std::string& name) const;  ///< -1: there is none.
-};
-TextTable ParseTable(const std::string& text);
-std::string ToText(const TextTable& table);
 
 /// The rows as a mirror shows them: x and y exchanged, turns the other way round.
 TextTable Mirrored(TextTable table);

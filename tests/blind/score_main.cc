@@ -24,6 +24,7 @@ struct Options {
   std::uint64_t seed = 1;
   std::uint64_t date = 1;
   int full = 0;
+  int physics = 10;
   int changes = 8;
   int jobs = 2;
   std::string markdown{};
@@ -38,6 +39,22 @@ bool IsWrong(const blind::Judgement& j) {
   return !j.ran || wrong_name || (j.hidden > 0 && j.kind != "outside" && !j.set_holds);
 }
 
+/// One case; a case that cannot even be made counts as one without an answer.
+blind::Judgement ExamineOne(const Options& options,
+                            const blind::CaseRequest& request,
+                            std::mutex* output) {
+  try {
+    return blind::Examine(options.diagnoser, request);
+  } catch (const std::exception& error) {
+    const std::scoped_lock lock(*output);
+    std::cout << "not made: " << error.what() << "\n";
+    return {.kind = request.kind,
+            .name = request.hidden.empty() ? "-" : request.hidden[0].cause,
+            .seed = request.seed,
+            .physics = request.physics};
+  }
+}
+
 /// All cases, a few at a time; the judgements stand in the order of the requests.
 std::vector<blind::Judgement> ExamineAll(
     const Options& options, const std::vector<blind::CaseRequest>& requests) {
@@ -46,7 +63,7 @@ std::vector<blind::Judgement> ExamineAll(
   std::mutex output;
   const auto work = [&] {
     for (std::size_t i = next++; i < requests.size(); i = next++) {
-      judgements[i] = blind::Examine(options.diagnoser, requests[i]);
+      judgements[i] = ExamineOne(options, requests[i], &output);
       const std::scoped_lock lock(output);
       const bool wrong = IsWrong(judgements[i]);
       if (!options.failures_only || wrong) {
@@ -93,11 +110,13 @@ int CountBrokenChanges(const Options& options) {
 }
 
 blind::SetSizes SizesOf(const Options& options) {
-  if (options.full <= 0) return {};
+  if (options.full <= 0) return {.physics = options.physics};
   return {.nulls = options.full,
           .singles = options.full,
           .pairs = options.full / 3,
           .outside = options.full / 3,
+          .physics = 0,
+          .half_physics = true,
           .two_sizes = false};
 }
 
@@ -123,10 +142,14 @@ int Run(int argc, char** argv) {
   app.add_option("--date", options.date, "of the second half, as 20261121");
   app.add_option(
       "--full", options.full, "so many nulls and singles, a third of the rest");
+  app.add_option(
+      "--physics", options.physics, "cases performed by MuJoCo in the small set");
+  app.add_option("--model", options.diagnoser.model, "the model.xml that they edit");
   app.add_option("--changes", options.changes, "cases to swap, shuffle and reduce");
   app.add_option("--jobs", options.jobs, "diagnoses at a time");
-  app.add_option(
-      "--only", options.only, "only cases of this kind, or hiding this cause");
+  app.add_option("--only",
+                 options.only,
+                 "only cases of this kind (or physics), or hiding this cause");
   app.add_option("--markdown", options.markdown, "writes figures and confusion there");
   app.add_flag("--failures-only", options.failures_only, "prints only what went wrong");
   CLI11_PARSE(app, argc, argv);
@@ -134,13 +157,14 @@ int Run(int argc, char** argv) {
   std::erase_if(requests, [&](const blind::CaseRequest& request) {
     const bool hides =
         !request.hidden.empty() && request.hidden[0].cause == options.only;
-    return !options.only.empty() && request.kind != options.only && !hides;
+    const bool is_physics = options.only == "physics" && request.physics;
+    return !options.only.empty() && request.kind != options.only && !hides &&
+           !is_physics;
   });
   std::filesystem::create_directories(options.diagnoser.folder);
   const auto judgements = ExamineAll(options, requests);
   const int broken = options.only.empty() ? CountBrokenChanges(options) : 0;
-  const std::string text =
-      blind::FiguresText(judgements) + "\n" + blind::ConfusionText(judgements);
+  const std::string text = blind::AllText(judgements);
   std::cout << "\n" << text;
   if (!options.markdown.empty()) WriteMarkdown(options, text);
   const auto figures = blind::Figures(judgements);

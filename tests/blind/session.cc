@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
+
 #include "tests/blind/case.h"
 
 namespace blind {
@@ -90,8 +92,9 @@ Drawing DrawMachine(const CaseRequest& request) {
   return drawing;
 }
 
-Plan MakePlan(const CaseRequest& request, const Drawing& drawing) {
-  Random random(request.seed, "plan");
+std::vector<CampaignRequest> ChooseCampaigns(const CaseRequest& request,
+                                             const Drawing& drawing,
+                                             Random* random) {
   std::vector<CampaignRequest> wanted;
   for (const Hidden& hidden : request.hidden) {
     for (const auto& campaign : FindCause(hidden.cause)->campaigns(hidden.axis)) {
@@ -101,9 +104,9 @@ Plan MakePlan(const CaseRequest& request, const Drawing& drawing) {
   int rows = 0;
   for (const auto& campaign : wanted) rows += RowsOf(campaign, drawing);
   std::vector<CampaignRequest> others = OtherCampaigns();
-  random.Shuffle(&others);
-  const std::size_t enough =
-      request.hidden.empty() ? 2 + random.Index(3) : wanted.size() + random.Index(3);
+  random->Shuffle(&others);
+  const auto enough = static_cast<std::size_t>(random->Index(3)) +
+                      (request.hidden.empty() ? 2 : wanted.size());
   for (const CampaignRequest& other : others) {
     const int more = RowsOf(other, drawing);
     if (wanted.size() >= enough || rows + more > request.max_rows) continue;
@@ -112,11 +115,18 @@ Plan MakePlan(const CaseRequest& request, const Drawing& drawing) {
     if (wanted.size() > before) rows += more;
   }
   // The run from cold comes first: its first reading is where temperatures begin.
-  random.Shuffle(&wanted);
+  random->Shuffle(&wanted);
   std::ranges::stable_partition(
       wanted, [](const CampaignRequest& r) { return r.kind == "drift"; });
+  return wanted;
+}
+
+Plan MakePlan(const CaseRequest& request, const Drawing& drawing, int attempt) {
+  Random random(request.seed, attempt == 0 ? "plan" : fmt::format("plan {}", attempt));
   Plan plan;
-  for (const auto& campaign : wanted) AddCampaign(campaign, drawing, &random, &plan);
+  for (const auto& campaign : ChooseCampaigns(request, drawing, &random)) {
+    AddCampaign(campaign, drawing, &random, &plan);
+  }
   return plan;
 }
 
@@ -183,6 +193,7 @@ Blemishes DrawBlemishes(const CaseRequest& request) {
   drop("load", hides({"windup_load"}));
   drop("home", hides({"homing_scatter"}));
   drop("header", hides({"block_size", "tip_size"}));
+  blemishes.logs_commanded_travel = random.Chance(0.5);
   return blemishes;
 }
 

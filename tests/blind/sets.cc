@@ -20,37 +20,65 @@ CaseRequest Base(const std::string& kind,
   return request;
 }
 
+void Hide(const Cause& cause, CaseRequest* request) {
+  request->hidden = {{cause.name, "any", request->sigma}};
+}
+
+/// Of the causes a model can have, each half of a set takes its own, none twice.
+CaseRequest PhysicsSingle(int index,
+                          int count,
+                          std::uint64_t seed,
+                          std::uint64_t date_seed) {
+  CaseRequest request = Base("physics", index, count, seed, date_seed);
+  request.kind = "single";
+  request.physics = true;
+  request.sigma = index % 2 == 0 ? kSmall_sigma : kLarge_sigma;
+  std::vector<Cause> causes = PhysicsCauses();
+  const int first_half = (count + 1) / 2;
+  const bool is_second = index >= first_half;
+  Random order(is_second ? date_seed : seed, "order of physics");
+  order.Shuffle(&causes);
+  const int place = is_second ? index - first_half : index;
+  Hide(causes[static_cast<std::size_t>(place) % causes.size()], &request);
+  return request;
+}
+
 }  // namespace
 
 std::vector<CaseRequest> MakeSet(const SetSizes& sizes,
                                  std::uint64_t seed,
                                  std::uint64_t date_seed) {
   std::vector<CaseRequest> requests;
-  for (int i = 0; i < sizes.nulls; ++i) {
-    requests.push_back(Base("null", i, sizes.nulls, seed, date_seed));
-  }
-  const auto& causes = LibraryCauses();
-  const int count = static_cast<int>(causes.size());
+  const auto add = [&](const std::string& kind, int count) {
+    for (int i = 0; i < count; ++i) {
+      requests.push_back(Base(kind, i, count, seed, date_seed));
+      requests.back().physics = sizes.half_physics && i % 3 != 2;
+    }
+  };
+  add("null", sizes.nulls);
   for (int i = 0; i < sizes.singles; ++i) {
     CaseRequest request = Base("single", i, sizes.singles, seed, date_seed);
     Random random(request.seed, "set");
-    request.sigma = sizes.two_sizes ? (i / count % 2 == 0 ? kSmall_sigma : kLarge_sigma)
-                                    : random.LogUniform(0.5, 20);
-    request.hidden = {
-        {causes[static_cast<std::size_t>(i % count)].name, "any", request.sigma}};
+    request.physics = sizes.half_physics && i % 2 == 0;
+    const auto& causes = request.physics ? PhysicsCauses() : LibraryCauses();
+    const int turn = sizes.half_physics ? i / 2 : i;
+    const int count = static_cast<int>(causes.size());
+    request.sigma = sizes.two_sizes
+                        ? (turn / count % 2 == 0 ? kSmall_sigma : kLarge_sigma)
+                        : random.LogUniform(0.5, 20);
+    Hide(causes[static_cast<std::size_t>(turn % count)], &request);
     requests.push_back(request);
   }
-  for (int i = 0; i < sizes.pairs; ++i) {
-    requests.push_back(Base("pair", i, sizes.pairs, seed, date_seed));
+  for (int i = 0; i < sizes.physics; ++i) {
+    requests.push_back(PhysicsSingle(i, sizes.physics, seed, date_seed));
   }
+  add("pair", sizes.pairs);
   const auto& outside = OutsideCauses();
   for (int i = 0; i < sizes.outside; ++i) {
     CaseRequest request = Base("outside", i, sizes.outside, seed, date_seed);
     Random random(request.seed, "set");
     request.sigma = random.LogUniform(3, 20);
-    request.hidden = {{outside[static_cast<std::size_t>(i) % outside.size()].name,
-                       "any",
-                       request.sigma}};
+    Hide(outside[static_cast<std::size_t>(i) % outside.size()], &request);
     requests.push_back(request);
   }
   return requests;
@@ -65,6 +93,7 @@ std::string RerunCommand(const CaseRequest& request) {
                            hidden.axis.empty() ? "-" : hidden.axis,
                            hidden.sigma);
   }
+  if (request.physics) command += " --physics --binary CALTWIN";
   return command + " --out CASE";
 }
 

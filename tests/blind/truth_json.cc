@@ -44,6 +44,7 @@ std::string TruthJson(const Case& made) {
                           {"kind", made.request.kind},
                           {"seed", made.request.seed},
                           {"clean", made.request.clean},
+                          {"physics", made.request.physics},
                           {"rows", made.readings.size()},
                           {"baseline", BaselineJson(made)}};
   truth["causes"] = nlohmann::json::array();
@@ -62,6 +63,7 @@ std::string TruthJson(const Case& made) {
                         {"states_sigma", blemishes.states_sigma},
                         {"wander_um_per_sqrt_h", blemishes.wander_um_per_sqrt_h},
                         {"clutter_sigma", blemishes.clutter_sigma},
+                        {"logs_commanded_travel", blemishes.logs_commanded_travel},
                         {"missing", blemishes.missing}};
   return truth.dump(2) + "\n";
 }

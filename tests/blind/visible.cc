@@ -104,7 +104,7 @@ Visible VisibleEffect(const Column& whitened_effect, const Projector& baseline) 
   if (sizes.empty()) return {};
   const auto place = static_cast<long>(0.95 * static_cast<double>(sizes.size() - 1));
   std::ranges::nth_element(sizes, sizes.begin() + place);
-  return {sizes[static_cast<std::size_t>(place)], Dot(rest, rest)};
+  return {sizes[static_cast<std::size_t>(place)], Dot(rest, rest), largest};
 }
 
 }  // namespace blind

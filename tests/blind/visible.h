@@ -30,6 +30,7 @@ class Projector {
 struct Visible {
   double peak = 0;         ///< 95th percentile of the rows on which it acts.
   double sum_squares = 0;  ///< Over all rows.
+  double whole_peak = 0;   ///< Largest before the baseline has taken its part.
 };
 
 /// Of a whitened effect after the baseline has taken its part.

@@ -82,10 +82,14 @@ void AddPose(const Case& made, Columns* columns) {
   }
   for (std::size_t k = 0; k < 3; ++k) {
     // Nobody knows it before the axis has turned round for the first time.
-    add(fmt::format("since_rev_{}_mm", "xyz"[k]), "since_rev", [k](const Reading& r) {
-      const double travel_mm = r.instant.since_rev_mm[k];
+    const bool commanded = made.blemishes.logs_commanded_travel;
+    const auto travelled = [k, commanded](const Reading& r) {
+      double travel_mm = r.instant.since_rev_mm[k];
+      // A touch that ends further out has travelled less.
+      if (commanded) travel_mm += r.trigger_mm * std::abs(r.stop->n[k]);
       return travel_mm > 900 ? std::string() : Number(travel_mm, 4);
-    });
+    };
+    add(fmt::format("since_rev_{}_mm", "xyz"[k]), "since_rev", travelled);
   }
   add("feed_mm_s", "", [](const Reading& r) { return Number(r.stop->feed_mm_s, 3); });
   add("load_n", "load", [](const Reading& r) {
@@ -206,10 +210,20 @@ std::string DataYaml(const Case& made) {
   return text;
 }
 
-std::string MachineYaml(const Case& made) {
-  std::string text = "format: 1\nname: blind_gantry\nkinematics: cartesian\naxes:\n";
+void WriteText(const std::filesystem::path& file, const std::string& text) {
+  std::ofstream stream(file, std::ios::binary);
+  stream << text;
+  if (!stream) throw std::runtime_error("cannot write " + file.string());
+}
+
+}  // namespace
+
+std::string MachineYaml(const Drawing& drawing, const MachineWords& words) {
+  std::string text = "format: 1\nname: blind_gantry\nkinematics: cartesian\n";
+  if (!words.model.empty()) text += "model: " + words.model + "\n";
+  text += "axes:\n";
   for (std::size_t i = 0; i < 3; ++i) {
-    const AxisDrawing& axis = made.drawing.axes[i];
+    const AxisDrawing& axis = drawing.axes[i];
     text += fmt::format(
         "  {}: {{min_mm: {}, max_mm: {}, home: {}, {}: {}, full_steps_per_rev: {}, "
         "microsteps: {}, rail_friction_n: {:.2f}}}\n",
@@ -220,23 +234,15 @@ std::string MachineYaml(const Case& made) {
         axis.is_belt ? "pulley_mm_per_rev" : "lead_mm",
         axis.lead_mm,
         axis.full_steps_per_rev,
-        axis.microsteps,
+        words.microsteps > 0 ? words.microsteps : axis.microsteps,
         axis.friction_n);
   }
-  text += fmt::format("probe: {{tip_radius_mm: {}, pretravel_mm: 0.02}}\n",
-                      made.drawing.tip_radius_cfg_mm);
-  text +=
-      fmt::format("settings: {{tip_radius_mm: {}}}\n", made.drawing.tip_radius_cfg_mm);
+  text += fmt::format("probe: {{tip_radius_mm: {}, pretravel_mm: {}}}\n",
+                      drawing.tip_radius_cfg_mm + words.tip_growth_mm,
+                      words.pretravel_mm);
+  text += fmt::format("settings: {{tip_radius_mm: {}}}\n", drawing.tip_radius_cfg_mm);
   return text;
 }
-
-void WriteText(const std::filesystem::path& file, const std::string& text) {
-  std::ofstream stream(file, std::ios::binary);
-  stream << text;
-  if (!stream) throw std::runtime_error("cannot write " + file.string());
-}
-
-}  // namespace
 
 void WriteCase(const Case& made, const std::string& folder) {
   const std::filesystem::path path(folder);
@@ -245,7 +251,8 @@ void WriteCase(const Case& made, const std::string& folder) {
   if (!made.blemishes.missing.contains("header")) {
     WriteText(path / "DATA.yaml", DataYaml(made));
   }
-  WriteText(path / "machine.yaml", MachineYaml(made));
+  const MachineWords words{.model = made.request.physics ? "model.xml" : ""};
+  WriteText(path / "machine.yaml", MachineYaml(made.drawing, words));
 }
 
 void WriteTruth(const Case& made, const std::string& folder) {
