@@ -92,8 +92,10 @@ RowTable Perform(const PerformConfig& config, std::vector<Row> planned) {
   Reader reader(config);
   RowTable table;
   for (Row& row : planned) {
-    if (config.interrupted && config.interrupted()) break;
-    row.value_mm = Reading_mm(config, row, &reader, &readings);
+    if (table.rows.size() >= config.already_read) {
+      if (config.interrupted && config.interrupted()) break;
+      row.value_mm = Reading_mm(config, row, &reader, &readings);
+    }
     table.rows.push_back(std::move(row));
   }
   return table;

@@ -24,6 +24,9 @@ struct PerformConfig {
   /// resolution of instruments, scatter of the trigger, whole motor steps. Off for a
   /// replay, whose readings are what the model says and nothing else.
   bool is_noisy = true;
+  /// So many rows at the beginning were read before: they are left as they are, and
+  /// tell only of the session that goes on (its temperatures, its homings).
+  std::size_t already_read = 0;
   /// Asked before each row; true ends it (the rows done so far are returned).
   std::function<bool()> interrupted{};
 };

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "calibration/diagnosis/changes_json.h"
+#include "calibration/diagnosis/closed_loop.h"
 #include "calibration/diagnosis/correction.h"
 #include "calibration/diagnosis/diagnosis.h"
 #include "calibration/diagnosis/diagnosis_json.h"
@@ -26,6 +27,7 @@
 #include "sim/base/text_file.h"
 #include "sim/measure/rows.h"
 #include "tools/commands/assumed_machine.h"
+#include "tools/commands/closed_loop.h"
 #include "tools/commands/command.h"
 #include "tools/commands/progress.h"
 
@@ -47,6 +49,8 @@ struct Options {
   std::string correction{};
   std::string controller{};
   std::string before{};
+  std::string closed_loop{};
+  std::string record{};
   std::string replay = "physics";
   bool must_replay = false;  // The person said so, however many rows there are.
   double min_effect_um = 0;
@@ -136,6 +140,7 @@ struct Judged {
   Diagnosis diagnosis{};
   Replay replay{};
   std::optional<VolumetricGain> volumetric{};
+  std::vector<LoopRound> rounds{};  // Of a closed loop.
 };
 
 Judged Judge(const Data& data, const Believed& believed, const Options& options) {
@@ -166,14 +171,52 @@ void TryInTwin(const Options& options, Judged* judged) {
   judged->replay = ReplayOf(judged->observed, judged->diagnosis, how);
 }
 
+// Begins with the rows at hand and measures on until one cause is left.
+Judged JudgeInLoop(const MachineUnderTest& tested,
+                   const Believed& believed,
+                   const Options& options,
+                   Data* data) {
+  ProgressLine progress;
+  const auto tell = [&](const LoopRound& round) {
+    progress.Clear();
+    if (options.json != "-") std::cout << RoundText(round) << std::endl;
+  };
+  ClosedLoop loop = MeasureUntilSettled(
+      {data->table, WithUsualInstruments(data->header)},
+      believed.machine,
+      DrawEffects(believed.effects, options.seed, 0),
+      tested.measure,
+      {.seed = options.seed,
+       .settings = tested.settings,
+       .diagnose = {.search = {.min_effect_um = options.min_effect_um,
+                               .seed = options.seed},
+                    .progress =
+                        [&](const std::string& text) {
+                          progress.Show(text);
+                        }},
+       .told = tell});
+  progress.Clear();
+  if (options.json != "-") std::cout << "\n";
+  if (!options.record.empty()) Record(options.record, believed.file, loop.session);
+  data->table = std::move(loop.session.table);
+  data->header = std::move(loop.session.header);
+  return {.observed = std::move(loop.observed),
+          .diagnosis = std::move(loop.diagnosis),
+          .rounds = std::move(loop.rounds)};
+}
+
 std::string Sha256OfFile(const fs::path& file) {
   return file.empty() ? "" : Sha256(ReadTextFile(file, kLargestFile_bytes));
 }
 
 std::string CommandOf(const Options& options) {
-  std::string command = "caltwin diagnose " + options.file;
+  std::string command = "caltwin diagnose";
+  if (!options.file.empty()) command += " " + options.file;
   if (!options.machine.empty()) command += " --machine " + options.machine;
   if (!options.before.empty()) command += " --before " + options.before;
+  if (!options.closed_loop.empty()) {
+    command += " --closed-loop '" + options.closed_loop + "'";
+  }
   if (options.min_effect_um > 0) {
     command += fmt::format(" --min-effect-um {:g}", options.min_effect_um);
   }
@@ -244,6 +287,7 @@ void WriteJson(const Options& options,
                                         .command = CommandOf(options)});
   tree["gain"]["volumetric"] = VolumetricJson(judged.volumetric);
   tree["replay"] = ReplayJson(judged.replay);
+  if (!options.closed_loop.empty()) tree["rounds"] = RoundsJson(judged.rounds);
   tree["show"] = ShowJson(PicturesDataOf(judged.observed, judged.diagnosis));
   if (text_notes.has_before) tree["changes"] = ChangesJson(text_notes.changes);
   const std::string json = tree.dump(kJsonIndent) + "\n";
@@ -272,16 +316,32 @@ void WriteReportOf(const Options& options,
       options.report);
 }
 
-int Run(const Options& options) {
-  Data data = ReadData(options.file);
+// Of a closed loop; the machine it is told by is believed where nothing else is said.
+std::optional<MachineUnderTest> Tested(Options* options, const Data& data) {
+  if (options->closed_loop.empty()) return std::nullopt;
+  MachineUnderTest tested = MachineAt(options->closed_loop);
+  if (options->machine.empty() && data.header.machine.empty()) {
+    options->machine = tested.machine;
+  }
+  return tested;
+}
+
+int Run(Options options) {
+  CheckLoop(options.file, options.closed_loop, options.record);
+  Data data;
+  if (!options.file.empty()) data = ReadData(options.file);
+  const auto tested = Tested(&options, data);
   const Believed believed = BelievedMachine(options, &data);
-  JudgeData(options.file, believed.file.empty() ? nullptr : &believed.machine, &data);
+  if (!options.file.empty()) {
+    JudgeData(options.file, believed.file.empty() ? nullptr : &believed.machine, &data);
+  }
   if (!options.extend.empty() && believed.file.empty()) {
     throw InputError({.file = "--extend"},
                      "needs a machine file to extend, and the machine was assumed",
                      "give --machine; `caltwin new machine NAME` makes one");
   }
-  Judged judged = Judge(data, believed, options);
+  Judged judged = tested ? JudgeInLoop(*tested, believed, options, &data)
+                         : Judge(data, believed, options);
   TryInTwin(options, &judged);
   TextNotes notes{.measured = WhatRowsMeasure(data.table),
                   .has_before = !options.before.empty()};
@@ -308,7 +368,7 @@ int Run(const Options& options) {
 
 Action DeclareDiagnose(CLI::App* app) {
   const auto options = std::make_shared<Options>();
-  app->add_option("data", options->file, "measured rows, DATA.csv")->required();
+  app->add_option("data", options->file, "measured rows, DATA.csv");
   app->add_option(
       "--machine", options->machine, "a name, a machine file, or an extension");
   app->add_option(
@@ -328,6 +388,13 @@ Action DeclareDiagnose(CLI::App* app) {
                   "smaller effects are of no interest")
       ->check(CLI::Range(0.0, 1e6));
   app->add_option("--seed", options->seed, "of the bootstrap");
+  CLI::Option* closed_loop = app->add_option(
+      "--closed-loop",
+      options->closed_loop,
+      "measure what is asked for on twin:M.yaml?truth=T.yaml until one cause is left, "
+      "beginning with the rows given, if any");
+  app->add_option("--record", options->record, "write all rows measured, with header")
+      ->needs(closed_loop);
   const CLI::Option* replay =
       app->add_option("--replay",
                       options->replay,
