@@ -12,7 +12,15 @@ namespace {
 constexpr double kLeastSigma_mm = 1e-7;
 constexpr double kSdOfMad = 1.4826;
 
-// What makes two readings replicates, in steps too small to matter.
+double Median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  const auto mid = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), mid, values.end());
+  return *mid;
+}
+
+}  // namespace
+
 std::string ReplicateKey(const Observed& o, Eigen::Index i) {
   const Row& row = o.row(i);
   const At& at = o.at(i);
@@ -33,15 +41,6 @@ std::string ReplicateKey(const Observed& o, Eigen::Index i) {
   add(row.artefact_turn_deg, 1e-2);
   return key;
 }
-
-double Median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto mid = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), mid, values.end());
-  return *mid;
-}
-
-}  // namespace
 
 Whitener::Whitener(const Observed& observed, const Noise& noise)
     : wanders_(noise.wander_mm2_per_s > 0),

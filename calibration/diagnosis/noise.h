@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -42,6 +43,9 @@ struct PureError {
   std::vector<int> dof{};
 };
 PureError PureErrorOf(const Observed& observed, int least_dof);
+
+/// The same of rows that are replicates of each other, as in PureErrorOf.
+std::string ReplicateKey(const Observed& observed, Eigen::Index i);
 
 /// A first guess of each row's sigma: the stated one, else replicates, else the
 /// residuals' own robust spread in its campaign.

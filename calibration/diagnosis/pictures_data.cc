@@ -205,10 +205,37 @@ double Rms(double sum, int count) {
   return count > 0 ? std::sqrt(sum / count) : 0;
 }
 
+// Scatter of replicates about their means, what the findings explain (a drift, say)
+// taken off first, rows left out of the fit out of this too.
+void AddPureError(const Observed& observed,
+                  const Diagnosis& diagnosis,
+                  const std::vector<bool>& out,
+                  std::vector<LackOfFit>* all) {
+  std::map<std::string, std::vector<Eigen::Index>> groups;
+  for (Eigen::Index i = 0; i < observed.num_rows(); ++i) {
+    if (!out[static_cast<std::size_t>(i)]) {
+      groups[ReplicateKey(observed, i)].push_back(i);
+    }
+  }
+  std::vector<double> sum_mm2(all->size(), 0);
+  for (const auto& [key, members] : groups) {
+    const Eigen::VectorXd left_mm = diagnosis.residual_after_mm(members);
+    const auto c = static_cast<std::size_t>(
+        observed.campaign_of()[static_cast<std::size_t>(members.front())]);
+    sum_mm2[c] += (left_mm.array() - left_mm.mean()).square().sum();
+    (*all)[c].replicate_dof += static_cast<int>(members.size()) - 1;
+  }
+  for (std::size_t c = 0; c < all->size(); ++c) {
+    LackOfFit& fit = (*all)[c];
+    fit.pure_error_um = fit.replicate_dof > 0
+                            ? UmFromMm(std::sqrt(sum_mm2[c] / fit.replicate_dof))
+                            : kUnknown;
+  }
+}
+
 std::vector<LackOfFit> LackOfFitOf(const Observed& observed,
                                    const Diagnosis& diagnosis,
                                    const std::vector<bool>& out) {
-  const PureError pure = PureErrorOf(observed, /*least_dof=*/1);
   const std::size_t count = observed.campaigns().size();
   std::vector<LackOfFit> all(count);
   std::vector<double> sigma2(count, 0), before2(count, 0), after2(count, 0);
@@ -223,12 +250,11 @@ std::vector<LackOfFit> LackOfFitOf(const Observed& observed,
   }
   for (std::size_t c = 0; c < count; ++c) {
     all[c].campaign = observed.campaigns()[c];
-    all[c].replicate_dof = pure.dof[c];
-    all[c].pure_error_um = UmFromMm(pure.sigma_mm[c]);
     all[c].sigma_um = UmFromMm(Rms(sigma2[c], all[c].rows));
     all[c].before_um = UmFromMm(Rms(before2[c], all[c].rows));
     all[c].after_um = UmFromMm(Rms(after2[c], all[c].rows));
   }
+  AddPureError(observed, diagnosis, out, &all);
   return all;
 }
 
