@@ -9,6 +9,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "calibration/diagnosis/diagnosis_words.h"
 #include "renders/diagnosis_chart.h"
@@ -57,9 +58,16 @@ struct CovariateScale {
   double unit = 1;
 };
 
+std::string InWords(std::string_view covariate) {
+  if (covariate == "temp_frame_c") return "temperature of the frame";
+  if (covariate == "temp_bed_c") return "temperature of the bed";
+  if (covariate == "temp_screw_c") return "temperature of the screw";
+  return CovariateInWords(covariate);
+}
+
 CovariateScale ScaleOf(const FindingSeries& series) {
   constexpr double kMinute_s = 60, kHour_s = 3600;
-  const std::string words = CovariateInWords(series.covariate);
+  const std::string words = InWords(series.covariate);
   if (series.period_mm > 0) {
     return {fmt::format("{}, folded by {:.4g} mm [mm]", words, series.period_mm)};
   }
@@ -69,7 +77,8 @@ CovariateScale ScaleOf(const FindingSeries& series) {
     if (max - min > 3 * kHour_s) return {"time [h]", kHour_s};
     return {"time [min]", kMinute_s};
   }
-  if (series.covariate == "temp") return {"temperature [°C]"};
+  if (series.covariate == "temp") return {"rise of temperature [K]"};
+  if (series.covariate.starts_with("temp_")) return {words + " [°C]"};
   if (series.covariate == "feed") return {"feed [mm/s]"};
   if (series.covariate == "load") return {"load [N]"};
   if (series.covariate == "since_rev") return {words + " [mm]"};
@@ -103,7 +112,7 @@ DiagnosisPicture FindingPicture(const FindingSeries& series, std::size_t number)
           "What is left of each reading, all other findings corrected, against {}: "
           "without this finding, and with it. The band is two standard deviations of "
           "a reading, {:.2g} µm.",
-          CovariateInWords(series.covariate),
+          InWords(series.covariate),
           2 * series.pure_error_um)};
   if (series.at.empty()) return picture;
   const CovariateScale scale = ScaleOf(series);
@@ -255,6 +264,17 @@ std::vector<double> Shares_percent(const Diagnosis& diagnosis) {
   return shares;
 }
 
+namespace {
+
+// Findings without a name are told apart by what they depend on.
+std::string NameWithCovariates(const Finding& finding) {
+  const std::string name = NameInWords(finding.cause, finding.axis);
+  if (finding.cause != "unknown") return name;
+  return fmt::format("{} ({})", name, fmt::join(finding.covariates, ", "));
+}
+
+}  // namespace
+
 DiagnosisPicture SharesPicture(const Diagnosis& diagnosis) {
   DiagnosisPicture picture{
       .name = "shares",
@@ -270,8 +290,7 @@ DiagnosisPicture SharesPicture(const Diagnosis& diagnosis) {
   for (std::size_t i = 0; i < shares.size(); ++i) {
     const bool is_rest = i == diagnosis.findings.size();
     const std::string label =
-        is_rest ? "remains unexplained"
-                : NameInWords(diagnosis.findings[i].cause, diagnosis.findings[i].axis);
+        is_rest ? "remains unexplained" : NameWithCovariates(diagnosis.findings[i]);
     const double y = 6 + kRow * static_cast<double>(i);
     const double width =
         (kWidth - kLabels - kNumbers) * std::clamp(shares[i], 0.0, 100.0) / 100;

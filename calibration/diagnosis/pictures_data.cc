@@ -90,16 +90,29 @@ double PeriodOf_mm(const Finding& finding,
   return finding.cause == "microstep" ? Microstep::Period_mm(machine.axis(*axis)) : 0;
 }
 
+// The thermometer that a temperature cause follows, as a column of the rows; others:
+// the one that moves most, "temp".
+std::string ThermometerOf(const Finding& finding) {
+  if (finding.cause == "frame_temperature") return "temp_" + finding.axis + "_c";
+  const bool by_screw =
+      finding.cause == "thermal_screw" || finding.cause == "probe_temperature";
+  return by_screw ? "temp_screw_c" : "temp";
+}
+
 // The covariates drawn: the one along, and the one that splits (empty: none).
 std::pair<std::string, std::string> DrawnAgainst(const Finding& finding) {
   std::vector<std::string> words = finding.covariates;
   std::ranges::stable_partition(
       words, [](const std::string& word) { return !word.starts_with("dir_"); });
   if (words.empty()) words = {"t"};
+  std::ranges::replace(words, std::string("temp"), ThermometerOf(finding));
   return {words[0], words.size() > 1 ? words[1] : ""};
 }
 
 double ShownValue(const Observed& observed, Eigen::Index i, std::string_view word) {
+  if (word == "temp_frame_c") return observed.row(i).temp_frame_c;
+  if (word == "temp_bed_c") return observed.row(i).temp_bed_c;
+  if (word == "temp_screw_c") return observed.row(i).temp_screw_c;
   const double value = CovariateAt(observed.at(i), word);
   return word == "theta" ? DegFromRad(value) : value;
 }

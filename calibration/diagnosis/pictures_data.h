@@ -55,8 +55,8 @@ struct LackOfFit {
   std::string campaign{};
   int rows = 0;
   int replicate_dof = 0;  ///< 0: nothing was repeated.
-  double pure_error_um =
-      0;                 ///< One reading, from replicates; NaN where there are none.
+  /// Of one reading, from replicates, findings taken off; NaN: none.
+  double pure_error_um = 0;
   double sigma_um = 0;   ///< As judged for the evidence, rms.
   double before_um = 0;  ///< rms left by the baseline.
   double after_um = 0;   ///< rms with the findings.
