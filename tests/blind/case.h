@@ -18,8 +18,8 @@ struct Hidden {
   double sigma = 5;
 };
 
-/// What a case shall be. Kind: null, single, pair or outside. Causes not given are
-/// drawn.
+/// What a case shall be. Kind: null, single, pair, outside or loop (the rows of one
+/// campaign, to be continued on the machine itself). Causes not given are drawn.
 struct CaseRequest {
   std::string kind = "null";
   std::vector<Hidden> hidden{};

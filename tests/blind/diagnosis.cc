@@ -34,9 +34,15 @@ nlohmann::json Diagnose(const Diagnoser& diagnoser,
                                     "--machine",
                                     (folder / files.machine).string(),
                                     "--json",
-                                    (folder / files.answer).string()};
+                                    (folder / files.answer).string(),
+                                    "--replay",
+                                    files.replay};
   if (!files.extend.empty()) {
     words.insert(words.end(), {"--extend", (folder / files.extend).string()});
+  }
+  if (!files.loop.empty()) {
+    words.insert(words.end(),
+                 {"--closed-loop", "twin:" + (folder / files.loop).string()});
   }
   const fs::path answer = folder / files.answer;
   fs::remove(answer);
@@ -54,15 +60,22 @@ Judgement Examine(const Diagnoser& diagnoser, const CaseRequest& request) {
                                                request.seed);
   Case made;
   if (request.physics) {
-    const Simulator simulator{diagnoser.binary, folder.string(), diagnoser.model};
+    const Simulator simulator{.binary = diagnoser.binary,
+                              .folder = folder.string(),
+                              .model = diagnoser.model,
+                              .keep_built = request.kind == "loop"};
     MakePhysicsCase(simulator, request, &made);
   } else {
     MakeCase(request, &made);
   }
   WriteCase(made, folder.string());
   const auto begin = std::chrono::steady_clock::now();
-  const auto answer =
-      Diagnose(diagnoser, folder.string(), {.extend = "machine.ext.yaml"});
+  const bool is_loop = request.kind == "loop";
+  const auto answer = Diagnose(diagnoser,
+                               folder.string(),
+                               {.extend = is_loop ? "" : "machine.ext.yaml",
+                                .loop = is_loop ? "built.yaml" : "",
+                                .replay = request.physics ? "physics" : "none"});
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
   nlohmann::json again = nullptr;
   if (answer.is_object() && fs::exists(folder / "machine.ext.yaml")) {

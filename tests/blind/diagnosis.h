@@ -23,6 +23,9 @@ struct DiagnosisFiles {
   std::string machine = "machine.yaml";
   std::string answer = "answer.json";
   std::string extend{};  ///< Empty: no extended machine is asked for.
+  std::string loop{};    ///< Machine to measure on until one cause is left.
+  /// "physics" takes the rows again in MuJoCo: most of the time a diagnosis needs.
+  std::string replay = "none";
 };
 
 /// The answer to the data in `folder`; null where there was none.

@@ -193,6 +193,13 @@ std::vector<Figure> Figures(const std::vector<Judgement>& all) {
               {"two causes, 2-15 sigma: at least one named", 0, 0, 0.95, 0.98},
               pair,
               [](const Judgement& j) { return j.hidden_named >= 1; }),
+      Counted(
+          all,
+          {"closed loops: ended with the right cause alone", 0, 0, 0.80, 0.95},
+          [](const Judgement& j) { return j.kind == "loop"; },
+          [](const Judgement& j) {
+            return j.first_right && j.findings[0].alone && j.findings.size() == 1;
+          }),
       Coverage(all),
       Counted(
           all,

@@ -34,8 +34,8 @@ int Run(int argc, char** argv) {
   std::string folder;
   blind::Simulator simulator;
   bool list = false;
-  app.add_option("--kind", request.kind, "null, single, pair or outside")
-      ->check(CLI::IsMember({"null", "single", "pair", "outside"}));
+  app.add_option("--kind", request.kind, "null, single, pair, outside or loop")
+      ->check(CLI::IsMember({"null", "single", "pair", "outside", "loop"}));
   app.add_option(
       "--cause", causes, "what to hide; drawn if left out; twice for a pair");
   app.add_option("--axis", axes, "on which axis, '-' where it has none, or any");
@@ -46,6 +46,8 @@ int Run(int argc, char** argv) {
   app.add_flag("--clean", request.clean, "no outliers, wander, missing columns ...");
   app.add_flag("--physics", request.physics, "MuJoCo performs an edited model");
   app.add_option("--binary", simulator.binary, "the caltwin that does so");
+  app.add_flag(
+      "--keep-built", simulator.keep_built, "leaves the machine as built there");
   app.add_option("--model", simulator.model, "the model.xml to edit");
   app.add_flag("--list", list, "lists causes and axes");
   CLI11_PARSE(app, argc, argv);

@@ -1,13 +1,9 @@
 #include "tests/blind/physics_case.h"
 
-#include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <numbers>
 #include <optional>
-#include <sstream>
 #include <stdexcept>
 #include <utility>
 
@@ -52,8 +48,11 @@ ModelText OrdinaryModel(const Simulator& simulator, const Case& made) {
   return model;
 }
 
-/// The rows that `caltwin simulate` writes of this model; throws what it said if none.
-RunFiles Perform(const Simulator& simulator, const Case& made, const ModelText& model) {
+/// The machine as it truly is, as files.
+void WriteBuilt(const Simulator& simulator,
+                const Case& made,
+                const ModelText& model,
+                double microsteps) {
   const fs::path folder(simulator.folder);
   WriteText(folder / "built.xml", model.Text());
   WriteText(folder / "built.yaml",
@@ -61,7 +60,13 @@ RunFiles Perform(const Simulator& simulator, const Case& made, const ModelText& 
                         {.model = "built.xml",
                          .pretravel_mm = made.truth.pretravel_mm[0],
                          .tip_growth_mm = model.tip_growth_mm(),
-                         .microsteps = kFineMicrosteps}));
+                         .microsteps = microsteps}));
+}
+
+/// The rows that `caltwin simulate` writes of this model; throws what it said if none.
+RunFiles Perform(const Simulator& simulator, const Case& made, const ModelText& model) {
+  const fs::path folder(simulator.folder);
+  WriteBuilt(simulator, made, model, kFineMicrosteps);
   const std::string log = (folder / "simulate.log").string();
   const int code = RunProgram({"timeout",
                                kLimit_s,
@@ -187,20 +192,40 @@ void AddWhatNoModelHas(const Weather& weather, Case* made) {
   }
 }
 
+/// The ordinary model with what is hidden.
+ModelText EditedModel(const Simulator& simulator, const Case& made) {
+  ModelText model = OrdinaryModel(simulator, made);
+  for (const HiddenTruth& hidden : made.hidden) {
+    hidden.defect.build(hidden.defect.size, &model);
+  }
+  return model;
+}
+
 }  // namespace
 
-PhysicsReadings HideInModel(const Simulator& simulator, Case* made) {
+Weather PreparePhysicsCase(const Simulator& simulator,
+                           const CaseRequest& request,
+                           Case* made) {
+  fs::create_directories(simulator.folder);
+  fs::copy_file(simulator.model,
+                fs::path(simulator.folder) / "model.xml",
+                fs::copy_options::overwrite_existing);
+  made->request = Filled(request);
+  made->drawing = DrawMachine(made->request);
+  made->instruments = DrawInstruments(made->request, made->drawing);
+  made->blemishes = DrawBlemishes(made->request);
+  return Prepare(simulator, made);
+}
+
+PhysicsReadings HideInModel(const Simulator& simulator, const Case& made) {
   PhysicsReadings readings;
-  for (const Reading& reading : made->readings) {
+  for (const Reading& reading : made.readings) {
     readings.without_mm.push_back(reading.value_mm);
   }
   readings.with_mm = readings.without_mm;
-  if (made->hidden.empty()) return readings;
-  ModelText model = OrdinaryModel(simulator, *made);
-  for (const HiddenTruth& hidden : made->hidden) {
-    hidden.defect.build(hidden.defect.size, &model);
-  }
-  readings.with_mm = ValuesOf(Perform(simulator, *made, model));
+  if (made.hidden.empty()) return readings;
+  const ModelText model = EditedModel(simulator, made);
+  readings.with_mm = ValuesOf(Perform(simulator, made, model));
   if (readings.with_mm.size() != readings.without_mm.size()) {
     throw std::runtime_error("the same plan gave another number of rows");
   }
@@ -210,17 +235,12 @@ PhysicsReadings HideInModel(const Simulator& simulator, Case* made) {
 void MakePhysicsCase(const Simulator& simulator,
                      const CaseRequest& request,
                      Case* made) {
-  fs::create_directories(simulator.folder);
-  fs::copy_file(simulator.model,
-                fs::path(simulator.folder) / "model.xml",
-                fs::copy_options::overwrite_existing);
-  made->request = Filled(request);
-  made->drawing = DrawMachine(made->request);
-  made->instruments = DrawInstruments(made->request, made->drawing);
-  made->blemishes = DrawBlemishes(made->request);
-  const Weather weather = Prepare(simulator, made);
-  const PhysicsReadings readings = HideInModel(simulator, made);
+  const Weather weather = PreparePhysicsCase(simulator, request, made);
+  const PhysicsReadings readings = HideInModel(simulator, *made);
   MeasureHidden(readings, made);
+  if (simulator.keep_built) {
+    WriteBuilt(simulator, *made, EditedModel(simulator, *made), /*microsteps=*/0);
+  }
   for (std::size_t i = 0; i < readings.with_mm.size(); ++i) {
     SetValue(readings.with_mm[i], made->drawing, &made->readings[i]);
   }

@@ -25,6 +25,7 @@ struct Options {
   std::uint64_t date = 1;
   int full = 0;
   int physics = 10;
+  int loops = 10;
   int changes = 8;
   int jobs = 2;
   std::string markdown{};
@@ -103,19 +104,20 @@ int CountBrokenChanges(const Options& options) {
                                !result.ran ? "FAILED"
                                : ok        ? "held"
                                            : "BROKEN");
-      if (!ok) std::cout << "        " << blind::RerunCommand(request) << " --clean\n";
+      if (!ok) std::cout << "        " << blind::RerunCommand(request) << "\n";
     }
   }
   return broken;
 }
 
 blind::SetSizes SizesOf(const Options& options) {
-  if (options.full <= 0) return {.physics = options.physics};
+  if (options.full <= 0) return {.physics = options.physics, .loops = options.loops};
   return {.nulls = options.full,
           .singles = options.full,
           .pairs = options.full / 3,
           .outside = options.full / 3,
           .physics = 0,
+          .loops = options.loops,
           .half_physics = true,
           .two_sizes = false};
 }
@@ -144,6 +146,7 @@ int Run(int argc, char** argv) {
       "--full", options.full, "so many nulls and singles, a third of the rest");
   app.add_option(
       "--physics", options.physics, "cases performed by MuJoCo in the small set");
+  app.add_option("--loops", options.loops, "closed loops on an edited model");
   app.add_option("--model", options.diagnoser.model, "the model.xml that they edit");
   app.add_option("--changes", options.changes, "cases to swap, shuffle and reduce");
   app.add_option("--jobs", options.jobs, "diagnoses at a time");

@@ -24,16 +24,36 @@ void Hide(const Cause& cause, CaseRequest* request) {
   request->hidden = {{cause.name, "any", request->sigma}};
 }
 
-/// Of the causes a model can have, each half of a set takes its own, none twice.
-CaseRequest PhysicsSingle(int index,
+/// Causes that one campaign shows and another one settles.
+std::vector<Cause> LoopCauses() {
+  std::vector<Cause> causes;
+  for (const char* name : {"cyclic_lead",
+                           "microstep",
+                           "pulley_eccentric",
+                           "pitch_progressive",
+                           "squareness",
+                           "straightness",
+                           "angular",
+                           "gantry_sag",
+                           "bed_bowl",
+                           "bed_cylinder",
+                           "bed_twist"}) {
+    causes.push_back(*FindCause(name, /*physics=*/true));
+  }
+  return causes;
+}
+
+/// Of these causes in a model of MuJoCo, each half of a set takes its own, none twice.
+CaseRequest PhysicsSingle(const std::string& kind,
+                          std::vector<Cause> causes,
+                          int index,
                           int count,
                           std::uint64_t seed,
                           std::uint64_t date_seed) {
-  CaseRequest request = Base("physics", index, count, seed, date_seed);
-  request.kind = "single";
+  CaseRequest request = Base("physics " + kind, index, count, seed, date_seed);
+  request.kind = kind;
   request.physics = true;
   request.sigma = index % 2 == 0 ? kSmall_sigma : kLarge_sigma;
-  std::vector<Cause> causes = PhysicsCauses();
   const int first_half = (count + 1) / 2;
   const bool is_second = index >= first_half;
   Random order(is_second ? date_seed : seed, "order of physics");
@@ -70,7 +90,18 @@ std::vector<CaseRequest> MakeSet(const SetSizes& sizes,
     requests.push_back(request);
   }
   for (int i = 0; i < sizes.physics; ++i) {
-    requests.push_back(PhysicsSingle(i, sizes.physics, seed, date_seed));
+    requests.push_back(
+        PhysicsSingle("single", PhysicsCauses(), i, sizes.physics, seed, date_seed));
+  }
+  for (int i = 0; i < sizes.loops; ++i) {
+    requests.push_back(
+        PhysicsSingle("loop", LoopCauses(), i, sizes.loops, seed, date_seed));
+    requests.back().clean = true;
+    // A lone standing square shows nothing: the table's tilt takes it all.
+    if (requests.back().hidden[0].cause == "squareness") {
+      requests.back().hidden[0].axis = "C0Y";
+    }
+    requests.back().sigma = requests.back().hidden[0].sigma = kLarge_sigma;
   }
   add("pair", sizes.pairs);
   const auto& outside = OutsideCauses();
@@ -93,6 +124,8 @@ std::string RerunCommand(const CaseRequest& request) {
                            hidden.axis.empty() ? "-" : hidden.axis,
                            hidden.sigma);
   }
+  if (request.clean) command += " --clean";
+  if (request.kind == "loop") command += " --keep-built";
   if (request.physics) command += " --physics --binary CALTWIN";
   return command + " --out CASE";
 }

@@ -12,6 +12,8 @@ struct SetSizes {
   int nulls = 60, singles = 74, pairs = 20, outside = 16;
   /// Single causes in a model of MuJoCo, beside all others.
   int physics = 10;
+  /// Single causes measured on, in a model of MuJoCo, until one is left.
+  int loops = 10;
   /// Half of the singles and two of three nulls and pairs are performed by MuJoCo.
   bool half_physics = false;
   /// Singles: every cause in turn at two sizes; else sizes from 0.5 to 20 sigma.
