@@ -196,12 +196,12 @@ class Reporter {
       if (!baseline[k].reported) continue;
       const auto at = static_cast<Eigen::Index>(k);
       const double open_mm = with.sds[at] * baseline[k].column_mm.cwiseAbs().maxCoeff();
-      diagnosis->baseline.push_back({baseline[k].name,
-                                     baseline[k].unit,
-                                     baseline[k].offset + with.values[at],
-                                     with.sds[at],
-                                     open_mm < kOpen_mm &&
-                                         with.sds[at] < kKnown * baseline[k].prior_sd});
+      diagnosis->baseline.push_back(
+          {baseline[k].name,
+           baseline[k].unit,
+           baseline[k].offset + with.values[at],
+           with.sds[at],
+           open_mm < kOpen_mm && with.sds[at] < kKnown * baseline[k].prior_sd});
     }
   }
 
@@ -276,6 +276,21 @@ void DropUnpredictive(const Observed& observed,
     if (*worst > (is_worse ? kCertain_nats : 0)) return;
     search->found.erase(search->found.begin() + (worst - scores.begin()));
   }
+}
+
+// A table without a name is of use for what it foretells: where it is no third of what
+// can be, it is not told.
+void DropUseless(const Observed& observed,
+                 const std::vector<Candidate>& candidates,
+                 SearchResult* search) {
+  constexpr double kOfUse = 1.0 / 3;
+  const bool has_name = std::ranges::any_of(search->found, [&](const Found& found) {
+    return !candidates[found.candidate].is_free() && !found.lost_its_name;
+  });
+  if (search->found.empty() || has_name) return;
+  const GainFigures gain =
+      GainOf(observed, candidates, *search, Refit(observed, candidates, *search));
+  if (gain.explained_fraction < kOfUse) search->found.clear();
 }
 
 // Whether the rows tell how large it is: not where it stands at the end of what is
@@ -358,6 +373,7 @@ Diagnosis Diagnose(const Observed& as_read, const DiagnoseOptions& options) {
   say("refining what was found");
   DropUnpredictive(observed, candidates, &search);
   DoubtNames(observed, candidates, &search);
+  DropUseless(observed, candidates, &search);
   return Reporter(observed, candidates, search).Make();
 }
 

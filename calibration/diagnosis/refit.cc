@@ -145,10 +145,13 @@ class Final {
     Refined refined{.variant =
                         VariantOf(observed_, candidate.effect, candidate.axis, forms)};
     if (refined.variant.columns_mm.cols() == 0) refined.variant = found.variant;
-    const Evidence evidence = EvidenceWithout(index, refined.variant);
+    const Evidence evidence = EvidenceWithout(index, refined.variant, /*is_free=*/true);
     const Eigen::Index num_sizes = refined.variant.columns_mm.cols();
     Eigen::MatrixXd columns = refined.variant.columns_mm;
-    refined.sizes_mm = SolveSizes(evidence, evidence.Whiten(columns));
+    // The effect acts without its freedom of form, so it is fitted without; how sure
+    // its size is, the freedom decides.
+    const Evidence plain = EvidenceWithout(index, refined.variant, /*is_free=*/false);
+    refined.sizes_mm = SolveSizes(plain, plain.Whiten(columns));
     const std::size_t num_forms = refined.variant.forms.size();
     columns.conservativeResize(Eigen::NoChange,
                                num_sizes + static_cast<Eigen::Index>(num_forms));
@@ -163,13 +166,17 @@ class Final {
   }
 
  private:
-  Evidence EvidenceWithout(std::size_t index, const Variant& variant) const {
+  // All but the sizes of one finding; `is_free`: with the freedom of its form.
+  Evidence EvidenceWithout(std::size_t index,
+                           const Variant& variant,
+                           bool is_free) const {
     std::vector<Nuisance> nuisances = search_.circumstances.nuisances;
     for (std::size_t i = 0; i < search_.found.size(); ++i) {
       const Candidate& candidate = candidates_[search_.found[i].candidate];
       Found found = search_.found[i];
       if (i == index) found.variant = variant;
       auto more = NuisancesOf(observed_, candidate, found);
+      if (i == index && !is_free) continue;
       if (i == index) {
         more.erase(more.begin(), more.begin() + variant.columns_mm.cols());
       }
