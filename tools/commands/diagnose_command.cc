@@ -17,7 +17,6 @@
 #include "calibration/diagnosis/diagnosis_text.h"
 #include "calibration/diagnosis/extension.h"
 #include "calibration/diagnosis/pictures_json.h"
-#include "calibration/diagnosis/plausible.h"
 #include "calibration/diagnosis/replay.h"
 #include "calibration/diagnosis/volumetric.h"
 #include "renders/diagnosis_report.h"
@@ -25,10 +24,10 @@
 #include "scenarios/machine_file.h"
 #include "sim/base/sha256.h"
 #include "sim/base/text_file.h"
-#include "sim/measure/rows.h"
 #include "tools/commands/assumed_machine.h"
 #include "tools/commands/closed_loop.h"
 #include "tools/commands/command.h"
+#include "tools/commands/measured_data.h"
 #include "tools/commands/progress.h"
 
 namespace caltwin {
@@ -37,7 +36,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kJsonIndent = 2;
-constexpr std::size_t kLeastRows = 3;
 constexpr std::size_t kLargestFile_bytes = 64'000'000;
 
 struct Options {
@@ -64,31 +62,6 @@ struct Believed {
   fs::path file{};  // Empty: assumed from the rows.
 };
 
-// A file of rows as read, with what there is to say about it.
-struct Data {
-  RowTable table{};
-  DataHeader header{};
-  std::vector<std::string> notes{};
-};
-
-Data ReadData(const std::string& file) {
-  Data data{.table = ReadRows(file), .header = HeaderOf(file)};
-  if (data.table.rows.size() < kLeastRows) {
-    throw InputError(
-        {.file = file},
-        fmt::format("{} rows: too few to tell anything from", data.table.rows.size()),
-        "a diagnosis takes at least 5; eight positions both ways are a "
-        "beginning");
-  }
-  const auto tell = [&](const std::vector<std::string>& remarks) {
-    data.notes.insert(data.notes.end(), remarks.begin(), remarks.end());
-  };
-  tell(data.table.remarks);
-  tell(data.header.remarks);
-  tell(Unexplained(data.table, data.header));
-  return data;
-}
-
 // --machine, else the header's `machine:` (relative to the header), else assumed.
 Believed BelievedMachine(const Options& options, Data* data) {
   const fs::path header_file = fs::path(options.file).replace_extension(".yaml");
@@ -110,28 +83,6 @@ Believed BelievedMachine(const Options& options, Data* data) {
   }
   believed.machine = WithTransmission(std::move(believed.machine), data->header);
   return believed;
-}
-
-// The line of the first row a doubt is about; none: of the file.
-Place PlaceOf(const Doubt& doubt, const Data& data, const std::string& file) {
-  for (const Row& row : data.table.rows) {
-    if (!doubt.rows.empty() && row.row == doubt.rows.front()) return row.place;
-  }
-  return {.file = file, .line = 1};
-}
-
-// Throws InputError with what cannot be true; adds the rest to the notes.
-void JudgeData(const std::string& file, const Machine* machine, Data* data) {
-  Faults faults;
-  for (const Doubt& doubt : Doubts(data->table, data->header, machine)) {
-    if (doubt.refuse) {
-      faults.Add(PlaceOf(doubt, *data, file), doubt.message, doubt.hint);
-    } else {
-      data->notes.push_back(
-          doubt.hint.empty() ? doubt.message : doubt.message + " (" + doubt.hint + ")");
-    }
-  }
-  faults.ThrowIfAny();
 }
 
 // Rows held against a machine, and the answer.

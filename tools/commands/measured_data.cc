@@ -1,0 +1,55 @@
+#include "tools/commands/measured_data.h"
+
+#include <fmt/format.h>
+
+#include "calibration/diagnosis/plausible.h"
+#include "sim/base/input_error.h"
+#include "sim/measure/rows.h"
+
+namespace caltwin {
+namespace {
+
+constexpr std::size_t kLeastRows = 3;
+
+// The line of the first row a doubt is about; none: of the file.
+Place PlaceOf(const Doubt& doubt, const Data& data, const std::string& file) {
+  for (const Row& row : data.table.rows) {
+    if (!doubt.rows.empty() && row.row == doubt.rows.front()) return row.place;
+  }
+  return {.file = file, .line = 1};
+}
+
+}  // namespace
+
+Data ReadData(const std::string& file) {
+  Data data{.table = ReadRows(file), .header = HeaderOf(file)};
+  if (data.table.rows.size() < kLeastRows) {
+    throw InputError(
+        {.file = file},
+        fmt::format("{} rows: too few to tell anything from", data.table.rows.size()),
+        "a diagnosis takes at least 5; eight positions both ways are a "
+        "beginning");
+  }
+  const auto tell = [&](const std::vector<std::string>& remarks) {
+    data.notes.insert(data.notes.end(), remarks.begin(), remarks.end());
+  };
+  tell(data.table.remarks);
+  tell(data.header.remarks);
+  tell(Unexplained(data.table, data.header));
+  return data;
+}
+
+void JudgeData(const std::string& file, const Machine* machine, Data* data) {
+  Faults faults;
+  for (const Doubt& doubt : Doubts(data->table, data->header, machine)) {
+    if (doubt.refuse) {
+      faults.Add(PlaceOf(doubt, *data, file), doubt.message, doubt.hint);
+    } else {
+      data->notes.push_back(
+          doubt.hint.empty() ? doubt.message : doubt.message + " (" + doubt.hint + ")");
+    }
+  }
+  faults.ThrowIfAny();
+}
+
+}  // namespace caltwin
