@@ -64,6 +64,30 @@ void InsertBodies(int axis, const std::vector<std::string>& bodies, std::string*
   text->insert(begin, opened);
 }
 
+/// A flat tile with the height and the slopes of its middle.
+std::string TileText(const std::function<double(double, double)>& height_mm,
+                     double x_mm,
+                     double y_mm) {
+  constexpr double kThick_m = 0.01;
+  constexpr double kHalf_mm = 0.5 * kTile_mm;
+  const double slope_x =
+      (height_mm(x_mm + kHalf_mm, y_mm) - height_mm(x_mm - kHalf_mm, y_mm)) / kTile_mm;
+  const double slope_y =
+      (height_mm(x_mm, y_mm + kHalf_mm) - height_mm(x_mm, y_mm - kHalf_mm)) / kTile_mm;
+  return fmt::format(R"(<geom type="box" contype="2" conaffinity="2" group="3" )"
+                     R"(pos="{:.9g} {:.9g} {:.12g}" euler="{:.9g} {:.9g} 0" )"
+                     R"(size="{:.9g} {:.9g} {:.9g}"/>)"
+                     "\n",
+                     x_mm * kMPerMm,
+                     y_mm * kMPerMm,
+                     height_mm(x_mm, y_mm) * kMPerMm - kThick_m,
+                     slope_y,
+                     -slope_x,
+                     kHalf_mm * kMPerMm,
+                     kHalf_mm * kMPerMm,
+                     kThick_m);
+}
+
 }  // namespace
 
 Polynomial OverTravel(const Polynomial& over_u, const AxisDrawing& axis) {
@@ -233,30 +257,12 @@ std::string ModelText::TilesText() const {
     for (const auto& shape : heights_mm_) sum_mm += shape(x_mm, y_mm);
     return sum_mm;
   };
-  constexpr double kThick_m = 0.01;
+  const int across = static_cast<int>(std::ceil(table_mm_[0] / kTile_mm));
+  const int along = static_cast<int>(std::ceil(table_mm_[1] / kTile_mm));
   std::string text;
-  for (double x_mm = 0.5 * kTile_mm; x_mm < table_mm_[0] + kTile_mm; x_mm += kTile_mm) {
-    for (double y_mm = 0.5 * kTile_mm; y_mm < table_mm_[1] + kTile_mm;
-         y_mm += kTile_mm) {
-      const double half_mm = 0.5 * kTile_mm;
-      const double slope_x =
-          (height_mm(x_mm + half_mm, y_mm) - height_mm(x_mm - half_mm, y_mm)) /
-          kTile_mm;
-      const double slope_y =
-          (height_mm(x_mm, y_mm + half_mm) - height_mm(x_mm, y_mm - half_mm)) /
-          kTile_mm;
-      text += fmt::format(
-          R"(<geom type="box" contype="2" conaffinity="2" group="3" pos="{:.9g} {:.9g} {:.12g}" )"
-          R"(euler="{:.9g} {:.9g} 0" size="{:.9g} {:.9g} {:.9g}"/>)"
-          "\n",
-          x_mm * kMPerMm,
-          y_mm * kMPerMm,
-          height_mm(x_mm, y_mm) * kMPerMm - kThick_m,
-          slope_y,
-          -slope_x,
-          half_mm * kMPerMm,
-          half_mm * kMPerMm,
-          kThick_m);
+  for (int i = 0; i < across; ++i) {
+    for (int j = 0; j < along; ++j) {
+      text += TileText(height_mm, (i + 0.5) * kTile_mm, (j + 0.5) * kTile_mm);
     }
   }
   return text;
