@@ -44,10 +44,11 @@ std::vector<double> LogTicks(double min, double max) {
   const std::vector<double> steps =
       decades > 3 ? std::vector<double>{1} : std::vector<double>{1, 2, 5};
   std::vector<double> ticks;
-  for (double power = std::pow(10.0, std::floor(std::log10(min))); power <= max;
-       power *= 10) {
+  const int first = static_cast<int>(std::floor(std::log10(min)));
+  const int last = static_cast<int>(std::floor(std::log10(max)));
+  for (int exponent = first; exponent <= last; ++exponent) {
     for (const double step : steps) {
-      const double tick = power * step;
+      const double tick = std::pow(10.0, exponent) * step;
       if (tick >= min * 0.9999 && tick <= max * 1.0001) ticks.push_back(tick);
     }
   }

@@ -254,7 +254,7 @@ DiagnosisPicture PeriodogramPicture(const Periodogram& all) {
   return picture;
 }
 
-std::vector<double> Shares_percent(const Diagnosis& diagnosis) {
+std::vector<double> SharesInPercent(const Diagnosis& diagnosis) {
   std::vector<double> shares;
   for (const Finding& finding : diagnosis.findings) {
     shares.push_back(PercentFromFraction(finding.share));
@@ -284,7 +284,7 @@ DiagnosisPicture SharesPicture(const Diagnosis& diagnosis) {
           "baseline alone and the noise floor (Shapley). They sum to 100 %."};
   if (diagnosis.findings.empty()) return picture;
   constexpr double kWidth = 760, kRow = 26, kLabels = 330, kNumbers = 70;
-  const std::vector<double> shares = Shares_percent(diagnosis);
+  const std::vector<double> shares = SharesInPercent(diagnosis);
   const double height = 12 + kRow * static_cast<double>(shares.size());
   std::string svg = SvgOpen(kWidth, height, picture.title);
   for (std::size_t i = 0; i < shares.size(); ++i) {

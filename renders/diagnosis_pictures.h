@@ -27,6 +27,6 @@ DiagnosisPicture PeriodogramPicture(const Periodogram& periodogram);
 
 /// Parts of the explainable variance, in percent, that sum to 100: each finding's share
 /// and, last, what remains.
-std::vector<double> Shares_percent(const Diagnosis& diagnosis);
+std::vector<double> SharesInPercent(const Diagnosis& diagnosis);
 
 }  // namespace caltwin

@@ -168,6 +168,52 @@ DiagnosisPicture EvidencePicture(const PicturesData& data) {
   return picture;
 }
 
+namespace {
+
+// Where the bars of lack of fit begin and end.
+constexpr double kLeft = 190, kRight = 84, kTop = 28, kRow = 46;
+
+// One campaign: two bars and the scatter of replicates.
+std::string FitSvg(const LackOfFit& fit, double top, double most) {
+  constexpr double kBar = 13;
+  const auto x = [most](double um) {
+    return kLeft + (kWidth - kLeft - kRight) * um / most;
+  };
+  std::string svg;
+  svg += SvgText(kLeft - 10, top + 17, fit.campaign, "end");
+  const bool repeats = std::isfinite(fit.pure_error_um);
+  svg += SvgText(kLeft - 10,
+                 top + 31,
+                 fmt::format("{} rows, {} repeated", fit.rows, fit.replicate_dof),
+                 "end",
+                 Ink::kDim,
+                 10.5);
+  double y = top + 5;
+  for (const auto& [um, ink] :
+       {std::pair{fit.before_um, Ink::kBefore}, {fit.after_um, Ink::kAfter}}) {
+    svg += fmt::format(
+        "<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" {}/>\n",
+        kLeft,
+        y,
+        std::max(x(um) - kLeft, 0.5),
+        kBar,
+        FillOf(ink));
+    svg += SvgText(
+        x(um) + 6, y + 11, fmt::format("{:.2f} µm", um), "start", Ink::kText, 11);
+    y += kBar + 2;
+  }
+  svg +=
+      fmt::format("<path d=\"M{0:.1f} {1:.1f}V{2:.1f}\" stroke-width=\"2\" {3}{4}/>\n",
+                  x(repeats ? fit.pure_error_um : fit.sigma_um),
+                  top + 2,
+                  top + 36,
+                  repeats ? "" : "stroke-dasharray=\"3 2\" ",
+                  StrokeOf(Ink::kText));
+  return svg;
+}
+
+}  // namespace
+
 DiagnosisPicture LackOfFitPicture(const PicturesData& data) {
   DiagnosisPicture picture{
       .name = "lack_of_fit",
@@ -178,14 +224,10 @@ DiagnosisPicture LackOfFitPicture(const PicturesData& data) {
           "none were repeated; the noise as judged): what is left beyond it "
           "repeats, and is not explained."};
   if (data.lack_of_fit.empty()) return picture;
-  constexpr double kLeft = 190, kRight = 84, kTop = 28, kRow = 46, kBar = 13;
   double most = 1e-9;
   for (const LackOfFit& fit : data.lack_of_fit) {
     most = std::max({most, fit.before_um, fit.after_um, fit.sigma_um});
   }
-  const auto x = [most](double um) {
-    return kLeft + (kWidth - kLeft - kRight) * um / most;
-  };
   std::string svg = SvgOpen(kWidth,
                             kTop + kRow * static_cast<double>(data.lack_of_fit.size()),
                             picture.title);
@@ -199,37 +241,7 @@ DiagnosisPicture LackOfFitPicture(const PicturesData& data) {
     legend += 40 + TextWidth(label);
   }
   for (std::size_t c = 0; c < data.lack_of_fit.size(); ++c) {
-    const LackOfFit& fit = data.lack_of_fit[c];
-    const double top = kTop + kRow * static_cast<double>(c);
-    svg += SvgText(kLeft - 10, top + 17, fit.campaign, "end");
-    const bool repeats = std::isfinite(fit.pure_error_um);
-    svg += SvgText(kLeft - 10,
-                   top + 31,
-                   fmt::format("{} rows, {} repeated", fit.rows, fit.replicate_dof),
-                   "end",
-                   Ink::kDim,
-                   10.5);
-    double y = top + 5;
-    for (const auto& [um, ink] :
-         {std::pair{fit.before_um, Ink::kBefore}, {fit.after_um, Ink::kAfter}}) {
-      svg += fmt::format(
-          "<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" {}/>\n",
-          kLeft,
-          y,
-          std::max(x(um) - kLeft, 0.5),
-          kBar,
-          FillOf(ink));
-      svg += SvgText(
-          x(um) + 6, y + 11, fmt::format("{:.2f} µm", um), "start", Ink::kText, 11);
-      y += kBar + 2;
-    }
-    svg += fmt::format(
-        "<path d=\"M{0:.1f} {1:.1f}V{2:.1f}\" stroke-width=\"2\" {3}{4}/>\n",
-        x(repeats ? fit.pure_error_um : fit.sigma_um),
-        top + 2,
-        top + 36,
-        repeats ? "" : "stroke-dasharray=\"3 2\" ",
-        StrokeOf(Ink::kText));
+    svg += FitSvg(data.lack_of_fit[c], kTop + kRow * static_cast<double>(c), most);
   }
   picture.svg = svg + "</svg>\n";
   return picture;

@@ -119,13 +119,16 @@ std::vector<double> Frequencies_per_mm(double span_mm, const Periodogram& shape)
   const double step = std::max(1 / (kLinesPerSpan * span_mm), last / kMostLines);
   std::vector<double> all;
   if (2 / span_mm > last) return all;
-  for (double f = 2 / span_mm; f <= last; f += step) all.push_back(f);
+  const auto add = [&all](double from, double to, double by) {
+    const auto count = static_cast<int>(std::floor((to - from) / by + 1e-9));
+    for (int i = 0; i <= count; ++i) all.push_back(from + i * by);
+  };
+  add(2 / span_mm, last, step);
   const double of_steps = 1 / shape.four_full_steps_mm;
-  const double first = std::max(last + step, of_steps - kLinesAboutStep / span_mm);
-  const double fine = 1 / (kLinesPerSpan * span_mm);
-  for (double f = first; f <= of_steps + kLinesAboutStep / span_mm; f += fine) {
-    all.push_back(f);
-  }
+  const double about = kLinesAboutStep / span_mm;
+  add(std::max(last + step, of_steps - about),
+      of_steps + about,
+      1 / (kLinesPerSpan * span_mm));
   return all;
 }
 

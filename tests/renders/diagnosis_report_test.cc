@@ -164,7 +164,7 @@ TEST(DiagnosisPictures, SharesSumToAHundredPercent) {
       .findings = {{.cause = "backlash_worn", .axis = "x", .share = 0.61},
                    {.cause = "cyclic_lead", .axis = "y", .share = 0.29}}};
 
-  const std::vector<double> shares = Shares_percent(diagnosis);
+  const std::vector<double> shares = SharesInPercent(diagnosis);
 
   ASSERT_EQ(shares.size(), 3U);
   EXPECT_DOUBLE_EQ(std::accumulate(shares.begin(), shares.end(), 0.0), 100);
