@@ -104,7 +104,7 @@ TEST(Forms, WearIsSoughtOnlyWhereRowsReachAlongTheAxis) {
   at_one_place.q_min_mm[0] = 299;
   const auto worn = BacklashWorn::kDeclaration.sight->forms;
 
-  EXPECT_THAT(worn({}, "x", WholeRun()), SizeIs(9 * 3));
+  EXPECT_THAT(worn({}, "x", WholeRun()), SizeIs(9 * 5));
   EXPECT_THAT(worn({}, "x", at_one_place), IsEmpty());
 }
 
