@@ -94,10 +94,17 @@ class Searcher {
     for (int round = 0; round < kNoiseRounds; ++round) JudgeNoise(Under({}));
   }
 
-  // Half a sigma of the rows it reaches, or the user's figure.
+  // Half a sigma of the rows it reaches, or the user's figure; a table of where an axis
+  // stands also a motor step, since what is rounded to steps errs by a part of one, at
+  // each position the same.
   bool IsPractical(const Candidate& candidate, const Weighed& weighed) const {
     const Eigen::VectorXd change_mm =
         candidate.variants[weighed.variant].columns_mm * weighed.sizes_mm;
+    const auto axis = AxisNamed(candidate.shown.channel);
+    if (candidate.is_free() && axis) {
+      const double step_mm = 1 / observed_.machine().axis(*axis).steps_per_mm();
+      if (Peak_mm(change_mm) < step_mm) return false;
+    }
     if (options_.min_effect_um > 0) {
       return UmFromMm(Peak_mm(change_mm)) >= options_.min_effect_um;
     }
