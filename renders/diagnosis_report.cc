@@ -69,14 +69,14 @@ std::string Drawing(const DiagnosisPicture& picture,
       picture.name);
 }
 
-std::string BadgeOf(Verdict verdict) {
-  const std::string_view kind = verdict == Verdict::kNone    ? "dim"
-                                : verdict == Verdict::kNamed ? "good"
-                                                             : "warn";
-  const std::string_view word = verdict == Verdict::kNone        ? "none"
-                                : verdict == Verdict::kNamed     ? "named"
-                                : verdict == Verdict::kAmbiguous ? "ambiguous"
-                                                                 : "unknown";
+std::string BadgeOf(DiagnosisVerdict verdict) {
+  const std::string_view kind = verdict == DiagnosisVerdict::kNone    ? "dim"
+                                : verdict == DiagnosisVerdict::kNamed ? "good"
+                                                                      : "warn";
+  const std::string_view word = verdict == DiagnosisVerdict::kNone        ? "none"
+                                : verdict == DiagnosisVerdict::kNamed     ? "named"
+                                : verdict == DiagnosisVerdict::kAmbiguous ? "ambiguous"
+                                                                          : "unknown";
   return fmt::format("<span class=\"badge {}\">{}</span>", kind, word);
 }
 

@@ -4,7 +4,8 @@ A layer includes itself and the layers it names in USES, and what those use in t
 where a header of theirs needs it: CMake passes that on, so it is what compiles, and the
 architecture allows it. The longest folder wins: sim/effects/acts is a layer of its own
 inside sim/effects. Beside that, MuJoCo's headers stand only where metres are allowed, and
-the blind tests' truth code includes nothing of any layer: it would test itself.
+the blind tests' truth code includes nothing of any layer: it would test itself. And no two
+headers define a type of the same name: such programs link, and then do anything.
 
     layers_test.py ROOT          checks a tree
     layers_test.py --self-test   checks that a leak would be found
@@ -19,6 +20,8 @@ SOURCE_FOLDERS = ("sim", "calibration", "scenarios", "renders", "tools", "tests"
 MUJOCO_FOLDERS = ("sim/mjcf", "sim/physics", "renders", "tests/bench")
 BLIND_FOLDER = "tests/blind/"
 LAYER = re.compile(r"^caltwin_layer\((\w+)\s+DIR\s+(\S+)([^)]*)\)", re.MULTILINE)
+TYPE = re.compile(r"^(?:class|struct|enum class) (\w+)(?: final)?(?: :[^;]*)? *\{", re.MULTILINE)
+NAMESPACE = re.compile(r"^namespace (\w+) *\{", re.MULTILINE)
 INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]')
 
 
@@ -87,6 +90,23 @@ def linked_faults(root):
                 yield f"{BLIND_FOLDER}{file.name}:{number}: links a layer, but blind truth shares nothing"
 
 
+def types_of(text):
+    """Types that a header defines at the top level of its namespace, qualified."""
+    namespace = "::".join(NAMESPACE.findall(text))
+    return [f"{namespace}::{name}" for name in TYPE.findall(text)]
+
+
+def doubled_types(headers):
+    """Two types of one name in one namespace: the linker keeps the functions of one."""
+    first, faults = {}, []
+    for path, text in headers:
+        for name in types_of(text):
+            other = first.setdefault(name, path)
+            if other != path:
+                faults.append(f"{path}: {name} is a type of {other} too")
+    return faults
+
+
 def check(root):
     layers = read_layers((root / "CMakeLists.txt").read_text())
     if len(layers) < 3:
@@ -98,6 +118,12 @@ def check(root):
                 files += 1
                 path = file.relative_to(root).as_posix()
                 faults += faults_of(path, file.read_text(), layers)
+    headers = [
+        (file.relative_to(root).as_posix(), file.read_text())
+        for folder in SOURCE_FOLDERS
+        for file in sorted((root / folder).rglob("*.h"))
+    ]
+    faults += doubled_types(headers)
     if files == 0:
         faults.append(f"{root}: no source was found")
     return faults
@@ -110,6 +136,9 @@ SELF_TEST = {
     "sim/top/deep/d.cc": ('#include "sim/top/t.h"\n  #  include "sim/base/a.h"\n', 1),
     "sim/other/e.cc": ('#include "sim/base/a.h"\n// #include "sim/top/t.h"\n', 0),
     "sim/mjcf/f.cc": ("#include <mujoco/mujoco.h>\n#include <vector>\n", 0),
+    "sim/top/w.h": ("namespace n {\nstruct Word {\n};\n}\n", 0),
+    "sim/top/x.h": ("namespace n {\nenum class Word { kA };\nclass Other;\n}\n", 1),
+    "sim/top/y.h": ("namespace m {\nstruct Word {\n};\nstruct Other {\n};\n}\n", 0),
     "tests/blind/g.cc": ('#include "tests/blind/h.h"\n#include "sim/base/a.h"\n', 1),
     "tests/blind/CMakeLists.txt": ("# of caltwin_base\ntarget_link(g caltwin_base)\n", 1),
 }

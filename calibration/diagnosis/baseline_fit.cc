@@ -40,7 +40,8 @@ std::vector<bool> FarOut(const Observed& observed, const Eigen::VectorXd& left_m
 
 }  // namespace
 
-BaselineFit FitBaseline(const Observed& observed, const std::vector<Nuisance>& found) {
+FittedBaseline FitBaseline(const Observed& observed,
+                           const std::vector<Nuisance>& found) {
   constexpr double kAnySigma_mm = 1e-3;
   constexpr double kSure = 2;                 // Standard deviations.
   constexpr double kMostPretravel_mm = 0.15;  // More of it is a wrong tip.
@@ -61,7 +62,7 @@ BaselineFit FitBaseline(const Observed& observed, const std::vector<Nuisance>& f
     const double value = nuisance->offset + fit.values[k];
     return value > kSure * fit.sds[k] ? value : kUnknown;
   };
-  BaselineFit at{.left_mm = fit.residual_mm};
+  FittedBaseline at{.left_mm = fit.residual_mm};
   for (const Axis axis : kAxes) {
     const double gap_mm = known("backlash." + Name(axis));
     if (Known(gap_mm)) at.point.gap_mm[Index(axis)] = gap_mm;
@@ -77,7 +78,7 @@ Observed AtBaseline(const Observed& as_read, const std::vector<Nuisance>& found)
   constexpr int kRounds = 3;
   Observed at = as_read.AtNominal();
   for (int round = 0; round < kRounds; ++round) {
-    const BaselineFit fit = FitBaseline(at, found);
+    const FittedBaseline fit = FitBaseline(at, found);
     at = as_read.AtFitted(fit.left_mm, fit.point);
   }
   return at;

@@ -11,13 +11,13 @@ namespace caltwin {
 
 /// The baseline alone, all rows counting alike but those far out, which count for
 /// nothing. `found` as in AtBaseline.
-struct BaselineFit {
+struct FittedBaseline {
   Eigen::VectorXd left_mm{};  ///< Reading less fit, by row.
   /// What the rows tell well enough to be linear about.
   BaselinePoint point{};
 };
-BaselineFit FitBaseline(const Observed& observed,
-                        const std::vector<Nuisance>& found = {});
+FittedBaseline FitBaseline(const Observed& observed,
+                           const std::vector<Nuisance>& found = {});
 
 /// The rows as the baseline has them: touches taken where it says that they trigger,
 /// rows read inside a gap with the sense they have there, pre-travel as large as it is

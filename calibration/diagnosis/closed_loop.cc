@@ -43,8 +43,9 @@ PlannedCampaign CampaignOf(const std::string& kind,
 }
 
 bool IsOpen(const Diagnosis& diagnosis) {
-  return diagnosis.next_campaign && (diagnosis.verdict == Verdict::kAmbiguous ||
-                                     diagnosis.verdict == Verdict::kUnknownStructure);
+  return diagnosis.next_campaign &&
+         (diagnosis.verdict == DiagnosisVerdict::kAmbiguous ||
+          diagnosis.verdict == DiagnosisVerdict::kUnknownStructure);
 }
 
 class Loop {

@@ -35,7 +35,7 @@ struct LoopRound {
   std::map<std::string, std::string> options{};  ///< That differ from the usual.
   double minutes = 0;                            ///< Of machine time.
   std::size_t rows = 0;                          ///< So far.
-  Verdict verdict = Verdict::kNone;
+  DiagnosisVerdict verdict = DiagnosisVerdict::kNone;
   std::vector<std::string> candidates{};  ///< "gantry_sag", each once.
 };
 

@@ -21,13 +21,13 @@ namespace {
 
 struct Named {
   std::string_view word, full;
-  Controller controller;
+  ControllerKind controller;
 };
 constexpr std::array kControllers = {
-    Named{"rrf", "RepRapFirmware", Controller::kRrf},
-    Named{"klipper", "Klipper", Controller::kKlipper},
-    Named{"marlin", "Marlin", Controller::kMarlin},
-    Named{"linuxcnc", "LinuxCNC", Controller::kLinuxCnc}};
+    Named{"rrf", "RepRapFirmware", ControllerKind::kRrf},
+    Named{"klipper", "Klipper", ControllerKind::kKlipper},
+    Named{"marlin", "Marlin", ControllerKind::kMarlin},
+    Named{"linuxcnc", "LinuxCNC", ControllerKind::kLinuxCnc}};
 
 // Controllers take no more points of a screw than this (LinuxCNC, EMCMOT_COMP_SIZE).
 constexpr int kMostPoints = 256;
@@ -48,7 +48,7 @@ Settings SettingsOf(const Observed& o) {
 
 class Writer {
  public:
-  Writer(Controller controller,
+  Writer(ControllerKind controller,
          const Diagnosis& diagnosis,
          const Observed& observed,
          std::string name)
@@ -56,15 +56,15 @@ class Writer {
         name_(std::move(name)),
         diagnosis_(diagnosis),
         observed_(observed),
-        is_gcode_(controller == Controller::kRrf || controller == Controller::kMarlin) {
-  }
+        is_gcode_(controller == ControllerKind::kRrf ||
+                  controller == ControllerKind::kMarlin) {}
 
   std::vector<CorrectionFile> Make() {
     Comment(fmt::format("Correction for {}, by `caltwin diagnose`.",
                         kControllers[static_cast<std::size_t>(controller_)].full));
     for (const Axis axis : kAxes) AddAxis(axis);
     AddSquareness();
-    if (controller_ == Controller::kKlipper) AddTwist();
+    if (controller_ == ControllerKind::kKlipper) AddTwist();
     AddRest();
     files_.insert(files_.begin(), {.text = text_});
     return files_;
@@ -90,13 +90,13 @@ class Writer {
   }
 
   void AddAxis(Axis axis) {
-    const bool has_table = controller_ == Controller::kLinuxCnc && HasShape(axis);
+    const bool has_table = controller_ == ControllerKind::kLinuxCnc && HasShape(axis);
     const BaselineLine* scale = Fitted("scale." + Name(axis));
     const BaselineLine* gap = Fitted("backlash." + Name(axis));
-    if (controller_ == Controller::kLinuxCnc && (scale || gap || has_table)) {
+    if (controller_ == ControllerKind::kLinuxCnc && (scale || gap || has_table)) {
       text_ += fmt::format("[JOINT_{}]\n", Index(axis));
     }
-    if (controller_ == Controller::kKlipper && scale) {
+    if (controller_ == ControllerKind::kKlipper && scale) {
       text_ += fmt::format("[stepper_{}]\n", Name(axis));
     }
     if (scale) AddScale(axis, *scale);
@@ -119,11 +119,11 @@ class Writer {
                                            Name(axis),
                                            scale.value,
                                            scale.sd);
-    if (controller_ == Controller::kKlipper) {
+    if (controller_ == ControllerKind::kKlipper) {
       const double steps_a_turn = drawing.full_steps_per_rev * drawing.microsteps;
       Line(fmt::format("rotation_distance: {:.7g}", steps_a_turn / steps_per_mm),
            "mm a turn; steps/mm " + source);
-    } else if (controller_ == Controller::kLinuxCnc) {
+    } else if (controller_ == ControllerKind::kLinuxCnc) {
       Line(fmt::format("SCALE = {:.7g}", steps_per_mm), "steps/mm, " + source);
     } else {
       Line(fmt::format("M92 {}{:.7g}", Upper(axis), steps_per_mm),
@@ -135,13 +135,13 @@ class Writer {
     const std::string source = fmt::format(
         "mm, backlash.{} {:.4f} +- {:.4f} mm", Name(axis), gap.value, gap.sd);
     const double gap_mm = std::max(gap.value, 0.0);
-    if (controller_ == Controller::kKlipper) {
+    if (controller_ == ControllerKind::kKlipper) {
       Comment(source + ": Klipper has no backlash compensation; mend the drive");
-    } else if (controller_ == Controller::kLinuxCnc) {
+    } else if (controller_ == ControllerKind::kLinuxCnc) {
       Line(fmt::format("BACKLASH = {:.4f}", gap_mm), source);
     } else {
       // Marlin corrects by the fraction F, 0 unless it is given.
-      const bool is_marlin = controller_ == Controller::kMarlin;
+      const bool is_marlin = controller_ == ControllerKind::kMarlin;
       Line(fmt::format("M425 {}{}{:.4f}", is_marlin ? "F1 " : "", Upper(axis), gap_mm),
            source);
     }
@@ -273,19 +273,19 @@ class Writer {
                                     finding->sds.empty() ? 0 : finding->sds[0]));
       used.push_back(finding);
     }
-    if (used.empty() || controller_ == Controller::kLinuxCnc) return;
+    if (used.empty() || controller_ == ControllerKind::kLinuxCnc) return;
     carried_.insert(used.begin(), used.end());
     const std::string source = fmt::format("{}", fmt::join(sources, ", "));
     const auto [xy, xz, yz] = slopes;
     constexpr double kHeight_mm = 100;
-    if (controller_ == Controller::kRrf) {
+    if (controller_ == ControllerKind::kRrf) {
       Line(fmt::format("M556 S{:g} X{:.4f} Y{:.4f} Z{:.4f}",
                        kHeight_mm,
                        -kHeight_mm * xy,
                        -kHeight_mm * yz,
                        -kHeight_mm * xz),
            fmt::format("mm over {:g} mm, {}", kHeight_mm, source));
-    } else if (controller_ == Controller::kMarlin) {
+    } else if (controller_ == ControllerKind::kMarlin) {
       Line(fmt::format("M852 I{:.7f} J{:.7f} K{:.7f}", xy, xz, yz), "mm/mm, " + source);
     } else {
       text_ += "[skew_correction caltwin]\n";
@@ -341,7 +341,7 @@ class Writer {
     }
   }
 
-  Controller controller_;
+  ControllerKind controller_;
   std::string name_;
   const Diagnosis& diagnosis_;
   const Observed& observed_;
@@ -353,7 +353,7 @@ class Writer {
 
 }  // namespace
 
-Controller ControllerNamed(std::string_view word) {
+ControllerKind ControllerNamed(std::string_view word) {
   const auto found = std::ranges::find(kControllers, word, &Named::word);
   if (found != kControllers.end()) return found->controller;
   throw InputError({.file = "--for"},
@@ -361,7 +361,7 @@ Controller ControllerNamed(std::string_view word) {
                    "rrf, klipper, marlin or linuxcnc");
 }
 
-std::vector<CorrectionFile> CorrectionFor(Controller controller,
+std::vector<CorrectionFile> CorrectionFor(ControllerKind controller,
                                           const Diagnosis& diagnosis,
                                           const Observed& observed,
                                           const std::string& name) {

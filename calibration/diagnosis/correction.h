@@ -9,9 +9,9 @@
 namespace caltwin {
 
 /// The controllers that a correction can be written for.
-enum class Controller { kRrf, kKlipper, kMarlin, kLinuxCnc };
+enum class ControllerKind { kRrf, kKlipper, kMarlin, kLinuxCnc };
 /// Throws InputError where the word is none of rrf, klipper, marlin, linuxcnc.
-Controller ControllerNamed(std::string_view word);
+ControllerKind ControllerNamed(std::string_view word);
 
 /// One file of a correction; the first has no suffix and says what it needs of the
 /// others.
@@ -33,7 +33,7 @@ struct CorrectionFile {
 ///            takes the place of BACKLASH
 /// `name` is what the user calls the first file, by which it names the others.
 /// Squareness is small: products of two angles are neglected (1e-6 of the travel).
-std::vector<CorrectionFile> CorrectionFor(Controller controller,
+std::vector<CorrectionFile> CorrectionFor(ControllerKind controller,
                                           const Diagnosis& diagnosis,
                                           const Observed& observed,
                                           const std::string& name);

@@ -158,17 +158,17 @@ class Reporter {
     diagnosis->sigma_mm = search_.circumstances.sigma_mm;
   }
 
-  static Verdict VerdictOf(const std::vector<Finding>& findings) {
-    Verdict verdict = Verdict::kNone;
+  static DiagnosisVerdict VerdictOf(const std::vector<Finding>& findings) {
+    DiagnosisVerdict verdict = DiagnosisVerdict::kNone;
     for (const Finding& finding : findings) {
-      Verdict one = Verdict::kNamed;
+      DiagnosisVerdict one = DiagnosisVerdict::kNamed;
       for (std::size_t c = 1; c < finding.candidates.size(); ++c) {
         const FindingCandidate& rival = finding.candidates[c];
         if (rival.structural || rival.probability > kAmbiguousAbove) {
-          one = Verdict::kAmbiguous;
+          one = DiagnosisVerdict::kAmbiguous;
         }
       }
-      if (finding.cause == "unknown") one = Verdict::kUnknownStructure;
+      if (finding.cause == "unknown") one = DiagnosisVerdict::kUnknownStructure;
       verdict = std::max(verdict, one);
     }
     return verdict;
@@ -279,11 +279,14 @@ void DropUnpredictive(const Observed& observed,
 }
 
 // A table without a name is of use for what it foretells: where it is no third of what
-// can be, it is not told.
+// can be, or finer than the motors' steps, it is not told.
 void DropUseless(const Observed& observed,
                  const std::vector<Candidate>& candidates,
                  SearchResult* search) {
   constexpr double kOfUse = 1.0 / 3;
+  std::erase_if(search->found, [&](const Found& found) {
+    return IsFinerThanAStep(observed, candidates, found);
+  });
   const bool has_name = std::ranges::any_of(search->found, [&](const Found& found) {
     return !candidates[found.candidate].is_free() && !found.lost_its_name;
   });
@@ -340,15 +343,15 @@ void DoubtNames(const Observed& observed,
 
 }  // namespace
 
-std::string ToString(Verdict verdict) {
+std::string ToString(DiagnosisVerdict verdict) {
   switch (verdict) {
-    case Verdict::kNone:
+    case DiagnosisVerdict::kNone:
       return "none";
-    case Verdict::kNamed:
+    case DiagnosisVerdict::kNamed:
       return "named";
-    case Verdict::kAmbiguous:
+    case DiagnosisVerdict::kAmbiguous:
       return "ambiguous";
-    case Verdict::kUnknownStructure:
+    case DiagnosisVerdict::kUnknownStructure:
       break;
   }
   return "unknown";

@@ -16,8 +16,8 @@
 
 namespace caltwin {
 
-enum class Verdict { kNone, kNamed, kAmbiguous, kUnknownStructure };
-std::string ToString(Verdict verdict);
+enum class DiagnosisVerdict { kNone, kNamed, kAmbiguous, kUnknownStructure };
+std::string ToString(DiagnosisVerdict verdict);
 
 /// A cause that could stand for a finding; the first of a finding's is itself.
 struct FindingCandidate {
@@ -94,7 +94,7 @@ struct BaselineLine {
 
 /// The answer to the four questions: show, name, extend, gain.
 struct Diagnosis {
-  Verdict verdict = Verdict::kNone;
+  DiagnosisVerdict verdict = DiagnosisVerdict::kNone;
   std::vector<Finding> findings{};  ///< Largest share first.
   GainFigures gain{};
   std::vector<Absorbed> absorbed{};

@@ -85,15 +85,15 @@ void AddRivals(const Finding& finding, std::string* text) {
 std::string Headline(const Diagnosis& diagnosis) {
   const std::size_t count = diagnosis.findings.size();
   switch (diagnosis.verdict) {
-    case Verdict::kNone:
+    case DiagnosisVerdict::kNone:
       return "Verdict: none. Beyond the baseline these rows show nothing but noise.";
-    case Verdict::kNamed:
+    case DiagnosisVerdict::kNamed:
       return fmt::format("Verdict: named. {} found.",
                          count == 1 ? "One cause" : fmt::format("{} causes", count));
-    case Verdict::kAmbiguous:
+    case DiagnosisVerdict::kAmbiguous:
       return "Verdict: ambiguous. Something is there, but these rows cannot tell which "
              "of several causes it is.";
-    case Verdict::kUnknownStructure:
+    case DiagnosisVerdict::kUnknownStructure:
       break;
   }
   return "Verdict: unknown. Something is there that no cause in the catalogue "
@@ -115,7 +115,7 @@ void AddGain(const Diagnosis& diagnosis, std::string* text) {
   const std::string floor_from = gain.floor_from_replicates
                                      ? "from repeated readings"
                                      : "from what the richest model leaves";
-  if (diagnosis.verdict == Verdict::kNone) {
+  if (diagnosis.verdict == DiagnosisVerdict::kNone) {
     *text += fmt::format(
         "The baseline predicts rows it has not seen to {} um rms; the noise floor is "
         "{} "
@@ -313,7 +313,8 @@ std::string DiagnosisText(const Diagnosis& diagnosis, const TextNotes& notes) {
   }
   text += "\n";
   AddGain(diagnosis, &text);
-  if (diagnosis.verdict == Verdict::kNone) AddWouldShow(notes.would_show, &text);
+  if (diagnosis.verdict == DiagnosisVerdict::kNone)
+    AddWouldShow(notes.would_show, &text);
   AddCannotTell(diagnosis, &text);
   AddChanges(notes, &text);
   AddBaseline(diagnosis, &text);

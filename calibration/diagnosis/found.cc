@@ -39,6 +39,16 @@ Found FreeInstead(const Observed& observed,
   return found;
 }
 
+bool IsFinerThanAStep(const Observed& observed,
+                      const std::vector<Candidate>& candidates,
+                      const Found& found) {
+  const Candidate& candidate = candidates[found.candidate];
+  const auto axis = AxisNamed(candidate.shown.channel);
+  if (!candidate.is_free() || !axis) return false;
+  return Peak_mm(found.variant.columns_mm * found.sizes_mm) <
+         1 / observed.machine().axis(*axis).steps_per_mm();
+}
+
 std::vector<Nuisance> NuisancesOf(const Observed& observed,
                                   const Candidate& candidate,
                                   const Found& found) {

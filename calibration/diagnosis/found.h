@@ -39,6 +39,12 @@ Found FreeInstead(const Observed& observed,
                   const Circumstances& circumstances,
                   const Found& found);
 
+/// Whether it is a table of an axis that moves it by less than a motor step: what
+/// stands at whole steps errs by a part of one, at each position the same.
+bool IsFinerThanAStep(const Observed& observed,
+                      const std::vector<Candidate>& candidates,
+                      const Found& found);
+
 /// What a finding adds to the nuisances while others are sought: its own sizes, free,
 /// and its freedom of form.
 std::vector<Nuisance> NuisancesOf(const Observed& observed,

@@ -21,7 +21,7 @@ struct GainFigures {
   HeldOut blocks{};  ///< Contiguous times left out inside each setup.
   HeldOut
       runs{};  ///< Repetitions left out: gain where it was measured. 0 groups: none.
-  HeldOut positions{};   ///< Positions left out: gain between them. 0 groups: none.
+  HeldOut positions{};  ///< Positions left out: gain between them. 0 groups: none.
   double noise_floor_mm = 0;
   bool floor_from_replicates = false;
   /// (before^2 - after^2) / (before^2 - floor^2) of `blocks`.

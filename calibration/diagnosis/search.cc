@@ -94,17 +94,10 @@ class Searcher {
     for (int round = 0; round < kNoiseRounds; ++round) JudgeNoise(Under({}));
   }
 
-  // Half a sigma of the rows it reaches, or the user's figure; a table of where an axis
-  // stands also a motor step, since what is rounded to steps errs by a part of one, at
-  // each position the same.
+  // Half a sigma of the rows it reaches, or the user's figure.
   bool IsPractical(const Candidate& candidate, const Weighed& weighed) const {
     const Eigen::VectorXd change_mm =
         candidate.variants[weighed.variant].columns_mm * weighed.sizes_mm;
-    const auto axis = AxisNamed(candidate.shown.channel);
-    if (candidate.is_free() && axis) {
-      const double step_mm = 1 / observed_.machine().axis(*axis).steps_per_mm();
-      if (Peak_mm(change_mm) < step_mm) return false;
-    }
     if (options_.min_effect_um > 0) {
       return UmFromMm(Peak_mm(change_mm)) >= options_.min_effect_um;
     }
@@ -170,7 +163,8 @@ class Searcher {
         if (!IsBeyondChance(circumstances, weighing)) return std::nullopt;
         Found found = FoundFrom(circumstances, weighing, Nameable(weighing, top));
         // A free form that stands in for it may be there already.
-        if (!IsFound(found.candidate, except)) return found;
+        const bool is_finer = IsFinerThanAStep(observed_, candidates_, found);
+        if (!is_finer && !IsFound(found.candidate, except)) return found;
       }
       DropTop(&weighing);
     }

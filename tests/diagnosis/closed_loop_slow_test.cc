@@ -72,11 +72,11 @@ TEST(ClosedLoop, TurnedPlateTellsASaggingGantryFromACurvedPlate) {
       LoopFrom({"gantry_sag", "", 20, "plate: {probe_offset_mm: [0, 40]}"});
 
   ASSERT_GE(loop.rounds.size(), 2U);
-  EXPECT_EQ(loop.rounds[0].verdict, Verdict::kAmbiguous);
+  EXPECT_EQ(loop.rounds[0].verdict, DiagnosisVerdict::kAmbiguous);
   EXPECT_THAT(loop.rounds[0].candidates, Contains("gantry_sag"));
   EXPECT_THAT(loop.rounds[0].candidates, Contains("bed_cylinder.x"));
   EXPECT_EQ(loop.rounds[1].campaign, "plate_turned_90");
-  EXPECT_EQ(loop.diagnosis.verdict, Verdict::kNamed);
+  EXPECT_EQ(loop.diagnosis.verdict, DiagnosisVerdict::kNamed);
   EXPECT_EQ(loop.diagnosis.findings[0].cause, "gantry_sag");
 }
 
@@ -84,7 +84,7 @@ TEST(ClosedLoop, NothingIsAskedOfASoundMachine) {
   const ClosedLoop loop = LoopFrom({.campaign = "plate: {grid: [7, 7], repeats: 1}"});
 
   EXPECT_EQ(loop.rounds.size(), 1U);
-  EXPECT_EQ(loop.diagnosis.verdict, Verdict::kNone);
+  EXPECT_EQ(loop.diagnosis.verdict, DiagnosisVerdict::kNone);
 }
 
 // docs/closed-loop-diagnosis.md has the table that this prints.
@@ -109,8 +109,8 @@ TEST(ClosedLoop, ResolvesNearlyEveryAmbiguousStartAndNoneWrongly) {
   int open = 0;
   for (const Start& start : starts) {
     const ClosedLoop loop = LoopFrom(start);
-    const bool is_open = loop.rounds.front().verdict >= Verdict::kAmbiguous;
-    const bool is_right = loop.diagnosis.verdict == Verdict::kNamed &&
+    const bool is_open = loop.rounds.front().verdict >= DiagnosisVerdict::kAmbiguous;
+    const bool is_right = loop.diagnosis.verdict == DiagnosisVerdict::kNamed &&
                           loop.diagnosis.findings.size() == 1 &&
                           loop.diagnosis.findings[0].cause == start.cause &&
                           loop.diagnosis.findings[0].axis == start.axis;
@@ -119,7 +119,8 @@ TEST(ClosedLoop, ResolvesNearlyEveryAmbiguousStartAndNoneWrongly) {
     for (const LoopRound& round : loop.rounds) {
       GTEST_LOG_(INFO) << start.cause << " " << start.axis << ": " << RoundText(round);
     }
-    EXPECT_TRUE(is_right || loop.diagnosis.verdict != Verdict::kNamed) << start.cause;
+    EXPECT_TRUE(is_right || loop.diagnosis.verdict != DiagnosisVerdict::kNamed)
+        << start.cause;
   }
   GTEST_LOG_(INFO) << resolved << " of " << open << " ambiguous starts resolved";
   constexpr double kLeastShare = 0.8;

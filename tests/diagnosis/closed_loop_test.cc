@@ -58,14 +58,14 @@ TEST(Continued, RowsWithoutTimesStayWithout) {
 
 TEST(RoundText, SaysWhatWasMeasuredAndWhatIsLeft) {
   const LoopRound given{.rows = 49,
-                        .verdict = Verdict::kAmbiguous,
+                        .verdict = DiagnosisVerdict::kAmbiguous,
                         .candidates = {"gantry_sag", "bed_cylinder.x"}};
   const LoopRound dense{.round = 2,
                         .campaign = "dense",
                         .options = {{"axis", "y"}},
                         .minutes = 6.2,
                         .rows = 170,
-                        .verdict = Verdict::kNone};
+                        .verdict = DiagnosisVerdict::kNone};
 
   EXPECT_THAT(RoundText(given),
               StrEq("Round 0: the rows given, 49 rows in all: ambiguous (gantry_sag, "

@@ -33,7 +33,7 @@ Finding Named(const char* cause, const char* axis, std::vector<double> values) {
           .sds = {0}};
 }
 
-std::string First(Controller controller, const Diagnosis& diagnosis) {
+std::string First(ControllerKind controller, const Diagnosis& diagnosis) {
   return CorrectionFor(controller, diagnosis, SomeRows(), "c.txt").at(0).text;
 }
 
@@ -58,19 +58,23 @@ TEST(Correction, OfScaleAndBacklashLeavesNoMotionError) {
                    {"backlash.x", "mm", 0.05, 0.001}}};
   const double kRounding_mm = 1e-4;
 
-  for (const Controller controller : {Controller::kRrf, Controller::kMarlin}) {
+  for (const ControllerKind controller :
+       {ControllerKind::kRrf, ControllerKind::kMarlin}) {
     const std::string text = First(controller, diagnosis);
 
     At at{.q_mm = {200, 0, 0}, .dir = {1, 0, 0}};
     at.steps_per_mm = {After(text, "M92 X"), 0, 0};
     at.compensation_mm = {
-        After(text, controller == Controller::kMarlin ? "M425 F1 X" : "M425 X"), 0, 0};
+        After(text, controller == ControllerKind::kMarlin ? "M425 F1 X" : "M425 X"),
+        0,
+        0};
     EXPECT_NEAR(Motion_mm(built, at).x(), 0, kRounding_mm);
   }
-  const std::string klipper = First(Controller::kKlipper, diagnosis);
+  const std::string klipper = First(ControllerKind::kKlipper, diagnosis);
   EXPECT_NEAR(After(klipper, "rotation_distance: "), 3200 / 792.0, 1e-5);
   EXPECT_THAT(klipper, HasSubstr("Klipper has no backlash compensation"));
-  EXPECT_NEAR(After(First(Controller::kLinuxCnc, diagnosis), "SCALE = "), 792, 1e-3);
+  EXPECT_NEAR(
+      After(First(ControllerKind::kLinuxCnc, diagnosis), "SCALE = "), 792, 1e-3);
 }
 
 TEST(Correction, OfSquarenessUndoesTheLean) {
@@ -79,9 +83,9 @@ TEST(Correction, OfSquarenessUndoesTheLean) {
                                          Named("squareness", "A0Z", {1.5})}};
   std::vector<Injected> built;
   for (const Finding& finding : diagnosis.findings) built.push_back(*finding.effect);
-  const std::string rrf = First(Controller::kRrf, diagnosis);
-  const std::string marlin = First(Controller::kMarlin, diagnosis);
-  const std::string klipper = First(Controller::kKlipper, diagnosis);
+  const std::string rrf = First(ControllerKind::kRrf, diagnosis);
+  const std::string marlin = First(ControllerKind::kMarlin, diagnosis);
+  const std::string klipper = First(ControllerKind::kKlipper, diagnosis);
   const Vec3<double> here(40, 200, 90), there(240, 30, 10);
   const auto left = [&](const auto& motors) {
     // From place to place, so that where the axes have their zero does not matter.
@@ -125,7 +129,8 @@ TEST(Correction, ByAScrewTableLeavesNoBendAndNoGap) {
       *diagnosis.findings[0].effect,
       {.effect = EffectIndex<Backlash>(), .axis = "x", .values = {0.03}}};
 
-  const auto files = CorrectionFor(Controller::kLinuxCnc, diagnosis, SomeRows(), "c");
+  const auto files =
+      CorrectionFor(ControllerKind::kLinuxCnc, diagnosis, SomeRows(), "c");
 
   ASSERT_THAT(files, SizeIs(2));
   EXPECT_THAT(files[0].text, HasSubstr("COMP_FILE = c.x.comp"));
@@ -149,7 +154,7 @@ TEST(Correction, ByAScrewTableLeavesNoBendAndNoGap) {
 TEST(Correction, OfATwistedBeamRaisesWhatTheProbeReadsLow) {
   const Diagnosis diagnosis{.findings = {Named("axis_twist", "", {1})}};
 
-  const std::string text = First(Controller::kKlipper, diagnosis);
+  const std::string text = First(ControllerKind::kKlipper, diagnosis);
 
   // A touch from above: value + compensation is what the nozzle would have found.
   At at{.q_mm = {0, 150, 0}, .n = {0, 0, 1}, .probe_off_mm = {0, 30, 0}};
@@ -163,7 +168,7 @@ TEST(Correction, OfATwistedBeamRaisesWhatTheProbeReadsLow) {
 TEST(Correction, SaysWhatItCannotCarryAndWhatToDo) {
   const Diagnosis diagnosis{.findings = {Named("gantry_sag", "", {30})}};
 
-  EXPECT_THAT(First(Controller::kMarlin, diagnosis),
+  EXPECT_THAT(First(ControllerKind::kMarlin, diagnosis),
               HasSubstr("; gantry_sag: no setting of Marlin carries this. "));
 }
 

@@ -28,7 +28,7 @@ Finding CyclicX() {
 
 Diagnosis TwoFindings() {
   Diagnosis diagnosis{
-      .verdict = Verdict::kNamed,
+      .verdict = DiagnosisVerdict::kNamed,
       .findings = {CyclicX(), CyclicX()},
       .gain = {
           .blocks = {.before_mm = 0.0052, .after_mm = 0.0013, .rows = 84, .groups = 5},
@@ -68,7 +68,7 @@ TEST(DiagnosisText, OfOneFindingSaysWhatWasHeldOutNotTheShare) {
 
 TEST(DiagnosisText, AStructuralRivalTakesTheCertaintyAway) {
   Diagnosis diagnosis = TwoFindings();
-  diagnosis.verdict = Verdict::kAmbiguous;
+  diagnosis.verdict = DiagnosisVerdict::kAmbiguous;
   diagnosis.findings[0].candidates.push_back({"pulley_eccentric", "x", 0.0, true});
 
   const std::string text = DiagnosisText(diagnosis, {});

@@ -103,7 +103,7 @@ TEST(VolumetricGain, OfAWaveIsItsRms) {
   wave.effect = NeutralEffect(EffectIndex<CyclicLead>(), "x", Gantry());
   wave.effect->values[0] = kAmplitude_um;
   wave.sds = {kSd_um, 0, 0};
-  const Diagnosis diagnosis{.verdict = Verdict::kNamed, .findings = {wave}};
+  const Diagnosis diagnosis{.verdict = DiagnosisVerdict::kNamed, .findings = {wave}};
 
   const auto gain = VolumetricGainOf(observed, diagnosis, 1);
 
@@ -121,8 +121,8 @@ TEST(VolumetricGain, IsNotToldWhereNothingMovesTheTool) {
   Finding lobes{.cause = "probe_lobing"};
   lobes.effect = NeutralEffect(EffectIndex<ProbeLobing>(), "", Gantry());
 
-  EXPECT_FALSE(
-      VolumetricGainOf(observed, {.verdict = Verdict::kNamed, .findings = {lobes}}, 1));
+  EXPECT_FALSE(VolumetricGainOf(
+      observed, {.verdict = DiagnosisVerdict::kNamed, .findings = {lobes}}, 1));
 }
 
 }  // namespace

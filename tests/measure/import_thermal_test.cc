@@ -76,7 +76,7 @@ TEST(ImportThermal, AStepFiveTimesTooLongIsCaught) {
 TEST(ImportThermal, AnyLogScaledByFiveIsCaughtAndTheTrueOneNever) {
   const Imported good = ImportText("klipper-thermal", GoodLog(), "f", {});
   FrameLogHeader header{.step_mm = 0.0025, .frame_length_mm = 530};
-  const FrameGrowth growth = GrowthOf(good.table, header);
+  const GrowthPerKelvin growth = GrowthOf(good.table, header);
   RowTable scaled = good.table;
   for (Row& row : scaled.rows) row.value_mm *= 5;
 

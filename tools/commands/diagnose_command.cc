@@ -301,7 +301,7 @@ int Run(Options options) {
   }
   auto& remarks = judged.diagnosis.remarks;
   remarks.insert(remarks.begin(), data.notes.begin(), data.notes.end());
-  if (judged.diagnosis.verdict == Verdict::kNone) {
+  if (judged.diagnosis.verdict == DiagnosisVerdict::kNone) {
     notes.would_show = WhatRowsWouldShow(judged.observed, judged.diagnosis);
   }
   if (options.json != "-") {

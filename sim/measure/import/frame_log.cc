@@ -78,7 +78,7 @@ class FrameLogReader {
     if (imported_.table.rows.empty()) {
       throw InputError({.file = name_}, "no readings: only a header stands here");
     }
-    const FrameGrowth growth = GrowthOf(imported_.table, header_);
+    const GrowthPerKelvin growth = GrowthOf(imported_.table, header_);
     CheckStep(growth);
     Explain(growth, options);
     return std::move(imported_);
@@ -170,7 +170,7 @@ class FrameLogReader {
     imported_.table.rows.push_back(std::move(row));
   }
 
-  void CheckStep(const FrameGrowth& growth) {
+  void CheckStep(const GrowthPerKelvin& growth) {
     const std::string fault = StepFault(growth, header_);
     if (fault.empty()) return;
     if (header_.step_line == 0) {
@@ -198,7 +198,7 @@ class FrameLogReader {
         {.file = name_, .line = header_.step_line, .column = 1}, fault, hint);
   }
 
-  void Explain(const FrameGrowth& growth, const ImportOptions& options) {
+  void Explain(const GrowthPerKelvin& growth, const ImportOptions& options) {
     const RowTable& table = imported_.table;
     imported_.recognised = {
         fmt::format("a frame expansion log{}: {} readings in {:.1f} h",

@@ -42,17 +42,17 @@ struct FrameLogHeader {
 };
 
 /// How much the frame grows if the log's steps are that long, against what it can.
-struct FrameGrowth {
+struct GrowthPerKelvin {
   double growth_mm_per_k = 0;  ///< Of the trigger height with the frame, bed held.
   double range_k = 0;          ///< Of frame temperature in the log.
   double metres_needed = 0;    ///< Of frame, to grow that much.
   double ratio = 0;            ///< metres_needed by the frame's stated length.
 };
-FrameGrowth GrowthOf(const RowTable& table, const FrameLogHeader& header);
+GrowthPerKelvin GrowthOf(const RowTable& table, const FrameLogHeader& header);
 
 /// Why that step cannot be true, as a sentence; empty where it can. More than five
 /// lengths of frame would have to grow in a row: a Z drive's closed loop (frame up,
 /// belt or screw down, gantry, bed) is at most four.
-std::string StepFault(const FrameGrowth& growth, const FrameLogHeader& header);
+std::string StepFault(const GrowthPerKelvin& growth, const FrameLogHeader& header);
 
 }  // namespace caltwin

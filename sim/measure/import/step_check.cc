@@ -19,7 +19,7 @@ constexpr double kLeastExplained = 0.5;  // Of the variance, or temperature is n
 
 // Least squares of the height over frame and bed temperature and an offset, once more
 // without readings so far off that homing must have gone wrong.
-FrameGrowth GrowthOf(const RowTable& table, const FrameLogHeader& header) {
+GrowthPerKelvin GrowthOf(const RowTable& table, const FrameLogHeader& header) {
   std::vector<Eigen::Vector3d> terms;
   std::vector<double> values_mm;
   double least_c = INFINITY, most_c = -INFINITY;
@@ -62,7 +62,7 @@ FrameGrowth GrowthOf(const RowTable& table, const FrameLogHeader& header) {
       is_used[i] = sizes_mm[i] <= kGrossly * *middle;
     }
   }
-  FrameGrowth growth{.growth_mm_per_k = fit[0], .range_k = most_c - least_c};
+  GrowthPerKelvin growth{.growth_mm_per_k = fit[0], .range_k = most_c - least_c};
   if (explained < kLeastExplained || !std::isfinite(fit[0])) return growth;
   const double needed_mm = std::abs(fit[0]) / header.expansion_per_k;
   growth.metres_needed = needed_mm / MmFromM(1.0);
@@ -70,7 +70,7 @@ FrameGrowth GrowthOf(const RowTable& table, const FrameLogHeader& header) {
   return growth;
 }
 
-std::string StepFault(const FrameGrowth& growth, const FrameLogHeader& header) {
+std::string StepFault(const GrowthPerKelvin& growth, const FrameLogHeader& header) {
   if (!(growth.ratio > kMostFrames)) return "";
   return fmt::format(
       "a step of {} mm makes the trigger height move by {:.0f} um per kelvin of the "
