@@ -7,6 +7,7 @@
 #include <optional>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "calibration/diagnosis/atlas.h"
 #include "calibration/diagnosis/baseline_fit.h"
@@ -279,10 +280,11 @@ void DropUnpredictive(const Observed& observed,
 }
 
 // A table without a name is of use for what it foretells: where it is no third of what
-// can be, or finer than the motors' steps, it is not told.
-void DropUseless(const Observed& observed,
-                 const std::vector<Candidate>& candidates,
-                 SearchResult* search) {
+// can be, or finer than the motors' steps, it is no finding. What there is to say of
+// it.
+std::string DropUseless(const Observed& observed,
+                        const std::vector<Candidate>& candidates,
+                        SearchResult* search) {
   constexpr double kOfUse = 1.0 / 3;
   std::erase_if(search->found, [&](const Found& found) {
     return IsFinerThanAStep(observed, candidates, found);
@@ -290,10 +292,21 @@ void DropUseless(const Observed& observed,
   const bool has_name = std::ranges::any_of(search->found, [&](const Found& found) {
     return !candidates[found.candidate].is_free() && !found.lost_its_name;
   });
-  if (search->found.empty() || has_name) return;
+  if (search->found.empty() || has_name) return "";
   const GainFigures gain =
       GainOf(observed, candidates, *search, Refit(observed, candidates, *search));
-  if (gain.explained_fraction < kOfUse) search->found.clear();
+  if (gain.explained_fraction >= kOfUse) return "";
+  std::vector<std::string> names;
+  for (const Found& found : search->found) {
+    names.push_back(candidates[found.candidate].Name());
+  }
+  search->found.clear();
+  return fmt::format(
+      "tables without a name ({}) would take rows left out from {:.2g} to {:.2g} um: "
+      "less than a third of what can be, and no finding",
+      fmt::join(names, ", "),
+      UmFromMm(gain.blocks.before_mm),
+      UmFromMm(gain.blocks.after_mm));
 }
 
 // Whether the rows tell how large it is: not where it stands at the end of what is
@@ -376,8 +389,10 @@ Diagnosis Diagnose(const Observed& as_read, const DiagnoseOptions& options) {
   say("refining what was found");
   DropUnpredictive(observed, candidates, &search);
   DoubtNames(observed, candidates, &search);
-  DropUseless(observed, candidates, &search);
-  return Reporter(observed, candidates, search).Make();
+  const std::string remark = DropUseless(observed, candidates, &search);
+  Diagnosis diagnosis = Reporter(observed, candidates, search).Make();
+  if (!remark.empty()) diagnosis.remarks.push_back(remark);
+  return diagnosis;
 }
 
 }  // namespace caltwin
