@@ -120,6 +120,24 @@ std::string ReliabilityText(const std::vector<Judgement>& judgements) {
   return text;
 }
 
+Figure OfPairs(const std::vector<Judgement>& all, const Figure& figure, int least) {
+  return Counted(
+      all,
+      figure,
+      [](const Judgement& j) { return j.kind == "pair"; },
+      [least](const Judgement& j) { return j.hidden_named >= least; });
+}
+
+Figure OfLoops(const std::vector<Judgement>& all) {
+  return Counted(
+      all,
+      {"closed loops: ended with the right cause alone", 0, 0, 0.80, 0.95},
+      [](const Judgement& j) { return j.kind == "loop"; },
+      [](const Judgement& j) {
+        return j.first_right && j.findings[0].alone && j.findings.size() == 1;
+      });
+}
+
 }  // namespace
 
 double BinomialTail(int hits, int cases, double rate) {
@@ -153,9 +171,6 @@ std::vector<Figure> Figures(const std::vector<Judgement>& all) {
   const auto single3 = [](const Judgement& j) {
     return IsSingle(j, 3);
   };
-  const auto pair = [](const Judgement& j) {
-    return j.kind == "pair";
-  };
   const auto named = [](const Judgement& j) {
     return j.first_right;
   };
@@ -185,21 +200,9 @@ std::vector<Figure> Figures(const std::vector<Judgement>& all) {
           {"outside the library: a wrong mechanism named", 0, 0, 0.02, 0, true},
           [](const Judgement& j) { return j.kind == "outside"; },
           NamesAWrongMechanism),
-      Counted(all,
-              {"two causes, 2-15 sigma: both named", 0, 0, 0.85, 0.93},
-              pair,
-              [](const Judgement& j) { return j.hidden_named == 2; }),
-      Counted(all,
-              {"two causes, 2-15 sigma: at least one named", 0, 0, 0.95, 0.98},
-              pair,
-              [](const Judgement& j) { return j.hidden_named >= 1; }),
-      Counted(
-          all,
-          {"closed loops: ended with the right cause alone", 0, 0, 0.80, 0.95},
-          [](const Judgement& j) { return j.kind == "loop"; },
-          [](const Judgement& j) {
-            return j.first_right && j.findings[0].alone && j.findings.size() == 1;
-          }),
+      OfPairs(all, {"two causes, 2-15 sigma: both named", 0, 0, 0.85, 0.93}, 2),
+      OfPairs(all, {"two causes, 2-15 sigma: at least one named", 0, 0, 0.95, 0.98}, 1),
+      OfLoops(all),
       Coverage(all),
       Counted(
           all,
