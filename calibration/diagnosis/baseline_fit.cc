@@ -6,16 +6,15 @@
 
 #include "calibration/diagnosis/evidence.h"
 #include "calibration/diagnosis/nuisances.h"
+#include "sim/base/median.h"
 
 namespace caltwin {
-
 namespace {
 
 // Rows further out than this many standard deviations of their campaign, as its median
 // deviation tells them.
 std::vector<bool> FarOut(const Observed& observed, const Eigen::VectorXd& left_mm) {
   constexpr double kFar = 5;
-  constexpr double kSigmaOfMedian = 1.4826;
   std::vector<std::vector<double>> sizes_mm(observed.campaigns().size());
   const auto campaign = [&](Eigen::Index i) {
     return static_cast<std::size_t>(
@@ -24,16 +23,14 @@ std::vector<bool> FarOut(const Observed& observed, const Eigen::VectorXd& left_m
   for (Eigen::Index i = 0; i < left_mm.size(); ++i) {
     sizes_mm[campaign(i)].push_back(std::abs(left_mm[i]));
   }
-  for (auto& of_campaign : sizes_mm) {
-    const auto middle =
-        of_campaign.begin() + static_cast<std::ptrdiff_t>(of_campaign.size() / 2);
-    std::ranges::nth_element(of_campaign, middle);
-    std::swap(of_campaign.front(), *middle);
+  std::vector<double> sigma_mm;
+  for (const auto& of_campaign : sizes_mm) {
+    sigma_mm.push_back(kSigmaOfMedian * Median(of_campaign));
   }
   std::vector<bool> far(static_cast<std::size_t>(left_mm.size()));
   for (Eigen::Index i = 0; i < left_mm.size(); ++i) {
-    const double sigma_mm = kSigmaOfMedian * sizes_mm[campaign(i)].front();
-    far[static_cast<std::size_t>(i)] = std::abs(left_mm[i]) > kFar * sigma_mm;
+    far[static_cast<std::size_t>(i)] =
+        std::abs(left_mm[i]) > kFar * sigma_mm[campaign(i)];
   }
   return far;
 }

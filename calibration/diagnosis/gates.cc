@@ -7,11 +7,12 @@
 #include <Eigen/Cholesky>
 #include <Eigen/QR>
 
+#include "calibration/diagnosis/outliers.h"
+
 namespace caltwin {
 namespace {
 
 constexpr int kFewRows = 3;
-constexpr double kOutlier_sigma = 4.2;
 
 }  // namespace
 

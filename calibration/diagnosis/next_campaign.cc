@@ -10,6 +10,7 @@
 #include "calibration/diagnosis/evidence.h"
 #include "calibration/diagnosis/free_form.h"
 #include "sim/base/input_error.h"
+#include "sim/base/median.h"
 
 namespace caltwin {
 namespace {
@@ -28,12 +29,6 @@ double LastTime_s(const Observed& observed) {
     if (Known(observed.row(i).t_s)) last_s = std::max(last_s, observed.row(i).t_s);
   }
   return last_s;
-}
-
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
 }
 
 // Sigmas as judged; of planned readings as stated, else as those of the same kind.

@@ -6,18 +6,12 @@
 #include <numeric>
 #include <tuple>
 
+#include "sim/base/median.h"
+
 namespace caltwin {
 namespace {
 
 constexpr double kLeastSigma_mm = 1e-7;
-constexpr double kSdOfMad = 1.4826;
-
-double Median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto mid = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), mid, values.end());
-  return *mid;
-}
 
 }  // namespace
 
@@ -125,7 +119,7 @@ Eigen::VectorXd GuessSigma_mm(const Observed& observed,
     const auto c =
         static_cast<std::size_t>(observed.campaign_of()[static_cast<std::size_t>(i)]);
     const double stated = observed.StatedSigma_mm(i);
-    double sigma = kSdOfMad * Median(sizes[c]);
+    double sigma = kSigmaOfMedian * Median(sizes[c]);
     if (Known(pure.sigma_mm[c])) sigma = std::min(sigma, pure.sigma_mm[c]);
     if (Known(stated)) sigma = stated;
     sigma_mm[i] = std::max(sigma, kLeastSigma_mm);

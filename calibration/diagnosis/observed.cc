@@ -6,7 +6,9 @@
 #include <tuple>
 #include <utility>
 
+#include "sim/base/median.h"
 #include "sim/base/units.h"
+#include "sim/effects/gap_sense.h"
 #include "sim/effects/injected.h"
 #include "sim/effects/predict.h"
 #include "sim/measure/in_force.h"
@@ -20,31 +22,10 @@ bool IsInside(const DataHeader& header, std::string_view artefact) {
          (found->second.type == "ring" || found->second.type == "pocket");
 }
 
-// `at.dir`, scaled by how far each axis has crossed its gap since its last reversal: -1
-// where it has only just turned, 1 once the nut pushes again. With nut = travel since
-// the reversal + compensation, where known:
-//
-//   dir clamp(2 nut / gap - 1, -1, 1)
-Vec3<double> CrossedSense(const At& at, const Vec3<double>& gap_mm) {
-  Vec3<double> sense = at.dir;
-  for (int i = 0; i < 3; ++i) {
-    const double nut_mm = at.since_rev_mm[i] + at.compensation_mm[i];
-    if (!Known(nut_mm) || nut_mm >= gap_mm[i]) continue;
-    sense[i] *= 2 * nut_mm / gap_mm[i] - 1;
-  }
-  return sense;
-}
-
-double MedianOf(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
-}
-
 double MedianDeviation(std::vector<double> values) {
-  const double median = MedianOf(values);
+  const double median = Median(values);
   for (double& value : values) value = std::abs(value - median);
-  return MedianOf(values);
+  return Median(values);
 }
 
 // Travel since the reversal up to the nominal point, of touches that count it up to the
@@ -69,7 +50,7 @@ void CountTravelToNominal(const std::vector<Row>& rows, std::vector<At>* at) {
       }
       const double deviation_mm = MedianDeviation(to_nominal_mm);
       if (deviation_mm >= MedianDeviation(to_trigger_mm)) continue;
-      const double median_mm = MedianOf(to_nominal_mm);
+      const double median_mm = Median(to_nominal_mm);
       for (std::size_t k = 0; k < members.size(); ++k) {
         if (std::abs(to_nominal_mm[k] - median_mm) > kAlike * deviation_mm) continue;
         (*at)[members[k]].since_rev_mm[axis] = median_mm;
@@ -136,7 +117,7 @@ Observed Observed::AtFitted(const Eigen::VectorXd& left_mm,
     where.dir = dir_[static_cast<std::size_t>(i)];
     const Vec3<double> lost_mm =
         ErrorsAt<double>(machine_, where, effects_).lost_motion_mm;
-    where.dir = CrossedSense(where, lost_mm + point.gap_mm);
+    where.dir = GapSense(where, lost_mm + point.gap_mm);
   }
   copy.Linearise();
   return copy;

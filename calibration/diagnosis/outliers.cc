@@ -5,16 +5,16 @@
 
 #include <Eigen/QR>
 
+#include "sim/base/median.h"
+
 namespace caltwin {
 namespace {
 
-constexpr double kOutlier_sigma = 4.2;
 constexpr double kMostOutliers = 0.05;
 constexpr std::size_t kNamedTaken = 14;
 constexpr std::size_t kFreeTaken = 10;
 // Hopeless candidates only cost degrees of freedom.
 constexpr double kWorthTaking_nats = -7;
-constexpr double kSdOfMad = 1.4826;
 
 // Of how many rows' making the visible part of an effect is: (sum v^2)^2 / sum v^4.
 double RowsBehind(const Evidence& evidence, const Eigen::VectorXd& effect_mm) {
@@ -147,21 +147,19 @@ class Judge {
         sizes[CampaignOf(i)].push_back(std::abs(Deleted(ridge_, keep_, i)));
     }
     std::vector<double> spreads;
-    for (auto& of_campaign : sizes) {
+    for (const auto& of_campaign : sizes) {
       if (of_campaign.empty()) {
         spreads.push_back(1);
         continue;
       }
-      const auto mid =
-          of_campaign.begin() + static_cast<std::ptrdiff_t>(of_campaign.size() / 2);
-      std::nth_element(of_campaign.begin(), mid, of_campaign.end());
+      const double sigma = kSigmaOfMedian * Median(of_campaign);
       double sum = 0;
       for (const double size : of_campaign) {
-        sum += std::pow(std::min(size, kOutlier_sigma * kSdOfMad * *mid), 2);
+        sum += std::pow(std::min(size, kOutlier_sigma * sigma), 2);
       }
       // The larger of both: a median alone is poor in small campaigns.
       const double rms = std::sqrt(sum / static_cast<double>(of_campaign.size()));
-      spreads.push_back(std::max(kSdOfMad * *mid, 0.9 * rms));
+      spreads.push_back(std::max(sigma, 0.9 * rms));
     }
     return spreads;
   }

@@ -8,6 +8,9 @@
 
 namespace caltwin {
 
+/// A row further than this from everything that fits is an outlier.
+inline constexpr double kOutlier_sigma = 4.2;
+
 /// The richest model: baseline, the likeliest causes and the likeliest free forms all
 /// at once, each held back by its prior. What it leaves is noise, whatever is there.
 struct Richest {

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "calibration/diagnosis/plausible_parts.h"
+#include "sim/base/median.h"
 #include "sim/base/units.h"
 
 namespace caltwin {
@@ -286,9 +287,7 @@ void DoubtSigmas(const RowTable& table,
   }
   const double repeat_mm = RepeatDeviation_mm(all);
   if (sigmas_mm.size() * 2 < table.rows.size() || !Known(repeat_mm)) return;
-  std::ranges::nth_element(
-      sigmas_mm, sigmas_mm.begin() + static_cast<std::ptrdiff_t>(sigmas_mm.size() / 2));
-  const double sigma_mm = sigmas_mm[sigmas_mm.size() / 2];
+  const double sigma_mm = Median(sigmas_mm);
   const double ratio = sigma_mm / repeat_mm;
   if (ratio < kTooFar && ratio > 1 / (10 * kTooFar)) return;
   doubts->push_back(

@@ -8,20 +8,15 @@
 
 #include <Eigen/Dense>
 
+#include "sim/base/median.h"
+
 namespace caltwin {
 namespace {
 
-constexpr double kMedianToDeviation = 1.4826;
 constexpr double kOutlying = 5;
 constexpr int kNumTerms = 5;  // Offset, x, y, z, sense.
 using Terms = Eigen::Matrix<double, kNumTerms, 1>;
 using Normal = Eigen::Matrix<double, kNumTerms, kNumTerms>;
-
-double MedianOf(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
-}
 
 long Thousandths(double number) {
   return Known(number) ? std::lround(1000 * number) : 0;
@@ -100,8 +95,8 @@ SeriesFit FitSeries(const RowSeries& series) {
       sizes_mm[i] = std::abs(series.rows[i]->value_mm -
                              terms.dot(TermsOf(*series.rows[i], *series.first)));
     }
-    const double median_mm = MedianOf(sizes_mm);
-    fit.size_mm = kMedianToDeviation * median_mm;
+    const double median_mm = Median(sizes_mm);
+    fit.size_mm = kSigmaOfMedian * median_mm;
     for (std::size_t i = 0; i < sizes_mm.size(); ++i) {
       is_used[i] = sizes_mm[i] <= kOutlying * median_mm;
     }

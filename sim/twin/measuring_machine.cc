@@ -13,7 +13,7 @@
 #include "sim/effects/acts/acts.h"
 #include "sim/effects/injected.h"
 #include "sim/effects/surroundings.h"
-#include "sim/twin/gap_sense.h"
+#include "sim/effects/gap_sense.h"
 
 namespace caltwin {
 namespace {

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "sim/effects/predict.h"
-#include "sim/twin/gap_sense.h"
+#include "sim/effects/gap_sense.h"
 #include "sim/twin/measuring_machine.h"
 #include "sim/twin/readings.h"
 

@@ -1,6 +1,6 @@
 // Just after a reversal a carriage stands where it was until its nut has crossed the
 // gap: closed form and MuJoCo.
-#include "sim/twin/gap_sense.h"
+#include "sim/effects/gap_sense.h"
 
 #include <gtest/gtest.h>
 

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "sim/base/median.h"
 #include "sim/base/units.h"
 #include "sim/measure/import/fields.h"
 #include "sim/measure/import/klipper_thermal.h"
@@ -233,10 +234,7 @@ class FrameLogReader {
   void WarnOfFarReadings() {
     std::vector<double> values_mm;
     for (const Row& row : imported_.table.rows) values_mm.push_back(row.value_mm);
-    const auto middle =
-        values_mm.begin() + static_cast<std::ptrdiff_t>(values_mm.size() / 2);
-    std::ranges::nth_element(values_mm, middle);
-    const double median_mm = *middle;
+    const double median_mm = Median(values_mm);
     int count = 0;
     int first_line = 0;
     for (const Row& row : imported_.table.rows) {

@@ -4,6 +4,7 @@
 #include <Eigen/Dense>
 #include <fmt/format.h>
 
+#include "sim/base/median.h"
 #include "sim/base/units.h"
 #include "sim/measure/import/klipper_thermal.h"
 
@@ -55,11 +56,9 @@ GrowthPerKelvin GrowthOf(const RowTable& table, const FrameLogHeader& header) {
       if (is_used[i]) residual_square += residual_mm * residual_mm;
     }
     explained = 1 - residual_square / std::max(square - sum * sum / count, 1e-300);
-    std::vector<double> sorted = sizes_mm;
-    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-    std::ranges::nth_element(sorted, middle);
+    const double usual_mm = Median(sizes_mm);
     for (std::size_t i = 0; i < terms.size(); ++i) {
-      is_used[i] = sizes_mm[i] <= kGrossly * *middle;
+      is_used[i] = sizes_mm[i] <= kGrossly * usual_mm;
     }
   }
   GrowthPerKelvin growth{.growth_mm_per_k = fit[0], .range_k = most_c - least_c};

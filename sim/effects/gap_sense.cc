@@ -1,4 +1,4 @@
-#include "sim/twin/gap_sense.h"
+#include "sim/effects/gap_sense.h"
 
 #include <cmath>
 
