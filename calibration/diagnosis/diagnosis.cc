@@ -2,17 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <numeric>
-#include <optional>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "calibration/diagnosis/atlas.h"
 #include "calibration/diagnosis/baseline_fit.h"
 #include "calibration/diagnosis/next_campaign.h"
 #include "calibration/diagnosis/pitch_map.h"
+#include "calibration/diagnosis/scrutiny.h"
 #include "sim/base/units.h"
 
 namespace caltwin {
@@ -178,13 +175,13 @@ class Reporter {
   void AddBaseline(Diagnosis* diagnosis) const {
     const Noise noise{search_.circumstances.sigma_mm, search_.wander_mm2_per_s};
     const std::vector<Nuisance>& baseline = search_.circumstances.nuisances;
-    std::vector<Nuisance> all = baseline;
-    for (std::size_t i = 0; i < search_.found.size(); ++i) {
-      Found found = search_.found[i];
-      if (refined_[i].effect.effect >= 0) found.variant = refined_[i].variant;
-      const auto more = NuisancesOf(observed_, candidates_[found.candidate], found);
-      all.insert(all.end(), more.begin(), more.end());
+    std::vector<Found> refound = search_.found;
+    for (std::size_t i = 0; i < refound.size(); ++i) {
+      if (refined_[i].effect.effect >= 0) refound[i].variant = refined_[i].variant;
     }
+    std::vector<Nuisance> all = baseline;
+    const auto more = NuisancesOfAll(observed_, candidates_, refound);
+    all.insert(all.end(), more.begin(), more.end());
     const auto& out = search_.circumstances.left_out;
     const Evidence::Fit with = Evidence(observed_, noise, all, out).FitNuisances();
     diagnosis->residual_after_mm = with.residual_mm;
@@ -212,148 +209,6 @@ class Reporter {
   std::vector<Refined> refined_{};
 };
 
-// Columns of all that was found, or of all but one.
-std::vector<Nuisance> AllFound(const Observed& observed,
-                               const std::vector<Candidate>& candidates,
-                               const SearchResult& search,
-                               std::optional<std::size_t> except = {}) {
-  std::vector<Nuisance> all;
-  for (std::size_t i = 0; i < search.found.size(); ++i) {
-    if (i == except) continue;
-    const Found& found = search.found[i];
-    const auto more = NuisancesOf(observed, candidates[found.candidate], found);
-    all.insert(all.end(), more.begin(), more.end());
-  }
-  return all;
-}
-
-// With all that was found but one in the baseline.
-Circumstances CircumstancesBut(const Observed& observed,
-                               const std::vector<Candidate>& candidates,
-                               const SearchResult& search,
-                               std::size_t except) {
-  Circumstances circumstances = search.circumstances;
-  const auto others = AllFound(observed, candidates, search, except);
-  circumstances.nuisances.insert(
-      circumstances.nuisances.end(), others.begin(), others.end());
-  return circumstances;
-}
-
-// What unseen rows can say nothing of: homings scatter anew each time, and some causes
-// are known by their size, which the baseline could take but is not believed to have.
-bool IsBeyondPrediction(const Observed& observed,
-                        const std::vector<Candidate>& candidates,
-                        const SearchResult& search,
-                        std::size_t i) {
-  constexpr double kVisible = 9;
-  const Found& found = search.found[i];
-  if (candidates[found.candidate].cause == "homing_scatter") return true;
-  const Circumstances others = CircumstancesBut(observed, candidates, search, i);
-  const Evidence evidence(
-      observed, {others.sigma_mm, 0}, others.nuisances, others.left_out);
-  const Eigen::VectorXd visible =
-      evidence.Left(evidence.Whiten(found.variant.columns_mm * found.sizes_mm));
-  return visible.squaredNorm() < kVisible;
-}
-
-// Findings that make rows they have not seen no likelier go, the worst first; where all
-// of them together foretell those rows worse, so do the less than certain.
-void DropUnpredictive(const Observed& observed,
-                      const std::vector<Candidate>& candidates,
-                      SearchResult* search) {
-  constexpr double kWorse = 1.001;  // More than rounding.
-  constexpr double kCertain_nats = 16;
-  while (!search->found.empty()) {
-    const GainFigures gain =
-        GainOf(observed, candidates, *search, Refit(observed, candidates, *search));
-    std::vector<double> scores = gain.scores;
-    for (std::size_t i = 0; i < scores.size(); ++i) {
-      if (IsBeyondPrediction(observed, candidates, *search, i)) {
-        scores[i] = std::numeric_limits<double>::infinity();
-      }
-    }
-    const auto worst = std::ranges::min_element(scores);
-    const bool is_worse = gain.blocks.after_mm > kWorse * gain.blocks.before_mm;
-    if (*worst > (is_worse ? kCertain_nats : 0)) return;
-    search->found.erase(search->found.begin() + (worst - scores.begin()));
-  }
-}
-
-// A table without a name is of use for what it foretells: where it is no third of what
-// can be, or finer than the motors' steps, it is no finding. What there is to say of
-// it.
-std::string DropUseless(const Observed& observed,
-                        const std::vector<Candidate>& candidates,
-                        SearchResult* search) {
-  constexpr double kOfUse = 1.0 / 3;
-  std::erase_if(search->found, [&](const Found& found) {
-    return IsFinerThanAStep(observed, candidates, found);
-  });
-  const bool has_name = std::ranges::any_of(search->found, [&](const Found& found) {
-    return !candidates[found.candidate].is_free() && !found.lost_its_name;
-  });
-  if (search->found.empty() || has_name) return "";
-  const GainFigures gain =
-      GainOf(observed, candidates, *search, Refit(observed, candidates, *search));
-  if (gain.explained_fraction >= kOfUse) return "";
-  std::vector<std::string> names;
-  for (const Found& found : search->found) {
-    names.push_back(candidates[found.candidate].Name());
-  }
-  search->found.clear();
-  return fmt::format(
-      "tables without a name ({}) would take rows left out from {:.2g} to {:.2g} um: "
-      "less than a third of what can be, and no finding",
-      fmt::join(names, ", "),
-      UmFromMm(gain.blocks.before_mm),
-      UmFromMm(gain.blocks.after_mm));
-}
-
-// Whether the rows tell how large it is: not where it stands at the end of what is
-// possible, nor where it may as well be nothing.
-bool HasSize(const Candidate& candidate, const Refined& refined) {
-  if (candidate.cause == "homing_scatter") return true;  // Its size is a scatter.
-  constexpr double kLeast_sds = 2;
-  constexpr double kAtEnd = 1e-6;
-  const auto parameters = EffectAt(candidate.effect).parameters;
-  for (std::size_t p = 0; p < parameters.size(); ++p) {
-    if (parameters[p].role != Role::kSize) continue;
-    const double size = refined.effect.values[p];
-    const double end = kAtEnd * (parameters[p].max - parameters[p].min);
-    if (std::abs(size) < kLeast_sds * refined.sds[p]) return false;
-    if (size > parameters[p].max - end) return false;
-    if (size < parameters[p].min + end) return false;
-  }
-  return true;
-}
-
-// Where much remains that the named causes should have explained, and where the rows do
-// not tell how large they are, they lose their names.
-void DoubtNames(const Observed& observed,
-                const std::vector<Candidate>& candidates,
-                SearchResult* search) {
-  constexpr double kLeastShare = 0.7;
-  if (search->found.empty()) return;
-  const std::vector<Refined> refined = Refit(observed, candidates, *search);
-  const GainFigures gain = GainOf(observed, candidates, *search, refined);
-  const double explained = std::accumulate(gain.shares.begin(), gain.shares.end(), 0.0);
-  for (std::size_t i = 0; i < search->found.size(); ++i) {
-    Found& found = search->found[i];
-    const Candidate& candidate = candidates[found.candidate];
-    if (candidate.is_free()) continue;
-    const bool explains_little = explained < kLeastShare &&
-                                 !IsBeyondPrediction(observed, candidates, *search, i);
-    if (explains_little || !HasSize(candidate, refined[i])) {
-      found.lost_its_name = true;
-      found = FreeInstead(observed,
-                          candidates,
-                          CircumstancesBut(observed, candidates, *search, i),
-                          found);
-    }
-    if (found.lost_its_name) found.rivals.clear();
-  }
-}
-
 }  // namespace
 
 std::string ToString(DiagnosisVerdict verdict) {
@@ -379,7 +234,8 @@ Diagnosis Diagnose(const Observed& as_read, const DiagnoseOptions& options) {
   std::vector<Candidate> candidates = AllCandidates(observed);
   say(fmt::format("weighing {} candidates", candidates.size()));
   SearchResult search = Search(observed, candidates, options.search);
-  const Observed moved = AtBaseline(as_read, AllFound(observed, candidates, search));
+  const Observed moved =
+      AtBaseline(as_read, NuisancesOfAll(observed, candidates, search.found));
   if (!search.found.empty() && AreApart(observed, moved)) {
     say("the baseline lies elsewhere beside what was found: weighing again");
     observed = moved;
@@ -387,9 +243,7 @@ Diagnosis Diagnose(const Observed& as_read, const DiagnoseOptions& options) {
     search = Search(observed, candidates, options.search);
   }
   say("refining what was found");
-  DropUnpredictive(observed, candidates, &search);
-  DoubtNames(observed, candidates, &search);
-  const std::string remark = DropUseless(observed, candidates, &search);
+  const std::string remark = Scrutinise(observed, candidates, &search);
   Diagnosis diagnosis = Reporter(observed, candidates, search).Make();
   if (!remark.empty()) diagnosis.remarks.push_back(remark);
   return diagnosis;

@@ -77,4 +77,17 @@ std::vector<Nuisance> NuisancesOf(const Observed& observed,
   return nuisances;
 }
 
+std::vector<Nuisance> NuisancesOfAll(const Observed& observed,
+                                     const std::vector<Candidate>& candidates,
+                                     const std::vector<Found>& found,
+                                     std::optional<std::size_t> except) {
+  std::vector<Nuisance> all;
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    if (i == except) continue;
+    const auto more = NuisancesOf(observed, candidates[found[i].candidate], found[i]);
+    all.insert(all.end(), more.begin(), more.end());
+  }
+  return all;
+}
+
 }  // namespace caltwin

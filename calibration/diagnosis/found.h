@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -50,5 +51,11 @@ bool IsFinerThanAStep(const Observed& observed,
 std::vector<Nuisance> NuisancesOf(const Observed& observed,
                                   const Candidate& candidate,
                                   const Found& found);
+
+/// The same of all that was found, or of all but one.
+std::vector<Nuisance> NuisancesOfAll(const Observed& observed,
+                                     const std::vector<Candidate>& candidates,
+                                     const std::vector<Found>& found,
+                                     std::optional<std::size_t> except = {});
 
 }  // namespace caltwin

@@ -54,12 +54,8 @@ class Searcher {
   std::vector<Nuisance> BaselineAnd(const std::vector<Found>& found,
                                     std::optional<std::size_t> except) const {
     std::vector<Nuisance> nuisances = baseline_;
-    for (std::size_t i = 0; i < found.size(); ++i) {
-      if (i == except) continue;
-      const auto more =
-          NuisancesOf(observed_, candidates_[found[i].candidate], found[i]);
-      nuisances.insert(nuisances.end(), more.begin(), more.end());
-    }
+    const auto more = NuisancesOfAll(observed_, candidates_, found, except);
+    nuisances.insert(nuisances.end(), more.begin(), more.end());
     return nuisances;
   }
 

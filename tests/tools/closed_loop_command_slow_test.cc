@@ -7,9 +7,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "sim/base/input_error.h"
 #include "sim/base/text_file.h"
 #include "sim/measure/rows.h"
+#include "tests/tools/run_command.h"
 #include "tools/commands/command.h"
 
 namespace caltwin {
@@ -29,26 +29,10 @@ class ClosedLoopCommand : public ::testing::Test {
 
   /// `caltwin diagnose WORDS...`: what it prints.
   static std::string Diagnose(const std::vector<std::string>& words) {
-    CLI::App app;
-    const Action action = DeclareDiagnose(&app);
-    app.parse(std::vector<std::string>(words.rbegin(), words.rend()));
-    ::testing::internal::CaptureStdout();
-    try {
-      EXPECT_EQ(action(), kPassed);
-    } catch (...) {
-      ::testing::internal::GetCapturedStdout();
-      throw;
-    }
-    return ::testing::internal::GetCapturedStdout();
+    return Printed(DeclareDiagnose, words);
   }
-
   static std::string FaultOf(const std::vector<std::string>& words) {
-    try {
-      Diagnose(words);
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "";
+    return RunCommand(DeclareDiagnose, words).fault;
   }
 
  private:

@@ -8,6 +8,7 @@
 #include "sim/base/text_file.h"
 #include "sim/measure/data_header.h"
 #include "sim/measure/rows.h"
+#include "tests/tools/run_command.h"
 #include "tools/commands/command.h"
 
 namespace caltwin {
@@ -18,26 +19,9 @@ using ::testing::IsEmpty;
 
 namespace fs = std::filesystem;
 
-struct Answer {
-  int exit_code = 0;
-  std::string out{};
-  std::string fault{};
-};
-
 /// `caltwin import WORDS...`
 Answer RunImport(const std::vector<std::string>& words) {
-  CLI::App app;
-  const Action action = DeclareImport(&app);
-  app.parse(std::vector<std::string>(words.rbegin(), words.rend()));
-  ::testing::internal::CaptureStdout();
-  Answer answer;
-  try {
-    answer.exit_code = action();
-  } catch (const InputError& error) {
-    answer = {.exit_code = kBadInput, .fault = error.what()};
-  }
-  answer.out = ::testing::internal::GetCapturedStdout();
-  return answer;
+  return RunCommand(DeclareImport, words);
 }
 
 class ImportCommand : public ::testing::Test {

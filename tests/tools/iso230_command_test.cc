@@ -10,6 +10,7 @@
 #include "sim/base/text_file.h"
 #include "sim/base/units.h"
 #include "sim/measure/rows.h"
+#include "tests/tools/run_command.h"
 #include "tools/commands/command.h"
 #include "tools/commands/iso230_text.h"
 
@@ -21,28 +22,9 @@ using ::testing::HasSubstr;
 
 namespace fs = std::filesystem;
 
-struct Answer {
-  int exit_code = 0;
-  std::string out{};
-  std::string fault{};
-};
-
 /// `caltwin iso230 WORDS...`
 Answer Iso230(const std::vector<std::string>& words) {
-  CLI::App app;
-  const Action action = DeclareIso230(&app);
-  app.parse(std::vector<std::string>(words.rbegin(), words.rend()));
-  ::testing::internal::CaptureStdout();
-  ::testing::internal::CaptureStderr();
-  Answer answer;
-  try {
-    answer.exit_code = action();
-  } catch (const InputError& error) {
-    answer = {.exit_code = kBadInput, .fault = error.what()};
-  }
-  answer.out = ::testing::internal::GetCapturedStdout();
-  ::testing::internal::GetCapturedStderr();
-  return answer;
+  return RunCommand(DeclareIso230, words);
 }
 
 std::string RealAxis(const std::string& name) {

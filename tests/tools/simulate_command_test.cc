@@ -5,10 +5,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "sim/base/input_error.h"
 #include "sim/base/text_file.h"
 #include "sim/measure/data_header.h"
 #include "sim/measure/rows.h"
+#include "tests/tools/run_command.h"
 #include "tools/commands/command.h"
 
 namespace caltwin {
@@ -41,26 +41,10 @@ class SimulateCommand : public ::testing::Test {
 
   /// `caltwin simulate WORDS...`: what it prints.
   static std::string Simulate(const std::vector<std::string>& words) {
-    CLI::App app;
-    const Action action = DeclareSimulate(&app);
-    app.parse(std::vector<std::string>(words.rbegin(), words.rend()));
-    ::testing::internal::CaptureStdout();
-    try {
-      EXPECT_EQ(action(), kPassed);
-    } catch (...) {
-      ::testing::internal::GetCapturedStdout();
-      throw;
-    }
-    return ::testing::internal::GetCapturedStdout();
+    return Printed(DeclareSimulate, words);
   }
-
   static std::string FaultOf(const std::vector<std::string>& words) {
-    try {
-      Simulate(words);
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "";
+    return RunCommand(DeclareSimulate, words).fault;
   }
 
  private:

@@ -1,0 +1,175 @@
+#include "calibration/diagnosis/scrutiny.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "calibration/diagnosis/gain.h"
+#include "calibration/diagnosis/refit.h"
+#include "sim/base/units.h"
+
+namespace caltwin {
+namespace {
+
+// Whether the rows tell how large it is: not where it stands at the end of what is
+// possible, nor where it may as well be nothing.
+bool HasSize(const Candidate& candidate, const Refined& refined) {
+  if (candidate.cause == "homing_scatter") return true;  // Its size is a scatter.
+  constexpr double kLeast_sds = 2;
+  constexpr double kAtEnd = 1e-6;
+  const auto parameters = EffectAt(candidate.effect).parameters;
+  for (std::size_t p = 0; p < parameters.size(); ++p) {
+    if (parameters[p].role != Role::kSize) continue;
+    const double size = refined.effect.values[p];
+    const double end = kAtEnd * (parameters[p].max - parameters[p].min);
+    if (std::abs(size) < kLeast_sds * refined.sds[p]) return false;
+    if (size > parameters[p].max - end) return false;
+    if (size < parameters[p].min + end) return false;
+  }
+  return true;
+}
+
+class Scrutiny {
+ public:
+  Scrutiny(const Observed& observed,
+           const std::vector<Candidate>& candidates,
+           SearchResult* search)
+      : observed_(observed), candidates_(candidates), search_(*search) {}
+
+  // Findings that make rows they have not seen no likelier go, the worst first; where
+  // all of them together foretell those rows worse, so do the less than certain.
+  void DropUnpredictive() {
+    constexpr double kWorse = 1.001;  // More than rounding.
+    constexpr double kCertain_nats = 16;
+    while (!found().empty()) {
+      const GainFigures gain = Gain();
+      std::vector<double> scores = gain.scores;
+      for (std::size_t i = 0; i < scores.size(); ++i) {
+        if (IsBeyondPrediction(i)) scores[i] = std::numeric_limits<double>::infinity();
+      }
+      const auto worst = std::ranges::min_element(scores);
+      const bool is_worse = gain.blocks.after_mm > kWorse * gain.blocks.before_mm;
+      if (*worst > (is_worse ? kCertain_nats : 0)) return;
+      found().erase(found().begin() + (worst - scores.begin()));
+    }
+  }
+
+  // Where much remains that the named causes should have explained, and where the rows
+  // do not tell how large they are, they lose their names.
+  void DoubtNames() {
+    constexpr double kLeastShare = 0.7;
+    if (found().empty()) return;
+    const std::vector<Refined> refined = Refit(observed_, candidates_, search_);
+    const std::vector<double> shares =
+        GainOf(observed_, candidates_, search_, refined).shares;
+    const double explained = std::accumulate(shares.begin(), shares.end(), 0.0);
+    for (std::size_t i = found().size(); i-- > 0;) {
+      const Candidate& candidate = candidates_[found()[i].candidate];
+      if (candidate.is_free()) continue;
+      const bool explains_little = explained < kLeastShare && !IsBeyondPrediction(i);
+      if (explains_little || !HasSize(candidate, refined[i])) {
+        found()[i].lost_its_name = true;
+        SetFree(i);
+        MergeEqual(i);
+      } else if (found()[i].lost_its_name) {
+        found()[i].rivals.clear();
+      }
+    }
+  }
+
+  // A table without a name is of use for what it foretells: where it is no third of
+  // what can be, or finer than the motors' steps, it is no finding. What there is to
+  // say of it.
+  std::string DropUseless() {
+    constexpr double kOfUse = 1.0 / 3;
+    std::erase_if(found(), [&](const Found& found) {
+      return IsFinerThanAStep(observed_, candidates_, found);
+    });
+    const bool has_name = std::ranges::any_of(found(), [&](const Found& found) {
+      return !candidates_[found.candidate].is_free() && !found.lost_its_name;
+    });
+    if (found().empty() || has_name) return "";
+    const GainFigures gain = Gain();
+    if (gain.explained_fraction >= kOfUse) return "";
+    std::vector<std::string> names;
+    for (const Found& found : found()) {
+      names.push_back(candidates_[found.candidate].Name());
+    }
+    found().clear();
+    return fmt::format(
+        "tables without a name ({}) would take rows left out from {:.2g} to {:.2g} um: "
+        "less than a third of what can be, and no finding",
+        fmt::join(names, ", "),
+        UmFromMm(gain.blocks.before_mm),
+        UmFromMm(gain.blocks.after_mm));
+  }
+
+ private:
+  std::vector<Found>& found() { return search_.found; }
+
+  GainFigures Gain() const {
+    return GainOf(
+        observed_, candidates_, search_, Refit(observed_, candidates_, search_));
+  }
+
+  // With all that was found but one in the baseline.
+  Circumstances CircumstancesBut(std::size_t except) const {
+    Circumstances circumstances = search_.circumstances;
+    const auto others = NuisancesOfAll(observed_, candidates_, search_.found, except);
+    circumstances.nuisances.insert(
+        circumstances.nuisances.end(), others.begin(), others.end());
+    return circumstances;
+  }
+
+  // What unseen rows can say nothing of: homings scatter anew each time, and some
+  // causes are known by their size, which the baseline could take but is not believed
+  // to have.
+  bool IsBeyondPrediction(std::size_t i) const {
+    constexpr double kVisible = 9;
+    const Found& found = search_.found[i];
+    if (candidates_[found.candidate].cause == "homing_scatter") return true;
+    const Circumstances others = CircumstancesBut(i);
+    const Evidence evidence(
+        observed_, {others.sigma_mm, 0}, others.nuisances, others.left_out);
+    const Eigen::VectorXd visible =
+        evidence.Left(evidence.Whiten(found.variant.columns_mm * found.sizes_mm));
+    return visible.squaredNorm() < kVisible;
+  }
+
+  void SetFree(std::size_t i) {
+    found()[i] = FreeInstead(observed_, candidates_, CircumstancesBut(i), found()[i]);
+    found()[i].rivals.clear();
+  }
+
+  // Where the table that stands in for a finding was found already, one is enough: it
+  // is weighed again without the other beside it.
+  void MergeEqual(std::size_t i) {
+    for (std::size_t j = 0; j < found().size(); ++j) {
+      if (j == i || found()[j].candidate != found()[i].candidate) continue;
+      found().erase(found().begin() + static_cast<std::ptrdiff_t>(i));
+      SetFree(j > i ? j - 1 : j);
+      return;
+    }
+  }
+
+  const Observed& observed_;
+  const std::vector<Candidate>& candidates_;
+  SearchResult& search_;
+};
+
+}  // namespace
+
+std::string Scrutinise(const Observed& observed,
+                       const std::vector<Candidate>& candidates,
+                       SearchResult* search) {
+  Scrutiny scrutiny(observed, candidates, search);
+  scrutiny.DropUnpredictive();
+  scrutiny.DoubtNames();
+  return scrutiny.DropUseless();
+}
+
+}  // namespace caltwin
