@@ -4,12 +4,14 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <set>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "calibration/diagnosis/gain.h"
 #include "calibration/diagnosis/refit.h"
+#include "sim/base/require.h"
 #include "sim/base/units.h"
 
 namespace caltwin {
@@ -169,6 +171,10 @@ std::string Scrutinise(const Observed& observed,
   Scrutiny scrutiny(observed, candidates, search);
   scrutiny.DropUnpredictive();
   scrutiny.DoubtNames();
+  std::set<std::size_t> shown;
+  for (const Found& found : search->found) {
+    Require(shown.insert(found.candidate).second, "every finding is another candidate");
+  }
   return scrutiny.DropUseless();
 }
 
