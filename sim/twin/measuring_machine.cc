@@ -11,9 +11,9 @@
 #include "sim/base/input_error.h"
 #include "sim/base/units.h"
 #include "sim/effects/acts/acts.h"
+#include "sim/effects/gap_sense.h"
 #include "sim/effects/injected.h"
 #include "sim/effects/surroundings.h"
-#include "sim/effects/gap_sense.h"
 
 namespace caltwin {
 namespace {

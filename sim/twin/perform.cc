@@ -4,8 +4,8 @@
 #include <optional>
 #include <utility>
 
-#include "sim/effects/predict.h"
 #include "sim/effects/gap_sense.h"
+#include "sim/effects/predict.h"
 #include "sim/twin/measuring_machine.h"
 #include "sim/twin/readings.h"
 
