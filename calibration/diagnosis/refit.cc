@@ -16,6 +16,20 @@ namespace {
 
 constexpr double kFormStep = 1e-3;
 constexpr double kFarthest = 0.25;  // A form may move by so much of its value.
+constexpr double kLonger = 2;       // A lag or time constant: to the grid's neighbour.
+
+struct Reach {
+  double min = 0;
+  double max = 0;
+};
+
+Reach ReachOf(const Parameter& parameter, double form) {
+  if (parameter.name == "lag_s" || parameter.name == "tau_s") {
+    return {form / kLonger, std::max(form * kLonger, 1e-6)};
+  }
+  const double reach = std::max(std::abs(form) * kFarthest, 1e-6);
+  return {form - reach, form + reach};
+}
 
 // The findings that keep their names, and where their forms stand in one vector.
 class Findings {
@@ -28,12 +42,19 @@ class Findings {
       const Found& found = search.found[i];
       if (candidates[found.candidate].is_free() || found.lost_its_name) continue;
       named_.push_back(i);
-      for (const double form : found.variant.forms) forms_.push_back(form);
+      std::size_t form = 0;
+      for (const Parameter& parameter :
+           EffectAt(candidates[found.candidate].effect).parameters) {
+        if (parameter.role != Role::kForm) continue;
+        forms_.push_back(found.variant.forms.at(form++));
+        reaches_.push_back(ReachOf(parameter, forms_.back()));
+      }
     }
   }
 
   const std::vector<std::size_t>& named() const { return named_; }
   std::vector<double>& forms() { return forms_; }
+  const std::vector<Reach>& reaches() const { return reaches_; }
   const Found& found(std::size_t k) const { return search_.found[named_[k]]; }
   const Candidate& candidate(std::size_t k) const {
     return candidates_[found(k).candidate];
@@ -70,6 +91,7 @@ class Findings {
   const SearchResult& search_;
   std::vector<std::size_t> named_{};
   std::vector<double> forms_{};
+  std::vector<Reach> reaches_{};  ///< Of each form.
 };
 
 Eigen::VectorXd SolveSizes(const Evidence& evidence, const Eigen::MatrixXd& white) {
@@ -106,9 +128,9 @@ void RefineForms(const Evidence& evidence, Eigen::Index num_rows, Findings* find
   ceres::Problem problem;
   problem.AddResidualBlock(cost, nullptr, forms.data());
   for (std::size_t i = 0; i < forms.size(); ++i) {
-    const double reach = std::max(std::abs(forms[i]) * kFarthest, 1e-6);
-    problem.SetParameterLowerBound(forms.data(), static_cast<int>(i), forms[i] - reach);
-    problem.SetParameterUpperBound(forms.data(), static_cast<int>(i), forms[i] + reach);
+    const Reach& reach = findings->reaches()[i];
+    problem.SetParameterLowerBound(forms.data(), static_cast<int>(i), reach.min);
+    problem.SetParameterUpperBound(forms.data(), static_cast<int>(i), reach.max);
   }
   ceres::Solver::Options options;
   options.max_num_iterations = 20;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
+#include <string>
 #include <utility>
 
 #include <fmt/format.h>
@@ -87,9 +89,11 @@ struct Extended {
   std::vector<Nuisance> not_built{};  ///< Columns of the baseline that it lacks.
 };
 
+// A line that the rows do not determine is not built: whatever number came out is none.
 Extended ExtendedBy(const Observed& observed,
                     const std::vector<Finding>& findings,
-                    const Eigen::VectorXd& sigma_mm) {
+                    const Eigen::VectorXd& sigma_mm,
+                    const std::set<std::string>& open) {
   std::vector<Nuisance> found;
   Eigen::VectorXd change_mm = Eigen::VectorXd::Zero(observed.num_rows());
   for (const Finding& finding : findings) {
@@ -102,6 +106,7 @@ Extended ExtendedBy(const Observed& observed,
       FitOf(at.residual_mm() - change_mm, baseline, sigma_mm);
   std::vector<BaselineLine> lines;
   for (std::size_t k = 0; k < baseline.size(); ++k) {
+    if (open.contains(baseline[k].name)) continue;
     lines.push_back(
         {.name = baseline[k].name,
          .value = baseline[k].offset + values[static_cast<Eigen::Index>(k)]});
@@ -120,12 +125,16 @@ class Replayer {
            const ReplayOptions& options)
       : observed_(observed),
         options_(options),
-        sigma_mm_(SigmaOf(observed, diagnosis)) {}
+        sigma_mm_(SigmaOf(observed, diagnosis)) {
+    for (const BaselineLine& line : diagnosis.baseline) {
+      if (!line.is_determined) open_.insert(line.name);
+    }
+  }
 
   Replay Make(const std::vector<Finding>& findings) {
     Replay replay{.is_generic_model = observed_.machine().model.empty(),
                   .rows = static_cast<int>((sigma_mm_.array() > 0).count())};
-    const Extended with = ExtendedBy(observed_, findings, sigma_mm_);
+    const Extended with = ExtendedBy(observed_, findings, sigma_mm_, open_);
     const Eigen::VectorXd with_mm = Read_mm(with, Fidelity::kPhysics);
     Compare(with_mm - Read_mm(with, Fidelity::kFast), &replay);
     Eigen::VectorXd rest_mm = Measured_mm() - with_mm;
@@ -145,7 +154,7 @@ class Replayer {
 
  private:
   Eigen::VectorXd LeftBefore_mm() {
-    const Extended without = ExtendedBy(observed_, {}, sigma_mm_);
+    const Extended without = ExtendedBy(observed_, {}, sigma_mm_, open_);
     return LeftOf(Measured_mm() - Read_mm(without, Fidelity::kPhysics),
                   without.not_built,
                   sigma_mm_);
@@ -189,6 +198,7 @@ class Replayer {
   const Observed& observed_;
   const ReplayOptions& options_;
   Eigen::VectorXd sigma_mm_;
+  std::set<std::string> open_{};  ///< Lines that the rows do not determine.
   bool was_interrupted_ = false;
 };
 

@@ -1,10 +1,11 @@
 #include <cmath>
 
-#include <Eigen/Dense>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "sim/base/units.h"
+#include "sim/measure/climate.h"
+#include "sim/measure/import/growth_fit.h"
 #include "sim/measure/import/klipper_thermal.h"
 #include "tests/measure/import_bench.h"
 
@@ -23,23 +24,48 @@ const std::string& GoodLog() {
 // The figures of tests/data/imports/README.md, by numpy over the source's numbers.
 TEST(ImportThermal, FrameAndBedCoefficientsAreTheCertifiedOnes) {
   const RowTable table = ImportText("klipper-thermal", GoodLog(), "f", {}).table;
-  const auto count = static_cast<Eigen::Index>(table.rows.size());
-  Eigen::MatrixX3d terms(count, 3);
-  Eigen::VectorXd values_um(count);
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const Row& row = table.rows[static_cast<std::size_t>(i)];
-    terms.row(i) << row.temp_frame_c, row.temp_bed_c, 1;
-    values_um[i] = UmFromMm(row.value_mm);
-  }
-  const Eigen::Vector3d fit =
-      (terms.transpose() * terms).ldlt().solve(terms.transpose() * values_um);
-  const double rms_um = (values_um - terms * fit).norm() / std::sqrt(count);
+  const GrowthFit fit = PlainGrowth(table);
 
-  const double rounding = 5e-3;  // Temperatures here are rounded to 0.001 K.
-  EXPECT_EQ(count, 1203);
-  EXPECT_NEAR(fit[0], -33.354, rounding);
-  EXPECT_NEAR(fit[1], 2.003, rounding);
-  EXPECT_NEAR(rms_um, 4.837, rounding);
+  const double rounding_um = 5e-3;  // Temperatures here are rounded to 0.001 K.
+  EXPECT_EQ(table.rows.size(), 1203U);
+  EXPECT_NEAR(UmFromMm(fit.frame_mm_per_k), -33.354, rounding_um);
+  EXPECT_NEAR(UmFromMm(fit.bed_mm_per_k), 2.003, rounding_um);
+  EXPECT_NEAR(UmFromMm(fit.rms_mm), 4.837, rounding_um);
+}
+
+// A part that lags behind its thermometer: what hours left out are foretold by.
+TEST(ImportThermal, LagsForetellHoursThatWereLeftOut) {
+  const RowTable table = ImportText("klipper-thermal", GoodLog(), "f", {}).table;
+  const GrowthFit plain = PlainGrowth(table);
+  const GrowthFit lagged = LaggedGrowth(table);
+
+  EXPECT_GT(lagged.frame_lag_s, 60);
+  EXPECT_LT(lagged.rms_mm, 0.8 * plain.rms_mm);
+  EXPECT_LT(lagged.held_out_rms_mm, 0.9 * plain.held_out_rms_mm);
+  EXPECT_GT(lagged.held_out_rms_mm, lagged.rms_mm);
+}
+
+// dT = 20 (1 - exp(-t / 1000)) at the thermometers, felt 300 s and 0 s later.
+TEST(ImportThermal, LagsOfRowsMadeWithThemAreFound) {
+  RowTable table;
+  TemperatureLog frame;
+  for (int i = 0; i < 200; ++i) {
+    const double t_s = 40.0 * i;
+    Row row{.t_s = t_s, .temp_frame_c = 20 + 20 * (1 - std::exp(-t_s / 1000))};
+    row.temp_bed_c = i < 100 ? 20 + 0.5 * i : 70;
+    frame.Add(t_s, row.temp_frame_c);
+    table.rows.push_back(row);
+  }
+  for (Row& row : table.rows) {
+    row.value_mm = 1 - 0.030 * frame.Lagged_k(row.t_s, 300.0) +
+                   0.002 * (row.temp_bed_c - table.rows[0].temp_bed_c);
+  }
+  const GrowthFit fit = LaggedGrowth(table);
+
+  EXPECT_NEAR(fit.frame_mm_per_k, -0.030, 2e-4);
+  EXPECT_NEAR(fit.bed_mm_per_k, 0.002, 2e-5);
+  EXPECT_NEAR(fit.frame_lag_s, 300, 60);  // The grid of lags has steps of a third.
+  EXPECT_LT(fit.rms_mm, 0.3e-3);
 }
 
 TEST(ImportThermal, AFrameLogBecomesTouchesOfOnePlace) {
@@ -55,7 +81,9 @@ TEST(ImportThermal, AFrameLogBecomesTouchesOfOnePlace) {
   EXPECT_EQ(imported.header.instruments.at("probe").resolution_um, 2.5);
   EXPECT_EQ(imported.header.settings.at("s1").steps_per_mm.at("z"), 400);
   EXPECT_THAT(imported.warnings, IsEmpty());
-  EXPECT_THAT(imported.recognised.back(), HasSubstr("-33.35 um per kelvin"));
+  EXPECT_THAT(imported.recognised[2], HasSubstr("-33.35 um per kelvin"));
+  EXPECT_THAT(imported.recognised[3],
+              HasSubstr("without lag: -33.35 um/K frame, 2.00 um/K bed, rms 4.84 um"));
 }
 
 // 0.0125 mm is the step before the 80:16 gears: five times too long.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <set>
 #include <utility>
 
 #include <fmt/format.h>
@@ -44,6 +45,21 @@ Machine AssumedMachine(const RowTable& table, std::vector<std::string>* notes) {
         drawing.min_mm,
         drawing.max_mm,
         drawing.lead_mm));
+  }
+  return machine;
+}
+
+Machine WithStepsAsSet(Machine machine, const DataHeader& header) {
+  for (const Axis axis : kAxes) {
+    std::set<double> stated;
+    for (const auto& [id, settings] : header.settings) {
+      const auto found = settings.steps_per_mm.find(Name(axis));
+      if (found != settings.steps_per_mm.end()) stated.insert(found->second);
+    }
+    if (stated.size() != 1) continue;
+    AxisDrawing& drawing = machine.axes[Index(axis)];
+    drawing.microsteps = *stated.begin() * drawing.lead_mm / drawing.full_steps_per_rev;
+    machine.settings.steps_per_mm[Index(axis)] = drawing.steps_per_mm();
   }
   return machine;
 }

@@ -82,6 +82,9 @@ Believed BelievedMachine(const Options& options, Data* data) {
     data->notes.insert(data->notes.end(), read.notes.begin(), read.notes.end());
   }
   believed.machine = WithTransmission(std::move(believed.machine), data->header);
+  if (believed.file.empty()) {
+    believed.machine = WithStepsAsSet(std::move(believed.machine), data->header);
+  }
   return believed;
 }
 

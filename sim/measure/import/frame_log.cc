@@ -7,6 +7,7 @@
 #include "sim/base/median.h"
 #include "sim/base/units.h"
 #include "sim/measure/import/fields.h"
+#include "sim/measure/import/growth_fit.h"
 #include "sim/measure/import/klipper_thermal.h"
 
 namespace caltwin {
@@ -58,6 +59,23 @@ FrameLogHeader HeaderIn(const std::vector<TextLine>& lines, Faults* faults) {
   }
   if (!Known(header.frame_length_mm)) header.frame_length_mm = max_z_mm;
   return header;
+}
+
+std::string AccountOf(std::string_view which, const GrowthFit& fit) {
+  const auto lag = [](double lag_s) {
+    return lag_s > 0 ? fmt::format(" (lag {:.0f} s)", lag_s) : "";
+  };
+  return fmt::format(
+      "{}: {:.2f} um/K frame{}, {:.2f} um/K bed{}, rms {:.2f} um{}",
+      which,
+      UmFromMm(fit.frame_mm_per_k),
+      lag(fit.frame_lag_s),
+      UmFromMm(fit.bed_mm_per_k),
+      lag(fit.bed_lag_s),
+      UmFromMm(fit.rms_mm),
+      Known(fit.held_out_rms_mm)
+          ? fmt::format("; of hours left out {:.2f} um", UmFromMm(fit.held_out_rms_mm))
+          : "");
 }
 
 class FrameLogReader {
@@ -217,6 +235,8 @@ class FrameLogReader {
           "the frame, as if {:.2f} m of it grew",
           UmFromMm(growth.growth_mm_per_k),
           growth.metres_needed));
+      imported_.recognised.push_back(AccountOf("without lag", PlainGrowth(table)));
+      imported_.recognised.push_back(AccountOf("with lags", LaggedGrowth(table)));
     }
     imported_.assumed = {
         "mcu_pos_z counts upwards; value = (mcu_pos_z - the first) * step, + is up",

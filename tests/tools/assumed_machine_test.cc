@@ -1,0 +1,59 @@
+#include "tools/commands/assumed_machine.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace caltwin {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::SizeIs;
+
+RowTable RowsAlongX() {
+  RowTable table;
+  for (const double at_mm : {20.0, 80.0, 140.0}) {
+    Row row;
+    row.cmd_mm[0] = at_mm;
+    table.rows.push_back(row);
+  }
+  return table;
+}
+
+TEST(AssumedMachine, TravelsAsFarAsTheRowsGoAndSaysSo) {
+  std::vector<std::string> notes;
+  const Machine machine = AssumedMachine(RowsAlongX(), &notes);
+
+  EXPECT_EQ(machine.axis(Axis::kX).min_mm, 20);
+  EXPECT_EQ(machine.axis(Axis::kX).max_mm, 140);
+  ASSERT_THAT(notes, SizeIs(1));
+  EXPECT_THAT(notes[0], HasSubstr("axis x is taken to travel from 20 to 140 mm"));
+}
+
+// The stated steps are as built: a twin of other steps would read everything scaled.
+TEST(AssumedMachine, HasTheStepsThatTheHeaderSays) {
+  std::vector<std::string> notes;
+  DataHeader header;
+  header.settings["s1"].steps_per_mm["x"] = 400;
+  header.settings["s2"].steps_per_mm["x"] = 400;
+  header.transmission["x"].lead_mm = 5;
+  const Machine machine = WithStepsAsSet(
+      WithTransmission(AssumedMachine(RowsAlongX(), &notes), header), header);
+
+  EXPECT_DOUBLE_EQ(machine.axis(Axis::kX).lead_mm, 5);
+  EXPECT_DOUBLE_EQ(machine.axis(Axis::kX).steps_per_mm(), 400);
+  EXPECT_DOUBLE_EQ(machine.settings.steps_per_mm[0], 400);
+}
+
+TEST(AssumedMachine, KeepsItsStepsWhereSettingsDisagree) {
+  std::vector<std::string> notes;
+  const Machine assumed = AssumedMachine(RowsAlongX(), &notes);
+  DataHeader header;
+  header.settings["s1"].steps_per_mm["x"] = 400;
+  header.settings["s2"].steps_per_mm["x"] = 404;
+
+  EXPECT_EQ(WithStepsAsSet(assumed, header).axis(Axis::kX).steps_per_mm(),
+            assumed.axis(Axis::kX).steps_per_mm());
+}
+
+}  // namespace
+}  // namespace caltwin
