@@ -2,12 +2,16 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
+#include <cmath>
 #include <exception>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <mutex>
+#include <numeric>
 #include <thread>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -28,6 +32,7 @@ struct Options {
   int loops = 10;
   int changes = 8;
   int jobs = 2;
+  double minutes = 0;  // 0: as long as it takes.
   std::string markdown{};
   std::string only{};
   bool failures_only = false;
@@ -56,15 +61,40 @@ blind::Judgement ExamineOne(const Options& options,
   }
 }
 
-/// All cases, a few at a time; the judgements stand in the order of the requests.
+/// The order in which cases are taken where time may run out: wherever it ends, every
+/// part of the set has its share (multiples of the golden ratio, modulo one).
+std::vector<std::size_t> FairOrder(std::size_t count) {
+  const double golden = (std::sqrt(5.0) - 1) / 2;
+  std::vector<std::size_t> order(count);
+  std::iota(order.begin(), order.end(), 0);
+  std::ranges::stable_sort(order, {}, [&](std::size_t i) {
+    return std::fmod(static_cast<double>(i) * golden, 1.0);
+  });
+  return order;
+}
+
+/// All cases, or as many as the time allows, a few at a time; the judgements stand in
+/// the order of the requests.
 std::vector<blind::Judgement> ExamineAll(
     const Options& options, const std::vector<blind::CaseRequest>& requests) {
+  using Clock = std::chrono::steady_clock;
+  const auto start = Clock::now();
+  const auto is_over = [&] {
+    const std::chrono::duration<double, std::ratio<60>> spent = Clock::now() - start;
+    return options.minutes > 0 && spent.count() >= options.minutes;
+  };
+  std::vector<std::size_t> order(requests.size());
+  std::iota(order.begin(), order.end(), 0);
+  if (options.minutes > 0) order = FairOrder(requests.size());
   std::vector<blind::Judgement> judgements(requests.size());
+  std::vector<char> is_done(requests.size(), 0);
   std::atomic<std::size_t> next = 0;
   std::mutex output;
   const auto work = [&] {
-    for (std::size_t i = next++; i < requests.size(); i = next++) {
+    for (std::size_t k = next++; k < requests.size() && !is_over(); k = next++) {
+      const std::size_t i = order[k];
       judgements[i] = ExamineOne(options, requests[i], &output);
+      is_done[i] = 1;
       const std::scoped_lock lock(output);
       const bool wrong = IsWrong(judgements[i]);
       if (!options.failures_only || wrong) {
@@ -77,7 +107,11 @@ std::vector<blind::Judgement> ExamineAll(
   std::vector<std::thread> workers;
   for (int i = 0; i < options.jobs; ++i) workers.emplace_back(work);
   for (std::thread& worker : workers) worker.join();
-  return judgements;
+  std::vector<blind::Judgement> done;
+  for (std::size_t i = 0; i < requests.size(); ++i) {
+    if (is_done[i] != 0) done.push_back(std::move(judgements[i]));
+  }
+  return done;
 }
 
 /// Causes along x or y, each changed in ways after which the answer is known.
@@ -126,6 +160,7 @@ void WriteMarkdown(const Options& options, const std::string& text) {
   std::ofstream stream(options.markdown, std::ios::binary);
   stream << "# Blind tests\n\nMade by `blind_score --binary caltwin"
          << (options.full > 0 ? fmt::format(" --full {}", options.full) : std::string())
+         << (options.minutes > 0 ? fmt::format(" --minutes {:g}", options.minutes) : "")
          << fmt::format(" --seed {} --date {}`.\n\n", options.seed, options.date)
          << text;
   if (!stream) throw std::runtime_error("cannot write " + options.markdown);
@@ -150,6 +185,9 @@ int Run(int argc, char** argv) {
   app.add_option("--model", options.diagnoser.model, "the model.xml that they edit");
   app.add_option("--changes", options.changes, "cases to swap, shuffle and reduce");
   app.add_option("--jobs", options.jobs, "diagnoses at a time");
+  app.add_option("--minutes",
+                 options.minutes,
+                 "begins no case after so many; every part of the set has its share");
   app.add_option("--only",
                  options.only,
                  "only cases of this kind (or physics), or hiding this cause");
@@ -167,7 +205,14 @@ int Run(int argc, char** argv) {
   std::filesystem::create_directories(options.diagnoser.folder);
   const auto judgements = ExamineAll(options, requests);
   const int broken = options.only.empty() ? CountBrokenChanges(options) : 0;
-  const std::string text = blind::AllText(judgements);
+  std::string text = blind::AllText(judgements);
+  if (judgements.size() < requests.size()) {
+    text = fmt::format("{} of {} cases, as far as {:g} minutes went.\n\n{}",
+                       judgements.size(),
+                       requests.size(),
+                       options.minutes,
+                       text);
+  }
   std::cout << "\n" << text;
   if (!options.markdown.empty()) WriteMarkdown(options, text);
   const auto figures = blind::Figures(judgements);
