@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 
 #include "sim/machine/delta.h"
