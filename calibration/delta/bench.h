@@ -1,0 +1,37 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sim/machine/delta.h"
+
+namespace caltwin {
+
+/// One touch of a delta's bed by its nozzle, its height known to be `height_mm` (0 but
+/// for a probe whose offset was measured).
+struct DeltaTouch {
+  Vec3<double> motors_mm = Vec3<double>::Zero();  ///< Commanded travel at the trigger.
+  double height_mm = 0;
+  double sigma_mm = 0.01;
+};
+
+/// The only door of a delta's calibration: touches the bed on the way straight down at
+/// (x, y) as `settings` say, and tells the motors' travels at the trigger. nullopt: out
+/// of reach.
+using DeltaProbe = std::function<std::optional<Vec3<double>>(
+    const DeltaModel<double>& settings, double x_mm, double y_mm)>;
+
+/// What a calibration of a delta ends with.
+struct DeltaOutcome {
+  DeltaModel<double> settings{};
+  int touches = 0;
+  bool is_done = false;  ///< It says that it has succeeded.
+  double said_mm = 0;    ///< The deviation that it reports as its own.
+  double tilt_x = 0;     ///< Of the bed, where the engine fits it (dz/dx).
+  double tilt_y = 0;
+  std::vector<std::string> messages{};  ///< What the firmware would print.
+};
+
+}  // namespace caltwin
