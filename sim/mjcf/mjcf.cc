@@ -12,11 +12,11 @@
 
 #include "sim/base/input_error.h"
 #include "sim/base/require.h"
+#include "sim/mjcf/spec.h"
 
 namespace caltwin {
 namespace {
 
-constexpr double kMPerMm = 1e-3;
 constexpr double kLightBody_kg = 1e-3;  // Inertia is in the joints' armature.
 // Light enough to follow a retract, heavy enough not to chatter on the surface in one
 // step (0.02 kg: a release is wrong by 0.35 um; 0.1 kg: by 1.2 um at a reversal).
@@ -24,27 +24,9 @@ constexpr double kStylus_kg = 0.05;
 constexpr double kDampingRatio = 0.05;
 constexpr int kNumBoreFlats = 720;
 constexpr double kTargetHalf_mm = 20;
-constexpr int kTouchable = 2;  // Contact bit of the tip and all it may touch.
 
 constexpr std::array kJoints = {
     "x", "y", "z", "x_nut", "y_nut", "z_nut", "stylus_x", "stylus_y", "stylus_z"};
-
-mjsElement* Find(const mjSpec* spec, mjtObj type, const std::string& name) {
-  mjsElement* element = mjs_findElement(spec, type, name.c_str());
-  Require(element != nullptr, fmt::format("the model has no '{}'", name));
-  return element;
-}
-
-void SetQuat(const Eigen::Quaterniond& q, double quat[4]) {
-  quat[0] = q.w();
-  quat[1] = q.x();
-  quat[2] = q.y();
-  quat[3] = q.z();
-}
-
-void SetPosition(const Vec3<double>& mm, double pos[3]) {
-  for (int i = 0; i < 3; ++i) pos[i] = mm[i] * kMPerMm;
-}
 
 void MakeTouchable(mjsGeom* geom) {
   geom->contype = geom->conaffinity = kTouchable;
@@ -80,13 +62,7 @@ mjsGeom* AddBox(mjsBody* body,
 }  // namespace
 
 Mjcf Mjcf::FromFile(const std::filesystem::path& file) {
-  std::array<char, 1000> error{};
-  mjSpec* spec = mj_parseXML(file.c_str(), nullptr, error.data(), error.size());
-  if (spec == nullptr) {
-    throw InputError({.file = file.string()},
-                     fmt::format("MuJoCo cannot read this model: {}", error.data()));
-  }
-  Mjcf model(spec);
+  Mjcf model(ReadSpec(file).release());
   model.CheckNames(file.string());
   return model;
 }
@@ -119,21 +95,18 @@ void Mjcf::CheckNames(const std::string& file) const {
 }
 
 mjsJoint* Mjcf::Joint(const std::string& name) const {
-  return mjs_asJoint(Find(spec_.get(), mjOBJ_JOINT, name));
+  return mjs_asJoint(FindElement(spec_.get(), mjOBJ_JOINT, name));
 }
 
 mjsTendon* Mjcf::Play(Axis axis) const {
-  return mjs_asTendon(Find(spec_.get(), mjOBJ_TENDON, Name(axis) + "_play"));
+  return mjs_asTendon(FindElement(spec_.get(), mjOBJ_TENDON, Name(axis) + "_play"));
 }
 
 void Mjcf::SetTimestep_s(double timestep_s) {
   mjSpec* spec = spec_.get();
   spec->option.timestep = timestep_s;
   const auto hard = [&](mjtNum* solref, mjtNum* solimp, double damping_ratio) {
-    solref[0] = 2 * timestep_s;
-    solref[1] = damping_ratio;
-    solimp[0] = solimp[1] = 0.9999;
-    solimp[2] = 0.001;
+    MakeHard(timestep_s, damping_ratio, solref, solimp);
   };
   for (const Axis axis : kAxes) {
     mjsJoint* joint = Joint(Name(axis));
@@ -141,7 +114,7 @@ void Mjcf::SetTimestep_s(double timestep_s) {
     mjsTendon* play = Play(axis);
     hard(play->solref_limit, play->solimp_limit, 1);
     mjsEquality* rigid =
-        mjs_asEquality(Find(spec, mjOBJ_EQUALITY, Name(axis) + "_rigid"));
+        mjs_asEquality(FindElement(spec, mjOBJ_EQUALITY, Name(axis) + "_rigid"));
     hard(rigid->solref, rigid->solimp, 0.5);
   }
   for (mjsElement* element = mjs_firstElement(spec, mjOBJ_EQUALITY); element != nullptr;
@@ -159,7 +132,7 @@ void Mjcf::SetTimestep_s(double timestep_s) {
 void Mjcf::SetMovingMass(Axis axis, double mass_kg) {
   Joint(Name(axis))->armature = mass_kg;
   for (const char* part : {"_carriage", "_nut"}) {
-    mjsBody* body = mjs_asBody(Find(spec_.get(), mjOBJ_BODY, Name(axis) + part));
+    mjsBody* body = mjs_asBody(FindElement(spec_.get(), mjOBJ_BODY, Name(axis) + part));
     body->explicitinertial = 1;
     body->mass = kLightBody_kg;
     body->gravcomp = 1;
@@ -175,7 +148,7 @@ void Mjcf::SetStylus(double tip_radius_mm,
                      double stiffness_n_per_mm,
                      double disc_radius_mm) {
   const double stiffness_n_per_m = stiffness_n_per_mm / kMPerMm;
-  mjsBody* stylus = mjs_asBody(Find(spec_.get(), mjOBJ_BODY, "stylus"));
+  mjsBody* stylus = mjs_asBody(FindElement(spec_.get(), mjOBJ_BODY, "stylus"));
   stylus->explicitinertial = 1;
   stylus->mass = kStylus_kg;
   stylus->gravcomp = 1;
@@ -205,20 +178,23 @@ void Mjcf::SetStylus(double tip_radius_mm,
 }
 
 void Mjcf::SetTipRadius(double radius_mm) {
-  mjs_asGeom(Find(spec_.get(), mjOBJ_GEOM, "tip"))->size[0] = radius_mm * kMPerMm;
-  mjs_asGeom(Find(spec_.get(), mjOBJ_GEOM, "disc"))->size[1] = radius_mm * kMPerMm;
+  mjs_asGeom(FindElement(spec_.get(), mjOBJ_GEOM, "tip"))->size[0] =
+      radius_mm * kMPerMm;
+  mjs_asGeom(FindElement(spec_.get(), mjOBJ_GEOM, "disc"))->size[1] =
+      radius_mm * kMPerMm;
 }
 
 void Mjcf::FitDisc(bool is_disc) {
-  mjsGeom* tip = mjs_asGeom(Find(spec_.get(), mjOBJ_GEOM, "tip"));
-  mjsGeom* disc = mjs_asGeom(Find(spec_.get(), mjOBJ_GEOM, "disc"));
+  mjsGeom* tip = mjs_asGeom(FindElement(spec_.get(), mjOBJ_GEOM, "tip"));
+  mjsGeom* disc = mjs_asGeom(FindElement(spec_.get(), mjOBJ_GEOM, "disc"));
   tip->contype = tip->conaffinity = disc->contype = disc->conaffinity = 0;
   MakeTouchable(is_disc ? disc : tip);
 }
 
 // The nut no longer holds the carriage by itself.
 void Mjcf::FreeOfNut(Axis axis) {
-  mjs_asEquality(Find(spec_.get(), mjOBJ_EQUALITY, Name(axis) + "_rigid"))->active = 0;
+  mjs_asEquality(FindElement(spec_.get(), mjOBJ_EQUALITY, Name(axis) + "_rigid"))
+      ->active = 0;
 }
 
 void Mjcf::SetGap(Axis axis, double gap_mm) {
@@ -253,7 +229,7 @@ void Mjcf::TurnAxis(Axis axis, Axis about, double angle_rad, double pivot_mm) {
     for (int i = 0; i < 3; ++i) Joint(name)->axis[i] = after[i];
   }
   mjsBody* carriage =
-      mjs_asBody(Find(spec_.get(), mjOBJ_BODY, Name(axis) + "_carriage"));
+      mjs_asBody(FindElement(spec_.get(), mjOBJ_BODY, Name(axis) + "_carriage"));
   for (int i = 0; i < 3; ++i) {
     carriage->pos[i] += (before - after)[i] * pivot_mm * kMPerMm;
   }
@@ -272,7 +248,8 @@ mjsJoint* Mjcf::AddErrorJoint(Axis axis,
   }
   const std::string name = fmt::format("{}_error_{}", Name(axis), number);
   mjsJoint* joint = mjs_addJoint(
-      mjs_asBody(Find(spec_.get(), mjOBJ_BODY, Name(axis) + "_carriage")), nullptr);
+      mjs_asBody(FindElement(spec_.get(), mjOBJ_BODY, Name(axis) + "_carriage")),
+      nullptr);
   mjs_setName(joint->element, name.c_str());
   joint->armature = 1;
   mjsEquality* tie = mjs_addEquality(spec_.get(), nullptr);
@@ -313,13 +290,13 @@ void Mjcf::TiltTable(double slope_x_rad,
                      const Vec3<double>& about_mm) {
   const Vec3<double> normal = Vec3<double>(-slope_x_rad, -slope_y_rad, 1).normalized();
   const auto turn = Eigen::Quaterniond::FromTwoVectors(Vec3<double>::UnitZ(), normal);
-  mjsBody* table = mjs_asBody(Find(spec_.get(), mjOBJ_BODY, "table"));
+  mjsBody* table = mjs_asBody(FindElement(spec_.get(), mjOBJ_BODY, "table"));
   SetQuat(turn, table->quat);
   SetPosition(about_mm - turn * about_mm, table->pos);
 }
 
 void Mjcf::AddSolid(const std::string& name, const Solid& solid) {
-  mjsBody* table = mjs_asBody(Find(spec_.get(), mjOBJ_BODY, "table"));
+  mjsBody* table = mjs_asBody(FindElement(spec_.get(), mjOBJ_BODY, "table"));
   if (solid.bore_radius_mm <= 0) {
     mjsGeom* box = AddBox(table, solid.center_mm, solid.turn_rad, solid.half_mm);
     mjs_setName(box->element, name.c_str());
@@ -341,7 +318,7 @@ void Mjcf::AddSolid(const std::string& name, const Solid& solid) {
 
 void Mjcf::AddTarget() {
   mjsBody* target =
-      mjs_addBody(mjs_asBody(Find(spec_.get(), mjOBJ_BODY, "table")), nullptr);
+      mjs_addBody(mjs_asBody(FindElement(spec_.get(), mjOBJ_BODY, "table")), nullptr);
   mjs_setName(target->element, "target");
   mjsGeom* block = AddBox(target,
                           Vec3<double>(0, 0, -kTargetHalf_mm),

@@ -9,6 +9,7 @@
 
 #include "sim/machine/machine.h"
 #include "sim/machine/surface.h"
+#include "sim/mjcf/spec.h"
 
 namespace caltwin {
 
@@ -84,9 +85,6 @@ class Mjcf {
   std::string ToText() const;
 
  private:
-  struct DeleteSpec {
-    void operator()(mjSpec* spec) const { mj_deleteSpec(spec); }
-  };
   explicit Mjcf(mjSpec* spec) : spec_(spec) {}
   mjsJoint* Joint(const std::string& name) const;
   mjsTendon* Play(Axis axis) const;
@@ -96,7 +94,7 @@ class Mjcf {
                           const AxisDrawing& travel);
   void CheckNames(const std::string& file) const;
 
-  std::unique_ptr<mjSpec, DeleteSpec> spec_;
+  SpecPtr spec_;
 };
 
 /// Brings a model in line with the machine file: masses, friction, stylus, table.

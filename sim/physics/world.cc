@@ -13,9 +13,7 @@
 namespace caltwin {
 namespace {
 
-constexpr double kMPerMm = 1e-3;
 constexpr double kMmPerM = 1e3;
-constexpr int kTouchable = 2;
 // A play whose length depends on joints that follow the carriage settles by a factor of
 // 1000 or so each time.
 constexpr int kSettlings = 3;

@@ -1,0 +1,141 @@
+#include "sim/physics/delta_world.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim/base/require.h"
+
+namespace caltwin {
+namespace {
+
+constexpr double kMmPerM = 1e3;
+
+int IdOf(const mjModel* model, mjtObj type, const std::string& name) {
+  const int id = mj_name2id(model, type, name.c_str());
+  Require(id >= 0, "the model has every name that DeltaMjcf checked");
+  return id;
+}
+
+}  // namespace
+
+DeltaWorld::DeltaWorld(ModelPtr model, const DeltaBuild<double>& build)
+    : model_(std::move(model)), data_(mj_makeData(model_.get())) {
+  for (int i = 0; i < kNumTowers; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    const int joint = IdOf(model_.get(), mjOBJ_JOINT, TowerName(i));
+    qpos_[at] = model_->jnt_qposadr[joint];
+    dof_[at] = model_->jnt_dofadr[joint];
+    mass_kg_[at] =
+        model_->dof_armature[dof_[at]] + model_->body_mass[model_->jnt_bodyid[joint]];
+    scale_[i] = 1 + build.belt_scale[at];
+  }
+  const int free = IdOf(model_.get(), mjOBJ_JOINT, "effector");
+  effector_qpos_ = model_->jnt_qposadr[free];
+  effector_dof_ = model_->jnt_dofadr[free];
+  effector_body_ = IdOf(model_.get(), mjOBJ_BODY, "effector");
+  for (int k = 0; k < kNumRods; ++k) {
+    const auto rod = static_cast<std::size_t>(k);
+    const int tendon = IdOf(model_.get(), mjOBJ_TENDON, "rod_" + RodName(k));
+    const int equality = IdOf(model_.get(), mjOBJ_EQUALITY, "rod_" + RodName(k));
+    const double length_mm = build.model.arm_mm[rod / 2] + build.rod_error_mm[rod];
+    model_->eq_data[mjNEQDATA * equality] =
+        length_mm * kMPerMm - model_->tendon_length0[tendon];
+  }
+}
+
+void DeltaWorld::Place(const Vec3<double>& motors_mm,
+                       const DeltaPose<double>& pose,
+                       const Vec3<double>& motors_mm_s,
+                       const Vec3<double>& nozzle_mm_s) {
+  mj_resetData(model_.get(), data_.get());
+  for (int i = 0; i < kNumTowers; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    data_->qpos[qpos_[at]] = -motors_mm[i] * scale_[i] * kMPerMm;
+    data_->qvel[dof_[at]] = -motors_mm_s[i] * scale_[i] * kMPerMm;
+  }
+  const double norm = std::sqrt(1 + pose.cayley.squaredNorm());
+  for (int i = 0; i < 3; ++i) {
+    data_->qpos[effector_qpos_ + i] = pose.nozzle_mm[i] * kMPerMm;
+    data_->qpos[effector_qpos_ + 4 + i] = pose.cayley[i] / norm;
+    data_->qvel[effector_dof_ + i] = nozzle_mm_s[i] * kMPerMm;
+  }
+  data_->qpos[effector_qpos_ + 3] = 1 / norm;
+}
+
+void DeltaWorld::Step(const Vec3<double>& motors_mm) {
+  const double dt = timestep_s();
+  for (int i = 0; i < kNumTowers; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    const double to_m = -motors_mm[i] * scale_[i] * kMPerMm;
+    data_->qfrc_applied[dof_[at]] =
+        mass_kg_[at] * (to_m - data_->qpos[qpos_[at]] - dt * data_->qvel[dof_[at]]) /
+        (dt * dt);
+  }
+  mj_step(model_.get(), data_.get());
+  for (const mjWarningStat& warning : data_->warning) {
+    Require(warning.number == 0, "MuJoCo warns: the simulation is not to be trusted");
+  }
+}
+
+std::optional<double> DeltaWorld::Clearance_mm() const {
+  std::optional<double> least_mm;
+  for (int i = 0; i < data_->ncon; ++i) {
+    const double dist_mm = data_->contact[i].dist * kMmPerM;
+    if (!least_mm || dist_mm < *least_mm) least_mm = dist_mm;
+  }
+  return least_mm;
+}
+
+Vec3<double> DeltaWorld::Nozzle_mm() const {
+  Vec3<double> at;
+  for (int i = 0; i < 3; ++i) at[i] = data_->qpos[effector_qpos_ + i] * kMmPerM;
+  return at;
+}
+
+Vec3<double> DeltaWorld::Motors_mm() const {
+  Vec3<double> at;
+  for (int i = 0; i < kNumTowers; ++i) {
+    at[i] = -data_->qpos[qpos_[static_cast<std::size_t>(i)]] * kMmPerM / scale_[i];
+  }
+  return at;
+}
+
+std::optional<Vec3<double>> TouchInPhysics(DeltaWorld* world,
+                                           const DeltaBuild<double>& build,
+                                           const DeltaBed<double>& bed,
+                                           const DeltaModel<double>& settings,
+                                           double x_mm,
+                                           double y_mm,
+                                           const DeltaTouchOptions& options) {
+  const auto expected = DeltaTouchMotors(build, bed, settings, x_mm, y_mm);
+  if (!expected) return std::nullopt;
+  const Vec3<double> target = DeltaNozzle_mm(settings, *expected);
+  const double step_mm = options.feed_mm_s * world->timestep_s();
+  const auto motors_at = [&](double above_mm) {
+    return DeltaMotors_mm<double>(settings, target + above_mm * Unit(Axis::kZ));
+  };
+  const auto pose = DeltaPoseOf(build, motors_at(options.start_mm));
+  if (!pose) return std::nullopt;
+  const Vec3<double> speed =
+      (motors_at(options.start_mm - step_mm) - motors_at(options.start_mm)) /
+      world->timestep_s();
+  world->Place(
+      motors_at(options.start_mm), *pose, speed, -options.feed_mm_s * Unit(Axis::kZ));
+  double above_mm = options.start_mm;
+  std::optional<double> before_mm;
+  while (above_mm > -options.most_mm) {
+    world->Step(motors_at(above_mm - step_mm));
+    // Found where the step began.
+    const auto now_mm = world->Clearance_mm();
+    if (now_mm && *now_mm <= 0) {
+      if (!before_mm) return std::nullopt;
+      const double part = *before_mm / (*before_mm - *now_mm);
+      return motors_at(above_mm + step_mm * (1 - part));
+    }
+    before_mm = now_mm;
+    above_mm -= step_mm;
+  }
+  return std::nullopt;
+}
+
+}  // namespace caltwin

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <array>
+#include <memory>
+#include <optional>
+
+#include "sim/mjcf/delta_mjcf.h"
+#include "sim/physics/world.h"
+
+namespace caltwin {
+
+/// A compiled delta with its state, millimetres outside. The carriages are driven
+/// exactly (dead-beat); rods, effector and contact are MuJoCo's.
+class DeltaWorld {
+ public:
+  /// Sets every rod to its length in `build`, which the model was given too.
+  DeltaWorld(ModelPtr model, const DeltaBuild<double>& build);
+
+  double timestep_s() const { return model_->opt.timestep; }
+  /// Puts the machine there at these speeds, forgetting what was: commanded travels
+  /// down from the endstops, and the effector as the closed chain has it.
+  void Place(const Vec3<double>& motors_mm,
+             const DeltaPose<double>& pose,
+             const Vec3<double>& motors_mm_s,
+             const Vec3<double>& nozzle_mm_s);
+  /// One time step, after which the motors stand at `motors_mm`.
+  void Step(const Vec3<double>& motors_mm);
+
+  /// Of the instant before the last Step: contacts are found at a step's beginning.
+  std::optional<double> Clearance_mm() const;
+  Vec3<double> Nozzle_mm() const;
+  /// Commanded travels that the carriages stand at.
+  Vec3<double> Motors_mm() const;
+
+  const mjModel* model() const { return model_.get(); }
+  mjData* data() const { return data_.get(); }
+
+ private:
+  ModelPtr model_;
+  std::unique_ptr<mjData, DeleteData> data_;
+  Vec3<double> scale_ = Vec3<double>::Ones();  ///< Moved over commanded.
+  std::array<int, 3> qpos_{}, dof_{};
+  std::array<double, 3> mass_kg_{};
+  int effector_qpos_ = 0, effector_dof_ = 0, effector_body_ = 0;
+};
+
+/// A touch of the bed in MuJoCo: from `start_mm` above where closed-form kinematics
+/// expect it straight down at a constant feed, until the nozzle meets the bed.
+struct DeltaTouchOptions {
+  double feed_mm_s = 5;
+  double start_mm = 0.2;
+  double most_mm = 2;  ///< Beyond the expected contact, then it is no touch.
+};
+
+/// The motors' commanded travels at the contact, found between two steps by MuJoCo's
+/// own distance. nullopt: none, or out of reach.
+std::optional<Vec3<double>> TouchInPhysics(DeltaWorld* world,
+                                           const DeltaBuild<double>& build,
+                                           const DeltaBed<double>& bed,
+                                           const DeltaModel<double>& settings,
+                                           double x_mm,
+                                           double y_mm,
+                                           const DeltaTouchOptions& options = {});
+
+}  // namespace caltwin
