@@ -144,6 +144,17 @@ MachineFile ReadExtension(const fs::path& file, YamlMap* map) {
 }  // namespace
 
 MachineFile ReadMachineFile(const fs::path& file) {
+  MachineFile read = ReadAnyMachineFile(file);
+  if (read.machine.delta) {
+    throw InputError({.file = file.string()},
+                     "this machine is a delta, which is not known here yet",
+                     "`caltwin run` of a delta's scenario, `caltwin compare delta`, "
+                     "`caltwin validate` and `caltwin import klipper-delta` know deltas");
+  }
+  return read;
+}
+
+MachineFile ReadAnyMachineFile(const fs::path& file) {
   Faults faults;
   YamlMap map = ReadYamlFile(file, &faults);
   MachineFile read;

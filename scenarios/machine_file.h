@@ -24,8 +24,11 @@ struct MachineFile {
 /// Reads a machine file or an extension of one, which may extend another. Of an
 /// extension's effects `sd`, `probability` and `rivals` are read and dropped; the
 /// tables of `unknown` become effects too; a base that is not the one `extends_sha256`
-/// was taken of becomes a note. Throws InputError.
+/// was taken of becomes a note. Throws InputError, of a delta too: only what asks for
+/// any machine can have one.
 MachineFile ReadMachineFile(const std::filesystem::path& file);
+/// The same, a delta not refused.
+MachineFile ReadAnyMachineFile(const std::filesystem::path& file);
 
 /// One setting that a scenario or truth file gives, perhaps still to be drawn.
 struct SettingSpec {

@@ -22,7 +22,7 @@ void ReadMachineKey(YamlMap* map, const fs::path& folder, Scenario* scenario) {
   if (!machine) return;
   const std::string name = machine->Text();
   if (name.empty()) return;
-  scenario->machine = ReadMachineFile(FindMachine(name, folder, machine->place()));
+  scenario->machine = ReadAnyMachineFile(FindMachine(name, folder, machine->place()));
   scenario->effects = scenario->machine.effects;
 }
 

@@ -137,19 +137,19 @@ std::string AsMarlin(const DeltaModel<double>& settings) {
   // A carriage that stops higher must come down less: M666 is its distance below the
   // highest one.
   const double highest_mm = std::ranges::max(settings.endstop_mm);
-  const double radius_mm = Mean(settings.radius_mm);
+  const double arm_mm = Mean(settings.arm_mm);
   return fmt::format(
       "M665 L{:.4f} R{:.4f} H{:.4f} X{:.4f} Y{:.4f} Z{:.4f} A{:.4f} B{:.4f} C{:.4f}\n"
       "M666 X{:.4f} Y{:.4f} Z{:.4f}\n",
-      Mean(settings.arm_mm),
-      radius_mm,
+      arm_mm,
+      Mean(settings.radius_mm),
       highest_mm,
       Correction_deg(settings, 0),
       Correction_deg(settings, 1),
       Correction_deg(settings, 2),
-      settings.radius_mm[0] - radius_mm,
-      settings.radius_mm[1] - radius_mm,
-      settings.radius_mm[2] - radius_mm,
+      settings.arm_mm[0] - arm_mm,
+      settings.arm_mm[1] - arm_mm,
+      settings.arm_mm[2] - arm_mm,
       settings.endstop_mm[0] - highest_mm,
       settings.endstop_mm[1] - highest_mm,
       settings.endstop_mm[2] - highest_mm);

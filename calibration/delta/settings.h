@@ -28,8 +28,9 @@ DeltaModel<double> BestDeltaSettings(const DeltaBuild<double>& build,
 /// X.. Y.. Z..` (endstop corrections, +: that tower's endstop is higher; their sum is
 /// 0).
 std::string AsRrf(const DeltaModel<double>& settings);
-/// Marlin: `M665 L R H S X Y Z A B C` (angle trims X Y Z, radius trims A B C) and
-/// `M666 X Y Z` (none above 0: the highest endstop is the reference, and H its height).
+/// Marlin: `M665 L R H X Y Z A B C` (angle trims X Y Z, rod trims A B C) and `M666 X Y
+/// Z` (none above 0: the highest endstop is the reference, and H its height). It has one
+/// radius for all towers.
 std::string AsMarlin(const DeltaModel<double>& settings);
 /// Klipper's printer.cfg: `[printer] delta_radius`, `[stepper_a] position_endstop,
 /// arm_length, angle` and so on.

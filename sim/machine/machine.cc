@@ -89,6 +89,42 @@ void ReadByAxis(YamlMap* map,
   by_axis.NoMoreKeys();
 }
 
+// A belt of 20 teeth of 2 mm, down from the endstop.
+AxisDrawing TowerAxis(const DeltaDrawing& delta, std::size_t tower) {
+  return {.min_mm = 0,
+          .max_mm = delta.model.endstop_mm[tower] + delta.model.arm_mm[tower] / 4,
+          .home = HomeEnd::kMin,
+          .lead_mm = 40,
+          .is_belt = true,
+          .max_feed_mm_s = 200,
+          .acceleration_mm_s2 = 2000,
+          .moving_mass_kg = 0.15,
+          .rail_friction_n = 1};
+}
+
+// A cartesian machine names its axes; a delta's towers are alike but where they are
+// named.
+void ReadAxes(YamlMap* map, Machine* machine) {
+  if (machine->delta) {
+    for (std::size_t i = 0; i < kNumTowers; ++i) {
+      machine->axes[i] = TowerAxis(*machine->delta, i);
+    }
+  }
+  const auto axes = machine->delta ? map->Optional("axes") : map->Required("axes");
+  if (!axes) return;
+  YamlMap by_axis = axes->Map();
+  for (const Axis axis : kAxes) {
+    const std::string name = machine->delta ? TowerName(Index(axis)) : Name(axis);
+    const auto drawing =
+        machine->delta ? by_axis.Optional(name) : by_axis.Required(name);
+    if (!drawing) continue;
+    // No tower's weight hangs on a gap: belts hold it.
+    machine->axes[static_cast<std::size_t>(Index(axis))] =
+        ReadAxis(machine->delta ? Axis::kX : axis, drawing->Map());
+  }
+  by_axis.NoMoreKeys();
+}
+
 fs::path SourceFolder() {
   return CALTWIN_SOURCE_DIR;
 }
@@ -118,7 +154,10 @@ Machine ReadMachine(YamlMap* map) {
   map->IntegerOr("format", 1, 1, 1);
   machine.name = map->TextOr("name", machine.file.stem().string());
   if (const auto kinematics = map->Required("kinematics")) {
-    kinematics->Word({"cartesian"});
+    if (kinematics->Word({"cartesian", "delta"}) == "delta") {
+      machine.kinematics = Kinematics::kDelta;
+      machine.delta = ReadDeltaDrawing(map);
+    }
   }
   if (const auto model = map->Optional("model")) {
     machine.model = machine.file.parent_path() / model->Text();
@@ -128,15 +167,7 @@ Machine ReadMachine(YamlMap* map) {
                   "a path is relative to the machine file");
     }
   }
-  if (const auto axes = map->Required("axes")) {
-    YamlMap by_axis = axes->Map();
-    for (const Axis axis : kAxes) {
-      if (const auto drawing = by_axis.Required(Name(axis))) {
-        machine.axes[Index(axis)] = ReadAxis(axis, drawing->Map());
-      }
-    }
-    by_axis.NoMoreKeys();
-  }
+  ReadAxes(map, &machine);
   if (const auto probe = map->Optional("probe"))
     machine.probe = ReadProbe(probe->Map());
   machine.settings.tip_radius_mm = machine.probe.tip_radius_mm;
@@ -145,7 +176,12 @@ Machine ReadMachine(YamlMap* map) {
   }
   if (const auto settings = map->Optional("settings")) {
     YamlMap settings_map = settings->Map();
-    ReadSettings(&settings_map, &machine.settings);
+    if (machine.delta) {
+      ReadDeltaSettings(&settings_map, machine.delta->model, &machine.delta->settings);
+      settings_map.NoMoreKeys();
+    } else {
+      ReadSettings(&settings_map, &machine.settings);
+    }
   }
   map->NoMoreKeys();
   return machine;

@@ -2,11 +2,13 @@
 
 #include <array>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "sim/base/yaml.h"
 #include "sim/machine/axis.h"
+#include "sim/machine/delta_drawing.h"
 
 namespace caltwin {
 
@@ -66,7 +68,7 @@ struct Settings {
   double tip_radius_mm = 1.0;
 };
 
-enum class Kinematics { kCartesian };
+enum class Kinematics { kCartesian, kDelta };
 
 /// A machine file: its drawing and the settings it starts with.
 struct Machine {
@@ -74,7 +76,8 @@ struct Machine {
   std::filesystem::path file{};  ///< Where it was read from; empty if made in code.
   Kinematics kinematics = Kinematics::kCartesian;
   std::filesystem::path model{};  ///< MJCF, resolved; empty: a generic one is built.
-  std::array<AxisDrawing, 3> axes{};
+  std::array<AxisDrawing, 3> axes{};  ///< x y z; of a delta its towers a b c.
+  std::optional<DeltaDrawing> delta{};
   ProbeDrawing probe{};
   Settings settings{};
 

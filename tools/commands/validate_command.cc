@@ -33,7 +33,7 @@ void Check(const std::string& file, FileKind kind) {
       ReadScenario(file);
       return;
     case FileKind::kMachine:
-      ReadMachineFile(file);
+      ReadAnyMachineFile(file);
       return;
     case FileKind::kTruth:
       ReadTruth(file);

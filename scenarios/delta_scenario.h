@@ -1,0 +1,70 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sim/base/distribution.h"
+#include "sim/base/yaml.h"
+#include "sim/machine/machine.h"
+#include "sim/twin/delta_plant.h"
+
+namespace caltwin {
+
+/// One number of one effect of a delta: `rod_mismatch.a1: {length_error_mm: 0.3}`.
+struct DeltaInjected {
+  std::string name{};       ///< cause.axis, or the cause alone.
+  std::string parameter{};  ///< As in CONTRACT.
+  Distribution value = 0.0;
+  Place place{};
+};
+
+/// Bounds of a figure that a scenario expects.
+struct Within {
+  std::optional<double> above{};
+  std::optional<double> below{};
+};
+
+/// One entry of a delta's `calibrate:`.
+struct DeltaStep {
+  std::string name{};     ///< g33, rrf_least_squares, klipper_descent, delta_joint.
+  std::string variant{};  ///< as_published | corrected (g33).
+  int points = 0;         ///< Touches, or G33's P; 0: the procedure's own.
+  int factors = 6;        ///< Of rrf_least_squares.
+  std::string unknowns{"firmware"};  ///< Of delta_joint: firmware | machine.
+};
+
+struct DeltaExpectedValue {
+  std::string name{};
+  std::optional<double> truth_within{};
+  std::optional<bool> identifiable{};
+};
+
+/// What a delta's scenario has of its own; about, machine, seed and fidelity are as in
+/// any scenario.
+struct DeltaScenario {
+  std::vector<DeltaInjected> effects{};
+  DeltaModel<double> settings{};  ///< What the firmware wrongly believes.
+  double probe_sigma_mm = 0;      ///< instruments: {probe: {sigma_um: }}
+  std::vector<DeltaStep> calibrate{};
+  std::string outcome = "recovers";
+  std::vector<DeltaExpectedValue> values{};
+  /// `height_error_mm.rms`, `.most`, `position_error_mm.p95`, `xy_scale_um_per_mm`,
+  /// `said_mm`.
+  std::vector<std::pair<std::string, Within>> figures{};
+  std::vector<std::string> messages{};
+};
+
+/// Reads the keys of a delta's scenario that are its own.
+DeltaScenario ReadDeltaScenario(YamlMap* map, const Machine& machine);
+
+/// The machine that the effects make, their numbers drawn.
+BuiltDelta DrawDelta(const DeltaScenario& scenario,
+                     const Machine& machine,
+                     std::uint64_t seed,
+                     std::uint64_t sample);
+
+/// Every effect of a delta with its parameters, for `caltwin explain` and messages.
+std::vector<std::string> DeltaEffectNames();
+
+}  // namespace caltwin

@@ -1,0 +1,262 @@
+#include "sim/firmware/dialects/marlin_delta.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "sim/base/input_error.h"
+
+namespace caltwin {
+namespace {
+
+constexpr double kRad = std::numbers::pi / 180;
+constexpr double kTravel_mm_s = 80;
+constexpr double kProbe_mm_s = 5;
+constexpr double kClearance_mm = 5;
+constexpr double kHoming_s = 12;
+
+std::optional<double> NumberOf(const GcodeCommand& command, char letter) {
+  const GcodeWord* word = command.Find(letter);
+  if (word == nullptr || word->kind != GcodeWord::Kind::kNumber) return std::nullopt;
+  return word->number;
+}
+
+Reply Refusal(const std::string& text) {
+  return {.lines = {"Error:" + text}, .error = true};
+}
+
+double Highest(const DeltaModel<double>& model) {
+  return std::ranges::max(model.endstop_mm);
+}
+
+double MeanArm(const DeltaModel<double>& model) {
+  return (model.arm_mm[0] + model.arm_mm[1] + model.arm_mm[2]) / 3;
+}
+
+}  // namespace
+
+DeltaModel<double> AsMarlinHasIt(const DeltaModel<double>& settings) {
+  DeltaModel<double> kept = settings;
+  const double radius_mm =
+      (settings.radius_mm[0] + settings.radius_mm[1] + settings.radius_mm[2]) / 3;
+  kept.radius_mm.fill(radius_mm);
+  return kept;
+}
+
+MarlinDelta::MarlinDelta(const DeltaModel<double>& drawn,
+                         const DeltaModel<double>& settings,
+                         const std::array<double, 3>& steps_per_mm,
+                         DeltaPlant* plant,
+                         AutoCalibration g33)
+    : drawn_(drawn),
+      settings_(AsMarlinHasIt(settings)),
+      stored_(settings_),
+      height_mm_(Highest(settings)),
+      steps_per_mm_(steps_per_mm),
+      plant_(plant),
+      g33_(std::move(g33)) {}
+
+Reply MarlinDelta::Execute(std::string_view line) {
+  GcodeLine parsed;
+  try {
+    parsed = ParseGcode(line);
+  } catch (const InputError&) {
+    return {.lines = {fmt::format("echo:Unknown command: \"{}\"", line)}};
+  }
+  if (parsed.is_meta) {
+    return {.lines = {fmt::format("echo:Unknown command: \"{}\"", parsed.text)}};
+  }
+  Reply reply;
+  for (const GcodeCommand& command : parsed.commands) {
+    const Reply part = Obey(command);
+    reply.lines.insert(reply.lines.end(), part.lines.begin(), part.lines.end());
+    reply.error = reply.error || part.error;
+  }
+  return reply;
+}
+
+Reply MarlinDelta::Obey(const GcodeCommand& command) {
+  if (command.Is('G', 28)) return Home();
+  if (command.Is('G', 30)) return Probe(command);
+  if (command.Is('G', 0) || command.Is('G', 1)) return Move(command);
+  if (command.Is('G', 33)) {
+    if (!g33_) return Refusal("G33 is not compiled in");
+    const Reply reply{.lines = g33_(command, &settings_)};
+    Take(settings_);
+    return reply;
+  }
+  if (command.Is('M', 114)) return Position();
+  if (command.Is('M', 665)) return SetGeometry(command);
+  if (command.Is('M', 666)) return SetEndstops(command);
+  if (command.Is('M', 851)) {
+    probe_offset_mm_ = NumberOf(command, 'Z').value_or(probe_offset_mm_);
+    return {
+        .lines = {fmt::format("Probe Offset X0.00 Y0.00 Z{:.2f}", probe_offset_mm_)}};
+  }
+  if (command.Is('M', 500)) {
+    stored_ = settings_;
+    return {.lines = {"echo:Settings Stored (614 bytes; crc 0)"}};
+  }
+  if (command.Is('M', 501)) {
+    Take(stored_);
+    return {.lines = {"echo:V83 stored settings retrieved (614 bytes; crc 0)"}};
+  }
+  if (command.Is('M', 502)) {
+    Take(drawn_);
+    return {.lines = {"echo:Hardcoded Default Settings Loaded"}};
+  }
+  if (command.Is('M', 503)) return Report();
+  if (command.Is('M', 115)) {
+    return {.lines = {"FIRMWARE_NAME:Marlin (caltwin) PROTOCOL_VERSION:1.0 "
+                      "MACHINE_TYPE:Delta EXTRUDER_COUNT:1"}};
+  }
+  if (command.Is('M', 119)) {
+    const std::string open =
+        is_homed_ && at_mm_[2] >= height_mm_ - 1e-6 ? "TRIGGERED" : "open";
+    return {.lines = {"Reporting endstop status",
+                      "x_max: " + open,
+                      "y_max: " + open,
+                      "z_max: " + open,
+                      "z_probe: open"}};
+  }
+  if (command.Is('M', 92)) {
+    return {.lines = {fmt::format("echo: M92 X{:.2f} Y{:.2f} Z{:.2f}",
+                                  steps_per_mm_[0],
+                                  steps_per_mm_[1],
+                                  steps_per_mm_[2])}};
+  }
+  if (command.Is('M', 400) || command.Is('G', 90) || command.Is('G', 21)) return {};
+  return {.lines = {fmt::format("echo:Unknown command: \"{}\"", command.Name())}};
+}
+
+void MarlinDelta::Take(const DeltaModel<double>& settings) {
+  settings_ = AsMarlinHasIt(settings);
+  height_mm_ = Highest(settings_);
+}
+
+Reply MarlinDelta::Home() {
+  at_mm_ = {0, 0, height_mm_};
+  is_homed_ = true;
+  time_s_ += kHoming_s;
+  return Position();
+}
+
+Reply MarlinDelta::Probe(const GcodeCommand& command) {
+  if (!is_homed_) return Refusal("Home XYZ first");
+  const double x = NumberOf(command, 'X').value_or(at_mm_[0]);
+  const double y = NumberOf(command, 'Y').value_or(at_mm_[1]);
+  const auto motors = plant_->Touch(settings_, x, y);
+  if (!motors) return {.lines = {"Z Probe Past Bed"}};
+  const double z = DeltaNozzle_mm(settings_, *motors)[2] - probe_offset_mm_;
+  time_s_ += (Vec3<double>(x, y, z + kClearance_mm) - at_mm_).norm() / kTravel_mm_s +
+             2 * kClearance_mm / kProbe_mm_s;
+  at_mm_ = {x, y, z + kClearance_mm};
+  ++touches_;
+  Reply reply{.lines = {fmt::format("Bed X: {:.2f} Y: {:.2f} Z: {:.3f}", x, y, z)}};
+  return reply;
+}
+
+Reply MarlinDelta::Move(const GcodeCommand& command) {
+  if (!is_homed_) return Refusal("Home XYZ first");
+  Vec3<double> to = at_mm_;
+  constexpr std::string_view kLetters = "XYZ";
+  for (int i = 0; i < 3; ++i) {
+    to[i] = NumberOf(command, kLetters[static_cast<std::size_t>(i)]).value_or(to[i]);
+  }
+  if (!DeltaMotors_mm(settings_, to).allFinite())
+    return Refusal("Destination out of reach");
+  time_s_ += (to - at_mm_).norm() / kTravel_mm_s;
+  at_mm_ = to;
+  return {};
+}
+
+Reply MarlinDelta::Position() const {
+  // Counts are carriage heights times steps, as Marlin's forward kinematics has them.
+  const Vec3<double> motors = DeltaMotors_mm(settings_, at_mm_);
+  std::array<long, 3> counts{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double arm = settings_.arm_mm[i], radius = settings_.radius_mm[i];
+    const double height = settings_.endstop_mm[i] +
+                          std::sqrt(arm * arm - radius * radius) -
+                          motors[static_cast<Eigen::Index>(i)];
+    counts[i] = std::lround(height * steps_per_mm_[i]);
+  }
+  return {
+      .lines = {fmt::format("X:{:.2f} Y:{:.2f} Z:{:.2f} E:0.00 Count A:{} B:{} C:{}",
+                            at_mm_[0],
+                            at_mm_[1],
+                            at_mm_[2],
+                            counts[0],
+                            counts[1],
+                            counts[2])}};
+}
+
+Reply MarlinDelta::SetGeometry(const GcodeCommand& command) {
+  if (command.words.empty()) return {.lines = GeometryLines()};
+  const double arm = MeanArm(settings_);
+  const double new_arm = NumberOf(command, 'L').value_or(arm);
+  const double new_height = NumberOf(command, 'H').value_or(height_mm_);
+  const double radius = NumberOf(command, 'R').value_or(settings_.radius_mm[0]);
+  DeltaModel<double> model = settings_;
+  for (std::size_t i = 0; i < 3; ++i) {
+    model.endstop_mm[i] += new_height - height_mm_;
+    model.radius_mm[i] = radius;
+    const double trim = NumberOf(command, "ABC"[i]).value_or(model.arm_mm[i] - arm);
+    model.arm_mm[i] = new_arm + trim;
+    if (const auto degrees = NumberOf(command, "XYZ"[i])) {
+      model.angle_rad[i] = drawn_.angle_rad[i] + *degrees * kRad;
+    }
+    if (!(radius > 0 && model.arm_mm[i] > radius && model.arm_mm[i] < 1e5)) {
+      return Refusal("a rod must be longer than the radius");
+    }
+  }
+  settings_ = model;
+  height_mm_ = new_height;
+  is_homed_ = false;
+  return {};
+}
+
+Reply MarlinDelta::SetEndstops(const GcodeCommand& command) {
+  if (command.words.empty()) return {.lines = GeometryLines()};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto below = NumberOf(command, "XYZ"[i]);
+    // Above the height is no endstop: Marlin ignores it.
+    if (below && *below <= 0) settings_.endstop_mm[i] = height_mm_ + *below;
+  }
+  is_homed_ = false;
+  return {};
+}
+
+std::vector<std::string> MarlinDelta::GeometryLines() const {
+  const double arm = MeanArm(settings_);
+  const auto trim_deg = [&](std::size_t i) {
+    return (settings_.angle_rad[i] - drawn_.angle_rad[i]) / kRad;
+  };
+  return {fmt::format("echo:  M665 L{:.4f} R{:.4f} H{:.4f} S200.00 X{:.4f} Y{:.4f} "
+                      "Z{:.4f} A{:.4f} B{:.4f} C{:.4f}",
+                      arm,
+                      settings_.radius_mm[0],
+                      height_mm_,
+                      trim_deg(0),
+                      trim_deg(1),
+                      trim_deg(2),
+                      settings_.arm_mm[0] - arm,
+                      settings_.arm_mm[1] - arm,
+                      settings_.arm_mm[2] - arm),
+          fmt::format("echo:  M666 X{:.4f} Y{:.4f} Z{:.4f}",
+                      settings_.endstop_mm[0] - height_mm_,
+                      settings_.endstop_mm[1] - height_mm_,
+                      settings_.endstop_mm[2] - height_mm_)};
+}
+
+Reply MarlinDelta::Report() const {
+  Reply reply{.lines = {"echo:  G21    ; Units in mm (mm)"}};
+  for (const std::string& line : GeometryLines()) reply.lines.push_back(line);
+  reply.lines.push_back(
+      fmt::format("echo:  M851 X0.00 Y0.00 Z{:.2f}", probe_offset_mm_));
+  return reply;
+}
+
+}  // namespace caltwin

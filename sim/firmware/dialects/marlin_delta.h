@@ -1,0 +1,83 @@
+#pragma once
+
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sim/firmware/firmware.h"
+#include "sim/link/gcode.h"
+#include "sim/machine/delta.h"
+
+namespace caltwin {
+
+/// The mechanism that a delta's firmware drives, as little of it as it can feel.
+class DeltaPlant {
+ public:
+  virtual ~DeltaPlant() = default;
+  /// Goes straight down at (x, y) as `settings` say until the probe triggers; the
+  /// motors' commanded travels there. nullopt: out of reach.
+  virtual std::optional<Vec3<double>> Touch(const DeltaModel<double>& settings,
+                                            double x_mm,
+                                            double y_mm) = 0;
+};
+
+/// What Marlin keeps of a delta: one radius, one rod length with a trim a tower, a
+/// height and endstops none above it.
+///
+///   endstop_i = H + M666_i,  arm_i = L + trim_i,  angle_i = drawn + trim_i
+DeltaModel<double> AsMarlinHasIt(const DeltaModel<double>& settings);
+
+/// A controller that understands Marlin's dialect as far as a delta's calibration needs
+/// it: G0 G1 G28 G30 G33 M92 M114 M115 M119 M400 M500-M503 M665 M666 M851. Anything
+/// else is answered as Marlin does, `echo:Unknown command: "..."`.
+class MarlinDelta {
+ public:
+  /// Answers G33: its words in, the lines that it prints; settings in place.
+  using AutoCalibration = std::function<std::vector<std::string>(
+      const GcodeCommand& words, DeltaModel<double>* settings)>;
+
+  /// @param steps_per_mm  of the towers, for M114's Count
+  /// @param plant  borrowed
+  MarlinDelta(const DeltaModel<double>& drawn,
+              const DeltaModel<double>& settings,
+              const std::array<double, 3>& steps_per_mm,
+              DeltaPlant* plant,
+              AutoCalibration g33);
+
+  /// Obeys one line, without its newline.
+  Reply Execute(std::string_view line);
+
+  const DeltaModel<double>& settings() const { return settings_; }
+  int touches() const { return touches_; }
+  double machine_time_s() const { return time_s_; }
+
+ private:
+  void Take(const DeltaModel<double>& settings);
+  Reply Obey(const GcodeCommand& command);
+  Reply Home();
+  Reply Probe(const GcodeCommand& command);
+  Reply Move(const GcodeCommand& command);
+  Reply Position() const;
+  Reply SetGeometry(const GcodeCommand& command);
+  Reply SetEndstops(const GcodeCommand& command);
+  Reply Report() const;
+  std::vector<std::string> GeometryLines() const;
+
+  DeltaModel<double> drawn_;
+  DeltaModel<double> settings_;
+  DeltaModel<double> stored_;  ///< As M500 kept them.
+  double height_mm_ = 0;       ///< H: where all endstops of M666 0 are.
+  std::array<double, 3> steps_per_mm_;
+  DeltaPlant* plant_;
+  AutoCalibration g33_;
+  bool is_homed_ = false;
+  Vec3<double> at_mm_ = Vec3<double>::Zero();
+  double probe_offset_mm_ = 0;  ///< M851 Z.
+  double time_s_ = 0;
+  int touches_ = 0;
+};
+
+}  // namespace caltwin

@@ -1,0 +1,33 @@
+#pragma once
+
+#include "sim/base/yaml.h"
+#include "sim/machine/delta.h"
+
+namespace caltwin {
+
+/// What a delta's drawing has beside its axes, and what its firmware starts with.
+struct DeltaDrawing {
+  DeltaModel<double> model = SymmetricDelta(300, 130, 250);  ///< As drawn.
+  double rod_spacing_mm = 40;
+  double effector_radius_mm = 30;
+  double joint_height_mm = 20;
+  double print_radius_mm = 100;  ///< Of the bed's part that is probed and printed on.
+  DeltaModel<double> settings = model;  ///< As drawn where the file says nothing.
+
+  /// Built exactly as drawn.
+  DeltaBuild<double> Build() const;
+};
+
+/// Reads the delta's own keys of a machine file: `towers`, `delta_radius_mm`,
+/// `arm_length_mm`, `endstop_mm` (a number, or one a tower), `rod_spacing_mm`,
+/// `effector_radius_mm`, `joint_height_mm`, `print_radius_mm`.
+DeltaDrawing ReadDeltaDrawing(YamlMap* map);
+
+/// Reads what a delta's firmware believes over `settings` in place: `delta_radius_mm`,
+/// `arm_length_mm`, `endstop_mm`, `tower_angle_deg` (against the drawing), each a number
+/// or one a tower.
+void ReadDeltaSettings(YamlMap* map,
+                       const DeltaModel<double>& drawn,
+                       DeltaModel<double>* settings);
+
+}  // namespace caltwin

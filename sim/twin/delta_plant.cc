@@ -1,0 +1,64 @@
+#include "sim/twin/delta_plant.h"
+
+#include <cmath>
+
+#include "sim/base/require.h"
+
+namespace caltwin {
+namespace {
+
+constexpr double kTimestep_s = 0.001;
+
+// The machine's own model, or the one that every delta can be.
+DeltaMjcf ModelOfDelta(const Machine& machine) {
+  return DeltaMjcf::FromFile(machine.model.empty()
+                                 ? ShareFolder() / "models/delta_printer/model.xml"
+                                 : machine.model);
+}
+
+}  // namespace
+
+std::array<double, 3> TowerStepsPerMm(const Machine& machine) {
+  std::array<double, 3> steps_per_mm{};
+  for (std::size_t i = 0; i < 3; ++i) steps_per_mm[i] = machine.axes[i].steps_per_mm();
+  return steps_per_mm;
+}
+
+DeltaTwinPlant::DeltaTwinPlant(const Machine& machine,
+                               const BuiltDelta& built,
+                               bool is_physics,
+                               std::uint64_t seed,
+                               std::uint64_t sample)
+    : built_(built),
+      steps_per_mm_(TowerStepsPerMm(machine)),
+      scatter_(seed, sample, "trigger_scatter") {
+  Require(machine.delta.has_value(), "the machine is a delta");
+  if (!is_physics || built.probe_off_mm.norm() > 0) return;
+  DeltaMjcf model = ModelOfDelta(machine);
+  model.SetTimestep_s(kTimestep_s);
+  model.SetBuild(built.build);
+  model.SetBed(built.bed);
+  world_ =
+      std::make_unique<DeltaWorld>(model.Compile(/*with_looks=*/false), built.build);
+}
+
+std::optional<Vec3<double>> DeltaTwinPlant::Touch(const DeltaModel<double>& settings,
+                                                  double x_mm,
+                                                  double y_mm) {
+  const auto motors_mm =
+      world_
+          ? TouchInPhysics(world_.get(), built_.build, built_.bed, settings, x_mm, y_mm)
+          : DeltaTouchMotors(
+                built_.build, built_.bed, settings, x_mm, y_mm, built_.probe_off_mm);
+  if (!motors_mm) return std::nullopt;
+  Vec3<double> at = DeltaNozzle_mm(settings, *motors_mm);
+  if (built_.scatter_mm > 0) at[2] += built_.scatter_mm * scatter_.Normal();
+  Vec3<double> counted_mm = DeltaMotors_mm(settings, at);
+  for (int i = 0; i < 3; ++i) {
+    const double steps_per_mm = steps_per_mm_[static_cast<std::size_t>(i)];
+    counted_mm[i] = std::round(counted_mm[i] * steps_per_mm) / steps_per_mm;
+  }
+  return counted_mm;
+}
+
+}  // namespace caltwin

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <memory>
+
+#include "sim/base/rng.h"
+#include "sim/firmware/dialects/marlin_delta.h"
+#include "sim/machine/delta_touch.h"
+#include "sim/machine/machine.h"
+#include "sim/physics/delta_world.h"
+
+namespace caltwin {
+
+/// A delta as it is built: what its firmware cannot know.
+struct BuiltDelta {
+  DeltaBuild<double> build{};
+  DeltaBed<double> bed{};
+  double scatter_mm = 0;                             ///< Of the trigger, along z.
+  Vec3<double> probe_off_mm = Vec3<double>::Zero();  ///< Tip against the nozzle.
+};
+
+/// A simulated delta that can be touched: closed form or MuJoCo. What it answers is a
+/// count of whole motor steps, as a controller has it.
+class DeltaTwinPlant : public DeltaPlant {
+ public:
+  /// @param is_physics  MuJoCo finds the contact (nozzle touch only: a probe that
+  ///   stands off the nozzle is closed form's)
+  DeltaTwinPlant(const Machine& machine,
+                 const BuiltDelta& built,
+                 bool is_physics,
+                 std::uint64_t seed,
+                 std::uint64_t sample);
+
+  std::optional<Vec3<double>> Touch(const DeltaModel<double>& settings,
+                                    double x_mm,
+                                    double y_mm) override;
+
+  const BuiltDelta& built() const { return built_; }
+
+ private:
+  BuiltDelta built_;
+  std::array<double, 3> steps_per_mm_{};
+  std::unique_ptr<DeltaWorld> world_{};
+  Rng scatter_;
+};
+
+/// Microsteps per mm of each tower, by the drawing.
+std::array<double, 3> TowerStepsPerMm(const Machine& machine);
+
+}  // namespace caltwin

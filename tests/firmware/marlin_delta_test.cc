@@ -1,0 +1,84 @@
+#include "sim/firmware/dialects/marlin_delta.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace caltwin {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+// The bed stands 0.25 mm higher than believed.
+class RaisedBed : public DeltaPlant {
+ public:
+  std::optional<Vec3<double>> Touch(const DeltaModel<double>& settings,
+                                    double x_mm,
+                                    double y_mm) override {
+    const Vec3<double> motors = DeltaMotors_mm<double>(settings, {x_mm, y_mm, 0.25});
+    if (!motors.allFinite()) return std::nullopt;
+    return motors;
+  }
+};
+
+class MarlinDeltaTest : public ::testing::Test {
+ protected:
+  std::vector<std::string> Lines(std::string_view line) {
+    return marlin_.Execute(line).lines;
+  }
+
+  DeltaModel<double> drawn_ = SymmetricDelta(300, 130, 250);
+  RaisedBed bed_;
+  MarlinDelta marlin_{drawn_, drawn_, {80, 80, 80}, &bed_, {}};
+};
+
+TEST_F(MarlinDeltaTest, HomesBeforeItProbes) {
+  EXPECT_TRUE(marlin_.Execute("G30 X0 Y0").error);
+  EXPECT_THAT(
+      Lines("G28"),
+      ElementsAre("X:0.00 Y:0.00 Z:300.00 E:0.00 Count A:41083 B:41083 C:41083"));
+  EXPECT_THAT(Lines("G30 X10 Y-20"), ElementsAre("Bed X: 10.00 Y: -20.00 Z: 0.250"));
+  EXPECT_EQ(marlin_.touches(), 1);
+  EXPECT_GT(marlin_.machine_time_s(), 0);
+}
+
+TEST_F(MarlinDeltaTest, KeepsEndstopsAtOrBelowTheHeight) {
+  Lines("M666 X-0.15 Y-0.65 Z0.2");
+  Lines("M665 H300.45 R130.8 X0.35 Y-0.25");
+
+  EXPECT_DOUBLE_EQ(marlin_.settings().endstop_mm[0], 300.30);
+  EXPECT_DOUBLE_EQ(marlin_.settings().endstop_mm[1], 299.80);
+  EXPECT_DOUBLE_EQ(marlin_.settings().endstop_mm[2], 300.45);
+  EXPECT_THAT(Lines("M503"),
+              ElementsAre("echo:  G21    ; Units in mm (mm)",
+                          "echo:  M665 L250.0000 R130.8000 H300.4500 S200.00 X0.3500 "
+                          "Y-0.2500 Z0.0000 A0.0000 B0.0000 C0.0000",
+                          "echo:  M666 X-0.1500 Y-0.6500 Z0.0000",
+                          "echo:  M851 X0.00 Y0.00 Z0.00"));
+}
+
+TEST_F(MarlinDeltaTest, StoresRestoresAndForgets) {
+  Lines("M665 R131");
+  Lines("M500");
+  Lines("M665 R132");
+  Lines("M501");
+  EXPECT_DOUBLE_EQ(marlin_.settings().radius_mm[2], 131);
+  Lines("M502");
+  EXPECT_DOUBLE_EQ(marlin_.settings().radius_mm[2], 130);
+}
+
+TEST_F(MarlinDeltaTest, RefusesRodsThatDoNotReach) {
+  EXPECT_TRUE(marlin_.Execute("M665 L100").error);
+  EXPECT_DOUBLE_EQ(marlin_.settings().arm_mm[0], 250);
+  Lines("G28");
+  EXPECT_TRUE(marlin_.Execute("G1 X400").error);
+}
+
+TEST_F(MarlinDeltaTest, AnswersWhatItDoesNotKnowAsMarlinDoes) {
+  EXPECT_THAT(Lines("M5000"), ElementsAre("echo:Unknown command: \"M5000\""));
+  EXPECT_THAT(Lines("M115")[0], HasSubstr("FIRMWARE_NAME:Marlin"));
+  EXPECT_FALSE(marlin_.Execute("M400").error);
+}
+
+}  // namespace
+}  // namespace caltwin
