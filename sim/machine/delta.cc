@@ -31,12 +31,17 @@ Eigen::Matrix<double, 6, 6> Slope(const std::array<Vec3<double>, 6>& upper,
 }
 
 std::optional<Closed> Close(const DeltaBuild<double>& build,
-                            const Vec3<double>& motors_mm) {
+                            const Vec3<double>& motors_mm,
+                            const DeltaPose<double>* start) {
   constexpr double kClosed_mm = 1e-11;
   const auto upper = UpperJoints_mm(build, motors_mm);
   const auto lower = LowerJoints_mm(build);
   Closed closed;
-  closed.pose.nozzle_mm = DeltaNozzle_mm(build.model, motors_mm);
+  if (start != nullptr) {
+    closed.pose = *start;
+  } else {
+    closed.pose.nozzle_mm = DeltaNozzle_mm(build.model, motors_mm);
+  }
   if (!closed.pose.nozzle_mm.allFinite()) return std::nullopt;
   for (int round = 0; round < kMostRounds; ++round) {
     const auto open = Open_mm2(build, upper, lower, closed.pose);

@@ -103,24 +103,27 @@ std::array<Vec3<T>, 6> UpperJoints_mm(const DeltaBuild<T>& build,
   return joints;
 }
 
-/// The lower ends against the point above the nozzle at which an untilted tool hangs,
-/// in the effector's frame, nozzle at the origin.
+/// The tool's tip against the middle of the effector's joints: a tilted tool's stands
+/// off the effector's axis.
+template <typename T>
+Vec3<T> ToolTip_mm(const DeltaBuild<T>& build) {
+  return Rotated<T>({build.tool_tilt_x_rad / T(2), build.tool_tilt_y_rad / T(2), T(0)},
+                    {T(0), T(0), T(-build.joint_height_mm)});
+}
+
+/// The lower ends of the rods in the effector's frame, the tip at its origin.
 template <typename T>
 std::array<Vec3<T>, 6> LowerJoints_mm(const DeltaBuild<T>& build) {
+  const Vec3<T> tip = ToolTip_mm(build);
   std::array<Vec3<T>, 6> joints;
   for (std::size_t i = 0; i < kNumTowers; ++i) {
     const Vec3<T> centre =
-        Radial(build.model.angle_rad[i]) * T(build.effector_radius_mm);
+        Radial(build.model.angle_rad[i]) * T(build.effector_radius_mm) - tip;
     const Vec3<T> half =
         Tangential(build.model.angle_rad[i]) * T(build.rod_spacing_mm / 2);
     joints[2 * i] = centre - half;
     joints[2 * i + 1] = centre + half;
   }
-  // A tilted tool's tip stands off the effector's axis.
-  const Vec3<T> tip =
-      Rotated<T>({build.tool_tilt_x_rad / T(2), build.tool_tilt_y_rad / T(2), T(0)},
-                 {T(0), T(0), T(-build.joint_height_mm)});
-  for (Vec3<T>& joint : joints) joint -= tip;
   return joints;
 }
 
@@ -150,8 +153,10 @@ struct Closed {
   DeltaPose<double> pose{};
   Eigen::Matrix<double, 6, 6> slope{};
 };
+/// `start`: a pose near by; without it the three-rod formulas'.
 std::optional<Closed> Close(const DeltaBuild<double>& build,
-                            const Vec3<double>& motors_mm);
+                            const Vec3<double>& motors_mm,
+                            const DeltaPose<double>* start = nullptr);
 
 }  // namespace delta_chain
 

@@ -1,0 +1,107 @@
+#pragma once
+
+#include <array>
+#include <numbers>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sim/machine/delta_touch.h"
+
+namespace caltwin {
+
+/// One way in which a delta may differ from its drawing, as an unknown of an estimate.
+/// Values are reported in `unit`; inside they are mm, rad and fractions.
+struct DeltaKnob {
+  std::string_view name{};  ///< As in files and JSON: `cause.axis`.
+  std::string_view unit{};
+  double per_unit = 1;  ///< Inside value of one unit.
+  double prior_sd = 0;  ///< How far machines stray from their drawings [unit].
+};
+
+inline constexpr double kDegree = std::numbers::pi / 180;
+
+/// All of them, in the order of TurnKnob. Signs as CONTRACT has them: built less drawn;
+/// angles counter-clockwise; leans outward and counter-clockwise; belts that move too
+/// far positive.
+///
+/// - The rods of a prior of 0.05 mm were measured by calliper as one length
+///   (`arm_length`); each may stray from it (`rod_mismatch`).
+/// - Tower c is the reference of angle and radius: together with the common radius and
+///   the machine's own turn the third would say nothing new.
+inline constexpr std::array kDeltaKnobs = {
+    DeltaKnob{"endstop.a", "mm", 1, 5},
+    DeltaKnob{"endstop.b", "mm", 1, 5},
+    DeltaKnob{"endstop.c", "mm", 1, 5},
+    DeltaKnob{"delta_radius", "mm", 1, 5},
+    DeltaKnob{"tower_angle.a", "deg", kDegree, 2},
+    DeltaKnob{"tower_angle.b", "deg", kDegree, 2},
+    DeltaKnob{"arm_length", "mm", 1, 0.05},
+    DeltaKnob{"rod_mismatch.a1", "mm", 1, 0.1},
+    DeltaKnob{"rod_mismatch.a2", "mm", 1, 0.1},
+    DeltaKnob{"rod_mismatch.b1", "mm", 1, 0.1},
+    DeltaKnob{"rod_mismatch.b2", "mm", 1, 0.1},
+    DeltaKnob{"rod_mismatch.c1", "mm", 1, 0.1},
+    DeltaKnob{"rod_mismatch.c2", "mm", 1, 0.1},
+    DeltaKnob{"tower_radius.a", "mm", 1, 0.3},
+    DeltaKnob{"tower_radius.b", "mm", 1, 0.3},
+    DeltaKnob{"tower_lean.a.radial_mrad", "mrad", 1e-3, 2},
+    DeltaKnob{"tower_lean.b.radial_mrad", "mrad", 1e-3, 2},
+    DeltaKnob{"tower_lean.c.radial_mrad", "mrad", 1e-3, 2},
+    DeltaKnob{"tower_lean.a.tangential_mrad", "mrad", 1e-3, 2},
+    DeltaKnob{"tower_lean.b.tangential_mrad", "mrad", 1e-3, 2},
+    DeltaKnob{"tower_lean.c.tangential_mrad", "mrad", 1e-3, 2},
+    DeltaKnob{"tower_twist.a", "deg", kDegree, 0.5},
+    DeltaKnob{"tower_twist.b", "deg", kDegree, 0.5},
+    DeltaKnob{"tower_twist.c", "deg", kDegree, 0.5},
+    DeltaKnob{"belt_pitch.a", "ppm", 1e-6, 300},
+    DeltaKnob{"belt_pitch.b", "ppm", 1e-6, 300},
+    DeltaKnob{"belt_pitch.c", "ppm", 1e-6, 300},
+    DeltaKnob{"bed_tilt.slope_x_mrad", "mrad", 1e-3, 10},
+    DeltaKnob{"bed_tilt.slope_y_mrad", "mrad", 1e-3, 10},
+    DeltaKnob{"bed_bowl", "mm", 1, 0.2},
+    DeltaKnob{"bed_cylinder.x", "mm", 1, 0.2},
+    DeltaKnob{"bed_twist", "mm", 1, 0.2}};
+inline constexpr int kNumDeltaKnobs = static_cast<int>(kDeltaKnobs.size());
+
+/// Index of the knob of that name; nullopt for anything else.
+std::optional<int> DeltaKnobNamed(std::string_view name);
+/// Indices of these names; throws InputError naming the closest knob.
+std::vector<int> DeltaKnobsNamed(std::span<const std::string> names);
+
+/// @name Usual choices
+/// What three-rod firmwares set, with the bed's tilt beside it: endstops, radius,
+/// angles, slopes.
+std::vector<int> FirmwareKnobs();
+/// Everything about the machine itself, the bed a plane: 27 unknowns and two slopes.
+std::vector<int> MachineKnobs();
+
+/// Turns one knob of a machine by `by` (inside value, added to what it has).
+template <typename T>
+void TurnKnob(int knob, const T& by, DeltaBuild<T>* build, DeltaBed<T>* bed) {
+  const auto i = static_cast<std::size_t>(knob);
+  DeltaModel<T>& model = build->model;
+  if (i < 3) model.endstop_mm[i] += by;
+  if (i == 3) {
+    for (T& radius : model.radius_mm) radius += by;
+  }
+  if (i == 4 || i == 5) model.angle_rad[i - 4] += by;
+  if (i == 6) {
+    for (T& arm : model.arm_mm) arm += by;
+  }
+  if (i >= 7 && i < 13) build->rod_error_mm[i - 7] += by;
+  if (i == 13 || i == 14) model.radius_mm[i - 13] += by;
+  if (i >= 15 && i < 18) build->lean_radial_rad[i - 15] += by;
+  if (i >= 18 && i < 21) build->lean_tangential_rad[i - 18] += by;
+  if (i >= 21 && i < 24) build->twist_rad[i - 21] += by;
+  if (i >= 24 && i < 27) build->belt_scale[i - 24] += by;
+  if (i == 27) bed->slope_x += by;
+  if (i == 28) bed->slope_y += by;
+  if (i == 29) bed->bowl_mm += by;
+  if (i == 30) bed->cylinder_x_mm += by;
+  if (i == 31) bed->twist_mm += by;
+}
+
+}  // namespace caltwin

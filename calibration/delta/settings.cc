@@ -1,0 +1,172 @@
+#include "calibration/delta/settings.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include <Eigen/QR>
+#include <ceres/jet.h>
+#include <fmt/format.h>
+
+namespace caltwin {
+namespace {
+
+constexpr int kNumSettings = 12;  // Endstops, radii, angles, arms.
+constexpr double kHeightWeight = 10;
+constexpr double kRad = std::numbers::pi / 180;
+constexpr std::array kDrawnAngle_deg = {210.0, 330.0, 90.0};
+
+using SettingsJet = ceres::Jet<double, kNumSettings>;
+
+// What each of the twelve numbers adds to: towers of a shared one move together.
+DeltaModel<SettingsJet> Free(const DeltaModel<double>& at,
+                             const DeltaSettingsShape& shape) {
+  DeltaModel<SettingsJet> model;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto k = static_cast<int>(i);
+    model.endstop_mm[i] = SettingsJet(at.endstop_mm[i], k);
+    model.radius_mm[i] =
+        SettingsJet(at.radius_mm[i], 3 + (shape.has_radius_per_tower ? k : 0));
+    model.angle_rad[i] = SettingsJet(at.angle_rad[i], 6 + k);
+    model.arm_mm[i] = SettingsJet(at.arm_mm[i], 9 + (shape.has_arm_per_tower ? k : 0));
+  }
+  return model;
+}
+
+struct Aim {
+  Vec3<double> sent_mm = Vec3<double>::Zero();
+  Vec3<double> motors_mm = Vec3<double>::Zero();  ///< That take the nozzle there.
+};
+
+std::vector<Aim> AimsOn(const DeltaBuild<double>& build,
+                        const DeltaBed<double>& bed,
+                        double radius_mm) {
+  constexpr int kSteps = 5;
+  std::vector<Aim> aims;
+  for (const double above_mm : {0.0, 40.0}) {
+    for (int i = -kSteps; i <= kSteps; ++i) {
+      for (int j = -kSteps; j <= kSteps; ++j) {
+        if (i * i + j * j > kSteps * kSteps) continue;
+        const Vec3<double> sent(
+            radius_mm * i / kSteps, radius_mm * j / kSteps, above_mm);
+        Vec3<double> there = sent;
+        there[2] += bed.Height_mm(sent[0], sent[1]);
+        if (const auto motors = DeltaMotorsOf(build, there)) {
+          aims.push_back({sent, *motors});
+        }
+      }
+    }
+  }
+  return aims;
+}
+
+void Add(const Eigen::VectorXd& step,
+         const DeltaSettingsShape& shape,
+         DeltaModel<double>* model) {
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    model->endstop_mm[i] += step[k];
+    model->radius_mm[i] += step[3 + (shape.has_radius_per_tower ? k : 0)];
+    model->angle_rad[i] += step[6 + k];
+    model->arm_mm[i] += step[9 + (shape.has_arm_per_tower ? k : 0)];
+  }
+}
+
+double Correction_deg(const DeltaModel<double>& settings, std::size_t tower) {
+  return settings.angle_rad[tower] / kRad - kDrawnAngle_deg[tower];
+}
+
+double Mean(const std::array<double, 3>& values) {
+  return (values[0] + values[1] + values[2]) / 3;
+}
+
+}  // namespace
+
+DeltaModel<double> BestDeltaSettings(const DeltaBuild<double>& build,
+                                     const DeltaBed<double>& bed,
+                                     const DeltaModel<double>& from,
+                                     double radius_mm,
+                                     const DeltaSettingsShape& shape) {
+  constexpr int kRounds = 8;
+  constexpr double kSlight = 1e-6;  // Holds what changes nothing where it stands.
+  const std::vector<Aim> aims = AimsOn(build, bed, radius_mm);
+  DeltaModel<double> model = from;
+  const auto num = static_cast<Eigen::Index>(aims.size());
+  for (int round = 0; round < kRounds; ++round) {
+    Eigen::MatrixXd slope = Eigen::MatrixXd::Zero(3 * num + kNumSettings, kNumSettings);
+    Eigen::VectorXd off = Eigen::VectorXd::Zero(3 * num + kNumSettings);
+    const DeltaModel<SettingsJet> free = Free(model, shape);
+    for (Eigen::Index i = 0; i < num; ++i) {
+      const Aim& aim = aims[static_cast<std::size_t>(i)];
+      // Where the firmware believes to be when the nozzle is where it was sent.
+      const Vec3<SettingsJet> believed =
+          DeltaNozzle_mm<SettingsJet>(free, aim.motors_mm.cast<SettingsJet>());
+      for (int c = 0; c < 3; ++c) {
+        const double weight = c == 2 ? kHeightWeight : 1;
+        slope.row(3 * i + c) = weight * believed[c].v.transpose();
+        off[3 * i + c] = weight * (believed[c].a - aim.sent_mm[c]);
+      }
+    }
+    slope.bottomRows(kNumSettings).diagonal().setConstant(kSlight);
+    Add(-slope.colPivHouseholderQr().solve(off), shape, &model);
+  }
+  return model;
+}
+
+std::string AsRrf(const DeltaModel<double>& settings) {
+  const double mean_mm = Mean(settings.endstop_mm);
+  const auto& arm = settings.arm_mm;
+  const bool is_one_arm = arm[0] == arm[1] && arm[1] == arm[2];
+  return fmt::format(
+      "M665 L{} R{:.4f} H{:.4f} X{:.4f} Y{:.4f} Z{:.4f}\n"
+      "M666 X{:.4f} Y{:.4f} Z{:.4f}\n",
+      is_one_arm ? fmt::format("{:.4f}", arm[0])
+                 : fmt::format("{:.4f}:{:.4f}:{:.4f}", arm[0], arm[1], arm[2]),
+      Mean(settings.radius_mm),
+      mean_mm,
+      Correction_deg(settings, 0),
+      Correction_deg(settings, 1),
+      Correction_deg(settings, 2),
+      settings.endstop_mm[0] - mean_mm,
+      settings.endstop_mm[1] - mean_mm,
+      settings.endstop_mm[2] - mean_mm);
+}
+
+std::string AsMarlin(const DeltaModel<double>& settings) {
+  // A carriage that stops higher must come down less: M666 is its distance below the
+  // highest one.
+  const double highest_mm = std::ranges::max(settings.endstop_mm);
+  const double radius_mm = Mean(settings.radius_mm);
+  return fmt::format(
+      "M665 L{:.4f} R{:.4f} H{:.4f} X{:.4f} Y{:.4f} Z{:.4f} A{:.4f} B{:.4f} C{:.4f}\n"
+      "M666 X{:.4f} Y{:.4f} Z{:.4f}\n",
+      Mean(settings.arm_mm),
+      radius_mm,
+      highest_mm,
+      Correction_deg(settings, 0),
+      Correction_deg(settings, 1),
+      Correction_deg(settings, 2),
+      settings.radius_mm[0] - radius_mm,
+      settings.radius_mm[1] - radius_mm,
+      settings.radius_mm[2] - radius_mm,
+      settings.endstop_mm[0] - highest_mm,
+      settings.endstop_mm[1] - highest_mm,
+      settings.endstop_mm[2] - highest_mm);
+}
+
+std::string AsKlipper(const DeltaModel<double>& settings) {
+  std::string text =
+      fmt::format("[printer]\ndelta_radius: {:.6f}\n", Mean(settings.radius_mm));
+  for (std::size_t i = 0; i < 3; ++i) {
+    text += fmt::format(
+        "\n[stepper_{}]\nangle: {:.6f}\narm_length: {:.6f}\nposition_endstop: {:.6f}\n",
+        TowerName(static_cast<int>(i)),
+        settings.angle_rad[i] / kRad,
+        settings.arm_mm[i],
+        settings.endstop_mm[i]);
+  }
+  return text;
+}
+
+}  // namespace caltwin

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <string>
+
+#include "sim/machine/delta_touch.h"
+
+namespace caltwin {
+
+/// What a firmware's geometry has numbers for.
+struct DeltaSettingsShape {
+  bool has_radius_per_tower = true;  ///< Else one radius for all.
+  bool has_arm_per_tower = true;     ///< Else one arm length for all.
+};
+
+/// The settings with which a machine prints best: least squares of where the nozzle
+/// goes against where it is sent, all over a disc on the bed and 40 mm above it;
+/// heights over the bed weigh ten times as much as places on it. `from`: where to
+/// start, and what the firmware has no number for.
+DeltaModel<double> BestDeltaSettings(const DeltaBuild<double>& build,
+                                     const DeltaBed<double>& bed,
+                                     const DeltaModel<double>& from,
+                                     double radius_mm,
+                                     const DeltaSettingsShape& shape = {});
+
+/// @name Settings as a firmware takes them
+/// RepRapFirmware: `M665 L.. R.. H.. X.. Y.. Z..` (angle corrections in deg of towers
+/// X, Y, Z at 210, 330, 90 deg; a rod for each as L a:b:c where they differ) and `M666
+/// X.. Y.. Z..` (endstop corrections, +: that tower's endstop is higher; their sum is
+/// 0).
+std::string AsRrf(const DeltaModel<double>& settings);
+/// Marlin: `M665 L R H S X Y Z A B C` (angle trims X Y Z, radius trims A B C) and
+/// `M666 X Y Z` (none above 0: the highest endstop is the reference, and H its height).
+std::string AsMarlin(const DeltaModel<double>& settings);
+/// Klipper's printer.cfg: `[printer] delta_radius`, `[stepper_a] position_endstop,
+/// arm_length, angle` and so on.
+std::string AsKlipper(const DeltaModel<double>& settings);
+
+}  // namespace caltwin
