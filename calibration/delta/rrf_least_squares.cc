@@ -119,10 +119,10 @@ double Deviation_mm(std::span<const DeltaTouch> touches, const Belief& belief) {
   return std::sqrt(square / static_cast<double>(touches.size()));
 }
 
-// One Gauss-Newton round; not finite where the factors cannot be told apart.
-Belief Improved(std::span<const DeltaTouch> touches,
-                const std::vector<Factor>& factors,
-                const Belief& belief) {
+// One Gauss-Newton round; nullopt where the factors cannot be told apart.
+std::optional<Belief> Improved(std::span<const DeltaTouch> touches,
+                               const std::vector<Factor>& factors,
+                               const Belief& belief) {
   const auto num = static_cast<Eigen::Index>(factors.size());
   Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(num, num);
   Eigen::VectorXd wanted = Eigen::VectorXd::Zero(num);
@@ -134,7 +134,9 @@ Belief Improved(std::span<const DeltaTouch> touches,
     normal += row * row.transpose();
     wanted -= row * (belief.Height_mm(touch.motors_mm) - touch.height_mm);
   }
-  const Eigen::VectorXd by = normal.partialPivLu().solve(wanted);
+  const Eigen::FullPivLU<Eigen::MatrixXd> solver(normal);
+  if (!solver.isInvertible()) return std::nullopt;
+  const Eigen::VectorXd by = solver.solve(wanted);
   Belief improved = belief;
   for (Eigen::Index i = 0; i < num; ++i) {
     Adjust(factors[static_cast<std::size_t>(i)], by[i], &improved);
@@ -166,21 +168,22 @@ DeltaOutcome FitRrf(std::span<const DeltaTouch> touches,
   Belief belief{.model = start};
   const double before_mm = Deviation_mm(touches, belief);
   for (int round = 0; round < kRounds; ++round) {
-    belief = Improved(touches, all, belief);
+    const auto improved = Improved(touches, all, belief);
+    if (!improved) {
+      outcome.said_mm = before_mm;
+      outcome.messages.emplace_back(
+          "Unable to calculate calibration parameters. Please choose different probe "
+          "points.");
+      return outcome;
+    }
+    belief = *improved;
   }
   const double after_mm = Deviation_mm(touches, belief);
-  if (!std::isfinite(after_mm)) {
-    outcome.said_mm = before_mm;
-    outcome.messages.emplace_back(
-        "Unable to calculate calibration parameters. Please choose different probe "
-        "points.");
-    return outcome;
-  }
   outcome.settings = belief.model;
   outcome.tilt_x = belief.tilt_x;
   outcome.tilt_y = belief.tilt_y;
   outcome.said_mm = after_mm;
-  outcome.is_done = true;
+  outcome.is_done = std::isfinite(after_mm);
   outcome.messages.push_back(fmt::format(
       "Calibrated {} factors using {} points, deviation before {:.3f} after "
       "{:.3f}",
