@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <ctime>
+#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -21,15 +22,18 @@
 namespace caltwin {
 namespace {
 
-// Machine units of one row: um of height per mm are thousandths.
+// A fraction is mm per mm.
 double UmPerMm(double scale) {
   return UmFromMm(scale);
 }
 
 template <int points>
 DeltaOutcome G33(const DeltaProbe& probe, const DeltaModel<double>& start) {
-  return CalibrateG33(
-      probe, start, {.points = points, .printable_radius_mm = kCompareRadius_mm});
+  return CalibrateG33(probe,
+                      start,
+                      {.points = points,
+                       .printable_radius_mm = kCompareRadius_mm,
+                       .variant = G33Variant::kAsPublished});
 }
 
 template <int factors>
@@ -44,6 +48,9 @@ DeltaOutcome Klipper(const DeltaProbe& probe, const DeltaModel<double>& start) {
 }
 
 // RRF's sixteen points; everything about the machine is unknown, within its priors.
+// With `commands_tilt` the firmware is told of the bed's tilt beside the settings;
+// without it they bend the machine to the bed as far as they can.
+template <bool commands_tilt>
 DeltaOutcome Joint(const DeltaProbe& probe, const DeltaModel<double>& start) {
   DeltaReadings readings;
   DeltaOutcome outcome{.settings = start};
@@ -58,17 +65,24 @@ DeltaOutcome Joint(const DeltaProbe& probe, const DeltaModel<double>& start) {
       FitDeltaJointly({.model = start}, readings, {.knobs = MachineKnobs()});
   outcome.is_done = fit.converged;
   outcome.said_mm = fit.hold_out_mm;
-  outcome.settings = BestDeltaSettings(fit.build, fit.bed, start, kCompareRadius_mm);
+  DeltaBed<double> bed = fit.bed;
+  if (commands_tilt) {
+    outcome.tilt_x = std::exchange(bed.slope_x, 0);
+    outcome.tilt_y = std::exchange(bed.slope_y, 0);
+  }
+  outcome.settings = BestDeltaSettings(fit.build, bed, start, kCompareRadius_mm);
   return outcome;
 }
 
 constexpr std::array kRivals = {
-    DeltaRival{"g33", "Marlin's G33 P4, corrected", G33<4>},
-    DeltaRival{"g33_p10", "Marlin's G33 P10, corrected", G33<10>},
+    DeltaRival{"g33", "Marlin's G33 P4, as published", G33<4>},
+    DeltaRival{"g33_p10", "Marlin's G33 P10, as published", G33<10>},
     DeltaRival{"rrf_least_squares", "RepRapFirmware's, 6 factors, 16 points", Rrf<6>},
     DeltaRival{"rrf_8_factors", "the same with the bed's tilt", Rrf<8>},
     DeltaRival{"klipper_descent", "Klipper's, 6 parameters, 7 points", Klipper},
-    DeltaRival{"delta_joint", "caltwin's, 29 unknowns with priors, 16 points", Joint}};
+    DeltaRival{
+        "delta_joint", "caltwin's, 29 unknowns with priors, 16 points", Joint<false>},
+    DeltaRival{"delta_joint_tilt", "the same with the bed's tilt", Joint<true>}};
 
 struct Trial {
   int touches = 0;

@@ -82,7 +82,7 @@ TEST(KlipperDescent, WithPrintDistancesTheRodsAreFound) {
   EXPECT_LT(UmFromMm(After(outcome, built).z_rms_mm), 1);
 }
 
-TEST(KlipperDescent, NinePriceHeightsAndDistancesAsMeasuredElsewhere) {
+TEST(KlipperDescent, NineParametersDoAsMeasuredElsewhere) {
   constexpr int kDraws = 12;
   double square = 0;
   for (int i = 0; i < kDraws; ++i) {
