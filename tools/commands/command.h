@@ -37,6 +37,7 @@ int RunCommandLine(int argc, const char* const* argv);
 
 /// @name One function a file: NAME_command.cc.
 Action DeclareCalibrate(CLI::App* app);
+Action DeclareCompare(CLI::App* app);
 Action DeclareDiagnose(CLI::App* app);
 Action DeclareExplain(CLI::App* app);
 Action DeclareImport(CLI::App* app);

@@ -15,6 +15,7 @@ constexpr std::array kCommands = {
     Command{"run", "run scenarios and check what they expect", DeclareRun},
     Command{"calibrate", "run a procedure on a machine", DeclareCalibrate},
     Command{"diagnose", "say what measured rows tell of a machine", DeclareDiagnose},
+    Command{"compare", "rival procedures on the same machines", DeclareCompare},
     Command{"plan", "what a measuring plan can and cannot see", DeclarePlan},
     Command{"simulate", "the twin performs a measuring plan", DeclareSimulate},
     Command{"serve", "let real clients talk to a twin", DeclareServe},

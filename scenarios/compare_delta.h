@@ -1,0 +1,80 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "calibration/delta/bench.h"
+#include "sim/machine/delta_touch.h"
+
+namespace caltwin {
+
+/// One engine that calibrates a delta by touches. A rival more is one line more in
+/// DeltaRivals().
+struct DeltaRival {
+  std::string_view name{};
+  std::string_view about{};
+  DeltaOutcome (*calibrate)(const DeltaProbe& probe,
+                            const DeltaModel<double>& start) = nullptr;
+};
+std::span<const DeltaRival> DeltaRivals();
+
+/// A delta to calibrate; its drawing is that of SymmetricDelta(300, 130, 250).
+struct DeltaCase {
+  DeltaBuild<double> build{};
+  DeltaBed<double> bed{};
+};
+
+/// How the trigger scatters on all of them.
+inline constexpr double kCompareTouchSigma_mm = 0.01;
+/// Heights and places are judged, and touches taken, within it.
+inline constexpr double kCompareRadius_mm = 100;
+
+/// The n-th random machine of a seed, the same for every engine: endstops and radius
+/// uniform within 1 mm of the drawing, angles of towers a and b within 0.5 deg, each of
+/// six rods within 0.3 mm, the bed's slopes in x and y within 3 mrad.
+DeltaCase RandomDelta(std::uint64_t seed, int machine);
+
+/// Quantiles over machines, and the 95 % interval of the median (order statistics;
+/// distribution-free).
+struct Spread {
+  double median = 0;
+  double p95 = 0;
+  double low = 0;
+  double high = 0;
+};
+Spread SpreadOf(std::vector<double> values);
+
+/// How one engine did.
+struct DeltaStanding {
+  std::string_view name{};
+  double touches = 0;  ///< Mean over machines.
+  /// It said that it failed, or left heights worse than it found them.
+  int failures = 0;
+  Spread z_rms_um{};  ///< Nozzle over bed at unseen points, its mean included.
+  Spread xy_scale_um_per_mm{};  ///< Magnitude.
+  double time_s = 0;  ///< Of the processor, the simulated touches included; median.
+};
+
+struct DeltaComparison {
+  int machines = 0;
+  std::uint64_t seed = 0;
+  bool is_interrupted = false;  ///< `machines` are those that were done.
+  std::vector<DeltaStanding> engines{};
+};
+
+/// Runs every rival on every machine. `progress` hears how many machines are done. Ends
+/// early where InterruptRequested().
+DeltaComparison CompareDelta(int machines,
+                             std::uint64_t seed,
+                             const std::function<void(int)>& progress);
+
+std::string DeltaComparisonText(const DeltaComparison& comparison);
+nlohmann::ordered_json DeltaComparisonJson(const DeltaComparison& comparison);
+
+}  // namespace caltwin
