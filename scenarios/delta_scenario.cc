@@ -237,7 +237,7 @@ void ReadEffect(const std::string& name,
   }
   YamlMap map = value.Map();
   for (const DeltaParameter* parameter : parameters) {
-    if (const auto number = map.Optional(parameter->name)) {
+    if (const auto number = map.Optional(std::string(parameter->name))) {
       effects->push_back({.name = name,
                           .parameter = std::string(parameter->name),
                           .value = number->NumberOrDistribution(parameter->bounds),

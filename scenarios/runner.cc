@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "calibration/loop/bench.h"
+#include "scenarios/delta_runner.h"
 #include "scenarios/external.h"
 #include "scenarios/interruptible_link.h"
 #include "scenarios/parameter_name.h"
@@ -205,6 +206,7 @@ double PositionErrorP95_mm(const Twin& twin) {
 }
 
 RunResult RunScenario(const Scenario& scenario, const RunOptions& options) {
+  if (scenario.delta) return RunDeltaScenario(scenario, options);
   const std::clock_t start = std::clock();
   Twin twin(MakeTwinConfig(scenario, options));
   const TwinConfig& config = twin.config();

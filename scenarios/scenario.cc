@@ -140,6 +140,12 @@ Scenario ReadScenarioText(const std::string& text, const fs::path& name) {
   scenario.fidelity = map.WordOr("fidelity", "physics", {"physics", "fast"}) == "fast"
                           ? Fidelity::kFast
                           : Fidelity::kPhysics;
+  if (scenario.machine.machine.delta) {
+    scenario.delta = ReadDeltaScenario(&map, scenario.machine.machine);
+    map.NoMoreKeys();
+    faults.ThrowIfAny();
+    return scenario;
+  }
   ReadTwinKeys(&map, &scenario);
   if (const auto calibrate = map.Required("calibrate")) {
     scenario.calibrate = ReadCalibrationSteps(*calibrate);

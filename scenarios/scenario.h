@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "calibration/procedures/catalog.h"
+#include "scenarios/delta_scenario.h"
 #include "scenarios/expectation.h"
 #include "scenarios/external.h"
 #include "scenarios/machine_file.h"
@@ -42,6 +43,7 @@ struct Scenario {
   FirmwareOptions firmware{};
   std::vector<CalibrationStep> calibrate{};
   Expectation expect{};
+  std::optional<DeltaScenario> delta{};  ///< In place of all from `effects` on.
 };
 
 /// Reads and checks a scenario file; throws InputError with every fault.

@@ -13,7 +13,7 @@ namespace caltwin {
 namespace {
 
 constexpr int kNumSettings = 12;  // Endstops, radii, angles, arms.
-constexpr double kHeightWeight = 10;
+constexpr double kHeightWeight = 1000;
 constexpr double kRad = std::numbers::pi / 180;
 constexpr std::array kDrawnAngle_deg = {210.0, 330.0, 90.0};
 

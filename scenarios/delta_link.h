@@ -1,0 +1,58 @@
+#pragma once
+
+#include <chrono>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "calibration/delta/bench.h"
+#include "sim/firmware/dialects/marlin_delta.h"
+#include "sim/link/link.h"
+
+namespace caltwin {
+
+/// The wire to a simulated delta.
+class MarlinDeltaWire : public Link {
+ public:
+  explicit MarlinDeltaWire(MarlinDelta* marlin) : marlin_(marlin) {}
+  Expected<std::vector<std::string>> Send(std::string_view line,
+                                          std::chrono::milliseconds patience) override;
+
+ private:
+  MarlinDelta* marlin_;
+};
+
+/// What touches a delta's bed by G-code: M665 and M666 where the settings are not those
+/// last sent, G28, then `G30 X Y`, whose answer says the height to a micrometre.
+class DeltaLinkProbe {
+ public:
+  /// @param drawn  against which angles are counted
+  /// @param sent  what the firmware has now
+  DeltaLinkProbe(Link* link, DeltaModel<double> drawn, DeltaModel<double> sent)
+      : link_(link), drawn_(drawn), sent_(sent) {}
+
+  /// For the engines; borrows this.
+  DeltaProbe AsProbe();
+  /// Sends M665 and M666.
+  void Set(const DeltaModel<double>& settings);
+  /// Sends a line and takes what is answered; a fault's words where it is refused.
+  std::vector<std::string> Say(const std::string& line);
+
+  bool was_out_of_reach() const { return was_out_of_reach_; }
+
+ private:
+  std::optional<Vec3<double>> Touch(const DeltaModel<double>& settings,
+                                    double x_mm,
+                                    double y_mm);
+
+  Link* link_;
+  DeltaModel<double> drawn_;
+  DeltaModel<double> sent_;
+  bool is_homed_ = false;
+  bool was_out_of_reach_ = false;
+};
+
+/// Points that cover a disc evenly, the outermost on its rim.
+std::vector<Eigen::Vector2d> DiscPoints(int count, double radius_mm);
+
+}  // namespace caltwin

@@ -1,0 +1,442 @@
+#include "scenarios/delta_runner.h"
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+#include <memory>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "calibration/delta/g33.h"
+#include "calibration/delta/joint.h"
+#include "calibration/delta/klipper_descent.h"
+#include "calibration/delta/rrf_least_squares.h"
+#include "calibration/delta/settings.h"
+#include "scenarios/delta_link.h"
+#include "scenarios/interrupt.h"
+#include "scenarios/interruptible_link.h"
+#include "sim/link/transcript.h"
+
+namespace caltwin {
+namespace {
+
+constexpr double kUmPerMm = 1e3;
+constexpr double kBest_mm = 1e-3;  // Less than this no touch is believed to scatter.
+
+/// What a procedure left behind.
+struct Performed {
+  DeltaOutcome outcome{};
+  std::optional<DeltaJointFit> fit{};
+};
+
+DeltaReadings TouchAll(const DeltaProbe& probe,
+                       const DeltaModel<double>& settings,
+                       const std::vector<Eigen::Vector2d>& points,
+                       double sigma_mm) {
+  DeltaReadings readings;
+  for (const Eigen::Vector2d& at : points) {
+    if (const auto motors = probe(settings, at[0], at[1])) {
+      readings.touches.push_back({*motors, 0, sigma_mm});
+    }
+  }
+  return readings;
+}
+
+// A touch is counted in whole steps: as uniform as its scatter is normal.
+double TouchSigma_mm(const DeltaScenario& scenario, const Machine& machine) {
+  const double step_mm = 1 / TowerStepsPerMm(machine)[0];
+  return std::max(std::hypot(scenario.probe_sigma_mm, step_mm / std::sqrt(12.0)),
+                  kBest_mm);
+}
+
+Performed PerformJoint(const DeltaStep& step,
+                       const DeltaScenario& scenario,
+                       const Machine& machine,
+                       const DeltaProbe& probe,
+                       const DeltaModel<double>& start) {
+  const double radius_mm = machine.delta->print_radius_mm;
+  DeltaBuild<double> believed = machine.delta->Build();
+  believed.model = start;
+  const DeltaReadings readings = TouchAll(probe,
+                                          start,
+                                          DiscPoints(step.points, radius_mm),
+                                          TouchSigma_mm(scenario, machine));
+  Performed performed;
+  performed.fit = FitDeltaJointly(
+      believed,
+      readings,
+      {.knobs = step.unknowns == "machine" ? MachineKnobs() : FirmwareKnobs()});
+  const DeltaJointFit& fit = *performed.fit;
+  performed.outcome = {
+      .settings = BestDeltaSettings(
+          fit.build, fit.bed, start, radius_mm, {.has_radius_per_tower = false}),
+      .touches = static_cast<int>(readings.touches.size()),
+      .is_done = fit.converged,
+      .said_mm = fit.hold_out_mm,
+      .messages = {fmt::format("joint estimate of {} unknowns from {} touches: {:.4f} "
+                               "mm rms, {:.4f} mm of points left out",
+                               fit.estimates.size(),
+                               readings.touches.size(),
+                               fit.rms_mm,
+                               fit.hold_out_mm)}};
+  return performed;
+}
+
+DeltaOutcome PerformHost(const DeltaStep& step,
+                         const DeltaScenario& scenario,
+                         const Machine& machine,
+                         const DeltaProbe& probe,
+                         const DeltaModel<double>& start,
+                         std::optional<DeltaJointFit>* fit) {
+  const double radius_mm = machine.delta->print_radius_mm;
+  if (step.name == "rrf_least_squares") {
+    return CalibrateRrf(
+        probe, start, {.factors = step.factors, .points = RrfProbePoints(radius_mm)});
+  }
+  if (step.name == "klipper_descent") {
+    return CalibrateKlipper(probe, start, {.points = KlipperProbePoints(radius_mm)});
+  }
+  const Performed performed = PerformJoint(step, scenario, machine, probe, start);
+  *fit = performed.fit;
+  return performed.outcome;
+}
+
+/// One value of the settings, as the results' table names it.
+std::optional<double> SettingOf(const DeltaModel<double>& model,
+                                const DeltaModel<double>& drawn,
+                                std::string_view name) {
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::string tower = TowerName(static_cast<int>(i));
+    if (name == "endstop." + tower) return model.endstop_mm[i];
+    if (name == "tower_angle." + tower) {
+      return (model.angle_rad[i] - drawn.angle_rad[i]) / kDegree;
+    }
+  }
+  const auto mean = [](const std::array<double, 3>& v) {
+    return (v[0] + v[1] + v[2]) / 3;
+  };
+  if (name == "delta_radius") return mean(model.radius_mm);
+  if (name == "arm_length") return mean(model.arm_mm);
+  return std::nullopt;
+}
+
+constexpr std::array kSettingNames = {"endstop.a",
+                                      "endstop.b",
+                                      "endstop.c",
+                                      "delta_radius",
+                                      "tower_angle.a",
+                                      "tower_angle.b",
+                                      "arm_length"};
+
+/// A run on its way.
+class DeltaRun {
+ public:
+  DeltaRun(const Scenario& scenario, const RunOptions& options)
+      : scenario_(scenario),
+        delta_(*scenario.delta),
+        machine_(scenario.machine.machine),
+        options_(options),
+        seed_(options.seed.value_or(scenario.seed)),
+        built_(DrawDelta(delta_, machine_, seed_, options.sample)),
+        fidelity_(options.fidelity.value_or(scenario.fidelity)),
+        plant_(
+            machine_, built_, fidelity_ == Fidelity::kPhysics, seed_, options.sample),
+        marlin_(machine_.delta->model,
+                delta_.settings,
+                TowerStepsPerMm(machine_),
+                &plant_,
+                [this](const GcodeCommand& words, DeltaModel<double>* settings) {
+                  return AnswerG33(words, settings);
+                }),
+        wire_(&marlin_) {}
+
+  RunResult Perform() {
+    const std::clock_t start = std::clock();
+    RunResult result{.scenario = scenario_.file.string(),
+                     .about = scenario_.about,
+                     .verbatim = scenario_.verbatim,
+                     .machine = machine_.name,
+                     .fidelity = ToString(fidelity_),
+                     .seed = seed_};
+    const DeltaAccuracy before = Accuracy();
+    result.position_error_before_p95_mm = PositionP95_mm();
+    InterruptibleLink link(&wire_);
+    std::unique_ptr<RecordingLink> recorder;
+    if (!options_.transcript.empty()) {
+      recorder = std::make_unique<RecordingLink>(&link, options_.transcript);
+    }
+    Link* wire = recorder ? static_cast<Link*>(recorder.get()) : &link;
+    for (const DeltaStep& step : delta_.calibrate) {
+      options_.progress(step.name);
+      Take(step, wire, &result);
+      if (InterruptRequested()) result.interrupted = true;
+      if (was_out_of_reach_ || result.interrupted) break;
+    }
+    if (recorder) recorder->Save();
+    result.touches = marlin_.touches() + g33_touches_;
+    result.machine_time_s = marlin_.machine_time_s();
+    result.position_error_after_p95_mm = PositionP95_mm();
+    Judge(before, Accuracy(), &result);
+    result.cpu_s = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+    return result;
+  }
+
+ private:
+  std::vector<std::string> AnswerG33(const GcodeCommand& words,
+                                     DeltaModel<double>* settings) {
+    const GcodeWord* p = words.Find('P');
+    const DeltaProbe probe =
+        [this](const DeltaModel<double>& at, double x_mm, double y_mm) {
+          ++g33_touches_;
+          return plant_.Touch(at, x_mm, y_mm);
+        };
+    const DeltaOutcome outcome =
+        CalibrateG33(probe,
+                     *settings,
+                     {.points = p == nullptr ? 4 : static_cast<int>(p->number),
+                      .tower_angles = words.Find('T') == nullptr,
+                      .printable_radius_mm = machine_.delta->print_radius_mm,
+                      .variant = g33_variant_});
+    *settings = outcome.settings;
+    said_mm_ = outcome.said_mm;
+    return outcome.messages;
+  }
+
+  void Take(const DeltaStep& step, Link* wire, RunResult* result) {
+    const DeltaModel<double> before = marlin_.settings();
+    DeltaLinkProbe probe(wire, machine_.delta->model, before);
+    if (step.name == "g33") {
+      g33_variant_ = step.variant == "as_published" ? G33Variant::kAsPublished
+                                                    : G33Variant::kCorrected;
+      const auto lines = probe.Say(fmt::format("G33 P{}", step.points));
+      result->messages.insert(result->messages.end(), lines.begin(), lines.end());
+    } else {
+      const DeltaOutcome outcome =
+          PerformHost(step, delta_, machine_, probe.AsProbe(), before, &fit_);
+      probe.Set(outcome.settings);
+      probe.Say("M500");
+      said_mm_ = outcome.said_mm;
+      result->messages.insert(
+          result->messages.end(), outcome.messages.begin(), outcome.messages.end());
+    }
+    was_out_of_reach_ = probe.was_out_of_reach();
+    for (const char* name : kSettingNames) {
+      const double was = *SettingOf(before, machine_.delta->model, name);
+      const double is = *SettingOf(marlin_.settings(), machine_.delta->model, name);
+      if (was == is) continue;
+      result->steps.push_back({.procedure = step.name,
+                               .variant = step.variant,
+                               .name = name,
+                               .before = was,
+                               .after = is,
+                               .verdict = Verdict::kApplied});
+    }
+  }
+
+  DeltaAccuracy Accuracy() const {
+    return DeltaAccuracyOf(
+        built_.build, built_.bed, marlin_.settings(), machine_.delta->print_radius_mm);
+  }
+
+  // At 1000 seeded poses up to half the height, the mean offset removed.
+  double PositionP95_mm() const {
+    constexpr int kPoses = 1000;
+    Rng rng(1, 0, "position_error_mm");
+    std::vector<Vec3<double>> errors_mm;
+    Vec3<double> mean_mm = Vec3<double>::Zero();
+    for (int i = 0; i < kPoses; ++i) {
+      const double out_mm = machine_.delta->print_radius_mm * std::sqrt(rng.Uniform());
+      const double angle = 2 * std::numbers::pi * rng.Uniform();
+      const Vec3<double> sent(out_mm * std::cos(angle),
+                              out_mm * std::sin(angle),
+                              machine_.delta->print_radius_mm * rng.Uniform());
+      const auto pose =
+          DeltaPoseOf(built_.build, DeltaMotors_mm(marlin_.settings(), sent));
+      if (!pose) return std::numeric_limits<double>::infinity();
+      errors_mm.push_back(pose->nozzle_mm - sent);
+      mean_mm += errors_mm.back() / kPoses;
+    }
+    std::vector<double> sizes_mm;
+    for (const Vec3<double>& error : errors_mm) {
+      sizes_mm.push_back((error - mean_mm).norm());
+    }
+    const auto p95 = sizes_mm.begin() + kPoses * 95 / 100 - 1;
+    std::nth_element(sizes_mm.begin(), p95, sizes_mm.end());
+    return *p95;
+  }
+
+  void AddSettings(RunResult* result) const {
+    for (const char* name : kSettingNames) {
+      ParameterResult row{.name = name,
+                          .unit = std::string(name).starts_with("tower") ? "deg" : "mm",
+                          .identifiable = true,
+                          .is_setting = true};
+      row.injected = *SettingOf(built_.build.model, machine_.delta->model, name);
+      row.recovered = *SettingOf(marlin_.settings(), machine_.delta->model, name);
+      row.error = *row.recovered - row.injected;
+      result->parameters.push_back(row);
+    }
+  }
+
+  // What the joint estimate knows and no setting holds, and how sure it is of the rest.
+  void AddEstimates(RunResult* result) const {
+    constexpr double kSaidNothing = 0.9;  // Of the prior's standard deviation.
+    if (!fit_) return;
+    for (const DeltaEstimate& estimate : fit_->estimates) {
+      const DeltaKnob& knob = kDeltaKnobs[static_cast<std::size_t>(estimate.knob)];
+      const bool is_told = estimate.sd_over_prior < kSaidNothing;
+      const auto known = std::ranges::find(
+          result->parameters, std::string(knob.name), &ParameterResult::name);
+      if (known != result->parameters.end()) {
+        known->sd = estimate.sd;
+        known->identifiable = is_told;
+        continue;
+      }
+      ParameterResult row{.name = std::string(knob.name),
+                          .unit = std::string(knob.unit),
+                          .identifiable = is_told};
+      row.injected = InjectedOf(knob.name);
+      if (is_told) {
+        row.recovered = estimate.value;
+        row.sd = estimate.sd;
+        row.error = estimate.value - row.injected;
+      }
+      result->parameters.push_back(row);
+    }
+  }
+
+  // Built less drawn, in the knob's unit.
+  double InjectedOf(std::string_view name) const {
+    const DeltaBuild<double> drawn = machine_.delta->Build();
+    const auto knob = static_cast<std::size_t>(*DeltaKnobNamed(name));
+    const auto of = [&](const auto& values, const auto& nominal, std::size_t i) {
+      return (values[i] - nominal[i]) / kDeltaKnobs[knob].per_unit;
+    };
+    const DeltaBuild<double>& is = built_.build;
+    if (knob >= 7 && knob < 13)
+      return of(is.rod_error_mm, drawn.rod_error_mm, knob - 7);
+    if (knob >= 15 && knob < 18) {
+      return of(is.lean_radial_rad, drawn.lean_radial_rad, knob - 15);
+    }
+    if (knob >= 18 && knob < 21) {
+      return of(is.lean_tangential_rad, drawn.lean_tangential_rad, knob - 18);
+    }
+    if (knob >= 21 && knob < 24) return of(is.twist_rad, drawn.twist_rad, knob - 21);
+    if (knob >= 24 && knob < 27) return of(is.belt_scale, drawn.belt_scale, knob - 24);
+    if (knob == 13 || knob == 14) {
+      // Against tower c, whose difference is the common radius's.
+      return (is.model.radius_mm[knob - 13] - drawn.model.radius_mm[knob - 13]) -
+             (is.model.radius_mm[2] - drawn.model.radius_mm[2]);
+    }
+    if (knob == 27) return built_.bed.slope_x * kUmPerMm;
+    if (knob == 28) return built_.bed.slope_y * kUmPerMm;
+    return 0;
+  }
+
+  void AddCheck(const std::string& name,
+                double found,
+                const Within& within,
+                RunResult* result) const {
+    const bool is_above = !within.above || found > *within.above;
+    const bool is_below = !within.below || found < *within.below;
+    std::string expected;
+    if (within.above) expected += fmt::format("above {:g}", *within.above);
+    if (within.below) {
+      expected +=
+          fmt::format("{}below {:g}", expected.empty() ? "" : ", ", *within.below);
+    }
+    result->checks.push_back({.name = name,
+                              .expected = expected,
+                              .found = fmt::format("{:.5g}", found),
+                              .passed = is_above && is_below});
+  }
+
+  void Judge(const DeltaAccuracy& before,
+             const DeltaAccuracy& after,
+             RunResult* result) {
+    AddSettings(result);
+    AddEstimates(result);
+    bool all_met = true;
+    for (const DeltaExpectedValue& expected : delta_.values) {
+      const auto row =
+          std::ranges::find(result->parameters, expected.name, &ParameterResult::name);
+      bool passed = row != result->parameters.end();
+      if (passed && expected.identifiable) {
+        passed = row->identifiable == *expected.identifiable;
+      }
+      if (passed && expected.truth_within) {
+        row->tolerance = expected.truth_within;
+        passed = row->error && std::abs(*row->error) <= *expected.truth_within;
+      }
+      if (row != result->parameters.end()) row->passed = passed;
+      all_met = all_met && passed;
+    }
+    result->messages.push_back(fmt::format(
+        "the nozzle stands {:.1f} um rms off the bed ({:.1f} at most), {:.1f} before; "
+        "prints are {:+.2f} um/mm wrong; the procedure says {:.4f} mm",
+        kUmPerMm * after.z_rms_mm,
+        kUmPerMm * after.z_most_mm,
+        kUmPerMm * before.z_rms_mm,
+        kUmPerMm * after.xy_scale,
+        said_mm_));
+    for (const auto& [name, within] : delta_.figures) {
+      const double found = name == "height_error_mm.rms"    ? after.z_rms_mm
+                           : name == "height_error_mm.most" ? after.z_most_mm
+                           : name == "said_mm"              ? said_mm_
+                           : name == "xy_scale_um_per_mm"
+                               ? kUmPerMm * after.xy_scale
+                               : result->position_error_after_p95_mm;
+      AddCheck(name, found, within, result);
+    }
+    for (const std::string& text : delta_.messages) {
+      const bool is_there =
+          std::ranges::any_of(result->messages, [&](const std::string& line) {
+            return line.find(text) != std::string::npos;
+          });
+      result->checks.push_back({.name = "message",
+                                .expected = text,
+                                .found = is_there ? "said" : "not said",
+                                .passed = is_there});
+    }
+    result->outcome = was_out_of_reach_                             ? "no_trigger"
+                      : after.z_rms_mm > 2 * before.z_rms_mm        ? "diverges"
+                      : all_met && after.z_rms_mm < before.z_rms_mm ? "recovers"
+                                                                    : "misses";
+    result->checks.insert(result->checks.begin(),
+                          {.name = "outcome",
+                           .expected = delta_.outcome,
+                           .found = result->outcome,
+                           .passed = result->outcome == delta_.outcome});
+    result->passed =
+        !result->interrupted &&
+        std::ranges::all_of(result->checks, &CheckResult::passed) &&
+        std::ranges::none_of(result->parameters, [](const ParameterResult& row) {
+          return row.passed == false;
+        });
+  }
+
+  const Scenario& scenario_;
+  const DeltaScenario& delta_;
+  const Machine& machine_;
+  const RunOptions& options_;
+  std::uint64_t seed_;
+  BuiltDelta built_;
+  Fidelity fidelity_;
+  DeltaTwinPlant plant_;
+  MarlinDelta marlin_;
+  MarlinDeltaWire wire_;
+  G33Variant g33_variant_ = G33Variant::kCorrected;
+  std::optional<DeltaJointFit> fit_{};
+  double said_mm_ = 0;
+  int g33_touches_ = 0;
+  bool was_out_of_reach_ = false;
+};
+
+}  // namespace
+
+RunResult RunDeltaScenario(const Scenario& scenario, const RunOptions& options) {
+  return DeltaRun(scenario, options).Perform();
+}
+
+}  // namespace caltwin
