@@ -169,7 +169,7 @@ TEST(KlipperDelta, RefusesWhatItCannotReadAndSaysWhere) {
   EXPECT_THAT(with("height1_pos", "height1_gone"),
               HasSubstr("[delta_calibrate] height1_pos is missing"));
   EXPECT_THAT(with("height2 = 16", "height2 = nan"),
-              HasSubstr("f:31:15: [delta_calibrate] height2 = 'nan' is no number"));
+              HasSubstr("f:33:15: [delta_calibrate] height2 = 'nan' is no number"));
   EXPECT_THAT(with("delta_radius = 150", "delta_radius = 1e400"),
               HasSubstr("delta_radius = '1e400' is no number"));
   EXPECT_THAT(with("arm_length = 315", "arm_length = 149"),

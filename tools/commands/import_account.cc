@@ -66,12 +66,14 @@ std::string HoldOutText(const KlipperAssessment& assessment) {
     return "too few readings to leave one out";
   }
   return fmt::format(
-      "each touch foretold by all other readings: {} um rms ({} readings beyond the {} "
+      "each touch foretold by all other readings: {} um rms ({} reading{} beyond the "
+      "{} "
       "numbers fitted{})",
       Um(*assessment.hold_out_rms_mm),
       assessment.spare,
+      assessment.spare == 1 ? "" : "s",
       assessment.fit.last_step.x.size(),
-      assessment.spare <= 1 ? ": they check next to nothing" : "");
+      assessment.spare <= 1 ? ": it checks next to nothing" : "");
 }
 
 std::string SdText(const KlipperFit& fit) {
@@ -90,26 +92,48 @@ std::string SdText(const KlipperFit& fit) {
   return text;
 }
 
-std::vector<std::string> DeltaAccount(const KlipperCalibration& read) {
-  std::vector<DeltaTouch> touches;
+/// The readings as the fit takes them, weighed as Klipper weighs.
+struct Readings {
+  std::vector<DeltaTouch> touches{};
+  std::vector<DeltaDistance> distances{};
+  double distance_sigma_mm = 0;
+};
+
+Readings ReadingsOf(const KlipperCalibration& read) {
+  Readings readings;
   std::size_t num_probed = 0;
   for (const KlipperTouch& touch : read.touches) {
-    touches.push_back({.motors_mm = touch.motors_mm,
-                       .height_mm = touch.height_mm,
-                       .sigma_mm = kTouch_mm});
+    readings.touches.push_back({.motors_mm = touch.motors_mm,
+                                .height_mm = touch.height_mm,
+                                .sigma_mm = kTouch_mm});
     if (!touch.is_manual) ++num_probed;
   }
-  const double sigma_mm =
+  readings.distance_sigma_mm =
       KlipperDistanceSigma_mm(kTouch_mm, num_probed, read.distances.size());
-  std::vector<DeltaDistance> distances;
   for (const KlipperDistance& distance : read.distances) {
-    distances.push_back({.length_mm = distance.length_mm,
-                         .from_mm = distance.from_mm,
-                         .to_mm = distance.to_mm,
-                         .sigma_mm = sigma_mm});
+    readings.distances.push_back({.length_mm = distance.length_mm,
+                                  .from_mm = distance.from_mm,
+                                  .to_mm = distance.to_mm,
+                                  .sigma_mm = readings.distance_sigma_mm});
   }
+  return readings;
+}
+
+std::string DistancesText(double off_mm, double sigma_mm) {
+  constexpr double kTooMuch_mm = MmFromUm(100.0);
+  return fmt::format(
+      "distances on the print: {} um rms; Klipper weighs them as if good to {} um{}",
+      Um(off_mm),
+      Um(sigma_mm),
+      off_mm > kTooMuch_mm ? ". They contradict each other, or the heights: measure "
+                             "again before you believe the arms"
+                           : "");
+}
+
+std::vector<std::string> DeltaAccount(const KlipperCalibration& read) {
+  const Readings readings = ReadingsOf(read);
   const KlipperAssessment assessment =
-      AssessKlipper(touches, distances, read.geometry.model);
+      AssessKlipper(readings.touches, readings.distances, read.geometry.model);
   if (!assessment.fit.is_converged) {
     return {"a fit of Klipper's model to these touches does not converge"};
   }
@@ -123,11 +147,9 @@ std::vector<std::string> DeltaAccount(const KlipperCalibration& read) {
       DeviationsText(assessment.fit, read.geometry.model),
       HoldOutText(assessment),
       SdText(assessment.fit)};
-  if (!distances.empty()) {
-    lines.push_back(fmt::format(
-        "distances on the print: {} um rms; Klipper weighs them as if good to {} um",
-        Um(assessment.fit.distance_rms_mm),
-        Um(sigma_mm)));
+  if (!readings.distances.empty()) {
+    lines.push_back(
+        DistancesText(assessment.fit.distance_rms_mm, readings.distance_sigma_mm));
   }
   lines.push_back(
       fmt::format("heights alone do not tell the arms: 1 mm longer, they fit to {} um "

@@ -31,6 +31,12 @@ constexpr std::array kImporters = {
         "klipper-thermal",
         "trigger height against temperature: frame expansion CSV, probe drift JSON",
         ReadKlipperThermal},
+    Importer{"cmm-plate",
+             "holes of a plate, nominal and measured on a coordinate measuring machine",
+             ReadCmmPlate},
+    Importer{"probe-accuracy",
+             "a terminal log of PROBE_ACCURACY (Klipper) or M48 (Marlin)",
+             ReadProbeAccuracy},
     Importer{"klipper-delta",
              "a delta's printer.cfg with the touches of its saved calibration",
              ReadKlipperDelta},
@@ -39,12 +45,6 @@ constexpr std::array kImporters = {
              "config.g, config-override.g of a delta (M665 M666): a machine file",
              ReadRrfConfig},
     Importer{"rrf-heightmap", "heightmap.csv of RepRapFirmware", ReadRrfHeightmap},
-    Importer{"cmm-plate",
-             "holes of a plate, nominal and measured on a coordinate measuring machine",
-             ReadCmmPlate},
-    Importer{"probe-accuracy",
-             "a terminal log of PROBE_ACCURACY (Klipper) or M48 (Marlin)",
-             ReadProbeAccuracy},
     Importer{"csv", "a spreadsheet, its columns named by --map", ReadMapped}};
 
 const Importer& Find(const std::string& kind) {

@@ -1,5 +1,6 @@
 #include "sim/measure/import/klipper_geometry.h"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 
@@ -81,6 +82,15 @@ KlipperDrive DriveOf(const PrinterCfg& cfg,
   } else if (stated_mm) {
     drive.step_mm = *stated_mm;
   }
+  constexpr double kShortest_mm = 1e-7, kLongestStep_mm = 10;
+  if (drive.step_mm < kShortest_mm || drive.step_mm > kLongestStep_mm) {
+    faults->Add(
+        cfg.PlaceOfSection(section),
+        fmt::format("[{}] a motor step of {:g} mm", section, drive.step_mm),
+        "rotation_distance / (full_steps_per_rotation * microsteps * gear_ratio) "
+        "is a few micrometres to a few hundredths of a millimetre");
+    drive.step_mm = kUnknown;
+  }
   return drive;
 }
 
@@ -96,6 +106,20 @@ double LengthOf(const PrinterCfg& cfg, int tower, const char* key, Faults* fault
                 "what the towers measured cannot be made a height without it");
   }
   return kUnknown;
+}
+
+/// Travel of a carriage down to where the nozzle touches the bed's rim opposite its
+/// tower; without a printable radius, six tenths of the delta radius.
+double LowestTravel_mm(const DeltaModel<double>& model,
+                       std::size_t tower,
+                       double print_radius_mm) {
+  constexpr double kUsualReach = 0.6;
+  const double arm_mm = model.arm_mm[tower], radius_mm = model.radius_mm[tower];
+  const double reach_mm =
+      radius_mm + (Known(print_radius_mm) ? print_radius_mm : kUsualReach * radius_mm);
+  const double carriage2_mm2 = arm_mm * arm_mm - reach_mm * reach_mm;
+  return model.endstop_mm[tower] + std::sqrt(arm_mm * arm_mm - radius_mm * radius_mm) -
+         std::sqrt(std::max(carriage2_mm2, 0.0));
 }
 
 void CheckKinematics(const PrinterCfg& cfg, KlipperGeometry* geometry, Faults* faults) {
@@ -175,7 +199,7 @@ std::string DeltaMachineYaml(const DeltaMachineText& text) {
     const KlipperDrive& drive = text.drive[at];
     yaml += fmt::format("  {}: {{min_mm: 0, max_mm: {:.3f}, home: min",
                         TowerName(i),
-                        model.endstop_mm[at] + model.arm_mm[at]);
+                        LowestTravel_mm(model, at, text.print_radius_mm));
     if (Known(drive.rotation_distance_mm)) {
       yaml += fmt::format(", pulley_mm_per_rev: {:g}", drive.rotation_distance_mm);
       yaml += fmt::format(", full_steps_per_rev: {:g}",
