@@ -291,7 +291,6 @@ void Conclude(const std::array<Judged, kNumMeshModels>& judged,
         "the arms that would explain it differ by more than 2 % from each other";
   } else if (are_arms_good && better(kArms, kBed)) {
     shape->verdict = MeshVerdict::kArms;
-    shape->is_bed_excluded = better(kArms, kCubic);
     shape->reason =
         "free arms foretell blocks left out better than bowl, cylinder and twist";
   } else {

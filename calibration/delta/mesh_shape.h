@@ -21,9 +21,9 @@ struct BedPoint {
 /// like a bowl, two tower angles like a cylinder and a twist.
 enum class MeshModel {
   kSix,   ///< Nothing more.
-  kArms,  ///< Three free arm lengths: a three-fold pattern.
+  kArms,  ///< Three free arm lengths.
   kBed,   ///< Bowl, cylinder and twist of the bed: x^2, y^2, x y.
-  kCubic  ///< Any bed of the third order, a three-fold one among them.
+  kCubic  ///< Any bed of the third order.
 };
 inline constexpr int kNumMeshModels = 4;
 
@@ -46,8 +46,7 @@ struct MeshShape {
   MeshVerdict verdict = MeshVerdict::kCannotTell;
   std::array<MeshFit, kNumMeshModels> fits{};  ///< By MeshModel.
   int num_blocks = 0;
-  bool is_bed_excluded = false;  ///< Of "arms": every bed does worse.
-  std::string reason{};          ///< One sentence.
+  std::string reason{};  ///< One sentence.
 
   const MeshFit& of(MeshModel model) const {
     return fits[static_cast<std::size_t>(model)];
@@ -71,8 +70,10 @@ struct MeshShape {
 /// A bed of the third order stands for all that bends heights like one: leaning towers,
 /// an effector that tilts with a probe beside the nozzle.
 ///
-/// What no mesh tells: a bed that is itself three-fold (clamped at three places) from
-/// arms. `is_bed_excluded` is false where a bed of the third order foretells as well.
+/// What no mesh tells: arms that differ lift the nozzle like x r^2 and y r^2 (one side
+/// of the rim up, the other down): two of the four beds of the third order, none of the
+/// first two. A plate bent in just that way looks the same; "arms" is said because
+/// plates bend to the second order first, and that has been looked for and not found.
 MeshShape ExplainMesh(std::span<const BedPoint> points,
                       const DeltaModel<double>& settings);
 

@@ -198,11 +198,10 @@ std::vector<std::string> MeshLines(const KlipperMesh& mesh,
                     settings.arm_mm[0],
                     settings.arm_mm[1],
                     settings.arm_mm[2]));
-    if (!shape.is_bed_excluded) {
-      lines.emplace_back(
-          "a bed that is itself three-fold (clamped at three places) would look the "
-          "same: turn the plate by 60 degrees and probe again; arms do not turn");
-    }
+    lines.emplace_back(
+        "a plate bent like x r^2 (one side of the rim up, the other down) would look "
+        "the "
+        "same: turn it by 180 degrees and probe again; arms do not turn");
   }
   return lines;
 }
