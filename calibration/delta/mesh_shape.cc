@@ -146,6 +146,20 @@ Slopes SlopesAt(const Bed& bed,
   return at;
 }
 
+/// Sum of the squares of those residuals.
+double CostAt(const Bed& bed,
+              const std::vector<const Felt*>& points,
+              const std::vector<int>& active,
+              const All<double>& p) {
+  const DeltaModel<double> model = bed.Model<double>(p);
+  double cost = 0;
+  for (const Felt* felt : points) {
+    cost += std::pow(bed.Residual_mm<double>(model, p, *felt) / kPoint_mm, 2);
+  }
+  for (const int i : active) cost += std::pow(p[i] / PriorSigma_mm(i), 2);
+  return cost;
+}
+
 /// The step, halved until it does not worsen the fit; nullopt at the minimum.
 std::optional<All<double>> Improved(const Bed& bed,
                                     const std::vector<const Felt*>& points,
@@ -159,17 +173,22 @@ std::optional<All<double>> Improved(const Bed& bed,
     for (std::size_t i = 0; i < active.size(); ++i) {
       p[active[i]] += part * step[static_cast<Eigen::Index>(i)];
     }
-    const double cost = SlopesAt(bed, points, active, p).residual.squaredNorm();
+    const double cost = CostAt(bed, points, active, p);
     if (std::isfinite(cost) && cost < residual.squaredNorm()) return p;
   }
   return std::nullopt;
 }
 
+struct Fitted {
+  All<double> p = All<double>::Zero();
+  Eigen::MatrixXd covariance{};  ///< Of the active ones.
+};
+
 /// Parameters of a model fitted to points; nullopt where there are not twice as many
 /// points, or no minimum is found.
-std::optional<All<double>> Fit(const Bed& bed,
-                               const std::vector<const Felt*>& points,
-                               const std::vector<int>& active) {
+std::optional<Fitted> Fit(const Bed& bed,
+                          const std::vector<const Felt*>& points,
+                          const std::vector<int>& active) {
   constexpr double kSmall_mm = 1e-7;
   if (points.size() < 2 * active.size()) return std::nullopt;
   All<double> p = All<double>::Zero();
@@ -177,9 +196,9 @@ std::optional<All<double>> Fit(const Bed& bed,
     const Slopes at = SlopesAt(bed, points, active, p);
     if (!at.residual.allFinite()) return std::nullopt;
     const LinearFit fit = SolveLinear(at.slope, -at.residual);
-    if (fit.x.norm() < kSmall_mm) return p;
+    if (fit.x.norm() < kSmall_mm) return Fitted{.p = p, .covariance = fit.covariance};
     const auto improved = Improved(bed, points, active, p, fit.x, at.residual);
-    if (!improved) return p;
+    if (!improved) return Fitted{.p = p, .covariance = fit.covariance};
     p = *improved;
   }
   return std::nullopt;
@@ -213,11 +232,14 @@ Judged Judge(const Bed& bed, const Blocks& blocks, MeshModel which) {
   const auto count = static_cast<double>(all.size());
   const auto whole = Fit(bed, all, active);
   if (!whole) return judged;
-  judged.fit.rms_mm = std::sqrt(SumOfSquares_mm2(bed, all, *whole) / count);
-  judged.fit.model = bed.Model<double>(*whole);
+  judged.fit.rms_mm = std::sqrt(SumOfSquares_mm2(bed, all, whole->p) / count);
+  judged.fit.model = bed.Model<double>(whole->p);
   for (std::size_t i = 0; i < 3; ++i) {
     judged.fit.shape_mm[i] =
-        (*whole)[kNumSix + kNumArms + static_cast<Eigen::Index>(i)];
+        whole->p[kNumSix + kNumArms + static_cast<Eigen::Index>(i)];
+  }
+  if (which == MeshModel::kArms) {
+    judged.fit.arm_covariance_mm2 = whole->covariance.bottomRightCorner<3, 3>();
   }
   double sum_mm2 = 0;
   for (const auto& [place, left_out] : blocks) {
@@ -230,7 +252,7 @@ Judged Judge(const Bed& bed, const Blocks& blocks, MeshModel which) {
       judged.blocks_mm2.clear();
       return judged;
     }
-    judged.blocks_mm2.push_back(SumOfSquares_mm2(bed, left_out, *fit));
+    judged.blocks_mm2.push_back(SumOfSquares_mm2(bed, left_out, fit->p));
     sum_mm2 += judged.blocks_mm2.back();
   }
   judged.fit.hold_out_rms_mm = std::sqrt(sum_mm2 / count);

@@ -5,6 +5,8 @@
 #include <span>
 #include <string>
 
+#include <Eigen/Core>
+
 #include "sim/machine/delta.h"
 
 namespace caltwin {
@@ -38,6 +40,8 @@ struct MeshFit {
   /// not determine the model.
   std::optional<double> hold_out_rms_mm{};
   DeltaModel<double> model{};
+  /// kArms: of the three lengths, for points good to 20 um.
+  Eigen::Matrix3d arm_covariance_mm2 = Eigen::Matrix3d::Zero();
   std::array<double, 3> shape_mm{};  ///< kBed: x^2, y^2, 2 x y at the rim.
 };
 

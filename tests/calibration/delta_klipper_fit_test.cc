@@ -234,6 +234,8 @@ TEST(SavedCalibration, IsReproducedOnEveryFileOfAFolder) {
   EXPECT_EQ(num_reproduced + num_stale, num_read);
 }
 
+constexpr double kMeshNoise_mm = 0.005;
+
 /// A mesh of a bed of that shape, probed by that machine under those settings: the
 /// height that the settings believe where the nozzle truly touches.
 template <typename Shape>
@@ -241,15 +243,14 @@ std::vector<BedPoint> Mesh(const DeltaModel<double>& built,
                            const DeltaModel<double>& settings,
                            const Shape& height_mm) {
   constexpr double kRadius_mm = 120;
-  constexpr double kNoise_mm = 0.005;
   Rng rng(3, 0, "delta_mesh");
   std::vector<BedPoint> points;
   for (int i = -5; i <= 5; ++i) {
     for (int k = -5; k <= 5; ++k) {
       const double x_mm = i * kRadius_mm / 5, y_mm = k * kRadius_mm / 5;
       if (std::hypot(x_mm, y_mm) > kRadius_mm + 0.01) continue;
-      const double z_mm =
-          height_mm(x_mm / kRadius_mm, y_mm / kRadius_mm) + kNoise_mm * rng.Normal();
+      const double z_mm = height_mm(x_mm / kRadius_mm, y_mm / kRadius_mm) +
+                          kMeshNoise_mm * rng.Normal();
       const Vec3<double> believed_mm =
           DeltaNozzle_mm(settings, DeltaMotors_mm<double>(built, {x_mm, y_mm, z_mm}));
       points.push_back({believed_mm[0], believed_mm[1], believed_mm[2]});
@@ -269,9 +270,17 @@ TEST(MeshShape, NamesArmsThatDiffer) {
   const MeshShape shape = ExplainMesh(Mesh(built, Built(), Flat), Built());
 
   EXPECT_EQ(shape.verdict, MeshVerdict::kArms);
-  const std::array<double, 3>& arm_mm = shape.of(MeshModel::kArms).model.arm_mm;
-  EXPECT_NEAR(arm_mm[0] - arm_mm[1], 1.2, 0.1);
-  EXPECT_NEAR(arm_mm[1] - arm_mm[2], -0.4, 0.1);
+  const MeshFit& arms = shape.of(MeshModel::kArms);
+  const Eigen::Matrix3d covariance_mm2 =
+      arms.arm_covariance_mm2 * std::pow(kMeshNoise_mm / MmFromUm(20.0), 2);
+  for (const Eigen::Vector3d& apart : {Eigen::Vector3d(1, -1, 0), {0, 1, -1}}) {
+    double off_mm = 0;
+    for (Eigen::Index i = 0; i < 3; ++i) {
+      const auto at = static_cast<std::size_t>(i);
+      off_mm += apart[i] * (arms.model.arm_mm[at] - built.arm_mm[at]);
+    }
+    EXPECT_LT(std::abs(off_mm), 4 * std::sqrt(apart.dot(covariance_mm2 * apart)));
+  }
 }
 
 TEST(MeshShape, NamesABentBedThatIsThreeFold) {
@@ -293,8 +302,7 @@ TEST(MeshShape, TakesAPlateBentLikeArmsForArms) {
   const MeshShape shape = ExplainMesh(Mesh(Built(), Built(), bent), Built());
 
   EXPECT_EQ(shape.verdict, MeshVerdict::kArms);
-  const double noise_mm = 0.005;
-  EXPECT_LT(shape.of(MeshModel::kArms).rms_mm, 2 * noise_mm);
+  EXPECT_LT(shape.of(MeshModel::kArms).rms_mm, 2 * kMeshNoise_mm);
 }
 
 TEST(MeshShape, BlamesNothingForAFlatBed) {

@@ -165,6 +165,19 @@ std::string HeldOutText(const MeshFit& fit) {
   return fit.hold_out_rms_mm ? Um(*fit.hold_out_rms_mm) : "-";
 }
 
+std::string ArmsText(const MeshFit& fit, const DeltaModel<double>& settings) {
+  std::string arms, believed;
+  for (Eigen::Index i = 0; i < kNumTowers; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    arms += fmt::format(" {:.2f} +- {:.2f}",
+                        fit.model.arm_mm[at],
+                        std::sqrt(fit.arm_covariance_mm2(i, i)));
+    believed += fmt::format(" {:.2f}", settings.arm_mm[at]);
+  }
+  return fmt::format(
+      "arms{} mm if a point is good to 20 um; settings{}", arms, believed);
+}
+
 std::vector<std::string> MeshLines(const KlipperMesh& mesh,
                                    const DeltaModel<double>& settings) {
   std::vector<BedPoint> points;
@@ -189,15 +202,7 @@ std::vector<std::string> MeshLines(const KlipperMesh& mesh,
         HeldOutText(shape.of(kCubic))));
   }
   if (shape.verdict == MeshVerdict::kArms) {
-    const DeltaModel<double>& model = shape.of(kArms).model;
-    lines.push_back(
-        fmt::format("arms {:.2f} {:.2f} {:.2f} mm; settings {:.2f} {:.2f} {:.2f}",
-                    model.arm_mm[0],
-                    model.arm_mm[1],
-                    model.arm_mm[2],
-                    settings.arm_mm[0],
-                    settings.arm_mm[1],
-                    settings.arm_mm[2]));
+    lines.push_back(ArmsText(shape.of(kArms), settings));
     lines.emplace_back(
         "a plate bent like x r^2 (one side of the rim up, the other down) would look "
         "the "

@@ -45,13 +45,16 @@ void Print(const char* title, const std::vector<std::string>& sentences) {
   }
 }
 
-void PrintNext(const Imported& imported, const std::string& out) {
+void PrintNext(const Imported& imported,
+               const std::string& out,
+               const std::string& machine_out) {
   const bool is_positioning =
       !imported.header.campaigns.empty() &&
       imported.header.campaigns.begin()->second.plan == "iso230";
   std::cout << fmt::format(
-      "next:      caltwin diagnose {}{}\n",
+      "next:      caltwin diagnose {}{}{}\n",
       out,
+      machine_out.empty() ? "" : " --machine " + machine_out,
       is_positioning ? fmt::format(", caltwin iso230 {}", out) : "");
 }
 
@@ -132,7 +135,7 @@ int RunImport(const Options& options) {
     Print("note", {doubt.message});
     if (!doubt.hint.empty()) Print("", {doubt.hint});
   }
-  PrintNext(imported, out.string());
+  PrintNext(imported, out.string(), options.machine_out);
   return kPassed;
 }
 
