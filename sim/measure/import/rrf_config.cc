@@ -1,5 +1,7 @@
 #include "sim/measure/import/rrf_config.h"
 
+#include <algorithm>
+#include <array>
 #include <cctype>
 #include <cmath>
 #include <filesystem>
@@ -21,27 +23,35 @@ constexpr double kWidest_deg = 60;
 /// A command's words by their letter, the last of its kind in the file.
 using Words = std::map<char, CsvField>;
 
+/// The words of a line up to its comment, each with its letter in capitals.
+CsvRecord WordsOf(const TextLine& line) {
+  CsvRecord words;
+  for (CsvField word : line.words) {
+    const std::size_t comment = word.text.find(';');
+    const bool is_last = comment != std::string::npos;
+    if (is_last) word.text.resize(comment);
+    if (!word.text.empty()) {
+      word.text.front() = static_cast<char>(
+          std::toupper(static_cast<unsigned char>(word.text.front())));
+      words.push_back(std::move(word));
+    }
+    if (is_last) break;
+  }
+  return words;
+}
+
 std::map<std::string, Words> CommandsOf(const std::string& text) {
-  constexpr std::array kWanted = {"M665", "M666", "M92", "M350"};
+  constexpr std::array<std::string_view, 4> kWanted = {"M665", "M666", "M92", "M350"};
   std::map<std::string, Words> commands;
   for (const TextLine& line : LinesOf(text)) {
-    std::string command;
-    for (const CsvField& word : line.words) {
-      std::string part = word.text.substr(0, word.text.find(';'));
-      if (!part.empty()) {
-        const char letter =
-            static_cast<char>(std::toupper(static_cast<unsigned char>(part.front())));
-        if (command.empty()) {
-          command = letter + part.substr(1);
-          const bool is_wanted =
-              std::ranges::any_of(kWanted, [&](const char* w) { return command == w; });
-          if (!is_wanted) break;
-        } else {
-          commands[command][letter] = {
-              .text = part.substr(1), .line = word.line, .column = word.column + 1};
-        }
-      }
-      if (part.size() < word.text.size()) break;
+    const CsvRecord words = WordsOf(line);
+    if (words.empty()) continue;
+    const std::string& command = words.front().text;
+    if (std::ranges::find(kWanted, command) == kWanted.end()) continue;
+    for (std::size_t i = 1; i < words.size(); ++i) {
+      commands[command][words[i].text.front()] = {.text = words[i].text.substr(1),
+                                                  .line = words[i].line,
+                                                  .column = words[i].column + 1};
     }
   }
   return commands;
