@@ -111,8 +111,9 @@ std::optional<Parameters> Improved(const Problem& problem,
                                    const Parameters& from,
                                    const Eigen::VectorXd& step,
                                    double cost) {
-  constexpr double kShortest = 1e-4;
-  for (double part = 1; part > kShortest; part /= 2) {
+  constexpr int kMostHalvings = 13;
+  double part = 1;
+  for (int halving = 0; halving <= kMostHalvings; ++halving, part /= 2) {
     Parameters p = from;
     p.head(step.size()) += part * step;
     const double there = problem.At(p).cost();

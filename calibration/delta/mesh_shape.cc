@@ -167,8 +167,9 @@ std::optional<All<double>> Improved(const Bed& bed,
                                     const All<double>& from,
                                     const Eigen::VectorXd& step,
                                     const Eigen::VectorXd& residual) {
-  constexpr double kShortest = 1e-3;
-  for (double part = 1; part > kShortest; part /= 2) {
+  constexpr int kMostHalvings = 9;
+  double part = 1;
+  for (int halving = 0; halving <= kMostHalvings; ++halving, part /= 2) {
     All<double> p = from;
     for (std::size_t i = 0; i < active.size(); ++i) {
       p[active[i]] += part * step[static_cast<Eigen::Index>(i)];
