@@ -108,5 +108,40 @@ TEST_F(ImportCommand, AMachineIsNotInventedWhereTheFileKnowsNone) {
   EXPECT_FALSE(fs::exists(Out()));
 }
 
+TEST_F(ImportCommand, SaysThatASavedDeltaIsStaleAndWritesItsMachine) {
+  const std::string machine = (folder_ / "m.yaml").string();
+
+  const Answer answer = RunImport({"klipper-delta",
+                                   Data("delta_v400_fixes.cfg"),
+                                   "--out",
+                                   Out(),
+                                   "--machine-out",
+                                   machine});
+
+  EXPECT_EQ(answer.exit_code, kPassed);
+  EXPECT_THAT(answer.out, HasSubstr("finds      STALE: the saved geometry does not"));
+  EXPECT_THAT(answer.out,
+              HasSubstr("heights: 129.8 um rms as saved, 16.7 um by a fit"));
+  EXPECT_THAT(answer.out, HasSubstr("diagnose " + Out() + " --machine " + machine));
+  EXPECT_EQ(ReadRows(Out()).rows.size(), 7u);
+  EXPECT_THAT(ReadTextFile(machine, 10'000), HasSubstr("kinematics: delta"));
+}
+
+TEST_F(ImportCommand, JudgesTheMeshOfADelta) {
+  const Answer answer =
+      RunImport({"klipper-mesh", Data("mesh_v400.cfg"), "--out", Out()});
+
+  EXPECT_EQ(answer.exit_code, kPassed);
+  EXPECT_THAT(answer.out, HasSubstr("finds      mesh 'default': neither: nothing"));
+}
+
+TEST_F(ImportCommand, ShowsAMachineThatHasNoRows) {
+  const std::string file = Written("config.g", "M665 L440 R235 H410\n");
+
+  EXPECT_THAT(RunImport({"rrf-config", file}).out, HasSubstr("delta_radius_mm: 235.0"));
+  EXPECT_THAT(RunImport({"rrf-config", file, "--out", Out()}).fault,
+              HasSubstr("measures nothing: there are no rows"));
+}
+
 }  // namespace
 }  // namespace caltwin

@@ -11,12 +11,15 @@
 #include "sim/measure/import/import.h"
 #include "sim/measure/rows.h"
 #include "tools/commands/command.h"
+#include "tools/commands/import_account.h"
 
 namespace caltwin {
 
 namespace fs = std::filesystem;
 
 namespace {
+
+constexpr std::size_t kLargestFile_bytes = 64'000'000;
 
 struct Options {
   std::string kind{};
@@ -42,37 +45,83 @@ void Print(const char* title, const std::vector<std::string>& sentences) {
   }
 }
 
-void PrintNext(const Imported& imported, const std::string& out) {
+void PrintNext(const Imported& imported,
+               const std::string& out,
+               const std::string& machine_out) {
   const bool is_positioning =
       !imported.header.campaigns.empty() &&
       imported.header.campaigns.begin()->second.plan == "iso230";
   std::cout << fmt::format(
-      "next:      caltwin diagnose {}{}\n",
+      "next:      caltwin diagnose {}{}{}\n",
       out,
+      machine_out.empty() ? "" : " --machine " + machine_out,
       is_positioning ? fmt::format(", caltwin iso230 {}", out) : "");
 }
 
-int RunImport(const Options& options) {
-  ImportOptions import = options.import;
-  if (options.step_mm > 0) import.step_mm = options.step_mm;
-  const Imported imported = Import(options.kind, options.file, import);
-  const std::vector<Doubt> doubts = Doubts(imported.table, imported.header);
-  RefuseImplausible(doubts, options.file);
+void RefuseMissing(const Options& options, const Imported& imported) {
   if (!options.machine_out.empty() && imported.machine_yaml.empty()) {
     throw InputError(
         {.file = "--machine-out"},
         fmt::format("a file of the kind {} says nothing of the machine", options.kind),
         "caltwin new machine NAME writes a file to begin with");
   }
+  if (!options.out.empty() && imported.table.rows.empty()) {
+    throw InputError(
+        {.file = "--out"},
+        fmt::format("a file of the kind {} measures nothing: there are no rows",
+                    options.kind),
+        "--machine-out M.yaml writes the machine that it describes");
+  }
+}
+
+/// Refuses to write over what is read.
+void RefuseSame(const fs::path& out, const std::string& file) {
+  std::error_code error;
+  if (!fs::equivalent(out, file, error)) return;
+  throw InputError({.file = out.string()},
+                   "this is the file that is read: it would be written over",
+                   "give another name");
+}
+
+void PrintFound(const Imported& imported) {
+  Print("recognised", imported.recognised);
+  Print("assumed", imported.assumed);
+  Print("warning", imported.warnings);
+}
+
+/// Of a file that describes a machine and measures nothing.
+void WriteMachineAlone(const Options& options, const Imported& imported) {
+  if (options.machine_out.empty()) {
+    std::cout << imported.machine_yaml;
+    return;
+  }
+  WriteTextFile(options.machine_out, imported.machine_yaml);
+  std::cout << fmt::format(
+      "{}: a machine, from {}\n", options.machine_out, options.file);
+  PrintFound(imported);
+}
+
+int RunImport(const Options& options) {
+  ImportOptions import = options.import;
+  if (options.step_mm > 0) import.step_mm = options.step_mm;
+  const Imported imported = Import(options.kind, options.file, import);
+  RefuseMissing(options, imported);
+  if (!options.machine_out.empty()) RefuseSame(options.machine_out, options.file);
+  if (imported.table.rows.empty()) {
+    WriteMachineAlone(options, imported);
+    return kPassed;
+  }
+  const std::vector<Doubt> doubts = Doubts(imported.table, imported.header);
+  RefuseImplausible(doubts, options.file);
   const fs::path out = options.out.empty()
                            ? fs::path(options.file).stem().concat(".rows.csv")
                            : fs::path(options.out);
-  std::error_code error;
-  if (fs::equivalent(out, options.file, error)) {
-    throw InputError({.file = out.string()},
-                     "this is the file that is read: it would be written over",
-                     "give another name with --out");
-  }
+  RefuseSame(out, options.file);
+  const std::vector<std::string> account =
+      ImportAccount(options.kind,
+                    ReadTextFile(options.file, kLargestFile_bytes),
+                    options.file,
+                    import);
   WriteDataHeader(fs::path(out).replace_extension(".yaml"), imported.header);
   if (!imported.machine_yaml.empty() && !options.machine_out.empty()) {
     WriteTextFile(options.machine_out, imported.machine_yaml);
@@ -80,14 +129,13 @@ int RunImport(const Options& options) {
   WriteRows(out, imported.table);
   std::cout << fmt::format(
       "{}: {} rows from {}\n", out.string(), imported.table.rows.size(), options.file);
-  Print("recognised", imported.recognised);
-  Print("assumed", imported.assumed);
-  Print("warning", imported.warnings);
+  PrintFound(imported);
+  Print("finds", account);
   for (const Doubt& doubt : doubts) {
     Print("note", {doubt.message});
     if (!doubt.hint.empty()) Print("", {doubt.hint});
   }
-  PrintNext(imported, out.string());
+  PrintNext(imported, out.string(), options.machine_out);
   return kPassed;
 }
 

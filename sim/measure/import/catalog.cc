@@ -10,9 +10,13 @@
 #include "sim/measure/import/cmm_plate.h"
 #include "sim/measure/import/import.h"
 #include "sim/measure/import/iso230_dat.h"
+#include "sim/measure/import/klipper_delta.h"
+#include "sim/measure/import/klipper_mesh.h"
 #include "sim/measure/import/klipper_thermal.h"
 #include "sim/measure/import/map.h"
 #include "sim/measure/import/probe_accuracy.h"
+#include "sim/measure/import/rrf_config.h"
+#include "sim/measure/import/rrf_heightmap.h"
 
 namespace caltwin {
 namespace {
@@ -33,6 +37,14 @@ constexpr std::array kImporters = {
     Importer{"probe-accuracy",
              "a terminal log of PROBE_ACCURACY (Klipper) or M48 (Marlin)",
              ReadProbeAccuracy},
+    Importer{"klipper-delta",
+             "a delta's printer.cfg with the touches of its saved calibration",
+             ReadKlipperDelta},
+    Importer{"klipper-mesh", "the meshes that a printer.cfg holds", ReadKlipperMesh},
+    Importer{"rrf-config",
+             "config.g, config-override.g of a delta (M665 M666): a machine file",
+             ReadRrfConfig},
+    Importer{"rrf-heightmap", "heightmap.csv of RepRapFirmware", ReadRrfHeightmap},
     Importer{"csv", "a spreadsheet, its columns named by --map", ReadMapped}};
 
 const Importer& Find(const std::string& kind) {
