@@ -17,6 +17,14 @@ struct DeltaTouch {
   double sigma_mm = 0.01;
 };
 
+/// A distance between two places of the nozzle, measured on what was printed there.
+struct DeltaDistance {
+  double length_mm = 0;
+  Vec3<double> from_mm = Vec3<double>::Zero();  ///< Motor travels at one end.
+  Vec3<double> to_mm = Vec3<double>::Zero();
+  double sigma_mm = 0.05;  ///< A calliper on plastic.
+};
+
 /// The only door of a delta's calibration: touches the bed on the way straight down at
 /// (x, y) as `settings` say, and tells the motors' travels at the trigger. nullopt: out
 /// of reach.

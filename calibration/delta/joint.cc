@@ -70,12 +70,12 @@ class ReadDelta {
                    Eigen::Index i,
                    Rows* rows) {
     rows->residual[i] = kNotThere;
-    const auto from = Close(build, between.from_motors_mm, pose);
-    const auto to = Close(build, between.to_motors_mm, pose + 1);
+    const auto from = Close(build, between.from_mm, pose);
+    const auto to = Close(build, between.to_mm, pose + 1);
     if (!from || !to) return;
     const Vec3<double> way = to->pose().nozzle_mm - from->pose().nozzle_mm;
     const double length_mm = way.norm();
-    rows->residual[i] = (length_mm - between.distance_mm) / between.sigma_mm;
+    rows->residual[i] = (length_mm - between.length_mm) / between.sigma_mm;
     Take(to->Slopes(way / length_mm), 1 / between.sigma_mm, i, rows);
     Take(from->Slopes(-way / length_mm), 1 / between.sigma_mm, i, rows);
   }

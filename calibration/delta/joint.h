@@ -10,15 +10,6 @@
 
 namespace caltwin {
 
-/// A length between two places of the nozzle, measured on what it drew: two motor poses
-/// and what a calliper says is between them.
-struct DeltaDistance {
-  Vec3<double> from_motors_mm = Vec3<double>::Zero();
-  Vec3<double> to_motors_mm = Vec3<double>::Zero();
-  double distance_mm = 0;
-  double sigma_mm = 0.02;
-};
-
 /// Everything measured on a delta. Motor travels are what settings and belts make of
 /// steps: commanded mm down from the endstops.
 struct DeltaReadings {

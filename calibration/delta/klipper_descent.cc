@@ -37,7 +37,7 @@ DeltaModel<double> Changed(const DeltaModel<double>& start, const Changes& by) {
 
 struct Data {
   std::span<const DeltaTouch> touches{};
-  std::span<const KlipperDistance> distances{};
+  std::span<const DeltaDistance> distances{};
   double height_weight = 1;
 
   double HeightSquares_mm2(const DeltaModel<double>& model) const {
@@ -51,10 +51,10 @@ struct Data {
 
   double Error_mm2(const DeltaModel<double>& model) const {
     double error = HeightSquares_mm2(model) * height_weight;
-    for (const KlipperDistance& distance : distances) {
-      const Vec3<double> from = DeltaNozzle_mm(model, distance.first_motors_mm);
-      const Vec3<double> to = DeltaNozzle_mm(model, distance.second_motors_mm);
-      const double off_mm = (to - from).norm() - distance.distance_mm;
+    for (const DeltaDistance& distance : distances) {
+      const Vec3<double> from = DeltaNozzle_mm(model, distance.from_mm);
+      const Vec3<double> to = DeltaNozzle_mm(model, distance.to_mm);
+      const double off_mm = (to - from).norm() - distance.length_mm;
       error += off_mm * off_mm;
     }
     return error;
@@ -146,7 +146,7 @@ std::vector<KlipperRidge> KlipperPrint() {
 }
 
 DeltaOutcome FitKlipper(std::span<const DeltaTouch> touches,
-                        std::span<const KlipperDistance> distances,
+                        std::span<const DeltaDistance> distances,
                         const DeltaModel<double>& start) {
   Require(!touches.empty(), "heights to fit");
   constexpr double kDistanceWeight = 0.5;

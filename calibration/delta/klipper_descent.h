@@ -13,13 +13,6 @@ namespace caltwin {
 /// and 80 % of the radius at 90, 150, 210, 270, 330 and 30 deg.
 std::vector<Eigen::Vector2d> KlipperProbePoints(double radius_mm);
 
-/// A distance measured on a print: the motors' travels at which its ends were printed.
-struct KlipperDistance {
-  double distance_mm = 0;
-  Vec3<double> first_motors_mm = Vec3<double>::Zero();
-  Vec3<double> second_motors_mm = Vec3<double>::Zero();
-};
-
 /// Both ends of the twelve distances of Klipper's calibration print (pillars 65 mm from
 /// the centre, edges of a ridge 4.5 mm from a pillar's middle): six along the spokes,
 /// six from pillar to pillar.
@@ -32,7 +25,7 @@ std::vector<KlipperRidge> KlipperPrint();
 struct KlipperOptions {
   std::vector<Eigen::Vector2d> points = KlipperProbePoints(100);
   /// With any, the three arms are fitted too (nine parameters in place of six).
-  std::vector<KlipperDistance> distances{};
+  std::vector<DeltaDistance> distances{};
 };
 
 /// Coordinate descent in the manner of Klipper: each parameter in turn takes a step up
@@ -47,7 +40,7 @@ struct KlipperOptions {
 /// Klipper reports no deviation: `said_mm` is the rms of the heights that its log
 /// lists, in sample. It is always done. `messages`: the lines of its `printer.cfg`.
 DeltaOutcome FitKlipper(std::span<const DeltaTouch> touches,
-                        std::span<const KlipperDistance> distances,
+                        std::span<const DeltaDistance> distances,
                         const DeltaModel<double>& start);
 
 /// Touches every point once with the settings it starts from, then FitKlipper.

@@ -146,7 +146,7 @@ std::optional<double> HoldOutRms_mm(std::span<const DeltaTouch> touches,
   for (std::size_t left_out = 0; left_out < touches.size(); ++left_out) {
     std::vector<DeltaTouch> others(touches.begin(), touches.end());
     others.erase(others.begin() + static_cast<std::ptrdiff_t>(left_out));
-    const KlipperFit fit = FitKlipper(others, distances, start, num_parameters);
+    const KlipperFit fit = FitKlipperModel(others, distances, start, num_parameters);
     if (!fit.is_converged || !fit.last_step.identifiable) return std::nullopt;
     errors_mm.push_back(
         HeightResiduals_mm(touches.subspan(left_out, 1), fit.model).front());
@@ -175,10 +175,10 @@ SavedVerdict VerdictOf(std::span<const double> saved_mm, double fit_rms_mm) {
 
 }  // namespace
 
-KlipperFit FitKlipper(std::span<const DeltaTouch> touches,
-                      std::span<const DeltaDistance> distances,
-                      const DeltaModel<double>& start,
-                      int num_parameters) {
+KlipperFit FitKlipperModel(std::span<const DeltaTouch> touches,
+                           std::span<const DeltaDistance> distances,
+                           const DeltaModel<double>& start,
+                           int num_parameters) {
   Require(num_parameters > 0 && num_parameters <= kKlipperNine,
           "Klipper's model has nine parameters");
   const Problem problem(touches, distances, start, num_parameters);
@@ -253,7 +253,7 @@ KlipperAssessment AssessKlipper(std::span<const DeltaTouch> touches,
   for (const double residual_mm : saved_mm) {
     assessment.saved_mean_mm += residual_mm / static_cast<double>(saved_mm.size());
   }
-  assessment.fit = FitKlipper(touches, distances, saved, num_parameters);
+  assessment.fit = FitKlipperModel(touches, distances, saved, num_parameters);
   assessment.spare =
       static_cast<int>(touches.size() + distances.size()) - num_parameters;
   assessment.hold_out_rms_mm =
@@ -263,7 +263,7 @@ KlipperAssessment AssessKlipper(std::span<const DeltaTouch> touches,
   constexpr double kLonger_mm = 1;
   DeltaModel<double> longer = assessment.fit.model;
   for (double& arm_mm : longer.arm_mm) arm_mm += kLonger_mm;
-  const KlipperFit refit = FitKlipper(touches, {}, longer, kKlipperSix);
+  const KlipperFit refit = FitKlipperModel(touches, {}, longer, kKlipperSix);
   assessment.longer_arms_rms_mm = refit.height_rms_mm;
   assessment.longer_arms_radius_mm =
       refit.model.radius_mm[0] - assessment.fit.model.radius_mm[0];

@@ -11,14 +11,6 @@
 
 namespace caltwin {
 
-/// A distance between two places of the nozzle, measured on what was printed there.
-struct DeltaDistance {
-  double length_mm = 0;
-  Vec3<double> from_mm = Vec3<double>::Zero();  ///< Motor travels at one end.
-  Vec3<double> to_mm = Vec3<double>::Zero();
-  double sigma_mm = 0.05;  ///< A calliper on plastic.
-};
-
 /// The nine numbers of Klipper's model, in this order; the first six are all that it
 /// moves where there are no distances.
 inline constexpr std::array kKlipperNames = {"delta_radius",
@@ -49,10 +41,10 @@ struct KlipperFit {
 /// over the first `num_parameters` of kKlipperNames by Gauss-Newton with exact
 /// derivatives, from `start`. Not converged: the data do not reach the model's minimum
 /// (fewer readings than parameters have no minimum, the least-norm step is taken).
-KlipperFit FitKlipper(std::span<const DeltaTouch> touches,
-                      std::span<const DeltaDistance> distances,
-                      const DeltaModel<double>& start,
-                      int num_parameters);
+KlipperFit FitKlipperModel(std::span<const DeltaTouch> touches,
+                           std::span<const DeltaDistance> distances,
+                           const DeltaModel<double>& start,
+                           int num_parameters);
 
 /// Heights by the model less the true ones.
 std::vector<double> HeightResiduals_mm(std::span<const DeltaTouch> touches,

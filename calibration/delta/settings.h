@@ -14,8 +14,8 @@ struct DeltaSettingsShape {
 
 /// The settings with which a machine prints best: least squares of where the nozzle
 /// goes against where it is sent, all over a disc on the bed and 40 mm above it;
-/// heights over the bed weigh a thousand times as much as places on it. `from`: where to
-/// start, and what the firmware has no number for.
+/// heights over the bed weigh a thousand times as much as places on it. `from`: where
+/// to start, and what the firmware has no number for.
 DeltaModel<double> BestDeltaSettings(const DeltaBuild<double>& build,
                                      const DeltaBed<double>& bed,
                                      const DeltaModel<double>& from,
@@ -29,8 +29,8 @@ DeltaModel<double> BestDeltaSettings(const DeltaBuild<double>& build,
 /// 0).
 std::string AsRrf(const DeltaModel<double>& settings);
 /// Marlin: `M665 L R H X Y Z A B C` (angle trims X Y Z, rod trims A B C) and `M666 X Y
-/// Z` (none above 0: the highest endstop is the reference, and H its height). It has one
-/// radius for all towers.
+/// Z` (none above 0: the highest endstop is the reference, and H its height). It has
+/// one radius for all towers.
 std::string AsMarlin(const DeltaModel<double>& settings);
 /// Klipper's printer.cfg: `[printer] delta_radius`, `[stepper_a] position_endstop,
 /// arm_length, angle` and so on.

@@ -9,14 +9,13 @@ namespace {
 
 constexpr double kTimestep_s = 0.001;
 
-// The machine's own model, or the one that every delta can be.
+}  // namespace
+
 DeltaMjcf ModelOfDelta(const Machine& machine) {
   return DeltaMjcf::FromFile(machine.model.empty()
                                  ? ShareFolder() / "models/delta_printer/model.xml"
                                  : machine.model);
 }
-
-}  // namespace
 
 std::array<double, 3> TowerStepsPerMm(const Machine& machine) {
   std::array<double, 3> steps_per_mm{};

@@ -43,6 +43,9 @@ class DeltaTwinPlant : public DeltaPlant {
   Rng scatter_;
 };
 
+/// The model that a delta's machine file names, or the one that every delta can be.
+DeltaMjcf ModelOfDelta(const Machine& machine);
+
 /// Microsteps per mm of each tower, by the drawing.
 std::array<double, 3> TowerStepsPerMm(const Machine& machine);
 

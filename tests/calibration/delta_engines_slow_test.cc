@@ -50,19 +50,19 @@ TEST(G33Noisy, SixteenPointsTakeAsManyTouchesAsMeasuredElsewhere) {
 }
 
 // Distances of Klipper's print made with the settings `settings`.
-std::vector<KlipperDistance> Printed(const DeltaBuild<double>& build,
-                                     const DeltaModel<double>& settings,
-                                     double sigma_mm) {
+std::vector<DeltaDistance> Printed(const DeltaBuild<double>& build,
+                                   const DeltaModel<double>& settings,
+                                   double sigma_mm) {
   Rng rng(5, 0, "callipers");
-  std::vector<KlipperDistance> distances;
+  std::vector<DeltaDistance> distances;
   for (const KlipperRidge& ridge : KlipperPrint()) {
     const Vec3<double> from(ridge.first_mm[0], ridge.first_mm[1], 0);
     const Vec3<double> to(ridge.second_mm[0], ridge.second_mm[1], 0);
-    KlipperDistance distance{.first_motors_mm = DeltaMotors_mm(settings, from),
-                             .second_motors_mm = DeltaMotors_mm(settings, to)};
-    const Vec3<double> way = DeltaPoseOf(build, distance.second_motors_mm)->nozzle_mm -
-                             DeltaPoseOf(build, distance.first_motors_mm)->nozzle_mm;
-    distance.distance_mm = way.norm() + sigma_mm * rng.Normal();
+    DeltaDistance distance{.from_mm = DeltaMotors_mm(settings, from),
+                           .to_mm = DeltaMotors_mm(settings, to)};
+    const Vec3<double> way = DeltaPoseOf(build, distance.to_mm)->nozzle_mm -
+                             DeltaPoseOf(build, distance.from_mm)->nozzle_mm;
+    distance.length_mm = way.norm() + sigma_mm * rng.Normal();
     distances.push_back(distance);
   }
   return distances;

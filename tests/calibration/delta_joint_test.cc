@@ -169,12 +169,12 @@ TEST(DeltaJoint, HeightsAloneDoNotTellTheRodsAndItSaysSo) {
         80 * std::cos(angle_deg * kDegree), 80 * std::sin(angle_deg * kDegree), 0);
     const Vec3<double> from = DeltaMotors_mm<double>(Believed(), out);
     const Vec3<double> to = DeltaMotors_mm<double>(Believed(), -out);
-    measured.distances.push_back(
-        {from,
-         to,
-         (DeltaPoseOf(longer, from)->nozzle_mm - DeltaPoseOf(longer, to)->nozzle_mm)
-             .norm(),
-         0.02});
+    measured.distances.push_back({.length_mm = (DeltaPoseOf(longer, from)->nozzle_mm -
+                                                DeltaPoseOf(longer, to)->nozzle_mm)
+                                                   .norm(),
+                                  .from_mm = from,
+                                  .to_mm = to,
+                                  .sigma_mm = 0.02});
   }
   const DeltaJointFit told = FitDeltaJointly(Drawn(), measured, seven);
   EXPECT_LT(told.estimates[6].sd, 0.5 * with.estimates[6].sd);

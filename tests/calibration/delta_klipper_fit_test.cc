@@ -85,7 +85,7 @@ TEST(KlipperFit, RecoversATruthFromTheDrawing) {
   const DeltaModel<double> built = Built();
 
   const KlipperFit fit =
-      FitKlipper(Touches(built), {}, SymmetricDelta(300, 150, 315), kKlipperSix);
+      FitKlipperModel(Touches(built), {}, SymmetricDelta(300, 150, 315), kKlipperSix);
 
   EXPECT_TRUE(fit.is_converged);
   EXPECT_TRUE(fit.last_step.identifiable);
@@ -107,7 +107,7 @@ TEST(KlipperFit, StatesACovarianceThatIsTheScatterOfRepeats) {
   for (int repeat = 0; repeat < kRepeats; ++repeat) {
     std::vector<DeltaTouch> touches = exact;
     for (DeltaTouch& touch : touches) touch.height_mm += kSigma_mm * rng.Normal();
-    fit = FitKlipper(touches, {}, built, kKlipperSix);
+    fit = FitKlipperModel(touches, {}, built, kKlipperSix);
     radius_mm2 += std::pow(fit.model.radius_mm[0] - built.radius_mm[0], 2) / kRepeats;
     endstop_mm2 +=
         std::pow(fit.model.endstop_mm[1] - built.endstop_mm[1], 2) / kRepeats;
@@ -122,7 +122,7 @@ TEST(KlipperFit, SaysThatFiveTouchesDoNotDetermineSixNumbers) {
   std::vector<DeltaTouch> touches = Touches(Built());
   touches.resize(5);
 
-  const KlipperFit fit = FitKlipper(touches, {}, Built(), kKlipperSix);
+  const KlipperFit fit = FitKlipperModel(touches, {}, Built(), kKlipperSix);
 
   EXPECT_FALSE(fit.last_step.identifiable);
   EXPECT_EQ(fit.last_step.rank, 5);
@@ -142,8 +142,8 @@ TEST(KlipperFit, CannotTellArmsFromHeightsButFromDistances) {
          touches[i].motors_mm});
   }
 
-  const KlipperFit heights = FitKlipper(touches, {}, start, kKlipperNine);
-  const KlipperFit both = FitKlipper(touches, distances, start, kKlipperNine);
+  const KlipperFit heights = FitKlipperModel(touches, {}, start, kKlipperNine);
+  const KlipperFit both = FitKlipperModel(touches, distances, start, kKlipperNine);
 
   EXPECT_FALSE(heights.last_step.identifiable);
   EXPECT_TRUE(both.is_converged);

@@ -1,11 +1,13 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "renders/delta_scene.h"
 #include "renders/machine_scene.h"
 #include "scenarios/file_kind.h"
 #include "scenarios/machine_file.h"
@@ -53,22 +55,47 @@ void CheckCamera(const mjModel* model, const std::string& camera) {
                    fmt::format("it has: {}", fmt::join(CameraNames(model), ", ")));
 }
 
+/// The delta that the file describes; nullopt where it is no delta.
+std::optional<DeltaScene> DeltaOf(const Options& options) {
+  const fs::path file = options.file;
+  const FileKind kind = KindOf(file);
+  if (kind == FileKind::kScenario) {
+    const Scenario scenario = ReadScenario(file);
+    if (!scenario.delta) return std::nullopt;
+    const Machine& machine = scenario.machine.machine;
+    return DeltaScene(machine,
+                      DrawDelta(*scenario.delta, machine, scenario.seed, /*sample=*/0),
+                      options.exaggerate);
+  }
+  if (kind != FileKind::kMachine) return std::nullopt;
+  const Machine machine = ReadAnyMachineFile(file).machine;
+  if (!machine.delta) return std::nullopt;
+  return DeltaScene(machine, {.build = machine.delta->Build()}, options.exaggerate);
+}
+
+void Draw(const Options& options, const mjModel* model, mjData* data) {
+  CheckCamera(model, options.camera);
+  WritePng(options.out,
+           DrawScene(model,
+                     data,
+                     {.width = options.width,
+                      .height = options.height,
+                      .camera = options.camera}));
+  std::cout << fmt::format("picture: {}\n", options.out);
+}
+
 int Render(const Options& options) {
   if (fs::path(options.out).extension() != ".png") {
     throw InputError({.file = "--out"},
                      fmt::format("'{}' does not end in .png", options.out),
                      "pictures are PNG files");
   }
-  const TwinConfig config = ConfigOf(options.file);
-  const MachineScene scene(config, options.exaggerate);
-  CheckCamera(scene.model(), options.camera);
-  WritePng(options.out,
-           DrawScene(scene.model(),
-                     scene.data(),
-                     {.width = options.width,
-                      .height = options.height,
-                      .camera = options.camera}));
-  std::cout << fmt::format("picture: {}\n", options.out);
+  if (const auto delta = DeltaOf(options)) {
+    Draw(options, delta->model(), delta->data());
+    return kPassed;
+  }
+  const MachineScene scene(ConfigOf(options.file), options.exaggerate);
+  Draw(options, scene.model(), scene.data());
   return kPassed;
 }
 
