@@ -121,7 +121,7 @@ mjvOption Surfaces() {
   mjvOption option;
   mjv_defaultOption(&option);
   std::fill(std::begin(option.sitegroup), std::end(option.sitegroup), mjtByte{0});
-  std::fill(std::begin(option.tendongroup), std::end(option.tendongroup), mjtByte{0});
+  option.tendongroup[0] = 0;  // Couplings; rods that are to be seen are in group 1.
   return option;
 }
 

@@ -22,7 +22,8 @@ namespace caltwin {
 namespace {
 
 constexpr double kUmPerMm = 1e3;
-constexpr double kBest_mm = 1e-3;  // Less than this no touch is believed to scatter.
+constexpr double kRecovered = 0.1;  // Of the heights as they were.
+constexpr double kBest_mm = 1e-3;   // Less than this no touch is believed to scatter.
 
 /// What a procedure left behind.
 struct Performed {
@@ -399,10 +400,11 @@ class DeltaRun {
                                 .found = is_there ? "said" : "not said",
                                 .passed = is_there});
     }
-    result->outcome = was_out_of_reach_                             ? "no_trigger"
-                      : after.z_rms_mm > 2 * before.z_rms_mm        ? "diverges"
-                      : all_met && after.z_rms_mm < before.z_rms_mm ? "recovers"
-                                                                    : "misses";
+    result->outcome = was_out_of_reach_                      ? "no_trigger"
+                      : after.z_rms_mm > 2 * before.z_rms_mm ? "diverges"
+                      : all_met && after.z_rms_mm < kRecovered * before.z_rms_mm
+                          ? "recovers"
+                          : "misses";
     result->checks.insert(result->checks.begin(),
                           {.name = "outcome",
                            .expected = delta_.outcome,

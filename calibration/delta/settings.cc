@@ -9,11 +9,13 @@
 #include <ceres/jet.h>
 #include <fmt/format.h>
 
+#include "sim/base/mutant.h"
+
 namespace caltwin {
 namespace {
 
 constexpr int kNumSettings = 12;  // Endstops, radii, angles, arms.
-constexpr double kHeightWeight = 1000;
+constexpr double kHeightWeight = 100;
 constexpr double kRad = std::numbers::pi / 180;
 constexpr std::array kDrawnAngle_deg = {210.0, 330.0, 90.0};
 
@@ -150,8 +152,10 @@ std::string AsMarlin(const DeltaModel<double>& settings) {
       settings.arm_mm[0] - arm_mm,
       settings.arm_mm[1] - arm_mm,
       settings.arm_mm[2] - arm_mm,
-      settings.endstop_mm[0] - highest_mm,
-      settings.endstop_mm[1] - highest_mm,
+      settings.endstop_mm[Mutant<std::size_t>("delta_swapped_towers", 0, 1)] -
+          highest_mm,
+      settings.endstop_mm[Mutant<std::size_t>("delta_swapped_towers", 1, 0)] -
+          highest_mm,
       settings.endstop_mm[2] - highest_mm);
 }
 

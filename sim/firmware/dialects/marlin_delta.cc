@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "sim/base/input_error.h"
+#include "sim/base/mutant.h"
 
 namespace caltwin {
 namespace {
@@ -223,7 +224,9 @@ Reply MarlinDelta::SetEndstops(const GcodeCommand& command) {
   for (std::size_t i = 0; i < 3; ++i) {
     const auto below = NumberOf(command, "XYZ"[i]);
     // Above the height is no endstop: Marlin ignores it.
-    if (below && *below <= 0) settings_.endstop_mm[i] = height_mm_ + *below;
+    if (below && *below <= 0)
+      settings_.endstop_mm[i] =
+          height_mm_ + Mutant("delta_endstop_sign", 1.0, -1.0) * *below;
   }
   is_homed_ = false;
   return {};
