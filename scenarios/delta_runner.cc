@@ -10,10 +10,8 @@
 
 #include "calibration/delta/g33.h"
 #include "calibration/delta/joint.h"
-#include "calibration/delta/klipper_descent.h"
-#include "calibration/delta/rrf_least_squares.h"
-#include "calibration/delta/settings.h"
 #include "scenarios/delta_link.h"
+#include "scenarios/delta_procedures.h"
 #include "scenarios/interrupt.h"
 #include "scenarios/interruptible_link.h"
 #include "sim/link/transcript.h"
@@ -23,85 +21,8 @@ namespace {
 
 constexpr double kUmPerMm = 1e3;
 constexpr double kRecovered = 0.1;  // Of the heights as they were.
-constexpr double kBest_mm = 1e-3;   // Less than this no touch is believed to scatter.
-
-/// What a procedure left behind.
-struct Performed {
-  DeltaOutcome outcome{};
-  std::optional<DeltaJointFit> fit{};
-};
-
-DeltaReadings TouchAll(const DeltaProbe& probe,
-                       const DeltaModel<double>& settings,
-                       const std::vector<Eigen::Vector2d>& points,
-                       double sigma_mm) {
-  DeltaReadings readings;
-  for (const Eigen::Vector2d& at : points) {
-    if (const auto motors = probe(settings, at[0], at[1])) {
-      readings.touches.push_back({*motors, 0, sigma_mm});
-    }
-  }
-  return readings;
-}
-
-// A touch is counted in whole steps: as uniform as its scatter is normal.
-double TouchSigma_mm(const DeltaScenario& scenario, const Machine& machine) {
-  const double step_mm = 1 / TowerStepsPerMm(machine)[0];
-  return std::max(std::hypot(scenario.probe_sigma_mm, step_mm / std::sqrt(12.0)),
-                  kBest_mm);
-}
-
-Performed PerformJoint(const DeltaStep& step,
-                       const DeltaScenario& scenario,
-                       const Machine& machine,
-                       const DeltaProbe& probe,
-                       const DeltaModel<double>& start) {
-  const double radius_mm = machine.delta->print_radius_mm;
-  DeltaBuild<double> believed = machine.delta->Build();
-  believed.model = start;
-  const DeltaReadings readings = TouchAll(probe,
-                                          start,
-                                          DiscPoints(step.points, radius_mm),
-                                          TouchSigma_mm(scenario, machine));
-  Performed performed;
-  performed.fit = FitDeltaJointly(
-      believed,
-      readings,
-      {.knobs = step.unknowns == "machine" ? MachineKnobs() : FirmwareKnobs()});
-  const DeltaJointFit& fit = *performed.fit;
-  performed.outcome = {
-      .settings = BestDeltaSettings(
-          fit.build, fit.bed, start, radius_mm, {.has_radius_per_tower = false}),
-      .touches = static_cast<int>(readings.touches.size()),
-      .is_done = fit.converged,
-      .said_mm = fit.hold_out_mm,
-      .messages = {fmt::format("joint estimate of {} unknowns from {} touches: {:.4f} "
-                               "mm rms, {:.4f} mm of points left out",
-                               fit.estimates.size(),
-                               readings.touches.size(),
-                               fit.rms_mm,
-                               fit.hold_out_mm)}};
-  return performed;
-}
-
-DeltaOutcome PerformHost(const DeltaStep& step,
-                         const DeltaScenario& scenario,
-                         const Machine& machine,
-                         const DeltaProbe& probe,
-                         const DeltaModel<double>& start,
-                         std::optional<DeltaJointFit>* fit) {
-  const double radius_mm = machine.delta->print_radius_mm;
-  if (step.name == "rrf_least_squares") {
-    return CalibrateRrf(
-        probe, start, {.factors = step.factors, .points = RrfProbePoints(radius_mm)});
-  }
-  if (step.name == "klipper_descent") {
-    return CalibrateKlipper(probe, start, {.points = KlipperProbePoints(radius_mm)});
-  }
-  const Performed performed = PerformJoint(step, scenario, machine, probe, start);
-  *fit = performed.fit;
-  return performed.outcome;
-}
+constexpr double kG33Touch_s =
+    3;  // Travel, descent and lift of a touch inside the firmware.
 
 /// One value of the settings, as the results' table names it.
 std::optional<double> SettingOf(const DeltaModel<double>& model,
@@ -176,7 +97,7 @@ class DeltaRun {
     }
     if (recorder) recorder->Save();
     result.touches = marlin_.touches() + g33_touches_;
-    result.machine_time_s = marlin_.machine_time_s();
+    result.machine_time_s = marlin_.machine_time_s() + kG33Touch_s * g33_touches_;
     result.position_error_after_p95_mm = PositionP95_mm();
     Judge(before, Accuracy(), &result);
     result.cpu_s = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
@@ -214,7 +135,7 @@ class DeltaRun {
       result->messages.insert(result->messages.end(), lines.begin(), lines.end());
     } else {
       const DeltaOutcome outcome =
-          PerformHost(step, delta_, machine_, probe.AsProbe(), before, &fit_);
+          PerformDeltaStep(step, delta_, machine_, probe.AsProbe(), before, &fit_);
       probe.Set(outcome.settings);
       probe.Say("M500");
       said_mm_ = outcome.said_mm;

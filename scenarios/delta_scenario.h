@@ -4,20 +4,11 @@
 #include <string>
 #include <vector>
 
-#include "sim/base/distribution.h"
+#include "scenarios/delta_effects.h"
 #include "sim/base/yaml.h"
 #include "sim/machine/machine.h"
-#include "sim/twin/delta_plant.h"
 
 namespace caltwin {
-
-/// One number of one effect of a delta: `rod_mismatch.a1: {length_error_mm: 0.3}`.
-struct DeltaInjected {
-  std::string name{};       ///< cause.axis, or the cause alone.
-  std::string parameter{};  ///< As in CONTRACT.
-  Distribution value = 0.0;
-  Place place{};
-};
 
 /// Bounds of a figure that a scenario expects.
 struct Within {
@@ -63,8 +54,5 @@ BuiltDelta DrawDelta(const DeltaScenario& scenario,
                      const Machine& machine,
                      std::uint64_t seed,
                      std::uint64_t sample);
-
-/// Every effect of a delta with its parameters, for `caltwin explain` and messages.
-std::vector<std::string> DeltaEffectNames();
 
 }  // namespace caltwin

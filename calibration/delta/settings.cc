@@ -15,7 +15,10 @@ namespace caltwin {
 namespace {
 
 constexpr int kNumSettings = 12;  // Endstops, radii, angles, arms.
-constexpr double kHeightWeight = 100;
+// How much more heights weigh than places: more where a firmware lacks numbers and
+// would trade one for the other.
+constexpr double kWeightOfTwelve = 10;
+constexpr double kWeightOfFewer = 100;
 constexpr double kRad = std::numbers::pi / 180;
 constexpr std::array kDrawnAngle_deg = {210.0, 330.0, 90.0};
 
@@ -95,6 +98,8 @@ DeltaModel<double> BestDeltaSettings(const DeltaBuild<double>& build,
   const std::vector<Aim> aims = AimsOn(build, bed, radius_mm);
   DeltaModel<double> model = from;
   const auto num = static_cast<Eigen::Index>(aims.size());
+  const bool has_all = shape.has_radius_per_tower && shape.has_arm_per_tower;
+  const double height_weight = has_all ? kWeightOfTwelve : kWeightOfFewer;
   for (int round = 0; round < kRounds; ++round) {
     Eigen::MatrixXd slope = Eigen::MatrixXd::Zero(3 * num + kNumSettings, kNumSettings);
     Eigen::VectorXd off = Eigen::VectorXd::Zero(3 * num + kNumSettings);
@@ -105,7 +110,7 @@ DeltaModel<double> BestDeltaSettings(const DeltaBuild<double>& build,
       const Vec3<SettingsJet> believed =
           DeltaNozzle_mm<SettingsJet>(free, aim.motors_mm.cast<SettingsJet>());
       for (int c = 0; c < 3; ++c) {
-        const double weight = c == 2 ? kHeightWeight : 1;
+        const double weight = c == 2 ? height_weight : 1;
         slope.row(3 * i + c) = weight * believed[c].v.transpose();
         off[3 * i + c] = weight * (believed[c].a - aim.sent_mm[c]);
       }

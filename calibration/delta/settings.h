@@ -14,7 +14,8 @@ struct DeltaSettingsShape {
 
 /// The settings with which a machine prints best: least squares of where the nozzle
 /// goes against where it is sent, all over a disc on the bed and 40 mm above it;
-/// heights over the bed weigh a hundred times as much as places on it. `from`: where
+/// heights over the bed weigh ten times as much as places on it, a hundred times
+/// where the shape lacks numbers. `from`: where
 /// to start, and what the firmware has no number for.
 DeltaModel<double> BestDeltaSettings(const DeltaBuild<double>& build,
                                      const DeltaBed<double>& bed,

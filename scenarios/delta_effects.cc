@@ -1,0 +1,286 @@
+#include "scenarios/delta_effects.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace caltwin {
+namespace {
+
+constexpr double kDeg = std::numbers::pi / 180;
+constexpr double kMilli = 1e-3;  // mrad and um.
+constexpr double kPpm = 1e-6;
+
+/// Where an effect acts: on which tower, rod or direction (-1: on all, or none).
+struct DeltaTarget {
+  int tower = -1;
+  int rod = -1;
+  char along = 'x';
+};
+
+/// One parameter of one effect of a delta.
+struct DeltaParameter {
+  std::string_view cause{};
+  std::string_view axes{};  ///< "" none, "t" tower, "r" rod or tower, "xy" direction.
+  std::string_view name{};
+  Bounds bounds{};
+  void (*act)(BuiltDelta*, const DeltaTarget&, double) = nullptr;
+};
+
+std::size_t At(const DeltaTarget& target) {
+  return static_cast<std::size_t>(target.tower);
+}
+
+// Signs as CONTRACT and docs/signs.md have them.
+constexpr std::array kParameters = {
+    DeltaParameter{"endstop",
+                   "t",
+                   "error_mm",
+                   {-20, 20},
+                   [](BuiltDelta* d, const DeltaTarget& t, double v) {
+                     d->build.model.endstop_mm[At(t)] += v;
+                   }},
+    DeltaParameter{"delta_radius",
+                   "",
+                   "error_mm",
+                   {-20, 20},
+                   [](BuiltDelta* d, const DeltaTarget&, double v) {
+                     for (double& radius : d->build.model.radius_mm) radius += v;
+                   }},
+    DeltaParameter{"tower_radius",
+                   "t",
+                   "error_mm",
+                   {-20, 20},
+                   [](BuiltDelta* d, const DeltaTarget& t, double v) {
+                     d->build.model.radius_mm[At(t)] += v;
+                   }},
+    DeltaParameter{"tower_angle",
+                   "t",
+                   "angle_deg",
+                   {-10, 10},
+                   [](BuiltDelta* d, const DeltaTarget& t, double v) {
+                     d->build.model.angle_rad[At(t)] += v * kDeg;
+                   }},
+    DeltaParameter{"tower_twist",
+                   "t",
+                   "angle_deg",
+                   {-10, 10},
+                   [](BuiltDelta* d, const DeltaTarget& t, double v) {
+                     d->build.twist_rad[At(t)] += v * kDeg;
+                   }},
+    DeltaParameter{"tower_lean",
+                   "t",
+                   "radial_mrad",
+                   {-50, 50},
+                   [](BuiltDelta* d, const DeltaTarget& t, double v) {
+                     d->build.lean_radial_rad[At(t)] += v * kMilli;
+                   }},
+    DeltaParameter{"tower_lean",
+                   "t",
+                   "tangential_mrad",
+                   {-50, 50},
+                   [](BuiltDelta* d, const DeltaTarget& t, double v) {
+                     d->build.lean_tangential_rad[At(t)] += v * kMilli;
+                   }},
+    DeltaParameter{"arm_length",
+                   "",
+                   "error_mm",
+                   {-20, 20},
+                   [](BuiltDelta* d, const DeltaTarget&, double v) {
+                     for (double& arm : d->build.model.arm_mm) arm += v;
+                   }},
+    DeltaParameter{"rod_mismatch",
+                   "r",
+                   "length_error_mm",
+                   {-10, 10},
+                   [](BuiltDelta* d, const DeltaTarget& t, double v) {
+                     if (t.rod >= 0) {
+                       d->build.rod_error_mm[static_cast<std::size_t>(t.rod)] += v;
+                       return;
+                     }
+                     d->build.rod_error_mm[2 * At(t)] += v;
+                     d->build.rod_error_mm[2 * At(t) + 1] += v;
+                   }},
+    DeltaParameter{"belt_pitch",
+                   "t",
+                   "error_ppm",
+                   {-5e4, 5e4},
+                   [](BuiltDelta* d, const DeltaTarget& t, double v) {
+                     d->build.belt_scale[At(t)] += v * kPpm;
+                   }},
+    DeltaParameter{"effector_tilt",
+                   "",
+                   "tilt_x_mrad",
+                   {-200, 200},
+                   [](BuiltDelta* d, const DeltaTarget&, double v) {
+                     d->build.tool_tilt_x_rad += v * kMilli;
+                   }},
+    DeltaParameter{"effector_tilt",
+                   "",
+                   "tilt_y_mrad",
+                   {-200, 200},
+                   [](BuiltDelta* d, const DeltaTarget&, double v) {
+                     d->build.tool_tilt_y_rad += v * kMilli;
+                   }},
+    DeltaParameter{"bed_tilt",
+                   "",
+                   "slope_x_mrad",
+                   {-50, 50},
+                   [](BuiltDelta* d, const DeltaTarget&, double v) {
+                     d->bed.slope_x += v * kMilli;
+                   }},
+    DeltaParameter{"bed_tilt",
+                   "",
+                   "slope_y_mrad",
+                   {-50, 50},
+                   [](BuiltDelta* d, const DeltaTarget&, double v) {
+                     d->bed.slope_y += v * kMilli;
+                   }},
+    DeltaParameter{"bed_bowl",
+                   "",
+                   "height_um",
+                   {-2000, 2000},
+                   [](BuiltDelta* d, const DeltaTarget&, double v) {
+                     d->bed.bowl_mm += v * kMilli;
+                   }},
+    DeltaParameter{"bed_cylinder",
+                   "xy",
+                   "height_um",
+                   {-2000, 2000},
+                   [](BuiltDelta* d, const DeltaTarget& t, double v) {
+                     (t.along == 'x' ? d->bed.cylinder_x_mm : d->bed.cylinder_y_mm) +=
+                         v * kMilli;
+                   }},
+    DeltaParameter{"bed_twist",
+                   "",
+                   "height_um",
+                   {-2000, 2000},
+                   [](BuiltDelta* d, const DeltaTarget&, double v) {
+                     d->bed.twist_mm += v * kMilli;
+                   }},
+    DeltaParameter{"trigger_scatter",
+                   "",
+                   "sd_um",
+                   {0, 1000},
+                   [](BuiltDelta* d, const DeltaTarget&, double v) {
+                     d->scatter_mm = std::hypot(d->scatter_mm, v * kMilli);
+                   }},
+    DeltaParameter{"probe_offset",
+                   "",
+                   "dx_mm",
+                   {-100, 100},
+                   [](BuiltDelta* d, const DeltaTarget&, double v) {
+                     d->probe_off_mm[0] += v;
+                   }},
+    DeltaParameter{"probe_offset",
+                   "",
+                   "dy_mm",
+                   {-100, 100},
+                   [](BuiltDelta* d, const DeltaTarget&, double v) {
+                     d->probe_off_mm[1] += v;
+                   }}};
+
+std::optional<DeltaTarget> TargetNamed(std::string_view axes, std::string_view axis) {
+  if (axes.empty()) return axis.empty() ? std::optional(DeltaTarget{}) : std::nullopt;
+  if (axes == "xy") {
+    if (axis != "x" && axis != "y") return std::nullopt;
+    return DeltaTarget{.along = axis[0]};
+  }
+  if (axes == "r") {
+    if (const auto rod = RodNamed(axis)) return DeltaTarget{.rod = *rod};
+  }
+  if (const auto tower = TowerNamed(axis)) return DeltaTarget{.tower = *tower};
+  return std::nullopt;
+}
+
+std::string_view AxesInWords(std::string_view axes) {
+  if (axes == "t") return ".a .b .c";
+  if (axes == "r") return ".a1 .a2 .b1 .b2 .c1 .c2, or .a .b .c for both rods";
+  if (axes == "xy") return ".x .y";
+  return "no axis";
+}
+
+std::vector<const DeltaParameter*> ParametersOf(std::string_view cause) {
+  std::vector<const DeltaParameter*> found;
+  for (const DeltaParameter& parameter : kParameters) {
+    if (parameter.cause == cause) found.push_back(&parameter);
+  }
+  return found;
+}
+
+void ReadEffect(const std::string& name,
+                const YamlValue& value,
+                std::vector<DeltaInjected>* effects) {
+  const std::string cause = name.substr(0, name.find('.'));
+  const std::string axis =
+      name.size() > cause.size() ? name.substr(cause.size() + 1) : "";
+  const auto parameters = ParametersOf(cause);
+  if (parameters.empty()) {
+    const std::vector<std::string> names = DeltaEffectNames();
+    const std::string nearest = NearestWord(cause, names);
+    value.Fail("is no effect of a delta",
+               (nearest.empty() ? "" : fmt::format("did you mean '{}'? ", nearest)) +
+                   fmt::format("there are {}", fmt::join(names, ", ")));
+    return;
+  }
+  if (!TargetNamed(parameters.front()->axes, axis)) {
+    value.Fail(fmt::format("does not say where: '{}' stands with {}",
+                           cause,
+                           AxesInWords(parameters.front()->axes)));
+    return;
+  }
+  YamlMap map = value.Map();
+  for (const DeltaParameter* parameter : parameters) {
+    if (const auto number = map.Optional(std::string(parameter->name))) {
+      effects->push_back({.name = name,
+                          .parameter = std::string(parameter->name),
+                          .value = number->NumberOrDistribution(parameter->bounds),
+                          .place = number->place()});
+    }
+  }
+  map.NoMoreKeys();
+}
+
+}  // namespace
+
+std::vector<std::string> DeltaEffectNames() {
+  std::vector<std::string> names;
+  for (const DeltaParameter& parameter : kParameters) {
+    if (names.empty() || names.back() != parameter.cause) {
+      names.emplace_back(parameter.cause);
+    }
+  }
+  return names;
+}
+
+std::vector<DeltaInjected> ReadDeltaEffects(YamlMap map) {
+  std::vector<DeltaInjected> effects;
+  for (const auto& [name, value] : map.Entries()) ReadEffect(name, value, &effects);
+  return effects;
+}
+
+BuiltDelta DrawDelta(const std::vector<DeltaInjected>& effects,
+                     const Machine& machine,
+                     std::uint64_t seed,
+                     std::uint64_t sample) {
+  BuiltDelta built{.build = machine.delta->Build()};
+  built.bed.radius_mm = machine.delta->print_radius_mm;
+  for (const DeltaInjected& effect : effects) {
+    Rng rng(seed, sample, effect.name + "." + effect.parameter);
+    const double value = Draw(effect.value, &rng);
+    const std::string cause = effect.name.substr(0, effect.name.find('.'));
+    const std::string axis =
+        effect.name.size() > cause.size() ? effect.name.substr(cause.size() + 1) : "";
+    for (const DeltaParameter* parameter : ParametersOf(cause)) {
+      if (parameter->name != effect.parameter) continue;
+      parameter->act(&built, *TargetNamed(parameter->axes, axis), value);
+    }
+  }
+  return built;
+}
+
+}  // namespace caltwin

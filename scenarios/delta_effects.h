@@ -1,0 +1,33 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "sim/base/distribution.h"
+#include "sim/base/yaml.h"
+#include "sim/machine/machine.h"
+#include "sim/twin/delta_plant.h"
+
+namespace caltwin {
+
+/// One number of one effect of a delta: `rod_mismatch.a1: {length_error_mm: 0.3}`.
+struct DeltaInjected {
+  std::string name{};       ///< cause.axis, or the cause alone.
+  std::string parameter{};  ///< As in CONTRACT.
+  Distribution value = 0.0;
+  Place place{};
+};
+
+/// Reads `effects:` of a delta's scenario.
+std::vector<DeltaInjected> ReadDeltaEffects(YamlMap map);
+
+/// The machine that the effects make, their numbers drawn.
+BuiltDelta DrawDelta(const std::vector<DeltaInjected>& effects,
+                     const Machine& machine,
+                     std::uint64_t seed,
+                     std::uint64_t sample);
+
+/// Every effect of a delta, for messages.
+std::vector<std::string> DeltaEffectNames();
+
+}  // namespace caltwin

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <optional>
+
+#include "calibration/delta/bench.h"
+#include "calibration/delta/joint.h"
+#include "scenarios/delta_scenario.h"
+
+namespace caltwin {
+
+/// Performs a step that runs on this side of the wire: touches as it likes, ends with
+/// settings. `fit`: what a joint estimate found beside them.
+DeltaOutcome PerformDeltaStep(const DeltaStep& step,
+                              const DeltaScenario& scenario,
+                              const Machine& machine,
+                              const DeltaProbe& probe,
+                              const DeltaModel<double>& start,
+                              std::optional<DeltaJointFit>* fit);
+
+}  // namespace caltwin
