@@ -89,7 +89,13 @@ struct Extended {
   std::vector<Nuisance> not_built{};  ///< Columns of the baseline that it lacks.
 };
 
-// A line that the rows do not determine is not built: whatever number came out is none.
+// Where things lie is nobody's error: always fitted, however badly it is known.
+bool IsPlace(const std::string& name) {
+  return name.starts_with("placement.") || name == "bed_plane.height";
+}
+
+// A line that the rows do not determine is left as drawn: whatever number came out is
+// none, and left free it would take up what the finding leaves.
 Extended ExtendedBy(const Observed& observed,
                     const std::vector<Finding>& findings,
                     const Eigen::VectorXd& sigma_mm,
@@ -113,7 +119,10 @@ Extended ExtendedBy(const Observed& observed,
   }
   Extended extended{.as_found = AsFoundBy(observed, lines, findings)};
   for (const Nuisance& one : baseline) {
-    if (!extended.as_found.built.contains(one.name)) extended.not_built.push_back(one);
+    const bool is_left = open.contains(one.name) && !IsPlace(one.name);
+    if (!is_left && !extended.as_found.built.contains(one.name)) {
+      extended.not_built.push_back(one);
+    }
   }
   return extended;
 }
