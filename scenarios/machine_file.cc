@@ -146,10 +146,11 @@ MachineFile ReadExtension(const fs::path& file, YamlMap* map) {
 MachineFile ReadMachineFile(const fs::path& file) {
   MachineFile read = ReadAnyMachineFile(file);
   if (read.machine.delta) {
-    throw InputError({.file = file.string()},
-                     "this machine is a delta, which is not known here yet",
-                     "`caltwin run` of a delta's scenario, `caltwin compare delta`, "
-                     "`caltwin validate` and `caltwin import klipper-delta` know deltas");
+    throw InputError(
+        {.file = file.string()},
+        "this machine is a delta, which is not known here yet",
+        "`caltwin run` of a delta's scenario, `caltwin compare delta`, "
+        "`caltwin validate` and `caltwin import klipper-delta` know deltas");
   }
   return read;
 }

@@ -46,11 +46,12 @@ void ReadTowers(YamlMap towers, DeltaModel<double>* model) {
 void CheckReach(const YamlMap& map, const DeltaModel<double>& model) {
   for (std::size_t i = 0; i < kNumTowers; ++i) {
     if (model.arm_mm[i] > model.radius_mm[i]) continue;
-    map.faults()->Add(map.place(),
-                      fmt::format("arm_length_mm = {} is not above delta_radius_mm = {}",
-                                  model.arm_mm[i],
-                                  model.radius_mm[i]),
-                      "a rod stands at a slant: about twice the radius is usual");
+    map.faults()->Add(
+        map.place(),
+        fmt::format("arm_length_mm = {} is not above delta_radius_mm = {}",
+                    model.arm_mm[i],
+                    model.radius_mm[i]),
+        "a rod stands at a slant: about twice the radius is usual");
     return;
   }
 }
@@ -76,8 +77,8 @@ DeltaDrawing ReadDeltaDrawing(YamlMap* map) {
   drawing.rod_spacing_mm = map->NumberOr("rod_spacing_mm", 40, {1, 500});
   drawing.effector_radius_mm = map->NumberOr("effector_radius_mm", 30, {1, 500});
   drawing.joint_height_mm = map->NumberOr("joint_height_mm", 20, {-200, 500});
-  drawing.print_radius_mm = map->NumberOr(
-      "print_radius_mm", drawing.model.radius_mm[0] / 1.3, {1, 2000});
+  drawing.print_radius_mm =
+      map->NumberOr("print_radius_mm", drawing.model.radius_mm[0] / 1.3, {1, 2000});
   drawing.settings = drawing.model;
   return drawing;
 }

@@ -24,8 +24,8 @@ struct DeltaDrawing {
 DeltaDrawing ReadDeltaDrawing(YamlMap* map);
 
 /// Reads what a delta's firmware believes over `settings` in place: `delta_radius_mm`,
-/// `arm_length_mm`, `endstop_mm`, `tower_angle_deg` (against the drawing), each a number
-/// or one a tower.
+/// `arm_length_mm`, `endstop_mm`, `tower_angle_deg` (against the drawing), each a
+/// number or one a tower.
 void ReadDeltaSettings(YamlMap* map,
                        const DeltaModel<double>& drawn,
                        DeltaModel<double>* settings);
