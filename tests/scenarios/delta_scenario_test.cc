@@ -1,10 +1,14 @@
 #include "scenarios/delta_scenario.h"
 
+#include <algorithm>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "scenarios/delta_words.h"
 #include "scenarios/machine_file.h"
 #include "scenarios/runner.h"
+#include "sim/effects/catalog.h"
 
 namespace caltwin {
 namespace {
@@ -43,6 +47,18 @@ TEST(DeltaScenario, EffectsMakeTheMachine) {
   EXPECT_DOUBLE_EQ(built.build.rod_error_mm[4], 0.1);
   EXPECT_DOUBLE_EQ(built.build.rod_error_mm[5], 0.1);
   EXPECT_DOUBLE_EQ(built.bed.cylinder_y_mm, 0.08);
+}
+
+TEST(DeltaScenario, EveryEffectIsExplained) {
+  std::vector<std::string> unexplained;
+  for (const std::string& name : DeltaEffectNames()) {
+    const bool is_delta = std::ranges::any_of(
+        DeltaEffectWords(), [&](const Word& word) { return word.name == name; });
+    const bool is_any = std::ranges::any_of(
+        AllEffects(), [&](const Effect* effect) { return effect->name == name; });
+    if (!is_delta && !is_any) unexplained.push_back(name);
+  }
+  EXPECT_THAT(unexplained, ::testing::IsEmpty());
 }
 
 TEST(DeltaScenario, TellsWhatItDoesNotKnow) {

@@ -10,6 +10,7 @@
 #include <fmt/ranges.h>
 
 #include "calibration/procedures/catalog.h"
+#include "scenarios/delta_words.h"
 #include "scenarios/keys.h"
 #include "sim/effects/catalog.h"
 #include "sim/measure/plan_kinds.h"
@@ -123,6 +124,8 @@ std::string Explanation(const std::string& name) {
   add(ScenarioKeys(), "key");
   add(OutcomeWords(), "outcome");
   add(UnitWords(), "unit");
+  add(DeltaEffectWords(), "effect of a delta");
+  add(DeltaProcedureWords(), "procedure of a delta");
   for (const Effect* each : AllEffects()) {
     for (const Parameter& parameter : each->parameters) {
       if (parameter.name != name || effect) continue;
@@ -156,6 +159,8 @@ std::string ListText() {
             ScenarioKeys());
   add_names("Outcomes", OutcomeWords());
   add_names("Units", UnitWords());
+  add_names("Effects of a delta", DeltaEffectWords());
+  add_names("Procedures of a delta", DeltaProcedureWords());
   return text;
 }
 
@@ -175,7 +180,11 @@ std::vector<std::string> AllNames() {
   }
   for (const Procedure& procedure : AllProcedures()) names.emplace_back(procedure.name);
   for (const CampaignKind& kind : AllCampaignKinds()) names.emplace_back(kind.id);
-  for (const auto words : {ScenarioKeys(), OutcomeWords(), UnitWords()}) {
+  for (const auto words : {ScenarioKeys(),
+                           OutcomeWords(),
+                           UnitWords(),
+                           DeltaEffectWords(),
+                           DeltaProcedureWords()}) {
     for (const Word& word : words) names.emplace_back(word.name);
   }
   return names;

@@ -1,0 +1,83 @@
+#include "scenarios/delta_words.h"
+
+#include <array>
+
+namespace caltwin {
+
+std::span<const Word> DeltaEffectWords() {
+  static constexpr std::array kWords = {
+      Word{"endstop",
+           "endstop.a, .b, .c: {error_mm}. The nozzle stands so much higher than drawn "
+           "with that carriage at its endstop. Unequal ones tilt the plane the nozzle "
+           "moves in; heights at three places tell."},
+      Word{
+          "delta_radius",
+          "{error_mm}. All tower joints stand further out than drawn: heights become a "
+          "bowl. Heights at the middle and on a ring tell; rods of another length look "
+          "nearly alike."},
+      Word{
+          "tower_radius",
+          "tower_radius.a: {error_mm}. One tower stands further out: a "
+          "reparametrisation of radius, angles and endstops but for little, so heights "
+          "hardly tell."},
+      Word{"tower_angle",
+           "tower_angle.a: {angle_deg}. The tower and its joints are turned about the "
+           "machine's axis, + counter-clockwise from above. Seen between the towers."},
+      Word{"tower_twist",
+           "tower_twist.a: {angle_deg}. The carriage is turned about itself, + "
+           "counter-clockwise: the effector turns with it. Three-rod formulas do not "
+           "know it."},
+      Word{"tower_lean",
+           "tower_lean.a: {radial_mrad, tangential_mrad}. The top goes outward, or "
+           "counter-clockwise; the foot stays at z = 0. Grows with height: a print at "
+           "one height hides it."},
+      Word{"arm_length",
+           "{error_mm}. All six rods are longer than believed. Heights come out flat, "
+           "prints in the wrong size; a calliper on a rod or on a print tells."},
+      Word{
+          "rod_mismatch",
+          "rod_mismatch.a1: {length_error_mm}; a1 is the clockwise rod of tower a seen "
+          "from above, .a means both. Unlike rods tilt the effector as it moves, which "
+          "no setting of a three-rod firmware can take back."},
+      Word{"belt_pitch",
+           "belt_pitch.a: {error_ppm}. That carriage moves further than commanded, + "
+           "more. Columns of touches at several heights tell."},
+      Word{"effector_tilt",
+           "{tilt_x_mrad, tilt_y_mrad}. The tool stands crooked on its effector: every "
+           "touch is moved alike, so no plan sees it."},
+      Word{
+          "bed_tilt",
+          "{slope_x_mrad, slope_y_mrad}. The bed rises along +x, +y. Of a delta: a "
+          "firmware without tilt in its geometry turns the machine instead, a third of "
+          "a millimetre sideways for 2 mrad."},
+      Word{"probe_offset",
+           "{dx_mm, dy_mm}. The probe's tip stands beside the nozzle and the firmware "
+           "is not told. Closed form only."}};
+  return kWords;
+}
+
+std::span<const Word> DeltaProcedureWords() {
+  static constexpr std::array kWords = {
+      Word{"g33",
+           "Marlin's auto calibration of a delta: a grid of touches becomes seven "
+           "heights, those times a normalised inverse matrix become corrections, again "
+           "until the deviation no longer falls. Options: p (the grid, 0 to 10), "
+           "variant (as_published, corrected). Its deviation is in sample: P2 says "
+           "0.000 and may leave 0.09 mm."},
+      Word{
+          "rrf_least_squares",
+          "RepRapFirmware's: two Gauss-Newton rounds over 16 touches. Option: factors, "
+          "3 endstops, 4 + radius, 6 + angles, 7 + rods, 8 = 6 + bed tilt, 9 = 8 + "
+          "rods. Rods from heights alone are known to a quarter of a millimetre."},
+      Word{"klipper_descent",
+           "Klipper's DELTA_CALIBRATE: seven touches, six numbers by coordinate "
+           "descent. One degree of freedom is left, so its own fit says little."},
+      Word{"delta_joint",
+           "caltwin's own: all unknowns at once through the exact six-rod chain, with "
+           "priors, uncertainties, the error of points left out. Options: points (8 to "
+           "400), unknowns (firmware: endstops, radius, angles, tilt; machine: 27 and "
+           "the tilt)."}};
+  return kWords;
+}
+
+}  // namespace caltwin
