@@ -274,11 +274,8 @@ class DeltaRun {
                               .passed = is_above && is_below});
   }
 
-  void Judge(const DeltaAccuracy& before,
-             const DeltaAccuracy& after,
-             RunResult* result) {
-    AddSettings(result);
-    AddEstimates(result);
+  // Whether every value that was expected came out.
+  bool MeetValues(RunResult* result) const {
     bool all_met = true;
     for (const DeltaExpectedValue& expected : delta_.values) {
       const auto row =
@@ -294,6 +291,15 @@ class DeltaRun {
       if (row != result->parameters.end()) row->passed = passed;
       all_met = all_met && passed;
     }
+    return all_met;
+  }
+
+  void Judge(const DeltaAccuracy& before,
+             const DeltaAccuracy& after,
+             RunResult* result) {
+    AddSettings(result);
+    AddEstimates(result);
+    const bool all_met = MeetValues(result);
     result->messages.push_back(fmt::format(
         "the nozzle stands {:.1f} um rms off the bed ({:.1f} at most), {:.1f} before; "
         "prints are {:+.2f} um/mm wrong; the procedure says {:.4f} mm",
