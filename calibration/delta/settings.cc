@@ -44,22 +44,29 @@ struct Aim {
   Vec3<double> motors_mm = Vec3<double>::Zero();  ///< That take the nozzle there.
 };
 
+// A lattice on the disc at this height.
+std::vector<Vec3<double>> LatticeAt(double above_mm, double radius_mm) {
+  constexpr int kSteps = 5;
+  std::vector<Vec3<double>> points;
+  for (int i = -kSteps; i <= kSteps; ++i) {
+    for (int j = -kSteps; j <= kSteps; ++j) {
+      if (i * i + j * j > kSteps * kSteps) continue;
+      points.emplace_back(radius_mm * i / kSteps, radius_mm * j / kSteps, above_mm);
+    }
+  }
+  return points;
+}
+
 std::vector<Aim> AimsOn(const DeltaBuild<double>& build,
                         const DeltaBed<double>& bed,
                         double radius_mm) {
-  constexpr int kSteps = 5;
   std::vector<Aim> aims;
   for (const double above_mm : {0.0, 40.0}) {
-    for (int i = -kSteps; i <= kSteps; ++i) {
-      for (int j = -kSteps; j <= kSteps; ++j) {
-        if (i * i + j * j > kSteps * kSteps) continue;
-        const Vec3<double> sent(
-            radius_mm * i / kSteps, radius_mm * j / kSteps, above_mm);
-        Vec3<double> there = sent;
-        there[2] += bed.Height_mm(sent[0], sent[1]);
-        if (const auto motors = DeltaMotorsOf(build, there)) {
-          aims.push_back({sent, *motors});
-        }
+    for (const Vec3<double>& sent : LatticeAt(above_mm, radius_mm)) {
+      Vec3<double> there = sent;
+      there[2] += bed.Height_mm(sent[0], sent[1]);
+      if (const auto motors = DeltaMotorsOf(build, there)) {
+        aims.push_back({sent, *motors});
       }
     }
   }

@@ -46,7 +46,7 @@ void DeltaJoint37Touches(benchmark::State& state) {
     const auto motors = machine.Touch(Drawn(), at[0], at[1]);
     readings.touches.push_back({*motors, 0, 0.005});
   }
-  for (auto _ : state) {
+  while (state.KeepRunning()) {
     benchmark::DoNotOptimize(
         FitDeltaJointly({.model = Drawn()}, readings, {.knobs = knobs}));
   }
@@ -62,7 +62,7 @@ void DeltaGrid37InPhysics(benchmark::State& state) {
   model.SetBuild(build);
   model.SetBed(bed);
   DeltaWorld world(model.Compile(/*with_looks=*/false), build);
-  for (auto _ : state) {
+  while (state.KeepRunning()) {
     for (const Vec3<double>& at : ThirtySeven()) {
       benchmark::DoNotOptimize(
           TouchInPhysics(&world, build, bed, Drawn(), at[0], at[1]));
