@@ -91,7 +91,7 @@ void DeltaMjcf::SetBuild(const DeltaBuild<double>& build) {
   const auto below =
       delta_chain::UpperJoints_mm(build, Vec3<double>(Vec3<double>::Ones()));
   for (int i = 0; i < kNumTowers; ++i) {
-    const auto k = static_cast<std::size_t>(2 * i);
+    const auto k = 2 * static_cast<std::size_t>(i);
     const Vec3<double> centre = (upper[k] + upper[k + 1]) / 2;
     SetPosition(centre, Body(spec_.get(), "carriage_" + TowerName(i))->pos);
     mjsJoint* joint = mjs_asJoint(FindElement(spec_.get(), mjOBJ_JOINT, TowerName(i)));
