@@ -104,10 +104,9 @@ std::optional<Vec3<double>> TouchInPhysics(DeltaWorld* world,
                                            const DeltaBuild<double>& build,
                                            const DeltaBed<double>& bed,
                                            const DeltaModel<double>& settings,
-                                           double x_mm,
-                                           double y_mm,
+                                           const Eigen::Vector2d& at_mm,
                                            const DeltaTouchOptions& options) {
-  const auto expected = DeltaTouchMotors(build, bed, settings, x_mm, y_mm);
+  const auto expected = DeltaTouchMotors(build, bed, settings, at_mm[0], at_mm[1]);
   if (!expected) return std::nullopt;
   const Vec3<double> target = DeltaNozzle_mm(settings, *expected);
   const double step_mm = options.feed_mm_s * world->timestep_s();

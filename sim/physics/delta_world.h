@@ -58,8 +58,7 @@ std::optional<Vec3<double>> TouchInPhysics(DeltaWorld* world,
                                            const DeltaBuild<double>& build,
                                            const DeltaBed<double>& bed,
                                            const DeltaModel<double>& settings,
-                                           double x_mm,
-                                           double y_mm,
+                                           const Eigen::Vector2d& at_mm,
                                            const DeltaTouchOptions& options = {});
 
 }  // namespace caltwin

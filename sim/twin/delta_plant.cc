@@ -45,10 +45,10 @@ std::optional<Vec3<double>> DeltaTwinPlant::Touch(const DeltaModel<double>& sett
                                                   double x_mm,
                                                   double y_mm) {
   const auto motors_mm =
-      world_
-          ? TouchInPhysics(world_.get(), built_.build, built_.bed, settings, x_mm, y_mm)
-          : DeltaTouchMotors(
-                built_.build, built_.bed, settings, x_mm, y_mm, built_.probe_off_mm);
+      world_ ? TouchInPhysics(
+                   world_.get(), built_.build, built_.bed, settings, {x_mm, y_mm})
+             : DeltaTouchMotors(
+                   built_.build, built_.bed, settings, x_mm, y_mm, built_.probe_off_mm);
   if (!motors_mm) return std::nullopt;
   Vec3<double> at = DeltaNozzle_mm(settings, *motors_mm);
   if (built_.scatter_mm > 0) at[2] += built_.scatter_mm * scatter_.Normal();

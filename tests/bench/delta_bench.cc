@@ -65,7 +65,7 @@ void DeltaGrid37InPhysics(benchmark::State& state) {
   while (state.KeepRunning()) {
     for (const Vec3<double>& at : ThirtySeven()) {
       benchmark::DoNotOptimize(
-          TouchInPhysics(&world, build, bed, Drawn(), at[0], at[1]));
+          TouchInPhysics(&world, build, bed, Drawn(), at.head<2>()));
     }
   }
 }

@@ -90,7 +90,8 @@ TEST_P(DeltaPhysics, TouchesWhereSixRodsSay) {
   double most_mm = 0;
   for (const auto& [x, y] : {std::pair(0, 0), {95, 0}, {-40, 70}, {20, -90}}) {
     const auto exact = DeltaTouchMotors(wrong.build, wrong.bed, settings, x, y);
-    const auto touched = TouchInPhysics(&world, wrong.build, wrong.bed, settings, x, y);
+    const auto touched =
+        TouchInPhysics(&world, wrong.build, wrong.bed, settings, Eigen::Vector2d(x, y));
     ASSERT_TRUE(exact);
     ASSERT_TRUE(touched) << x << " " << y;
     most_mm = std::max(most_mm, (*touched - *exact).cwiseAbs().maxCoeff());
