@@ -162,7 +162,9 @@ class Heights {
     const double last_s = *std::ranges::max_element(times_s_);
     const double block_s = std::max(SFromH(1.0), (last_s - first_s) / kMostBlocks);
     double square_mm2 = 0, count = 0;
-    for (double from_s = first_s; from_s <= last_s; from_s += block_s) {
+    const int num_blocks = 1 + static_cast<int>((last_s - first_s) / block_s);
+    for (int b = 0; b < num_blocks; ++b) {
+      const double from_s = first_s + b * block_s;
       std::vector<bool> block(times_s_.size());
       for (std::size_t i = 0; i < times_s_.size(); ++i) {
         block[i] = times_s_[i] >= from_s && times_s_[i] < from_s + block_s;
