@@ -3,17 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "sim/base/units.h"
+
 namespace caltwin {
 namespace {
-
-constexpr double kDeg = std::numbers::pi / 180;
-constexpr double kMilli = 1e-3;  // mrad and um.
-constexpr double kPpm = 1e-6;
 
 /// Where an effect acts: on which tower, rod or direction (-1: on all, or none).
 struct DeltaTarget {
@@ -63,28 +60,28 @@ constexpr std::array kParameters = {
                    "angle_deg",
                    {-10, 10},
                    [](BuiltDelta* d, const DeltaTarget& t, double v) {
-                     d->build.model.angle_rad[At(t)] += v * kDeg;
+                     d->build.model.angle_rad[At(t)] += RadFromDeg(v);
                    }},
     DeltaParameter{"tower_twist",
                    "t",
                    "angle_deg",
                    {-10, 10},
                    [](BuiltDelta* d, const DeltaTarget& t, double v) {
-                     d->build.twist_rad[At(t)] += v * kDeg;
+                     d->build.twist_rad[At(t)] += RadFromDeg(v);
                    }},
     DeltaParameter{"tower_lean",
                    "t",
                    "radial_mrad",
                    {-50, 50},
                    [](BuiltDelta* d, const DeltaTarget& t, double v) {
-                     d->build.lean_radial_rad[At(t)] += v * kMilli;
+                     d->build.lean_radial_rad[At(t)] += RadFromMrad(v);
                    }},
     DeltaParameter{"tower_lean",
                    "t",
                    "tangential_mrad",
                    {-50, 50},
                    [](BuiltDelta* d, const DeltaTarget& t, double v) {
-                     d->build.lean_tangential_rad[At(t)] += v * kMilli;
+                     d->build.lean_tangential_rad[At(t)] += RadFromMrad(v);
                    }},
     DeltaParameter{"arm_length",
                    "",
@@ -110,42 +107,42 @@ constexpr std::array kParameters = {
                    "error_ppm",
                    {-5e4, 5e4},
                    [](BuiltDelta* d, const DeltaTarget& t, double v) {
-                     d->build.belt_scale[At(t)] += v * kPpm;
+                     d->build.belt_scale[At(t)] += FractionFromPpm(v);
                    }},
     DeltaParameter{"effector_tilt",
                    "",
                    "tilt_x_mrad",
                    {-200, 200},
                    [](BuiltDelta* d, const DeltaTarget&, double v) {
-                     d->build.tool_tilt_x_rad += v * kMilli;
+                     d->build.tool_tilt_x_rad += RadFromMrad(v);
                    }},
     DeltaParameter{"effector_tilt",
                    "",
                    "tilt_y_mrad",
                    {-200, 200},
                    [](BuiltDelta* d, const DeltaTarget&, double v) {
-                     d->build.tool_tilt_y_rad += v * kMilli;
+                     d->build.tool_tilt_y_rad += RadFromMrad(v);
                    }},
     DeltaParameter{"bed_tilt",
                    "",
                    "slope_x_mrad",
                    {-50, 50},
                    [](BuiltDelta* d, const DeltaTarget&, double v) {
-                     d->bed.slope_x += v * kMilli;
+                     d->bed.slope_x += RadFromMrad(v);
                    }},
     DeltaParameter{"bed_tilt",
                    "",
                    "slope_y_mrad",
                    {-50, 50},
                    [](BuiltDelta* d, const DeltaTarget&, double v) {
-                     d->bed.slope_y += v * kMilli;
+                     d->bed.slope_y += RadFromMrad(v);
                    }},
     DeltaParameter{"bed_bowl",
                    "",
                    "height_um",
                    {-2000, 2000},
                    [](BuiltDelta* d, const DeltaTarget&, double v) {
-                     d->bed.bowl_mm += v * kMilli;
+                     d->bed.bowl_mm += MmFromUm(v);
                    }},
     DeltaParameter{"bed_cylinder",
                    "xy",
@@ -153,21 +150,21 @@ constexpr std::array kParameters = {
                    {-2000, 2000},
                    [](BuiltDelta* d, const DeltaTarget& t, double v) {
                      (t.along == 'x' ? d->bed.cylinder_x_mm : d->bed.cylinder_y_mm) +=
-                         v * kMilli;
+                         MmFromUm(v);
                    }},
     DeltaParameter{"bed_twist",
                    "",
                    "height_um",
                    {-2000, 2000},
                    [](BuiltDelta* d, const DeltaTarget&, double v) {
-                     d->bed.twist_mm += v * kMilli;
+                     d->bed.twist_mm += MmFromUm(v);
                    }},
     DeltaParameter{"trigger_scatter",
                    "",
                    "sd_um",
                    {0, 1000},
                    [](BuiltDelta* d, const DeltaTarget&, double v) {
-                     d->scatter_mm = std::hypot(d->scatter_mm, v * kMilli);
+                     d->scatter_mm = std::hypot(d->scatter_mm, MmFromUm(v));
                    }},
     DeltaParameter{"probe_offset",
                    "",

@@ -49,13 +49,7 @@ DeltaProbe DeltaLinkProbe::AsProbe() {
 }
 
 void DeltaLinkProbe::Set(const DeltaModel<double>& settings) {
-  DeltaModel<double> turned = settings;
-  // M665 counts angles from the drawing, whatever that is.
-  const DeltaModel<double> usual = SymmetricDelta(1, 1, 2);
-  for (std::size_t i = 0; i < 3; ++i) {
-    turned.angle_rad[i] += usual.angle_rad[i] - drawn_.angle_rad[i];
-  }
-  std::istringstream lines(AsMarlin(turned));
+  std::istringstream lines(AsMarlin(settings, drawn_));
   for (std::string line; std::getline(lines, line);) Say(line);
   sent_ = settings;
   is_homed_ = false;
@@ -64,6 +58,7 @@ void DeltaLinkProbe::Set(const DeltaModel<double>& settings) {
 std::vector<std::string> DeltaLinkProbe::Say(const std::string& line) {
   const auto answer = link_->Send(line, kPatience);
   if (answer) return *answer;
+  if (!fault_) fault_ = fmt::format("{}: {}", line, answer.error().reply);
   return {answer.error().reply};
 }
 
@@ -75,12 +70,13 @@ std::optional<Vec3<double>> DeltaLinkProbe::Touch(const DeltaModel<double>& sett
     Say("G28");
     is_homed_ = true;
   }
+  if (fault_) return std::nullopt;
   for (const std::string& line : Say(fmt::format("G30 X{:.4f} Y{:.4f}", x_mm, y_mm))) {
     if (const auto height_mm = BedHeight_mm(line)) {
       return DeltaMotors_mm<double>(settings, {x_mm, y_mm, *height_mm});
     }
   }
-  was_out_of_reach_ = true;
+  if (!fault_) was_out_of_reach_ = true;
   return std::nullopt;
 }
 

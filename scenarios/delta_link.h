@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -35,10 +36,13 @@ class DeltaLinkProbe {
   DeltaProbe AsProbe();
   /// Sends M665 and M666.
   void Set(const DeltaModel<double>& settings);
-  /// Sends a line and takes what is answered; a fault's words where it is refused.
+  /// Sends a line and takes what is answered. The first line refused is the fault;
+  /// nothing is touched after it.
   std::vector<std::string> Say(const std::string& line);
 
   bool was_out_of_reach() const { return was_out_of_reach_; }
+  /// "G28: Error:..." of the first line that was refused.
+  const std::optional<std::string>& fault() const { return fault_; }
 
  private:
   std::optional<Vec3<double>> Touch(const DeltaModel<double>& settings,
@@ -50,6 +54,7 @@ class DeltaLinkProbe {
   DeltaModel<double> sent_;
   bool is_homed_ = false;
   bool was_out_of_reach_ = false;
+  std::optional<std::string> fault_{};
 };
 
 /// Points that cover a disc evenly, the outermost on its rim.

@@ -14,12 +14,12 @@
 #include "scenarios/delta_procedures.h"
 #include "scenarios/interrupt.h"
 #include "scenarios/interruptible_link.h"
+#include "sim/base/units.h"
 #include "sim/link/transcript.h"
 
 namespace caltwin {
 namespace {
 
-constexpr double kUmPerMm = 1e3;
 constexpr double kRecovered = 0.1;  // Of the heights as they were.
 constexpr double kG33Touch_s =
     3;  // Travel, descent and lift of a touch inside the firmware.
@@ -32,14 +32,11 @@ std::optional<double> SettingOf(const DeltaModel<double>& model,
     const std::string tower = TowerName(static_cast<int>(i));
     if (name == "endstop." + tower) return model.endstop_mm[i];
     if (name == "tower_angle." + tower) {
-      return (model.angle_rad[i] - drawn.angle_rad[i]) / kDegree;
+      return DegFromRad(model.angle_rad[i] - drawn.angle_rad[i]);
     }
   }
-  const auto mean = [](const std::array<double, 3>& v) {
-    return (v[0] + v[1] + v[2]) / 3;
-  };
-  if (name == "delta_radius") return mean(model.radius_mm);
-  if (name == "arm_length") return mean(model.arm_mm);
+  if (name == "delta_radius") return MeanOfTowers(model.radius_mm);
+  if (name == "arm_length") return MeanOfTowers(model.arm_mm);
   return std::nullopt;
 }
 
@@ -93,7 +90,7 @@ class DeltaRun {
       options_.progress(step.name);
       Take(step, wire, &result);
       if (InterruptRequested()) result.interrupted = true;
-      if (was_out_of_reach_ || result.interrupted) break;
+      if (was_out_of_reach_ || fault_ || result.interrupted) break;
     }
     if (recorder) recorder->Save();
     result.touches = marlin_.touches() + g33_touches_;
@@ -136,13 +133,17 @@ class DeltaRun {
     } else {
       const DeltaOutcome outcome =
           PerformDeltaStep(step, delta_, machine_, probe.AsProbe(), before, &fit_);
-      probe.Set(outcome.settings);
-      probe.Say("M500");
+      if (!probe.fault()) {
+        probe.Set(outcome.settings);
+        probe.Say("M500");
+      }
       said_mm_ = outcome.said_mm;
       result->messages.insert(
           result->messages.end(), outcome.messages.begin(), outcome.messages.end());
     }
     was_out_of_reach_ = probe.was_out_of_reach();
+    fault_ = probe.fault();
+    if (fault_) result->messages.push_back("the machine said: " + *fault_);
     for (const char* name : kSettingNames) {
       const double was = *SettingOf(before, machine_.delta->model, name);
       const double is = *SettingOf(marlin_.settings(), machine_.delta->model, name);
@@ -205,12 +206,19 @@ class DeltaRun {
   void AddEstimates(RunResult* result) const {
     constexpr double kSaidNothing = 0.9;  // Of the prior's standard deviation.
     if (!fit_) return;
+    const bool has_tower_radii =
+        std::ranges::any_of(fit_->estimates, [](const DeltaEstimate& estimate) {
+          return kDeltaKnobs[static_cast<std::size_t>(estimate.knob)].name.starts_with(
+              "tower_radius");
+        });
     for (const DeltaEstimate& estimate : fit_->estimates) {
       const DeltaKnob& knob = kDeltaKnobs[static_cast<std::size_t>(estimate.knob)];
       const bool is_told = estimate.sd_over_prior < kSaidNothing;
       const auto known = std::ranges::find(
           result->parameters, std::string(knob.name), &ParameterResult::name);
       if (known != result->parameters.end()) {
+        // With a radius for each tower the common one is tower c's, no setting.
+        if (knob.name == "delta_radius" && has_tower_radii) continue;
         known->sd = estimate.sd;
         known->identifiable = is_told;
         continue;
@@ -218,7 +226,8 @@ class DeltaRun {
       ParameterResult row{.name = std::string(knob.name),
                           .unit = std::string(knob.unit),
                           .identifiable = is_told};
-      row.injected = InjectedOf(knob.name);
+      row.injected =
+          KnobValue(estimate.knob, built_.build, built_.bed, machine_.delta->Build());
       if (is_told) {
         row.recovered = estimate.value;
         row.sd = estimate.sd;
@@ -226,34 +235,6 @@ class DeltaRun {
       }
       result->parameters.push_back(row);
     }
-  }
-
-  // Built less drawn, in the knob's unit.
-  double InjectedOf(std::string_view name) const {
-    const DeltaBuild<double> drawn = machine_.delta->Build();
-    const auto knob = static_cast<std::size_t>(*DeltaKnobNamed(name));
-    const auto of = [&](const auto& values, const auto& nominal, std::size_t i) {
-      return (values[i] - nominal[i]) / kDeltaKnobs[knob].per_unit;
-    };
-    const DeltaBuild<double>& is = built_.build;
-    if (knob >= 7 && knob < 13)
-      return of(is.rod_error_mm, drawn.rod_error_mm, knob - 7);
-    if (knob >= 15 && knob < 18) {
-      return of(is.lean_radial_rad, drawn.lean_radial_rad, knob - 15);
-    }
-    if (knob >= 18 && knob < 21) {
-      return of(is.lean_tangential_rad, drawn.lean_tangential_rad, knob - 18);
-    }
-    if (knob >= 21 && knob < 24) return of(is.twist_rad, drawn.twist_rad, knob - 21);
-    if (knob >= 24 && knob < 27) return of(is.belt_scale, drawn.belt_scale, knob - 24);
-    if (knob == 13 || knob == 14) {
-      // Against tower c, whose difference is the common radius's.
-      return (is.model.radius_mm[knob - 13] - drawn.model.radius_mm[knob - 13]) -
-             (is.model.radius_mm[2] - drawn.model.radius_mm[2]);
-    }
-    if (knob == 27) return built_.bed.slope_x * kUmPerMm;
-    if (knob == 28) return built_.bed.slope_y * kUmPerMm;
-    return 0;
   }
 
   void AddCheck(const std::string& name,
@@ -288,7 +269,14 @@ class DeltaRun {
         row->tolerance = expected.truth_within;
         passed = row->error && std::abs(*row->error) <= *expected.truth_within;
       }
-      if (row != result->parameters.end()) row->passed = passed;
+      if (row != result->parameters.end()) {
+        row->passed = passed;
+      } else {
+        result->checks.push_back({.name = expected.name,
+                                  .expected = "a value",
+                                  .found = "not estimated",
+                                  .passed = false});
+      }
       all_met = all_met && passed;
     }
     return all_met;
@@ -303,17 +291,17 @@ class DeltaRun {
     result->messages.push_back(fmt::format(
         "the nozzle stands {:.1f} um rms off the bed ({:.1f} at most), {:.1f} before; "
         "prints are {:+.2f} um/mm wrong; the procedure says {:.4f} mm",
-        kUmPerMm * after.z_rms_mm,
-        kUmPerMm * after.z_most_mm,
-        kUmPerMm * before.z_rms_mm,
-        kUmPerMm * after.xy_scale,
+        UmFromMm(after.z_rms_mm),
+        UmFromMm(after.z_most_mm),
+        UmFromMm(before.z_rms_mm),
+        UmFromMm(after.xy_scale),
         said_mm_));
     for (const auto& [name, within] : delta_.figures) {
       const double found = name == "height_error_mm.rms"    ? after.z_rms_mm
                            : name == "height_error_mm.most" ? after.z_most_mm
                            : name == "said_mm"              ? said_mm_
                            : name == "xy_scale_um_per_mm"
-                               ? kUmPerMm * after.xy_scale
+                               ? UmFromMm(after.xy_scale)
                                : result->position_error_after_p95_mm;
       AddCheck(name, found, within, result);
     }
@@ -327,7 +315,8 @@ class DeltaRun {
                                 .found = is_there ? "said" : "not said",
                                 .passed = is_there});
     }
-    result->outcome = was_out_of_reach_                      ? "no_trigger"
+    result->outcome = fault_                                 ? "alarm"
+                      : was_out_of_reach_                    ? "no_trigger"
                       : after.z_rms_mm > 2 * before.z_rms_mm ? "diverges"
                       : all_met && after.z_rms_mm < kRecovered * before.z_rms_mm
                           ? "recovers"
@@ -360,6 +349,7 @@ class DeltaRun {
   double said_mm_ = 0;
   int g33_touches_ = 0;
   bool was_out_of_reach_ = false;
+  std::optional<std::string> fault_{};
 };
 
 }  // namespace

@@ -30,6 +30,25 @@ std::vector<int> DeltaKnobsNamed(std::span<const std::string> names) {
   return knobs;
 }
 
+double KnobValue(int knob,
+                 const DeltaBuild<double>& build,
+                 const DeltaBed<double>& bed,
+                 const DeltaBuild<double>& drawn) {
+  const DeltaBed<double> flat;
+  double is = 0, was = 0;
+  AtKnob(knob, build, bed, [&is](const double& value) { is = value; });
+  AtKnob(knob, drawn, flat, [&was](const double& value) { was = value; });
+  double turned = is - was;
+  const std::string_view name = kDeltaKnobs[static_cast<std::size_t>(knob)].name;
+  if (name.starts_with("tower_radius")) {
+    turned -= build.model.radius_mm[2] - drawn.model.radius_mm[2];
+  }
+  if (name.starts_with("tower_angle")) {
+    turned -= build.model.angle_rad[2] - drawn.model.angle_rad[2];
+  }
+  return turned / kDeltaKnobs[static_cast<std::size_t>(knob)].per_unit;
+}
+
 std::vector<int> FirmwareKnobs() {
   return {0, 1, 2, 3, 4, 5, 27, 28};
 }

@@ -1,13 +1,14 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
-#include <numbers>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "sim/base/units.h"
 #include "sim/machine/delta_touch.h"
 
 namespace caltwin {
@@ -21,7 +22,7 @@ struct DeltaKnob {
   double prior_sd = 0;  ///< How far machines stray from their drawings [unit].
 };
 
-inline constexpr double kDegree = std::numbers::pi / 180;
+inline constexpr double kDegree = RadFromDeg(1.0);
 
 /// All of them, in the order of TurnKnob. Signs as CONTRACT has them: built less drawn;
 /// angles counter-clockwise; leans outward and counter-clockwise; belts that move too
@@ -78,30 +79,40 @@ std::vector<int> FirmwareKnobs();
 /// Everything about the machine itself, the bed a plane: 27 unknowns and two slopes.
 std::vector<int> MachineKnobs();
 
+/// Calls `with` on each number of a machine and its bed that the knob moves; the last
+/// of a shared one is tower c's. `Build` and `Bed` may be const.
+template <typename Build, typename Bed, typename With>
+void AtKnob(int knob, Build& build, Bed& bed, const With& with) {
+  const auto i = static_cast<std::size_t>(knob);
+  auto& model = build.model;
+  if (i < 3) with(model.endstop_mm[i]);
+  if (i == 3) std::ranges::for_each(model.radius_mm, with);
+  if (i == 4 || i == 5) with(model.angle_rad[i - 4]);
+  if (i == 6) std::ranges::for_each(model.arm_mm, with);
+  if (i >= 7 && i < 13) with(build.rod_error_mm[i - 7]);
+  if (i == 13 || i == 14) with(model.radius_mm[i - 13]);
+  if (i >= 15 && i < 18) with(build.lean_radial_rad[i - 15]);
+  if (i >= 18 && i < 21) with(build.lean_tangential_rad[i - 18]);
+  if (i >= 21 && i < 24) with(build.twist_rad[i - 21]);
+  if (i >= 24 && i < 27) with(build.belt_scale[i - 24]);
+  if (i == 27) with(bed.slope_x);
+  if (i == 28) with(bed.slope_y);
+  if (i == 29) with(bed.bowl_mm);
+  if (i == 30) with(bed.cylinder_x_mm);
+  if (i == 31) with(bed.twist_mm);
+}
+
 /// Turns one knob of a machine by `by` (inside value, added to what it has).
 template <typename T>
 void TurnKnob(int knob, const T& by, DeltaBuild<T>* build, DeltaBed<T>* bed) {
-  const auto i = static_cast<std::size_t>(knob);
-  DeltaModel<T>& model = build->model;
-  if (i < 3) model.endstop_mm[i] += by;
-  if (i == 3) {
-    for (T& radius : model.radius_mm) radius += by;
-  }
-  if (i == 4 || i == 5) model.angle_rad[i - 4] += by;
-  if (i == 6) {
-    for (T& arm : model.arm_mm) arm += by;
-  }
-  if (i >= 7 && i < 13) build->rod_error_mm[i - 7] += by;
-  if (i == 13 || i == 14) model.radius_mm[i - 13] += by;
-  if (i >= 15 && i < 18) build->lean_radial_rad[i - 15] += by;
-  if (i >= 18 && i < 21) build->lean_tangential_rad[i - 18] += by;
-  if (i >= 21 && i < 24) build->twist_rad[i - 21] += by;
-  if (i >= 24 && i < 27) build->belt_scale[i - 24] += by;
-  if (i == 27) bed->slope_x += by;
-  if (i == 28) bed->slope_y += by;
-  if (i == 29) bed->bowl_mm += by;
-  if (i == 30) bed->cylinder_x_mm += by;
-  if (i == 31) bed->twist_mm += by;
+  AtKnob(knob, *build, *bed, [&by](T& value) { value += by; });
 }
+
+/// How far a knob of a machine on its bed is turned against its drawing [the knob's
+/// unit]; a tower's radius and angle against tower c's. Undoes TurnKnob.
+double KnobValue(int knob,
+                 const DeltaBuild<double>& build,
+                 const DeltaBed<double>& bed,
+                 const DeltaBuild<double>& drawn);
 
 }  // namespace caltwin

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <vector>
 
 #include <Eigen/QR>
@@ -10,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "sim/base/mutant.h"
+#include "sim/base/units.h"
 
 namespace caltwin {
 namespace {
@@ -19,8 +19,6 @@ constexpr int kNumSettings = 12;  // Endstops, radii, angles, arms.
 // would trade one for the other.
 constexpr double kWeightOfTwelve = 10;
 constexpr double kWeightOfFewer = 100;
-constexpr double kRad = std::numbers::pi / 180;
-constexpr std::array kDrawnAngle_deg = {210.0, 330.0, 90.0};
 
 using SettingsJet = ceres::Jet<double, kNumSettings>;
 
@@ -85,12 +83,14 @@ void Add(const Eigen::VectorXd& step,
   }
 }
 
-double Correction_deg(const DeltaModel<double>& settings, std::size_t tower) {
-  return settings.angle_rad[tower] / kRad - kDrawnAngle_deg[tower];
-}
-
-double Mean(const std::array<double, 3>& values) {
-  return (values[0] + values[1] + values[2]) / 3;
+// Counter-clockwise from where the drawing has the tower.
+std::array<double, 3> Corrections_deg(const DeltaModel<double>& settings,
+                                      const DeltaModel<double>& drawn) {
+  std::array<double, 3> more_deg{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    more_deg[i] = DegFromRad(settings.angle_rad[i] - drawn.angle_rad[i]);
+  }
+  return more_deg;
 }
 
 }  // namespace
@@ -128,8 +128,9 @@ DeltaModel<double> BestDeltaSettings(const DeltaBuild<double>& build,
   return model;
 }
 
-std::string AsRrf(const DeltaModel<double>& settings) {
-  const double mean_mm = Mean(settings.endstop_mm);
+std::string AsRrf(const DeltaModel<double>& settings, const DeltaModel<double>& drawn) {
+  const auto more_deg = Corrections_deg(settings, drawn);
+  const double mean_mm = MeanOfTowers(settings.endstop_mm);
   const auto& arm = settings.arm_mm;
   const bool is_one_arm = arm[0] == arm[1] && arm[1] == arm[2];
   return fmt::format(
@@ -137,30 +138,32 @@ std::string AsRrf(const DeltaModel<double>& settings) {
       "M666 X{:.4f} Y{:.4f} Z{:.4f}\n",
       is_one_arm ? fmt::format("{:.4f}", arm[0])
                  : fmt::format("{:.4f}:{:.4f}:{:.4f}", arm[0], arm[1], arm[2]),
-      Mean(settings.radius_mm),
+      MeanOfTowers(settings.radius_mm),
       mean_mm,
-      Correction_deg(settings, 0),
-      Correction_deg(settings, 1),
-      Correction_deg(settings, 2),
+      more_deg[0],
+      more_deg[1],
+      more_deg[2],
       settings.endstop_mm[0] - mean_mm,
       settings.endstop_mm[1] - mean_mm,
       settings.endstop_mm[2] - mean_mm);
 }
 
-std::string AsMarlin(const DeltaModel<double>& settings) {
+std::string AsMarlin(const DeltaModel<double>& settings,
+                     const DeltaModel<double>& drawn) {
+  const auto more_deg = Corrections_deg(settings, drawn);
   // A carriage that stops higher must come down less: M666 is its distance below the
   // highest one.
   const double highest_mm = std::ranges::max(settings.endstop_mm);
-  const double arm_mm = Mean(settings.arm_mm);
+  const double arm_mm = MeanOfTowers(settings.arm_mm);
   return fmt::format(
       "M665 L{:.4f} R{:.4f} H{:.4f} X{:.4f} Y{:.4f} Z{:.4f} A{:.4f} B{:.4f} C{:.4f}\n"
       "M666 X{:.4f} Y{:.4f} Z{:.4f}\n",
       arm_mm,
-      Mean(settings.radius_mm),
+      MeanOfTowers(settings.radius_mm),
       highest_mm,
-      Correction_deg(settings, 0),
-      Correction_deg(settings, 1),
-      Correction_deg(settings, 2),
+      more_deg[0],
+      more_deg[1],
+      more_deg[2],
       settings.arm_mm[0] - arm_mm,
       settings.arm_mm[1] - arm_mm,
       settings.arm_mm[2] - arm_mm,
@@ -172,13 +175,13 @@ std::string AsMarlin(const DeltaModel<double>& settings) {
 }
 
 std::string AsKlipper(const DeltaModel<double>& settings) {
-  std::string text =
-      fmt::format("[printer]\ndelta_radius: {:.6f}\n", Mean(settings.radius_mm));
+  std::string text = fmt::format("[printer]\ndelta_radius: {:.6f}\n",
+                                 MeanOfTowers(settings.radius_mm));
   for (std::size_t i = 0; i < 3; ++i) {
     text += fmt::format(
         "\n[stepper_{}]\nangle: {:.6f}\narm_length: {:.6f}\nposition_endstop: {:.6f}\n",
         TowerName(static_cast<int>(i)),
-        settings.angle_rad[i] / kRad,
+        DegFromRad(settings.angle_rad[i]),
         settings.arm_mm[i],
         settings.endstop_mm[i]);
   }

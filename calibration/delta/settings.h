@@ -24,15 +24,17 @@ DeltaModel<double> BestDeltaSettings(const DeltaBuild<double>& build,
                                      const DeltaSettingsShape& shape = {});
 
 /// @name Settings as a firmware takes them
-/// RepRapFirmware: `M665 L.. R.. H.. X.. Y.. Z..` (angle corrections in deg of towers
-/// X, Y, Z at 210, 330, 90 deg; a rod for each as L a:b:c where they differ) and `M666
-/// X.. Y.. Z..` (endstop corrections, +: that tower's endstop is higher; their sum is
-/// 0).
-std::string AsRrf(const DeltaModel<double>& settings);
+/// Angles against `drawn`: what the firmware adds its corrections to (RepRapFirmware
+/// and Marlin: towers X, Y, Z at 210, 330, 90 deg). RepRapFirmware: `M665 L.. R.. H..
+/// X.. Y.. Z..` (angle corrections in deg of towers X, Y, Z at 210, 330, 90 deg; a rod
+/// for each as L a:b:c where they differ) and `M666 X.. Y.. Z..` (endstop corrections,
+/// +: that tower's endstop is higher; their sum is 0).
+std::string AsRrf(const DeltaModel<double>& settings, const DeltaModel<double>& drawn);
 /// Marlin: `M665 L R H X Y Z A B C` (angle trims X Y Z, rod trims A B C) and `M666 X Y
 /// Z` (none above 0: the highest endstop is the reference, and H its height). It has
 /// one radius for all towers.
-std::string AsMarlin(const DeltaModel<double>& settings);
+std::string AsMarlin(const DeltaModel<double>& settings,
+                     const DeltaModel<double>& drawn);
 /// Klipper's printer.cfg: `[printer] delta_radius`, `[stepper_a] position_endstop,
 /// arm_length, angle` and so on.
 std::string AsKlipper(const DeltaModel<double>& settings);

@@ -1,6 +1,6 @@
 #include "sim/machine/delta.h"
 
-#include <numbers>
+#include "sim/base/units.h"
 
 namespace caltwin {
 namespace {
@@ -80,13 +80,16 @@ std::optional<int> RodNamed(std::string_view name) {
 }
 
 DeltaModel<double> SymmetricDelta(double endstop_mm, double radius_mm, double arm_mm) {
-  constexpr double kRad = std::numbers::pi / 180;
   DeltaModel<double> model;
   model.endstop_mm.fill(endstop_mm);
   model.radius_mm.fill(radius_mm);
   model.arm_mm.fill(arm_mm);
-  model.angle_rad = {210 * kRad, 330 * kRad, 90 * kRad};
+  model.angle_rad = {RadFromDeg(210.0), RadFromDeg(330.0), RadFromDeg(90.0)};
   return model;
+}
+
+double MeanOfTowers(const std::array<double, 3>& values) {
+  return (values[0] + values[1] + values[2]) / 3;
 }
 
 std::optional<Vec3<double>> DeltaMotorsOf(const DeltaBuild<double>& build,

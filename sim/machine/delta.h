@@ -67,6 +67,9 @@ struct DeltaPose {
   Vec3<T> cayley = Vec3<T>::Zero();
 };
 
+/// Of a number that each tower has, its mean.
+double MeanOfTowers(const std::array<double, 3>& values);
+
 /// What the settings of a delta say: the machine's axis through the bed's origin.
 DeltaModel<double> SymmetricDelta(double endstop_mm, double radius_mm, double arm_mm);
 

@@ -1,13 +1,11 @@
 #include "sim/machine/delta_drawing.h"
 
-#include <numbers>
-
 #include <fmt/format.h>
+
+#include "sim/base/units.h"
 
 namespace caltwin {
 namespace {
-
-constexpr double kRadPerDeg = std::numbers::pi / 180;
 
 // A number for all towers, or a map of them.
 void ReadByTower(YamlMap* map,
@@ -33,9 +31,8 @@ void ReadTowers(YamlMap towers, DeltaModel<double>* model) {
   for (int i = 0; i < kNumTowers; ++i) {
     if (const auto tower = towers.Optional(TowerName(i))) {
       YamlMap keys = tower->Map();
-      model->angle_rad[static_cast<std::size_t>(i)] =
-          keys.Number("angle_deg", {-360, 720}, "counter-clockwise from +x") *
-          kRadPerDeg;
+      model->angle_rad[static_cast<std::size_t>(i)] = RadFromDeg(
+          keys.Number("angle_deg", {-360, 720}, "counter-clockwise from +x"));
       keys.NoMoreKeys();
     }
   }
@@ -91,11 +88,11 @@ void ReadDeltaSettings(YamlMap* map,
   ReadByTower(map, "endstop_mm", {1, 4000}, &settings->endstop_mm);
   std::array<double, 3> more_deg{};
   for (std::size_t i = 0; i < 3; ++i) {
-    more_deg[i] = (settings->angle_rad[i] - drawn.angle_rad[i]) / kRadPerDeg;
+    more_deg[i] = DegFromRad(settings->angle_rad[i] - drawn.angle_rad[i]);
   }
   ReadByTower(map, "tower_angle_deg", {-20, 20}, &more_deg);
   for (std::size_t i = 0; i < 3; ++i) {
-    settings->angle_rad[i] = drawn.angle_rad[i] + more_deg[i] * kRadPerDeg;
+    settings->angle_rad[i] = drawn.angle_rad[i] + RadFromDeg(more_deg[i]);
   }
   CheckReach(*map, *settings);
 }

@@ -283,13 +283,40 @@ TEST(DeltaSettings, AreTheMachinesOwnWhereThreeRodsSuffice) {
   EXPECT_LT(std::abs(accuracy.xy_scale), 1e-7);
 }
 
+TEST(DeltaKnobs, ReadWhatTheyWereTurned) {
+  const DeltaBuild<double> drawn = Drawn();
+  for (int knob = 0; knob < kNumDeltaKnobs; ++knob) {
+    DeltaBuild<double> build = drawn;
+    DeltaBed<double> bed;
+    const DeltaKnob& turned = kDeltaKnobs[static_cast<std::size_t>(knob)];
+    TurnKnob(knob, 0.25 * turned.per_unit, &build, &bed);
+    for (int other = 0; other < kNumDeltaKnobs; ++other) {
+      // All towers moved out together are no tower's own.
+      EXPECT_NEAR(KnobValue(other, build, bed, drawn), other == knob ? 0.25 : 0, 1e-7)
+          << turned.name << " read as "
+          << kDeltaKnobs[static_cast<std::size_t>(other)].name;
+    }
+  }
+}
+
+TEST(DeltaSettings, CountAnglesFromTheDrawing) {
+  DeltaModel<double> turned = Built().model;
+  DeltaModel<double> drawn = Believed();
+  for (double& angle : turned.angle_rad) angle += RadFromDeg(30.0);
+  for (double& angle : drawn.angle_rad) angle += RadFromDeg(30.0);
+
+  EXPECT_EQ(AsMarlin(turned, drawn), AsMarlin(Built().model, Believed()));
+}
+
 TEST(DeltaSettings, AreWrittenAsFirmwaresReadThem) {
   DeltaModel<double> model = Built().model;
 
-  EXPECT_EQ(AsMarlin(model),
+  const DeltaModel<double> drawn = Believed();
+
+  EXPECT_EQ(AsMarlin(model, drawn),
             "M665 L250.0000 R130.8000 H300.4500 X0.3500 Y-0.2500 Z0.0000 A0.0000 "
             "B0.0000 C0.0000\nM666 X-0.1500 Y-0.6500 Z0.0000\n");
-  EXPECT_EQ(AsRrf(model),
+  EXPECT_EQ(AsRrf(model, drawn),
             "M665 L250.0000 R130.8000 H300.1833 X0.3500 Y-0.2500 Z0.0000\n"
             "M666 X0.1167 Y-0.3833 Z0.2667\n");
   EXPECT_THAT(AsKlipper(model), ::testing::HasSubstr("position_endstop: 299.800000"));

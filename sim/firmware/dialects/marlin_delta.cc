@@ -2,17 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include <fmt/format.h>
 
 #include "sim/base/input_error.h"
 #include "sim/base/mutant.h"
+#include "sim/base/units.h"
 
 namespace caltwin {
 namespace {
 
-constexpr double kRad = std::numbers::pi / 180;
 constexpr double kTravel_mm_s = 80;
 constexpr double kProbe_mm_s = 5;
 constexpr double kClearance_mm = 5;
@@ -32,17 +31,11 @@ double Highest(const DeltaModel<double>& model) {
   return std::ranges::max(model.endstop_mm);
 }
 
-double MeanArm(const DeltaModel<double>& model) {
-  return (model.arm_mm[0] + model.arm_mm[1] + model.arm_mm[2]) / 3;
-}
-
 }  // namespace
 
 DeltaModel<double> AsMarlinHasIt(const DeltaModel<double>& settings) {
   DeltaModel<double> kept = settings;
-  const double radius_mm =
-      (settings.radius_mm[0] + settings.radius_mm[1] + settings.radius_mm[2]) / 3;
-  kept.radius_mm.fill(radius_mm);
+  kept.radius_mm.fill(MeanOfTowers(settings.radius_mm));
   return kept;
 }
 
@@ -196,7 +189,7 @@ Reply MarlinDelta::Position() const {
 
 Reply MarlinDelta::SetGeometry(const GcodeCommand& command) {
   if (command.words.empty()) return {.lines = GeometryLines()};
-  const double arm = MeanArm(settings_);
+  const double arm = MeanOfTowers(settings_.arm_mm);
   const double new_arm = NumberOf(command, 'L').value_or(arm);
   const double new_height = NumberOf(command, 'H').value_or(height_mm_);
   const double radius = NumberOf(command, 'R').value_or(settings_.radius_mm[0]);
@@ -207,7 +200,7 @@ Reply MarlinDelta::SetGeometry(const GcodeCommand& command) {
     const double trim = NumberOf(command, "ABC"[i]).value_or(model.arm_mm[i] - arm);
     model.arm_mm[i] = new_arm + trim;
     if (const auto degrees = NumberOf(command, "XYZ"[i])) {
-      model.angle_rad[i] = drawn_.angle_rad[i] + *degrees * kRad;
+      model.angle_rad[i] = drawn_.angle_rad[i] + RadFromDeg(*degrees);
     }
     if (!(radius > 0 && model.arm_mm[i] > radius && model.arm_mm[i] < 1e5)) {
       return Refusal("a rod must be longer than the radius");
@@ -233,9 +226,9 @@ Reply MarlinDelta::SetEndstops(const GcodeCommand& command) {
 }
 
 std::vector<std::string> MarlinDelta::GeometryLines() const {
-  const double arm = MeanArm(settings_);
+  const double arm = MeanOfTowers(settings_.arm_mm);
   const auto trim_deg = [&](std::size_t i) {
-    return (settings_.angle_rad[i] - drawn_.angle_rad[i]) / kRad;
+    return DegFromRad(settings_.angle_rad[i] - drawn_.angle_rad[i]);
   };
   return {fmt::format("echo:  M665 L{:.4f} R{:.4f} H{:.4f} S200.00 X{:.4f} Y{:.4f} "
                       "Z{:.4f} A{:.4f} B{:.4f} C{:.4f}",
