@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "calibration/delta/knobs.h"
+#include "sim/machine/delta_knobs.h"
 
 namespace caltwin {
 namespace {

@@ -15,33 +15,12 @@ std::span<const Word> DeltaEffectWords() {
           "{error_mm}. All tower joints stand further out than drawn: heights become a "
           "bowl. Heights at the middle and on a ring tell; rods of another length look "
           "nearly alike."},
-      Word{
-          "tower_radius",
-          "tower_radius.a: {error_mm}. One tower stands further out: a "
-          "reparametrisation of radius, angles and endstops but for little, so heights "
-          "hardly tell."},
       Word{"tower_angle",
            "tower_angle.a: {angle_deg}. The tower and its joints are turned about the "
            "machine's axis, + counter-clockwise from above. Seen between the towers."},
-      Word{"tower_twist",
-           "tower_twist.a: {angle_deg}. The carriage is turned about itself, + "
-           "counter-clockwise: the effector turns with it. Three-rod formulas do not "
-           "know it."},
-      Word{"tower_lean",
-           "tower_lean.a: {radial_mrad, tangential_mrad}. The top goes outward, or "
-           "counter-clockwise; the foot stays at z = 0. Grows with height: a print at "
-           "one height hides it."},
       Word{"arm_length",
            "{error_mm}. All six rods are longer than believed. Heights come out flat, "
            "prints in the wrong size; a calliper on a rod or on a print tells."},
-      Word{
-          "rod_mismatch",
-          "rod_mismatch.a1: {length_error_mm}; a1 is the clockwise rod of tower a seen "
-          "from above, .a means both. Unlike rods tilt the effector as it moves, which "
-          "no setting of a three-rod firmware can take back."},
-      Word{"belt_pitch",
-           "belt_pitch.a: {error_ppm}. That carriage moves further than commanded, + "
-           "more. Columns of touches at several heights tell."},
       Word{"effector_tilt",
            "{tilt_x_mrad, tilt_y_mrad}. The tool stands crooked on its effector: every "
            "touch is moved alike, so no plan sees it."},

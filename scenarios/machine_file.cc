@@ -118,7 +118,7 @@ MachineFile ReadExtension(const fs::path& file, YamlMap* map) {
   const auto base = map->Required("extends");
   const fs::path base_file =
       FindMachine(base->Text(), file.parent_path(), base->place());
-  MachineFile extension = ReadMachineFile(base_file);
+  MachineFile extension = ReadAnyMachineFile(base_file);
   extension.machine.file = file;
   map->IntegerOr("format", 1, 1, 1);
   extension.machine.name = map->TextOr("name", extension.machine.name);
@@ -150,7 +150,8 @@ MachineFile ReadMachineFile(const fs::path& file) {
         {.file = file.string()},
         "this machine is a delta, which is not known here yet",
         "`caltwin run` of a delta's scenario, `caltwin compare delta`, "
-        "`caltwin validate` and `caltwin import klipper-delta` know deltas");
+        "`caltwin diagnose`, `caltwin validate` and `caltwin import klipper-delta` know "
+        "deltas");
   }
   return read;
 }

@@ -7,7 +7,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
-#include "calibration/delta/chain_slopes.h"
+#include "sim/machine/delta_slopes.h"
 
 namespace caltwin {
 namespace {

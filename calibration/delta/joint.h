@@ -6,7 +6,7 @@
 #include <Eigen/Core>
 
 #include "calibration/delta/bench.h"
-#include "calibration/delta/knobs.h"
+#include "sim/machine/delta_knobs.h"
 
 namespace caltwin {
 

@@ -1,6 +1,7 @@
 #include "calibration/diagnosis/baseline_fit.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -35,6 +36,27 @@ std::vector<bool> FarOut(const Observed& observed, const Eigen::VectorXd& left_m
   return far;
 }
 
+// How far a fitted baseline turns a delta's knobs.
+std::array<double, kNumDeltaKnobs> KnobsOf(const Observed& observed,
+                                           const std::vector<Nuisance>& baseline,
+                                           const Eigen::VectorXd& values) {
+  std::array<double, kNumDeltaKnobs> knobs = observed.knobs();
+  for (std::size_t k = 0; k < baseline.size(); ++k) {
+    const double by = values[static_cast<Eigen::Index>(k)];
+    if (const auto knob = DeltaKnobNamed(baseline[k].name)) {
+      if (*knob >= kBedKnob) continue;
+      knobs[static_cast<std::size_t>(*knob)] += by;
+      // The endstops sum to nought.
+      if (*knob < kRadiusKnob) knobs[kEndstopKnob + 2] -= by;
+    } else if (baseline[k].name == "scale") {
+      for (std::size_t tower = 0; tower < kNumTowers; ++tower) {
+        knobs[kBeltKnob + tower] += by;
+      }
+    }
+  }
+  return knobs;
+}
+
 }  // namespace
 
 FittedBaseline FitBaseline(const Observed& observed,
@@ -60,6 +82,10 @@ FittedBaseline FitBaseline(const Observed& observed,
     return value > kSure * fit.sds[k] ? value : kUnknown;
   };
   FittedBaseline at{.left_mm = fit.residual_mm};
+  if (observed.machine().delta) {
+    at.point.knobs = KnobsOf(observed, baseline, fit.values);
+    return at;
+  }
   for (const Axis axis : kAxes) {
     const double gap_mm = known("backlash." + Name(axis));
     if (Known(gap_mm)) at.point.gap_mm[Index(axis)] = gap_mm;
@@ -86,6 +112,10 @@ bool AreApart(const Observed& one, const Observed& other) {
   const Vec3<double> moved_mm = one.pretravel_mm() - other.pretravel_mm();
   if ((moved_mm.cwiseQuotient(one.pretravel_mm()).cwiseAbs().array() > kPart).any()) {
     return true;
+  }
+  for (std::size_t k = 0; k < one.knobs().size(); ++k) {
+    const double moved = one.knobs()[k] - other.knobs()[k];
+    if (std::abs(moved) > kPart * kDeltaKnobs[k].prior_sd) return true;
   }
   for (Eigen::Index i = 0; i < one.num_rows(); ++i) {
     if ((one.at(i).dir - other.at(i).dir).cwiseAbs().maxCoeff() > kPart) return true;

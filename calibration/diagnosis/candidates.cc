@@ -22,7 +22,8 @@ constexpr double kFormStep = 0.03;
 constexpr const char* kHoming = "homing_scatter";
 
 struct Roles {
-  std::optional<std::size_t> size{}, phase{};
+  std::vector<std::size_t> sizes{};  ///< All of one unit.
+  std::optional<std::size_t> phase{};
   std::vector<std::size_t> forms{};
 };
 
@@ -31,7 +32,7 @@ Roles RolesOf(const Effect& effect) {
   for (std::size_t i = 0; i < effect.parameters.size(); ++i) {
     switch (effect.parameters[i].role) {
       case Role::kSize:
-        roles.size = i;
+        roles.sizes.push_back(i);
         break;
       case Role::kPhase:
         roles.phase = i;
@@ -47,14 +48,15 @@ Injected UnitOf(const Observed& o,
                 int effect,
                 const std::string& axis,
                 const std::vector<double>& forms,
-                double phase_deg) {
+                double phase_deg,
+                std::size_t which_size = 0) {
   const Roles roles = RolesOf(EffectAt(effect));
   Injected unit = NeutralEffect(effect, axis, o.machine());
   for (std::size_t i = 0; i < roles.forms.size(); ++i) {
     unit.values[roles.forms[i]] = forms[i];
   }
   if (roles.phase) unit.values[*roles.phase] = phase_deg;
-  if (roles.size) unit.values[*roles.size] = kSmall;
+  if (!roles.sizes.empty()) unit.values[roles.sizes[which_size]] = kSmall;
   return unit;
 }
 
@@ -85,7 +87,7 @@ double UsualSize(const Effect& effect, const Roles& roles) {
     }
     double operator()(const LogNormal& l) const { return l.median; }
   };
-  return std::visit(Size{}, effect.parameters[*roles.size].prior);
+  return std::visit(Size{}, effect.parameters[roles.sizes[0]].prior);
 }
 
 double PeakOf(const Eigen::MatrixXd& columns) {
@@ -93,9 +95,8 @@ double PeakOf(const Eigen::MatrixXd& columns) {
 }
 
 std::vector<std::string> AxesOf(const Observed& o, const Effect& effect) {
-  if (effect.axes[0] != kAnyAxis) {
-    return {effect.axes.begin(), effect.axes.end()};
-  }
+  const auto axes = AxesOn(effect, o.machine().kinematics);
+  if (axes.empty() || axes[0] != kAnyAxis) return {axes.begin(), axes.end()};
   std::set<std::string> ids;
   for (Eigen::Index i = 0; i < o.num_rows(); ++i) {
     if (!o.at(i).artefact.empty() && o.at(i).artefact != "bed") {
@@ -135,8 +136,8 @@ std::optional<Candidate> CandidateOf(const Observed& o,
                       .shown = effect.sight->shown(axis)};
   if (!CanTell(o, effect, candidate.shown)) return std::nullopt;
   const Roles roles = RolesOf(effect);
-  candidate.must_be_positive = roles.size && !roles.phase &&
-                               effect.parameters[*roles.size].min >= 0 &&
+  candidate.must_be_positive = roles.sizes.size() == 1 && !roles.phase &&
+                               effect.parameters[roles.sizes[0]].min >= 0 &&
                                effect.name != kHoming;
   std::vector<std::vector<double>> grid = {{}};
   if (effect.sight->forms != nullptr) {
@@ -209,7 +210,7 @@ void AddHarmonics(const Observed& o,
                   const Variant& variant,
                   Columns* columns) {
   const int most = EffectAt(candidate.effect).sight->harmonics;
-  if (most < 2 || variant.columns_mm.cols() != 2) return;
+  if (most < 2 || variant.columns_mm.cols() != 2) return;  // No wave.
   const Eigen::VectorXd shows = ChannelOf(o, candidate.shown.channel);
   for (int order = 2; order <= most; ++order) {
     Eigen::VectorXd sine(o.num_rows()), cosine(o.num_rows());
@@ -273,18 +274,20 @@ Variant VariantOf(const Observed& observed,
     variant.size_per_mm = UmFromMm(1.0);
     return PeakOf(variant.columns_mm) > kNothing_mm ? variant : Variant{};
   }
-  const bool has_phase = RolesOf(EffectAt(effect)).phase.has_value();
-  Eigen::MatrixXd columns(observed.num_rows(), has_phase ? 2 : 1);
-  for (Eigen::Index k = 0; k < columns.cols(); ++k) {
-    columns.col(k) =
-        observed.Change_mm(UnitOf(observed, effect, axis, forms, k == 0 ? 0.0 : 90.0));
+  const Roles roles = RolesOf(EffectAt(effect));
+  const std::size_t num = roles.phase ? 2 : roles.sizes.size();
+  Eigen::MatrixXd columns(observed.num_rows(), static_cast<Eigen::Index>(num));
+  for (std::size_t k = 0; k < num; ++k) {
+    const Injected unit =
+        roles.phase ? UnitOf(observed, effect, axis, forms, k == 0 ? 0.0 : 90.0)
+                    : UnitOf(observed, effect, axis, forms, /*phase_deg=*/0, k);
+    columns.col(static_cast<Eigen::Index>(k)) = observed.Change_mm(unit);
   }
   const double peak_mm = PeakOf(columns);
   if (peak_mm < kNothing_mm) return {};
   variant.columns_mm = columns / peak_mm;
   variant.size_per_mm = kSmall / peak_mm;
-  variant.usual_mm =
-      UsualSize(EffectAt(effect), RolesOf(EffectAt(effect))) / variant.size_per_mm;
+  variant.usual_mm = UsualSize(EffectAt(effect), roles) / variant.size_per_mm;
   return variant;
 }
 
@@ -364,8 +367,11 @@ Injected ValuesOf(const Observed& observed,
     if (phase_deg < 0) phase_deg += 360;
     values.values[*roles.phase] = phase_deg;
   }
-  const Parameter& parameter = effect.parameters[*roles.size];
-  values.values[*roles.size] = std::clamp(size, parameter.min, parameter.max);
+  for (std::size_t k = 0; k < roles.sizes.size(); ++k) {
+    if (k > 0) size = sizes_mm[static_cast<Eigen::Index>(k)] * variant.size_per_mm;
+    const Parameter& parameter = effect.parameters[roles.sizes[k]];
+    values.values[roles.sizes[k]] = std::clamp(size, parameter.min, parameter.max);
+  }
   return values;
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 
+#include "sim/effects/drive.h"
 #include "sim/effects/map_table.h"
 
 namespace caltwin {
@@ -35,8 +36,14 @@ Eigen::VectorXd ChannelOf(const Observed& observed, std::string_view channel) {
   Eigen::VectorXd shows(observed.num_rows());
   for (Eigen::Index i = 0; i < observed.num_rows(); ++i) {
     const bool is_touch = observed.at(i).kind == RowKind::kTouch;
-    if (const auto axis = AxisNamed(channel)) {
-      shows[i] = observed.MotionSign(i) * observed.at(i).n[Index(*axis)];
+    if (const auto drive = DriveNamed(channel)) {
+      const Vec3<double>& n = observed.at(i).n;
+      const DeltaAt* delta = observed.at(i).delta;
+      const double along =
+          !drive->is_tower   ? n[drive->index]
+          : delta == nullptr ? 0
+                             : -n.dot(delta->by_knob.col(kEndstopKnob + drive->index));
+      shows[i] = observed.MotionSign(i) * along;
     } else if (channel == "probe") {
       shows[i] = is_touch ? -1 : 0;
     } else {

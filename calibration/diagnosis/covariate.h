@@ -12,7 +12,8 @@
 namespace caltwin {
 
 /// One covariate over all rows. Words are CONTRACT's: x y z t temp dir_x dir_y dir_z
-/// since_rev feed load theta. `temp` takes the sensor that moves most.
+/// since_rev feed load theta, and of a delta motor_a.. dir_a... `temp` takes the sensor
+/// that moves most.
 struct Covariate {
   std::string word{};
   Eigen::VectorXd values{};
@@ -27,7 +28,8 @@ struct Covariate {
 /// None where some row does not know it, or where it is the same everywhere.
 std::optional<Covariate> CovariateOf(const Observed& observed, std::string_view word);
 
-/// How a motion in a channel shows in each row: x y z (motion of the tool), probe
+/// How a motion in a channel shows in each row: x y z (motion of the tool), a b c (of a
+/// delta's carriage, + down), probe
 /// (pre-travel grows), bed (the surface rises).
 Eigen::VectorXd ChannelOf(const Observed& observed, std::string_view channel);
 

@@ -200,7 +200,24 @@ class Reporter {
            baseline[k].offset + with.values[at],
            with.sds[at],
            open_mm < kOpen_mm && with.sds[at] < kKnown * baseline[k].prior_sd});
+      if (baseline[k].name == "endstop.b") AddLastEndstop(with, at, diagnosis);
     }
+  }
+
+  // The three of them sum to nought. `b`: which nuisance the second is; the first
+  // stands before it.
+  static void AddLastEndstop(const Evidence::Fit& fit,
+                             Eigen::Index b,
+                             Diagnosis* diagnosis) {
+    const std::size_t num = diagnosis->baseline.size();
+    const BaselineLine& first = diagnosis->baseline[num - 2];
+    const BaselineLine& second = diagnosis->baseline[num - 1];
+    const double sd = (fit.half.row(b - 1) + fit.half.row(b)).norm();
+    diagnosis->baseline.push_back({"endstop.c",
+                                   first.unit,
+                                   -first.value - second.value,
+                                   sd,
+                                   first.is_determined && second.is_determined});
   }
 
   const Observed& observed_;

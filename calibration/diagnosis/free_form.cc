@@ -121,6 +121,16 @@ std::vector<FreeForm> AllFreeForms(const Observed& observed) {
     add(channel, {channel, "t"});
     add(channel, {channel, "temp"});
   }
+  if (observed.machine().delta) {
+    for (const std::string tower : {"a", "b", "c"}) {
+      const std::string sense = "dir_" + tower;
+      for (const std::string& word :
+           {"motor_" + tower, sense, std::string("t"), std::string("temp")}) {
+        add(tower, {word});
+      }
+      add(tower, {sense, "motor_" + tower});
+    }
+  }
   for (const char* word : {"theta", "feed", "temp", "t", "x", "y", "z"}) {
     add("probe", {word});
   }

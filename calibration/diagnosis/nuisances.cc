@@ -21,6 +21,7 @@ constexpr double kScaleSd_ppm = 3e4;
 constexpr double kBacklashSd_mm = 0.2;
 constexpr double kPretravelSd_mm = 0.1;
 constexpr double kSlopeSd_mrad = 30;
+constexpr double kArmSd_mm = 2;
 constexpr double kPlacementSd_mm = 100;
 constexpr double kTurnSd_mrad = 100;
 constexpr double kHysteresisSd_mm = 0.1;
@@ -103,6 +104,44 @@ void AddAxes(const Observed& o, Builder* builder) {
         },
         o.pretravel_mm()[i]);
   }
+}
+
+// The knobs of a delta that its baseline holds. Its endstops sum to nought: their
+// common height is the bed's, or the placement's.
+void AddDelta(const Observed& o, Builder* builder) {
+  const auto along = [&](Eigen::Index row, int knob) {
+    const At& at = o.at(row);
+    return o.MotionSign(row) * at.n.dot(at.delta->by_knob.col(knob)) *
+           kDeltaKnobs[static_cast<std::size_t>(knob)].per_unit;
+  };
+  const auto add = [&](const std::string& name, int knob, double prior_sd) {
+    builder->Add(
+        name,
+        std::string(kDeltaKnobs[static_cast<std::size_t>(knob)].unit),
+        prior_sd,
+        [&](Eigen::Index row) {
+          // What endstop c does the others undo.
+          const bool is_endstop = knob < kRadiusKnob;
+          return along(row, knob) - (is_endstop ? along(row, kEndstopKnob + 2) : 0);
+        },
+        o.knobs()[static_cast<std::size_t>(knob)]);
+  };
+  for (const int knob :
+       {kEndstopKnob, kEndstopKnob + 1, kRadiusKnob, kAngleKnob, kAngleKnob + 1}) {
+    const DeltaKnob& declared = kDeltaKnobs[static_cast<std::size_t>(knob)];
+    add(std::string(declared.name), knob, declared.prior_sd);
+  }
+  add("arm_length", kArmKnob, kArmSd_mm);
+  builder->Add(
+      "scale",
+      "ppm",
+      kScaleSd_ppm,
+      [&](Eigen::Index row) {
+        double sum = 0;
+        for (int k = 0; k < kNumTowers; ++k) sum += along(row, kBeltKnob + k);
+        return sum;
+      },
+      o.knobs()[kBeltKnob]);
 }
 
 void AddBedPlane(const Observed& o, Builder* builder) {
@@ -237,7 +276,9 @@ void AddFreedomOfEffect(const Observed& o, const Injected& effect, Builder* buil
   for (std::size_t i = 0; i < declaration.parameters.size(); ++i) {
     if (declaration.parameters[i].role == Role::kForm)
       forms.push_back(effect.values[i]);
-    if (declaration.parameters[i].role == Role::kSize) size = effect.values[i];
+    if (declaration.parameters[i].role == Role::kSize) {
+      size = std::hypot(size, effect.values[i]);
+    }
   }
   const Variant variant = VariantOf(o, effect.effect, effect.axis, forms);
   if (variant.columns_mm.cols() == 0 || size == 0) return;
@@ -275,7 +316,11 @@ void AddFreedoms(const Observed& o, Builder* builder) {
 
 std::vector<Nuisance> BaselineOf(const Observed& observed) {
   Builder builder(observed);
-  AddAxes(observed, &builder);
+  if (observed.machine().delta) {
+    AddDelta(observed, &builder);
+  } else {
+    AddAxes(observed, &builder);
+  }
   AddBedPlane(observed, &builder);
   AddPlacements(observed, &builder);
   AddSizes(observed, &builder);

@@ -6,11 +6,14 @@
 #include <tuple>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "sim/base/median.h"
 #include "sim/base/units.h"
 #include "sim/effects/gap_sense.h"
 #include "sim/effects/injected.h"
 #include "sim/effects/predict.h"
+#include "sim/machine/delta_slopes.h"
 #include "sim/measure/in_force.h"
 
 namespace caltwin {
@@ -103,6 +106,7 @@ Observed Observed::With(const std::vector<Injected>& more) const {
 Observed Observed::AtFitted(const Eigen::VectorXd& left_mm,
                             const BaselinePoint& point) const {
   Observed copy = *this;
+  copy.knobs_ = point.knobs;
   for (const Axis axis : kAxes) {
     const double pretravel_mm = point.pretravel_mm[Index(axis)];
     if (!Known(pretravel_mm)) continue;
@@ -114,6 +118,7 @@ Observed Observed::AtFitted(const Eigen::VectorXd& left_mm,
   for (Eigen::Index i = 0; i < num_rows(); ++i) {
     At& where = copy.at_[static_cast<std::size_t>(i)];
     if (where.kind == RowKind::kTouch) where.q_mm -= left_mm[i] * where.n;
+    if (machine_.delta) continue;
     where.dir = dir_[static_cast<std::size_t>(i)];
     const Vec3<double> lost_mm =
         ErrorsAt<double>(machine_, where, effects_).lost_motion_mm;
@@ -129,12 +134,76 @@ Observed Observed::AtNominal() const {
   return AtFitted(values_mm, {});
 }
 
+DeltaBuild<double> Observed::BelievedBuild() const {
+  DeltaBuild<double> build = machine_.delta->Build();
+  DeltaBed<double> bed;
+  for (int knob = 0; knob < kNumDeltaKnobs; ++knob) {
+    const auto k = static_cast<std::size_t>(knob);
+    TurnKnob(knob, knobs_[k] * kDeltaKnobs[k].per_unit, &build, &bed);
+  }
+  for (const Injected& effect : effects_) {
+    for (const auto& [knob, by] : TurnsOf(effect)) TurnKnob(knob, by, &build, &bed);
+  }
+  return build;
+}
+
+// Each row of a delta at the motors that its pose was commanded with.
+void Observed::PlaceDelta() {
+  const DeltaModel<double>& settings = machine_.delta->settings;
+  const DeltaBuild<double> build = BelievedBuild();
+  std::vector<DeltaAt> placed(at_.size());
+  double rim_mm = 0;
+  for (std::size_t i = 0; i < at_.size(); ++i) {
+    const Row& row = table_->rows[i];
+    const Vec3<double>& q_mm = at_[i].q_mm;
+    DeltaAt& here = placed[i];
+    here.motors_mm = DeltaMotors_mm(settings, q_mm);
+    const Vec3<double> as_said(row.motor_mm[0], row.motor_mm[1], row.motor_mm[2]);
+    const Vec3<double> nominal(row.cmd_mm[0], row.cmd_mm[1], row.cmd_mm[2]);
+    if (as_said.allFinite() && nominal.allFinite()) {
+      here.motors_mm += as_said - DeltaMotors_mm(settings, nominal);
+    }
+    for (int k = 0; k < kNumTowers; ++k) {
+      const double dir = row.motor_dir[static_cast<std::size_t>(k)];
+      here.motor_dir[k] = Known(dir) ? dir : 0;
+    }
+    const auto closed = ClosedDelta::At(build, here.motors_mm);
+    if (!closed) {
+      throw InputError(row.place,
+                       fmt::format("row {}: the rods of this machine do not reach "
+                                   "({:.1f}, {:.1f}, {:.1f})",
+                                   row.row,
+                                   q_mm[0],
+                                   q_mm[1],
+                                   q_mm[2]),
+                       "is it the machine file of these rows?");
+    }
+    here.off_mm = closed->pose().nozzle_mm - q_mm;
+    for (const Axis axis : kAxes) {
+      const auto slopes = closed->Slopes(Unit(axis));
+      here.by_knob.row(Index(axis)) =
+          Eigen::Map<const Eigen::Matrix<double, 1, kNumDeltaKnobs>>(slopes.data());
+    }
+    if (at_[i].on_table) rim_mm = std::max(rim_mm, std::hypot(nominal[0], nominal[1]));
+  }
+  for (DeltaAt& here : placed) here.rim_mm = rim_mm > 0 ? rim_mm : here.rim_mm;
+  delta_at_ = std::make_shared<const std::vector<DeltaAt>>(std::move(placed));
+  for (std::size_t i = 0; i < at_.size(); ++i) at_[i].delta = &(*delta_at_)[i];
+}
+
 void Observed::Linearise() {
+  std::vector<Injected> model = model_;
+  if (machine_.delta) {
+    PlaceDelta();
+    // What turned the build is in its place already.
+    std::erase_if(model,
+                  [](const Injected& effect) { return !TurnsOf(effect).empty(); });
+  }
   const auto n = static_cast<Eigen::Index>(at_.size());
   residual_mm_.resize(n);
   true_q_mm_.resize(at_.size());
   for (Eigen::Index i = 0; i < n; ++i) {
-    const auto errors = ErrorsAt<double>(machine_, at(i), model_);
+    const auto errors = ErrorsAt<double>(machine_, at(i), model);
     true_q_mm_[static_cast<std::size_t>(i)] = at(i).q_mm + errors.motion_mm;
     residual_mm_[i] = row(i).value_mm - Value_mm(at(i), errors);
   }
@@ -153,8 +222,9 @@ Eigen::VectorXd Observed::Change_mm(const Injected& effect) const {
         .q_mm = is_drive ? where.q_mm : true_q_mm_[static_cast<std::size_t>(i)]};
     Errors<double> errors;
     AddErrors(effect.effect, asked, &errors);
-    const Vec3<double> motion_mm =
+    Vec3<double> motion_mm =
         errors.motion_mm - where.dir.cwiseProduct(errors.lost_motion_mm) / 2;
+    if (where.delta != nullptr) motion_mm += MotionOfMotors_mm(*where.delta, errors);
     const double along_mm = motion_mm.dot(where.n);
     change[i] = where.kind != RowKind::kTouch
                     ? along_mm
@@ -184,7 +254,14 @@ Extent Observed::ExtentOf() const {
   Extent extent;
   if (at_.empty()) return extent;
   extent.q_min_mm = extent.q_max_mm = at_.front().q_mm;
+  if (at_.front().delta != nullptr) {
+    extent.motor_min_mm = extent.motor_max_mm = at_.front().delta->motors_mm;
+  }
   for (const At& at : at_) {
+    if (at.delta != nullptr) {
+      extent.motor_min_mm = extent.motor_min_mm.cwiseMin(at.delta->motors_mm);
+      extent.motor_max_mm = extent.motor_max_mm.cwiseMax(at.delta->motors_mm);
+    }
     extent.q_min_mm = extent.q_min_mm.cwiseMin(at.q_mm);
     extent.q_max_mm = extent.q_max_mm.cwiseMax(at.q_mm);
     extent.times_s.push_back(at.t_s);

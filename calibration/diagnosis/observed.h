@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <memory>
 #include <string>
 #include <vector>
@@ -20,6 +21,8 @@ struct BaselinePoint {
   Vec3<double> gap_mm = Vec3<double>::Zero();
   /// Pre-travel along each axis; kUnknown: the model's own.
   Vec3<double> pretravel_mm = Vec3<double>::Constant(kUnknown);
+  /// How far a delta's knobs are turned against its drawing, in their units.
+  std::array<double, kNumDeltaKnobs> knobs{};
 };
 
 /// Measured rows made ready for diagnosis: the circumstances of each, what the model at
@@ -77,6 +80,11 @@ class Observed {
   /// where nobody said.
   double StatedSigma_mm(Eigen::Index i) const;
 
+  /// How far a delta's knobs are turned where the baseline is taken, in their units.
+  const std::array<double, kNumDeltaKnobs>& knobs() const { return knobs_; }
+  /// Of a delta: the build that its rows are straight about.
+  DeltaBuild<double> BelievedBuild() const;
+
   /// Pre-travel along each axis that the baseline is linear about.
   const Vec3<double>& pretravel_mm() const { return pretravel_mm_; }
 
@@ -85,6 +93,7 @@ class Observed {
 
  private:
   void Linearise();
+  void PlaceDelta();
 
   std::shared_ptr<const RowTable> table_;
   std::shared_ptr<const DataHeader> header_;
@@ -93,6 +102,8 @@ class Observed {
   std::vector<Injected> effects_;
   std::vector<Injected> model_{};  ///< effects_, and the baseline's point.
   Vec3<double> pretravel_mm_ = Vec3<double>::Zero();
+  std::array<double, kNumDeltaKnobs> knobs_{};
+  std::shared_ptr<const std::vector<DeltaAt>> delta_at_{};
   std::vector<At> at_{};
   std::vector<Vec3<double>> dir_{};        ///< As the rows say.
   std::vector<Vec3<double>> true_q_mm_{};  ///< Where the axes stand, drive errors in.

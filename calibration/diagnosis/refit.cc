@@ -250,9 +250,14 @@ class Final {
     const Eigen::VectorXd& a = refined.sizes_mm;
     std::vector<double> sds(parameters.size(), 0);
     const double norm = std::max(a.norm(), 1e-300);
-    Eigen::Index form = num_sizes;
+    Eigen::Index form = num_sizes, size = 0;
+    const bool has_one_size =
+        std::ranges::count(parameters, Role::kSize, &Parameter::role) == 1;
     for (std::size_t i = 0; i < parameters.size(); ++i) {
-      if (parameters[i].role == Role::kSize) {
+      if (parameters[i].role == Role::kSize && !has_one_size) {
+        sds[i] = std::sqrt(covariance(size, size)) * refined.variant.size_per_mm;
+        ++size;
+      } else if (parameters[i].role == Role::kSize) {
         const Eigen::VectorXd along = a / norm;
         const auto block = covariance.topLeftCorner(num_sizes, num_sizes);
         sds[i] = std::sqrt(along.dot(block * along)) * refined.variant.size_per_mm;

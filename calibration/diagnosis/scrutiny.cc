@@ -18,21 +18,22 @@ namespace caltwin {
 namespace {
 
 // Whether the rows tell how large it is: not where it stands at the end of what is
-// possible, nor where it may as well be nothing.
+// possible, nor where it (of several sizes each) may as well be nothing.
 bool HasSize(const Candidate& candidate, const Refined& refined) {
   if (candidate.cause == "homing_scatter") return true;  // Its size is a scatter.
   constexpr double kLeast_sds = 2;
   constexpr double kAtEnd = 1e-6;
   const auto parameters = EffectAt(candidate.effect).parameters;
+  bool is_something = false;
   for (std::size_t p = 0; p < parameters.size(); ++p) {
     if (parameters[p].role != Role::kSize) continue;
     const double size = refined.effect.values[p];
     const double end = kAtEnd * (parameters[p].max - parameters[p].min);
-    if (std::abs(size) < kLeast_sds * refined.sds[p]) return false;
+    is_something |= std::abs(size) >= kLeast_sds * refined.sds[p];
     if (size > parameters[p].max - end) return false;
     if (size < parameters[p].min + end) return false;
   }
-  return true;
+  return is_something;
 }
 
 class Scrutiny {

@@ -47,7 +47,8 @@ struct BedBowl {
                 .action = "Surface or shim the table; a height map (mesh) corrects "
                           "it."},
       .neutral = Neutral,
-      .sight = Sight{.shown = ShownIn}};
+      .sight = Sight{.shown = ShownIn},
+      .delta_axes = kAxes};
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {

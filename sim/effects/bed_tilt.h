@@ -48,7 +48,8 @@ struct BedTilt {
                 .cause = "Table shimmed or clamped unevenly.",
                 .effect = "Pockets vary in depth across the part.",
                 .action = "Shim or surface the table."},
-      .neutral = Neutral};
+      .neutral = Neutral,
+      .delta_axes = kAxes};
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {

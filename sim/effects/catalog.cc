@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <type_traits>
 
 #include "sim/base/require.h"
 
@@ -36,12 +37,35 @@ std::optional<int> FindEffect(std::string_view name) {
   return std::nullopt;
 }
 
-bool HasAxis(const Effect& effect, std::string_view axis) {
+std::span<const std::string_view> AxesOn(const Effect& effect, Kinematics kinematics) {
+  return kinematics == Kinematics::kDelta ? effect.delta_axes : effect.axes;
+}
+
+bool HasAxis(const Effect& effect, std::string_view axis, Kinematics kinematics) {
   const auto same = [&](std::string_view word) {
     return word == axis || (word == kAnyAxis && !axis.empty());
   };
-  return std::ranges::any_of(effect.axes, same) ||
+  return std::ranges::any_of(AxesOn(effect, kinematics), same) ||
          std::ranges::any_of(effect.aliases, same);
+}
+
+std::vector<KnobTurn<double>> TurnsOf(const Injected& effect) {
+  std::vector<KnobTurn<double>> turns;
+  const auto add = [&]<typename E>(int index, std::type_identity<E>) {
+    if constexpr (requires { E::template Turns<double>(effect.axis, effect.values); }) {
+      if (index != effect.effect) return;
+      for (const KnobTurn<double>& turn :
+           E::template Turns<double>(effect.axis, effect.values)) {
+        if (turn.knob >= 0) turns.push_back(turn);
+      }
+    }
+  };
+  [&]<std::size_t... kIndex>(std::index_sequence<kIndex...>) {
+    (add(static_cast<int>(kIndex),
+         std::type_identity<std::tuple_element_t<kIndex, EffectList>>{}),
+     ...);
+  }(std::make_index_sequence<kNumEffects>{});
+  return turns;
 }
 
 std::string AxisOf(const Effect& effect, std::string_view written) {

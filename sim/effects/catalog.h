@@ -8,6 +8,7 @@
 #include <string_view>
 #include <tuple>
 #include <utility>
+#include <vector>
 
 #include "sim/effects/angular.h"
 #include "sim/effects/axis_twist.h"
@@ -17,14 +18,17 @@
 #include "sim/effects/bed_cylinder.h"
 #include "sim/effects/bed_tilt.h"
 #include "sim/effects/bed_twist.h"
+#include "sim/effects/belt_pitch.h"
 #include "sim/effects/block_rotated.h"
 #include "sim/effects/block_size.h"
+#include "sim/effects/carriage_backlash.h"
 #include "sim/effects/cyclic_lead.h"
 #include "sim/effects/effect.h"
 #include "sim/effects/frame_growth.h"
 #include "sim/effects/frame_temperature.h"
 #include "sim/effects/gantry_sag.h"
 #include "sim/effects/homing_scatter.h"
+#include "sim/effects/knob_turns.h"
 #include "sim/effects/microstep.h"
 #include "sim/effects/missed_steps.h"
 #include "sim/effects/pitch_map.h"
@@ -35,6 +39,7 @@
 #include "sim/effects/pulley_eccentric.h"
 #include "sim/effects/random_walk.h"
 #include "sim/effects/reversal_spike.h"
+#include "sim/effects/rod_mismatch.h"
 #include "sim/effects/servo_lag.h"
 #include "sim/effects/servo_mismatch.h"
 #include "sim/effects/squareness.h"
@@ -44,6 +49,9 @@
 #include "sim/effects/thermal_screw.h"
 #include "sim/effects/tip_runout.h"
 #include "sim/effects/tip_size.h"
+#include "sim/effects/tower_lean.h"
+#include "sim/effects/tower_radius.h"
+#include "sim/effects/tower_twist.h"
 #include "sim/effects/trigger_latency.h"
 #include "sim/effects/trigger_scatter.h"
 #include "sim/effects/unknown_map.h"
@@ -71,6 +79,12 @@ using EffectList = std::tuple<StepsPerMm,
                               Angular,
                               GantrySag,
                               AxisTwist,
+                              BeltPitch,
+                              CarriageBacklash,
+                              RodMismatch,
+                              TowerLean,
+                              TowerTwist,
+                              TowerRadius,
                               ServoMismatch,
                               ServoLag,
                               FrameGrowth,
@@ -122,8 +136,15 @@ void AddErrors(int effect, const Asked<T>& asked, Errors<T>* errors) {
 /// Compiled once, in catalog.cc; other scalars where they are used.
 extern template void AddErrors<double>(int, const Asked<double>&, Errors<double>*);
 
+/// What may stand after the dot of the effect's name on such a machine; empty: it does
+/// not have the effect.
+std::span<const std::string_view> AxesOn(const Effect& effect, Kinematics kinematics);
+
 /// Whether files may write this after the dot of the effect's name.
-bool HasAxis(const Effect& effect, std::string_view axis);
+bool HasAxis(const Effect& effect, std::string_view axis, Kinematics kinematics);
+
+/// What an effect turns of a delta's build; none where it does not act there.
+std::vector<KnobTurn<double>> TurnsOf(const Injected& effect);
 
 /// The declared word for an axis as a file writes it: an alias becomes axes[0].
 std::string AxisOf(const Effect& effect, std::string_view written);

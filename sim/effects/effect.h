@@ -10,6 +10,7 @@
 
 #include "sim/base/distribution.h"
 #include "sim/machine/axis.h"
+#include "sim/machine/delta_knobs.h"
 #include "sim/machine/machine.h"
 #include "sim/measure/climate.h"
 #include "sim/measure/row.h"
@@ -47,13 +48,16 @@ struct Extent {
   double t_min_s = 0, t_max_s = 0;
   Vec3<double> q_min_mm = Vec3<double>::Zero();
   Vec3<double> q_max_mm = Vec3<double>::Zero();
+  /// The same of a delta's motors.
+  Vec3<double> motor_min_mm = Vec3<double>::Zero();
+  Vec3<double> motor_max_mm = Vec3<double>::Zero();
   /// Times of the rows that could feel the effect, ascending, each once.
   std::vector<double> times_s{};
 };
 
 /// In which channel an effect shows and what it depends on, in CONTRACT's words.
 struct Shown {
-  std::string channel{};  ///< x y z (motion), probe or bed.
+  std::string channel{};  ///< x y z (motion), a b c (a tower's), probe or bed.
   std::vector<std::string> covariates{};
 };
 
@@ -86,7 +90,8 @@ struct Effect {
   std::string_view about;  ///< One sentence.
   Bucket bucket;
   Stage stage;
-  std::span<const std::string_view> axes;  ///< Allowed after the dot; {""}: none.
+  /// Allowed after the dot on a cartesian machine; {""}: none. Empty: not there.
+  std::span<const std::string_view> axes{};
   std::span<const Parameter> parameters;
   std::string_view formula;
   std::string_view source;  ///< Where the model and its typical size come from.
@@ -100,10 +105,28 @@ struct Effect {
   std::span<const std::string_view> aliases{};
   /// What diagnosis may find; none: baseline, or injected only.
   std::optional<Sight> sight{};
+  /// As `axes`, on a delta.
+  std::span<const std::string_view> delta_axes{};
 };
 
 /// In `axes`: any word, such as an artefact's id.
 inline constexpr std::string_view kAnyAxis = "*";
+
+/// The towers of a delta, after the dot.
+inline constexpr std::array<std::string_view, 3> kTowerAxes = {"a", "b", "c"};
+
+/// What a delta's reading has beside its pose: what its motors did, and how the nozzle
+/// moves with whatever may be wrong, about the machine as it is believed to be built.
+struct DeltaAt {
+  Vec3<double> motors_mm =
+      Vec3<double>::Zero();  ///< Commanded, down from the endstops.
+  Vec3<double> motor_dir = Vec3<double>::Zero();  ///< Sense of each in the approach.
+  Vec3<double> off_mm = Vec3<double>::Zero();     ///< Nozzle less commanded, by it.
+  /// Of the nozzle by the knobs of the machine itself, inside values.
+  Eigen::Matrix<double, 3, kNumDeltaKnobs> by_knob =
+      Eigen::Matrix<double, 3, kNumDeltaKnobs>::Zero();
+  double rim_mm = 100;  ///< How far out the outermost touch of the bed lies.
+};
 
 /// Where and under which circumstances an error is asked for: what is known of one
 /// reading, none of it a parameter.
@@ -141,7 +164,8 @@ struct At {
   double artefact_turn_deg = 0;
   /// Middle of what was touched of the artefact in this setup, machine axes.
   Vec3<double> artefact_mid_mm = Vec3<double>::Zero();
-  double radius_mm = 0;  ///< Of a ball-bar's circle; 0: none.
+  double radius_mm = 0;            ///< Of a ball-bar's circle; 0: none.
+  const DeltaAt* delta = nullptr;  ///< On a delta; borrowed.
 
   /// Where the tip's centre (or what a gauge looks at) is by command, machine axes.
   Vec3<double> Tip_mm() const { return q_mm + probe_off_mm; }
@@ -153,6 +177,9 @@ struct Errors {
   Vec3<T> steps_per_mm = Vec3<T>::Zero();    ///< True.
   Vec3<T> motion_mm = Vec3<T>::Zero();       ///< Tip: actual minus commanded.
   Vec3<T> lost_motion_mm = Vec3<T>::Zero();  ///< Full width; acts as -dir * width / 2.
+  /// @name A delta's carriages, + down as its motors count
+  Vec3<T> motor_mm = Vec3<T>::Zero();              ///< Moved less commanded.
+  Vec3<T> motor_lost_motion_mm = Vec3<T>::Zero();  ///< Full width, by motor_dir.
   /// Stylus deflection at the trigger for a tip pushed towards + and - of each axis, so
   /// [axis][0] counts where the machine moves in + (normal towards -).
   std::array<std::array<T, 2>, 3> pretravel_mm{};

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "sim/effects/drive.h"
+
 namespace caltwin {
 
 Forms OfOne(const std::vector<double>& values) {
@@ -21,6 +23,13 @@ std::vector<double> Geometric(double first, double last, int count) {
 
 double Span_mm(const Extent& extent, Axis axis) {
   return extent.q_max_mm[Index(axis)] - extent.q_min_mm[Index(axis)];
+}
+
+double DriveSpan_mm(const Extent& extent, std::string_view name) {
+  const Drive drive = *DriveNamed(name);
+  return drive.is_tower
+             ? extent.motor_max_mm[drive.index] - extent.motor_min_mm[drive.index]
+             : extent.q_max_mm[drive.index] - extent.q_min_mm[drive.index];
 }
 
 std::vector<double> Periods_mm(double drawn_mm, double span_mm) {

@@ -34,6 +34,9 @@ std::vector<double> Geometric(double first, double last, int count);
 /// How far rows reach along an axis [mm].
 double Span_mm(const Extent& extent, Axis axis);
 
+/// The same of a drive by name, a tower's along its motor.
+double DriveSpan_mm(const Extent& extent, std::string_view name);
+
 /// Periods within 3 % of the drawn one, so close that between neighbours the phase at
 /// the ends of the span moves by at most a quarter of a turn. No more than 25: over
 /// more than 200 periods they reach less far. None where the span is below a quarter of

@@ -63,7 +63,8 @@ struct FrameGrowth {
                "the height again before finishing."},
       .neutral = Neutral,
       .aliases = kAliases,
-      .sight = Sight{.shown = In, .forms = Grid}};
+      .sight = Sight{.shown = In, .forms = Grid},
+      .delta_axes = kAxes};
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {

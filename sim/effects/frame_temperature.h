@@ -68,7 +68,8 @@ struct FrameTemperature {
                      "temperature; enter the frame's where the firmware corrects it "
                      "(Klipper: z_thermal_adjust, temp_coeff in mm/K, the same sign)."},
       .neutral = Neutral,
-      .sight = Sight{.shown = In, .forms = Grid}};
+      .sight = Sight{.shown = In, .forms = Grid},
+      .delta_axes = kAxes};
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "sim/base/units.h"
+#include "sim/effects/drive.h"
 #include "sim/effects/effect.h"
 
 namespace caltwin {
@@ -57,11 +58,12 @@ struct HomingScatter {
            .action = "Home slowly a second time, move the switch near the axis, use an "
                      "index pulse or probe a fixed datum after homing."},
       .neutral = Neutral,
-      .sight = Sight{.shown = In}};
+      .sight = Sight{.shown = In},
+      .delta_axes = kTowerAxes};
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {
-    errors->motion_mm[Index(*AxisNamed(asked.axis))] +=
+    DriveError_mm(asked.axis, errors) +=
         MmFromUm(asked.p[0]) * HomingDeviate(asked.at.home, asked.axis);
   }
 };

@@ -13,10 +13,10 @@ namespace {
 
 constexpr Bounds kTableBounds_um{-10000, 10000};
 
-std::vector<std::string> KnownCauses() {
+std::vector<std::string> KnownCauses(Kinematics kinematics) {
   std::vector<std::string> names;
   for (const Effect* effect : AllEffects()) {
-    for (const std::string_view axis : effect->axes) {
+    for (const std::string_view axis : AxesOn(*effect, kinematics)) {
       names.push_back(axis.empty() ? std::string(effect->name)
                                    : fmt::format("{}.{}", effect->name, axis));
     }
@@ -24,21 +24,27 @@ std::vector<std::string> KnownCauses() {
   return names;
 }
 
-bool ReadName(const std::string& key, const YamlValue& value, InjectedSpec* spec) {
+bool ReadName(const std::string& key,
+              const YamlValue& value,
+              Kinematics kinematics,
+              InjectedSpec* spec) {
   const std::size_t dot = key.find('.');
   const std::string cause = key.substr(0, dot);
   spec->axis = dot == std::string::npos ? "" : key.substr(dot + 1);
   const std::optional<int> effect = FindEffect(cause);
-  if (!effect) {
-    const std::string nearest = NearestWord(key, KnownCauses());
-    value.Fail("is no effect that this version can inject",
-               (nearest.empty() ? "" : fmt::format("did you mean '{}'? ", nearest)) +
-                   "`caltwin explain` lists them all");
+  if (!effect || AxesOn(EffectAt(*effect), kinematics).empty()) {
+    const std::string nearest = NearestWord(key, KnownCauses(kinematics));
+    value.Fail(
+        effect ? fmt::format("is no effect of a {} machine",
+                             kinematics == Kinematics::kDelta ? "delta" : "cartesian")
+               : "is no effect that this version can inject",
+        (nearest.empty() ? "" : fmt::format("did you mean '{}'? ", nearest)) +
+            "`caltwin explain` lists them all");
     return false;
   }
   spec->effect = *effect;
-  const auto axes = EffectAt(*effect).axes;
-  if (HasAxis(EffectAt(*effect), spec->axis)) {
+  const auto axes = AxesOn(EffectAt(*effect), kinematics);
+  if (HasAxis(EffectAt(*effect), spec->axis, kinematics)) {
     spec->axis = AxisOf(EffectAt(*effect), spec->axis);
     return true;
   }
@@ -92,7 +98,7 @@ std::vector<InjectedSpec> ReadEffects(YamlMap map, const Machine& machine) {
   std::vector<InjectedSpec> specs;
   for (const auto& [key, value] : map.Entries()) {
     InjectedSpec spec{.place = value.place()};
-    if (!ReadName(key, value, &spec)) continue;
+    if (!ReadName(key, value, machine.kinematics, &spec)) continue;
     const Effect& effect = EffectAt(spec.effect);
     const Injected neutral = NeutralEffect(spec.effect, spec.axis, machine);
     YamlMap parameters = value.Map();

@@ -8,11 +8,12 @@
 #include <fmt/ranges.h>
 
 #include "sim/base/require.h"
+#include "sim/effects/drive.h"
 
 namespace caltwin {
 namespace {
 
-constexpr std::array<std::string_view, 12> kCovariates = {"x",
+constexpr std::array<std::string_view, 18> kCovariates = {"x",
                                                           "y",
                                                           "z",
                                                           "t",
@@ -23,7 +24,13 @@ constexpr std::array<std::string_view, 12> kCovariates = {"x",
                                                           "since_rev",
                                                           "feed",
                                                           "load",
-                                                          "theta"};
+                                                          "theta",
+                                                          "motor_a",
+                                                          "motor_b",
+                                                          "motor_c",
+                                                          "dir_a",
+                                                          "dir_b",
+                                                          "dir_c"};
 
 int AlongWhich(const Vec3<double>& n) {
   int most = 0;
@@ -94,8 +101,15 @@ MapWords WordsOf(std::string_view axis) {
 double CovariateAt(const At& at, std::string_view word) {
   if (const auto axis = AxisNamed(word)) return at.q_mm[Index(*axis)];
   if (word.starts_with("dir_")) {
-    const auto axis = AxisNamed(word.substr(4));
-    return axis ? at.dir[Index(*axis)] : kUnknown;
+    const auto drive = DriveNamed(word.substr(4));
+    if (!drive) return kUnknown;
+    if (!drive->is_tower) return at.dir[drive->index];
+    return at.delta == nullptr ? kUnknown : at.delta->motor_dir[drive->index];
+  }
+  if (word.starts_with("motor_")) {
+    const auto drive = DriveNamed(word.substr(6));
+    const bool is_there = drive && drive->is_tower && at.delta != nullptr;
+    return is_there ? at.delta->motors_mm[drive->index] : kUnknown;
   }
   if (word == "t") return at.t_s;
   if (word == "temp") return LiveliestTemp_k(at);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "sim/base/units.h"
+#include "sim/effects/drive.h"
 #include "sim/effects/effect.h"
 #include "sim/effects/forms.h"
 
@@ -64,14 +65,15 @@ struct MissedSteps {
                "Lower the acceleration or raise the current, look for what jams; home "
                "and measure again what came after the jump."},
       .neutral = Neutral,
-      .sight = Sight{.shown = In, .forms = Grid}};
+      .sight = Sight{.shown = In, .forms = Grid},
+      .delta_axes = kTowerAxes};
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {
     const T& at_t_s = asked.p[1];
     const bool is_hit = at_t_s <= asked.at.t_s && at_t_s >= asked.at.homed_at_s;
     if (!is_hit) return;
-    errors->motion_mm[Index(*AxisNamed(asked.axis))] += MmFromUm(asked.p[0]);
+    DriveError_mm(asked.axis, errors) += MmFromUm(asked.p[0]);
   }
 };
 

@@ -5,6 +5,7 @@
 
 #include "sim/base/mutant.h"
 #include "sim/effects/catalog.h"
+#include "sim/effects/drive.h"
 #include "sim/effects/effect.h"
 
 namespace caltwin {
@@ -14,6 +15,10 @@ namespace caltwin {
 /// Two passes: the drive's effects see the commanded position; the later stages see
 /// where the axes then truly stand (drive errors and lost motion added), so that a
 /// squareness on a wrong scale is exact.
+///
+/// On a delta `at.delta` says where the nozzle stands beside its commanded place as the
+/// machine is believed to be built; effects that turn its build are straight about
+/// that.
 template <typename T>
 Errors<T> ErrorsAt(const Machine& machine,
                    const At& at,
@@ -37,6 +42,12 @@ Errors<T> ErrorsAt(const Machine& machine,
   };
   const Vec3<T> q_mm = at.q_mm.template cast<T>();
   add(/*drive=*/true, q_mm);
+  if (at.delta != nullptr) {
+    errors.motion_mm += at.delta->off_mm.template cast<T>();
+    add(/*drive=*/false, Vec3<T>(q_mm + errors.motion_mm));
+    errors.motion_mm += MotionOfMotors_mm(*at.delta, errors);
+    return errors;
+  }
   for (const Axis axis : kAxes) {
     const int i = Index(axis);
     if (at.steps_per_mm[i] > 0) {

@@ -65,7 +65,8 @@ struct ProbeTemperature {
                "again when the shop has warmed by a few kelvin."},
       .neutral = Neutral,
       .aliases = kAliases,
-      .sight = Sight{.shown = In, .forms = Grid}};
+      .sight = Sight{.shown = In, .forms = Grid},
+      .delta_axes = kAxes};
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {

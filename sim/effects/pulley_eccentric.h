@@ -1,5 +1,6 @@
 #pragma once
 
+#include "sim/effects/drive.h"
 #include "sim/effects/effect.h"
 #include "sim/effects/forms.h"
 
@@ -40,19 +41,19 @@ struct PulleyEccentric {
                       std::string_view axis,
                       std::span<double> values) {
     values[0] = values[1] = 0;
-    values[2] = machine.axis(*AxisNamed(axis)).lead_mm;
+    values[2] = machine.axes[static_cast<std::size_t>(DriveNamed(axis)->index)].lead_mm;
   }
   static Shown In(std::string_view axis) {
-    return {.channel = std::string(axis), .covariates = {std::string(axis)}};
+    return {.channel = std::string(axis), .covariates = {DriveCovariate(axis)}};
   }
   /// None on a screw: it has no pulley.
   static Forms Grid(const Machine& machine,
                     std::string_view name,
                     const Extent& extent) {
-    const Axis axis = *AxisNamed(name);
-    const AxisDrawing& drawing = machine.axis(axis);
+    const AxisDrawing& drawing =
+        machine.axes[static_cast<std::size_t>(DriveNamed(name)->index)];
     if (!drawing.is_belt) return {};
-    return OfOne(Periods_mm(drawing.lead_mm, Span_mm(extent, axis)));
+    return OfOne(Periods_mm(drawing.lead_mm, DriveSpan_mm(extent, name)));
   }
   static constexpr Effect kDeclaration = {
       .name = "pulley_eccentric",
@@ -80,12 +81,13 @@ struct PulleyEccentric {
                "Replace the pulley by one clamped or pressed on; check its run-out "
                "with a dial: the amplitude is half of what it shows."},
       .neutral = Neutral,
-      .sight = Sight{.shown = In, .forms = Grid, .harmonics = 4}};
+      .sight = Sight{.shown = In, .forms = Grid, .harmonics = 4},
+      .delta_axes = kTowerAxes};
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {
-    const int i = Index(*AxisNamed(asked.axis));
-    errors->motion_mm[i] += Wave_mm(asked.p[0], asked.p[1], asked.q_mm[i], asked.p[2]);
+    DriveError_mm(asked.axis, errors) +=
+        Wave_mm(asked.p[0], asked.p[1], DriveAt_mm(asked), asked.p[2]);
   }
 };
 

@@ -57,7 +57,8 @@ struct RandomWalk {
                     "Measure in an order that is not the position's, return to a datum "
                     "often, keep campaigns short."},
       .neutral = Neutral,
-      .aliases = kAliases};
+      .aliases = kAliases,
+      .delta_axes = kAxes};
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {

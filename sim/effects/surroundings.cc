@@ -135,7 +135,8 @@ At AtOf(const Row& row, const Machine& machine, const Settings& in_force) {
   for (const Axis axis : kAxes) {
     const int i = Index(axis);
     const auto k = static_cast<std::size_t>(i);
-    at.q_mm[i] = Known(row.cmd_mm[k]) ? row.cmd_mm[k] : machine.axis(axis).mid_mm();
+    const double mid_mm = machine.delta ? 0 : machine.axis(axis).mid_mm();
+    at.q_mm[i] = Known(row.cmd_mm[k]) ? row.cmd_mm[k] : mid_mm;
     at.dir[i] = Known(row.dir[k]) ? row.dir[k] : 0;
     at.since_rev_mm[i] = row.since_rev_mm[k];
     if (Known(row.probe_off_mm[k])) at.probe_off_mm[i] = row.probe_off_mm[k];
@@ -145,7 +146,9 @@ At AtOf(const Row& row, const Machine& machine, const Settings& in_force) {
     at.compensation_mm[i] = in_force.backlash_mm[k];
   }
   if (row.kind == RowKind::kTouch) {
-    at.q_mm += (row.value_mm + in_force.tip_radius_mm) * at.n - at.probe_off_mm;
+    // What a delta moves is its nozzle, which is what touches.
+    const double radius_mm = machine.delta ? 0 : in_force.tip_radius_mm;
+    at.q_mm += (row.value_mm + radius_mm) * at.n - at.probe_off_mm;
   }
   if (IsRelease(row)) at.feed_mm_s = -at.feed_mm_s;
   return at;

@@ -39,7 +39,8 @@ struct TriggerLatency {
                 .effect = "Pre-travel that depends on the probing feed.",
                 .action = "Probe at the feed at which the deflection was measured."},
       .neutral = Neutral,
-      .sight = Sight{.shown = In}};
+      .sight = Sight{.shown = In},
+      .delta_axes = kAxes};
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {

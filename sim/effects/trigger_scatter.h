@@ -39,7 +39,8 @@ struct TriggerScatter {
                 .effect = "Calibration scatters; more touches average it.",
                 .action =
                     "Clean ball and face, slow the measuring touch, repeat more."},
-      .neutral = Neutral};
+      .neutral = Neutral,
+      .delta_axes = kAxes};
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {

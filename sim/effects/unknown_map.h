@@ -2,6 +2,7 @@
 
 #include "sim/base/units.h"
 #include "sim/effects/bed_shape.h"
+#include "sim/effects/drive.h"
 #include "sim/effects/effect.h"
 #include "sim/effects/map_table.h"
 
@@ -18,6 +19,8 @@ namespace caltwin {
 struct UnknownMap {
   static constexpr std::array<std::string_view, 5> kAxes = {
       "x", "y", "z", "probe", "bed"};
+  static constexpr std::array<std::string_view, 8> kDeltaAxes = {
+      "x", "y", "z", "a", "b", "c", "probe", "bed"};
   static constexpr std::array kParameters = {
       Parameter{.name = "values_um",
                 .unit = "um",
@@ -50,14 +53,15 @@ struct UnknownMap {
                 .action =
                     "Measure what `next_campaign` asks for, or look at the machine "
                     "where the table is steepest."},
-      .neutral = Neutral};
+      .neutral = Neutral,
+      .delta_axes = kDeltaAxes};
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {
     const MapWords words = WordsOf(asked.axis);
     const T value_mm = MmFromUm(MapValue(asked.p, words, asked.at));
-    if (const auto axis = AxisNamed(words.channel)) {
-      errors->motion_mm[Index(*axis)] += value_mm;
+    if (DriveNamed(words.channel)) {
+      DriveError_mm(words.channel, errors) += value_mm;
     } else if (words.channel == "probe") {
       errors->more_pretravel_mm += value_mm;
     } else {

@@ -251,6 +251,18 @@ PlannedCampaign DefaultCampaign(std::string_view id) {
   return campaign;
 }
 
+namespace {
+
+std::string KindsFor(Kinematics kinematics) {
+  std::vector<std::string_view> ids;
+  for (const CampaignKind& kind : AllCampaignKinds()) {
+    if (kind.PlanOn(kinematics) != nullptr) ids.push_back(kind.id);
+  }
+  return fmt::format("{}", fmt::join(ids, ", "));
+}
+
+}  // namespace
+
 PlannedSession PlanSession(const Plan& plan,
                            const Machine& machine,
                            std::uint64_t seed) {
@@ -259,10 +271,16 @@ PlannedSession PlanSession(const Plan& plan,
     const CampaignKind* kind = FindCampaignKind(campaign.id);
     Require(kind != nullptr, fmt::format("no kind of campaign '{}'", campaign.id));
     const std::string& instrument = campaign.options.Text("instrument");
+    const auto plan_it = kind->PlanOn(machine.kinematics);
+    if (plan_it == nullptr) {
+      throw InputError(campaign.place,
+                       fmt::format("'{}' is no campaign on this machine", campaign.id),
+                       fmt::format("it can perform {}", KindsFor(machine.kinematics)));
+    }
     session.Begin(campaign,
                   instrument.empty() ? std::string(kind->instrument) : instrument);
     session.Wait(campaign.options.Number("pause_s"));
-    kind->plan(campaign, &session);
+    plan_it(campaign, &session);
     if (session.num_rows() > kMostRows) {
       session.Fail(fmt::format("brings the plan to more than {} readings", kMostRows),
                    "fewer positions, runs or repeats will do");

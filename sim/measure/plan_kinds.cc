@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "sim/measure/plan_options_delta.h"
 #include "sim/measure/plan_options_gauge.h"
 #include "sim/measure/plan_options_touch.h"
 
@@ -69,11 +70,12 @@ constexpr std::array kKinds = {
     CampaignKind{
         "ring",
         "The probe touches the bore of a ring all around, the spindle turned in "
-        "steps.",
+        "steps; a delta's nozzle touches its bed on three circles.",
         "Lobing, stylus anisotropy, run-out and size of the tip.",
         "probe",
         of::kRing,
-        PlanRing},
+        PlanRing,
+        PlanDeltaRing},
     CampaignKind{"ballbar",
                  "A ball-bar reads circles in both senses at two feeds.",
                  "Servo mismatch and lag, reversal spikes, squareness, scale mismatch.",
@@ -99,7 +101,30 @@ constexpr std::array kKinds = {
                  "Heat of screws, frame, bed and probe; growth with time.",
                  "probe",
                  of::kDrift,
-                 PlanDrift}};
+                 PlanDrift},
+    CampaignKind{"delta_grid",
+                 "The nozzle of a delta touches its bed all over the disc.",
+                 "Endstops, radius, angles, the bed's plane and shape, unlike rods.",
+                 "probe",
+                 of::kDeltaGrid,
+                 nullptr,
+                 PlanDeltaGrid},
+    CampaignKind{"delta_xy",
+                 "A camera or dial on a delta reads marks of a plate along x and y.",
+                 "Rod length and scale, leaning towers, belts: what heights alone "
+                 "cannot tell apart.",
+                 "camera",
+                 of::kDeltaXy,
+                 nullptr,
+                 PlanDeltaXy},
+    CampaignKind{
+        "z_columns",
+        "A height gauge reads columns over a delta's bed, from above and below.",
+        "Leaning towers and belts, which grow with height; play of carriages.",
+        "height_gauge",
+        of::kZColumns,
+        nullptr,
+        PlanZColumns}};
 
 }  // namespace
 

@@ -17,8 +17,16 @@ struct CampaignKind {
   std::string_view shows;       ///< Causes it is for, and why.
   std::string_view instrument;  ///< Default id of the instrument.
   std::span<const PlanOption> options;
-  /// Adds the campaign's readings to the session.
+  /// Adds the campaign's readings to the session. Null on machines of another kind.
   void (*plan)(const PlannedCampaign& campaign, MeasuringSession* session);
+  /// The same on a delta.
+  void (*plan_on_delta)(const PlannedCampaign& campaign,
+                        MeasuringSession* session) = nullptr;
+
+  /// What plans it on that machine; null: nothing does.
+  auto PlanOn(Kinematics kinematics) const {
+    return kinematics == Kinematics::kDelta ? plan_on_delta : plan;
+  }
 };
 
 /// Every kind there is, gantry's first.
@@ -27,7 +35,7 @@ std::span<const CampaignKind> AllCampaignKinds();
 const CampaignKind* FindCampaignKind(std::string_view id);
 
 /// @name How each kind is performed: plan_gauge.cc, plan_touch.cc, plan_edges.cc,
-/// plan_time.cc
+/// plan_time.cc, plan_delta.cc
 void PlanIso230(const PlannedCampaign& campaign, MeasuringSession* session);
 void PlanDense(const PlannedCampaign& campaign, MeasuringSession* session);
 void PlanAbbe(const PlannedCampaign& campaign, MeasuringSession* session);
@@ -40,6 +48,10 @@ void PlanPlateTurned90(const PlannedCampaign& campaign, MeasuringSession* sessio
 void PlanRing(const PlannedCampaign& campaign, MeasuringSession* session);
 void PlanAlternating(const PlannedCampaign& campaign, MeasuringSession* session);
 void PlanRehoming(const PlannedCampaign& campaign, MeasuringSession* session);
+void PlanDeltaGrid(const PlannedCampaign& campaign, MeasuringSession* session);
+void PlanDeltaXy(const PlannedCampaign& campaign, MeasuringSession* session);
+void PlanZColumns(const PlannedCampaign& campaign, MeasuringSession* session);
+void PlanDeltaRing(const PlannedCampaign& campaign, MeasuringSession* session);
 void PlanDrift(const PlannedCampaign& campaign, MeasuringSession* session);
 
 }  // namespace caltwin

@@ -40,7 +40,8 @@ MeasuringSession::MeasuringSession(const Plan& plan,
   session_.header.tip_radius_mm = machine.settings.tip_radius_mm;
   for (const Axis axis : kAxes) {
     const AxisDrawing& drawing = machine.axis(axis);
-    Transmission& transmission = session_.header.transmission[Name(axis)];
+    const std::string name = machine.delta ? TowerName(Index(axis)) : Name(axis);
+    Transmission& transmission = session_.header.transmission[name];
     (drawing.is_belt ? transmission.pulley_mm_per_rev : transmission.lead_mm) =
         drawing.lead_mm;
     transmission.full_steps_per_mm = drawing.full_steps_per_rev / drawing.lead_mm;
@@ -62,6 +63,13 @@ void MeasuringSession::Begin(const PlannedCampaign& campaign,
 void MeasuringSession::Home() {
   t_s_ += kHoming_s;
   ++homings_;
+  if (machine_.delta) {
+    q_mm_ = {0, 0, machine_.delta->settings.endstop_mm[0]};
+    sense_ = last_dir_ = {0, 0, 1};
+    motor_dir_.setConstant(-1);
+    since_rev_mm_.setConstant(q_mm_[2] / 2);
+    return;
+  }
   for (const Axis axis : kAxes) {
     const AxisDrawing& drawing = machine_.axis(axis);
     const int i = Index(axis);
@@ -91,6 +99,15 @@ void MeasuringSession::MoveTo(const Vec3<double>& q_mm, double feed_mm_s) {
     since_rev_mm_[i] = last_dir_[i] == sense_[i] ? since_rev_mm_[i] + gone_mm : gone_mm;
     sense_[i] = last_dir_[i];
   }
+  if (machine_.delta) {
+    const DeltaModel<double>& settings = machine_.delta->settings;
+    const Vec3<double> moved_mm =
+        DeltaMotors_mm(settings, q_mm) - DeltaMotors_mm(settings, q_mm_);
+    for (int i = 0; i < kNumTowers; ++i) {
+      motor_dir_[i] =
+          std::abs(moved_mm[i]) < kStill_mm ? 0 : std::copysign(1, moved_mm[i]);
+    }
+  }
   const double feed =
       std::min(std::max(feed_mm_s, kStill_mm), MostFeed_mm_s(machine_, travel_mm));
   t_s_ += length_mm / feed + feed / machine_.axis(Axis::kX).acceleration_mm_s2;
@@ -113,6 +130,15 @@ void MeasuringSession::Finish(Row row) {
     row.dir[k] = last_dir_[i];
     row.since_rev_mm[k] = std::round(since_rev_mm_[i] * 1e6) / 1e6;
   }
+  if (machine_.delta) {
+    const Vec3<double> motors_mm = DeltaMotors_mm<double>(
+        machine_.delta->settings, {row.cmd_mm[0], row.cmd_mm[1], row.cmd_mm[2]});
+    for (int i = 0; i < kNumTowers; ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      row.motor_mm[k] = std::round(motors_mm[i] * 1e6) / 1e6;
+      row.motor_dir[k] = motor_dir_[i];
+    }
+  }
   session_.rows.push_back(std::move(row));
 }
 
@@ -130,8 +156,9 @@ void MeasuringSession::Touch(Row row) {
     const auto k = static_cast<std::size_t>(i);
     n[i] = row.n[k];
     const double offset_mm = Known(row.probe_off_mm[k]) ? row.probe_off_mm[k] : 0;
-    contact_mm[i] =
-        row.cmd_mm[k] + machine_.settings.tip_radius_mm * row.n[k] - offset_mm;
+    // A delta's nozzle is its tip.
+    const double radius_mm = machine_.delta ? 0 : machine_.settings.tip_radius_mm;
+    contact_mm[i] = row.cmd_mm[k] + radius_mm * row.n[k] - offset_mm;
   }
   RequireReach(contact_mm);
   Rapid(contact_mm + kStandOff_mm * n);
@@ -155,6 +182,17 @@ const CertifiedArtefact& MeasuringSession::Certify(const std::string& id,
 }
 
 void MeasuringSession::RequireReach(const Vec3<double>& q_mm) const {
+  if (machine_.delta) {
+    const Vec3<double> motors_mm = DeltaMotors_mm(machine_.delta->settings, q_mm);
+    if (motors_mm.allFinite() && (motors_mm.array() > 0).all()) return;
+    Fail(
+        fmt::format("would take the nozzle to ({:.3f}, {:.3f}, {:.3f}) mm, beyond what "
+                    "its rods reach",
+                    q_mm[0],
+                    q_mm[1],
+                    q_mm[2]),
+        "choose a smaller radius or height");
+  }
   for (const Axis axis : kAxes) {
     const AxisDrawing& drawing = machine_.axis(axis);
     const double q = q_mm[Index(axis)];
@@ -174,6 +212,7 @@ void MeasuringSession::Fail(const std::string& text, const std::string& hint) co
 }
 
 Vec3<double> MeasuringSession::Middle_mm() const {
+  if (machine_.delta) return Vec3<double>::Zero();
   return {machine_.axis(Axis::kX).mid_mm(),
           machine_.axis(Axis::kY).mid_mm(),
           machine_.axis(Axis::kZ).mid_mm()};

@@ -67,6 +67,7 @@ class MeasuringSession {
   Vec3<double> last_dir_ = Vec3<double>::Zero();  ///< Of the last move alone.
   Vec3<double> sense_ = Vec3<double>::Zero();     ///< In which each moved last.
   Vec3<double> since_rev_mm_ = Vec3<double>::Zero();
+  Vec3<double> motor_dir_ = Vec3<double>::Zero();  ///< Of a delta, in the last move.
 };
 
 /// Puts a list in an order of chance.

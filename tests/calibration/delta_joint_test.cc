@@ -4,10 +4,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "calibration/delta/chain_slopes.h"
 #include "calibration/delta/joint.h"
 #include "calibration/delta/settings.h"
 #include "sim/base/rng.h"
+#include "sim/machine/delta_slopes.h"
 #include "sim/machine/simulated_delta.h"
 
 namespace caltwin {

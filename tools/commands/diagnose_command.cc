@@ -76,7 +76,7 @@ Believed BelievedMachine(const Options& options, Data* data) {
   if (believed.file.empty()) {
     believed.machine = AssumedMachine(data->table, &data->notes);
   } else {
-    MachineFile read = ReadMachineFile(believed.file);
+    MachineFile read = ReadAnyMachineFile(believed.file);
     believed.machine = std::move(read.machine);
     believed.effects = std::move(read.effects);
     data->notes.insert(data->notes.end(), read.notes.begin(), read.notes.end());

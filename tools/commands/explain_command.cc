@@ -63,10 +63,17 @@ std::string ToText(const Distribution& prior) {
 std::string EffectText(const Effect& effect) {
   std::string text =
       fmt::format("{} (effect)\n", effect.name) + Folded(effect.about, 2);
-  if (effect.axes.size() > 1 || !effect.axes[0].empty()) {
-    text += fmt::format("  written {}.AXIS, AXIS one of: {}\n",
+  const auto add_axes = [&](std::span<const std::string_view> axes,
+                            std::string_view where) {
+    if (axes.empty() || (axes.size() == 1 && axes[0].empty())) return;
+    text += fmt::format("  written {}.AXIS{}, AXIS one of: {}\n",
                         effect.name,
-                        fmt::join(effect.axes, ", "));
+                        where,
+                        fmt::join(axes, ", "));
+  };
+  add_axes(effect.axes, "");
+  if (!std::ranges::equal(effect.axes, effect.delta_axes)) {
+    add_axes(effect.delta_axes, " on a delta");
   }
   for (const Parameter& parameter : effect.parameters) {
     text += fmt::format("  {} [{}], {} to {}; expected: {}\n",

@@ -14,6 +14,7 @@ enum class ActKind {
   kDriveMap,     ///< Where the motors put the nuts: steps to position, the gap's width.
   kReadingMap,   ///< The tip's place and the probe's switch, while it runs.
   kTableMap,     ///< How the table stands under the tip, while it runs.
+  kDeltaBuild,   ///< The parts of a delta, before its model is made (TurnsOf).
   kArtefactMap,  ///< Size and turn of what lies on the table: BuiltArtefacts.
 };
 

@@ -1,4 +1,4 @@
-#include "calibration/delta/knobs.h"
+#include "sim/machine/delta_knobs.h"
 
 #include <algorithm>
 #include <numeric>

@@ -3,7 +3,7 @@
 #include <array>
 #include <optional>
 
-#include "calibration/delta/knobs.h"
+#include "sim/machine/delta_knobs.h"
 
 namespace caltwin {
 

@@ -1,4 +1,4 @@
-#include "calibration/delta/chain_slopes.h"
+#include "sim/machine/delta_slopes.h"
 
 #include <cmath>
 

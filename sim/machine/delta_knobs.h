@@ -67,6 +67,19 @@ inline constexpr std::array kDeltaKnobs = {
     DeltaKnob{"bed_twist", "mm", 1, 0.2}};
 inline constexpr int kNumDeltaKnobs = static_cast<int>(kDeltaKnobs.size());
 
+/// @name First of each kind, one after another by tower or rod
+inline constexpr int kEndstopKnob = 0;
+inline constexpr int kRadiusKnob = 3;
+inline constexpr int kAngleKnob = 4;  ///< Of towers a and b.
+inline constexpr int kArmKnob = 6;
+inline constexpr int kRodKnob = 7;
+inline constexpr int kTowerRadiusKnob = 13;  ///< Of towers a and b.
+inline constexpr int kLeanRadialKnob = 15;
+inline constexpr int kLeanTangentialKnob = 18;
+inline constexpr int kTwistKnob = 21;
+inline constexpr int kBeltKnob = 24;
+inline constexpr int kBedKnob = 27;
+
 /// Index of the knob of that name; nullopt for anything else.
 std::optional<int> DeltaKnobNamed(std::string_view name);
 /// Indices of these names; throws InputError naming the closest knob.

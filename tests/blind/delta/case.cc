@@ -1,0 +1,349 @@
+#include "tests/blind/delta/case.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <map>
+#include <numbers>
+#include <set>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "tests/blind/visible.h"
+
+namespace blind {
+namespace {
+
+constexpr double kRadPerDeg = std::numbers::pi / 180;
+
+DeltaPaper DrawPaper(Random* random) {
+  DeltaPaper paper;
+  paper.radius_mm = random->Uniform(95, 170);
+  paper.arm_mm = paper.radius_mm * random->Uniform(1.85, 2.3);
+  paper.endstop_mm = random->Uniform(220, 380);
+  paper.rod_spacing_mm = random->Uniform(35, 60);
+  paper.effector_radius_mm = random->Uniform(22, 40);
+  paper.joint_height_mm = random->Uniform(8, 30);
+  paper.bed_radius_mm = paper.radius_mm * random->Uniform(0.7, 0.82);
+  return paper;
+}
+
+std::vector<DeltaStop> DrawStops(const DeltaPaper& paper, Random* random) {
+  std::vector<DeltaStop> stops;
+  AddDeltaGrid(paper, random, &stops);
+  if (random->Chance(0.75)) AddDeltaXy(paper, random, &stops);
+  if (random->Chance(0.75)) AddZColumns(paper, random, &stops);
+  if (random->Chance(0.4)) AddDeltaRing(paper, random, &stops);
+  random->Shuffle(&stops);
+  std::ranges::stable_sort(stops, {}, &DeltaStop::campaign);
+  double t_s = 0;
+  for (DeltaStop& stop : stops) {
+    t_s += random->Uniform(6, 14);
+    stop.t_s = t_s;
+    const double warm = 1 - std::exp(-t_s / 900);
+    stop.frame_k = 6 * warm + 1.5 * std::sin(t_s / 700) + 0.02 * random->Normal();
+    stop.bed_k = 9 * (1 - std::exp(-t_s / 400)) - 3 * std::sin(t_s / 1100) +
+                 0.02 * random->Normal();
+    stop.screw_k = 4 * warm + 0.02 * random->Normal();
+  }
+  return stops;
+}
+
+// What every machine has, and every diagnosis fits first.
+DeltaTruth DrawBaseline(const DeltaPaper& paper, std::uint64_t seed) {
+  Random random(seed, "delta baseline");
+  DeltaTruth truth;
+  truth.bed.rim_mm = paper.bed_radius_mm;
+  for (std::size_t i = 0; i < 3; ++i) {
+    truth.made.endstop_mm[i] = 0.3 * random.Normal();
+    if (i < 2) truth.made.angle[i] = 0.25 * kRadPerDeg * random.Normal();
+  }
+  truth.made.radius_mm.fill(0.5 * random.Normal());
+  truth.made.arm_mm = 0.2 * random.Normal();
+  truth.made.belt.fill(2e-4 * random.Normal());
+  truth.bed.slope_x = 1.5e-3 * random.Normal();
+  truth.bed.slope_y = 1.5e-3 * random.Normal();
+  truth.offset_mm = [seed](const std::string& setup) {
+    Random own(seed, "offset of " + setup);
+    return Vec(own.Normal() / 5, own.Normal() / 5, own.Normal() / 5);
+  };
+  truth.turn = [seed](const std::string& setup) {
+    // A gauge on a column has no turn.
+    return setup.starts_with("plate") ? 1e-3 * Random(seed, "turn of " + setup).Normal()
+                                      : 0.0;
+  };
+  return truth;
+}
+
+Column Readings(const DeltaPaper& paper,
+                const DeltaTruth& truth,
+                const std::vector<DeltaStop>& stops) {
+  Column values;
+  for (const DeltaStop& stop : stops) {
+    const auto value = ReadStop(paper, truth, stop);
+    if (!value) throw std::runtime_error("out of reach");
+    values.push_back(*value);
+  }
+  return values;
+}
+
+// What a small change of the truth adds to each row, by differences.
+Column Slope(const DeltaCase& made,
+             const DeltaTruth& truth,
+             const std::function<void(DeltaTruth*)>& change) {
+  DeltaTruth changed = truth;
+  change(&changed);
+  const Column with = Readings(made.paper, changed, made.stops);
+  const Column without = Readings(made.paper, truth, made.stops);
+  Column slope;
+  for (std::size_t i = 0; i < with.size(); ++i) {
+    slope.push_back((with[i] - without[i]) / made.sigma_mm);
+  }
+  return slope;
+}
+
+std::vector<Column> BaselineColumns(const DeltaCase& made, const DeltaTruth& truth) {
+  std::vector<Column> columns;
+  const auto add = [&](const std::function<void(DeltaTruth*)>& change) {
+    columns.push_back(Slope(made, truth, change));
+  };
+  for (std::size_t i = 0; i < 3; ++i) {
+    add([i](DeltaTruth* t) { t->made.endstop_mm[i] += 0.01; });
+    if (i < 2) add([i](DeltaTruth* t) { t->made.angle[i] += 1e-4; });
+  }
+  add([](DeltaTruth* t) {
+    for (double& radius : t->made.radius_mm) radius += 0.01;
+  });
+  add([](DeltaTruth* t) { t->made.arm_mm += 0.01; });
+  add([](DeltaTruth* t) {
+    for (double& belt : t->made.belt) belt += 1e-5;
+  });
+  add([](DeltaTruth* t) { t->bed.slope_x += 1e-4; });
+  add([](DeltaTruth* t) { t->bed.slope_y += 1e-4; });
+  std::set<std::string> setups;
+  for (const DeltaStop& stop : made.stops) setups.insert(stop.setup);
+  for (const std::string& setup : setups) {
+    for (int k = 0; k < 4; ++k) {
+      Column column;
+      for (const DeltaStop& stop : made.stops) {
+        const Vec turned(-stop.at_mm.y(), stop.at_mm.x(), 0);
+        const double here = k < 3 ? stop.n[k] : turned.dot(stop.n) / 100;
+        column.push_back(stop.setup == setup ? here : 0.0);
+      }
+      columns.push_back(column);
+    }
+  }
+  return columns;
+}
+
+std::vector<Column> CauseColumns(const DeltaCase& made,
+                                 const DeltaTruth& truth,
+                                 const DeltaCause& cause,
+                                 const std::string& axis,
+                                 double second) {
+  std::vector<Column> columns;
+  const double size = cause.typical;
+  if (cause.second.empty()) {
+    columns.push_back(
+        Slope(made, truth, [&](DeltaTruth* t) { cause.put(axis, size, second, t); }));
+    return columns;
+  }
+  columns.push_back(
+      Slope(made, truth, [&](DeltaTruth* t) { cause.put(axis, size, 0, t); }));
+  columns.push_back(
+      Slope(made, truth, [&](DeltaTruth* t) { cause.put(axis, 0, size, t); }));
+  return columns;
+}
+
+double SumSquares(const Column& column) {
+  double sum = 0;
+  for (const double value : column) sum += value * value;
+  return sum;
+}
+
+// How much of the effect is left when another cause imitates it.
+std::map<std::string, double> TwinsOf(const DeltaCase& made,
+                                      const DeltaTruth& truth,
+                                      const DeltaCause& hidden,
+                                      const std::string& axis,
+                                      double second,
+                                      const Column& effect,
+                                      const std::vector<Column>& baseline) {
+  constexpr double kNear = 25;
+  std::map<std::string, double> twins;
+  for (const DeltaCause& cause : DeltaCauses()) {
+    if (cause.is_outside) continue;
+    for (const std::string& other : cause.axes) {
+      if (cause.name == hidden.name && other == axis) continue;
+      std::vector<Column> columns = baseline;
+      for (Column& column : CauseColumns(made, truth, cause, other, second)) {
+        columns.push_back(std::move(column));
+      }
+      const double left = SumSquares(Projector(columns).Rest(effect));
+      if (left < kNear) twins[cause.name + " " + other] = left;
+    }
+  }
+  return twins;
+}
+
+nlohmann::json Hide(const DeltaCause& cause, DeltaCase* made, DeltaTruth* truth) {
+  Random random(made->request.seed, "delta hidden");
+  std::string axis = made->request.axis.empty() || made->request.axis == "any"
+                         ? random.Pick(cause.axes)
+                         : made->request.axis;
+  const double sign = random.Sign();
+  const double ratio = random.Normal();
+  const bool has_two = !cause.second.empty();
+  double size = sign * cause.typical;
+  const auto put = [&](DeltaTruth* into) {
+    cause.put(axis, size, has_two ? ratio * size : ratio, into);
+  };
+  const std::vector<Column> baseline = BaselineColumns(*made, *truth);
+  Visible visible;
+  Column effect;
+  for (int round = 0; round < 4; ++round) {
+    effect = Slope(*made, *truth, put);
+    visible = VisibleEffect(effect, Projector(baseline));
+    if (visible.peak < 1e-3 * visible.whole_peak) break;
+    if (round < 3) size *= made->request.sigma / visible.peak;
+  }
+  nlohmann::json twins = nlohmann::json::object();
+  for (const auto& [name, left] :
+       TwinsOf(*made, *truth, cause, axis, ratio, effect, baseline)) {
+    twins[name] = left;
+  }
+  put(truth);
+  nlohmann::json parameters = nlohmann::json::array();
+  const bool is_absolute =
+      cause.name == "carriage_backlash" || cause.name == "trigger_latency";
+  if (!cause.parameter.empty()) {
+    parameters.push_back(
+        {{"name", cause.parameter}, {"value", is_absolute ? std::abs(size) : size}});
+  }
+  if (has_two) parameters.push_back({{"name", cause.second}, {"value", ratio * size}});
+  return {{"cause", cause.name},
+          {"axis", axis},
+          {"parameters", parameters},
+          {"peak_sigma", visible.peak},
+          {"sum_squares", visible.sum_squares},
+          {"separation", twins},
+          {"acceptable", nlohmann::json::array()},
+          {"covariates", cause.covariates}};
+}
+
+void WriteText(const std::filesystem::path& file, const std::string& text) {
+  std::ofstream stream(file, std::ios::binary);
+  stream << text;
+  if (!stream) throw std::runtime_error("cannot write " + file.string());
+}
+
+std::string DataCsv(const DeltaCase& made) {
+  std::string text =
+      "row,campaign,kind,setup,home,t_s,temp_screw_c,temp_frame_c,temp_bed_c,cmd_x_mm,"
+      "cmd_y_mm,cmd_z_mm,motor_a_mm,motor_b_mm,motor_c_mm,dir_a,dir_b,dir_c,feed_mm_s,"
+      "nx,ny,nz,feature,value_mm,sigma_mm\n";
+  for (std::size_t i = 0; i < made.stops.size(); ++i) {
+    const DeltaStop& stop = made.stops[i];
+    const Vec travel = TravelFor(made.paper, stop.at_mm);
+    const ByTower sense = SensesOf(made.paper, stop);
+    text += fmt::format(
+        "{},{},{},{},h1,{:.1f},{:.2f},{:.2f},{:.2f},{:.4f},{:.4f},{:.4f},{:.5f},{:.5f},"
+        "{:.5f},{:.0f},{:.0f},{:.0f},{:.1f},{:.6f},{:.6f},{:.6f},{},{:.6f},{:.6f}\n",
+        i + 1,
+        stop.campaign,
+        stop.is_touch ? "touch" : "position",
+        stop.setup,
+        stop.t_s,
+        22 + stop.screw_k,
+        22 + stop.frame_k,
+        22 + stop.bed_k,
+        stop.at_mm.x(),
+        stop.at_mm.y(),
+        stop.at_mm.z(),
+        travel[0],
+        travel[1],
+        travel[2],
+        sense[0],
+        sense[1],
+        sense[2],
+        stop.feed_mm_s,
+        stop.n.x(),
+        stop.n.y(),
+        stop.n.z(),
+        stop.feature,
+        made.values_mm[i],
+        made.stated * made.sigma_mm);
+  }
+  return text;
+}
+
+std::string MachineYaml(const DeltaPaper& paper) {
+  std::string text = fmt::format(
+      "format: 1\nname: blind_delta\nkinematics: delta\n"
+      "towers: {{a: {{angle_deg: 210}}, b: {{angle_deg: 330}}, c: {{angle_deg: 90}}}}\n"
+      "delta_radius_mm: {}\narm_length_mm: {}\nendstop_mm: {}\nrod_spacing_mm: {}\n"
+      "effector_radius_mm: {}\njoint_height_mm: {}\nprint_radius_mm: {}\naxes:\n",
+      paper.radius_mm,
+      paper.arm_mm,
+      paper.endstop_mm,
+      paper.rod_spacing_mm,
+      paper.effector_radius_mm,
+      paper.joint_height_mm,
+      paper.bed_radius_mm);
+  for (const char tower : {'a', 'b', 'c'}) {
+    text += fmt::format("  {}: {{min_mm: 0, max_mm: {:.1f}, pulley_mm_per_rev: {}}}\n",
+                        tower,
+                        paper.endstop_mm + 100,
+                        paper.pulley_mm);
+  }
+  return text;
+}
+
+}  // namespace
+
+DeltaCase MakeDeltaCase(const DeltaRequest& request) {
+  DeltaCase made{.request = request};
+  Random random(request.seed, "delta");
+  made.paper = DrawPaper(&random);
+  made.stops = DrawStops(made.paper, &random);
+  made.sigma_mm = random.LogUniform(0.002, 0.01);
+  made.stated = random.Chance(0.3) ? random.LogUniform(0.5, 2) : 1;
+  DeltaTruth truth = DrawBaseline(made.paper, request.seed);
+  nlohmann::json causes = nlohmann::json::array();
+  if (request.kind != "null") {
+    std::vector<DeltaCause> fit;
+    for (const DeltaCause& cause : DeltaCauses()) {
+      const bool is_named = request.cause.empty() || cause.name == request.cause;
+      if (is_named && cause.is_outside == (request.kind == "outside")) {
+        fit.push_back(cause);
+      }
+    }
+    if (fit.empty()) throw std::invalid_argument("no such cause: " + request.cause);
+    causes.push_back(Hide(random.Pick(fit), &made, &truth));
+  }
+  made.values_mm = Readings(made.paper, truth, made.stops);
+  Random noise(request.seed, "delta noise");
+  const double outliers = noise.Chance(0.3) ? 0.01 : 0;
+  for (double& value : made.values_mm) {
+    value += made.sigma_mm * noise.Normal();
+    if (noise.Chance(outliers)) value += made.sigma_mm * noise.Sign() * 30;
+  }
+  made.truth = {{"kind", request.kind},
+                {"seed", request.seed},
+                {"rows", made.stops.size()},
+                {"causes", causes}};
+  return made;
+}
+
+void WriteDeltaCase(const DeltaCase& made, const std::string& folder) {
+  const std::filesystem::path path(folder);
+  std::filesystem::create_directories(path);
+  WriteText(path / "DATA.csv", DataCsv(made));
+  WriteText(path / "machine.yaml", MachineYaml(made.paper));
+  WriteText(path / "TRUTH.json", made.truth.dump(1) + "\n");
+}
+
+}  // namespace blind
