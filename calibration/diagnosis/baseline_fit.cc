@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 #include <vector>
 
 #include "calibration/diagnosis/evidence.h"
@@ -38,7 +39,7 @@ std::vector<bool> FarOut(const Observed& observed, const Eigen::VectorXd& left_m
 
 // How far a fitted baseline turns a delta's knobs.
 std::array<double, kNumDeltaKnobs> KnobsOf(const Observed& observed,
-                                           const std::vector<Nuisance>& baseline,
+                                           std::span<const Nuisance> baseline,
                                            const Eigen::VectorXd& values) {
   std::array<double, kNumDeltaKnobs> knobs = observed.knobs();
   for (std::size_t k = 0; k < baseline.size(); ++k) {
@@ -66,6 +67,7 @@ FittedBaseline FitBaseline(const Observed& observed,
   constexpr double kMostPretravel_mm = 0.15;  // More of it is a wrong tip.
   constexpr int kRounds = 3;
   std::vector<Nuisance> baseline = BaselineOf(observed);
+  const std::size_t num_own = baseline.size();
   baseline.insert(baseline.end(), found.begin(), found.end());
   const Noise noise{Eigen::VectorXd::Constant(observed.num_rows(), kAnySigma_mm), 0};
   Evidence::Fit fit;
@@ -83,7 +85,7 @@ FittedBaseline FitBaseline(const Observed& observed,
   };
   FittedBaseline at{.left_mm = fit.residual_mm};
   if (observed.machine().delta) {
-    at.point.knobs = KnobsOf(observed, baseline, fit.values);
+    at.point.knobs = KnobsOf(observed, {baseline.data(), num_own}, fit.values);
     return at;
   }
   for (const Axis axis : kAxes) {

@@ -334,7 +334,14 @@ DeltaCase MakeDeltaCase(const DeltaRequest& request) {
   made.truth = {{"kind", request.kind},
                 {"seed", request.seed},
                 {"rows", made.stops.size()},
-                {"causes", causes}};
+                {"causes", causes},
+                {"baseline",
+                 {{"endstop_mm", truth.made.endstop_mm},
+                  {"radius_mm", truth.made.radius_mm[0]},
+                  {"angle_rad", truth.made.angle},
+                  {"arm_mm", truth.made.arm_mm},
+                  {"belt", truth.made.belt},
+                  {"bed_slopes", {truth.bed.slope_x, truth.bed.slope_y}}}}};
   return made;
 }
 
