@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "sim/base/units.h"
+#include "sim/effects/catalog.h"
 
 namespace caltwin {
 namespace {
@@ -278,6 +279,31 @@ BuiltDelta DrawDelta(const std::vector<DeltaInjected>& effects,
     }
   }
   return built;
+}
+
+DeltaTruthFile ReadDeltaTruthFile(const std::filesystem::path& file,
+                                  const Machine& machine) {
+  Faults faults;
+  YamlMap map = ReadYamlFile(file, &faults);
+  DeltaTruthFile truth;
+  if (const auto effects = map.Optional("effects")) {
+    std::vector<std::pair<std::string, YamlValue>> others;
+    for (const auto& [name, value] : effects->Map().Entries()) {
+      const std::string cause = name.substr(0, name.find('.'));
+      const auto effect = FindEffect(cause);
+      const bool is_other = ParametersOf(cause).empty() && effect &&
+                            !AxesOn(EffectAt(*effect), Kinematics::kDelta).empty();
+      if (is_other) {
+        others.emplace_back(name, value);
+      } else {
+        ReadEffect(name, value, &truth.parts);
+      }
+    }
+    truth.effects = ReadEffects(others, machine);
+  }
+  map.NoMoreKeys();
+  faults.ThrowIfAny();
+  return truth;
 }
 
 }  // namespace caltwin

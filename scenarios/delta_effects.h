@@ -1,10 +1,12 @@
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
 #include "sim/base/distribution.h"
 #include "sim/base/yaml.h"
+#include "sim/effects/injected.h"
 #include "sim/machine/machine.h"
 #include "sim/twin/delta_plant.h"
 
@@ -20,6 +22,15 @@ struct DeltaInjected {
 
 /// Reads `effects:` of a delta's scenario.
 std::vector<DeltaInjected> ReadDeltaEffects(YamlMap map);
+
+/// A delta's truth file: `effects:` alone. Those that make its parts and its bed, and
+/// those of the catalogue that do not (drives, probe, temperatures).
+struct DeltaTruthFile {
+  std::vector<DeltaInjected> parts{};
+  std::vector<InjectedSpec> effects{};
+};
+DeltaTruthFile ReadDeltaTruthFile(const std::filesystem::path& file,
+                                  const Machine& machine);
 
 /// The machine that the effects make, their numbers drawn.
 BuiltDelta DrawDelta(const std::vector<DeltaInjected>& effects,

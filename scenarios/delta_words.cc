@@ -21,9 +21,6 @@ std::span<const Word> DeltaEffectWords() {
       Word{"arm_length",
            "{error_mm}. All six rods are longer than believed. Heights come out flat, "
            "prints in the wrong size; a calliper on a rod or on a print tells."},
-      Word{"effector_tilt",
-           "{tilt_x_mrad, tilt_y_mrad}. The tool stands crooked on its effector: every "
-           "touch is moved alike, so no plan sees it."},
       Word{
           "bed_tilt",
           "{slope_x_mrad, slope_y_mrad}. The bed rises along +x, +y. Of a delta: a "

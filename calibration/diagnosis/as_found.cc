@@ -91,6 +91,7 @@ std::optional<Injected> EffectOf(const Finding& finding) {
 bool BuildIn(const BaselineLine& line,
              const Machine& machine,
              std::vector<Injected>* effects) {
+  if (machine.delta) return false;  // Its lines turn its build.
   const std::string_view name(line.name);
   const std::string_view kind = name.substr(0, name.find('.'));
   const std::string_view word = name.substr(std::min(name.size(), kind.size() + 1));

@@ -137,12 +137,14 @@ Eigen::VectorXd WorstOf(const Evidence& evidence, const Sighted& sighted) {
   return white * solver.eigenvectors().col(0);
 }
 
-std::vector<AtlasCause> UnseenOf(const std::vector<Candidate>& candidates) {
+std::vector<AtlasCause> UnseenOf(const std::vector<Candidate>& candidates,
+                                 Kinematics kinematics) {
   std::vector<AtlasCause> unseen;
   for (int index = 0; index < static_cast<int>(kNumEffects); ++index) {
     const Effect& effect = EffectAt(index);
-    if (!effect.sight || effect.axes[0] == kAnyAxis) continue;
-    for (const std::string_view axis : effect.axes) {
+    const auto axes = AxesOn(effect, kinematics);
+    if (!effect.sight || axes.empty() || axes[0] == kAnyAxis) continue;
+    for (const std::string_view axis : axes) {
       const bool is_seen = std::ranges::any_of(candidates, [&](const Candidate& one) {
         return one.effect == index && one.axis == axis;
       });
@@ -274,7 +276,7 @@ Atlas AtlasOf(const Observed& observed,
               const Eigen::VectorXd& sigma_mm) {
   const std::vector<Nuisance> baseline = BaselineOf(observed);
   Atlas atlas{.absorbed = AbsorbedOf(observed, candidates, sigma_mm, baseline),
-              .unseen = UnseenOf(candidates)};
+              .unseen = UnseenOf(candidates, observed.machine().kinematics)};
   const Evidence evidence(observed, {sigma_mm, 0}, baseline);
   std::vector<Sighted> visible;
   for (const Candidate& candidate : candidates) {

@@ -10,10 +10,10 @@
 
 #include "sim/base/median.h"
 #include "sim/base/units.h"
+#include "sim/effects/delta_at.h"
 #include "sim/effects/gap_sense.h"
 #include "sim/effects/injected.h"
 #include "sim/effects/predict.h"
-#include "sim/machine/delta_slopes.h"
 #include "sim/measure/in_force.h"
 
 namespace caltwin {
@@ -156,19 +156,8 @@ void Observed::PlaceDelta() {
   for (std::size_t i = 0; i < at_.size(); ++i) {
     const Row& row = table_->rows[i];
     const Vec3<double>& q_mm = at_[i].q_mm;
-    DeltaAt& here = placed[i];
-    here.motors_mm = DeltaMotors_mm(settings, q_mm);
-    const Vec3<double> as_said(row.motor_mm[0], row.motor_mm[1], row.motor_mm[2]);
-    const Vec3<double> nominal(row.cmd_mm[0], row.cmd_mm[1], row.cmd_mm[2]);
-    if (as_said.allFinite() && nominal.allFinite()) {
-      here.motors_mm += as_said - DeltaMotors_mm(settings, nominal);
-    }
-    for (int k = 0; k < kNumTowers; ++k) {
-      const double dir = row.motor_dir[static_cast<std::size_t>(k)];
-      here.motor_dir[k] = Known(dir) ? dir : 0;
-    }
-    const auto closed = ClosedDelta::At(build, here.motors_mm);
-    if (!closed) {
+    const auto here = DeltaAtOf(build, settings, row, q_mm);
+    if (!here) {
       throw InputError(row.place,
                        fmt::format("row {}: the rods of this machine do not reach "
                                    "({:.1f}, {:.1f}, {:.1f})",
@@ -178,13 +167,9 @@ void Observed::PlaceDelta() {
                                    q_mm[2]),
                        "is it the machine file of these rows?");
     }
-    here.off_mm = closed->pose().nozzle_mm - q_mm;
-    for (const Axis axis : kAxes) {
-      const auto slopes = closed->Slopes(Unit(axis));
-      here.by_knob.row(Index(axis)) =
-          Eigen::Map<const Eigen::Matrix<double, 1, kNumDeltaKnobs>>(slopes.data());
-    }
-    if (at_[i].on_table) rim_mm = std::max(rim_mm, std::hypot(nominal[0], nominal[1]));
+    placed[i] = *here;
+    if (at_[i].on_table)
+      rim_mm = std::max(rim_mm, std::hypot(row.cmd_mm[0], row.cmd_mm[1]));
   }
   for (DeltaAt& here : placed) here.rim_mm = rim_mm > 0 ? rim_mm : here.rim_mm;
   delta_at_ = std::make_shared<const std::vector<DeltaAt>>(std::move(placed));

@@ -16,6 +16,7 @@
 #include "sim/base/input_error.h"
 #include "sim/base/units.h"
 #include "sim/twin/perform.h"
+#include "sim/twin/perform_delta.h"
 
 namespace caltwin {
 namespace {
@@ -86,12 +87,35 @@ double Rms_mm(const Eigen::VectorXd& left_mm, const Eigen::VectorXd& sigma_mm) {
 // A twin of the machine with these findings, the baseline as it is beside them.
 struct Extended {
   AsFound as_found{};
+  std::vector<BaselineLine> lines{};  ///< Of the baseline, as fitted.
   std::vector<Nuisance> not_built{};  ///< Columns of the baseline that it lacks.
 };
 
 // Where things lie is nobody's error: always fitted, however badly it is known.
 bool IsPlace(const std::string& name) {
   return name.starts_with("placement.") || name == "bed_plane.height";
+}
+
+// Whether a delta's twin is built with that line of its baseline.
+bool IsTurnedByLine(const std::string& name) {
+  return name == "scale" || name.starts_with("bed_plane.slope") || DeltaKnobNamed(name);
+}
+
+void TurnByLine(const BaselineLine& line, BuiltDelta* built) {
+  const auto turn = [&](int knob, double by) {
+    const auto k = static_cast<std::size_t>(knob);
+    TurnKnob(knob, by * kDeltaKnobs[k].per_unit, &built->build, &built->bed);
+  };
+  if (line.name == "bed_plane.slope_x") turn(kBedKnob, line.value);
+  if (line.name == "bed_plane.slope_y") turn(kBedKnob + 1, line.value);
+  for (int tower = 0; line.name == "scale" && tower < kNumTowers; ++tower) {
+    turn(kBeltKnob + tower, line.value);
+  }
+  if (const auto knob = DeltaKnobNamed(line.name)) {
+    turn(*knob, line.value);
+    // The endstops sum to nought.
+    if (*knob < kRadiusKnob) turn(kEndstopKnob + 2, -line.value);
+  }
 }
 
 // A line that the rows do not determine is left as drawn: whatever number came out is
@@ -117,10 +141,11 @@ Extended ExtendedBy(const Observed& observed,
         {.name = baseline[k].name,
          .value = baseline[k].offset + values[static_cast<Eigen::Index>(k)]});
   }
-  Extended extended{.as_found = AsFoundBy(observed, lines, findings)};
+  Extended extended{.as_found = AsFoundBy(observed, lines, findings), .lines = lines};
   for (const Nuisance& one : baseline) {
     const bool is_left = open.contains(one.name) && !IsPlace(one.name);
     if (!is_left && !extended.as_found.built.contains(one.name)) {
+      if (observed.machine().delta && IsTurnedByLine(one.name)) continue;
       extended.not_built.push_back(one);
     }
   }
@@ -135,6 +160,8 @@ class Replayer {
       : observed_(observed),
         options_(options),
         sigma_mm_(SigmaOf(observed, diagnosis)) {
+    // Of a delta they are known together, though not one by one.
+    if (observed.machine().delta) return;
     for (const BaselineLine& line : diagnosis.baseline) {
       if (!line.is_determined) open_.insert(line.name);
     }
@@ -177,14 +204,42 @@ class Replayer {
     return values_mm;
   }
 
+  RowTable Performed(const Extended& twin, Fidelity fidelity) const {
+    if (observed_.machine().delta) {
+      return PerformDelta(DeltaTwinOf(twin, fidelity), observed_.table().rows);
+    }
+    return Perform({.machine = observed_.machine(),
+                    .effects = twin.as_found.effects,
+                    .header = observed_.header(),
+                    .fidelity = fidelity,
+                    .is_noisy = false,
+                    .interrupted = options_.interrupted},
+                   observed_.table().rows);
+  }
+
+  // What turns the build is built in, the bed's shapes are the bed's, the rest acts.
+  DeltaPerformConfig DeltaTwinOf(const Extended& twin, Fidelity fidelity) const {
+    DeltaPerformConfig config{.machine = observed_.machine(),
+                              .header = observed_.header(),
+                              .fidelity = fidelity,
+                              .is_noisy = false,
+                              .interrupted = options_.interrupted};
+    config.built.build = observed_.machine().delta->Build();
+    for (const BaselineLine& line : twin.lines) {
+      TurnByLine(line, &config.built);
+    }
+    for (const Injected& effect : twin.as_found.effects) {
+      const auto turns = TurnsOf(effect);
+      for (const auto& [knob, by] : turns) {
+        TurnKnob(knob, by, &config.built.build, &config.built.bed);
+      }
+      if (turns.empty()) config.effects.push_back(effect);
+    }
+    return config;
+  }
+
   Eigen::VectorXd Read_mm(const Extended& twin, Fidelity fidelity) {
-    const RowTable table = Perform({.machine = observed_.machine(),
-                                    .effects = twin.as_found.effects,
-                                    .header = observed_.header(),
-                                    .fidelity = fidelity,
-                                    .is_noisy = false,
-                                    .interrupted = options_.interrupted},
-                                   observed_.table().rows);
+    const RowTable table = Performed(twin, fidelity);
     Eigen::VectorXd values_mm = Eigen::VectorXd::Zero(observed_.num_rows());
     if (table.rows.size() < observed_.table().rows.size()) was_interrupted_ = true;
     for (std::size_t i = 0; i < table.rows.size(); ++i) {

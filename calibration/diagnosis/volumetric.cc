@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
+#include <numbers>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -12,6 +14,8 @@
 #include "sim/base/rng.h"
 #include "sim/base/units.h"
 #include "sim/effects/catalog.h"
+#include "sim/effects/delta_at.h"
+#include "sim/effects/drive.h"
 #include "sim/effects/predict.h"
 
 namespace caltwin {
@@ -24,7 +28,7 @@ constexpr double kMostTerms = 12;  // Of a table: what the search fits it by.
 bool IsMotion(const Injected& effect) {
   if (EffectAt(effect.effect).bucket != Bucket::kMotion) return false;
   const std::string_view channel = std::string_view(effect.axis).substr(0, 1);
-  return effect.effect != EffectIndex<UnknownMap>() || AxisNamed(channel);
+  return effect.effect != EffectIndex<UnknownMap>() || DriveNamed(channel);
 }
 
 // Motion at every pose, three numbers each, less their mean.
@@ -49,6 +53,11 @@ class Volume {
       at.kind = RowKind::kPosition;
       at.probe_off_mm.setZero();
       at.since_rev_mm.setConstant(kUnknown);
+      if (machine_.delta) {
+        PlaceOnDelta(observed, &rng, &at);
+        poses_.push_back(at);
+        continue;
+      }
       for (const Axis axis : kAxes) {
         const AxisDrawing& drawing = machine_.axis(axis);
         const auto i = static_cast<std::size_t>(Index(axis));
@@ -72,8 +81,24 @@ class Volume {
   }
 
  private:
+  // Anywhere over its disc, as high as that is wide.
+  void PlaceOnDelta(const Observed& observed, Rng* rng, At* at) {
+    const double radius_mm = machine_.delta->print_radius_mm;
+    const double out_mm = radius_mm * std::sqrt(rng->Uniform());
+    const double angle = 2 * std::numbers::pi * rng->Uniform();
+    at->q_mm = {
+        out_mm * std::cos(angle), out_mm * std::sin(angle), radius_mm * rng->Uniform()};
+    Row row;
+    for (double& dir : row.motor_dir) dir = rng->Uniform() < 1.0 / 2 ? -1 : 1;
+    const auto here =
+        DeltaAtOf(observed.BelievedBuild(), machine_.delta->settings, row, at->q_mm);
+    delta_.push_back(here.value_or(DeltaAt{}));
+    at->delta = &delta_.back();
+  }
+
   const Machine& machine_;
   std::vector<At> poses_{};
+  std::deque<DeltaAt> delta_{};  ///< That poses point to.
 };
 
 // What the baseline line would be had nothing been fitted.

@@ -38,7 +38,8 @@ struct BedTilt {
       .stage = Stage::kArtefact,
       .axes = kAxes,
       .parameters = kParameters,
-      .formula = "dz = s_x (x - x_mid) + s_y (y - y_mid)",
+      .formula =
+          "dz = s_x (x - x_mid) + s_y (y - y_mid); a delta's middle is its origin",
       .source = "Unsurfaced spoil boards: 0.5 to 5 mrad.",
       .twin =
           "squareness A0Z, B0Z: heights alone cannot tell; a side face at two heights "
@@ -57,9 +58,11 @@ struct BedTilt {
     const auto x = Mutant<std::size_t>("bed_tilt_swapped_slopes", 0, 1);
     const T slope_x = RadFromMrad(asked.p[x]);
     const T slope_y = RadFromMrad(asked.p[1 - x]);
-    const Vec3<double> middle_mm(asked.machine.axis(Axis::kX).mid_mm(),
-                                 asked.machine.axis(Axis::kY).mid_mm(),
-                                 0);
+    const Vec3<double> middle_mm =
+        asked.at.delta != nullptr ? Vec3<double>(0, 0, 0)
+                                  : Vec3<double>(asked.machine.axis(Axis::kX).mid_mm(),
+                                                 asked.machine.axis(Axis::kY).mid_mm(),
+                                                 0);
     const Vec3<T> r_mm =
         asked.q_mm + (asked.at.probe_off_mm - middle_mm).template cast<T>();
     const Vec3<double>& n = asked.at.n;

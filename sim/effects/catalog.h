@@ -24,6 +24,7 @@
 #include "sim/effects/carriage_backlash.h"
 #include "sim/effects/cyclic_lead.h"
 #include "sim/effects/effect.h"
+#include "sim/effects/effector_tilt.h"
 #include "sim/effects/frame_growth.h"
 #include "sim/effects/frame_temperature.h"
 #include "sim/effects/gantry_sag.h"
@@ -85,6 +86,7 @@ using EffectList = std::tuple<StepsPerMm,
                               TowerLean,
                               TowerTwist,
                               TowerRadius,
+                              EffectorTilt,
                               ServoMismatch,
                               ServoLag,
                               FrameGrowth,

@@ -95,8 +95,14 @@ Injected NeutralEffect(int effect, std::string_view axis, const Machine& machine
 }
 
 std::vector<InjectedSpec> ReadEffects(YamlMap map, const Machine& machine) {
+  return ReadEffects(map.Entries(), machine);
+}
+
+std::vector<InjectedSpec> ReadEffects(
+    const std::vector<std::pair<std::string, YamlValue>>& entries,
+    const Machine& machine) {
   std::vector<InjectedSpec> specs;
-  for (const auto& [key, value] : map.Entries()) {
+  for (const auto& [key, value] : entries) {
     InjectedSpec spec{.place = value.place()};
     if (!ReadName(key, value, machine.kinematics, &spec)) continue;
     const Effect& effect = EffectAt(spec.effect);

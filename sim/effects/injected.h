@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "sim/base/distribution.h"
@@ -24,6 +25,11 @@ struct InjectedSpec {
 /// bounds; a parameter left out is neutral. `pitch_map.x` has `knots_mm` and
 /// `values_um`, two lists of one length.
 std::vector<InjectedSpec> ReadEffects(YamlMap map, const Machine& machine);
+
+/// The same of entries picked from such a map.
+std::vector<InjectedSpec> ReadEffects(
+    const std::vector<std::pair<std::string, YamlValue>>& entries,
+    const Machine& machine);
 
 /// A list of ascending numbers, at least one.
 std::vector<double> ReadKnots(const YamlValue& list);

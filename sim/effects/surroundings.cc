@@ -123,7 +123,8 @@ void Surroundings::Complete(const Row& row, At* at) const {
 At AtOf(const Row& row, const Machine& machine, const Settings& in_force) {
   At at{.kind = row.kind,
         .n = DirectionOf(row),
-        .tip_radius_cfg_mm = in_force.tip_radius_mm,
+        // What a delta moves is its nozzle, which is what touches.
+        .tip_radius_cfg_mm = machine.delta ? 0 : in_force.tip_radius_mm,
         .feed_mm_s = Known(row.feed_mm_s) ? row.feed_mm_s : 0,
         .load_n = row.load_n,
         .on_table = row.kind == RowKind::kTouch,
@@ -146,9 +147,7 @@ At AtOf(const Row& row, const Machine& machine, const Settings& in_force) {
     at.compensation_mm[i] = in_force.backlash_mm[k];
   }
   if (row.kind == RowKind::kTouch) {
-    // What a delta moves is its nozzle, which is what touches.
-    const double radius_mm = machine.delta ? 0 : in_force.tip_radius_mm;
-    at.q_mm += (row.value_mm + radius_mm) * at.n - at.probe_off_mm;
+    at.q_mm += (row.value_mm + at.tip_radius_cfg_mm) * at.n - at.probe_off_mm;
   }
   if (IsRelease(row)) at.feed_mm_s = -at.feed_mm_s;
   return at;

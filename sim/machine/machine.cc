@@ -170,6 +170,7 @@ Machine ReadMachine(YamlMap* map) {
   ReadAxes(map, &machine);
   if (const auto probe = map->Optional("probe"))
     machine.probe = ReadProbe(probe->Map());
+  if (machine.delta) machine.probe.tip_radius_mm = 0;  // Its nozzle is its tip.
   machine.settings.tip_radius_mm = machine.probe.tip_radius_mm;
   for (const Axis axis : kAxes) {
     machine.settings.steps_per_mm[Index(axis)] = machine.axis(axis).steps_per_mm();

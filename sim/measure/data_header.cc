@@ -13,8 +13,16 @@ namespace {
 
 const std::vector<std::string> kMotors = {
     "x", "y", "z", "a", "b", "c", "z1", "z2", "z3"};
-const std::vector<std::string> kInstrumentKinds = {
-    "laser", "scale", "dial", "calliper", "probe", "ballbar", "level", "cmm"};
+const std::vector<std::string> kInstrumentKinds = {"laser",
+                                                   "scale",
+                                                   "dial",
+                                                   "calliper",
+                                                   "probe",
+                                                   "ballbar",
+                                                   "level",
+                                                   "cmm",
+                                                   "camera",
+                                                   "height_gauge"};
 const std::vector<std::string> kPlans = {
     "iso230",      "dense",    "abbe",       "straightedge", "square",
     "blocks",      "plate",    "ring",       "ballbar",      "plate_turned_90",

@@ -156,9 +156,8 @@ void MeasuringSession::Touch(Row row) {
     const auto k = static_cast<std::size_t>(i);
     n[i] = row.n[k];
     const double offset_mm = Known(row.probe_off_mm[k]) ? row.probe_off_mm[k] : 0;
-    // A delta's nozzle is its tip.
-    const double radius_mm = machine_.delta ? 0 : machine_.settings.tip_radius_mm;
-    contact_mm[i] = row.cmd_mm[k] + radius_mm * row.n[k] - offset_mm;
+    contact_mm[i] =
+        row.cmd_mm[k] + machine_.settings.tip_radius_mm * row.n[k] - offset_mm;
   }
   RequireReach(contact_mm);
   Rapid(contact_mm + kStandOff_mm * n);

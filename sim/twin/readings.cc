@@ -54,6 +54,16 @@ const Instrument& Readings::InstrumentFor(const Row& row) const {
 
 Vec3<double> Readings::Reachable_mm(const Vec3<double>& q_mm,
                                     const Settings& settings) const {
+  if (config_.machine.delta) {
+    const DeltaModel<double>& model = config_.machine.delta->settings;
+    Vec3<double> motors_mm = DeltaMotors_mm(model, q_mm);
+    for (int i = 0; i < kNumTowers; ++i) {
+      const double steps_per_mm =
+          config_.machine.axes[static_cast<std::size_t>(i)].steps_per_mm();
+      motors_mm[i] = std::round(motors_mm[i] * steps_per_mm) / steps_per_mm;
+    }
+    return DeltaNozzle_mm(model, motors_mm);
+  }
   Vec3<double> reached_mm;
   for (const Axis axis : kAxes) {
     const int i = Index(axis);

@@ -26,10 +26,11 @@ struct Options {
 
 MachineFile MachineOf(const Options& options, const Plan& plan) {
   if (!options.machine.empty()) {
-    return ReadMachineFile(FindMachine(options.machine, "", {.file = options.machine}));
+    return ReadAnyMachineFile(
+        FindMachine(options.machine, "", {.file = options.machine}));
   }
   if (!plan.machine.empty()) {
-    return ReadMachineFile(
+    return ReadAnyMachineFile(
         FindMachine(plan.machine, plan.file.parent_path(), {.file = options.plan}));
   }
   throw InputError({.file = options.plan},

@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "scenarios/delta_effects.h"
 #include "scenarios/file_kind.h"
 #include "scenarios/interrupt.h"
 #include "scenarios/machine_file.h"
@@ -16,6 +17,7 @@
 #include "sim/measure/plan.h"
 #include "sim/measure/rows.h"
 #include "sim/twin/perform.h"
+#include "sim/twin/perform_delta.h"
 #include "tools/commands/command.h"
 #include "tools/commands/progress.h"
 
@@ -105,6 +107,28 @@ PerformConfig ConfigOf(const Options& options,
   return config;
 }
 
+// The same of a delta: what turns its build is built.
+DeltaPerformConfig DeltaConfigOf(const Options& options,
+                                 const MachineFile& file,
+                                 std::uint64_t seed) {
+  DeltaTruthFile truth;
+  if (!options.truth.empty()) truth = ReadDeltaTruthFile(options.truth, file.machine);
+  truth.effects.insert(truth.effects.end(), file.effects.begin(), file.effects.end());
+  DeltaPerformConfig config{
+      .machine = file.machine,
+      .built = DrawDelta(truth.parts, file.machine, seed, /*sample=*/0),
+      .fidelity = options.fidelity == "fast" ? Fidelity::kFast : Fidelity::kPhysics,
+      .seed = seed};
+  for (const Injected& effect : DrawEffects(truth.effects, seed, 0)) {
+    const auto turns = TurnsOf(effect);
+    for (const auto& [knob, by] : turns) {
+      TurnKnob(knob, by, &config.built.build, &config.built.bed);
+    }
+    if (turns.empty()) config.effects.push_back(effect);
+  }
+  return config;
+}
+
 void CheckOut(const std::string& out) {
   if (fs::path(out).extension() == ".csv") return;
   throw InputError({.file = "--out"},
@@ -119,7 +143,10 @@ int Simulate(const Options& options) {
   const Plan plan = PlanOf(options);
   const std::uint64_t seed = options.seed.value_or(plan.seed);
   const fs::path machine = MachineFileOf(options, plan);
-  PerformConfig config = ConfigOf(options, ReadMachineFile(machine), seed);
+  const MachineFile file = ReadAnyMachineFile(machine);
+  const bool is_delta = file.machine.delta.has_value();
+  PerformConfig config =
+      is_delta ? PerformConfig{.machine = file.machine} : ConfigOf(options, file, seed);
   PlannedSession session = PlanSession(plan, config.machine, seed);
   session.header.machine = WrittenFrom(options, plan, machine);
   session.header.settings["1"] = AsHeader(config.machine.settings);
@@ -134,7 +161,15 @@ int Simulate(const Options& options) {
     ++done;
     return InterruptRequested();
   };
-  const RowTable table = Perform(config, std::move(session.rows));
+  RowTable table;
+  if (is_delta) {
+    DeltaPerformConfig delta = DeltaConfigOf(options, file, seed);
+    delta.header = config.header;
+    delta.interrupted = config.interrupted;
+    table = PerformDelta(delta, std::move(session.rows));
+  } else {
+    table = Perform(config, std::move(session.rows));
+  }
   progress.Clear();
   WriteRows(options.out, table);
   WriteDataHeader(fs::path(options.out).replace_extension(".yaml"), session.header);

@@ -18,6 +18,7 @@ namespace blind {
 namespace {
 
 constexpr double kRadPerDeg = std::numbers::pi / 180;
+constexpr double kMost = 8;  // Times what is typical.
 
 DeltaPaper DrawPaper(Random* random) {
   DeltaPaper paper;
@@ -208,7 +209,10 @@ nlohmann::json Hide(const DeltaCause& cause, DeltaCase* made, DeltaTruth* truth)
     effect = Slope(*made, *truth, put);
     visible = VisibleEffect(effect, Projector(baseline));
     if (visible.peak < 1e-3 * visible.whole_peak) break;
+    // No machine is this bad, whatever its plan shows of it.
+    const double most = kMost * cause.typical;
     if (round < 3) size *= made->request.sigma / visible.peak;
+    size = std::clamp(size, -most, most);
   }
   nlohmann::json twins = nlohmann::json::object();
   for (const auto& [name, left] :

@@ -1,0 +1,33 @@
+#include "sim/effects/delta_at.h"
+
+#include "sim/machine/delta_slopes.h"
+
+namespace caltwin {
+
+std::optional<DeltaAt> DeltaAtOf(const DeltaBuild<double>& build,
+                                 const DeltaModel<double>& settings,
+                                 const Row& row,
+                                 const Vec3<double>& q_mm) {
+  DeltaAt here{.motors_mm = DeltaMotors_mm(settings, q_mm)};
+  const Vec3<double> stated(row.motor_mm[0], row.motor_mm[1], row.motor_mm[2]);
+  const Vec3<double> nominal(row.cmd_mm[0], row.cmd_mm[1], row.cmd_mm[2]);
+  if (stated.allFinite() && nominal.allFinite()) {
+    here.motors_mm += stated - DeltaMotors_mm(settings, nominal);
+  }
+  if (!here.motors_mm.allFinite()) return std::nullopt;
+  for (int k = 0; k < kNumTowers; ++k) {
+    const double dir = row.motor_dir[static_cast<std::size_t>(k)];
+    here.motor_dir[k] = Known(dir) ? dir : 0;
+  }
+  const auto closed = ClosedDelta::At(build, here.motors_mm);
+  if (!closed) return std::nullopt;
+  here.off_mm = closed->pose().nozzle_mm - q_mm;
+  for (const Axis axis : kAxes) {
+    const auto slopes = closed->Slopes(Unit(axis));
+    here.by_knob.row(Index(axis)) =
+        Eigen::Map<const Eigen::Matrix<double, 1, kNumDeltaKnobs>>(slopes.data());
+  }
+  return here;
+}
+
+}  // namespace caltwin

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <optional>
+
+#include "sim/effects/effect.h"
+
+namespace caltwin {
+
+/// What a delta's reading has beside its pose `q_mm`: the motors that its firmware,
+/// with these settings, commands for it (moved on from those that the row states),
+/// where the nozzle of that build then is, and its derivatives by every knob. nullopt:
+/// the rods do not reach.
+std::optional<DeltaAt> DeltaAtOf(const DeltaBuild<double>& build,
+                                 const DeltaModel<double>& settings,
+                                 const Row& row,
+                                 const Vec3<double>& q_mm);
+
+}  // namespace caltwin

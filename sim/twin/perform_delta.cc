@@ -1,0 +1,128 @@
+#include "sim/twin/perform_delta.h"
+
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "sim/base/input_error.h"
+#include "sim/effects/delta_at.h"
+#include "sim/effects/predict.h"
+#include "sim/twin/readings.h"
+
+namespace caltwin {
+namespace {
+
+constexpr double kTimestep_s = 0.001;
+constexpr int kSettleSteps = 3;
+
+[[noreturn]] void FailReach(const Row& row) {
+  throw InputError(
+      row.place,
+      fmt::format("row {}: the rods of this machine do not reach there", row.row),
+      "choose a smaller radius or height");
+}
+
+class DeltaReader {
+ public:
+  explicit DeltaReader(const DeltaPerformConfig& config)
+      : config_(config), settings_(config.machine.delta->settings) {
+    if (config.fidelity != Fidelity::kPhysics) return;
+    DeltaMjcf model = ModelOfDelta(config.machine);
+    model.SetTimestep_s(kTimestep_s);
+    model.SetBuild(config.built.build);
+    model.SetBed(config.built.bed);
+    world_ = std::make_unique<DeltaWorld>(model.Compile(/*with_looks=*/false),
+                                          config.built.build);
+  }
+
+  double Gauge_mm(const Row& row, At at) {
+    DeltaAt delta = Placed(row, at.q_mm);
+    if (world_) delta.off_mm = Settled_mm(row, delta.motors_mm) - at.q_mm;
+    at.delta = &delta;
+    return Predict_mm<double>(config_.machine, at, config_.effects);
+  }
+
+  // The reading at which the nozzle is where the bed is; what else moves nozzle,
+  // carriages or bed is little, and added to first order.
+  double Touch_mm(const Row& row, At at) {
+    const double contact_mm = Contact_mm(row, at.q_mm);
+    at.q_mm[2] += contact_mm;
+    DeltaAt delta = Placed(row, at.q_mm);
+    delta.off_mm.setZero();
+    at.delta = &delta;
+    // The nozzle itself touches: nothing bends before the trigger.
+    return contact_mm + Predict_mm<double>(config_.machine, at, config_.effects) +
+           config_.machine.probe.pretravel_mm;
+  }
+
+ private:
+  // Of the build alone, above the nominal point.
+  double Contact_mm(const Row& row, const Vec3<double>& sent_mm) {
+    const BuiltDelta& built = config_.built;
+    const double x_mm = sent_mm[0], y_mm = sent_mm[1];
+    const bool by_nozzle = world_ && built.probe_off_mm.norm() == 0;
+    const auto motors_mm =
+        by_nozzle
+            ? TouchInPhysics(
+                  world_.get(), built.build, built.bed, settings_, {x_mm, y_mm})
+            : DeltaTouchMotors(
+                  built.build, built.bed, settings_, x_mm, y_mm, built.probe_off_mm);
+    if (!motors_mm) FailReach(row);
+    return DeltaNozzle_mm(settings_, *motors_mm)[2] - sent_mm[2];
+  }
+
+  // Where MuJoCo's effector comes to rest.
+  Vec3<double> Settled_mm(const Row& row, const Vec3<double>& motors_mm) {
+    const auto pose = DeltaPoseOf(config_.built.build, motors_mm);
+    if (!pose) FailReach(row);
+    world_->Place(motors_mm, *pose, Vec3<double>::Zero(), Vec3<double>::Zero());
+    for (int step = 0; step < kSettleSteps; ++step) world_->Step(motors_mm);
+    return world_->Nozzle_mm();
+  }
+
+  DeltaAt Placed(const Row& row, const Vec3<double>& q_mm) const {
+    auto placed = DeltaAtOf(config_.built.build, settings_, row, q_mm);
+    if (!placed) FailReach(row);
+    placed->rim_mm = config_.built.bed.radius_mm;
+    return *placed;
+  }
+
+  const DeltaPerformConfig& config_;
+  const DeltaModel<double>& settings_;
+  std::unique_ptr<DeltaWorld> world_{};
+};
+
+}  // namespace
+
+RowTable PerformDelta(const DeltaPerformConfig& config, std::vector<Row> planned) {
+  const PerformConfig common{.machine = config.machine,
+                             .effects = config.effects,
+                             .header = config.header,
+                             .seed = config.seed,
+                             .is_noisy = config.is_noisy};
+  Readings readings(common, planned);
+  DeltaReader reader(config);
+  RowTable table;
+  for (Row& row : planned) {
+    if (config.interrupted && config.interrupted()) break;
+    At at = readings.AtFor(row);
+    if (row.kind == RowKind::kTouch) {
+      row.value_mm =
+          readings.Shown_mm(row, at, reader.Touch_mm(row, at), config.built.scatter_mm);
+    } else {
+      const Vec3<double> told_mm = at.q_mm;
+      if (config.is_noisy) {
+        at.q_mm = readings.Reachable_mm(told_mm, readings.SettingsFor(row));
+      }
+      const double off_mm = (at.q_mm - told_mm).dot(at.n);
+      row.value_mm = readings.Shown_mm(row, at, off_mm + reader.Gauge_mm(row, at), 0);
+    }
+    table.rows.push_back(std::move(row));
+  }
+  return table;
+}
+
+}  // namespace caltwin

@@ -1,0 +1,118 @@
+// A delta performs its campaigns in closed form; the diagnosis gets the rows.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "calibration/diagnosis/diagnosis.h"
+#include "sim/measure/plan.h"
+#include "sim/twin/perform_delta.h"
+
+namespace caltwin {
+namespace {
+
+Machine Delta() {
+  Machine machine{.kinematics = Kinematics::kDelta, .delta = DeltaDrawing{}};
+  machine.probe.tip_radius_mm = machine.settings.tip_radius_mm = 0;
+  for (AxisDrawing& axis : machine.axes) {
+    axis = {.max_mm = 400,
+            .lead_mm = 40,
+            .is_belt = true,
+            .full_steps_per_rev = 200,
+            .microsteps = 256};
+  }
+  return machine;
+}
+
+BuiltDelta Built() {
+  BuiltDelta built{.build = Delta().delta->Build()};
+  built.build.model.endstop_mm = {300.2, 299.9, 300.1};
+  for (double& radius : built.build.model.radius_mm) radius += 0.4;
+  built.build.model.angle_rad[0] += 3e-3;
+  built.bed.slope_x = 1e-3;
+  return built;
+}
+
+Diagnosis DiagnosisOf(const BuiltDelta& built,
+                      const std::vector<std::string>& campaigns,
+                      const std::vector<Injected>& effects = {}) {
+  const Machine machine = Delta();
+  Plan plan;
+  for (const std::string& id : campaigns) {
+    plan.campaigns.push_back(DefaultCampaign(id));
+    plan.instruments[id == "delta_grid" ? "probe"
+                     : id == "delta_xy" ? "camera"
+                                        : "height_gauge"] = {.sigma_um = 3};
+  }
+  PlannedSession session = PlanSession(plan, machine, /*seed=*/1);
+  RowTable table = PerformDelta({.machine = machine,
+                                 .built = built,
+                                 .effects = effects,
+                                 .header = session.header,
+                                 .fidelity = Fidelity::kFast},
+                                session.rows);
+  return Diagnose(Observed(table, session.header, machine, {}), {});
+}
+
+double BaselineOf(const Diagnosis& diagnosis, const std::string& name) {
+  for (const BaselineLine& line : diagnosis.baseline) {
+    if (line.name == name) return line.value;
+  }
+  return kUnknown;
+}
+
+TEST(DeltaDiagnosis, FindsNothingOnAMachineThatIsOnlyOutOfCalibration) {
+  const Diagnosis diagnosis = DiagnosisOf(Built(), {"delta_grid", "delta_xy"});
+
+  EXPECT_EQ(diagnosis.verdict, DiagnosisVerdict::kNone);
+  EXPECT_NEAR(BaselineOf(diagnosis, "delta_radius"), 0.4, 0.05);
+  // Against their mean.
+  EXPECT_NEAR(BaselineOf(diagnosis, "endstop.a"), 0.2 - 0.2 / 3, 0.02);
+  EXPECT_NEAR(BaselineOf(diagnosis, "tower_angle.a"), 0.172, 0.01);
+}
+
+TEST(DeltaDiagnosis, NamesALeaningTower) {
+  BuiltDelta built = Built();
+  built.build.lean_radial_rad[1] = 3e-3;
+  built.build.lean_tangential_rad[1] = -2e-3;
+  const Diagnosis diagnosis =
+      DiagnosisOf(built, {"delta_grid", "delta_xy", "z_columns"});
+
+  ASSERT_EQ(diagnosis.findings.size(), 1U);
+  const Finding& finding = diagnosis.findings[0];
+  EXPECT_EQ(finding.cause, "tower_lean");
+  EXPECT_EQ(finding.axis, "b");
+  ASSERT_EQ(finding.parameters.size(), 2U);
+  EXPECT_NEAR(finding.parameters[0].value, 3, 3 * finding.parameters[0].sd);
+  EXPECT_NEAR(finding.parameters[1].value, -2, 3 * finding.parameters[1].sd);
+}
+
+TEST(DeltaDiagnosis, NamesThePlayOfACarriage) {
+  const Diagnosis diagnosis = DiagnosisOf(
+      Built(),
+      {"delta_grid", "z_columns", "delta_xy"},
+      {{.effect = EffectIndex<CarriageBacklash>(), .axis = "c", .values = {0.06}}});
+
+  ASSERT_EQ(diagnosis.findings.size(), 1U);
+  EXPECT_EQ(diagnosis.findings[0].cause, "carriage_backlash");
+  EXPECT_EQ(diagnosis.findings[0].axis, "c");
+  EXPECT_NEAR(diagnosis.findings[0].parameters[0].value, 0.06, 0.01);
+}
+
+TEST(DeltaDiagnosis, SaysThatATowersRadiusIsOnlyAnotherWayToWriteTheBaseline) {
+  const Diagnosis diagnosis = DiagnosisOf(Built(), {"delta_grid"});
+
+  EXPECT_THAT(diagnosis.absorbed,
+              ::testing::Contains(::testing::Field(&Absorbed::what, "tower_radius.a")));
+}
+
+// A tool that stands crooked moves every touch alike.
+TEST(DeltaDiagnosis, IsBlindToAFixedTiltOfTheTool) {
+  BuiltDelta built = Built();
+  built.build.tool_tilt_x_rad = 0.02;
+  const Diagnosis diagnosis = DiagnosisOf(built, {"delta_grid", "delta_xy"});
+
+  EXPECT_EQ(diagnosis.verdict, DiagnosisVerdict::kNone);
+}
+
+}  // namespace
+}  // namespace caltwin
