@@ -92,7 +92,7 @@ std::vector<DeltaCause> Library() {
        "growth_um_per_k"},
       {"trigger_latency",
        {""},
-       2,
+       0.5,
        [](const std::string&, double size, double, DeltaTruth* truth) {
          truth->latency_s += 1e-3 * std::abs(size);
        },
