@@ -10,6 +10,7 @@
 #include <fmt/ranges.h>
 
 #include "calibration/diagnosis/gain.h"
+#include "calibration/diagnosis/own_shape.h"
 #include "calibration/diagnosis/refit.h"
 #include "sim/base/require.h"
 #include "sim/base/units.h"
@@ -18,11 +19,13 @@ namespace caltwin {
 namespace {
 
 // Whether the rows tell how large it is: not where it stands at the end of what is
-// possible, nor where it may as well be nothing.
+// possible, nor where it may as well be nothing. What a kelvin does to a material is
+// known: ten times the usual is no material.
 bool HasSize(const Candidate& candidate, const Refined& refined) {
   if (candidate.cause == "homing_scatter") return true;  // Its size is a scatter.
   constexpr double kLeast_sds = 2;
   constexpr double kAtEnd = 1e-6;
+  constexpr double kMostOfUsual = 10;
   const auto parameters = EffectAt(candidate.effect).parameters;
   for (std::size_t p = 0; p < parameters.size(); ++p) {
     if (parameters[p].role != Role::kSize) continue;
@@ -31,6 +34,9 @@ bool HasSize(const Candidate& candidate, const Refined& refined) {
     if (std::abs(size) < kLeast_sds * refined.sds[p]) return false;
     if (size > parameters[p].max - end) return false;
     if (size < parameters[p].min + end) return false;
+    const bool is_per_kelvin = parameters[p].unit.find('K') != std::string_view::npos;
+    const double of_usual = refined.sizes_mm.norm() / refined.variant.usual_mm;
+    if (is_per_kelvin && of_usual > kMostOfUsual) return false;
   }
   return true;
 }
@@ -60,8 +66,9 @@ class Scrutiny {
     }
   }
 
-  // Where much remains that the named causes should have explained, and where the rows
-  // do not tell how large they are, they lose their names.
+  // Where much remains that the named causes should have explained, where the rows do
+  // not tell how large they are, and where a name's own shape is not what the rows
+  // show, they lose their names.
   void DoubtNames() {
     constexpr double kLeastShare = 0.7;
     if (found().empty()) return;
@@ -73,7 +80,8 @@ class Scrutiny {
       const Candidate& candidate = candidates_[found()[i].candidate];
       if (candidate.is_free()) continue;
       const bool explains_little = explained < kLeastShare && !IsBeyondPrediction(i);
-      if (explains_little || !HasSize(candidate, refined[i])) {
+      if (explains_little || !HasSize(candidate, refined[i]) ||
+          !ShowsItsShape(i, refined[i])) {
         found()[i].lost_its_name = true;
         SetFree(i);
         MergeEqual(i);
@@ -125,6 +133,34 @@ class Scrutiny {
     circumstances.nuisances.insert(
         circumstances.nuisances.end(), others.begin(), others.end());
     return circumstances;
+  }
+
+  // With the names but one in the baseline, and no free form that could help it.
+  Circumstances NamedBut(std::size_t except) const {
+    SearchResult named = search_;
+    for (std::size_t i = named.found.size(); i-- > 0;) {
+      const bool is_free = candidates_[named.found[i].candidate].is_free();
+      if (!is_free && i != except) continue;
+      named.found.erase(named.found.begin() + static_cast<std::ptrdiff_t>(i));
+    }
+    Circumstances circumstances = search_.circumstances;
+    const auto others = NuisancesOfAll(observed_, candidates_, named.found);
+    circumstances.nuisances.insert(
+        circumstances.nuisances.end(), others.begin(), others.end());
+    return circumstances;
+  }
+
+  // What a name must show beside all others: its plain shape, more of it than of
+  // anything else; a jump, between rows that can be read.
+  bool ShowsItsShape(std::size_t i, const Refined& refined) const {
+    constexpr double kLeastPlain = 0.55;
+    const Candidate& candidate = candidates_[search_.found[i].candidate];
+    if (search_.found[i].lost_its_name) return true;
+    return PlainShare(observed_, CircumstancesBut(i), refined.variant.columns_mm) >=
+               kLeastPlain &&
+           !IsAmongOutliers(
+               observed_, search_.circumstances.left_out, candidate, refined.variant) &&
+           !IsGradual(observed_, NamedBut(i), candidate);
   }
 
   // What unseen rows can say nothing of: homings scatter anew each time, and some
