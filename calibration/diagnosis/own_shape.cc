@@ -48,11 +48,17 @@ std::vector<Variant> GradualOf(const std::vector<Variant>& jumps) {
   return gradual;
 }
 
+std::ptrdiff_t KeptRows(const std::vector<bool>& left_out) {
+  return std::max<std::ptrdiff_t>(1, std::ranges::count(left_out, false));
+}
+
 }  // namespace
 
-double PlainShare(const Observed& observed,
+PlainFit FitPlain(const Observed& observed,
                   const Circumstances& beside,
-                  const Eigen::MatrixXd& columns_mm) {
+                  const Eigen::MatrixXd& columns_mm,
+                  const Eigen::VectorXd& sizes_mm) {
+  constexpr double kShown = 0.2;  // Of the near-peak.
   const Noise noise{beside.sigma_mm, 0};
   const Evidence before(observed, noise, beside.nuisances, beside.left_out);
   std::vector<Nuisance> with = beside.nuisances;
@@ -64,8 +70,29 @@ double PlainShare(const Observed& observed,
                     .reported = false});
   }
   const Evidence after(observed, noise, with, beside.left_out);
-  const double could_be = before.chi2() - after.dof();
-  return could_be > 0 ? (before.chi2() - after.chi2()) / could_be : 1;
+  const Eigen::VectorXd shown = before.Left(before.Whiten(columns_mm * sizes_mm));
+  const Eigen::VectorXd without = before.Left(before.white_residual());
+  const Eigen::VectorXd rest = after.Left(after.white_residual());
+  const double noise2 = after.dof() / static_cast<double>(KeptRows(beside.left_out));
+  const double least = kShown * Peak_mm(shown);
+  PlainFit fit;
+  double rows = 0;
+  for (Eigen::Index i = 0; i < shown.size(); ++i) {
+    if (std::abs(shown[i]) < least || beside.left_out[static_cast<std::size_t>(i)]) {
+      continue;
+    }
+    fit.explained += without[i] * without[i] - rest[i] * rest[i];
+    fit.left += rest[i] * rest[i] - noise2;
+    ++rows;
+  }
+  fit.doubt = std::sqrt(2 * rows);
+  return fit;
+}
+
+bool LeavesTooMuch(const PlainFit& fit) {
+  constexpr double kVisible = 9;
+  constexpr double kMost = 0.3;
+  return fit.explained >= kVisible && fit.left - fit.doubt > kMost * fit.explained;
 }
 
 bool IsGradual(const Observed& observed,

@@ -153,13 +153,14 @@ class Scrutiny {
   // What a name must show beside all others: its plain shape, more of it than of
   // anything else; a jump, between rows that can be read.
   bool ShowsItsShape(std::size_t i, const Refined& refined) const {
-    constexpr double kLeastPlain = 0.55;
-    const Candidate& candidate = candidates_[search_.found[i].candidate];
     if (search_.found[i].lost_its_name) return true;
-    return PlainShare(observed_, CircumstancesBut(i), refined.variant.columns_mm) >=
-               kLeastPlain &&
-           !IsAmongOutliers(
-               observed_, search_.circumstances.left_out, candidate, refined.variant) &&
+    const Candidate& candidate = candidates_[search_.found[i].candidate];
+    const Variant& variant = refined.variant;
+    const auto& out = search_.circumstances.left_out;
+    const PlainFit fit =
+        FitPlain(observed_, CircumstancesBut(i), variant.columns_mm, refined.sizes_mm);
+    return !LeavesTooMuch(fit) &&
+           !IsAmongOutliers(observed_, out, candidate, variant) &&
            !IsGradual(observed_, NamedBut(i), candidate);
   }
 

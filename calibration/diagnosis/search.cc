@@ -259,13 +259,12 @@ class Searcher {
   void DropImitated() {
     for (std::size_t i = 0; i < found_.size();) {
       const Candidate& own = candidates_[found_[i].candidate];
-      const double limit = kFormLimit * Visible(found_[i]);
-      const bool is_imitated =
-          !own.is_free() && std::ranges::any_of(found_, [&](const Found& other) {
-            const Candidate& free = candidates_[other.candidate];
-            return free.is_free() && ShareRowsAndVariable(free.shown, own.shown) &&
-                   Visible(other) > limit;
-          });
+      bool is_imitated = false;
+      for (std::size_t k = 0; k < found_.size() && !own.is_free(); ++k) {
+        const Candidate& free = candidates_[found_[k].candidate];
+        is_imitated |= free.is_free() && ShareRowsAndVariable(free.shown, own.shown) &&
+                       Carried_sigma(k) > kFormLimit * Carried_sigma(i);
+      }
       if (is_imitated) {
         found_.erase(found_.begin() + static_cast<std::ptrdiff_t>(i));
         Reweigh();
@@ -275,11 +274,13 @@ class Searcher {
     }
   }
 
-  // Root sum of squares of what the baseline leaves of a finding, in sigma.
-  double Visible(const Found& found) const {
-    const Evidence evidence(observed_, {sigma_mm_, 0}, baseline_, left_out_);
-    return evidence.Left(evidence.Whiten(found.variant.columns_mm * found.sizes_mm))
-        .norm();
+  // What nothing else that was found could carry in its place: the root of what the
+  // residual sum of squares rises by without it. Two that cancel each other look large.
+  double Carried_sigma(std::size_t i) const {
+    const Noise still{sigma_mm_, 0};
+    const Evidence all(observed_, still, BaselineAnd(found_, {}), left_out_);
+    const Evidence without(observed_, still, BaselineAnd(found_, i), left_out_);
+    return std::sqrt(std::max(0.0, without.chi2() - all.chi2()));
   }
 
   // The sizes of all that is left, each with the others in place.

@@ -82,21 +82,32 @@ TEST(OwnShape, OnlyJumpsCanBeGradual) {
   EXPECT_FALSE(IsGradual(observed, Offset(), Candidate{.cause = "thermal_screw"}));
 }
 
-TEST(OwnShape, AShapeThatLeavesMoreThanItExplainsHasALowShare) {
+TEST(OwnShape, AShapeMayNotLeaveHalfOfItsHeight) {
   const auto wave = [](double i) {
-    return 5 * std::sin(0.3 * i);
-  };
-  const auto more = [](double i) {
-    return 6 * std::sin(0.9 * i);
+    return 8 * std::sin(0.3 * i);
   };
   Eigen::MatrixXd shape(kRows, 1);
   for (Eigen::Index i = 0; i < kRows; ++i) {
     shape(i, 0) = wave(static_cast<double>(i));
   }
-  const Observed alone = Datum(wave);
-  const Observed beside = Datum([&](double i) { return wave(i) + more(i); });
-  EXPECT_GT(PlainShare(alone, Offset(), shape), 0.95);
-  EXPECT_LT(PlainShare(beside, Offset(), shape), 0.5);
+  const auto leaves_too_much = [&](double more_um) {
+    const Observed observed =
+        Datum([&](double i) { return wave(i) + more_um * std::sin(0.9 * i); });
+    return LeavesTooMuch(FitPlain(observed, Offset(), shape, Eigen::VectorXd::Ones(1)));
+  };
+  EXPECT_FALSE(leaves_too_much(0));
+  EXPECT_FALSE(leaves_too_much(2));
+  EXPECT_TRUE(leaves_too_much(6));
+}
+
+TEST(OwnShape, NoiseIsNoLackOfFit) {
+  EXPECT_FALSE(LeavesTooMuch({.explained = 60, .left = 35, .doubt = 20}));
+  EXPECT_TRUE(LeavesTooMuch({.explained = 60, .left = 45, .doubt = 20}));
+  EXPECT_TRUE(LeavesTooMuch({.explained = 600, .left = 240, .doubt = 20}));
+}
+
+TEST(OwnShape, WhatIsKnownByItsSizeHasNoShapeToShow) {
+  EXPECT_FALSE(LeavesTooMuch({.explained = 1, .left = 200, .doubt = 20}));
 }
 
 TEST(OwnShape, RowsFullOfOutliersShowNoJump) {
