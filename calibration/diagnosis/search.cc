@@ -187,7 +187,7 @@ class Searcher {
     for (Weighed& other : weighing->ranked) {
       const Candidate& free = candidates_[other.candidate];
       if (!free.is_free() || IsFound(other.candidate, {})) continue;
-      const double margin = MarginOver_nats(candidates_[top.candidate], free);
+      const double margin = MarginOver(candidates_[top.candidate], free);
       if (other.log_odds <= top.log_odds - margin) continue;
       const double together = top.probability + other.probability;
       top.probability = other.probability = together / 2;
@@ -263,7 +263,7 @@ class Searcher {
       for (std::size_t k = 0; k < found_.size() && !own.is_free(); ++k) {
         const Candidate& free = candidates_[found_[k].candidate];
         is_imitated |= free.is_free() && ShareRowsAndVariable(free.shown, own.shown) &&
-                       Carried_sigma(k) > kFormLimit * Carried_sigma(i);
+                       Carried(k) > kFormLimit * Carried(i);
       }
       if (is_imitated) {
         found_.erase(found_.begin() + static_cast<std::ptrdiff_t>(i));
@@ -275,8 +275,9 @@ class Searcher {
   }
 
   // What nothing else that was found could carry in its place: the root of what the
-  // residual sum of squares rises by without it. Two that cancel each other look large.
-  double Carried_sigma(std::size_t i) const {
+  // residual sum of squares rises by without it [sigma]. Two that cancel each other
+  // look large.
+  double Carried(std::size_t i) const {
     const Noise still{sigma_mm_, 0};
     const Evidence all(observed_, still, BaselineAnd(found_, {}), left_out_);
     const Evidence without(observed_, still, BaselineAnd(found_, i), left_out_);

@@ -33,7 +33,7 @@ bool ShareRows(const std::string& one, const std::string& other) {
 
 }  // namespace
 
-double MarginOver_nats(const Candidate& named, const Candidate& free) {
+double MarginOver(const Candidate& named, const Candidate& free) {
   if (named.shown.channel == "probe" && AxisNamed(free.shown.channel)) {
     return kOneAxis_nats;
   }

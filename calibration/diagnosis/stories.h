@@ -14,7 +14,7 @@ namespace caltwin {
 ///    has to be seen on faces of more than one axis;
 ///  - position with temperature against the same with time: it has to follow the
 ///    thermometer, not only the clock.
-double MarginOver_nats(const Candidate& named, const Candidate& free);
+double MarginOver(const Candidate& named, const Candidate& free);
 
 /// Whether both are seen in the same rows and vary with the same thing, so that one can
 /// take up what the other leaves. Time and temperature count as the same: after a

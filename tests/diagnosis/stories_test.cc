@@ -14,16 +14,16 @@ Candidate Seen(const char* channel, std::vector<std::string> covariates) {
 
 TEST(Stories, AProbeMustBeSeenAlongMoreThanOneAxis) {
   const Candidate warm = Seen("probe", {"temp"});
-  EXPECT_GT(MarginOver_nats(warm, Seen("x", {"dir_x", "t"})),
-            MarginOver_nats(warm, Seen("probe", {"t"})));
+  EXPECT_GT(MarginOver(warm, Seen("x", {"dir_x", "t"})),
+            MarginOver(warm, Seen("probe", {"t"})));
 }
 
 TEST(Stories, WhatWarmsMustFollowTheThermometerNotOnlyTheClock) {
   const Candidate screw = Seen("x", {"temp", "x"});
-  const double usual = MarginOver_nats(screw, Seen("x", {"x", "temp"}));
-  EXPECT_GT(MarginOver_nats(screw, Seen("x", {"x", "t"})), usual);
-  EXPECT_DOUBLE_EQ(MarginOver_nats(screw, Seen("y", {"x", "t"})), usual);
-  EXPECT_DOUBLE_EQ(MarginOver_nats(Seen("z", {"temp"}), Seen("z", {"t"})), usual);
+  const double usual = MarginOver(screw, Seen("x", {"x", "temp"}));
+  EXPECT_GT(MarginOver(screw, Seen("x", {"x", "t"})), usual);
+  EXPECT_DOUBLE_EQ(MarginOver(screw, Seen("y", {"x", "t"})), usual);
+  EXPECT_DOUBLE_EQ(MarginOver(Seen("z", {"temp"}), Seen("z", {"t"})), usual);
 }
 
 TEST(Stories, ProbeAndAxisShareRowsTimeAndTemperatureAVariable) {
