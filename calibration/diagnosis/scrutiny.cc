@@ -20,7 +20,7 @@ namespace {
 
 // Whether the rows tell how large it is: not where it stands at the end of what is
 // possible, nor where it may as well be nothing. What a kelvin does to a material is
-// known: ten times the usual is no material.
+// known: ten times the usual is something else.
 bool HasSize(const Candidate& candidate, const Refined& refined) {
   if (candidate.cause == "homing_scatter") return true;  // Its size is a scatter.
   constexpr double kLeast_sds = 2;
@@ -150,17 +150,35 @@ class Scrutiny {
     return circumstances;
   }
 
+  // The same, the others without freedom of form: it may take up a small cause beside a
+  // large one.
+  Circumstances PlainBut(std::size_t except) const {
+    Circumstances circumstances = search_.circumstances;
+    for (std::size_t i = 0; i < search_.found.size(); ++i) {
+      const Found& found = search_.found[i];
+      if (i == except) continue;
+      auto others = NuisancesOf(observed_, candidates_[found.candidate], found);
+      others.resize(static_cast<std::size_t>(found.variant.columns_mm.cols()));
+      circumstances.nuisances.insert(
+          circumstances.nuisances.end(), others.begin(), others.end());
+    }
+    return circumstances;
+  }
+
   // What a name must show beside all others: its plain shape, more of it than of
   // anything else; a jump, between rows that can be read.
   bool ShowsItsShape(std::size_t i, const Refined& refined) const {
     if (search_.found[i].lost_its_name) return true;
     const Candidate& candidate = candidates_[search_.found[i].candidate];
-    const Variant& variant = refined.variant;
     const auto& out = search_.circumstances.left_out;
-    const PlainFit fit =
-        FitPlain(observed_, CircumstancesBut(i), variant.columns_mm, refined.sizes_mm);
-    return !LeavesTooMuch(fit) &&
-           !IsAmongOutliers(observed_, out, candidate, variant) &&
+    const auto leaves_too_much = [&](const Circumstances& beside) {
+      const Eigen::MatrixXd& columns_mm = refined.variant.columns_mm;
+      return LeavesTooMuch(FitPlain(observed_, beside, columns_mm, refined.sizes_mm));
+    };
+    const bool is_leftover =
+        leaves_too_much(CircumstancesBut(i)) && leaves_too_much(PlainBut(i));
+    return !is_leftover &&
+           !IsAmongOutliers(observed_, out, candidate, refined.variant) &&
            !IsGradual(observed_, NamedBut(i), candidate);
   }
 
