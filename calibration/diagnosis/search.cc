@@ -263,7 +263,7 @@ class Searcher {
       for (std::size_t k = 0; k < found_.size() && !own.is_free(); ++k) {
         const Candidate& free = candidates_[found_[k].candidate];
         is_imitated |= free.is_free() && ShareRowsAndVariable(free.shown, own.shown) &&
-                       Carried(k) > kFormLimit * Carried(i);
+                       (Carried(k) > kFormLimit * Carried(i) || IsAsTall(k, i));
       }
       if (is_imitated) {
         found_.erase(found_.begin() + static_cast<std::ptrdiff_t>(i));
@@ -272,6 +272,16 @@ class Searcher {
         ++i;
       }
     }
+  }
+
+  // Both in the same channel, one reaching the limit of the other.
+  bool IsAsTall(std::size_t free, std::size_t named) const {
+    const auto peak_mm = [&](std::size_t i) {
+      return Peak_mm(found_[i].variant.columns_mm * found_[i].sizes_mm);
+    };
+    return candidates_[found_[free].candidate].shown.channel ==
+               candidates_[found_[named].candidate].shown.channel &&
+           peak_mm(free) > kFormLimit * peak_mm(named);
   }
 
   // What nothing else that was found could carry in its place: the root of what the
