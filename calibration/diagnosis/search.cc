@@ -187,7 +187,10 @@ class Searcher {
     for (Weighed& other : weighing->ranked) {
       const Candidate& free = candidates_[other.candidate];
       if (!free.is_free() || IsFound(other.candidate, {})) continue;
-      const double margin = MarginOver(candidates_[top.candidate], free);
+      // Beyond the usual margin only what would be a finding by itself.
+      const bool stands_alone = other.log_odds > kNamingOdds;
+      const double margin =
+          stands_alone ? MarginOver(candidates_[top.candidate], free) : kOwnShape_nats;
       if (other.log_odds <= top.log_odds - margin) continue;
       const double together = top.probability + other.probability;
       top.probability = other.probability = together / 2;

@@ -7,7 +7,6 @@
 namespace caltwin {
 namespace {
 
-constexpr double kOwnShape_nats = 5;
 constexpr double kClock_nats = 12;
 constexpr double kOneAxis_nats = 16;
 

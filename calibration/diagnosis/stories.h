@@ -4,12 +4,16 @@
 
 namespace caltwin {
 
+/// What any name must beat any free form by [nats of log odds]. A free form's prior
+/// weight and handicap come to some eight, so at five it wins only where it explains
+/// the rows clearly better.
+inline constexpr double kOwnShape_nats = 5;
+
 /// By how many nats of log odds a name must beat this free form; below, the free form
 /// tells the same story, and the name is one of many.
 ///
-/// A free form's prior weight and handicap come to some eight, so at the usual five it
-/// wins only where it explains the rows clearly better. More is asked of a name where
-/// the free form speaks of something else than the name's own shape:
+/// More than `kOwnShape_nats` is asked of a name where the free form speaks of
+/// something else than the name's own shape:
 ///  - what acts along every normal (a probe) against a free form of one axis alone: it
 ///    has to be seen on faces of more than one axis;
 ///  - position with temperature against the same with time: it has to follow the
