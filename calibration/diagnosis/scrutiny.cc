@@ -10,6 +10,7 @@
 #include <fmt/ranges.h>
 
 #include "calibration/diagnosis/gain.h"
+#include "calibration/diagnosis/own_shape.h"
 #include "calibration/diagnosis/refit.h"
 #include "sim/base/require.h"
 #include "sim/base/units.h"
@@ -18,11 +19,13 @@ namespace caltwin {
 namespace {
 
 // Whether the rows tell how large it is: not where it stands at the end of what is
-// possible, nor where it (of several sizes each) may as well be nothing.
+// possible, nor where it (of several sizes each) may as well be nothing. What a kelvin
+// does to a material is known: ten times the usual is something else.
 bool HasSize(const Candidate& candidate, const Refined& refined) {
   if (candidate.cause == "homing_scatter") return true;  // Its size is a scatter.
   constexpr double kLeast_sds = 2;
   constexpr double kAtEnd = 1e-6;
+  constexpr double kMostOfUsual = 10;
   const auto parameters = EffectAt(candidate.effect).parameters;
   bool is_something = false;
   for (std::size_t p = 0; p < parameters.size(); ++p) {
@@ -32,6 +35,9 @@ bool HasSize(const Candidate& candidate, const Refined& refined) {
     is_something |= std::abs(size) >= kLeast_sds * refined.sds[p];
     if (size > parameters[p].max - end) return false;
     if (size < parameters[p].min + end) return false;
+    const bool is_per_kelvin = parameters[p].unit.find('K') != std::string_view::npos;
+    const double of_usual = refined.sizes_mm.norm() / refined.variant.usual_mm;
+    if (is_per_kelvin && of_usual > kMostOfUsual) return false;
   }
   return is_something;
 }
@@ -61,8 +67,9 @@ class Scrutiny {
     }
   }
 
-  // Where much remains that the named causes should have explained, and where the rows
-  // do not tell how large they are, they lose their names.
+  // Where much remains that the named causes should have explained, where the rows do
+  // not tell how large they are, and where a name's own shape is not what the rows
+  // show, they lose their names.
   void DoubtNames() {
     constexpr double kLeastShare = 0.7;
     if (found().empty()) return;
@@ -74,7 +81,8 @@ class Scrutiny {
       const Candidate& candidate = candidates_[found()[i].candidate];
       if (candidate.is_free()) continue;
       const bool explains_little = explained < kLeastShare && !IsBeyondPrediction(i);
-      if (explains_little || !HasSize(candidate, refined[i])) {
+      if (explains_little || !HasSize(candidate, refined[i]) ||
+          !ShowsItsShape(i, refined[i])) {
         found()[i].lost_its_name = true;
         SetFree(i);
         MergeEqual(i);
@@ -126,6 +134,53 @@ class Scrutiny {
     circumstances.nuisances.insert(
         circumstances.nuisances.end(), others.begin(), others.end());
     return circumstances;
+  }
+
+  // With the names but one in the baseline, and no free form that could help it.
+  Circumstances NamedBut(std::size_t except) const {
+    SearchResult named = search_;
+    for (std::size_t i = named.found.size(); i-- > 0;) {
+      const bool is_free = candidates_[named.found[i].candidate].is_free();
+      if (!is_free && i != except) continue;
+      named.found.erase(named.found.begin() + static_cast<std::ptrdiff_t>(i));
+    }
+    Circumstances circumstances = search_.circumstances;
+    const auto others = NuisancesOfAll(observed_, candidates_, named.found);
+    circumstances.nuisances.insert(
+        circumstances.nuisances.end(), others.begin(), others.end());
+    return circumstances;
+  }
+
+  // The same, the others without freedom of form: it may take up a small cause beside a
+  // large one.
+  Circumstances PlainBut(std::size_t except) const {
+    Circumstances circumstances = search_.circumstances;
+    for (std::size_t i = 0; i < search_.found.size(); ++i) {
+      const Found& found = search_.found[i];
+      if (i == except) continue;
+      auto others = NuisancesOf(observed_, candidates_[found.candidate], found);
+      others.resize(static_cast<std::size_t>(found.variant.columns_mm.cols()));
+      circumstances.nuisances.insert(
+          circumstances.nuisances.end(), others.begin(), others.end());
+    }
+    return circumstances;
+  }
+
+  // What a name must show beside all others: its plain shape, more of it than of
+  // anything else; a jump, between rows that can be read.
+  bool ShowsItsShape(std::size_t i, const Refined& refined) const {
+    if (search_.found[i].lost_its_name) return true;
+    const Candidate& candidate = candidates_[search_.found[i].candidate];
+    const auto& out = search_.circumstances.left_out;
+    const auto leaves_too_much = [&](const Circumstances& beside) {
+      const Eigen::MatrixXd& columns_mm = refined.variant.columns_mm;
+      return LeavesTooMuch(FitPlain(observed_, beside, columns_mm, refined.sizes_mm));
+    };
+    const bool is_leftover =
+        leaves_too_much(CircumstancesBut(i)) && leaves_too_much(PlainBut(i));
+    return !is_leftover &&
+           !IsAmongOutliers(observed_, out, candidate, refined.variant) &&
+           !IsGradual(observed_, NamedBut(i), candidate);
   }
 
   // What unseen rows can say nothing of: homings scatter anew each time, and some

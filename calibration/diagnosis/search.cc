@@ -7,6 +7,7 @@
 
 #include "calibration/diagnosis/baseline_fit.h"
 #include "calibration/diagnosis/gates.h"
+#include "calibration/diagnosis/stories.h"
 #include "sim/base/units.h"
 
 namespace caltwin {
@@ -19,8 +20,6 @@ constexpr double kImitates = 9;
 // Above this no draw of noise was ever seen; the bootstrap would only say 0.
 constexpr double kBeyondDoubt_nats = 16;
 constexpr double kMostChance = 0.01;
-// The free forms' prior weight and handicap come to some eight.
-constexpr double kStoryOfMany_nats = 5;
 constexpr double kShownProbability = 0.01;
 constexpr int kNoiseRounds = 2;
 
@@ -157,7 +156,7 @@ class Searcher {
       }
       if (support.is_by_many) {
         if (!IsBeyondChance(circumstances, weighing)) return std::nullopt;
-        Found found = FoundFrom(circumstances, weighing, Nameable(weighing, top));
+        Found found = FoundFrom(circumstances, weighing, Nameable(&weighing));
         // A free form that stands in for it may be there already.
         const bool is_finer = IsFinerThanAStep(observed_, candidates_, found);
         if (!is_finer && !IsFound(found.candidate, except)) return found;
@@ -181,13 +180,21 @@ class Searcher {
 
   // What may be reported of the likeliest: where a free form, prior weights and
   // handicap apart, explains the rows about as well as a name, the name is one story of
-  // many.
-  const Weighed& Nameable(const Weighing& weighing, const Weighed& top) const {
+  // many, and both are as likely.
+  const Weighed& Nameable(Weighing* weighing) const {
+    Weighed& top = weighing->ranked.front();
     if (candidates_[top.candidate].is_free()) return top;
-    for (const Weighed& other : weighing.ranked) {
+    for (Weighed& other : weighing->ranked) {
       const Candidate& free = candidates_[other.candidate];
-      const bool is_close = other.log_odds > top.log_odds - kStoryOfMany_nats;
-      if (free.is_free() && is_close && !IsFound(other.candidate, {})) return other;
+      if (!free.is_free() || IsFound(other.candidate, {})) continue;
+      // Beyond the usual margin only what would be a finding by itself.
+      const bool stands_alone = other.log_odds > kNamingOdds;
+      const double margin =
+          stands_alone ? MarginOver(candidates_[top.candidate], free) : kOwnShape_nats;
+      if (other.log_odds <= top.log_odds - margin) continue;
+      const double together = top.probability + other.probability;
+      top.probability = other.probability = together / 2;
+      return other;
     }
     return top;
   }
@@ -249,21 +256,18 @@ class Searcher {
     }
   }
 
-  // A free form found beside a named cause in one of its variables is that cause's
-  // deviation from its form: where it outgrows the limit, the name goes and the free
-  // form stands for both.
+  // A free form found beside a named cause, in the same rows and with the same
+  // variable, is that cause's deviation from its form: where it outgrows the limit, the
+  // name goes and the free form stands for both.
   void DropImitated() {
     for (std::size_t i = 0; i < found_.size();) {
       const Candidate& own = candidates_[found_[i].candidate];
-      const double own_mm = Peak_mm(found_[i].variant.columns_mm * found_[i].sizes_mm);
-      const bool is_imitated =
-          !own.is_free() && std::ranges::any_of(found_, [&](const Found& other) {
-            const Candidate& free = candidates_[other.candidate];
-            return free.is_free() && free.shown.channel == own.shown.channel &&
-                   SharesVariable(free.shown, own.shown) &&
-                   Peak_mm(other.variant.columns_mm * other.sizes_mm) >
-                       kFormLimit * own_mm;
-          });
+      bool is_imitated = false;
+      for (std::size_t k = 0; k < found_.size() && !own.is_free(); ++k) {
+        const Candidate& free = candidates_[found_[k].candidate];
+        is_imitated |= free.is_free() && ShareRowsAndVariable(free.shown, own.shown) &&
+                       (Carried(k) > kFormLimit * Carried(i) || IsAsTall(k, i));
+      }
       if (is_imitated) {
         found_.erase(found_.begin() + static_cast<std::ptrdiff_t>(i));
         Reweigh();
@@ -273,11 +277,24 @@ class Searcher {
     }
   }
 
-  static bool SharesVariable(const Shown& one, const Shown& other) {
-    return std::ranges::any_of(one.covariates, [&](const std::string& word) {
-      return !word.starts_with("dir_") &&
-             std::ranges::find(other.covariates, word) != other.covariates.end();
-    });
+  // Both in the same channel, one reaching the limit of the other.
+  bool IsAsTall(std::size_t free, std::size_t named) const {
+    const auto peak_mm = [&](std::size_t i) {
+      return Peak_mm(found_[i].variant.columns_mm * found_[i].sizes_mm);
+    };
+    return candidates_[found_[free].candidate].shown.channel ==
+               candidates_[found_[named].candidate].shown.channel &&
+           peak_mm(free) > kFormLimit * peak_mm(named);
+  }
+
+  // What nothing else that was found could carry in its place: the root of what the
+  // residual sum of squares rises by without it [sigma]. Two that cancel each other
+  // look large.
+  double Carried(std::size_t i) const {
+    const Noise still{sigma_mm_, 0};
+    const Evidence all(observed_, still, BaselineAnd(found_, {}), left_out_);
+    const Evidence without(observed_, still, BaselineAnd(found_, i), left_out_);
+    return std::sqrt(std::max(0.0, without.chi2() - all.chi2()));
   }
 
   // The sizes of all that is left, each with the others in place.

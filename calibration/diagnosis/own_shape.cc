@@ -1,0 +1,131 @@
+#include "calibration/diagnosis/own_shape.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace caltwin {
+namespace {
+
+constexpr const char* kJump = "missed_steps";
+constexpr double kFree_mm = 30;
+
+// The mean of the jumps from one place of their grid on, each with its weight: what is
+// reached little by little.
+Variant Smeared(const std::vector<Variant>& jumps,
+                std::size_t first,
+                const std::vector<double>& weights) {
+  Variant variant = jumps[first];
+  variant.columns_mm.setZero();
+  double sum = 0;
+  for (std::size_t k = 0; k < weights.size(); ++k) {
+    variant.columns_mm += weights[k] * jumps[first + k].columns_mm;
+    sum += weights[k];
+  }
+  variant.columns_mm /= sum;
+  const double peak = std::max(Peak_mm(variant.columns_mm.col(0)), 1e-6);
+  variant.columns_mm /= peak;
+  variant.usual_mm *= peak;
+  return variant;
+}
+
+// Ramps of several lengths at every place, and creeps of the same lengths.
+std::vector<Variant> GradualOf(const std::vector<Variant>& jumps) {
+  constexpr std::size_t kShortest = 8;
+  constexpr double kTimeConstants = 3;
+  std::vector<Variant> gradual;
+  for (std::size_t length = kShortest; length <= jumps.size(); length *= 2) {
+    const std::vector<double> ramp(length, 1.0);
+    std::vector<double> creep;
+    for (std::size_t k = 0; k < length; ++k) {
+      creep.push_back(std::exp(-kTimeConstants * static_cast<double>(k) /
+                               static_cast<double>(length)));
+    }
+    for (std::size_t first = 0; first + length <= jumps.size(); first += length / 4) {
+      gradual.push_back(Smeared(jumps, first, ramp));
+      gradual.push_back(Smeared(jumps, first, creep));
+    }
+  }
+  return gradual;
+}
+
+std::ptrdiff_t KeptRows(const std::vector<bool>& left_out) {
+  return std::max<std::ptrdiff_t>(1, std::ranges::count(left_out, false));
+}
+
+}  // namespace
+
+PlainFit FitPlain(const Observed& observed,
+                  const Circumstances& beside,
+                  const Eigen::MatrixXd& columns_mm,
+                  const Eigen::VectorXd& sizes_mm) {
+  constexpr double kShown = 0.2;  // Of the near-peak.
+  const Noise noise{beside.sigma_mm, 0};
+  const Evidence before(observed, noise, beside.nuisances, beside.left_out);
+  std::vector<Nuisance> with = beside.nuisances;
+  for (Eigen::Index k = 0; k < columns_mm.cols(); ++k) {
+    with.push_back({.name = "shape",
+                    .unit = "mm",
+                    .column_mm = columns_mm.col(k),
+                    .prior_sd = kFree_mm,
+                    .reported = false});
+  }
+  const Evidence after(observed, noise, with, beside.left_out);
+  const Eigen::VectorXd shown = before.Left(before.Whiten(columns_mm * sizes_mm));
+  const Eigen::VectorXd without = before.Left(before.white_residual());
+  const Eigen::VectorXd rest = after.Left(after.white_residual());
+  const double noise2 = after.dof() / static_cast<double>(KeptRows(beside.left_out));
+  const double least = kShown * Peak_mm(shown);
+  PlainFit fit;
+  double rows = 0;
+  for (Eigen::Index i = 0; i < shown.size(); ++i) {
+    if (std::abs(shown[i]) < least || beside.left_out[static_cast<std::size_t>(i)]) {
+      continue;
+    }
+    fit.explained += without[i] * without[i] - rest[i] * rest[i];
+    fit.left += rest[i] * rest[i] - noise2;
+    ++rows;
+  }
+  fit.doubt = std::sqrt(2 * rows);
+  return fit;
+}
+
+bool LeavesTooMuch(const PlainFit& fit) {
+  constexpr double kVisible = 9;
+  constexpr double kMost = 0.3;
+  return fit.explained >= kVisible && fit.left - fit.doubt > kMost * fit.explained;
+}
+
+bool IsGradual(const Observed& observed,
+               const Circumstances& beside,
+               const Candidate& candidate) {
+  if (candidate.cause != kJump) return false;
+  Candidate gradual = candidate;
+  gradual.variants = GradualOf(candidate.variants);
+  if (gradual.variants.empty()) return false;
+  return Weigh(observed, {candidate, gradual}, beside).ranked[0].candidate == 1;
+}
+
+bool IsAmongOutliers(const Observed& observed,
+                     const std::vector<bool>& is_outlier,
+                     const Candidate& candidate,
+                     const Variant& variant) {
+  if (candidate.cause != kJump) return false;
+  constexpr std::size_t kRows = 20;  // On either side.
+  constexpr int kMost = 4;           // One in ten.
+  const double jump_s = variant.forms[0];
+  std::vector<Eigen::Index> rows(static_cast<std::size_t>(observed.num_rows()));
+  for (std::size_t i = 0; i < rows.size(); ++i) rows[i] = static_cast<Eigen::Index>(i);
+  std::ranges::stable_sort(
+      rows, {}, [&](Eigen::Index i) { return observed.at(i).t_s; });
+  const auto split = static_cast<std::size_t>(std::ranges::count_if(
+      rows, [&](Eigen::Index i) { return observed.at(i).t_s < jump_s; }));
+  const std::size_t first = split - std::min(split, kRows);
+  const std::size_t last = std::min(split + kRows, rows.size());
+  int outliers = 0;
+  for (std::size_t k = first; k < last; ++k) {
+    outliers += is_outlier[static_cast<std::size_t>(rows[k])] ? 1 : 0;
+  }
+  return outliers > kMost;
+}
+
+}  // namespace caltwin

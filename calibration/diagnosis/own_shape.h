@@ -1,0 +1,47 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "calibration/diagnosis/candidates.h"
+#include "calibration/diagnosis/weighing.h"
+
+namespace caltwin {
+
+/// What the plain shape of a name, without freedom of form, does beside the rest in the
+/// rows that show it; sums of squares in sigma.
+struct PlainFit {
+  double explained = 0;  ///< That the residual falls by.
+  double left = 0;       ///< Beyond noise, with it.
+  double doubt = 0;      ///< Standard deviation that noise alone gives `left`.
+};
+
+/// `beside`: the baseline and all other findings. Rows where baseline and others would
+/// hide the shape say nothing of it, whatever else is wrong there.
+PlainFit FitPlain(const Observed& observed,
+                  const Circumstances& beside,
+                  const Eigen::MatrixXd& columns_mm,
+                  const Eigen::VectorXd& sizes_mm);
+
+/// A lack of fit that a name has no right to leave: beyond a standard deviation of
+/// noise, three tenths of what it explains, about half of its height. Never where next
+/// to nothing is explained: such a cause is known by its size, not by its shape.
+bool LeavesTooMuch(const PlainFit& fit);
+
+/// Whether a jump is told no better than a gradual change of the same rows: a ramp over
+/// several of them, or a creep that slows down. The rows next to a jump tell both
+/// apart. False for causes that do not jump.
+bool IsGradual(const Observed& observed,
+               const Circumstances& beside,
+               const Candidate& candidate);
+
+/// Whether the rows next to a jump are full of outliers: then the readings were
+/// disturbed there, and no level can be told from them. False for causes that do not
+/// jump.
+bool IsAmongOutliers(const Observed& observed,
+                     const std::vector<bool>& is_outlier,
+                     const Candidate& candidate,
+                     const Variant& variant);
+
+}  // namespace caltwin

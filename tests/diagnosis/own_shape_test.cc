@@ -1,0 +1,125 @@
+// Jumps against what only looks like them, and shapes that leave too much.
+#include "calibration/diagnosis/own_shape.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "sim/base/rng.h"
+
+namespace caltwin {
+namespace {
+
+constexpr double kSigma_mm = 1e-3;
+constexpr double kStep_s = 30;
+constexpr Eigen::Index kRows = 90;
+constexpr Eigen::Index kMiddle = 45;
+
+Machine Plain() {
+  Machine machine{.name = "test"};
+  machine.settings.steps_per_mm = {800, 800, 800};
+  return machine;
+}
+
+// One place along x, read again and again, with noise and what `moved_um` says.
+template <typename Moved>
+Observed Datum(const Moved& moved_um) {
+  Rng rng(11, 0, "own_shape_test");
+  RowTable table;
+  for (Eigen::Index i = 0; i < kRows; ++i) {
+    Row row{.row = i + 1, .campaign = "datum"};
+    row.t_s = kStep_s * static_cast<double>(i);
+    row.cmd_mm = {50, 0, 0};
+    row.dir = {1, 0, 0};
+    row.n = {1, 0, 0};
+    row.value_mm = 1e-3 * moved_um(static_cast<double>(i)) + kSigma_mm * rng.Normal();
+    table.rows.push_back(row);
+  }
+  return {table, {}, Plain(), {}};
+}
+
+Circumstances Offset() {
+  const Eigen::VectorXd ones = Eigen::VectorXd::Ones(kRows);
+  return {
+      .sigma_mm = ones * kSigma_mm,
+      .nuisances = {{.name = "offset", .unit = "mm", .column_mm = ones, .prior_sd = 1}},
+      .left_out = std::vector<bool>(static_cast<std::size_t>(kRows), false)};
+}
+
+Candidate LostSteps(const Observed& observed) {
+  const std::vector<Candidate> all = AllCandidates(observed);
+  return *std::ranges::find(all, "missed_steps.x", &Candidate::Name);
+}
+
+const Variant& JumpBefore(const Candidate& jump, Eigen::Index row) {
+  return *std::ranges::find_if(jump.variants, [&](const Variant& variant) {
+    return variant.forms[0] > kStep_s * (static_cast<double>(row) - 1);
+  });
+}
+
+TEST(OwnShape, AJumpIsNotGradual) {
+  const Observed observed = Datum([](double i) { return i < kMiddle ? 0.0 : 6.0; });
+  EXPECT_FALSE(IsGradual(observed, Offset(), LostSteps(observed)));
+}
+
+TEST(OwnShape, ACreepIsGradualThoughAJumpFitsIt) {
+  const Observed observed =
+      Datum([](double i) { return 5 * (1 - std::exp(-std::max(i - 40, 0.0) / 4)); });
+  const Candidate jump = LostSteps(observed);
+  EXPECT_GT(Weigh(observed, {jump}, Offset()).ranked[0].log_odds, 0);
+  EXPECT_TRUE(IsGradual(observed, Offset(), jump));
+}
+
+TEST(OwnShape, ARampIsGradual) {
+  const Observed observed =
+      Datum([](double i) { return 8 * std::clamp((i - 30) / 30, 0.0, 1.0); });
+  EXPECT_TRUE(IsGradual(observed, Offset(), LostSteps(observed)));
+}
+
+TEST(OwnShape, OnlyJumpsCanBeGradual) {
+  const Observed observed = Datum([](double i) { return i / 10; });
+  EXPECT_FALSE(IsGradual(observed, Offset(), Candidate{.cause = "thermal_screw"}));
+}
+
+TEST(OwnShape, AShapeMayNotLeaveHalfOfItsHeight) {
+  const auto wave = [](double i) {
+    return 8 * std::sin(0.3 * i);
+  };
+  Eigen::MatrixXd shape(kRows, 1);
+  for (Eigen::Index i = 0; i < kRows; ++i) {
+    shape(i, 0) = wave(static_cast<double>(i));
+  }
+  const auto leaves_too_much = [&](double more_um) {
+    const Observed observed =
+        Datum([&](double i) { return wave(i) + more_um * std::sin(0.9 * i); });
+    return LeavesTooMuch(FitPlain(observed, Offset(), shape, Eigen::VectorXd::Ones(1)));
+  };
+  EXPECT_FALSE(leaves_too_much(0));
+  EXPECT_FALSE(leaves_too_much(2));
+  EXPECT_TRUE(leaves_too_much(6));
+}
+
+TEST(OwnShape, NoiseIsNoLackOfFit) {
+  EXPECT_FALSE(LeavesTooMuch({.explained = 60, .left = 35, .doubt = 20}));
+  EXPECT_TRUE(LeavesTooMuch({.explained = 60, .left = 45, .doubt = 20}));
+  EXPECT_TRUE(LeavesTooMuch({.explained = 600, .left = 240, .doubt = 20}));
+}
+
+TEST(OwnShape, WhatIsKnownByItsSizeHasNoShapeToShow) {
+  EXPECT_FALSE(LeavesTooMuch({.explained = 1, .left = 200, .doubt = 20}));
+}
+
+TEST(OwnShape, RowsFullOfOutliersShowNoJump) {
+  const Observed observed = Datum([](double) { return 0.0; });
+  const Candidate jump = LostSteps(observed);
+  std::vector<bool> out = Offset().left_out;
+  for (const std::size_t i : {28, 44, 47, 50}) out[i] = true;
+  EXPECT_FALSE(IsAmongOutliers(observed, out, jump, JumpBefore(jump, kMiddle)));
+  out[55] = true;
+  EXPECT_TRUE(IsAmongOutliers(observed, out, jump, JumpBefore(jump, kMiddle)));
+  EXPECT_FALSE(IsAmongOutliers(observed, out, jump, JumpBefore(jump, 80)));
+}
+
+}  // namespace
+}  // namespace caltwin
