@@ -187,8 +187,10 @@ class Searcher {
     for (Weighed& other : weighing->ranked) {
       const Candidate& free = candidates_[other.candidate];
       if (!free.is_free() || IsFound(other.candidate, {})) continue;
-      // Beyond the usual margin only what would be a finding by itself.
-      const bool stands_alone = other.log_odds > kNamingOdds;
+      // Beyond the usual margin only what would be a finding by itself; and not on a
+      // delta, whose nozzle touches along one axis alone.
+      const bool stands_alone =
+          other.log_odds > kNamingOdds && !observed_.machine().delta;
       const double margin =
           stands_alone ? MarginOver(candidates_[top.candidate], free) : kOwnShape_nats;
       if (other.log_odds <= top.log_odds - margin) continue;
