@@ -18,6 +18,15 @@ inline Machine Gantry() {
   return ReadMachine("models/gantry_router/machine.yaml");
 }
 
+/// Every effect that a cartesian machine may have.
+inline std::vector<int> EffectsOfAGantry() {
+  std::vector<int> effects;
+  for (int i = 0; i < static_cast<int>(kNumEffects); ++i) {
+    if (!EffectAt(i).axes.empty()) effects.push_back(i);
+  }
+  return effects;
+}
+
 /// Few rows in which every effect shows somewhere: both senses, all faces, two loads,
 /// feeds, offsets and spindle orientations, warm and cold, circles.
 inline PlannedSession SomeOfEverything() {

@@ -38,7 +38,7 @@ TEST_P(EveryEffectMeasured, ReadsInPhysicsAsInClosedForm) {
 
 INSTANTIATE_TEST_SUITE_P(Effects,
                          EveryEffectMeasured,
-                         ::testing::Range(0, static_cast<int>(kNumEffects)),
+                         ::testing::ValuesIn(EffectsOfAGantry()),
                          [](const auto& effect) {
                            return std::string(EffectAt(effect.param).name);
                          });
