@@ -25,35 +25,40 @@ void Lean(const std::string& axis, double size, double second, DeltaTruth* truth
   truth->made.lean_round[Tower(axis)] += 1e-3 * second;
 }
 
-std::vector<DeltaCause> Library() {
+// What its parts have wrong.
+std::vector<DeltaCause> Parts() {
+  return {{"rod_mismatch",
+           {"a", "b", "c", "a1", "a2", "b1", "b2", "c1", "c2"},
+           0.1,
+           Rods,
+           "length_error_mm"},
+          {"tower_lean", kTowers, 2, Lean, "radial_mrad", "tangential_mrad"},
+          {"tower_twist",
+           kTowers,
+           0.5,
+           [](const std::string& axis, double size, double, DeltaTruth* truth) {
+             truth->made.twist[Tower(axis)] += size * std::numbers::pi / 180;
+           },
+           "angle_deg"},
+          {"belt_pitch",
+           kTowers,
+           300,
+           [](const std::string& axis, double size, double, DeltaTruth* truth) {
+             truth->made.belt[Tower(axis)] += 1e-6 * size;
+           },
+           "error_ppm"},
+          {"carriage_backlash",
+           kTowers,
+           0.05,
+           [](const std::string& axis, double size, double, DeltaTruth* truth) {
+             truth->gap_mm[Tower(axis)] += std::abs(size);
+           },
+           "gap_mm"}};
+}
+
+// What its bed, time and probe do.
+std::vector<DeltaCause> Surroundings() {
   return {
-      {"rod_mismatch",
-       {"a", "b", "c", "a1", "a2", "b1", "b2", "c1", "c2"},
-       0.1,
-       Rods,
-       "length_error_mm"},
-      {"tower_lean", kTowers, 2, Lean, "radial_mrad", "tangential_mrad"},
-      {"tower_twist",
-       kTowers,
-       0.5,
-       [](const std::string& axis, double size, double, DeltaTruth* truth) {
-         truth->made.twist[Tower(axis)] += size * std::numbers::pi / 180;
-       },
-       "angle_deg"},
-      {"belt_pitch",
-       kTowers,
-       300,
-       [](const std::string& axis, double size, double, DeltaTruth* truth) {
-         truth->made.belt[Tower(axis)] += 1e-6 * size;
-       },
-       "error_ppm"},
-      {"carriage_backlash",
-       kTowers,
-       0.05,
-       [](const std::string& axis, double size, double, DeltaTruth* truth) {
-         truth->gap_mm[Tower(axis)] += std::abs(size);
-       },
-       "gap_mm"},
       {"bed_bowl",
        {""},
        100,
@@ -149,7 +154,8 @@ std::vector<DeltaCause> Outside() {
 
 const std::vector<DeltaCause>& DeltaCauses() {
   static const std::vector<DeltaCause> causes = [] {
-    std::vector<DeltaCause> all = Library();
+    std::vector<DeltaCause> all = Parts();
+    for (DeltaCause& cause : Surroundings()) all.push_back(cause);
     for (DeltaCause& cause : Outside()) all.push_back(cause);
     return all;
   }();

@@ -1,0 +1,67 @@
+// Whether rows are commanded where the machine can go.
+
+#include <fmt/format.h>
+
+#include "calibration/diagnosis/plausible_parts.h"
+
+namespace caltwin {
+namespace {
+
+// Of a delta: poses that its rods do not reach.
+void DoubtReach(const RowTable& table,
+                const DeltaDrawing& drawing,
+                std::vector<Doubt>* doubts) {
+  Doubt doubt{.kind = "outside_travel", .refuse = true};
+  for (const Row& row : table.rows) {
+    const Vec3<double> pose_mm(row.cmd_mm[0], row.cmd_mm[1], row.cmd_mm[2]);
+    if (pose_mm.allFinite() && !DeltaMotors_mm(drawing.settings, pose_mm).allFinite()) {
+      doubt.rows.push_back(row.row);
+    }
+  }
+  if (doubt.rows.empty()) return;
+  doubt.message = fmt::format(
+      "{} rows are commanded where the rods of this delta do not reach, the first is "
+      "row {}",
+      doubt.rows.size(),
+      doubt.rows.front());
+  doubt.hint = "the wrong machine file, or another unit or zero of the positions";
+  doubts->push_back(std::move(doubt));
+}
+
+}  // namespace
+
+void DoubtTravel(const RowTable& table,
+                 const Machine& machine,
+                 std::vector<Doubt>* doubts) {
+  constexpr double kSlack = 0.05;
+  if (machine.delta) {
+    DoubtReach(table, *machine.delta, doubts);
+    return;
+  }
+  for (const Axis axis : kAxes) {
+    const int index = Index(axis);
+    const double min_mm = machine.axes[index].min_mm;
+    const double max_mm = machine.axes[index].max_mm;
+    const double slack_mm = kSlack * (max_mm - min_mm);
+    Doubt doubt{.kind = "outside_travel", .refuse = true};
+    for (const Row& row : table.rows) {
+      const double position_mm = row.cmd_mm[index];
+      if (position_mm < min_mm - slack_mm || position_mm > max_mm + slack_mm) {
+        doubt.rows.push_back(row.row);
+      }
+    }
+    if (doubt.rows.empty()) continue;
+    doubt.message = fmt::format(
+        "{} rows are commanded beyond the travel of {} ({:g} .. {:g} mm), "
+        "the first is row {}",
+        doubt.rows.size(),
+        Name(axis),
+        min_mm,
+        max_mm,
+        doubt.rows.front());
+    doubt.hint = "the wrong machine file, or another unit or zero of the positions";
+    doubts->push_back(std::move(doubt));
+  }
+}
+
+}  // namespace caltwin
