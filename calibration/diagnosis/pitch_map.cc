@@ -66,6 +66,7 @@ bool IsPitchMap(const Observed& observed,
                 const GainFigures& gain) {
   constexpr double kHolds = 0.8;
   const auto axis = AxisNamed(candidate.shown.channel);
+  if (observed.machine().delta) return false;  // It has no axes of its own.
   if (!candidate.is_free() || !axis || candidate.shown.covariates.size() != 1 ||
       candidate.shown.covariates[0] != candidate.shown.channel) {
     return false;
