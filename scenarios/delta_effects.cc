@@ -210,15 +210,16 @@ std::vector<const DeltaParameter*> ParametersOf(std::string_view cause) {
   return found;
 }
 
+// `names`: what may be meant.
 void ReadEffect(const std::string& name,
                 const YamlValue& value,
+                const std::vector<std::string>& names,
                 std::vector<DeltaInjected>* effects) {
   const std::string cause = name.substr(0, name.find('.'));
   const std::string axis =
       name.size() > cause.size() ? name.substr(cause.size() + 1) : "";
   const auto parameters = ParametersOf(cause);
   if (parameters.empty()) {
-    const std::vector<std::string> names = DeltaEffectNames();
     const std::string nearest = NearestWord(cause, names);
     value.Fail("is no effect of a delta",
                (nearest.empty() ? "" : fmt::format("did you mean '{}'? ", nearest)) +
@@ -257,7 +258,9 @@ std::vector<std::string> DeltaEffectNames() {
 
 std::vector<DeltaInjected> ReadDeltaEffects(YamlMap map) {
   std::vector<DeltaInjected> effects;
-  for (const auto& [name, value] : map.Entries()) ReadEffect(name, value, &effects);
+  for (const auto& [name, value] : map.Entries()) {
+    ReadEffect(name, value, DeltaEffectNames(), &effects);
+  }
   return effects;
 }
 
@@ -286,6 +289,13 @@ DeltaTruthFile ReadDeltaTruthFile(const std::filesystem::path& file,
   Faults faults;
   YamlMap map = ReadYamlFile(file, &faults);
   DeltaTruthFile truth;
+  std::vector<std::string> names = DeltaEffectNames();
+  for (const Effect* effect : AllEffects()) {
+    const std::string name(effect->name);
+    const bool is_delta = !effect->delta_axes.empty();
+    if (is_delta && std::ranges::find(names, name) == names.end())
+      names.push_back(name);
+  }
   if (const auto effects = map.Optional("effects")) {
     std::vector<std::pair<std::string, YamlValue>> others;
     for (const auto& [name, value] : effects->Map().Entries()) {
@@ -296,7 +306,7 @@ DeltaTruthFile ReadDeltaTruthFile(const std::filesystem::path& file,
       if (is_other) {
         others.emplace_back(name, value);
       } else {
-        ReadEffect(name, value, &truth.parts);
+        ReadEffect(name, value, names, &truth.parts);
       }
     }
     truth.effects = ReadEffects(others, machine);

@@ -148,10 +148,10 @@ MachineFile ReadMachineFile(const fs::path& file) {
   if (read.machine.delta) {
     throw InputError(
         {.file = file.string()},
-        "this machine is a delta, which is not known here yet",
-        "`caltwin run` of a delta's scenario, `caltwin compare delta`, "
-        "`caltwin diagnose`, `caltwin validate` and `caltwin import klipper-delta` know "
-        "deltas");
+        "this machine is a delta, which serve, calibrate and closed loops do not know",
+        "run, compare delta, simulate, plan, diagnose of measured rows, validate, "
+        "render "
+        "and import klipper-delta know deltas");
   }
   return read;
 }

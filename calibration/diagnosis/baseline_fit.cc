@@ -109,6 +109,15 @@ Observed AtBaseline(const Observed& as_read, const std::vector<Nuisance>& found)
   return at;
 }
 
+Observed TurnedBy(const Observed& as_read,
+                  const Observed& at,
+                  const std::vector<Nuisance>& baseline,
+                  const Eigen::VectorXd& values,
+                  const Eigen::VectorXd& left_mm) {
+  if (!at.machine().delta) return at;
+  return as_read.AtFitted(left_mm, {.knobs = KnobsOf(at, baseline, values)});
+}
+
 bool AreApart(const Observed& one, const Observed& other) {
   constexpr double kPart = 0.05;
   const Vec3<double> moved_mm = one.pretravel_mm() - other.pretravel_mm();

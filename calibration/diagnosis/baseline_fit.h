@@ -26,6 +26,14 @@ FittedBaseline FitBaseline(const Observed& observed,
 /// would take part of it.
 Observed AtBaseline(const Observed& as_read, const std::vector<Nuisance>& found = {});
 
+/// The rows of a delta once more, its knobs turned by what a baseline was fitted to
+/// `at`; `left_mm` is what that fit left. Elsewhere just `at`.
+Observed TurnedBy(const Observed& as_read,
+                  const Observed& at,
+                  const std::vector<Nuisance>& baseline,
+                  const Eigen::VectorXd& values,
+                  const Eigen::VectorXd& left_mm);
+
 /// Whether two baselines of the same rows are about points that differ enough to
 /// matter.
 bool AreApart(const Observed& one, const Observed& other);

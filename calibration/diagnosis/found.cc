@@ -5,6 +5,8 @@
 #include <set>
 #include <string>
 
+#include "sim/effects/drive.h"
+
 namespace caltwin {
 namespace {
 
@@ -43,10 +45,14 @@ bool IsFinerThanAStep(const Observed& observed,
                       const std::vector<Candidate>& candidates,
                       const Found& found) {
   const Candidate& candidate = candidates[found.candidate];
-  const auto axis = AxisNamed(candidate.shown.channel);
-  if (!candidate.is_free() || !axis) return false;
+  const auto drive = DriveNamed(candidate.shown.channel);
+  if (!candidate.is_free() || !drive) return false;
+  // A delta's towers move every axis.
+  const std::size_t motor = observed.machine().delta && !drive->is_tower
+                                ? 0
+                                : static_cast<std::size_t>(drive->index);
   return Peak_mm(found.variant.columns_mm * found.sizes_mm) <
-         1 / observed.machine().axis(*axis).steps_per_mm();
+         1 / observed.machine().axes[motor].steps_per_mm();
 }
 
 std::vector<Nuisance> NuisancesOf(const Observed& observed,

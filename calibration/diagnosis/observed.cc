@@ -152,7 +152,7 @@ void Observed::PlaceDelta() {
   const DeltaModel<double>& settings = machine_.delta->settings;
   const DeltaBuild<double> build = BelievedBuild();
   std::vector<DeltaAt> placed(at_.size());
-  double rim_mm = 0;
+  const double rim_mm = RimOf_mm(table_->rows);
   for (std::size_t i = 0; i < at_.size(); ++i) {
     const Row& row = table_->rows[i];
     const Vec3<double>& q_mm = at_[i].q_mm;
@@ -165,11 +165,12 @@ void Observed::PlaceDelta() {
                                    q_mm[0],
                                    q_mm[1],
                                    q_mm[2]),
-                       "is it the machine file of these rows?");
+                       Known(row.motor_mm[0])
+                           ? "is it their machine file? motor_ columns are commanded "
+                             "travel, + down from the endstop"
+                           : "is it the machine file of these rows?");
     }
     placed[i] = *here;
-    if (at_[i].on_table)
-      rim_mm = std::max(rim_mm, std::hypot(row.cmd_mm[0], row.cmd_mm[1]));
   }
   for (DeltaAt& here : placed) here.rim_mm = rim_mm > 0 ? rim_mm : here.rim_mm;
   delta_at_ = std::make_shared<const std::vector<DeltaAt>>(std::move(placed));

@@ -130,10 +130,20 @@ Extended ExtendedBy(const Observed& observed,
     found.push_back({.name = finding.cause, .column_mm = finding.change_mm});
     change_mm += finding.change_mm;
   }
-  const Observed at = AtBaseline(observed, found);
-  const std::vector<Nuisance> baseline = BaselineOf(at);
-  const Eigen::VectorXd values =
-      FitOf(at.residual_mm() - change_mm, baseline, sigma_mm);
+  constexpr int kRounds = 4;
+  Observed at = AtBaseline(observed, found);
+  std::vector<Nuisance> baseline = BaselineOf(at);
+  Eigen::VectorXd values = FitOf(at.residual_mm() - change_mm, baseline, sigma_mm);
+  // A delta's lines trade far before the rows tell them apart: straight only so far.
+  for (int round = 0; observed.machine().delta && round < kRounds; ++round) {
+    Eigen::VectorXd left_mm = at.residual_mm() - change_mm;
+    for (std::size_t k = 0; k < baseline.size(); ++k) {
+      left_mm -= baseline[k].column_mm * values[static_cast<Eigen::Index>(k)];
+    }
+    at = TurnedBy(observed, at, baseline, values, left_mm);
+    baseline = BaselineOf(at);
+    values = FitOf(at.residual_mm() - change_mm, baseline, sigma_mm);
+  }
   std::vector<BaselineLine> lines;
   for (std::size_t k = 0; k < baseline.size(); ++k) {
     if (open.contains(baseline[k].name)) continue;

@@ -16,6 +16,7 @@
 #include "sim/effects/catalog.h"
 #include "sim/effects/delta_at.h"
 #include "sim/effects/drive.h"
+#include "sim/effects/map_table.h"
 #include "sim/effects/predict.h"
 
 namespace caltwin {
@@ -27,7 +28,7 @@ constexpr double kMostTerms = 12;  // Of a table: what the search fits it by.
 
 bool IsMotion(const Injected& effect) {
   if (EffectAt(effect.effect).bucket != Bucket::kMotion) return false;
-  const std::string_view channel = std::string_view(effect.axis).substr(0, 1);
+  const std::string_view channel = WordsOf(effect.axis).channel;
   return effect.effect != EffectIndex<UnknownMap>() || DriveNamed(channel);
 }
 

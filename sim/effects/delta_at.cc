@@ -1,8 +1,20 @@
 #include "sim/effects/delta_at.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "sim/machine/delta_slopes.h"
 
 namespace caltwin {
+
+double RimOf_mm(const std::vector<Row>& rows) {
+  double rim_mm = 0;
+  for (const Row& row : rows) {
+    const double out_mm = std::hypot(row.cmd_mm[0], row.cmd_mm[1]);
+    if (row.kind == RowKind::kTouch && Known(out_mm)) rim_mm = std::max(rim_mm, out_mm);
+  }
+  return rim_mm;
+}
 
 std::optional<DeltaAt> DeltaAtOf(const DeltaBuild<double>& build,
                                  const DeltaModel<double>& settings,

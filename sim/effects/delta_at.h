@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "sim/effects/effect.h"
 
@@ -14,5 +15,8 @@ std::optional<DeltaAt> DeltaAtOf(const DeltaBuild<double>& build,
                                  const DeltaModel<double>& settings,
                                  const Row& row,
                                  const Vec3<double>& q_mm);
+
+/// How far from the middle the outermost touch lies; 0 where nothing is touched.
+double RimOf_mm(const std::vector<Row>& rows);
 
 }  // namespace caltwin

@@ -61,6 +61,11 @@ void PlanDeltaGrid(const PlannedCampaign& campaign, MeasuringSession* session) {
 }
 
 void PlanDeltaRing(const PlannedCampaign& campaign, MeasuringSession* session) {
+  for (const char* option : {"diameter_mm", "spindle_deg", "height_mm", "at_mm"}) {
+    if (!campaign.options.is_written(option)) continue;
+    session->Fail(fmt::format("has no {} on a delta", option),
+                  "it touches the bed on three circles: points, repeats, feeds_mm_s");
+  }
   const int points = campaign.options.Count("points");
   const double radius_mm = session->machine().delta->print_radius_mm;
   std::vector<Row> rows;
@@ -107,6 +112,12 @@ void PlanZColumns(const PlannedCampaign& campaign, MeasuringSession* session) {
   const int places = campaign.options.Count("places");
   const int heights = campaign.options.Count("heights");
   const double said_mm = campaign.options.Number("to_mm");
+  if (said_mm > 0 && said_mm <= kLowest_mm) {
+    session->Fail(fmt::format("has to_mm = {:g}: columns begin {:g} mm above the bed",
+                              said_mm,
+                              kLowest_mm),
+                  "approached from below, a gauge needs room");
+  }
   const double top_mm = said_mm > 0 ? said_mm : kLowest_mm + radius_mm;
   for (int place = 0; place < places; ++place) {
     const double turns = (place - 1.0) / std::max(places - 1, 1);

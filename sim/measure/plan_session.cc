@@ -101,8 +101,12 @@ void MeasuringSession::MoveTo(const Vec3<double>& q_mm, double feed_mm_s) {
   }
   if (machine_.delta) {
     const DeltaModel<double>& settings = machine_.delta->settings;
+    // At the end of the move: a carriage may turn back within it.
+    constexpr double kLast_mm = 0.01;
+    const Vec3<double> just_before_mm =
+        q_mm - travel_mm * (std::min(kLast_mm, length_mm) / length_mm);
     const Vec3<double> moved_mm =
-        DeltaMotors_mm(settings, q_mm) - DeltaMotors_mm(settings, q_mm_);
+        DeltaMotors_mm(settings, q_mm) - DeltaMotors_mm(settings, just_before_mm);
     for (int i = 0; i < kNumTowers; ++i) {
       motor_dir_[i] =
           std::abs(moved_mm[i]) < kStill_mm ? 0 : std::copysign(1, moved_mm[i]);

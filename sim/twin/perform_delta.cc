@@ -97,7 +97,11 @@ class DeltaReader {
 
 }  // namespace
 
-RowTable PerformDelta(const DeltaPerformConfig& config, std::vector<Row> planned) {
+RowTable PerformDelta(const DeltaPerformConfig& as_given, std::vector<Row> planned) {
+  DeltaPerformConfig config = as_given;
+  // The heights of a bed's shapes are those of the outermost touch.
+  const double rim_mm = RimOf_mm(planned);
+  if (rim_mm > 0) config.built.bed.radius_mm = rim_mm;
   const PerformConfig common{.machine = config.machine,
                              .effects = config.effects,
                              .header = config.header,

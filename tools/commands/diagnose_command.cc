@@ -74,12 +74,28 @@ Believed BelievedMachine(const Options& options, Data* data) {
                                 {.file = header_file.string()});
   }
   if (believed.file.empty()) {
+    const bool has_motors = std::ranges::any_of(data->table.rows, [](const Row& row) {
+      return Known(row.motor_mm[0]) && Known(row.motor_mm[1]) && Known(row.motor_mm[2]);
+    });
+    if (has_motors) {
+      throw InputError(
+          {.file = options.file},
+          "the rows have motor_ columns: the machine is not cartesian, and "
+          "none is named",
+          "say --machine FILE, or `machine:` in the header beside them");
+    }
     believed.machine = AssumedMachine(data->table, &data->notes);
   } else {
     MachineFile read = ReadAnyMachineFile(believed.file);
     believed.machine = std::move(read.machine);
     believed.effects = std::move(read.effects);
     data->notes.insert(data->notes.end(), read.notes.begin(), read.notes.end());
+  }
+  if (believed.machine.delta && !options.correction.empty()) {
+    throw InputError({.file = "--correction"},
+                     "no correction of a delta is written yet",
+                     "`caltwin run` with delta_joint finds its M665, M666 and "
+                     "printer.cfg; the baseline below is built minus believed");
   }
   believed.machine = WithTransmission(std::move(believed.machine), data->header);
   if (believed.file.empty()) {

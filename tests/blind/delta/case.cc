@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
-#include <map>
 #include <numbers>
 #include <set>
 #include <stdexcept>
@@ -165,22 +164,27 @@ double SumSquares(const Column& column) {
   return sum;
 }
 
+// A cause in its place; `second` shapes it, or is the ratio of its second number.
+struct Hiding {
+  const DeltaCause& cause;
+  std::string axis{};
+  double second = 0;
+};
+
 // How much of the effect is left when another cause imitates it.
-std::map<std::string, double> TwinsOf(const DeltaCase& made,
-                                      const DeltaTruth& truth,
-                                      const DeltaCause& hidden,
-                                      const std::string& axis,
-                                      double second,
-                                      const Column& effect,
-                                      const std::vector<Column>& baseline) {
+nlohmann::json TwinsOf(const DeltaCase& made,
+                       const DeltaTruth& truth,
+                       const Hiding& hidden,
+                       const Column& effect,
+                       const std::vector<Column>& baseline) {
   constexpr double kNear = 25;
-  std::map<std::string, double> twins;
+  nlohmann::json twins = nlohmann::json::object();
   for (const DeltaCause& cause : DeltaCauses()) {
     if (cause.is_outside) continue;
     for (const std::string& other : cause.axes) {
-      if (cause.name == hidden.name && other == axis) continue;
+      if (cause.name == hidden.cause.name && other == hidden.axis) continue;
       std::vector<Column> columns = baseline;
-      for (Column& column : CauseColumns(made, truth, cause, other, second)) {
+      for (Column& column : CauseColumns(made, truth, cause, other, hidden.second)) {
         columns.push_back(std::move(column));
       }
       const double left = SumSquares(Projector(columns).Rest(effect));
@@ -214,11 +218,8 @@ nlohmann::json Hide(const DeltaCause& cause, DeltaCase* made, DeltaTruth* truth)
     if (round < 3) size *= made->request.sigma / visible.peak;
     size = std::clamp(size, -most, most);
   }
-  nlohmann::json twins = nlohmann::json::object();
-  for (const auto& [name, left] :
-       TwinsOf(*made, *truth, cause, axis, ratio, effect, baseline)) {
-    twins[name] = left;
-  }
+  const nlohmann::json twins =
+      TwinsOf(*made, *truth, {cause, axis, ratio}, effect, baseline);
   put(truth);
   nlohmann::json parameters = nlohmann::json::array();
   const bool is_absolute =
