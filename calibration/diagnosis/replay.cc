@@ -227,6 +227,15 @@ class Replayer {
                    observed_.table().rows);
   }
 
+  // Of the first touch; the places of others are fitted to what the twin leaves.
+  std::string TouchedSetup() const {
+    for (const Row& row : observed_.table().rows) {
+      if (row.kind != RowKind::kTouch) continue;
+      return row.setup.empty() ? std::string(ArtefactOf(row)) : row.setup;
+    }
+    return "";
+  }
+
   // What turns the build is built in, the bed's shapes are the bed's, the rest acts.
   DeltaPerformConfig DeltaTwinOf(const Extended& twin, Fidelity fidelity) const {
     DeltaPerformConfig config{.machine = observed_.machine(),
@@ -235,8 +244,11 @@ class Replayer {
                               .is_noisy = false,
                               .interrupted = options_.interrupted};
     config.built.build = observed_.machine().delta->Build();
+    const std::string bed_line = fmt::format("placement.{}.z", TouchedSetup());
     for (const BaselineLine& line : twin.lines) {
       TurnByLine(line, &config.built);
+      // Touches end where the bed is: it stands as high as it was found.
+      if (line.name == bed_line) config.built.bed.height_mm = line.value;
     }
     for (const Injected& effect : twin.as_found.effects) {
       const auto turns = TurnsOf(effect);
