@@ -21,21 +21,30 @@ constexpr double kWidth = 760;
 struct Named {
   std::string_view word, shown;
 };
-constexpr std::array<Named, 12> kCovariates = {{{"x", "X"},
+constexpr std::array<Named, 18> kCovariates = {{{"x", "X"},
                                                 {"y", "Y"},
                                                 {"z", "Z"},
                                                 {"dir_x", "sense of X"},
                                                 {"dir_y", "sense of Y"},
                                                 {"dir_z", "sense of Z"},
+                                                {"motor_a", "motor A"},
+                                                {"motor_b", "motor B"},
+                                                {"motor_c", "motor C"},
+                                                {"dir_a", "sense of A"},
+                                                {"dir_b", "sense of B"},
+                                                {"dir_c", "sense of C"},
                                                 {"since_rev", "since reversal"},
                                                 {"t", "time"},
                                                 {"temp", "temperature"},
                                                 {"feed", "feed"},
                                                 {"load", "load"},
                                                 {"theta", "touch direction"}}};
-constexpr std::array<Named, 5> kChannels = {{{"x", "X moves wrongly"},
+constexpr std::array<Named, 8> kChannels = {{{"x", "X moves wrongly"},
                                              {"y", "Y moves wrongly"},
                                              {"z", "Z moves wrongly"},
+                                             {"a", "carriage A wrongly"},
+                                             {"b", "carriage B wrongly"},
+                                             {"c", "carriage C wrongly"},
                                              {"probe", "the probe"},
                                              {"bed", "the bed"}}};
 

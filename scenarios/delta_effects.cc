@@ -13,17 +13,16 @@
 namespace caltwin {
 namespace {
 
-/// Where an effect acts: on which tower, rod or direction (-1: on all, or none).
+/// Where an effect acts: on which tower or direction (-1: on all, or none).
 struct DeltaTarget {
   int tower = -1;
-  int rod = -1;
   char along = 'x';
 };
 
 /// One parameter of one effect of a delta.
 struct DeltaParameter {
   std::string_view cause{};
-  std::string_view axes{};  ///< "" none, "t" tower, "r" rod or tower, "xy" direction.
+  std::string_view axes{};  ///< "" none, "t" tower, "xy" direction.
   std::string_view name{};
   Bounds bounds{};
   void (*act)(BuiltDelta*, const DeltaTarget&, double) = nullptr;
@@ -49,13 +48,6 @@ constexpr std::array kParameters = {
                    [](BuiltDelta* d, const DeltaTarget&, double v) {
                      for (double& radius : d->build.model.radius_mm) radius += v;
                    }},
-    DeltaParameter{"tower_radius",
-                   "t",
-                   "error_mm",
-                   {-20, 20},
-                   [](BuiltDelta* d, const DeltaTarget& t, double v) {
-                     d->build.model.radius_mm[At(t)] += v;
-                   }},
     DeltaParameter{"tower_angle",
                    "t",
                    "angle_deg",
@@ -63,52 +55,12 @@ constexpr std::array kParameters = {
                    [](BuiltDelta* d, const DeltaTarget& t, double v) {
                      d->build.model.angle_rad[At(t)] += RadFromDeg(v);
                    }},
-    DeltaParameter{"tower_twist",
-                   "t",
-                   "angle_deg",
-                   {-10, 10},
-                   [](BuiltDelta* d, const DeltaTarget& t, double v) {
-                     d->build.twist_rad[At(t)] += RadFromDeg(v);
-                   }},
-    DeltaParameter{"tower_lean",
-                   "t",
-                   "radial_mrad",
-                   {-50, 50},
-                   [](BuiltDelta* d, const DeltaTarget& t, double v) {
-                     d->build.lean_radial_rad[At(t)] += RadFromMrad(v);
-                   }},
-    DeltaParameter{"tower_lean",
-                   "t",
-                   "tangential_mrad",
-                   {-50, 50},
-                   [](BuiltDelta* d, const DeltaTarget& t, double v) {
-                     d->build.lean_tangential_rad[At(t)] += RadFromMrad(v);
-                   }},
     DeltaParameter{"arm_length",
                    "",
                    "error_mm",
                    {-20, 20},
                    [](BuiltDelta* d, const DeltaTarget&, double v) {
                      for (double& arm : d->build.model.arm_mm) arm += v;
-                   }},
-    DeltaParameter{"rod_mismatch",
-                   "r",
-                   "length_error_mm",
-                   {-10, 10},
-                   [](BuiltDelta* d, const DeltaTarget& t, double v) {
-                     if (t.rod >= 0) {
-                       d->build.rod_error_mm[static_cast<std::size_t>(t.rod)] += v;
-                       return;
-                     }
-                     d->build.rod_error_mm[2 * At(t)] += v;
-                     d->build.rod_error_mm[2 * At(t) + 1] += v;
-                   }},
-    DeltaParameter{"belt_pitch",
-                   "t",
-                   "error_ppm",
-                   {-5e4, 5e4},
-                   [](BuiltDelta* d, const DeltaTarget& t, double v) {
-                     d->build.belt_scale[At(t)] += FractionFromPpm(v);
                    }},
     DeltaParameter{"effector_tilt",
                    "",
@@ -188,16 +140,12 @@ std::optional<DeltaTarget> TargetNamed(std::string_view axes, std::string_view a
     if (axis != "x" && axis != "y") return std::nullopt;
     return DeltaTarget{.along = axis[0]};
   }
-  if (axes == "r") {
-    if (const auto rod = RodNamed(axis)) return DeltaTarget{.rod = *rod};
-  }
   if (const auto tower = TowerNamed(axis)) return DeltaTarget{.tower = *tower};
   return std::nullopt;
 }
 
 std::string_view AxesInWords(std::string_view axes) {
   if (axes == "t") return ".a .b .c";
-  if (axes == "r") return ".a1 .a2 .b1 .b2 .c1 .c2, or .a .b .c for both rods";
   if (axes == "xy") return ".x .y";
   return "no axis";
 }
@@ -244,6 +192,13 @@ void ReadEffect(const std::string& name,
   map.NoMoreKeys();
 }
 
+// Whether the catalogue has it, for deltas; what this list has is the twin's own.
+bool IsOfCatalog(const std::string& cause) {
+  const auto effect = FindEffect(cause);
+  return ParametersOf(cause).empty() && effect &&
+         !AxesOn(EffectAt(*effect), Kinematics::kDelta).empty();
+}
+
 }  // namespace
 
 std::vector<std::string> DeltaEffectNames() {
@@ -253,24 +208,35 @@ std::vector<std::string> DeltaEffectNames() {
       names.emplace_back(parameter.cause);
     }
   }
+  for (const Effect* effect : AllEffects()) {
+    if (IsOfCatalog(std::string(effect->name))) names.emplace_back(effect->name);
+  }
   return names;
 }
 
-std::vector<DeltaInjected> ReadDeltaEffects(YamlMap map) {
-  std::vector<DeltaInjected> effects;
+DeltaEffects ReadDeltaEffects(YamlMap map, const Machine& machine) {
+  const std::vector<std::string> names = DeltaEffectNames();
+  DeltaEffects read;
+  std::vector<std::pair<std::string, YamlValue>> of_catalog;
   for (const auto& [name, value] : map.Entries()) {
-    ReadEffect(name, value, DeltaEffectNames(), &effects);
+    if (IsOfCatalog(name.substr(0, name.find('.')))) {
+      of_catalog.emplace_back(name, value);
+    } else {
+      ReadEffect(name, value, names, &read.parts);
+    }
   }
-  return effects;
+  read.effects = ReadEffects(of_catalog, machine);
+  return read;
 }
 
-BuiltDelta DrawDelta(const std::vector<DeltaInjected>& effects,
+DrawnDelta DrawDelta(const DeltaEffects& effects,
                      const Machine& machine,
                      std::uint64_t seed,
                      std::uint64_t sample) {
-  BuiltDelta built{.build = machine.delta->Build()};
+  DrawnDelta drawn{.built = {.build = machine.delta->Build()}};
+  BuiltDelta& built = drawn.built;
   built.bed.radius_mm = machine.delta->print_radius_mm;
-  for (const DeltaInjected& effect : effects) {
+  for (const DeltaInjected& effect : effects.parts) {
     Rng rng(seed, sample, effect.name + "." + effect.parameter);
     const double value = Draw(effect.value, &rng);
     const std::string cause = effect.name.substr(0, effect.name.find('.'));
@@ -281,35 +247,17 @@ BuiltDelta DrawDelta(const std::vector<DeltaInjected>& effects,
       parameter->act(&built, *TargetNamed(parameter->axes, axis), value);
     }
   }
-  return built;
+  drawn.others = TurnBuild(DrawEffects(effects.effects, seed, sample), &built.build);
+  return drawn;
 }
 
-DeltaTruthFile ReadDeltaTruthFile(const std::filesystem::path& file,
-                                  const Machine& machine) {
+DeltaEffects ReadDeltaTruthFile(const std::filesystem::path& file,
+                                const Machine& machine) {
   Faults faults;
   YamlMap map = ReadYamlFile(file, &faults);
-  DeltaTruthFile truth;
-  std::vector<std::string> names = DeltaEffectNames();
-  for (const Effect* effect : AllEffects()) {
-    const std::string name(effect->name);
-    const bool is_delta = !effect->delta_axes.empty();
-    if (is_delta && std::ranges::find(names, name) == names.end())
-      names.push_back(name);
-  }
+  DeltaEffects truth;
   if (const auto effects = map.Optional("effects")) {
-    std::vector<std::pair<std::string, YamlValue>> others;
-    for (const auto& [name, value] : effects->Map().Entries()) {
-      const std::string cause = name.substr(0, name.find('.'));
-      const auto effect = FindEffect(cause);
-      const bool is_other = ParametersOf(cause).empty() && effect &&
-                            !AxesOn(EffectAt(*effect), Kinematics::kDelta).empty();
-      if (is_other) {
-        others.emplace_back(name, value);
-      } else {
-        ReadEffect(name, value, names, &truth.parts);
-      }
-    }
-    truth.effects = ReadEffects(others, machine);
+    truth = ReadDeltaEffects(effects->Map(), machine);
   }
   map.NoMoreKeys();
   faults.ThrowIfAny();

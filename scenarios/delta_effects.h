@@ -12,7 +12,8 @@
 
 namespace caltwin {
 
-/// One number of one effect of a delta: `rod_mismatch.a1: {length_error_mm: 0.3}`.
+/// One number of what the catalogue does not have, because no row tells it (endstops,
+/// radius) or the twin takes it as a part of its own (the bed's shapes, the trigger).
 struct DeltaInjected {
   std::string name{};       ///< cause.axis, or the cause alone.
   std::string parameter{};  ///< As in CONTRACT.
@@ -20,20 +21,22 @@ struct DeltaInjected {
   Place place{};
 };
 
-/// Reads `effects:` of a delta's scenario.
-std::vector<DeltaInjected> ReadDeltaEffects(YamlMap map);
-
-/// A delta's truth file: `effects:` alone. Those that make its parts and its bed, and
-/// those of the catalogue that do not (drives, probe, temperatures).
-struct DeltaTruthFile {
+/// `effects:` of a delta's scenario or truth file.
+struct DeltaEffects {
   std::vector<DeltaInjected> parts{};
-  std::vector<InjectedSpec> effects{};
+  std::vector<InjectedSpec> effects{};  ///< Of the catalogue.
 };
-DeltaTruthFile ReadDeltaTruthFile(const std::filesystem::path& file,
-                                  const Machine& machine);
+DeltaEffects ReadDeltaEffects(YamlMap map, const Machine& machine);
+DeltaEffects ReadDeltaTruthFile(const std::filesystem::path& file,
+                                const Machine& machine);
 
-/// The machine that the effects make, their numbers drawn.
-BuiltDelta DrawDelta(const std::vector<DeltaInjected>& effects,
+/// The machine that effects make, their numbers drawn, and those that do not make it:
+/// what drives, probe and temperatures do.
+struct DrawnDelta {
+  BuiltDelta built{};
+  std::vector<Injected> others{};
+};
+DrawnDelta DrawDelta(const DeltaEffects& effects,
                      const Machine& machine,
                      std::uint64_t seed,
                      std::uint64_t sample);

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "sim/effects/catalog.h"
 #include "sim/machine/delta_knobs.h"
 
 namespace caltwin {
@@ -106,13 +107,30 @@ void ReadDeltaExpectation(YamlMap map, DeltaScenario* scenario) {
   map.NoMoreKeys();
 }
 
+// Whether the twin that firmware drives can be built with it.
+void RequireBuildable(const InjectedSpec& spec, Faults* faults) {
+  const Effect& effect = EffectAt(spec.effect);
+  const std::vector<double> any(effect.parameters.size(), 1);
+  if (!TurnsOf({.effect = spec.effect, .axis = spec.axis, .values = any}).empty())
+    return;
+  faults->Add(spec.place,
+              fmt::format("'{}' is no part of a delta that firmware can calibrate here",
+                          effect.name),
+              "`caltwin simulate --truth` has drives, heat and probe");
+}
+
 }  // namespace
 
-DeltaScenario ReadDeltaScenario(YamlMap* map, const Machine& machine) {
+DeltaScenario ReadDeltaScenario(YamlMap* map,
+                                const Machine& machine,
+                                const std::vector<InjectedSpec>& machine_effects) {
   DeltaScenario scenario{.settings = machine.delta->settings};
   if (const auto effects = map->Optional("effects")) {
-    scenario.effects = ReadDeltaEffects(effects->Map());
+    scenario.effects = ReadDeltaEffects(effects->Map(), machine);
   }
+  std::vector<InjectedSpec>& all = scenario.effects.effects;
+  all.insert(all.end(), machine_effects.begin(), machine_effects.end());
+  for (const InjectedSpec& effect : all) RequireBuildable(effect, map->faults());
   if (const auto settings = map->Optional("settings")) {
     YamlMap keys = settings->Map();
     ReadDeltaSettings(&keys, machine.delta->model, &scenario.settings);
@@ -140,7 +158,7 @@ BuiltDelta DrawDelta(const DeltaScenario& scenario,
                      const Machine& machine,
                      std::uint64_t seed,
                      std::uint64_t sample) {
-  BuiltDelta built = DrawDelta(scenario.effects, machine, seed, sample);
+  BuiltDelta built = DrawDelta(scenario.effects, machine, seed, sample).built;
   built.scatter_mm = std::hypot(built.scatter_mm, scenario.probe_sigma_mm);
   return built;
 }

@@ -34,7 +34,7 @@ struct DeltaExpectedValue {
 /// What a delta's scenario has of its own; about, machine, seed and fidelity are as in
 /// any scenario.
 struct DeltaScenario {
-  std::vector<DeltaInjected> effects{};
+  DeltaEffects effects{};
   DeltaModel<double> settings{};  ///< What the firmware wrongly believes.
   double probe_sigma_mm = 0;      ///< instruments: {probe: {sigma_um: }}
   std::vector<DeltaStep> calibrate{};
@@ -46,8 +46,12 @@ struct DeltaScenario {
   std::vector<std::string> messages{};
 };
 
-/// Reads the keys of a delta's scenario that are its own.
-DeltaScenario ReadDeltaScenario(YamlMap* map, const Machine& machine);
+/// Reads the keys of a delta's scenario that are its own. `machine_effects`: what an
+/// extended machine file adds to the drawing. The twin that firmware drives has parts
+/// and a bed: effects of drives, heat and probe are faults.
+DeltaScenario ReadDeltaScenario(YamlMap* map,
+                                const Machine& machine,
+                                const std::vector<InjectedSpec>& machine_effects);
 
 /// The machine that the effects make, their numbers drawn.
 BuiltDelta DrawDelta(const DeltaScenario& scenario,

@@ -141,7 +141,8 @@ Scenario ReadScenarioText(const std::string& text, const fs::path& name) {
                           ? Fidelity::kFast
                           : Fidelity::kPhysics;
   if (scenario.machine.machine.delta) {
-    scenario.delta = ReadDeltaScenario(&map, scenario.machine.machine);
+    scenario.delta =
+        ReadDeltaScenario(&map, scenario.machine.machine, scenario.machine.effects);
     map.NoMoreKeys();
     faults.ThrowIfAny();
     return scenario;

@@ -43,16 +43,10 @@ std::array<double, kNumDeltaKnobs> KnobsOf(const Observed& observed,
                                            const Eigen::VectorXd& values) {
   std::array<double, kNumDeltaKnobs> knobs = observed.knobs();
   for (std::size_t k = 0; k < baseline.size(); ++k) {
-    const double by = values[static_cast<Eigen::Index>(k)];
-    if (const auto knob = DeltaKnobNamed(baseline[k].name)) {
-      if (*knob >= kBedKnob) continue;
-      knobs[static_cast<std::size_t>(*knob)] += by;
-      // The endstops sum to nought.
-      if (*knob < kRadiusKnob) knobs[kEndstopKnob + 2] -= by;
-    } else if (baseline[k].name == "scale") {
-      for (std::size_t tower = 0; tower < kNumTowers; ++tower) {
-        knobs[kBeltKnob + tower] += by;
-      }
+    const double value = values[static_cast<Eigen::Index>(k)];
+    for (const auto& [knob, by] : KnobsOfLine(baseline[k].name, value)) {
+      // The bed's plane is straight wherever it is taken.
+      if (knob < kBedKnob) knobs[static_cast<std::size_t>(knob)] += by;
     }
   }
   return knobs;

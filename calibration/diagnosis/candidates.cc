@@ -210,7 +210,7 @@ void AddHarmonics(const Observed& o,
                   const Variant& variant,
                   Columns* columns) {
   const int most = EffectAt(candidate.effect).sight->harmonics;
-  if (most < 2 || variant.columns_mm.cols() != 2) return;  // No wave.
+  if (most < 2 || variant.columns_mm.cols() != 2) return;
   const Eigen::VectorXd shows = ChannelOf(o, candidate.shown.channel);
   for (int order = 2; order <= most; ++order) {
     Eigen::VectorXd sine(o.num_rows()), cosine(o.num_rows());

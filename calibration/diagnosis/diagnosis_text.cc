@@ -86,7 +86,9 @@ std::string Headline(const Diagnosis& diagnosis) {
   const std::size_t count = diagnosis.findings.size();
   switch (diagnosis.verdict) {
     case DiagnosisVerdict::kNone:
-      return "Verdict: none. Beyond the baseline these rows show nothing but noise.";
+      return fmt::format(
+          "Verdict: none. Beyond the baseline these rows show nothing but {}.",
+          diagnosis.wander_um_per_sqrt_h > 0 ? "a slow wander and noise" : "noise");
     case DiagnosisVerdict::kNamed:
       return fmt::format("Verdict: named. {} found.",
                          count == 1 ? "One cause" : fmt::format("{} causes", count));
@@ -248,10 +250,12 @@ void AddRows(const Diagnosis& diagnosis, std::string* text) {
                     fmt::join(diagnosis.outlier_rows, ", "));
   }
   if (diagnosis.wander_um_per_sqrt_h > 0) {
-    *text +=
-        fmt::format("{}Slow wander of {:.2g} um per root hour is part of the noise.\n",
-                    diagnosis.outlier_rows.empty() ? "\n" : "",
-                    diagnosis.wander_um_per_sqrt_h);
+    *text += fmt::format(
+        "{}Slow wander of {:.2g} um per root hour is part of the noise: the "
+        "machine drifts in a way that no cause here explains. One datum touched every "
+        "few minutes, the temperatures beside it, would tell more.\n",
+        diagnosis.outlier_rows.empty() ? "\n" : "",
+        diagnosis.wander_um_per_sqrt_h);
   }
   for (const std::string& remark : diagnosis.remarks) *text += "Note: " + remark + "\n";
 }

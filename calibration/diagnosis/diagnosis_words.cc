@@ -43,10 +43,11 @@ constexpr std::array kPhrases = {
            "growth of the {axis} screw with its temperature",
            "The {axis} screw grows by {expansion_um_per_m_k} as it warms, "
            "{~lag_s} behind its thermometer"},
-    Phrase{"frame_growth",
-           "growth of the frame along {axis} while warming up",
-           "The frame grows along {axis} by {growth_um} while it warms up, with a time "
-           "constant of {~tau_s}"},
+    Phrase{
+        "frame_growth",
+        "growth of the frame while warming up",
+        "Head and frame lift the tool by {growth_um} while they warm up, with a time "
+        "constant of {~tau_s}"},
     Phrase{"frame_temperature",
            "growth of the {part} with its temperature",
            "The {part} grows along Z by {growth_um_per_k}, {~lag_s} behind its "
@@ -108,6 +109,30 @@ constexpr std::array kPhrases = {
     Phrase{"trigger_latency",
            "latency of the trigger",
            "The trigger comes late by {latency_ms}"},
+    Phrase{"tower_lean",
+           "lean of tower {axis}",
+           "Tower {axis} leans outward by {radial_mrad} and counter-clockwise by "
+           "{tangential_mrad}"},
+    Phrase{"tower_twist",
+           "twist of tower {axis}",
+           "Tower {axis} is turned about itself by {angle_deg}"},
+    Phrase{"tower_radius",
+           "radius of tower {axis}",
+           "Tower {axis} stands further out than drawn by {error_mm}"},
+    Phrase{"effector_tilt",
+           "tilt of the effector",
+           "The nozzle stands askew in the effector by {tilt_x_mrad} about X and "
+           "{tilt_y_mrad} about Y"},
+    Phrase{"rod_mismatch",
+           "length of rods {axis}",
+           "Rod {axis} (both of the tower where no number stands) is longer than drawn "
+           "by {length_error_mm}"},
+    Phrase{"belt_pitch",
+           "pitch of belt {axis}",
+           "The belt of tower {axis} moves its carriage too far by {error_ppm}"},
+    Phrase{"carriage_backlash",
+           "play of carriage {axis}",
+           "The carriage of tower {axis} has {gap_mm} of play"},
     Phrase{"bed_bowl",
            "bowl of the bed",
            "The bed is a bowl: its corners stand {height_um} higher than the middle"},

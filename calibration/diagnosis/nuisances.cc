@@ -106,42 +106,33 @@ void AddAxes(const Observed& o, Builder* builder) {
   }
 }
 
-// The knobs of a delta that its baseline holds. Its endstops sum to nought: their
-// common height is the bed's, or the placement's.
+// The knobs of a delta that its baseline holds, each line with all that it turns.
 void AddDelta(const Observed& o, Builder* builder) {
-  const auto along = [&](Eigen::Index row, int knob) {
-    const At& at = o.at(row);
-    return o.MotionSign(row) * at.n.dot(at.delta->by_knob.col(knob)) *
-           kDeltaKnobs[static_cast<std::size_t>(knob)].per_unit;
-  };
-  const auto add = [&](const std::string& name, int knob, double prior_sd) {
+  const auto add = [&](std::string_view name, double prior_sd) {
+    const auto turns = KnobsOfLine(name, 1);
+    const auto first = static_cast<std::size_t>(turns[0].knob);
     builder->Add(
-        name,
-        std::string(kDeltaKnobs[static_cast<std::size_t>(knob)].unit),
+        std::string(name),
+        std::string(kDeltaKnobs[first].unit),
         prior_sd,
         [&](Eigen::Index row) {
-          // What endstop c does the others undo.
-          const bool is_endstop = knob < kRadiusKnob;
-          return along(row, knob) - (is_endstop ? along(row, kEndstopKnob + 2) : 0);
+          const At& at = o.at(row);
+          Vec3<double> moved_mm = Vec3<double>::Zero();
+          for (const auto& [knob, by] : turns) {
+            moved_mm += at.delta->by_knob.col(knob) * by *
+                        kDeltaKnobs[static_cast<std::size_t>(knob)].per_unit;
+          }
+          return o.MotionSign(row) * at.n.dot(moved_mm);
         },
-        o.knobs()[static_cast<std::size_t>(knob)]);
+        o.knobs()[first]);
   };
   for (const int knob :
        {kEndstopKnob, kEndstopKnob + 1, kRadiusKnob, kAngleKnob, kAngleKnob + 1}) {
     const DeltaKnob& declared = kDeltaKnobs[static_cast<std::size_t>(knob)];
-    add(std::string(declared.name), knob, declared.prior_sd);
+    add(declared.name, declared.prior_sd);
   }
-  add("arm_length", kArmKnob, kArmSd_mm);
-  builder->Add(
-      "scale",
-      "ppm",
-      kScaleSd_ppm,
-      [&](Eigen::Index row) {
-        double sum = 0;
-        for (int k = 0; k < kNumTowers; ++k) sum += along(row, kBeltKnob + k);
-        return sum;
-      },
-      o.knobs()[kBeltKnob]);
+  add("arm_length", kArmSd_mm);
+  add("scale", kScaleSd_ppm);
 }
 
 void AddBedPlane(const Observed& o, Builder* builder) {
@@ -329,6 +320,18 @@ std::vector<Nuisance> BaselineOf(const Observed& observed) {
   });
   AddFreedoms(observed, &builder);
   return builder.Take();
+}
+
+std::vector<KnobTurn<double>> KnobsOfLine(std::string_view name, double value) {
+  if (name == "bed_plane.slope_x") return {{kBedKnob, value}};
+  if (name == "bed_plane.slope_y") return {{kBedKnob + 1, value}};
+  if (name == "scale") {
+    return {{kBeltKnob, value}, {kBeltKnob + 1, value}, {kBeltKnob + 2, value}};
+  }
+  const auto knob = DeltaKnobNamed(name);
+  if (!knob) return {};
+  if (*knob >= kRadiusKnob) return {{*knob, value}};
+  return {{*knob, value}, {kEndstopKnob + 2, -value}};
 }
 
 }  // namespace caltwin

@@ -141,9 +141,7 @@ DeltaBuild<double> Observed::BelievedBuild() const {
     const auto k = static_cast<std::size_t>(knob);
     TurnKnob(knob, knobs_[k] * kDeltaKnobs[k].per_unit, &build, &bed);
   }
-  for (const Injected& effect : effects_) {
-    for (const auto& [knob, by] : TurnsOf(effect)) TurnKnob(knob, by, &build, &bed);
-  }
+  TurnBuild(effects_, &build);
   return build;
 }
 
@@ -181,9 +179,9 @@ void Observed::Linearise() {
   std::vector<Injected> model = model_;
   if (machine_.delta) {
     PlaceDelta();
-    // What turned the build is in its place already.
-    std::erase_if(model,
-                  [](const Injected& effect) { return !TurnsOf(effect).empty(); });
+    // What turns the build is in the rows' places already.
+    DeltaBuild<double> turned;
+    model = TurnBuild(model_, &turned);
   }
   const auto n = static_cast<Eigen::Index>(at_.size());
   residual_mm_.resize(n);

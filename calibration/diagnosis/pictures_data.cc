@@ -22,13 +22,20 @@
 namespace caltwin {
 namespace {
 
-constexpr std::array<std::string_view, 5> kChannels = {"x", "y", "z", "probe", "bed"};
-constexpr std::array<std::string_view, 12> kColumns = {"x",
+constexpr std::array<std::string_view, 8> kChannels = {
+    "x", "y", "z", "a", "b", "c", "probe", "bed"};
+constexpr std::array<std::string_view, 18> kColumns = {"x",
                                                        "y",
                                                        "z",
                                                        "dir_x",
                                                        "dir_y",
                                                        "dir_z",
+                                                       "motor_a",
+                                                       "motor_b",
+                                                       "motor_c",
+                                                       "dir_a",
+                                                       "dir_b",
+                                                       "dir_c",
                                                        "since_rev",
                                                        "t",
                                                        "temp",

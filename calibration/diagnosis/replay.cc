@@ -96,28 +96,6 @@ bool IsPlace(const std::string& name) {
   return name.starts_with("placement.") || name == "bed_plane.height";
 }
 
-// Whether a delta's twin is built with that line of its baseline.
-bool IsTurnedByLine(const std::string& name) {
-  return name == "scale" || name.starts_with("bed_plane.slope") || DeltaKnobNamed(name);
-}
-
-void TurnByLine(const BaselineLine& line, BuiltDelta* built) {
-  const auto turn = [&](int knob, double by) {
-    const auto k = static_cast<std::size_t>(knob);
-    TurnKnob(knob, by * kDeltaKnobs[k].per_unit, &built->build, &built->bed);
-  };
-  if (line.name == "bed_plane.slope_x") turn(kBedKnob, line.value);
-  if (line.name == "bed_plane.slope_y") turn(kBedKnob + 1, line.value);
-  for (int tower = 0; line.name == "scale" && tower < kNumTowers; ++tower) {
-    turn(kBeltKnob + tower, line.value);
-  }
-  if (const auto knob = DeltaKnobNamed(line.name)) {
-    turn(*knob, line.value);
-    // The endstops sum to nought.
-    if (*knob < kRadiusKnob) turn(kEndstopKnob + 2, -line.value);
-  }
-}
-
 // A line that the rows do not determine is left as drawn: whatever number came out is
 // none, and left free it would take up what the finding leaves.
 Extended ExtendedBy(const Observed& observed,
@@ -155,7 +133,7 @@ Extended ExtendedBy(const Observed& observed,
   for (const Nuisance& one : baseline) {
     const bool is_left = open.contains(one.name) && !IsPlace(one.name);
     if (!is_left && !extended.as_found.built.contains(one.name)) {
-      if (observed.machine().delta && IsTurnedByLine(one.name)) continue;
+      if (observed.machine().delta && !KnobsOfLine(one.name, 0).empty()) continue;
       extended.not_built.push_back(one);
     }
   }
@@ -236,9 +214,10 @@ class Replayer {
     return "";
   }
 
-  // What turns the build is built in, the bed's shapes are the bed's, the rest acts.
+  // The baseline is built in; the findings act.
   DeltaPerformConfig DeltaTwinOf(const Extended& twin, Fidelity fidelity) const {
     DeltaPerformConfig config{.machine = observed_.machine(),
+                              .effects = twin.as_found.effects,
                               .header = observed_.header(),
                               .fidelity = fidelity,
                               .is_noisy = false,
@@ -246,16 +225,12 @@ class Replayer {
     config.built.build = observed_.machine().delta->Build();
     const std::string bed_line = fmt::format("placement.{}.z", TouchedSetup());
     for (const BaselineLine& line : twin.lines) {
-      TurnByLine(line, &config.built);
+      for (const auto& [knob, by] : KnobsOfLine(line.name, line.value)) {
+        const double inside = by * kDeltaKnobs[static_cast<std::size_t>(knob)].per_unit;
+        TurnKnob(knob, inside, &config.built.build, &config.built.bed);
+      }
       // Touches end where the bed is: it stands as high as it was found.
       if (line.name == bed_line) config.built.bed.height_mm = line.value;
-    }
-    for (const Injected& effect : twin.as_found.effects) {
-      const auto turns = TurnsOf(effect);
-      for (const auto& [knob, by] : turns) {
-        TurnKnob(knob, by, &config.built.build, &config.built.bed);
-      }
-      if (turns.empty()) config.effects.push_back(effect);
     }
     return config;
   }

@@ -42,6 +42,18 @@ bool HasSize(const Candidate& candidate, const Refined& refined) {
   return is_something;
 }
 
+// Whether the rows last long enough to tell a growth that levels off from a drift with
+// no end: its time constant stays within those that they can show.
+bool SeesItsEnd(const Candidate& candidate, const Refined& refined) {
+  if (candidate.cause != "frame_growth") return true;
+  constexpr double kAtEnd = 0.99;
+  double longest_s = 0;
+  for (const Variant& variant : candidate.variants) {
+    longest_s = std::max(longest_s, variant.forms[0]);
+  }
+  return refined.variant.forms[0] < kAtEnd * longest_s;
+}
+
 class Scrutiny {
  public:
   Scrutiny(const Observed& observed,
@@ -82,7 +94,7 @@ class Scrutiny {
       if (candidate.is_free()) continue;
       const bool explains_little = explained < kLeastShare && !IsBeyondPrediction(i);
       if (explains_little || !HasSize(candidate, refined[i]) ||
-          !ShowsItsShape(i, refined[i])) {
+          !SeesItsEnd(candidate, refined[i]) || !ShowsItsShape(i, refined[i])) {
         found()[i].lost_its_name = true;
         SetFree(i);
         MergeEqual(i);

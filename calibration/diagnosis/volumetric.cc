@@ -4,6 +4,7 @@
 #include <cmath>
 #include <deque>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -85,15 +86,19 @@ class Volume {
   // Anywhere over its disc, as high as that is wide.
   void PlaceOnDelta(const Observed& observed, Rng* rng, At* at) {
     const double radius_mm = machine_.delta->print_radius_mm;
-    const double out_mm = radius_mm * std::sqrt(rng->Uniform());
-    const double angle = 2 * std::numbers::pi * rng->Uniform();
-    at->q_mm = {
-        out_mm * std::cos(angle), out_mm * std::sin(angle), radius_mm * rng->Uniform()};
+    const DeltaBuild<double> build = observed.BelievedBuild();
     Row row;
     for (double& dir : row.motor_dir) dir = rng->Uniform() < 1.0 / 2 ? -1 : 1;
-    const auto here =
-        DeltaAtOf(observed.BelievedBuild(), machine_.delta->settings, row, at->q_mm);
-    delta_.push_back(here.value_or(DeltaAt{}));
+    std::optional<DeltaAt> here;
+    while (!here) {
+      const double out_mm = radius_mm * std::sqrt(rng->Uniform());
+      const double angle = 2 * std::numbers::pi * rng->Uniform();
+      at->q_mm = {out_mm * std::cos(angle),
+                  out_mm * std::sin(angle),
+                  radius_mm * rng->Uniform()};
+      here = DeltaAtOf(build, machine_.delta->settings, row, at->q_mm);
+    }
+    delta_.push_back(*here);
     at->delta = &delta_.back();
   }
 

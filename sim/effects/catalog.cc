@@ -74,4 +74,16 @@ std::string AxisOf(const Effect& effect, std::string_view written) {
   return std::string(is_alias ? effect.axes[0] : written);
 }
 
+std::vector<Injected> TurnBuild(std::span<const Injected> effects,
+                                DeltaBuild<double>* build) {
+  std::vector<Injected> others;
+  DeltaBed<double> bed;  // No effect turns it: its shapes are the artefact's.
+  for (const Injected& effect : effects) {
+    const auto turns = TurnsOf(effect);
+    for (const auto& [knob, by] : turns) TurnKnob(knob, by, build, &bed);
+    if (turns.empty()) others.push_back(effect);
+  }
+  return others;
+}
+
 }  // namespace caltwin

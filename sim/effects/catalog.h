@@ -148,6 +148,10 @@ bool HasAxis(const Effect& effect, std::string_view axis, Kinematics kinematics)
 /// What an effect turns of a delta's build; none where it does not act there.
 std::vector<KnobTurn<double>> TurnsOf(const Injected& effect);
 
+/// Turns a delta's build by all effects that act there; returns the others.
+std::vector<Injected> TurnBuild(std::span<const Injected> effects,
+                                DeltaBuild<double>* build);
+
 /// The declared word for an axis as a file writes it: an alias becomes axes[0].
 std::string AxisOf(const Effect& effect, std::string_view written);
 

@@ -92,27 +92,46 @@ std::vector<int> FirmwareKnobs();
 /// Everything about the machine itself, the bed a plane: 27 unknowns and two slopes.
 std::vector<int> MachineKnobs();
 
+/// The same of the bed's knobs, counted from kBedKnob.
+template <typename Bed, typename With>
+void AtBedKnob(int knob, Bed& bed, const With& with) {
+  const std::array numbers = {
+      &bed.slope_x, &bed.slope_y, &bed.bowl_mm, &bed.cylinder_x_mm, &bed.twist_mm};
+  with(*numbers[static_cast<std::size_t>(knob)]);
+}
+
 /// Calls `with` on each number of a machine and its bed that the knob moves; the last
 /// of a shared one is tower c's. `Build` and `Bed` may be const.
 template <typename Build, typename Bed, typename With>
 void AtKnob(int knob, Build& build, Bed& bed, const With& with) {
-  const auto i = static_cast<std::size_t>(knob);
   auto& model = build.model;
-  if (i < 3) with(model.endstop_mm[i]);
-  if (i == 3) std::ranges::for_each(model.radius_mm, with);
-  if (i == 4 || i == 5) with(model.angle_rad[i - 4]);
-  if (i == 6) std::ranges::for_each(model.arm_mm, with);
-  if (i >= 7 && i < 13) with(build.rod_error_mm[i - 7]);
-  if (i == 13 || i == 14) with(model.radius_mm[i - 13]);
-  if (i >= 15 && i < 18) with(build.lean_radial_rad[i - 15]);
-  if (i >= 18 && i < 21) with(build.lean_tangential_rad[i - 18]);
-  if (i >= 21 && i < 24) with(build.twist_rad[i - 21]);
-  if (i >= 24 && i < 27) with(build.belt_scale[i - 24]);
-  if (i == 27) with(bed.slope_x);
-  if (i == 28) with(bed.slope_y);
-  if (i == 29) with(bed.bowl_mm);
-  if (i == 30) with(bed.cylinder_x_mm);
-  if (i == 31) with(bed.twist_mm);
+  // The i-th number of a list that begins at one knob and ends before the next.
+  const auto from = [knob](int first) {
+    return static_cast<std::size_t>(knob - first);
+  };
+  if (knob < kRadiusKnob) {
+    with(model.endstop_mm[from(kEndstopKnob)]);
+  } else if (knob < kAngleKnob) {
+    std::ranges::for_each(model.radius_mm, with);
+  } else if (knob < kArmKnob) {
+    with(model.angle_rad[from(kAngleKnob)]);
+  } else if (knob < kRodKnob) {
+    std::ranges::for_each(model.arm_mm, with);
+  } else if (knob < kTowerRadiusKnob) {
+    with(build.rod_error_mm[from(kRodKnob)]);
+  } else if (knob < kLeanRadialKnob) {
+    with(model.radius_mm[from(kTowerRadiusKnob)]);
+  } else if (knob < kLeanTangentialKnob) {
+    with(build.lean_radial_rad[from(kLeanRadialKnob)]);
+  } else if (knob < kTwistKnob) {
+    with(build.lean_tangential_rad[from(kLeanTangentialKnob)]);
+  } else if (knob < kBeltKnob) {
+    with(build.twist_rad[from(kTwistKnob)]);
+  } else if (knob < kBedKnob) {
+    with(build.belt_scale[from(kBeltKnob)]);
+  } else {
+    AtBedKnob(knob - kBedKnob, bed, with);
+  }
 }
 
 /// Turns one knob of a machine by `by` (inside value, added to what it has).

@@ -80,8 +80,8 @@ std::array<double, kNumDeltaKnobs> ClosedDelta::Slopes(
                   p.dot(vertical.cross(upper[k]) - turned);
       by_twist += (side == 0 ? -1 : 1) * p.dot(vertical.cross(half));
       const double length = model.arm_mm[i] + build.rod_error_mm[k];
-      slopes[7 + k] = 2 * lambda[static_cast<Eigen::Index>(k)] * length;
-      by_length += slopes[7 + k];
+      slopes[kRodKnob + k] = 2 * lambda[static_cast<Eigen::Index>(k)] * length;
+      by_length += slopes[kRodKnob + k];
     }
     const double by_height = pull.dot(carriage.up);
     const double by_radius =
@@ -89,15 +89,15 @@ std::array<double, kNumDeltaKnobs> ClosedDelta::Slopes(
         by_height *
             Mutant("delta_arm_for_radius", model.radius_mm[i], model.arm_mm[i]) /
             carriage.drop_mm;
-    slopes[i] = by_height;
-    slopes[3] += by_radius;
-    if (i < 2) slopes[4 + i] = by_angle;
-    slopes[6] += by_height * model.arm_mm[i] / carriage.drop_mm + by_length;
-    if (i < 2) slopes[13 + i] = by_radius;
-    slopes[15 + i] = pull.dot(carriage.ByLean(carriage.out));
-    slopes[18 + i] = pull.dot(carriage.ByLean(carriage.along));
-    slopes[21 + i] = by_twist;
-    slopes[24 + i] = -by_height * motors_mm_[static_cast<Eigen::Index>(i)];
+    slopes[kEndstopKnob + i] = by_height;
+    slopes[kRadiusKnob] += by_radius;
+    if (i < 2) slopes[kAngleKnob + i] = by_angle;
+    slopes[kArmKnob] += by_height * model.arm_mm[i] / carriage.drop_mm + by_length;
+    if (i < 2) slopes[kTowerRadiusKnob + i] = by_radius;
+    slopes[kLeanRadialKnob + i] = pull.dot(carriage.ByLean(carriage.out));
+    slopes[kLeanTangentialKnob + i] = pull.dot(carriage.ByLean(carriage.along));
+    slopes[kTwistKnob + i] = by_twist;
+    slopes[kBeltKnob + i] = -by_height * motors_mm_[static_cast<Eigen::Index>(i)];
   }
   return slopes;
 }
@@ -113,12 +113,11 @@ double ClosedDelta::HeightOver(const DeltaBed<double>& bed,
       bed.slope_y +
       2 / bed.radius_mm * ((bed.bowl_mm + bed.cylinder_y_mm) * v + bed.twist_mm * u);
   *slopes = Slopes({-by_x, -by_y, 1});
-  constexpr std::size_t kBed = 27;
-  (*slopes)[kBed] = -x;
-  (*slopes)[kBed + 1] = -y;
-  (*slopes)[kBed + 2] = -(u * u + v * v);
-  (*slopes)[kBed + 3] = -u * u;
-  (*slopes)[kBed + 4] = -2 * u * v;
+  (*slopes)[kBedKnob] = -x;
+  (*slopes)[kBedKnob + 1] = -y;
+  (*slopes)[kBedKnob + 2] = -(u * u + v * v);
+  (*slopes)[kBedKnob + 3] = -u * u;
+  (*slopes)[kBedKnob + 4] = -2 * u * v;
   return closed_.pose.nozzle_mm[2] - bed.Height_mm(x, y);
 }
 

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "sim/base/input_error.h"
+#include "sim/effects/catalog.h"
 #include "sim/effects/delta_at.h"
 #include "sim/effects/predict.h"
 #include "sim/twin/readings.h"
@@ -99,6 +100,7 @@ class DeltaReader {
 
 RowTable PerformDelta(const DeltaPerformConfig& as_given, std::vector<Row> planned) {
   DeltaPerformConfig config = as_given;
+  config.effects = TurnBuild(as_given.effects, &config.built.build);
   // The heights of a bed's shapes are those of the outermost touch.
   const double rim_mm = RimOf_mm(planned);
   if (rim_mm > 0) config.built.bed.radius_mm = rim_mm;

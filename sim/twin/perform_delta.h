@@ -16,7 +16,8 @@ namespace caltwin {
 struct DeltaPerformConfig {
   Machine machine{};
   BuiltDelta built{};
-  /// What does not turn the build: drives, probe, temperatures.
+  /// More of it: those that turn the build are built in, the others (drives, probe,
+  /// temperatures) act in closed form.
   std::vector<Injected> effects{};
   DataHeader header{};
   Fidelity fidelity = Fidelity::kPhysics;

@@ -8,8 +8,10 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <memory>
 #include <mutex>
 #include <numeric>
+#include <optional>
 #include <thread>
 #include <vector>
 
@@ -18,6 +20,7 @@
 
 #include "tests/blind/diagnosis.h"
 #include "tests/blind/figures.h"
+#include "tests/blind/ledger.h"
 #include "tests/blind/metamorphic.h"
 #include "tests/blind/sets.h"
 
@@ -33,6 +36,7 @@ struct Options {
   int changes = 8;
   int jobs = 2;
   double minutes = 0;  // 0: as long as it takes.
+  std::string ledger{};
   std::string markdown{};
   std::string only{};
   bool failures_only = false;
@@ -61,7 +65,7 @@ blind::Judgement ExamineOne(const Options& options,
   }
 }
 
-/// The order in which cases are taken where time may run out: wherever it ends, every
+/// The order in which cases are taken: wherever time runs out, every
 /// part of the set has its share (multiples of the golden ratio, modulo one).
 std::vector<std::size_t> FairOrder(std::size_t count) {
   const double golden = (std::sqrt(5.0) - 1) / 2;
@@ -71,6 +75,24 @@ std::vector<std::size_t> FairOrder(std::size_t count) {
     return std::fmod(static_cast<double>(i) * golden, 1.0);
   });
   return order;
+}
+
+/// What a ledger holds of the requests is taken from there, and no longer in the order.
+std::unique_ptr<blind::Ledger> OpenLedger(
+    const Options& options,
+    const std::vector<blind::CaseRequest>& requests,
+    std::vector<std::size_t>* order,
+    std::vector<std::optional<blind::Judgement>>* judgements) {
+  if (options.ledger.empty()) return nullptr;
+  auto ledger =
+      std::make_unique<blind::Ledger>(options.ledger, options.diagnoser.binary);
+  for (std::size_t i = 0; i < requests.size(); ++i) {
+    (*judgements)[i] = ledger->Find(blind::RerunCommand(requests[i]));
+  }
+  std::erase_if(*order, [&](std::size_t i) { return (*judgements)[i].has_value(); });
+  std::cout << fmt::format(
+      "{} of {} judged before\n", requests.size() - order->size(), requests.size());
+  return ledger;
 }
 
 /// All cases, or as many as the time allows, a few at a time; the judgements stand in
@@ -83,22 +105,21 @@ std::vector<blind::Judgement> ExamineAll(
     const std::chrono::duration<double, std::ratio<60>> spent = Clock::now() - start;
     return options.minutes > 0 && spent.count() >= options.minutes;
   };
-  std::vector<std::size_t> order(requests.size());
-  std::iota(order.begin(), order.end(), 0);
-  if (options.minutes > 0) order = FairOrder(requests.size());
-  std::vector<blind::Judgement> judgements(requests.size());
-  std::vector<char> is_done(requests.size(), 0);
+  std::vector<std::size_t> order = FairOrder(requests.size());
+  std::vector<std::optional<blind::Judgement>> judgements(requests.size());
+  const auto ledger = OpenLedger(options, requests, &order, &judgements);
   std::atomic<std::size_t> next = 0;
   std::mutex output;
   const auto work = [&] {
-    for (std::size_t k = next++; k < requests.size() && !is_over(); k = next++) {
+    for (std::size_t k = next++; k < order.size() && !is_over(); k = next++) {
       const std::size_t i = order[k];
-      judgements[i] = ExamineOne(options, requests[i], &output);
-      is_done[i] = 1;
+      const blind::Judgement judgement = ExamineOne(options, requests[i], &output);
+      judgements[i] = judgement;
+      if (ledger) ledger->Add(blind::RerunCommand(requests[i]), judgement);
       const std::scoped_lock lock(output);
-      const bool wrong = IsWrong(judgements[i]);
+      const bool wrong = IsWrong(judgement);
       if (!options.failures_only || wrong) {
-        std::cout << blind::Line(judgements[i]) << "\n";
+        std::cout << blind::Line(judgement) << "\n";
       }
       if (wrong) std::cout << "        " << blind::RerunCommand(requests[i]) << "\n";
       std::cout.flush();
@@ -108,8 +129,8 @@ std::vector<blind::Judgement> ExamineAll(
   for (int i = 0; i < options.jobs; ++i) workers.emplace_back(work);
   for (std::thread& worker : workers) worker.join();
   std::vector<blind::Judgement> done;
-  for (std::size_t i = 0; i < requests.size(); ++i) {
-    if (is_done[i] != 0) done.push_back(std::move(judgements[i]));
+  for (std::optional<blind::Judgement>& judgement : judgements) {
+    if (judgement) done.push_back(std::move(*judgement));
   }
   return done;
 }
@@ -161,6 +182,7 @@ void WriteMarkdown(const Options& options, const std::string& text) {
   stream << "# Blind tests\n\nMade by `blind_score --binary caltwin"
          << (options.full > 0 ? fmt::format(" --full {}", options.full) : std::string())
          << (options.minutes > 0 ? fmt::format(" --minutes {:g}", options.minutes) : "")
+         << (options.ledger.empty() ? "" : " --ledger FILE")
          << fmt::format(" --seed {} --date {}`.\n\n", options.seed, options.date)
          << text;
   if (!stream) throw std::runtime_error("cannot write " + options.markdown);
@@ -188,6 +210,10 @@ int Run(int argc, char** argv) {
   app.add_option("--minutes",
                  options.minutes,
                  "begins no case after so many; every part of the set has its share");
+  app.add_option("--ledger",
+                 options.ledger,
+                 "file of judgements: those in it are not examined again, new ones are "
+                 "written there at once");
   app.add_option("--only",
                  options.only,
                  "only cases of this kind (or physics), or hiding this cause");

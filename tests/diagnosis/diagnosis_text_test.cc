@@ -1,11 +1,13 @@
 #include "calibration/diagnosis/diagnosis_text.h"
 
 #include <limits>
+#include <set>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "calibration/diagnosis/diagnosis_words.h"
+#include "sim/effects/catalog.h"
 
 namespace caltwin {
 namespace {
@@ -64,6 +66,40 @@ TEST(DiagnosisText, OfOneFindingSaysWhatWasHeldOutNotTheShare) {
 
   EXPECT_THAT(text, HasSubstr("from 5.2 to 1.3 um"));
   EXPECT_THAT(text, Not(HasSubstr("together")));
+}
+
+// Of every cause that a diagnosis may name, on every axis it may have.
+TEST(DiagnosisText, EveryNameIsASentence) {
+  for (const Effect* one : AllEffects()) {
+    const Effect& effect = *one;
+    if (!effect.sight) continue;
+    std::set<std::string_view> axes(effect.axes.begin(), effect.axes.end());
+    axes.insert(effect.delta_axes.begin(), effect.delta_axes.end());
+    for (const std::string_view axis : axes) {
+      Finding finding{.cause = std::string(effect.name), .axis = std::string(axis)};
+      for (const Parameter& p : effect.parameters) {
+        finding.parameters.push_back({std::string(p.name), 5, 0.1});
+      }
+      const std::string name = NameInWords(finding.cause, axis);
+      const std::string does = WhatItDoes(finding);
+      SCOPED_TRACE(name + " | " + does);
+      EXPECT_THAT(name, HasSubstr(" "));  // Words, not the name of a key.
+      EXPECT_THAT(name, Not(HasSubstr("  ")));
+      EXPECT_FALSE(name.ends_with(' '));
+      EXPECT_THAT(does, Not(HasSubstr("  ")));
+      EXPECT_THAT(does, Not(HasSubstr("unknown amount")));
+      EXPECT_FALSE(does.starts_with(finding.cause));
+    }
+  }
+}
+
+TEST(DiagnosisText, NoneBesideAWanderSaysSo) {
+  Diagnosis diagnosis;
+  EXPECT_THAT(DiagnosisText(diagnosis, {}), HasSubstr("show nothing but noise."));
+  diagnosis.wander_um_per_sqrt_h = 5;
+  const std::string text = DiagnosisText(diagnosis, {});
+  EXPECT_THAT(text, HasSubstr("show nothing but a slow wander and noise."));
+  EXPECT_THAT(text, HasSubstr("Slow wander of 5 um per root hour"));
 }
 
 TEST(DiagnosisText, AStructuralRivalTakesTheCertaintyAway) {

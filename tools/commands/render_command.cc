@@ -68,9 +68,11 @@ std::optional<DeltaScene> DeltaOf(const Options& options) {
                       options.exaggerate);
   }
   if (kind != FileKind::kMachine) return std::nullopt;
-  const Machine machine = ReadAnyMachineFile(file).machine;
-  if (!machine.delta) return std::nullopt;
-  return DeltaScene(machine, {.build = machine.delta->Build()}, options.exaggerate);
+  const MachineFile read = ReadAnyMachineFile(file);
+  if (!read.machine.delta) return std::nullopt;
+  const DrawnDelta drawn =
+      DrawDelta({.effects = read.effects}, read.machine, /*seed=*/1, /*sample=*/0);
+  return DeltaScene(read.machine, drawn.built, options.exaggerate);
 }
 
 void Draw(const Options& options, const mjModel* model, mjData* data) {

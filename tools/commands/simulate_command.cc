@@ -107,26 +107,19 @@ PerformConfig ConfigOf(const Options& options,
   return config;
 }
 
-// The same of a delta: what turns its build is built.
+// The same of a delta.
 DeltaPerformConfig DeltaConfigOf(const Options& options,
                                  const MachineFile& file,
                                  std::uint64_t seed) {
-  DeltaTruthFile truth;
+  DeltaEffects truth;
   if (!options.truth.empty()) truth = ReadDeltaTruthFile(options.truth, file.machine);
   truth.effects.insert(truth.effects.end(), file.effects.begin(), file.effects.end());
-  DeltaPerformConfig config{
-      .machine = file.machine,
-      .built = DrawDelta(truth.parts, file.machine, seed, /*sample=*/0),
-      .fidelity = options.fidelity == "fast" ? Fidelity::kFast : Fidelity::kPhysics,
-      .seed = seed};
-  for (const Injected& effect : DrawEffects(truth.effects, seed, 0)) {
-    const auto turns = TurnsOf(effect);
-    for (const auto& [knob, by] : turns) {
-      TurnKnob(knob, by, &config.built.build, &config.built.bed);
-    }
-    if (turns.empty()) config.effects.push_back(effect);
-  }
-  return config;
+  DrawnDelta drawn = DrawDelta(truth, file.machine, seed, /*sample=*/0);
+  return {.machine = file.machine,
+          .built = drawn.built,
+          .effects = std::move(drawn.others),
+          .fidelity = options.fidelity == "fast" ? Fidelity::kFast : Fidelity::kPhysics,
+          .seed = seed};
 }
 
 void CheckOut(const std::string& out) {

@@ -33,7 +33,7 @@ constexpr std::array kActs = {
     ActOf{EffectIndex<TowerLean>(), ActKind::kDeltaBuild},
     ActOf{EffectIndex<TowerTwist>(), ActKind::kDeltaBuild},
     ActOf{EffectIndex<TowerRadius>(), ActKind::kDeltaBuild},
-    ActOf{EffectIndex<EffectorTilt>(), ActKind::kDeltaBuild},
+    ActOf{EffectIndex<EffectorTilt>(), ActKind::kReadingMap},
     ActOf{EffectIndex<ServoMismatch>(), ActKind::kReadingMap},
     ActOf{EffectIndex<ServoLag>(), ActKind::kReadingMap},
     ActOf{EffectIndex<FrameGrowth>(), ActKind::kReadingMap},
