@@ -69,7 +69,7 @@ std::string StrokeOf(Ink ink) {
 }
 
 double TextWidth(std::string_view text, double size) {
-  constexpr double kMeanWidth = 0.56;  // Of a letter, by its size.
+  constexpr double kMeanWidth = 0.61;  // Of a letter, by its size.
   std::size_t letters = 0;
   for (const char c : text) {
     if ((static_cast<unsigned char>(c) & 0xC0) != 0x80) ++letters;

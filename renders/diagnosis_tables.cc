@@ -27,24 +27,24 @@ constexpr std::array<Named, 18> kCovariates = {{{"x", "X"},
                                                 {"dir_x", "sense of X"},
                                                 {"dir_y", "sense of Y"},
                                                 {"dir_z", "sense of Z"},
-                                                {"motor_a", "motor A"},
-                                                {"motor_b", "motor B"},
-                                                {"motor_c", "motor C"},
+                                                {"motor_a", "travel of A"},
+                                                {"motor_b", "travel of B"},
+                                                {"motor_c", "travel of C"},
                                                 {"dir_a", "sense of A"},
                                                 {"dir_b", "sense of B"},
                                                 {"dir_c", "sense of C"},
                                                 {"since_rev", "since reversal"},
                                                 {"t", "time"},
-                                                {"temp", "temperature"},
+                                                {"temp", "temper- ature"},
                                                 {"feed", "feed"},
                                                 {"load", "load"},
                                                 {"theta", "touch direction"}}};
 constexpr std::array<Named, 8> kChannels = {{{"x", "X moves wrongly"},
                                              {"y", "Y moves wrongly"},
                                              {"z", "Z moves wrongly"},
-                                             {"a", "carriage A wrongly"},
-                                             {"b", "carriage B wrongly"},
-                                             {"c", "carriage C wrongly"},
+                                             {"a", "carriage A errs"},
+                                             {"b", "carriage B errs"},
+                                             {"c", "carriage C errs"},
                                              {"probe", "the probe"},
                                              {"bed", "the bed"}}};
 
@@ -76,7 +76,7 @@ std::vector<Named> Occurring(const std::array<Named, kSize>& all,
 
 // Parted where it is nearest to the middle.
 std::vector<std::string> TwoLines(const std::string& text, char at) {
-  constexpr std::size_t kShort = 8;
+  constexpr std::size_t kShort = 7;
   std::size_t best = std::string::npos;
   const auto off = [&](std::size_t i) {
     return std::abs(2 * static_cast<double>(i) - static_cast<double>(text.size()));

@@ -22,7 +22,7 @@ struct DeltaTarget {
 /// One parameter of one effect of a delta.
 struct DeltaParameter {
   std::string_view cause{};
-  std::string_view axes{};  ///< "" none, "t" tower, "xy" direction.
+  std::string_view axes{};  ///< "" none, "t" tower, "xy" or "z" direction.
   std::string_view name{};
   Bounds bounds{};
   void (*act)(BuiltDelta*, const DeltaTarget&, double) = nullptr;
@@ -124,18 +124,35 @@ constexpr std::array kParameters = {
                    "dx_mm",
                    {-100, 100},
                    [](BuiltDelta* d, const DeltaTarget&, double v) {
-                     d->probe_off_mm[0] += v;
+                     d->tip.off_mm[0] += v;
                    }},
     DeltaParameter{"probe_offset",
                    "",
                    "dy_mm",
                    {-100, 100},
                    [](BuiltDelta* d, const DeltaTarget&, double v) {
-                     d->probe_off_mm[1] += v;
+                     d->tip.off_mm[1] += v;
+                   }},
+    DeltaParameter{"probe_offset",
+                   "",
+                   "dz_mm",
+                   {-50, 50},
+                   [](BuiltDelta* d, const DeltaTarget&, double v) {
+                     d->tip.off_mm[2] += v;
+                   }},
+    DeltaParameter{"probe_pretravel",
+                   "z",
+                   "pretravel_mm",
+                   {0.01, 2},
+                   [](BuiltDelta* d, const DeltaTarget&, double v) {
+                     d->tip.pretravel_mm = v;
                    }}};
 
 std::optional<DeltaTarget> TargetNamed(std::string_view axes, std::string_view axis) {
   if (axes.empty()) return axis.empty() ? std::optional(DeltaTarget{}) : std::nullopt;
+  if (axes == "z") {
+    return axis == "z" ? std::optional(DeltaTarget{.along = 'z'}) : std::nullopt;
+  }
   if (axes == "xy") {
     if (axis != "x" && axis != "y") return std::nullopt;
     return DeltaTarget{.along = axis[0]};
@@ -147,6 +164,7 @@ std::optional<DeltaTarget> TargetNamed(std::string_view axes, std::string_view a
 std::string_view AxesInWords(std::string_view axes) {
   if (axes == "t") return ".a .b .c";
   if (axes == "xy") return ".x .y";
+  if (axes == "z") return ".z";
   return "no axis";
 }
 

@@ -14,6 +14,7 @@
 #include "scenarios/delta_procedures.h"
 #include "scenarios/interrupt.h"
 #include "scenarios/interruptible_link.h"
+#include "sim/base/input_error.h"
 #include "sim/base/units.h"
 #include "sim/link/transcript.h"
 
@@ -21,8 +22,9 @@ namespace caltwin {
 namespace {
 
 constexpr double kRecovered = 0.1;  // Of the heights as they were.
-constexpr double kG33Touch_s =
-    3;  // Travel, descent and lift of a touch inside the firmware.
+// Of a touch inside the firmware: travel, descent and lift; with E, the probe stowed
+// and deployed.
+constexpr double kG33Touch_s = 3, kG33Stow_s = 2;
 
 /// One value of the settings, as the results' table names it.
 std::optional<double> SettingOf(const DeltaModel<double>& model,
@@ -86,6 +88,14 @@ class DeltaRun {
       recorder = std::make_unique<RecordingLink>(&link, options_.transcript);
     }
     Link* wire = recorder ? static_cast<Link*>(recorder.get()) : &link;
+    if (!delta_.probe_offset_mm.isZero(0)) {
+      const Vec3<double>& offset_mm = delta_.probe_offset_mm;
+      DeltaLinkProbe(wire, machine_.delta->model, marlin_.settings())
+          .Say(fmt::format("M851 X{:.2f} Y{:.2f} Z{:.3f}",
+                           offset_mm[0],
+                           offset_mm[1],
+                           offset_mm[2]));
+    }
     for (const DeltaStep& step : delta_.calibrate) {
       options_.progress(step.name);
       Take(step, wire, &result);
@@ -94,7 +104,8 @@ class DeltaRun {
     }
     if (recorder) recorder->Save();
     result.touches = marlin_.touches() + g33_touches_;
-    result.machine_time_s = marlin_.machine_time_s() + kG33Touch_s * g33_touches_;
+    result.machine_time_s =
+        marlin_.machine_time_s() + kG33Touch_s * g33_touches_ + kG33Stow_s * g33_stows_;
     result.position_error_after_p95_mm = PositionP95_mm();
     Judge(before, Accuracy(), &result);
     result.cpu_s = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
@@ -104,19 +115,22 @@ class DeltaRun {
  private:
   std::vector<std::string> AnswerG33(const GcodeCommand& words,
                                      DeltaModel<double>* settings) {
-    const GcodeWord* p = words.Find('P');
+    G33Options options{.probe_offset_mm = marlin_.probe_offset_mm(),
+                       .variant = g33_variant_};
+    options.printable_radius_mm = machine_.delta->print_radius_mm;
+    try {
+      options = ReadG33(words, options);
+    } catch (const InputError& implausible) {
+      return {implausible.what()};
+    }
     const DeltaProbe probe =
         [this](const DeltaModel<double>& at, double x_mm, double y_mm) {
           ++g33_touches_;
           return plant_.Touch(at, x_mm, y_mm);
         };
-    const DeltaOutcome outcome =
-        CalibrateG33(probe,
-                     *settings,
-                     {.points = p == nullptr ? 4 : static_cast<int>(p->number),
-                      .tower_angles = words.Find('T') == nullptr,
-                      .printable_radius_mm = machine_.delta->print_radius_mm,
-                      .variant = g33_variant_});
+    const int before = g33_touches_;
+    const DeltaOutcome outcome = CalibrateG33(probe, *settings, options);
+    if (options.engages_probe) g33_stows_ += g33_touches_ - before;
     *settings = outcome.settings;
     said_mm_ = outcome.said_mm;
     return outcome.messages;
@@ -128,7 +142,7 @@ class DeltaRun {
     if (step.name == "g33") {
       g33_variant_ = step.variant == "as_published" ? G33Variant::kAsPublished
                                                     : G33Variant::kCorrected;
-      const auto lines = probe.Say(fmt::format("G33 P{}", step.points));
+      const auto lines = probe.Say(fmt::format("G33 P{}{}", step.points, step.words));
       result->messages.insert(result->messages.end(), lines.begin(), lines.end());
     } else {
       const DeltaOutcome outcome =
@@ -347,7 +361,7 @@ class DeltaRun {
   G33Variant g33_variant_ = G33Variant::kCorrected;
   std::optional<DeltaJointFit> fit_{};
   double said_mm_ = 0;
-  int g33_touches_ = 0;
+  int g33_touches_ = 0, g33_stows_ = 0;
   bool was_out_of_reach_ = false;
   std::optional<std::string> fault_{};
 };

@@ -1,18 +1,49 @@
 #include "scenarios/delta_scenario.h"
 
 #include <algorithm>
+#include <array>
+#include <cctype>
 #include <cmath>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "sim/effects/catalog.h"
+#include "sim/link/gcode.h"
 #include "sim/machine/delta_knobs.h"
 
 namespace caltwin {
 namespace {
 
 constexpr double kMilli = 1e-3;  // um.
+
+char Capital(char letter) {
+  return static_cast<char>(std::toupper(static_cast<unsigned char>(letter)));
+}
+
+// Those that a scenario gives, small letters for keys.
+std::string ReadG33Letters(YamlMap* map) {
+  struct Letter {
+    const char* key;
+    Bounds bounds;
+  };
+  constexpr std::array kNumbers = {Letter{"c", {0, 1}},
+                                   Letter{"f", {0, 30}},
+                                   Letter{"r", {0, 1000}},
+                                   Letter{"v", {0, 3}}};
+  std::string words;
+  for (const Letter& letter : kNumbers) {
+    if (const auto value = map->Optional(letter.key)) {
+      words += fmt::format(
+          " {}{}", Capital(*letter.key), GcodeNumber(value->Number(letter.bounds)));
+    }
+  }
+  for (const char* key : {"e", "o", "t"}) {
+    const auto value = map->Optional(key);
+    if (value && value->Flag()) words += fmt::format(" {}", Capital(*key));
+  }
+  return words;
+}
 
 DeltaStep ReadDeltaStep(const std::string& name, const YamlValue& options) {
   DeltaStep step{.name = name};
@@ -25,6 +56,7 @@ DeltaStep ReadDeltaStep(const std::string& name, const YamlValue& options) {
   if (name == "g33") {
     step.variant = map.WordOr("variant", "corrected", {"as_published", "corrected"});
     step.points = static_cast<int>(map.IntegerOr("p", 4, 0, 10));
+    step.words = ReadG33Letters(&map);
   }
   if (name == "rrf_least_squares") {
     step.factors = static_cast<int>(map.IntegerOr("factors", 6, 3, 9));
@@ -107,6 +139,18 @@ void ReadDeltaExpectation(YamlMap map, DeltaScenario* scenario) {
   map.NoMoreKeys();
 }
 
+void ReadProbeOffset(const YamlValue& value, Vec3<double>* offset_mm) {
+  const std::vector<YamlValue> numbers = value.List();
+  if (numbers.size() != 3) {
+    value.Fail("is not three numbers", "M851 X Y Z: of the tip from the nozzle");
+    return;
+  }
+  for (int i = 0; i < 3; ++i) {
+    const double most_mm = i == 2 ? 20 : 50;  // As Marlin has it.
+    (*offset_mm)[i] = numbers[static_cast<std::size_t>(i)].Number({-most_mm, most_mm});
+  }
+}
+
 // Whether the twin that firmware drives can be built with it.
 void RequireBuildable(const InjectedSpec& spec, Faults* faults) {
   const Effect& effect = EffectAt(spec.effect);
@@ -134,6 +178,9 @@ DeltaScenario ReadDeltaScenario(YamlMap* map,
   if (const auto settings = map->Optional("settings")) {
     YamlMap keys = settings->Map();
     ReadDeltaSettings(&keys, machine.delta->model, &scenario.settings);
+    if (const auto offset = keys.Optional("probe_offset_mm")) {
+      ReadProbeOffset(*offset, &scenario.probe_offset_mm);
+    }
     keys.NoMoreKeys();
   }
   if (const auto instruments = map->Optional("instruments")) {

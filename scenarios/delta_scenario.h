@@ -21,6 +21,7 @@ struct DeltaStep {
   std::string name{};     ///< g33, rrf_least_squares, klipper_descent, delta_joint.
   std::string variant{};  ///< as_published | corrected (g33).
   int points = 0;         ///< Touches, or G33's P; 0: the procedure's own.
+  std::string words{};    ///< G33's other letters, as G-code: " C0.01 F3 T".
   int factors = 6;        ///< Of rrf_least_squares.
   std::string unknowns{"firmware"};  ///< Of delta_joint: firmware | machine.
 };
@@ -36,7 +37,9 @@ struct DeltaExpectedValue {
 struct DeltaScenario {
   DeltaEffects effects{};
   DeltaModel<double> settings{};  ///< What the firmware wrongly believes.
-  double probe_sigma_mm = 0;      ///< instruments: {probe: {sigma_um: }}
+  /// settings: {probe_offset_mm: [x, y, z]}, sent as M851.
+  Vec3<double> probe_offset_mm = Vec3<double>::Zero();
+  double probe_sigma_mm = 0;  ///< instruments: {probe: {sigma_um: }}
   std::vector<DeltaStep> calibrate{};
   std::string outcome = "recovers";
   std::vector<DeltaExpectedValue> values{};

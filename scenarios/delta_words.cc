@@ -27,8 +27,10 @@ std::span<const Word> DeltaEffectWords() {
           "firmware without tilt in its geometry turns the machine instead, a third of "
           "a millimetre sideways for 2 mrad."},
       Word{"probe_offset",
-           "{dx_mm, dy_mm}. The probe's tip stands beside the nozzle and the firmware "
-           "is not told. Closed form only."}};
+           "{dx_mm, dy_mm, dz_mm}. The probe's tip from the nozzle; the firmware knows "
+           "of "
+           "it what M851 says (settings: {probe_offset_mm: [x, y, z]}). dz_mm below 0: "
+           "the tip hangs lower than the nozzle."}};
   return kWords;
 }
 
@@ -37,9 +39,12 @@ std::span<const Word> DeltaProcedureWords() {
       Word{"g33",
            "Marlin's auto calibration of a delta: a grid of touches becomes seven "
            "heights, those times a normalised inverse matrix become corrections, again "
-           "until the deviation no longer falls. Options: p (the grid, 0 to 10), "
-           "variant (as_published, corrected). Its deviation is in sample: P2 says "
-           "0.000 and may leave 0.09 mm."},
+           "until the deviation no longer falls. Options: p (the grid, 0 to 10), c "
+           "(precision), f (rounds at least), r (off the radius), v (0 to 3: how much "
+           "it "
+           "prints), e, o and t (true: as the letter alone), variant (as_published, "
+           "corrected). Its deviation is in sample: P2 says 0.000 and may leave 0.09 "
+           "mm."},
       Word{
           "rrf_least_squares",
           "RepRapFirmware's: two Gauss-Newton rounds over 16 touches. Option: factors, "

@@ -19,6 +19,13 @@ constexpr double kNoDeviation_mm = 1e-5;
 constexpr int kMostIterations = 31;
 constexpr std::array kTowerAngle_deg = {210.0, 330.0, 90.0};
 
+double Radius_mm(const G33Options& options) {
+  const double off_mm = options.probe_offset_mm.head<2>().norm();
+  const double kept_mm = options.probes_at_offset ? std::max(off_mm, options.margin_mm)
+                                                  : off_mm + options.margin_mm;
+  return options.printable_radius_mm - kept_mm - std::max(options.reduce_mm, 0.0);
+}
+
 void RequirePlausible(const G33Options& options) {
   constexpr int kMostForced = 30;
   if (options.precision_mm < 0) {
@@ -27,13 +34,21 @@ void RequirePlausible(const G33Options& options) {
   if (options.force_iterations < 0 || options.force_iterations > kMostForced) {
     throw InputError({}, "?(F)orce iteration implausible (0-30).");
   }
+  if (!(Radius_mm(options) > 0)) {
+    throw InputError({}, "?(R)educed to no radius at all.");
+  }
 }
 
-double Radius_mm(const G33Options& options) {
-  const double kept_mm = options.probes_at_offset
-                             ? std::max(options.probe_offset_mm, options.margin_mm)
-                             : options.probe_offset_mm + options.margin_mm;
-  return options.printable_radius_mm - kept_mm - std::max(options.reduce_mm, 0.0);
+// The number behind a letter; `otherwise` where there is none.
+double NumberOr(const GcodeCommand& command, char letter, double otherwise) {
+  const GcodeWord* word = command.Find(letter);
+  const bool has_number = word != nullptr && word->kind == GcodeWord::Kind::kNumber;
+  return has_number ? word->number : otherwise;
+}
+
+// A letter alone, or with anything but 0, says yes.
+bool Says(const GcodeCommand& command, char letter) {
+  return command.Find(letter) != nullptr && NumberOr(command, letter, 1) != 0;
 }
 
 // Rms of the used points from the zero plane, in whole micrometres and never nought.
@@ -114,10 +129,13 @@ class Calibration {
   std::optional<G33Heights> Touch() {
     G33Heights heights_mm = G33Heights::Zero();
     for (const G33Touch& touch : grid_) {
-      const auto motors_mm = probe_(outcome_.settings, touch.x_mm, touch.y_mm);
+      Eigen::Vector2d nozzle_mm(touch.x_mm, touch.y_mm);
+      if (options_.probes_at_offset) nozzle_mm -= options_.probe_offset_mm.head<2>();
+      const auto motors_mm = probe_(outcome_.settings, nozzle_mm[0], nozzle_mm[1]);
       if (!motors_mm) return std::nullopt;
       ++outcome_.touches;
-      heights_mm += touch.share * DeltaNozzle_mm(outcome_.settings, *motors_mm)[2];
+      const double nozzle_z_mm = DeltaNozzle_mm(outcome_.settings, *motors_mm)[2];
+      heights_mm += touch.share * (nozzle_z_mm + options_.probe_offset_mm[2]);
     }
     const int per_sixth = G33PerSixth(options_.points, options_.variant);
     if (options_.variant == G33Variant::kCorrected && per_sixth > 1) {
@@ -187,6 +205,32 @@ class Calibration {
 };
 
 }  // namespace
+
+G33Options ReadG33(const GcodeCommand& command, G33Options options) {
+  constexpr double kMostVerbose = 3;
+  constexpr double kMostPoints = 10;
+  const double points = NumberOr(command, 'P', options.points);
+  if (!(points >= 0 && points <= kMostPoints)) {
+    throw InputError({}, "?(P)oints implausible (0-10).");
+  }
+  const double verbosity = NumberOr(command, 'V', static_cast<int>(options.verbosity));
+  if (!(verbosity >= 0 && verbosity <= kMostVerbose)) {
+    throw InputError({}, "?(V)erbose level implausible (0-3).");
+  }
+  // Whatever does not fit an int is refused as implausible, too.
+  constexpr double kFar = 1000;
+  const double forced = NumberOr(command, 'F', options.force_iterations);
+  options.points = static_cast<int>(points);
+  options.verbosity = static_cast<G33Verbosity>(static_cast<int>(verbosity));
+  options.force_iterations = static_cast<int>(std::clamp(forced, -kFar, kFar));
+  options.precision_mm = NumberOr(command, 'C', options.precision_mm);
+  options.reduce_mm = NumberOr(command, 'R', options.reduce_mm);
+  if (command.Find('T') != nullptr) options.tower_angles = false;
+  options.engages_probe = options.engages_probe || Says(command, 'E');
+  options.probes_at_offset = options.probes_at_offset || Says(command, 'O');
+  RequirePlausible(options);
+  return options;
+}
 
 DeltaOutcome CalibrateG33(const DeltaProbe& probe,
                           const DeltaModel<double>& start,

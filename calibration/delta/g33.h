@@ -2,6 +2,7 @@
 
 #include "calibration/delta/bench.h"
 #include "calibration/delta/g33_grid.h"
+#include "sim/link/gcode.h"
 
 namespace caltwin {
 
@@ -19,11 +20,16 @@ struct G33Options {
   bool probes_at_offset = false;  ///< O: see `probe_offset_mm`.
   G33Verbosity verbosity = G33Verbosity::kEnds;
   double printable_radius_mm = 100;
-  double margin_mm = 0;        ///< Kept from the edge.
-  double probe_offset_mm = 0;  ///< Of the tip from the nozzle, horizontally. It and the
-                               ///< margin are taken off the radius, with O the larger.
+  double margin_mm = 0;  ///< Kept from the edge.
+  /// M851: of the tip from the nozzle. What it is aside and the margin are taken off
+  /// the radius, with O the larger of both.
+  Vec3<double> probe_offset_mm = Vec3<double>::Zero();
   G33Variant variant = G33Variant::kCorrected;
 };
+
+/// G33's letters C E F O P R T V over what is given; others are none of its, as Marlin
+/// has it. Throws InputError with Marlin's words where one is implausible.
+G33Options ReadG33(const GcodeCommand& command, G33Options options);
 
 /// Marlin's G33: touches a grid, multiplies the seven heights by the normalised
 /// inverted displacement matrix, and again, until the deviation from the zero plane
@@ -34,7 +40,9 @@ struct G33Options {
 /// to nought. `said_mm` is that smallest deviation: in sample, of seven averages, blind
 /// to what the split averages out. `messages`: its trace. M666's endstops, as Marlin
 /// prints them, are never above 0: with `endstop_mm` = height - M666, the published
-/// text's (smallest zero) are their negative.
+/// text's (smallest zero) are their negative. Without O the nozzle goes to each point
+/// of the grid and the tip, where it stands off it, touches beside; with O the tip
+/// does.
 DeltaOutcome CalibrateG33(const DeltaProbe& probe,
                           const DeltaModel<double>& start,
                           const G33Options& options = {});

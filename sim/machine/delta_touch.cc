@@ -56,7 +56,7 @@ std::optional<Vec3<double>> DeltaTouchMotors(const DeltaBuild<double>& build,
                                              const DeltaModel<double>& settings,
                                              double x_mm,
                                              double y_mm,
-                                             const Vec3<double>& tip_off_mm) {
+                                             const DeltaTip& tip) {
   constexpr int kMostRounds = 50;
   constexpr double kThere_mm = 1e-10;
   Vec3<double> at(x_mm, y_mm, bed.Height_mm(x_mm, y_mm));
@@ -65,9 +65,9 @@ std::optional<Vec3<double>> DeltaTouchMotors(const DeltaBuild<double>& build,
     if (!motors_mm.allFinite()) return std::nullopt;
     const auto pose = DeltaPoseOf(build, motors_mm);
     if (!pose) return std::nullopt;
-    const Vec3<double> tip =
-        pose->nozzle_mm + delta_chain::Rotated(pose->cayley, tip_off_mm);
-    const double above_mm = tip[2] - bed.Height_mm(tip[0], tip[1]);
+    const Vec3<double> tip_mm =
+        pose->nozzle_mm + delta_chain::Rotated(pose->cayley, tip.AtTrigger_mm());
+    const double above_mm = tip_mm[2] - bed.Height_mm(tip_mm[0], tip_mm[1]);
     if (std::abs(above_mm) < kThere_mm) return motors_mm;
     at[2] -= above_mm;
   }

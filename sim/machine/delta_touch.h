@@ -2,6 +2,7 @@
 
 #include <optional>
 
+#include "sim/machine/axis.h"
 #include "sim/machine/delta.h"
 
 namespace caltwin {
@@ -29,17 +30,26 @@ struct DeltaBed {
   }
 };
 
+/// What a delta touches with: its nozzle, or a sprung probe beside it whose tip gives
+/// way along the tool by the pre-travel before it triggers.
+struct DeltaTip {
+  Vec3<double> off_mm = Vec3<double>::Zero();  ///< From the nozzle, on the effector.
+  double pretravel_mm = 0;                     ///< 0: nothing gives way.
+
+  bool IsNozzle() const { return pretravel_mm == 0 && off_mm.isZero(0); }
+  /// From the nozzle, when it triggers.
+  Vec3<double> AtTrigger_mm() const { return off_mm + pretravel_mm * Unit(Axis::kZ); }
+};
+
 /// Where a delta touches its bed when its firmware, believing `settings`, goes straight
-/// down at (x, y): the motors' commanded travels at contact. `tip_off_mm`: of the
-/// probe's tip against the nozzle; the settings know nothing of it. nullopt where an
-/// arm is too short.
+/// down at (x, y): the motors' commanded travels at the trigger. The settings know
+/// nothing of the tip. nullopt where an arm is too short.
 std::optional<Vec3<double>> DeltaTouchMotors(const DeltaBuild<double>& build,
                                              const DeltaBed<double>& bed,
                                              const DeltaModel<double>& settings,
                                              double x_mm,
                                              double y_mm,
-                                             const Vec3<double>& tip_off_mm = {
-                                                 0, 0, 0});
+                                             const DeltaTip& tip = {});
 
 /// How a delta with these settings prints: over a disc of that radius on the bed plane
 /// z = 0 as it is commanded.

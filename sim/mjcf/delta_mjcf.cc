@@ -15,6 +15,7 @@ constexpr double kField_mm = 128;  // Half its width, beyond any nozzle's reach.
 constexpr int kCells = 256;
 constexpr double kBase_mm = 5;
 constexpr double kFlat_mm = 1e-9;
+constexpr const char* kProbe = "probe";
 
 mjsBody* Body(const mjSpec* spec, const std::string& name) {
   return mjs_asBody(FindElement(spec, mjOBJ_BODY, name));
@@ -77,9 +78,16 @@ void DeltaMjcf::SetTimestep_s(double timestep_s) {
         mjs_asEquality(FindElement(spec_.get(), mjOBJ_EQUALITY, "rod_" + RodName(k)));
     MakeHard(timestep_s, /*damping_ratio=*/0.5, rod->solref, rod->solimp);
   }
+  constexpr double kOneSided = 1;  // Damping ratio.
   for (const char* name : {"bed", "nozzle"}) {
     mjsGeom* geom = mjs_asGeom(FindElement(spec_.get(), mjOBJ_GEOM, name));
-    MakeHard(timestep_s, /*damping_ratio=*/1, geom->solref, geom->solimp);
+    MakeHard(timestep_s, kOneSided, geom->solref, geom->solimp);
+  }
+  if (mjsElement* probe = mjs_findElement(spec_.get(), mjOBJ_JOINT, kProbe)) {
+    mjsJoint* joint = mjs_asJoint(probe);
+    MakeHard(timestep_s, kOneSided, joint->solref_limit, joint->solimp_limit);
+    mjsGeom* tip = mjs_asGeom(FindElement(spec_.get(), mjOBJ_GEOM, kProbe));
+    MakeHard(timestep_s, kOneSided, tip->solref, tip->solimp);
   }
 }
 
@@ -118,6 +126,44 @@ void DeltaMjcf::SetBed(const DeltaBed<double>& bed) {
   const Vec3<double> normal = Vec3<double>(-bed.slope_x, -bed.slope_y, 1).normalized();
   SetQuat(Eigen::Quaterniond::FromTwoVectors(Vec3<double>::UnitZ(), normal),
           body->quat);
+}
+
+void DeltaMjcf::AddProbe(const Vec3<double>& off_mm) {
+  constexpr double kMass_kg = 0.003;
+  constexpr double kStiffness_n_per_m = 50;
+  constexpr double kPreload_m = 0.01;
+  constexpr double kTravel_m = 0.006;
+  mjsGeom* nozzle = mjs_asGeom(FindElement(spec_.get(), mjOBJ_GEOM, "nozzle"));
+  mjsBody* probe = mjs_addBody(Body(spec_.get(), "effector"), nullptr);
+  mjs_setName(probe->element, kProbe);
+  SetPosition(off_mm, probe->pos);
+  probe->explicitinertial = 1;
+  probe->mass = kMass_kg;
+  for (double& inertia : probe->inertia) inertia = kMass_kg * 1e-5;
+  mjsJoint* joint = mjs_addJoint(probe, nullptr);
+  mjs_setName(joint->element, kProbe);
+  joint->type = mjJNT_SLIDE;
+  std::copy_n(Unit(Axis::kZ).data(), 3, joint->axis);
+  joint->stiffness[0] = kStiffness_n_per_m;
+  joint->springref = -kPreload_m;
+  joint->limited = mjLIMITED_TRUE;
+  joint->range[0] = 0;
+  joint->range[1] = kTravel_m;
+  mjsGeom* tip = mjs_addGeom(probe, nullptr);
+  mjs_setName(tip->element, kProbe);
+  tip->type = nozzle->type;
+  std::copy_n(nozzle->size, 3, tip->size);
+  std::copy_n(nozzle->pos, 3, tip->pos);
+  tip->contype = nozzle->contype;
+  tip->conaffinity = nozzle->conaffinity;
+  tip->condim = nozzle->condim;
+  tip->group = nozzle->group;
+  nozzle->contype = nozzle->conaffinity = 0;
+}
+
+void DeltaMjcf::MoveNozzle(const Vec3<double>& off_mm) {
+  mjsGeom* nozzle = mjs_asGeom(FindElement(spec_.get(), mjOBJ_GEOM, "nozzle"));
+  for (int i = 0; i < 3; ++i) nozzle->pos[i] += off_mm[i] * kMPerMm;
 }
 
 // Heights from 0 to 1 between the lowest and the highest, as MuJoCo wants them; tilt

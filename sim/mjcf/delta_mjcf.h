@@ -28,6 +28,14 @@ class DeltaMjcf {
   /// bowl of 0.2 mm over 100 mm: right to 0.005 um).
   void SetBed(const DeltaBed<double>& bed);
 
+  /// A sprung probe with its tip there: body `probe` on the effector, joint `probe`
+  /// along the tool (+: pushed in, 0: at rest on its stop), held out by half a newton
+  /// and 50 N/m. The nozzle touches nothing any more. Call it before SetTimestep_s.
+  void AddProbe(const Vec3<double>& off_mm);
+
+  /// What touches without a probe: the nozzle's tip, or something as hard beside it.
+  void MoveNozzle(const Vec3<double>& off_mm);
+
   /// Throws logic_error with MuJoCo's words where it does not compile.
   ModelPtr Compile(bool with_looks) const;
 

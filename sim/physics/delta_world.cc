@@ -33,6 +33,8 @@ DeltaWorld::DeltaWorld(ModelPtr model, const DeltaBuild<double>& build)
   effector_qpos_ = model_->jnt_qposadr[free];
   effector_dof_ = model_->jnt_dofadr[free];
   effector_body_ = IdOf(model_.get(), mjOBJ_BODY, "effector");
+  const int probe = mj_name2id(model_.get(), mjOBJ_JOINT, "probe");
+  if (probe >= 0) probe_qpos_ = model_->jnt_qposadr[probe];
   for (int k = 0; k < kNumRods; ++k) {
     const auto rod = static_cast<std::size_t>(k);
     const int tendon = IdOf(model_.get(), mjOBJ_TENDON, "rod_" + RodName(k));
@@ -86,6 +88,11 @@ std::optional<double> DeltaWorld::Clearance_mm() const {
   return least_mm;
 }
 
+std::optional<double> DeltaWorld::Deflection_mm() const {
+  if (probe_qpos_ < 0) return std::nullopt;
+  return data_->qpos[probe_qpos_] * kMmPerM;
+}
+
 Vec3<double> DeltaWorld::Nozzle_mm() const {
   Vec3<double> at;
   for (int i = 0; i < 3; ++i) at[i] = data_->qpos[effector_qpos_ + i] * kMmPerM;
@@ -100,39 +107,48 @@ Vec3<double> DeltaWorld::Motors_mm() const {
   return at;
 }
 
+double TouchTimestep_s(const DeltaTip& tip) {
+  constexpr double kNozzle_s = 0.001, kLong_s = 0.0005, kShort_s = 0.0002;
+  constexpr double kLong_mm = 0.2;
+  if (tip.pretravel_mm == 0) return kNozzle_s;
+  return tip.pretravel_mm < kLong_mm ? kShort_s : kLong_s;
+}
+
 std::optional<Vec3<double>> TouchInPhysics(DeltaWorld* world,
                                            const DeltaBuild<double>& build,
                                            const DeltaBed<double>& bed,
                                            const DeltaModel<double>& settings,
                                            const Eigen::Vector2d& at_mm,
                                            const DeltaTouchOptions& options) {
-  const auto expected = DeltaTouchMotors(build, bed, settings, at_mm[0], at_mm[1]);
+  const DeltaTip& tip = options.tip;
+  const bool is_sprung = world->Deflection_mm().has_value();
+  Require(is_sprung == (tip.pretravel_mm > 0), "the model has the tip that touches");
+  const auto expected = DeltaTouchMotors(build, bed, settings, at_mm[0], at_mm[1], tip);
   if (!expected) return std::nullopt;
   const Vec3<double> target = DeltaNozzle_mm(settings, *expected);
   const double step_mm = options.feed_mm_s * world->timestep_s();
+  const double start_mm = options.start_mm + tip.pretravel_mm;
   const auto motors_at = [&](double above_mm) {
     return DeltaMotors_mm<double>(settings, target + above_mm * Unit(Axis::kZ));
   };
-  const auto pose = DeltaPoseOf(build, motors_at(options.start_mm));
+  const auto pose = DeltaPoseOf(build, motors_at(start_mm));
   if (!pose) return std::nullopt;
   const Vec3<double> speed =
-      (motors_at(options.start_mm - step_mm) - motors_at(options.start_mm)) /
-      world->timestep_s();
-  world->Place(
-      motors_at(options.start_mm), *pose, speed, -options.feed_mm_s * Unit(Axis::kZ));
-  double above_mm = options.start_mm;
+      (motors_at(start_mm - step_mm) - motors_at(start_mm)) / world->timestep_s();
+  world->Place(motors_at(start_mm), *pose, speed, -options.feed_mm_s * Unit(Axis::kZ));
   std::optional<double> before_mm;
-  while (above_mm > -options.most_mm) {
+  for (double above_mm = start_mm; above_mm > -options.most_mm; above_mm -= step_mm) {
     world->Step(motors_at(above_mm - step_mm));
-    // Found where the step began.
-    const auto now_mm = world->Clearance_mm();
-    if (now_mm && *now_mm <= 0) {
+    // A contact is found where the step began; a deflection is that of its end.
+    const auto left_mm =
+        is_sprung ? tip.pretravel_mm - *world->Deflection_mm() : world->Clearance_mm();
+    const double read_at_mm = is_sprung ? above_mm - step_mm : above_mm;
+    if (left_mm && *left_mm <= 0) {
       if (!before_mm) return std::nullopt;
-      const double part = *before_mm / (*before_mm - *now_mm);
-      return motors_at(above_mm + step_mm * (1 - part));
+      const double part = *before_mm / (*before_mm - *left_mm);
+      return motors_at(read_at_mm + step_mm * (1 - part));
     }
-    before_mm = now_mm;
-    above_mm -= step_mm;
+    before_mm = left_mm;
   }
   return std::nullopt;
 }

@@ -28,6 +28,8 @@ class DeltaWorld {
 
   /// Of the instant before the last Step: contacts are found at a step's beginning.
   std::optional<double> Clearance_mm() const;
+  /// How far the probe is pushed in, now. nullopt: the model has none.
+  std::optional<double> Deflection_mm() const;
   Vec3<double> Nozzle_mm() const;
   /// Commanded travels that the carriages stand at.
   Vec3<double> Motors_mm() const;
@@ -42,18 +44,25 @@ class DeltaWorld {
   std::array<int, 3> qpos_{}, dof_{};
   std::array<double, 3> mass_kg_{};
   int effector_qpos_ = 0, effector_dof_ = 0, effector_body_ = 0;
+  int probe_qpos_ = -1;
 };
 
+/// The time step that touches with this tip to 0.02 um: a sprung one moves on before it
+/// triggers, and the less time it has for that, the shorter the steps must be.
+double TouchTimestep_s(const DeltaTip& tip);
+
 /// A touch of the bed in MuJoCo: from `start_mm` above where closed-form kinematics
-/// expect it straight down at a constant feed, until the nozzle meets the bed.
+/// expect the contact straight down at a constant feed, until the tip meets the bed or,
+/// sprung, until it is pushed in by its pre-travel.
 struct DeltaTouchOptions {
+  DeltaTip tip{};  ///< As the model has it.
   double feed_mm_s = 5;
   double start_mm = 0.2;
   double most_mm = 2;  ///< Beyond the expected contact, then it is no touch.
 };
 
-/// The motors' commanded travels at the contact, found between two steps by MuJoCo's
-/// own distance. nullopt: none, or out of reach.
+/// The motors' commanded travels at the trigger, found between two steps by MuJoCo's
+/// own distance or deflection. nullopt: none, or out of reach.
 std::optional<Vec3<double>> TouchInPhysics(DeltaWorld* world,
                                            const DeltaBuild<double>& build,
                                            const DeltaBed<double>& bed,

@@ -5,11 +5,6 @@
 #include "sim/base/require.h"
 
 namespace caltwin {
-namespace {
-
-constexpr double kTimestep_s = 0.001;
-
-}  // namespace
 
 DeltaMjcf ModelOfDelta(const Machine& machine) {
   return DeltaMjcf::FromFile(machine.model.empty()
@@ -23,6 +18,19 @@ std::array<double, 3> TowerStepsPerMm(const Machine& machine) {
   return steps_per_mm;
 }
 
+DeltaWorld WorldOfDelta(const Machine& machine, const BuiltDelta& built) {
+  DeltaMjcf model = ModelOfDelta(machine);
+  if (built.tip.pretravel_mm > 0) {
+    model.AddProbe(built.tip.off_mm);
+  } else {
+    model.MoveNozzle(built.tip.off_mm);
+  }
+  model.SetTimestep_s(TouchTimestep_s(built.tip));
+  model.SetBuild(built.build);
+  model.SetBed(built.bed);
+  return {model.Compile(/*with_looks=*/false), built.build};
+}
+
 DeltaTwinPlant::DeltaTwinPlant(const Machine& machine,
                                const BuiltDelta& built,
                                bool is_physics,
@@ -32,23 +40,23 @@ DeltaTwinPlant::DeltaTwinPlant(const Machine& machine,
       steps_per_mm_(TowerStepsPerMm(machine)),
       scatter_(seed, sample, "trigger_scatter") {
   Require(machine.delta.has_value(), "the machine is a delta");
-  if (!is_physics || built.probe_off_mm.norm() > 0) return;
-  DeltaMjcf model = ModelOfDelta(machine);
-  model.SetTimestep_s(kTimestep_s);
-  model.SetBuild(built.build);
-  model.SetBed(built.bed);
-  world_ =
-      std::make_unique<DeltaWorld>(model.Compile(/*with_looks=*/false), built.build);
+  if (is_physics) {
+    world_ = std::make_unique<DeltaWorld>(WorldOfDelta(machine, built));
+  }
 }
 
 std::optional<Vec3<double>> DeltaTwinPlant::Touch(const DeltaModel<double>& settings,
                                                   double x_mm,
                                                   double y_mm) {
   const auto motors_mm =
-      world_ ? TouchInPhysics(
-                   world_.get(), built_.build, built_.bed, settings, {x_mm, y_mm})
+      world_ ? TouchInPhysics(world_.get(),
+                              built_.build,
+                              built_.bed,
+                              settings,
+                              {x_mm, y_mm},
+                              {.tip = built_.tip})
              : DeltaTouchMotors(
-                   built_.build, built_.bed, settings, x_mm, y_mm, built_.probe_off_mm);
+                   built_.build, built_.bed, settings, x_mm, y_mm, built_.tip);
   if (!motors_mm) return std::nullopt;
   Vec3<double> at = DeltaNozzle_mm(settings, *motors_mm);
   if (built_.scatter_mm > 0) at[2] += built_.scatter_mm * scatter_.Normal();

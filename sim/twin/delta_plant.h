@@ -14,16 +14,15 @@ namespace caltwin {
 struct BuiltDelta {
   DeltaBuild<double> build{};
   DeltaBed<double> bed{};
-  double scatter_mm = 0;                             ///< Of the trigger, along z.
-  Vec3<double> probe_off_mm = Vec3<double>::Zero();  ///< Tip against the nozzle.
+  double scatter_mm = 0;  ///< Of the trigger, along z.
+  DeltaTip tip{};
 };
 
 /// A simulated delta that can be touched: closed form or MuJoCo. What it answers is a
 /// count of whole motor steps, as a controller has it.
 class DeltaTwinPlant : public DeltaPlant {
  public:
-  /// @param is_physics  MuJoCo finds the contact (nozzle touch only: a probe that
-  ///   stands off the nozzle is closed form's)
+  /// @param is_physics  MuJoCo finds the trigger
   DeltaTwinPlant(const Machine& machine,
                  const BuiltDelta& built,
                  bool is_physics,
@@ -42,6 +41,9 @@ class DeltaTwinPlant : public DeltaPlant {
   std::unique_ptr<DeltaWorld> world_{};
   Rng scatter_;
 };
+
+/// MuJoCo's world of a delta as it is built, with what it touches with.
+DeltaWorld WorldOfDelta(const Machine& machine, const BuiltDelta& built);
 
 /// The model that a delta's machine file names, or the one that every delta can be.
 DeltaMjcf ModelOfDelta(const Machine& machine);

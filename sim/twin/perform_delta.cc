@@ -16,7 +16,6 @@
 namespace caltwin {
 namespace {
 
-constexpr double kTimestep_s = 0.001;
 constexpr int kSettleSteps = 3;
 
 [[noreturn]] void FailReach(const Row& row) {
@@ -30,13 +29,9 @@ class DeltaReader {
  public:
   explicit DeltaReader(const DeltaPerformConfig& config)
       : config_(config), settings_(config.machine.delta->settings) {
-    if (config.fidelity != Fidelity::kPhysics) return;
-    DeltaMjcf model = ModelOfDelta(config.machine);
-    model.SetTimestep_s(kTimestep_s);
-    model.SetBuild(config.built.build);
-    model.SetBed(config.built.bed);
-    world_ = std::make_unique<DeltaWorld>(model.Compile(/*with_looks=*/false),
-                                          config.built.build);
+    if (config.fidelity == Fidelity::kPhysics) {
+      world_ = std::make_unique<DeltaWorld>(WorldOfDelta(config.machine, config.built));
+    }
   }
 
   double Gauge_mm(const Row& row, At at) {
@@ -54,7 +49,7 @@ class DeltaReader {
     DeltaAt delta = Placed(row, at.q_mm);
     delta.off_mm.setZero();
     at.delta = &delta;
-    // The nozzle itself touches: nothing bends before the trigger.
+    // What gives way before the trigger is in the contact already.
     return contact_mm + Predict_mm<double>(config_.machine, at, config_.effects) +
            config_.machine.probe.pretravel_mm;
   }
@@ -64,13 +59,15 @@ class DeltaReader {
   double Contact_mm(const Row& row, const Vec3<double>& sent_mm) {
     const BuiltDelta& built = config_.built;
     const double x_mm = sent_mm[0], y_mm = sent_mm[1];
-    const bool by_nozzle = world_ && built.probe_off_mm.norm() == 0;
     const auto motors_mm =
-        by_nozzle
-            ? TouchInPhysics(
-                  world_.get(), built.build, built.bed, settings_, {x_mm, y_mm})
-            : DeltaTouchMotors(
-                  built.build, built.bed, settings_, x_mm, y_mm, built.probe_off_mm);
+        world_ ? TouchInPhysics(world_.get(),
+                                built.build,
+                                built.bed,
+                                settings_,
+                                {x_mm, y_mm},
+                                {.tip = built.tip})
+               : DeltaTouchMotors(
+                     built.build, built.bed, settings_, x_mm, y_mm, built.tip);
     if (!motors_mm) FailReach(row);
     return DeltaNozzle_mm(settings_, *motors_mm)[2] - sent_mm[2];
   }

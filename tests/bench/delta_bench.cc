@@ -6,6 +6,7 @@
 
 #include "calibration/delta/joint.h"
 #include "sim/base/rng.h"
+#include "sim/base/units.h"
 #include "sim/machine/simulated_delta.h"
 #include "sim/physics/delta_world.h"
 
@@ -53,23 +54,31 @@ void DeltaJoint37Touches(benchmark::State& state) {
 }
 BENCHMARK(DeltaJoint37Touches)->Arg(9)->Arg(27)->Unit(benchmark::kMillisecond);
 
+// By the nozzle, and by a sprung probe with that many um of pre-travel.
 void DeltaGrid37InPhysics(benchmark::State& state) {
   DeltaBuild<double> build{.model = Drawn()};
   build.rod_error_mm = {0.3, -0.2, 0.1, 0, -0.4, 0.2};
   const DeltaBed<double> bed{.slope_x = 0.002};
+  const DeltaTip tip{.pretravel_mm = MmFromUm(static_cast<double>(state.range(0)))};
   DeltaMjcf model = DeltaMjcf::FromFile("models/delta_printer/model.xml");
-  model.SetTimestep_s(0.001);
+  if (!tip.IsNozzle()) model.AddProbe(tip.off_mm);
+  model.SetTimestep_s(TouchTimestep_s(tip));
   model.SetBuild(build);
   model.SetBed(bed);
   DeltaWorld world(model.Compile(/*with_looks=*/false), build);
   while (state.KeepRunning()) {
     for (const Vec3<double>& at : ThirtySeven()) {
       benchmark::DoNotOptimize(
-          TouchInPhysics(&world, build, bed, Drawn(), at.head<2>()));
+          TouchInPhysics(&world, build, bed, Drawn(), at.head<2>(), {.tip = tip}));
     }
   }
 }
-BENCHMARK(DeltaGrid37InPhysics)->Unit(benchmark::kMillisecond);
+BENCHMARK(DeltaGrid37InPhysics)
+    ->ArgName("pretravel_um")
+    ->Arg(0)
+    ->Arg(300)
+    ->Arg(20)
+    ->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace caltwin

@@ -6,6 +6,7 @@
 namespace caltwin {
 namespace {
 
+using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
@@ -40,6 +41,17 @@ TEST_F(MarlinDeltaTest, HomesBeforeItProbes) {
   EXPECT_THAT(Lines("G30 X10 Y-20"), ElementsAre("Bed X: 10.00 Y: -20.00 Z: 0.250"));
   EXPECT_EQ(marlin_.touches(), 1);
   EXPECT_GT(marlin_.machine_time_s(), 0);
+}
+
+TEST_F(MarlinDeltaTest, PutsTheTipWhereItIsToTouch) {
+  Lines("G28");
+  EXPECT_THAT(Lines("M851 X12 Y-5 Z-2.5"),
+              ElementsAre("Probe Offset X12.00 Y-5.00 Z-2.50"));
+  EXPECT_THAT(Lines("G30 X10 Y-20"), ElementsAre("Bed X: 10.00 Y: -20.00 Z: -2.250"));
+  // The nozzle stands beside, clear of the bed.
+  EXPECT_THAT(Lines("M114")[0], HasSubstr("X:-2.00 Y:-15.00 Z:5.25"));
+  EXPECT_THAT(Lines("M851 Z-21"), ElementsAre("?Z out of range (-20 to 20)"));
+  EXPECT_THAT(Lines("M503"), Contains("echo:  M851 X12.00 Y-5.00 Z-2.50"));
 }
 
 TEST_F(MarlinDeltaTest, KeepsEndstopsAtOrBelowTheHeight) {

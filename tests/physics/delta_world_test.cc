@@ -21,6 +21,7 @@ struct WrongDelta {
   std::string name{};
   DeltaBuild<double> build = Drawn();
   DeltaBed<double> bed{};
+  DeltaTip tip{};
 };
 
 // Every way of being wrong, alone, and all at once.
@@ -77,31 +78,58 @@ std::vector<WrongDelta> WrongDeltas() {
   return all;
 }
 
+// The same machines with what else they may touch with.
+std::vector<WrongDelta> WithEveryTip() {
+  const std::vector<WrongDelta> machines = WrongDeltas();
+  std::vector<WrongDelta> all = machines;
+  const auto add = [&](const char* name, const DeltaTip& tip) {
+    for (WrongDelta machine : {machines.front(), machines.back()}) {
+      machine.name += name;
+      machine.tip = tip;
+      all.push_back(machine);
+    }
+  };
+  add("_hard_probe_aside", {.off_mm = {25, -10, -2}});
+  add("_sprung_nozzle", {.pretravel_mm = 0.3});
+  add("_sprung_probe_aside", {.off_mm = {25, -10, -2}, .pretravel_mm = 0.3});
+  add("_short_pretravel", {.off_mm = {25, -10, -2}, .pretravel_mm = 0.02});
+  return all;
+}
+
 class DeltaPhysics : public ::testing::TestWithParam<WrongDelta> {};
 
 TEST_P(DeltaPhysics, TouchesWhereSixRodsSay) {
   const WrongDelta& wrong = GetParam();
   DeltaMjcf model = DeltaMjcf::FromFile(kModel);
-  model.SetTimestep_s(0.001);
+  const bool is_sprung = wrong.tip.pretravel_mm > 0;
+  if (is_sprung) model.AddProbe(wrong.tip.off_mm);
+  if (!is_sprung) model.MoveNozzle(wrong.tip.off_mm);
+  model.SetTimestep_s(TouchTimestep_s(wrong.tip));
   model.SetBuild(wrong.build);
   model.SetBed(wrong.bed);
   DeltaWorld world(model.Compile(/*with_looks=*/false), wrong.build);
   const DeltaModel<double> settings = Drawn().model;
   double most_mm = 0;
   for (const auto& [x, y] : {std::pair(0, 0), {95, 0}, {-40, 70}, {20, -90}}) {
-    const auto exact = DeltaTouchMotors(wrong.build, wrong.bed, settings, x, y);
-    const auto touched =
-        TouchInPhysics(&world, wrong.build, wrong.bed, settings, Eigen::Vector2d(x, y));
+    const auto exact =
+        DeltaTouchMotors(wrong.build, wrong.bed, settings, x, y, wrong.tip);
+    const auto touched = TouchInPhysics(&world,
+                                        wrong.build,
+                                        wrong.bed,
+                                        settings,
+                                        Eigen::Vector2d(x, y),
+                                        {.tip = wrong.tip});
     ASSERT_TRUE(exact);
     ASSERT_TRUE(touched) << x << " " << y;
     most_mm = std::max(most_mm, (*touched - *exact).cwiseAbs().maxCoeff());
   }
+  RecordProperty("most_mm", std::to_string(most_mm));
   EXPECT_LT(most_mm, kAgree_mm);
 }
 
 INSTANTIATE_TEST_SUITE_P(Every,
                          DeltaPhysics,
-                         ::testing::ValuesIn(WrongDeltas()),
+                         ::testing::ValuesIn(WithEveryTip()),
                          [](const auto& each) { return each.param.name; });
 
 }  // namespace

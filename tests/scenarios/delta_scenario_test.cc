@@ -1,6 +1,8 @@
 #include "scenarios/delta_scenario.h"
 
 #include <algorithm>
+#include <filesystem>
+#include <fstream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -49,6 +51,48 @@ TEST(DeltaScenario, EffectsMakeTheMachine) {
   EXPECT_DOUBLE_EQ(built.bed.cylinder_y_mm, 0.08);
 }
 
+TEST(DeltaScenario, WhatItTouchesWithIsSetToo) {
+  const Scenario scenario = ReadDeltaText(
+      "effects:\n"
+      "  probe_offset: {dx_mm: 15, dz_mm: -2}\n"
+      "  probe_pretravel.z: {pretravel_mm: 0.3}\n"
+      "settings: {probe_offset_mm: [15, 0, -1.7]}\n"
+      "calibrate:\n"
+      "  - g33: {p: 6, c: 0.01, f: 2, o: true, t: false}\n");
+  const BuiltDelta built = DrawDelta(*scenario.delta, scenario.machine.machine, 1, 0);
+
+  EXPECT_EQ(built.tip.off_mm, Vec3<double>(15, 0, -2));
+  EXPECT_EQ(built.tip.pretravel_mm, 0.3);
+  EXPECT_EQ(scenario.delta->probe_offset_mm, Vec3<double>(15, 0, -1.7));
+  EXPECT_EQ(scenario.delta->calibrate[0].words, " C0.01 F2 O");
+}
+
+// What an extended machine file adds acts where the twin is built of parts; what it
+// cannot build is a fault, never silence.
+TEST(DeltaScenario, TheEffectsOfAMachineFileAct) {
+  const std::filesystem::path machine =
+      std::filesystem::path(::testing::TempDir()) / "extended_delta.yaml";
+  const auto write = [&](const std::string& effects) {
+    std::ofstream(machine) << "extends: " << CALTWIN_SOURCE_DIR
+                           << "/models/delta_printer/machine.yaml\neffects:\n"
+                           << effects;
+  };
+  const std::string text =
+      "about: extended\nmachine: " + machine.string() + "\nseed: 1\ncalibrate: [g33]\n";
+  write("  rod_mismatch.a1: {length_error_mm: 0.2}\n");
+  const Scenario scenario = ReadScenarioText(text, "extended.yaml");
+  const BuiltDelta built = DrawDelta(*scenario.delta, scenario.machine.machine, 1, 0);
+  EXPECT_DOUBLE_EQ(built.build.rod_error_mm[0], 0.2);
+
+  write("  carriage_backlash.c: {gap_mm: 0.06}\n");
+  try {
+    ReadScenarioText(text, "extended.yaml");
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("'carriage_backlash' is no part of a delta"));
+  }
+}
+
 TEST(DeltaScenario, EveryEffectIsExplained) {
   std::vector<std::string> unexplained;
   for (const std::string& name : DeltaEffectNames()) {
@@ -69,6 +113,12 @@ TEST(DeltaScenario, TellsWhatItDoesNotKnow) {
               HasSubstr("'endstop' stands with .a .b .c"));
   EXPECT_THAT(FaultOf("effects: {endstop.a: {error_mm: 100}}\n" + calibrate),
               HasSubstr("is outside -20 .. 20"));
+  EXPECT_THAT(FaultOf("effects: {probe_pretravel.x: {pretravel_mm: 1}}\n" + calibrate),
+              HasSubstr("'probe_pretravel' stands with .z"));
+  EXPECT_THAT(FaultOf("settings: {probe_offset_mm: [1, 2]}\n" + calibrate),
+              HasSubstr("is not three numbers"));
+  EXPECT_THAT(FaultOf("calibrate: [{g33: {f: 31}}]\n"),
+              HasSubstr("is outside 0 .. 30"));
   EXPECT_THAT(FaultOf("calibrate: [next_all]\n"),
               HasSubstr("'next_all' is no procedure of a delta"));
   EXPECT_THAT(FaultOf(calibrate + "expect: {flatness: {below: 1}}\n"),

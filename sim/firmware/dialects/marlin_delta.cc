@@ -84,11 +84,7 @@ Reply MarlinDelta::Obey(const GcodeCommand& command) {
   if (command.Is('M', 114)) return Position();
   if (command.Is('M', 665)) return SetGeometry(command);
   if (command.Is('M', 666)) return SetEndstops(command);
-  if (command.Is('M', 851)) {
-    probe_offset_mm_ = NumberOf(command, 'Z').value_or(probe_offset_mm_);
-    return {
-        .lines = {fmt::format("Probe Offset X0.00 Y0.00 Z{:.2f}", probe_offset_mm_)}};
-  }
+  if (command.Is('M', 851)) return SetProbeOffset(command);
   if (command.Is('M', 500)) {
     stored_ = settings_;
     return {.lines = {"echo:Settings Stored (614 bytes; crc 0)"}};
@@ -141,12 +137,14 @@ Reply MarlinDelta::Probe(const GcodeCommand& command) {
   if (!is_homed_) return Refusal("Home XYZ first");
   const double x = NumberOf(command, 'X').value_or(at_mm_[0]);
   const double y = NumberOf(command, 'Y').value_or(at_mm_[1]);
-  const auto motors = plant_->Touch(settings_, x, y);
+  // The tip goes there, the nozzle beside.
+  const double nozzle_x = x - probe_offset_mm_[0], nozzle_y = y - probe_offset_mm_[1];
+  const auto motors = plant_->Touch(settings_, nozzle_x, nozzle_y);
   if (!motors) return {.lines = {"Z Probe Past Bed"}};
-  const double z = DeltaNozzle_mm(settings_, *motors)[2] - probe_offset_mm_;
-  time_s_ += (Vec3<double>(x, y, z + kClearance_mm) - at_mm_).norm() / kTravel_mm_s +
-             2 * kClearance_mm / kProbe_mm_s;
-  at_mm_ = {x, y, z + kClearance_mm};
+  const double z = DeltaNozzle_mm(settings_, *motors)[2] + probe_offset_mm_[2];
+  const Vec3<double> above(nozzle_x, nozzle_y, z - probe_offset_mm_[2] + kClearance_mm);
+  time_s_ += (above - at_mm_).norm() / kTravel_mm_s + 2 * kClearance_mm / kProbe_mm_s;
+  at_mm_ = above;
   ++touches_;
   Reply reply{.lines = {fmt::format("Bed X: {:.2f} Y: {:.2f} Z: {:.3f}", x, y, z)}};
   return reply;
@@ -225,6 +223,23 @@ Reply MarlinDelta::SetEndstops(const GcodeCommand& command) {
   return {};
 }
 
+Reply MarlinDelta::SetProbeOffset(const GcodeCommand& command) {
+  constexpr std::array kMost_mm = {50.0, 50.0, 20.0};
+  Vec3<double> offset_mm = probe_offset_mm_;
+  for (int i = 0; i < 3; ++i) {
+    const char letter = "XYZ"[i];
+    const double most_mm = kMost_mm[static_cast<std::size_t>(i)];
+    offset_mm[i] = NumberOf(command, letter).value_or(offset_mm[i]);
+    if (std::abs(offset_mm[i]) <= most_mm) continue;
+    return {.lines = {fmt::format("?{0} out of range (-{1} to {1})", letter, most_mm)}};
+  }
+  probe_offset_mm_ = offset_mm;
+  return {.lines = {fmt::format("Probe Offset X{:.2f} Y{:.2f} Z{:.2f}",
+                                offset_mm[0],
+                                offset_mm[1],
+                                offset_mm[2])}};
+}
+
 std::vector<std::string> MarlinDelta::GeometryLines() const {
   const double arm = MeanOfTowers(settings_.arm_mm);
   const auto trim_deg = [&](std::size_t i) {
@@ -250,8 +265,10 @@ std::vector<std::string> MarlinDelta::GeometryLines() const {
 Reply MarlinDelta::Report() const {
   Reply reply{.lines = {"echo:  G21    ; Units in mm (mm)"}};
   for (const std::string& line : GeometryLines()) reply.lines.push_back(line);
-  reply.lines.push_back(
-      fmt::format("echo:  M851 X0.00 Y0.00 Z{:.2f}", probe_offset_mm_));
+  reply.lines.push_back(fmt::format("echo:  M851 X{:.2f} Y{:.2f} Z{:.2f}",
+                                    probe_offset_mm_[0],
+                                    probe_offset_mm_[1],
+                                    probe_offset_mm_[2]));
   return reply;
 }
 

@@ -53,6 +53,8 @@ class MarlinDelta {
   const DeltaModel<double>& settings() const { return settings_; }
   int touches() const { return touches_; }
   double machine_time_s() const { return time_s_; }
+  /// M851: of the probe's tip from the nozzle.
+  const Vec3<double>& probe_offset_mm() const { return probe_offset_mm_; }
 
  private:
   void Take(const DeltaModel<double>& settings);
@@ -63,6 +65,7 @@ class MarlinDelta {
   Reply Position() const;
   Reply SetGeometry(const GcodeCommand& command);
   Reply SetEndstops(const GcodeCommand& command);
+  Reply SetProbeOffset(const GcodeCommand& command);
   Reply Report() const;
   std::vector<std::string> GeometryLines() const;
 
@@ -75,7 +78,7 @@ class MarlinDelta {
   AutoCalibration g33_;
   bool is_homed_ = false;
   Vec3<double> at_mm_ = Vec3<double>::Zero();
-  double probe_offset_mm_ = 0;  ///< M851 Z.
+  Vec3<double> probe_offset_mm_ = Vec3<double>::Zero();
   double time_s_ = 0;
   int touches_ = 0;
 };
