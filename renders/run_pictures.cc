@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "renders/delta_scene.h"
 #include "renders/html.h"
 #include "renders/machine_scene.h"
 #include "scenarios/runner.h"
@@ -66,6 +68,23 @@ ReportPicture MachineAsBuilt(const TwinConfig& config) {
           .caption =
               fmt::format("Its geometric errors are enlarged {} times.", kExaggerate),
           .png = PngBytes(MachinePicture(config, kExaggerate, Options()))};
+}
+
+// Enlarged as far as its rods still reach.
+ReportPicture DeltaAsBuilt(const Scenario& scenario, std::uint64_t seed) {
+  const Machine& machine = scenario.machine.machine;
+  const BuiltDelta built = DrawDelta(*scenario.delta, machine, seed, /*sample=*/0);
+  for (double exaggerate = kExaggerate;; exaggerate /= 2) {
+    try {
+      const DeltaScene scene(machine, built, std::max(exaggerate, 1.0));
+      return {.title = "The machine as built.",
+              .caption = fmt::format("Its geometric errors are enlarged {:g} times.",
+                                     std::max(exaggerate, 1.0)),
+              .png = PngBytes(DrawScene(scene.model(), scene.data(), Options()))};
+    } catch (const InputError&) {
+      if (exaggerate <= 1) throw;
+    }
+  }
 }
 
 ReportPicture ErrorPicture(MachineScene* scene,
@@ -134,8 +153,12 @@ std::vector<Arrow> ArrowsOf(const std::vector<PoseError>& errors,
 
 ReportPictures PicturesOf(const RunResult& result) {
   const Scenario scenario = ReadScenarioText(result.verbatim, result.scenario);
-  const TwinConfig config = MakeTwinConfig(scenario, {.seed = result.seed});
   ReportPictures pictures;
+  if (scenario.delta) {
+    pictures.pictures.push_back(DeltaAsBuilt(scenario, result.seed));
+    return pictures;
+  }
+  const TwinConfig config = MakeTwinConfig(scenario, {.seed = result.seed});
   pictures.pictures.push_back(MachineAsBuilt(config));
 
   MachineScene scene(config);

@@ -137,6 +137,7 @@ class DeltaRun {
   }
 
   void Take(const DeltaStep& step, Link* wire, RunResult* result) {
+    fit_.reset();  // What an earlier step knew is no uncertainty of this one's.
     const DeltaModel<double> before = marlin_.settings();
     DeltaLinkProbe probe(wire, machine_.delta->model, before);
     if (step.name == "g33") {
@@ -233,8 +234,13 @@ class DeltaRun {
       if (known != result->parameters.end()) {
         // With a radius for each tower the common one is tower c's, no setting.
         if (knob.name == "delta_radius" && has_tower_radii) continue;
+        // What was found; the settings made of it stand among the steps.
+        known->recovered =
+            SettingOf(fit_->build.model, machine_.delta->model, std::string(knob.name));
+        known->error = *known->recovered - known->injected;
         known->sd = estimate.sd;
         known->identifiable = is_told;
+        known->is_setting = false;
         continue;
       }
       ParameterResult row{.name = std::string(knob.name),

@@ -60,6 +60,10 @@ DeltaStep ReadDeltaStep(const std::string& name, const YamlValue& options) {
   }
   if (name == "rrf_least_squares") {
     step.factors = static_cast<int>(map.IntegerOr("factors", 6, 3, 9));
+    if (step.factors == 5) {
+      map.faults()->Add(
+          map.place(), "factors: 5 is not known", "there are 3, 4, 6, 7, 8 and 9");
+    }
   }
   if (name == "delta_joint") {
     step.points = static_cast<int>(map.IntegerOr("points", 37, 8, 400));

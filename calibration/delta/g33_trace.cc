@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -13,7 +14,9 @@ namespace {
 
 // "  Ex:-0.35": a plus where it is above nought.
 std::string Signed(const char* name, double value) {
-  return fmt::format("  {}:{}{:.2f}", name, value > 0 ? "+" : "", value);
+  constexpr double kRounding = 1e-9;  // Of angles in rad and back.
+  const double shown = std::abs(value) < kRounding ? 0 : value;
+  return fmt::format("  {}:{}{:.2f}", name, shown > 0 ? "+" : "", shown);
 }
 
 constexpr std::size_t kNextLine = 13;

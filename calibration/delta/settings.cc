@@ -151,27 +151,27 @@ std::string AsRrf(const DeltaModel<double>& settings, const DeltaModel<double>& 
 std::string AsMarlin(const DeltaModel<double>& settings,
                      const DeltaModel<double>& drawn) {
   const auto more_deg = Corrections_deg(settings, drawn);
-  // A carriage that stops higher must come down less: M666 is its distance below the
-  // highest one.
-  const double highest_mm = std::ranges::max(settings.endstop_mm);
+  // Every carriage backs off from its endstop to the lowest of them: M666, none above
+  // 0.
+  const double lowest_mm = std::ranges::min(settings.endstop_mm);
   const double arm_mm = MeanOfTowers(settings.arm_mm);
   return fmt::format(
       "M665 L{:.4f} R{:.4f} H{:.4f} X{:.4f} Y{:.4f} Z{:.4f} A{:.4f} B{:.4f} C{:.4f}\n"
       "M666 X{:.4f} Y{:.4f} Z{:.4f}\n",
       arm_mm,
       MeanOfTowers(settings.radius_mm),
-      highest_mm,
+      lowest_mm,
       more_deg[0],
       more_deg[1],
       more_deg[2],
       settings.arm_mm[0] - arm_mm,
       settings.arm_mm[1] - arm_mm,
       settings.arm_mm[2] - arm_mm,
-      settings.endstop_mm[Mutant<std::size_t>("delta_swapped_towers", 0, 1)] -
-          highest_mm,
-      settings.endstop_mm[Mutant<std::size_t>("delta_swapped_towers", 1, 0)] -
-          highest_mm,
-      settings.endstop_mm[2] - highest_mm);
+      lowest_mm -
+          settings.endstop_mm[Mutant<std::size_t>("delta_swapped_towers", 0, 1)],
+      lowest_mm -
+          settings.endstop_mm[Mutant<std::size_t>("delta_swapped_towers", 1, 0)],
+      lowest_mm - settings.endstop_mm[2]);
 }
 
 std::string AsKlipper(const DeltaModel<double>& settings) {

@@ -31,8 +31,8 @@ DeltaModel<double> BestDeltaSettings(const DeltaBuild<double>& build,
 /// +: that tower's endstop is higher; their sum is 0).
 std::string AsRrf(const DeltaModel<double>& settings, const DeltaModel<double>& drawn);
 /// Marlin: `M665 L R H X Y Z A B C` (angle trims X Y Z, rod trims A B C) and `M666 X Y
-/// Z` (none above 0: the highest endstop is the reference, and H its height). It has
-/// one radius for all towers.
+/// Z` (how far each carriage backs off from its endstop, none above 0: to the lowest of
+/// them, and H is its height; Marlin homes to H so). It has one radius for all towers.
 std::string AsMarlin(const DeltaModel<double>& settings,
                      const DeltaModel<double>& drawn);
 /// Klipper's printer.cfg: `[printer] delta_radius`, `[stepper_a] position_endstop,

@@ -193,20 +193,25 @@ class Writer {
     std::vector<std::string> sources;
     for (const Finding& finding : diagnosis_.findings) {
       if (ShapeAxis(finding) != axis) continue;
+      const std::string name = fmt::format("{}.{}", finding.cause, finding.axis);
+      carried_.insert(&finding);
+      if (NumPoints(axis, {EffectOf(finding)}) == 0) {
+        Comment(
+            fmt::format("{}: its wave needs more than the {} points that a screw "
+                        "table of this travel has; it stays",
+                        name,
+                        kMostPoints));
+        continue;
+      }
       effects.push_back(EffectOf(finding));
-      sources.push_back(fmt::format("{}.{}", finding.cause, finding.axis));
+      sources.push_back(name);
     }
     const BaselineLine* gap = Fitted("backlash." + Name(axis));
-    const int points = NumPoints(axis, effects);
-    if (points == 0) {
-      Comment(
-          fmt::format("{}: its wave needs more than the {} points that a screw "
-                      "table of this travel has",
-                      fmt::join(sources, " and "),
-                      kMostPoints));
+    if (effects.empty()) {
       if (gap) AddGap(axis, *gap);
       return;
     }
+    const int points = NumPoints(axis, effects);
     if (gap) sources.push_back("backlash." + Name(axis));
     const std::string suffix = fmt::format(".{}.comp", Name(axis));
     files_.push_back({suffix, TableText(axis, effects, gap ? gap->value : 0, points)});
@@ -214,9 +219,6 @@ class Writer {
     Line(fmt::format("COMP_FILE = {}{}", name_, suffix),
          fmt::format("mm, nominal, actual forwards, actual backwards; {}",
                      fmt::join(sources, " and ")));
-    for (const Finding& finding : diagnosis_.findings) {
-      if (ShapeAxis(finding) == axis) carried_.insert(&finding);
-    }
   }
 
   // LinuxCNC ends a table at the first line that is not three numbers: no comments.

@@ -7,8 +7,10 @@
 
 #include "calibration/diagnosis/atlas.h"
 #include "calibration/diagnosis/baseline_fit.h"
+#include "calibration/diagnosis/diagnosis_words.h"
 #include "calibration/diagnosis/next_campaign.h"
 #include "calibration/diagnosis/pitch_map.h"
+#include "calibration/diagnosis/remains.h"
 #include "calibration/diagnosis/scrutiny.h"
 #include "sim/base/units.h"
 
@@ -226,6 +228,27 @@ class Reporter {
   std::vector<Refined> refined_{};
 };
 
+// Where nothing was found, but far more than noise is there: these rows cannot say
+// what. Not where small effects were not asked for.
+void DoubtNone(const Remains& left, Diagnosis* diagnosis) {
+  const bool is_none = diagnosis->verdict == DiagnosisVerdict::kNone;
+  if (!is_none || diagnosis->min_effect_um > 0 || !left.IsThere()) return;
+  diagnosis->verdict = DiagnosisVerdict::kUnknownStructure;
+  std::string remark = fmt::format(
+      "{:.2g} um rms remain beyond the baseline, where the noise is {:.2g} um: "
+      "something "
+      "is there, but nothing that was tried foretells rows left out",
+      UmFromMm(left.rms_mm),
+      UmFromMm(left.floor_mm));
+  if (!diagnosis->weighed.empty() && diagnosis->weighed[0].log_odds > 0) {
+    const EvidenceLine& best = diagnosis->weighed[0];
+    remark += fmt::format("; the likeliest would be {} (log odds {:.0f})",
+                          NameInWords(best.cause, best.axis),
+                          best.log_odds);
+  }
+  diagnosis->remarks.push_back(remark + ". Measure the same again, in both senses");
+}
+
 }  // namespace
 
 std::string ToString(DiagnosisVerdict verdict) {
@@ -263,6 +286,8 @@ Diagnosis Diagnose(const Observed& as_read, const DiagnoseOptions& options) {
   const std::string remark = Scrutinise(observed, candidates, &search);
   Diagnosis diagnosis = Reporter(observed, candidates, search).Make();
   if (!remark.empty()) diagnosis.remarks.push_back(remark);
+  diagnosis.min_effect_um = options.search.min_effect_um;
+  DoubtNone(RemainsOf(observed, search), &diagnosis);
   return diagnosis;
 }
 

@@ -96,6 +96,8 @@ struct BaselineLine {
 struct Diagnosis {
   DiagnosisVerdict verdict = DiagnosisVerdict::kNone;
   std::vector<Finding> findings{};  ///< Largest share first.
+  /// Smaller effects were not asked for [um]; 0: all.
+  double min_effect_um = 0;
   GainFigures gain{};
   std::vector<Absorbed> absorbed{};
   std::optional<NextCampaign> next_campaign{};

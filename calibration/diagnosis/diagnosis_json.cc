@@ -56,7 +56,7 @@ Json HeldOutJson(const HeldOut& held) {
 
 Json GainJson(const Diagnosis& diagnosis) {
   const GainFigures& gain = diagnosis.gain;
-  const bool is_none = diagnosis.verdict == DiagnosisVerdict::kNone;
+  const bool is_none = diagnosis.findings.empty();
   return {
       {"rmse_before_um", UmFromMm(gain.blocks.before_mm)},
       {"rmse_after_um", UmFromMm(gain.blocks.after_mm)},

@@ -86,6 +86,12 @@ std::string Headline(const Diagnosis& diagnosis) {
   const std::size_t count = diagnosis.findings.size();
   switch (diagnosis.verdict) {
     case DiagnosisVerdict::kNone:
+      if (diagnosis.min_effect_um > 0) {
+        return fmt::format(
+            "Verdict: none. Beyond the baseline these rows show nothing of {:g} um or "
+            "more; what is smaller was not asked for.",
+            diagnosis.min_effect_um);
+      }
       return fmt::format(
           "Verdict: none. Beyond the baseline these rows show nothing but {}.",
           diagnosis.wander_um_per_sqrt_h > 0 ? "a slow wander and noise" : "noise");
@@ -97,6 +103,9 @@ std::string Headline(const Diagnosis& diagnosis) {
              "of several causes it is.";
     case DiagnosisVerdict::kUnknownStructure:
       break;
+  }
+  if (count == 0) {
+    return "Verdict: unknown. Something is there, but these rows cannot say what.";
   }
   return "Verdict: unknown. Something is there that no cause in the catalogue "
          "explains.";
@@ -117,7 +126,7 @@ void AddGain(const Diagnosis& diagnosis, std::string* text) {
   const std::string floor_from = gain.floor_from_replicates
                                      ? "from repeated readings"
                                      : "from what the richest model leaves";
-  if (diagnosis.verdict == DiagnosisVerdict::kNone) {
+  if (diagnosis.findings.empty()) {
     *text += fmt::format(
         "The baseline predicts rows it has not seen to {} um rms; the noise floor is "
         "{} "

@@ -15,8 +15,9 @@ namespace caltwin {
 namespace {
 
 // What one cause is called, and what it does. In braces a parameter with its
-// uncertainty, or with a tilde without; {axis} {by} {to} are the axis in capitals and,
-// of ISO 230-1 names such as EYX, the axis that moves and the axis that errs.
+// uncertainty, or with a tilde without; {axis} {pair} {by} {to} are the axis in
+// capitals and, of ISO 230-1 names such as EYX, the axis that moves and the axis that
+// errs.
 struct Phrase {
   std::string_view cause, name, does;
 };
@@ -73,13 +74,13 @@ constexpr std::array kPhrases = {
            "scatter of homing {axis}",
            "Homing {axis} scatters by {sd_um}"},
     Phrase{"squareness",
-           "squareness {axis}",
-           "The axes of {axis} are out of square by {angle_mrad}"},
+           "squareness of {pair} ({axis})",
+           "{pair} are out of square by {angle_mrad} ({axis})"},
     Phrase{"straightness",
-           "straightness {axis}",
+           "straightness of {by} towards {to} ({axis})",
            "{by} does not run straight: it bows by {bow_um} towards {to} ({axis})"},
     Phrase{"angular",
-           "angular error {axis}",
+           "turn of {by} about {to} ({axis})",
            "{by} turns about {to} as it moves: {slope_urad} over its travel ({axis})"},
     Phrase{"gantry_sag",
            "sag of the gantry",
@@ -179,6 +180,13 @@ std::string LetterAt(std::string_view axis, std::size_t at) {
                                          : letter};
 }
 
+// The two axes of a squareness: C0Y is Y against X, B0Z Z against X, A0Z Z against Y.
+std::string PairOf(std::string_view axis) {
+  if (axis == "C0Y") return "X and Y";
+  if (axis == "B0Z") return "X and Z";
+  return axis == "A0Z" ? "Y and Z" : Capitals(axis);
+}
+
 std::string ValueOf(const Finding& finding, std::string_view key) {
   const bool plain = key.starts_with('~');
   if (plain) key.remove_prefix(1);
@@ -202,6 +210,8 @@ std::string Filled(std::string_view text, const Finding& finding) {
       filled += Capitals(finding.axis);
     } else if (key == "part") {
       filled += finding.axis;
+    } else if (key == "pair") {
+      filled += PairOf(finding.axis);
     } else if (key == "to" || key == "by") {
       filled += LetterAt(finding.axis, key == "to" ? 1 : 2);
     } else {

@@ -214,6 +214,7 @@ void DoubtRows(const RowTable& table, std::vector<Doubt>* doubts) {
   DoubtTimes(rows, doubts);
   DoubtTemperatures(rows, doubts);
   DoubtSenses(table, doubts);
+  DoubtMoves(rows, doubts);
 }
 
 std::vector<Doubt> Doubts(const RowTable& table,

@@ -20,6 +20,12 @@ void DoubtSizes(const RowTable& table,
                 const DataHeader& header,
                 std::vector<Doubt>* doubts);
 
+/// Commands against the travel since the last reversal, in the order measured.
+void DoubtMoves(const std::vector<const Row*>& rows, std::vector<Doubt>* doubts);
+
+/// The gap of an axis in one campaign against another's.
+void DoubtGaps(const std::vector<RowSeries>& all, std::vector<Doubt>* doubts);
+
 /// Positions against the travel of the axes.
 void DoubtTravel(const RowTable& table,
                  const Machine& machine,

@@ -348,6 +348,7 @@ void DoubtSizes(const RowTable& table,
     DoubtSize(series, fit, doubts);
     DoubtGap(series, fit, doubts);
   }
+  DoubtGaps(all, doubts);
   DoubtCampaigns(table, doubts);
   DoubtPositions(table, doubts);
   DoubtSigmas(table, header, all, doubts);

@@ -300,11 +300,12 @@ Replay ReplayOf(const Observed& observed,
 }
 
 std::string ReplayText(const Replay& replay) {
+  constexpr double kWorse = 1.02;  // More than rounding and chance.
   if (!replay.why_not.empty()) return replay.why_not + "\n";
   std::string text = fmt::format(
       "Replayed in MuJoCo ({}): {:.1f} um rms of {} rows before the findings act in "
       "the "
-      "twin, {:.1f} after; closed form and twin agree to {:.2f} um rms, {:.2f} at "
+      "twin, {:.1f} after; closed form and twin differ by {:.2f} um rms, {:.2f} at "
       "most.\n",
       replay.is_generic_model ? "a generic model, the machine file names none"
                               : "the machine's own model",
@@ -313,6 +314,12 @@ std::string ReplayText(const Replay& replay) {
       UmFromMm(replay.after_mm),
       UmFromMm(replay.form_rms_mm),
       UmFromMm(replay.form_max_mm));
+  if (replay.after_mm > kWorse * replay.before_mm) {
+    text +=
+        "WARNING: with the findings the twin is further from the rows than without: "
+        "its pose, its datum or the machine file are not those of the measurement, or "
+        "the findings are wrong.\n";
+  }
   if (!replay.far_rows.empty()) text += FarText(replay);
   if (!replay.as_fitted.empty()) {
     text += fmt::format("No twin can be built with {}: taken as fitted.\n",

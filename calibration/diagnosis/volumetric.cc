@@ -139,6 +139,13 @@ class Left {
         std::min(kMostTerms, static_cast<double>(finding.map->values_um.size()));
     square_mm2_ += noise_mm * noise_mm * terms / std::max(finding.rows, 1);
   }
+  // What positions left out say that a table misses between its places.
+  void AddBetween(const GainFigures& gain) {
+    if (gain.positions.groups == 0) return;
+    const double missed_mm2 =
+        std::pow(gain.positions.after_mm, 2) - std::pow(gain.noise_floor_mm, 2);
+    square_mm2_ += std::max(missed_mm2, 0.0);
+  }
   double rms_mm() const { return std::sqrt(square_mm2_); }
 
  private:
@@ -188,6 +195,9 @@ std::optional<VolumetricGain> VolumetricGainOf(const Observed& observed,
     by_one_sd.value = Believed(line, observed) + line.sd;
     if (BuildIn(by_one_sd, observed.machine(), &moved)) left.Add(moved);
   }
+  const bool has_table =
+      std::ranges::any_of(moving, [](const auto& each) { return !each.first->effect; });
+  if (has_table) left.AddBetween(diagnosis.gain);
   for (const auto& [finding, at] : moving) {
     if (!finding->effect) left.AddTable(*finding, diagnosis.gain.noise_floor_mm);
     for (std::size_t p = 0; finding->effect && p < finding->sds.size(); ++p) {

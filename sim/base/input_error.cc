@@ -58,6 +58,10 @@ void Faults::Add(const Place& place, const std::string& text, const std::string&
   faults_.push_back(Message(place, text, hint));
 }
 
+void Faults::Add(const InputError& error) {
+  faults_.insert(faults_.end(), error.faults().begin(), error.faults().end());
+}
+
 void Faults::ThrowIfAny() const {
   if (!faults_.empty()) throw InputError(faults_);
 }

@@ -35,6 +35,8 @@ class InputError : public std::runtime_error {
 class Faults {
  public:
   void Add(const Place& place, const std::string& text, const std::string& hint = "");
+  /// All that another file was refused for.
+  void Add(const InputError& error);
   bool empty() const { return faults_.empty(); }
   std::size_t size() const { return faults_.size(); }
   /// Throws InputError with every fault collected, in the order they were added.

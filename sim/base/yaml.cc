@@ -204,6 +204,16 @@ YamlMap YamlValue::Map() const {
   return {node_, file_, path_, faults_};
 }
 
+YamlMap YamlValue::Within(const std::string& first, const std::string& second) const {
+  YAML::Node node(YAML::NodeType::Map);
+  if (second.empty()) {
+    node[first] = node_;
+  } else {
+    node[first][second] = node_;
+  }
+  return {node, file_, path_, faults_};
+}
+
 std::vector<YamlValue> YamlValue::List() const {
   if (!node_.IsSequence()) {
     Fail(fmt::format("is {}, where a list is wanted", Kind(node_)));

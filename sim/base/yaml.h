@@ -64,6 +64,10 @@ class YamlValue {
   /// A list of exactly `count` numbers (a fault and zeros otherwise).
   std::vector<double> Numbers(std::size_t count, Bounds bounds = kAnyNumber) const;
 
+  /// {first: {second: this}}, or {first: this} where there is no second: a map that the
+  /// file does not have, with this value's place for its faults.
+  YamlMap Within(const std::string& first, const std::string& second = "") const;
+
   Place place() const;
   const std::string& file() const { return file_; }
   const std::string& path() const { return path_; }

@@ -7,26 +7,6 @@
 namespace caltwin {
 namespace {
 
-// A number for all towers, or a map of them.
-void ReadByTower(YamlMap* map,
-                 const std::string& key,
-                 Bounds bounds,
-                 std::array<double, 3>* values) {
-  const auto value = map->Optional(key);
-  if (!value) return;
-  if (!value->is_map()) {
-    values->fill(value->Number(bounds, "a number, or one a tower: {a: , b: , c: }"));
-    return;
-  }
-  YamlMap by_tower = value->Map();
-  for (int i = 0; i < kNumTowers; ++i) {
-    if (const auto number = by_tower.Optional(TowerName(i))) {
-      (*values)[static_cast<std::size_t>(i)] = number->Number(bounds);
-    }
-  }
-  by_tower.NoMoreKeys();
-}
-
 void ReadTowers(YamlMap towers, DeltaModel<double>* model) {
   for (int i = 0; i < kNumTowers; ++i) {
     if (const auto tower = towers.Optional(TowerName(i))) {
@@ -54,6 +34,25 @@ void CheckReach(const YamlMap& map, const DeltaModel<double>& model) {
 }
 
 }  // namespace
+
+void ReadByTower(YamlMap* map,
+                 const std::string& key,
+                 Bounds bounds,
+                 std::array<double, 3>* values) {
+  const auto value = map->Optional(key);
+  if (!value) return;
+  if (!value->is_map()) {
+    values->fill(value->Number(bounds, "a number, or one a tower: {a: , b: , c: }"));
+    return;
+  }
+  YamlMap by_tower = value->Map();
+  for (int i = 0; i < kNumTowers; ++i) {
+    if (const auto number = by_tower.Optional(TowerName(i))) {
+      (*values)[static_cast<std::size_t>(i)] = number->Number(bounds);
+    }
+  }
+  by_tower.NoMoreKeys();
+}
 
 DeltaBuild<double> DeltaDrawing::Build() const {
   return {.model = model,

@@ -18,6 +18,12 @@ struct DeltaDrawing {
   DeltaBuild<double> Build() const;
 };
 
+/// Reads a number for all towers, or a map of them, over `values` in place.
+void ReadByTower(YamlMap* map,
+                 const std::string& key,
+                 Bounds bounds,
+                 std::array<double, 3>* values);
+
 /// Reads the delta's own keys of a machine file: `towers`, `delta_radius_mm`,
 /// `arm_length_mm`, `endstop_mm` (a number, or one a tower), `rod_spacing_mm`,
 /// `effector_radius_mm`, `joint_height_mm`, `print_radius_mm`.

@@ -17,8 +17,9 @@ namespace fs = std::filesystem;
 
 namespace {
 
-AxisDrawing ReadAxis(Axis axis, YamlMap map) {
-  AxisDrawing drawing;
+// `drawing`: what holds for what the map leaves out. Only where it has no lead of its
+// own to offer must the map have one.
+AxisDrawing ReadAxis(Axis axis, YamlMap map, AxisDrawing drawing, bool needs_lead) {
   drawing.min_mm = map.NumberOr("min_mm", 0, {-1e5, 1e5});
   drawing.max_mm = map.Number("max_mm", {-1e5, 1e5});
   if (drawing.max_mm <= drawing.min_mm) {
@@ -31,21 +32,30 @@ AxisDrawing ReadAxis(Axis axis, YamlMap map) {
   const std::string home =
       map.WordOr("home", axis == Axis::kZ ? "max" : "min", {"min", "max"});
   drawing.home = home == "min" ? HomeEnd::kMin : HomeEnd::kMax;
-  drawing.is_belt = map.Has("pulley_mm_per_rev");
-  if (drawing.is_belt && map.Has("lead_mm")) {
+  const bool has_pulley = map.Has("pulley_mm_per_rev");
+  const bool has_lead = map.Has("lead_mm");
+  if (has_pulley && has_lead) {
     map.faults()->Add(map.place(),
                       map.path() + " has both lead_mm and pulley_mm_per_rev",
                       "a screw has a lead, a belt a pulley: keep one");
   }
-  drawing.lead_mm = map.Number(drawing.is_belt ? "pulley_mm_per_rev" : "lead_mm",
-                               {1e-3, 1e4},
-                               "travel per motor turn");
-  drawing.full_steps_per_rev = map.NumberOr("full_steps_per_rev", 200, {1, 1e6});
-  drawing.microsteps = map.NumberOr("microsteps", 16, {1, 4096});
-  drawing.max_feed_mm_s = map.NumberOr("max_feed_mm_s", 100, {1e-3, 1e4});
-  drawing.acceleration_mm_s2 = map.NumberOr("acceleration_mm_s2", 500, {1e-3, 1e6});
-  drawing.moving_mass_kg = map.NumberOr("moving_mass_kg", 6, {0.01, 1e5});
-  drawing.rail_friction_n = map.NumberOr("rail_friction_n", 8, {0, 1e5});
+  if (has_pulley || has_lead || needs_lead) {
+    drawing.is_belt = has_pulley;
+    drawing.lead_mm = map.Number(has_pulley ? "pulley_mm_per_rev" : "lead_mm",
+                                 {1e-3, 1e4},
+                                 "travel per motor turn");
+  }
+  drawing.full_steps_per_rev =
+      map.NumberOr("full_steps_per_rev", drawing.full_steps_per_rev, {1, 1e6});
+  drawing.microsteps = map.NumberOr("microsteps", drawing.microsteps, {1, 4096});
+  drawing.max_feed_mm_s =
+      map.NumberOr("max_feed_mm_s", drawing.max_feed_mm_s, {1e-3, 1e4});
+  drawing.acceleration_mm_s2 =
+      map.NumberOr("acceleration_mm_s2", drawing.acceleration_mm_s2, {1e-3, 1e6});
+  drawing.moving_mass_kg =
+      map.NumberOr("moving_mass_kg", drawing.moving_mass_kg, {0.01, 1e5});
+  drawing.rail_friction_n =
+      map.NumberOr("rail_friction_n", drawing.rail_friction_n, {0, 1e5});
   const double weight_n = drawing.moving_mass_kg * kGravity_m_s2;
   drawing.counterbalance_n =
       axis == Axis::kZ ? map.NumberOr("counterbalance_n", weight_n, {0, 1e6}) : 0;
@@ -119,8 +129,10 @@ void ReadAxes(YamlMap* map, Machine* machine) {
         machine->delta ? by_axis.Optional(name) : by_axis.Required(name);
     if (!drawing) continue;
     // No tower's weight hangs on a gap: belts hold it.
-    machine->axes[static_cast<std::size_t>(Index(axis))] =
-        ReadAxis(machine->delta ? Axis::kX : axis, drawing->Map());
+    AxisDrawing& read = machine->axes[static_cast<std::size_t>(Index(axis))];
+    read = machine->delta
+               ? ReadAxis(Axis::kX, drawing->Map(), read, /*needs_lead=*/false)
+               : ReadAxis(axis, drawing->Map(), {}, /*needs_lead=*/true);
   }
   by_axis.NoMoreKeys();
 }
@@ -178,6 +190,8 @@ Machine ReadMachine(YamlMap* map) {
   if (const auto settings = map->Optional("settings")) {
     YamlMap settings_map = settings->Map();
     if (machine.delta) {
+      ReadByTower(
+          &settings_map, "steps_per_mm", {1e-3, 1e7}, &machine.settings.steps_per_mm);
       ReadDeltaSettings(&settings_map, machine.delta->model, &machine.delta->settings);
       settings_map.NoMoreKeys();
     } else {

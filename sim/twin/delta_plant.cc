@@ -13,9 +13,7 @@ DeltaMjcf ModelOfDelta(const Machine& machine) {
 }
 
 std::array<double, 3> TowerStepsPerMm(const Machine& machine) {
-  std::array<double, 3> steps_per_mm{};
-  for (std::size_t i = 0; i < 3; ++i) steps_per_mm[i] = machine.axes[i].steps_per_mm();
-  return steps_per_mm;
+  return machine.settings.steps_per_mm;
 }
 
 DeltaWorld WorldOfDelta(const Machine& machine, const BuiltDelta& built) {

@@ -179,7 +179,7 @@ std::vector<Figure> Figures(const std::vector<Judgement>& all) {
           all,
           {"null data: any finding", 0, 0, 0.01, 0.002, true},
           [](const Judgement& j) { return j.kind == "null"; },
-          [](const Judgement& j) { return !j.ran || !j.findings.empty(); }),
+          [](const Judgement& j) { return !j.ran || j.verdict != "none"; }),
       Counted(
           all,
           {"one cause, 3 sigma and above: name and axis right", 0, 0, 0.95, 0.98},

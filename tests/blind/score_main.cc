@@ -26,10 +26,19 @@
 
 namespace {
 
+/// 20261122, in UTC.
+std::uint64_t Today() {
+  const std::chrono::year_month_day today(
+      std::chrono::floor<std::chrono::days>(std::chrono::system_clock::now()));
+  return static_cast<std::uint64_t>(static_cast<int>(today.year())) * 10'000 +
+         static_cast<unsigned>(today.month()) * 100 +
+         static_cast<unsigned>(today.day());
+}
+
 struct Options {
   blind::Diagnoser diagnoser{.folder = "/tmp/blind_score"};
   std::uint64_t seed = 1;
-  std::uint64_t date = 1;
+  std::uint64_t date = Today();
   int full = 0;
   int physics = 10;
   int loops = 10;
@@ -198,7 +207,8 @@ int Run(int argc, char** argv) {
   app.add_flag("--keep", options.diagnoser.keep, "keep the cases and their answers");
   app.add_option("--limit", options.diagnoser.limit_s, "seconds a diagnosis may take");
   app.add_option("--seed", options.seed, "of the first half");
-  app.add_option("--date", options.date, "of the second half, as 20261121");
+  app.add_option(
+      "--date", options.date, "of the second half, as 20261121; default: today");
   app.add_option(
       "--full", options.full, "so many nulls and singles, a third of the rest");
   app.add_option(
@@ -229,6 +239,7 @@ int Run(int argc, char** argv) {
            !is_physics;
   });
   std::filesystem::create_directories(options.diagnoser.folder);
+  std::cout << fmt::format("the second half is drawn from --date {}\n", options.date);
   const auto judgements = ExamineAll(options, requests);
   const int broken = options.only.empty() ? CountBrokenChanges(options) : 0;
   std::string text = blind::AllText(judgements);

@@ -314,8 +314,8 @@ TEST(DeltaSettings, AreWrittenAsFirmwaresReadThem) {
   const DeltaModel<double> drawn = Believed();
 
   EXPECT_EQ(AsMarlin(model, drawn),
-            "M665 L250.0000 R130.8000 H300.4500 X0.3500 Y-0.2500 Z0.0000 A0.0000 "
-            "B0.0000 C0.0000\nM666 X-0.1500 Y-0.6500 Z0.0000\n");
+            "M665 L250.0000 R130.8000 H299.8000 X0.3500 Y-0.2500 Z0.0000 A0.0000 "
+            "B0.0000 C0.0000\nM666 X-0.5000 Y0.0000 Z-0.6500\n");
   EXPECT_EQ(AsRrf(model, drawn),
             "M665 L250.0000 R130.8000 H300.1833 X0.3500 Y-0.2500 Z0.0000\n"
             "M666 X0.1167 Y-0.3833 Z0.2667\n");

@@ -125,7 +125,7 @@ TEST(DiagnosisText, NoneSaysWhatWouldHaveShown) {
 
   EXPECT_THAT(text, HasSubstr("Verdict: none."));
   EXPECT_THAT(text, HasSubstr("shown cyclic error of the X screw from 2 um."));
-  EXPECT_THAT(text, HasSubstr("could not show squareness C0Y"));
+  EXPECT_THAT(text, HasSubstr("could not show squareness of X and Y (C0Y)"));
 }
 
 TEST(DiagnosisText, TellsRowsLeftOutAndChanges) {

@@ -223,6 +223,65 @@ TEST(Plausible, AGapThatLeadsIsTold) {
               ElementsAre("negative_gap"));
 }
 
+TEST(Plausible, OneAxisHasOneGap) {
+  // Two campaigns along x at other places, both senses; the readings of the second
+  // that many times the first's.
+  const auto kinds = [](double times) {
+    RowTable table;
+    for (int i = 0; i < 64; ++i) {
+      const bool is_second = i >= 32;
+      const double sense = i % 2 == 0 ? 1 : -1;
+      Row row{.row = i + 1, .campaign = is_second ? "second" : "first"};
+      row.n = {1, 0, 0};
+      row.dir = {sense, 0, 0};
+      row.cmd_mm = {10 + 17.3 * (i / 2 % 16) + (is_second ? 3.1 : 0), 0, 0};
+      row.value_mm = (0.001 * ((i * 7) % 5) - 0.02 * sense) * (is_second ? times : 1);
+      table.rows.push_back(row);
+    }
+    return KindsOf(table);
+  };
+  EXPECT_THAT(kinds(1), Not(Contains("units_differ!")));
+  EXPECT_THAT(kinds(3), Not(Contains("units_differ!")));
+  EXPECT_THAT(kinds(1 / 25.4), Contains("units_differ!"));
+  EXPECT_THAT(kinds(25.4), Contains("units_differ!"));
+}
+
+/// A pass along x and y that says what it travelled.
+RowTable Passes() {
+  RowTable table;
+  for (int i = 0; i < 24; ++i) {
+    const int axis = i / 12;
+    Row row{.row = i + 1, .campaign = "pass"};
+    row.n = {0, 0, 0};
+    row.n[static_cast<std::size_t>(axis)] = 1;
+    row.cmd_mm = {100, 50, 10};
+    row.cmd_mm[static_cast<std::size_t>(axis)] = 20 + 7.3 * (i % 12);
+    row.dir = {0, 0, 0};
+    row.dir[static_cast<std::size_t>(axis)] = 1;
+    row.since_rev_mm[static_cast<std::size_t>(axis)] = 5 + 7.3 * (i % 12);
+    row.value_mm = 0.001 * (i % 5);
+    table.rows.push_back(row);
+  }
+  return table;
+}
+
+TEST(Plausible, TravelsMustBeThoseOfTheCommands) {
+  EXPECT_THAT(KindsOf(Passes()), Each(Not(HasSubstr("!"))));
+
+  RowTable inches = Passes();
+  for (Row& row : inches.rows) row.cmd_mm[1] /= 25.4;
+  EXPECT_THAT(KindsOf(inches), Contains("position_unit!"));
+
+  RowTable swapped = Passes();
+  for (Row& row : swapped.rows) std::swap(row.cmd_mm[0], row.cmd_mm[1]);
+  EXPECT_THAT(KindsOf(swapped), Contains("moves_contradict!"));
+
+  // A retract between readings is no contradiction: the travel begins anew.
+  RowTable retracting = Passes();
+  for (Row& row : retracting.rows) row.since_rev_mm = {4, 4, 4};
+  EXPECT_THAT(KindsOf(retracting), Each(Not(HasSubstr("!"))));
+}
+
 TEST(Plausible, AStuckGaugeIsRefused) {
   EXPECT_THAT(KindsAfter([](Row* row) { row->value_mm = 0.004; }),
               Contains("constant!"));

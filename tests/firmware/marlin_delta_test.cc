@@ -54,12 +54,13 @@ TEST_F(MarlinDeltaTest, PutsTheTipWhereItIsToTouch) {
   EXPECT_THAT(Lines("M503"), Contains("echo:  M851 X12.00 Y-5.00 Z-2.50"));
 }
 
-TEST_F(MarlinDeltaTest, KeepsEndstopsAtOrBelowTheHeight) {
+// A carriage backs off by M666 from its endstop to where the nozzle stands at H.
+TEST_F(MarlinDeltaTest, CarriagesBackOffFromTheirEndstops) {
   Lines("M666 X-0.15 Y-0.65 Z0.2");
   Lines("M665 H300.45 R130.8 X0.35 Y-0.25");
 
-  EXPECT_DOUBLE_EQ(marlin_.settings().endstop_mm[0], 300.30);
-  EXPECT_DOUBLE_EQ(marlin_.settings().endstop_mm[1], 299.80);
+  EXPECT_DOUBLE_EQ(marlin_.settings().endstop_mm[0], 300.60);
+  EXPECT_DOUBLE_EQ(marlin_.settings().endstop_mm[1], 301.10);
   EXPECT_DOUBLE_EQ(marlin_.settings().endstop_mm[2], 300.45);
   EXPECT_THAT(Lines("M503"),
               ElementsAre("echo:  G21    ; Units in mm (mm)",

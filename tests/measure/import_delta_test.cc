@@ -5,6 +5,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "sim/base/yaml.h"
+#include "sim/machine/machine.h"
 #include "sim/base/units.h"
 #include "sim/measure/import/klipper_delta.h"
 #include "sim/measure/import/klipper_mesh.h"
@@ -143,6 +145,35 @@ TEST(KlipperDelta, CountsGearsAndFullStepsIntoAStep) {
   EXPECT_DOUBLE_EQ(read.geometry.drive[1].step_mm, 40.0 / (400 * 32 * 7.5));
 }
 
+constexpr const char* kConfigG =
+    "; a delta\n;M665 L1 R2 H3 ; as it was\n"
+    "M665 L440.5:440.25:440 R235.1 H410 B185.0 X0.5 Y-0.25 Z0 ; calibrated\n"
+    "M666 X-0.1 Y0.2 Z0.3 A0.05 B0\nM350 X16 Y16 Z16 I1\nM92 X80 Y80 Z80 E423\n";
+
+// What an importer writes is a machine file that the rest of caltwin reads.
+Machine MachineOf(const Imported& imported) {
+  Faults faults;
+  YamlMap map = ReadYamlText(imported.machine_yaml, "machine.yaml", &faults);
+  Machine machine = ReadMachine(&map);
+  faults.ThrowIfAny();
+  return machine;
+}
+
+TEST(KlipperDelta, WritesAMachineThatIsReadAgain) {
+  const Imported with_drives = ImportText(
+      "klipper-delta", PrinterCfgText(kPoses_mm, 16), "my printer.cfg", {});
+  const Machine machine = MachineOf(with_drives);
+  ASSERT_TRUE(machine.delta.has_value());
+  EXPECT_DOUBLE_EQ(machine.delta->model.endstop_mm[1], 300.25);
+  EXPECT_DOUBLE_EQ(machine.settings.steps_per_mm[2], 80);
+  EXPECT_DOUBLE_EQ(machine.axes[0].lead_mm, 40);
+
+  // A configuration without drives: steps as the firmware has them, belts as usual.
+  const Machine rrf = MachineOf(ImportText("rrf-config", kConfigG, "config.g", {}));
+  EXPECT_DOUBLE_EQ(rrf.delta->model.arm_mm[1], 440.25);
+  EXPECT_DOUBLE_EQ(rrf.settings.steps_per_mm[0], 80);
+}
+
 TEST(KlipperDelta, WritesTheMachineThatItBelievesIn) {
   const Imported imported =
       ImportText("klipper-delta", PrinterCfgText(kPoses_mm, 16), "my printer.cfg", {});
@@ -279,11 +310,6 @@ TEST(KlipperMesh, RefusesPointsThatAreNotAllThere) {
   EXPECT_THAT(ImportFault("klipper-mesh", "[printer]\n"),
               HasSubstr("no mesh stands here"));
 }
-
-constexpr const char* kConfigG =
-    "; a delta\n;M665 L1 R2 H3 ; as it was\n"
-    "M665 L440.5:440.25:440 R235.1 H410 B185.0 X0.5 Y-0.25 Z0 ; calibrated\n"
-    "M666 X-0.1 Y0.2 Z0.3 A0.05 B0\nM350 X16 Y16 Z16 I1\nM92 X80 Y80 Z80 E423\n";
 
 TEST(RrfConfig, BecomesAMachineOfThreeTowers) {
   const Imported imported = ImportText("rrf-config", kConfigG, "config.g", {});

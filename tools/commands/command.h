@@ -48,6 +48,7 @@ Action DeclareRender(CLI::App* app);
 Action DeclareRun(CLI::App* app);
 Action DeclareServe(CLI::App* app);
 Action DeclareSimulate(CLI::App* app);
+Action DeclareStudy(CLI::App* app);
 Action DeclareValidate(CLI::App* app);
 
 }  // namespace caltwin

@@ -16,6 +16,7 @@ constexpr std::array kCommands = {
     Command{"calibrate", "run a procedure on a machine", DeclareCalibrate},
     Command{"diagnose", "say what measured rows tell of a machine", DeclareDiagnose},
     Command{"compare", "rival procedures on the same machines", DeclareCompare},
+    Command{"study", "Monte Carlo over many machines", DeclareStudy},
     Command{"plan", "what a measuring plan can and cannot see", DeclarePlan},
     Command{"simulate", "the twin performs a measuring plan", DeclareSimulate},
     Command{"serve", "let real clients talk to a twin", DeclareServe},
@@ -38,8 +39,8 @@ std::span<const Command> AllCommands() {
 
 int RunCommandLine(int argc, const char* const* argv) {
   CLI::App app(
-      "caltwin: a digital twin of a CNC gantry, and the calibration that runs against "
-      "it over G-code.",
+      "caltwin: digital twins of machine tools and printers, the calibration that runs "
+      "against them over G-code, and the diagnosis of measured data.",
       "caltwin");
   app.footer(kFooter);
   app.set_version_flag("--version", std::string("caltwin ") + CALTWIN_VERSION);

@@ -51,10 +51,15 @@ void PrintNext(const Imported& imported,
   const bool is_positioning =
       !imported.header.campaigns.empty() &&
       imported.header.campaigns.begin()->second.plan == "iso230";
+  // Rows of motors say nothing without their machine.
+  const bool wants_machine = machine_out.empty() && !imported.machine_yaml.empty();
   std::cout << fmt::format(
-      "next:      caltwin diagnose {}{}{}\n",
+      "next:      {}caltwin diagnose {}{}{}\n",
+      wants_machine ? "the same with --machine-out M.yaml, then " : "",
       out,
-      machine_out.empty() ? "" : " --machine " + machine_out,
+      wants_machine         ? " --machine M.yaml"
+      : machine_out.empty() ? ""
+                            : " --machine " + machine_out,
       is_positioning ? fmt::format(", caltwin iso230 {}", out) : "");
 }
 
@@ -122,7 +127,15 @@ int RunImport(const Options& options) {
                     ReadTextFile(options.file, kLargestFile_bytes),
                     options.file,
                     import);
-  WriteDataHeader(fs::path(out).replace_extension(".yaml"), imported.header);
+  const fs::path header = fs::path(out).replace_extension(".yaml");
+  if (!options.machine_out.empty() &&
+      fs::absolute(options.machine_out).lexically_normal() ==
+          fs::absolute(header).lexically_normal()) {
+    throw InputError({.file = "--machine-out"},
+                     fmt::format("{} is the header of the rows", header.string()),
+                     "give the machine another name");
+  }
+  WriteDataHeader(header, imported.header);
   if (!imported.machine_yaml.empty() && !options.machine_out.empty()) {
     WriteTextFile(options.machine_out, imported.machine_yaml);
   }

@@ -1,5 +1,7 @@
 #include "tools/commands/measured_data.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "calibration/diagnosis/plausible.h"
@@ -44,6 +46,11 @@ void JudgeData(const std::string& file, const Machine* machine, Data* data) {
   for (const Doubt& doubt : Doubts(data->table, data->header, machine)) {
     if (doubt.refuse) {
       faults.Add(PlaceOf(doubt, *data, file), doubt.message, doubt.hint);
+    } else if (doubt.kind == "duplicated_rows") {
+      data->notes.push_back(doubt.message + " (the copies are left out here)");
+      std::erase_if(data->table.rows, [&](const Row& row) {
+        return std::ranges::binary_search(doubt.rows, row.row);
+      });
     } else {
       data->notes.push_back(
           doubt.hint.empty() ? doubt.message : doubt.message + " (" + doubt.hint + ")");

@@ -8,6 +8,7 @@
 #include "scenarios/file_kind.h"
 #include "scenarios/machine_file.h"
 #include "scenarios/scenario.h"
+#include "scenarios/study/study.h"
 #include "sim/measure/data_header.h"
 #include "sim/measure/plan.h"
 #include "sim/measure/rows.h"
@@ -48,11 +49,9 @@ void Check(const std::string& file, FileKind kind) {
       ReadPlan(file);
       return;
     case FileKind::kStudy:
-      break;
+      ReadStudy(file);
+      return;
   }
-  throw InputError(
-      {.file = file},
-      fmt::format("this is a {}, which this version does not read", ToString(kind)));
 }
 
 int Validate(const Options& options) {

@@ -16,6 +16,7 @@ constexpr double kTravel_mm_s = 80;
 constexpr double kProbe_mm_s = 5;
 constexpr double kClearance_mm = 5;
 constexpr double kHoming_s = 12;
+constexpr double kAtEnd_mm = 1e-6;
 
 std::optional<double> NumberOf(const GcodeCommand& command, char letter) {
   const GcodeWord* word = command.Find(letter);
@@ -27,8 +28,9 @@ Reply Refusal(const std::string& text) {
   return {.lines = {"Error:" + text}, .error = true};
 }
 
-double Highest(const DeltaModel<double>& model) {
-  return std::ranges::max(model.endstop_mm);
+// Where the nozzle is once homed: each carriage backs off to the lowest endstop.
+double HomedHeight_mm(const DeltaModel<double>& model) {
+  return std::ranges::min(model.endstop_mm);
 }
 
 }  // namespace
@@ -47,7 +49,7 @@ MarlinDelta::MarlinDelta(const DeltaModel<double>& drawn,
     : drawn_(drawn),
       settings_(AsMarlinHasIt(settings)),
       stored_(settings_),
-      height_mm_(Highest(settings)),
+      height_mm_(HomedHeight_mm(settings)),
       steps_per_mm_(steps_per_mm),
       plant_(plant),
       g33_(std::move(g33)) {}
@@ -103,12 +105,16 @@ Reply MarlinDelta::Obey(const GcodeCommand& command) {
                       "MACHINE_TYPE:Delta EXTRUDER_COUNT:1"}};
   }
   if (command.Is('M', 119)) {
-    const std::string open =
-        is_homed_ && at_mm_[2] >= height_mm_ - 1e-6 ? "TRIGGERED" : "open";
+    // Backed off, a switch is open again.
+    const auto end = [&](std::size_t i) {
+      const bool is_home = is_homed_ && at_mm_[2] >= height_mm_ - kAtEnd_mm;
+      const bool is_at_end = settings_.endstop_mm[i] - height_mm_ < kAtEnd_mm;
+      return is_home && is_at_end ? "TRIGGERED" : "open";
+    };
     return {.lines = {"Reporting endstop status",
-                      "x_max: " + open,
-                      "y_max: " + open,
-                      "z_max: " + open,
+                      fmt::format("x_max: {}", end(0)),
+                      fmt::format("y_max: {}", end(1)),
+                      fmt::format("z_max: {}", end(2)),
                       "z_probe: open"}};
   }
   if (command.Is('M', 92)) {
@@ -123,7 +129,7 @@ Reply MarlinDelta::Obey(const GcodeCommand& command) {
 
 void MarlinDelta::Take(const DeltaModel<double>& settings) {
   settings_ = AsMarlinHasIt(settings);
-  height_mm_ = Highest(settings_);
+  height_mm_ = HomedHeight_mm(settings_);
 }
 
 Reply MarlinDelta::Home() {
@@ -214,10 +220,10 @@ Reply MarlinDelta::SetEndstops(const GcodeCommand& command) {
   if (command.words.empty()) return {.lines = GeometryLines()};
   for (std::size_t i = 0; i < 3; ++i) {
     const auto below = NumberOf(command, "XYZ"[i]);
-    // Above the height is no endstop: Marlin ignores it.
+    // A carriage backs off from its endstop, never beyond it: Marlin ignores the rest.
     if (below && *below <= 0)
       settings_.endstop_mm[i] =
-          height_mm_ + Mutant("delta_endstop_sign", 1.0, -1.0) * *below;
+          height_mm_ - Mutant("delta_endstop_sign", 1.0, -1.0) * *below;
   }
   is_homed_ = false;
   return {};
@@ -257,9 +263,9 @@ std::vector<std::string> MarlinDelta::GeometryLines() const {
                       settings_.arm_mm[1] - arm,
                       settings_.arm_mm[2] - arm),
           fmt::format("echo:  M666 X{:.4f} Y{:.4f} Z{:.4f}",
-                      settings_.endstop_mm[0] - height_mm_,
-                      settings_.endstop_mm[1] - height_mm_,
-                      settings_.endstop_mm[2] - height_mm_)};
+                      height_mm_ - settings_.endstop_mm[0],
+                      height_mm_ - settings_.endstop_mm[1],
+                      height_mm_ - settings_.endstop_mm[2])};
 }
 
 Reply MarlinDelta::Report() const {

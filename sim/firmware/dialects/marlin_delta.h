@@ -24,10 +24,11 @@ class DeltaPlant {
                                             double y_mm) = 0;
 };
 
-/// What Marlin keeps of a delta: one radius, one rod length with a trim a tower, a
-/// height and endstops none above it.
+/// What Marlin keeps of a delta: one radius, one rod length with a trim a tower, the
+/// height of the homed nozzle, and how far each carriage backs off from its endstop to
+/// get there (M666, none above 0).
 ///
-///   endstop_i = H + M666_i,  arm_i = L + trim_i,  angle_i = drawn + trim_i
+///   endstop_i = H - M666_i,  arm_i = L + trim_i,  angle_i = drawn + trim_i
 DeltaModel<double> AsMarlinHasIt(const DeltaModel<double>& settings);
 
 /// A controller that understands Marlin's dialect as far as a delta's calibration needs
@@ -72,7 +73,7 @@ class MarlinDelta {
   DeltaModel<double> drawn_;
   DeltaModel<double> settings_;
   DeltaModel<double> stored_;  ///< As M500 kept them.
-  double height_mm_ = 0;       ///< H: where all endstops of M666 0 are.
+  double height_mm_ = 0;       ///< H: of the homed nozzle, the lowest endstop.
   std::array<double, 3> steps_per_mm_;
   DeltaPlant* plant_;
   AutoCalibration g33_;

@@ -1,0 +1,72 @@
+// Whether campaigns agree on how much an axis loses at its reversals.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "calibration/diagnosis/plausible_parts.h"
+#include "sim/base/units.h"
+
+namespace caltwin {
+namespace {
+
+/// The gap that a campaign's gauge shows along an axis.
+struct Gap {
+  std::string campaign{};
+  int axis = 0;
+  double half_mm = 0, sd_mm = 0;
+};
+
+// The same axis has one gap: one that is 25.4 or 1000 times another's is a unit.
+void CompareGaps(const std::vector<Gap>& gaps, std::vector<Doubt>* doubts) {
+  constexpr double kSure = 5, kSeen = 3, kAlike = 0.15;
+  for (const Gap& large : gaps) {
+    for (const Gap& small : gaps) {
+      const bool both_seen = std::abs(large.half_mm) > kSure * large.sd_mm &&
+                             std::abs(small.half_mm) > kSeen * small.sd_mm;
+      if (large.axis != small.axis || !both_seen) continue;
+      const double ratio = large.half_mm / small.half_mm;
+      const bool is_inch = std::abs(ratio / MmFromInch(1.0) - 1) < kAlike;
+      if (!is_inch && std::abs(ratio / UmFromMm(1.0) - 1) > kAlike) continue;
+      doubts->push_back(
+          {.kind = "units_differ",
+           .message =
+               fmt::format("{} has lost {:.3g} um at its reversals in campaign {} "
+                           "and {:.3g} um in campaign {}",
+                           "xyz"[large.axis],
+                           UmFromMm(-2 * large.half_mm),
+                           large.campaign,
+                           UmFromMm(-2 * small.half_mm),
+                           small.campaign),
+           .hint = is_inch ? "that is an inch: value_mm of the second is in inches"
+                           : "that is 1000: one of them is in other units",
+           .refuse = true});
+    }
+  }
+}
+
+}  // namespace
+
+void DoubtGaps(const std::vector<RowSeries>& all, std::vector<Doubt>* doubts) {
+  constexpr std::size_t kFewest = 5;
+  std::vector<Gap> gaps;
+  for (const RowSeries& series : all) {
+    if (series.rows.size() < kFewest || series.first->kind == RowKind::kTouch) continue;
+    const SeriesFit fit = FitSeries(series);
+    if (!(fit.half_gap_sd_mm > 0)) continue;
+    const std::array<double, 3>& n = series.first->n;
+    const auto along = std::ranges::max_element(
+        n, {}, [](double part) { return Known(part) ? std::abs(part) : 0; });
+    gaps.push_back({series.first->campaign,
+                    static_cast<int>(along - n.begin()),
+                    fit.half_gap_mm,
+                    fit.half_gap_sd_mm});
+  }
+  CompareGaps(gaps, doubts);
+}
+
+}  // namespace caltwin

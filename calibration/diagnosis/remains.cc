@@ -1,0 +1,105 @@
+#include "calibration/diagnosis/remains.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <vector>
+
+#include "calibration/diagnosis/weighing.h"
+#include "calibration/estimate/f_test.h"
+
+namespace caltwin {
+namespace {
+
+// Spearman's rank correlation without ties to mend; 0 of fewer than five.
+double RankCorrelation(const std::vector<double>& one,
+                       const std::vector<double>& other) {
+  constexpr std::size_t kFewest = 5;
+  if (one.size() < kFewest) return 0;
+  const auto ranks = [](const std::vector<double>& values) {
+    std::vector<double> ranks_of;
+    for (const double value : values) {
+      const auto below =
+          std::ranges::count_if(values, [&](double each) { return each < value; });
+      const auto same = std::ranges::count(values, value);
+      ranks_of.push_back(static_cast<double>(below) +
+                         static_cast<double>(same - 1) / 2);
+    }
+    return ranks_of;
+  };
+  const std::vector<double> a = ranks(one), b = ranks(other);
+  const double mean = static_cast<double>(a.size() - 1) / 2;
+  double aa = 0, bb = 0, ab = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    aa += (a[i] - mean) * (a[i] - mean);
+    bb += (b[i] - mean) * (b[i] - mean);
+    ab += (a[i] - mean) * (b[i] - mean);
+  }
+  return aa > 0 && bb > 0 ? ab / std::sqrt(aa * bb) : 0;
+}
+
+// Whether every campaign went through its places once, in order: then a drift of the
+// machine and an error along its travel look alike.
+bool IsTimePlace(const Observed& observed) {
+  constexpr double kAlike = 0.95;
+  std::map<int, std::vector<Eigen::Index>> campaigns;
+  for (Eigen::Index i = 0; i < observed.num_rows(); ++i) {
+    campaigns[observed.campaign_of()[static_cast<std::size_t>(i)]].push_back(i);
+  }
+  return std::ranges::all_of(campaigns, [&](const auto& campaign) {
+    double most = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      std::vector<double> times_s, places_mm;
+      for (const Eigen::Index i : campaign.second) {
+        times_s.push_back(observed.at(i).t_s);
+        places_mm.push_back(observed.at(i).q_mm[axis]);
+      }
+      most = std::max(most, std::abs(RankCorrelation(times_s, places_mm)));
+    }
+    return most > kAlike;
+  });
+}
+
+}  // namespace
+
+bool Remains::IsThere() const {
+  constexpr double kLeastTimes = 3;
+  constexpr double kMostChance = 1e-4;
+  return rms_mm > kLeastTimes * floor_mm && chance < kMostChance;
+}
+
+Remains RemainsOf(const Observed& observed, const SearchResult& search) {
+  constexpr double kEnoughDof = 6;
+  // A stated sigma may be wrong by a factor of two: as sure as a variance of so many
+  // degrees of freedom.
+  constexpr double kStatedDof = 4;
+  const Eigen::VectorXd& sigma_mm = search.circumstances.sigma_mm;
+  const Evidence evidence(
+      observed,
+      {sigma_mm, IsTimePlace(observed) ? 0 : search.wander_mm2_per_s},
+      search.circumstances.nuisances,
+      search.circumstances.left_out);
+  double floor2 = 0, sigma2 = 0, rows = 0, floor_dof = 0;
+  for (const double dof : search.richest.dof) {
+    if (dof >= kEnoughDof) floor_dof += dof;
+  }
+  for (Eigen::Index i = 0; i < sigma_mm.size(); ++i) {
+    if (search.circumstances.left_out[static_cast<std::size_t>(i)]) continue;
+    const auto c =
+        static_cast<std::size_t>(observed.campaign_of()[static_cast<std::size_t>(i)]);
+    const bool is_known = search.richest.dof[c] >= kEnoughDof;
+    const double used2 = sigma_mm[i] * sigma_mm[i];
+    sigma2 += used2;
+    floor2 += is_known ? std::pow(search.richest.sigma_mm[c], 2) : used2;
+    rows += 1;
+  }
+  rows = std::max(rows, 1.0);
+  const double dof = std::max(evidence.dof(), 1.0);
+  const double times2 = evidence.chi2() / dof;
+  const double f = times2 * sigma2 / std::max(floor2, 1e-300);
+  return {.rms_mm = std::sqrt(times2 * sigma2 / rows),
+          .floor_mm = std::sqrt(floor2 / rows),
+          .chance = FUpperTail(f, dof, std::max(floor_dof, kStatedDof))};
+}
+
+}  // namespace caltwin

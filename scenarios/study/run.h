@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+
+#include "scenarios/study/store.h"
+
+namespace caltwin {
+
+/// How far a study is.
+struct StudyProgress {
+  std::int64_t done = 0, all = 0;  ///< Trials times cases; those of before counted.
+  double per_s = 0;                ///< Of this run.
+};
+
+struct StudyOptions {
+  int workers = 1;
+  /// Called a few times a second, from the thread that called RunStudy.
+  std::function<void(const StudyProgress&)> progress = [](const StudyProgress&) {
+  };
+};
+
+/// Runs every trial that `store` does not hold yet, each worker one at a time, each
+/// with a machine of its own: results depend on the trial's number alone. A trial that
+/// throws is kept with status "failed" and its message. Ends early, with what was done
+/// kept, when the person interrupts. Throws InputError where results cannot be kept.
+StudyProgress RunStudy(const Study& study,
+                       const StudyOptions& options,
+                       StudyStore* store);
+
+}  // namespace caltwin

@@ -1,0 +1,253 @@
+#include "scenarios/study/store.h"
+
+#include <map>
+#include <optional>
+#include <tuple>
+
+#include <SQLiteCpp/SQLiteCpp.h>
+#include <fmt/format.h>
+#include <sqlite3.h>
+
+#include "sim/base/input_error.h"
+
+namespace caltwin {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr const char* kFormat = "1";
+
+// `results` has a row only for what a run reported; NULL is "not told".
+constexpr const char* kSchema = R"(
+CREATE TABLE IF NOT EXISTS study(key TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID;
+CREATE TABLE IF NOT EXISTS cases(
+  case_id INTEGER PRIMARY KEY, name TEXT NOT NULL, scenario TEXT NOT NULL,
+  procedure TEXT NOT NULL);
+CREATE TABLE IF NOT EXISTS parameters(
+  parameter_id INTEGER PRIMARY KEY, name TEXT NOT NULL UNIQUE, unit TEXT NOT NULL);
+CREATE TABLE IF NOT EXISTS trials(
+  trial INTEGER NOT NULL, case_id INTEGER NOT NULL, status TEXT NOT NULL,
+  machine_time_s REAL NOT NULL, touches INTEGER NOT NULL,
+  position_error_before_mm REAL, position_error_after_mm REAL, message TEXT NOT NULL,
+  PRIMARY KEY(trial, case_id)) WITHOUT ROWID;
+CREATE TABLE IF NOT EXISTS results(
+  trial INTEGER NOT NULL, case_id INTEGER NOT NULL, parameter_id INTEGER NOT NULL,
+  position INTEGER NOT NULL, injected REAL NOT NULL, recovered REAL, sd REAL,
+  is_setting INTEGER NOT NULL,
+  PRIMARY KEY(trial, case_id, parameter_id)) WITHOUT ROWID;
+)";
+
+void BindOptional(SQLite::Statement* statement, int at, std::optional<double> value) {
+  if (value) {
+    statement->bind(at, *value);
+  } else {
+    statement->bind(at);
+  }
+}
+
+std::optional<double> OptionalOf(const SQLite::Column& column) {
+  if (column.isNull()) return std::nullopt;
+  return column.getDouble();
+}
+
+// Text of a file that somebody else may open: one message, whatever SQLite says.
+[[noreturn]] void Fail(const fs::path& file, const SQLite::Exception& error) {
+  const bool is_full = error.getErrorCode() == SQLITE_FULL;
+  throw InputError(
+      {.file = file.string()},
+      is_full ? "the disk is full; what was done until now is kept"
+              : fmt::format("cannot be written or read: {}", error.what()),
+      is_full ? "make room, then `--resume`" : "choose another folder with --out");
+}
+
+}  // namespace
+
+struct StudyStore::Parts {
+  explicit Parts(const fs::path& file)
+      : db(file.string(), SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE) {
+    db.setBusyTimeout(10'000);
+    // A commit is a write to the log: a killed process loses none of them.
+    db.exec("PRAGMA journal_mode = WAL");
+    db.exec("PRAGMA synchronous = NORMAL");
+    db.exec(kSchema);
+  }
+
+  std::optional<std::string> Kept(const std::string& key) {
+    SQLite::Statement query(db, "SELECT value FROM study WHERE key = ?");
+    query.bind(1, key);
+    if (!query.executeStep()) return std::nullopt;
+    return query.getColumn(0).getString();
+  }
+
+  void Begin(const Study& study) {
+    SQLite::Transaction transaction(db);
+    SQLite::Statement keep(db, "INSERT INTO study VALUES(?, ?)");
+    for (const auto& [key, value] :
+         {std::pair<std::string, std::string>{"format", kFormat},
+          {"fingerprint", study.Fingerprint()},
+          {"version", CALTWIN_VERSION},
+          {"file", study.file.string()},
+          {"text", study.verbatim},
+          {"fidelity", ToString(study.fidelity)},
+          {"seed", std::to_string(study.seed)},
+          {"trials", std::to_string(study.trials)}}) {
+      keep.bind(1, key);
+      keep.bind(2, value);
+      keep.exec();
+      keep.reset();
+    }
+    SQLite::Statement name(db, "INSERT INTO cases VALUES(?, ?, ?, ?)");
+    for (std::size_t i = 0; i < study.cases.size(); ++i) {
+      name.bind(1, static_cast<std::int64_t>(i));
+      name.bind(2, study.cases[i].Name());
+      name.bind(3, study.cases[i].scenario.file.string());
+      name.bind(4, study.cases[i].procedure);
+      name.exec();
+      name.reset();
+    }
+    transaction.commit();
+  }
+
+  std::int64_t ParameterId(const ParameterResult& parameter) {
+    const auto known = parameter_ids.find(parameter.name);
+    if (known != parameter_ids.end()) return known->second;
+    SQLite::Statement add(db,
+                          "INSERT OR IGNORE INTO parameters(name, unit) VALUES(?, ?)");
+    add.bind(1, parameter.name);
+    add.bind(2, parameter.unit);
+    add.exec();
+    SQLite::Statement find(db, "SELECT parameter_id FROM parameters WHERE name = ?");
+    find.bind(1, parameter.name);
+    find.executeStep();
+    return parameter_ids[parameter.name] = find.getColumn(0).getInt64();
+  }
+
+  void Add(const TrialResult& result) {
+    SQLite::Transaction transaction(db);
+    SQLite::Statement& t = *add_trial;
+    t.bind(1, result.trial);
+    t.bind(2, static_cast<std::int64_t>(result.of_case));
+    t.bind(3, result.status);
+    t.bind(4, result.machine_time_s);
+    t.bind(5, result.touches);
+    t.bind(6, result.position_error_before_mm);
+    t.bind(7, result.position_error_after_mm);
+    t.bind(8, result.message);
+    t.exec();
+    t.reset();
+    SQLite::Statement& r = *add_result;
+    for (std::size_t i = 0; i < result.parameters.size(); ++i) {
+      const ParameterResult& parameter = result.parameters[i];
+      r.bind(1, result.trial);
+      r.bind(2, static_cast<std::int64_t>(result.of_case));
+      r.bind(3, ParameterId(parameter));
+      r.bind(4, static_cast<std::int64_t>(i));
+      r.bind(5, parameter.injected);
+      BindOptional(&r, 6, parameter.recovered);
+      BindOptional(&r, 7, parameter.sd);
+      r.bind(8, parameter.is_setting ? 1 : 0);
+      r.exec();
+      r.reset();
+    }
+    transaction.commit();
+  }
+
+  SQLite::Database db;
+  std::map<std::string, std::int64_t> parameter_ids{};
+  std::optional<SQLite::Statement> add_trial{}, add_result{};
+};
+
+StudyStore::StudyStore(const fs::path& folder, const Study& study, bool may_resume)
+    : file_(folder / "study.sqlite") {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) {
+    throw InputError({.file = folder.string()},
+                     "cannot be made: " + error.message(),
+                     "choose another folder with --out");
+  }
+  try {
+    parts_ = std::make_unique<Parts>(file_);
+    const auto fingerprint = parts_->Kept("fingerprint");
+    if (!fingerprint) parts_->Begin(study);
+    if (fingerprint && *fingerprint != study.Fingerprint()) {
+      throw InputError({.file = file_.string()},
+                       "holds another study, or this one before its files or the "
+                       "program changed",
+                       "choose another folder with --out");
+    }
+    const bool holds_trials =
+        parts_->db.execAndGet("SELECT EXISTS(SELECT 1 FROM trials)").getInt() != 0;
+    if (holds_trials && !may_resume) {
+      throw InputError({.file = file_.string()},
+                       "holds trials of this study already",
+                       "`--resume` goes on with them; --out begins elsewhere");
+    }
+    parts_->add_trial.emplace(parts_->db,
+                              "INSERT INTO trials VALUES(?, ?, ?, ?, ?, ?, ?, ?)");
+    parts_->add_result.emplace(parts_->db,
+                               "INSERT INTO results VALUES(?, ?, ?, ?, ?, ?, ?, ?)");
+  } catch (const SQLite::Exception& failed) {
+    Fail(file_, failed);
+  }
+}
+
+StudyStore::~StudyStore() = default;
+
+void StudyStore::Add(const TrialResult& result) {
+  try {
+    parts_->Add(result);
+  } catch (const SQLite::Exception& failed) {
+    Fail(file_, failed);
+  }
+}
+
+std::set<std::pair<std::int64_t, std::size_t>> StudyStore::Done() const {
+  std::set<std::pair<std::int64_t, std::size_t>> done;
+  SQLite::Statement query(parts_->db, "SELECT trial, case_id FROM trials");
+  while (query.executeStep()) {
+    done.emplace(query.getColumn(0).getInt64(),
+                 static_cast<std::size_t>(query.getColumn(1).getInt64()));
+  }
+  return done;
+}
+
+void StudyStore::ForEach(const std::function<void(const TrialResult&)>& look) const {
+  SQLite::Statement trials(parts_->db, "SELECT * FROM trials ORDER BY trial, case_id");
+  SQLite::Statement results(
+      parts_->db,
+      "SELECT name, unit, injected, recovered, sd, is_setting FROM results "
+      "JOIN parameters USING(parameter_id) WHERE trial = ? AND case_id = ? "
+      "ORDER BY position");
+  while (trials.executeStep()) {
+    TrialResult result{
+        .trial = trials.getColumn(0).getInt64(),
+        .of_case = static_cast<std::size_t>(trials.getColumn(1).getInt64()),
+        .status = trials.getColumn(2).getString(),
+        .machine_time_s = trials.getColumn(3).getDouble(),
+        .touches = trials.getColumn(4).getInt(),
+        .position_error_before_mm = trials.getColumn(5).getDouble(),
+        .position_error_after_mm = trials.getColumn(6).getDouble(),
+        .message = trials.getColumn(7).getString()};
+    results.bind(1, result.trial);
+    results.bind(2, static_cast<std::int64_t>(result.of_case));
+    while (results.executeStep()) {
+      ParameterResult parameter{.name = results.getColumn(0).getString(),
+                                .unit = results.getColumn(1).getString(),
+                                .injected = results.getColumn(2).getDouble(),
+                                .recovered = OptionalOf(results.getColumn(3)),
+                                .sd = OptionalOf(results.getColumn(4)),
+                                .is_setting = results.getColumn(5).getInt() != 0};
+      parameter.identifiable = parameter.recovered.has_value();
+      if (parameter.recovered) {
+        parameter.error = *parameter.recovered - parameter.injected;
+      }
+      result.parameters.push_back(std::move(parameter));
+    }
+    results.reset();
+    look(result);
+  }
+}
+
+}  // namespace caltwin
