@@ -235,11 +235,11 @@ void DoubtNone(const Remains& left, Diagnosis* diagnosis) {
   if (!is_none || diagnosis->min_effect_um > 0 || !left.IsThere()) return;
   diagnosis->verdict = DiagnosisVerdict::kUnknownStructure;
   std::string remark = fmt::format(
-      "{:.2g} um rms remain beyond the baseline, where the noise is {:.2g} um: "
+      "{} um rms remain beyond the baseline, where the noise is {} um: "
       "something "
       "is there, but nothing that was tried foretells rows left out",
-      UmFromMm(left.rms_mm),
-      UmFromMm(left.floor_mm));
+      TwoDigits(UmFromMm(left.rms_mm)),
+      TwoDigits(UmFromMm(left.floor_mm)));
   if (!diagnosis->weighed.empty() && diagnosis->weighed[0].log_odds > 0) {
     const EvidenceLine& best = diagnosis->weighed[0];
     remark += fmt::format("; the likeliest would be {} (log odds {:.0f})",

@@ -82,6 +82,12 @@ void AddRivals(const Finding& finding, std::string* text) {
   if (effect) *text += fmt::format("  What tells: {}\n", EffectAt(*effect).twin);
 }
 
+// Whether the rows determine nothing of what is always fitted.
+bool IsOpen(const Diagnosis& diagnosis) {
+  return !diagnosis.baseline.empty() &&
+         std::ranges::none_of(diagnosis.baseline, &BaselineLine::is_determined);
+}
+
 std::string Headline(const Diagnosis& diagnosis) {
   const std::size_t count = diagnosis.findings.size();
   switch (diagnosis.verdict) {
@@ -91,6 +97,10 @@ std::string Headline(const Diagnosis& diagnosis) {
             "Verdict: none. Beyond the baseline these rows show nothing of {:g} um or "
             "more; what is smaller was not asked for.",
             diagnosis.min_effect_um);
+      }
+      if (IsOpen(diagnosis)) {
+        return "Verdict: none, but these rows are too few to tell anything: they "
+               "determine not even the baseline.";
       }
       return fmt::format(
           "Verdict: none. Beyond the baseline these rows show nothing but {}.",
@@ -151,7 +161,8 @@ void AddWouldShow(const std::vector<WouldShow>& all, std::string* text) {
     if (!told.insert(one.cause).second) continue;
     const std::string name = NameInWords(one.cause, one.axis);
     if (std::isfinite(one.smallest_mm)) {
-      shown.push_back(fmt::format("{} from {:.2g} um", name, Um(one.smallest_mm)));
+      shown.push_back(
+          fmt::format("{} from {} um", name, TwoDigits(Um(one.smallest_mm))));
     } else {
       hidden.push_back(name);
     }
@@ -260,11 +271,11 @@ void AddRows(const Diagnosis& diagnosis, std::string* text) {
   }
   if (diagnosis.wander_um_per_sqrt_h > 0) {
     *text += fmt::format(
-        "{}Slow wander of {:.2g} um per root hour is part of the noise: the "
+        "{}Slow wander of {} um per root hour is part of the noise: the "
         "machine drifts in a way that no cause here explains. One datum touched every "
         "few minutes, the temperatures beside it, would tell more.\n",
         diagnosis.outlier_rows.empty() ? "\n" : "",
-        diagnosis.wander_um_per_sqrt_h);
+        TwoDigits(diagnosis.wander_um_per_sqrt_h));
   }
   for (const std::string& remark : diagnosis.remarks) *text += "Note: " + remark + "\n";
 }

@@ -246,6 +246,13 @@ std::string WithSd(double value, double sd, std::string_view unit) {
   return fmt::format("{:.{}f} +- {:.{}f}{}{}", value, shown, sd, shown, gap, unit);
 }
 
+std::string TwoDigits(double value) {
+  constexpr double kWhole = 99.5;
+  if (!(std::abs(value) >= kWhole)) return fmt::format("{:.2g}", value);
+  const double unit = std::pow(10.0, std::floor(std::log10(std::abs(value))) - 1);
+  return fmt::format("{:.0f}", std::round(value / unit) * unit);
+}
+
 std::string NameInWords(std::string_view cause, std::string_view axis) {
   if (cause == "unknown") {
     return fmt::format("something without a name in {}", ChannelInWords(axis));
@@ -273,10 +280,10 @@ std::string WhatItDoes(const Finding& finding) {
     covariates.push_back(CovariateInWords(word));
   }
   return fmt::format(
-      "Something makes {} err by up to {:.2g} um that depends on {}; its shape fits no "
+      "Something makes {} err by up to {} um that depends on {}; its shape fits no "
       "cause in the catalogue",
       ChannelInWords(finding.axis),
-      finding.peak_um,
+      TwoDigits(finding.peak_um),
       fmt::join(covariates, " and "));
 }
 

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "calibration/diagnosis/diagnosis_words.h"
 #include "calibration/diagnosis/gain.h"
 #include "calibration/diagnosis/own_shape.h"
 #include "calibration/diagnosis/refit.h"
@@ -123,12 +124,17 @@ class Scrutiny {
       names.push_back(candidates_[found.candidate].Name());
     }
     found().clear();
+    const double before_um = UmFromMm(gain.blocks.before_mm);
+    const double after_um = UmFromMm(gain.blocks.after_mm);
     return fmt::format(
-        "tables without a name ({}) would take rows left out from {:.2g} to {:.2g} um: "
-        "less than a third of what can be, and no finding",
+        "{} without a name ({}) would foretell rows left out to {} um, the baseline "
+        "alone "
+        "to {}: {}, and no finding",
+        names.size() == 1 ? "a table" : "tables",
         fmt::join(names, ", "),
-        UmFromMm(gain.blocks.before_mm),
-        UmFromMm(gain.blocks.after_mm));
+        TwoDigits(after_um),
+        TwoDigits(before_um),
+        after_um < before_um ? "less than a third of what can be" : "no better");
   }
 
  private:

@@ -51,7 +51,7 @@ struct UnknownMap {
                 .effect = "Predicted and compensated inside the range measured, held "
                           "constant beyond it.",
                 .action =
-                    "Measure what `next_campaign` asks for, or look at the machine "
+                    "Measure what the last lines here ask for, or look at the machine "
                     "where the table is steepest."},
       .neutral = Neutral,
       .delta_axes = kDeltaAxes};

@@ -93,6 +93,22 @@ TEST(DiagnosisText, EveryNameIsASentence) {
   }
 }
 
+TEST(DiagnosisText, WritesNoPowersOfTen) {
+  EXPECT_EQ(TwoDigits(0.0371), "0.037");
+  EXPECT_EQ(TwoDigits(15.4), "15");
+  EXPECT_EQ(TwoDigits(99.7), "100");
+  EXPECT_EQ(TwoDigits(-1349), "-1300");
+  EXPECT_EQ(TwoDigits(40321), "40000");
+}
+
+TEST(DiagnosisText, NoneOfTooFewRowsSaysSo) {
+  Diagnosis diagnosis;
+  diagnosis.baseline = {{.name = "scale.x", .unit = "ppm", .is_determined = false}};
+  EXPECT_THAT(DiagnosisText(diagnosis, {}), HasSubstr("too few to tell anything"));
+  diagnosis.baseline.push_back({.name = "backlash.x", .unit = "mm"});
+  EXPECT_THAT(DiagnosisText(diagnosis, {}), HasSubstr("nothing but noise"));
+}
+
 TEST(DiagnosisText, NoneBesideAWanderSaysSo) {
   Diagnosis diagnosis;
   EXPECT_THAT(DiagnosisText(diagnosis, {}), HasSubstr("show nothing but noise."));
