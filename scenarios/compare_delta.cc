@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <ctime>
+#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -70,7 +71,9 @@ DeltaOutcome Joint(const DeltaProbe& probe, const DeltaModel<double>& start) {
     outcome.tilt_x = std::exchange(bed.slope_x, 0);
     outcome.tilt_y = std::exchange(bed.slope_y, 0);
   }
-  outcome.settings = BestDeltaSettings(fit.build, bed, start, kCompareRadius_mm);
+  // One radius for all towers: what every firmware here can hold.
+  outcome.settings = BestDeltaSettings(
+      fit.build, bed, start, kCompareRadius_mm, {.has_radius_per_tower = false});
   return outcome;
 }
 
@@ -171,10 +174,14 @@ Spread SpreadOf(std::vector<double> values) {
     return values[static_cast<std::size_t>(std::clamp(rank, 1.0, num)) - 1];
   };
   const double half = k95 * std::sqrt(num) / 2;
+  // Of fewer values not even their range holds the median with 95 %.
+  constexpr double kFewest = 6;
+  const double unknown = std::numeric_limits<double>::quiet_NaN();
+  const bool has_interval = num >= kFewest;
   return {.median = (at(std::floor((num + 1) / 2)) + at(std::ceil((num + 1) / 2))) / 2,
           .p95 = at(std::ceil(0.95 * num)),
-          .low = at(std::floor(num / 2 - half)),
-          .high = at(std::ceil(1 + num / 2 + half))};
+          .low = has_interval ? at(std::floor(num / 2 - half)) : unknown,
+          .high = has_interval ? at(std::ceil(1 + num / 2 + half)) : unknown};
 }
 
 DeltaComparison CompareDelta(int machines,
@@ -217,6 +224,10 @@ std::string DeltaComparisonText(const DeltaComparison& comparison) {
       "scale um/mm: the same",
       "time");
   const auto spread = [](const Spread& of, int digits) {
+    if (std::isnan(of.low)) {
+      return fmt::format(
+          "{:.{}f} [too few] {:.{}f}", of.median, digits, of.p95, digits);
+    }
     return fmt::format("{:.{}f} [{:.{}f}, {:.{}f}] {:.{}f}",
                        of.median,
                        digits,

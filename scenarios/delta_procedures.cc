@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 
 #include <fmt/format.h>
 
@@ -41,6 +42,16 @@ double TouchSigma_mm(const DeltaScenario& scenario, const Machine& machine) {
                   kBest_mm);
 }
 
+// Every line of a firmware's settings that is not blank, behind whose they are.
+void AddLines(const std::string& whose,
+              const std::string& text,
+              std::vector<std::string>* messages) {
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    if (!line.empty()) messages->push_back(whose + line);
+  }
+}
+
 Performed PerformJoint(const DeltaStep& step,
                        const DeltaScenario& scenario,
                        const Machine& machine,
@@ -71,10 +82,33 @@ Performed PerformJoint(const DeltaStep& step,
                                readings.touches.size(),
                                fit.rms_mm,
                                fit.hold_out_mm)}};
+  const Vec3<double> next =
+      BestNextTouch(fit, start, radius_mm, TouchSigma_mm(scenario, machine));
+  std::vector<std::string>& messages = performed.outcome.messages;
+  messages.push_back(fmt::format(
+      "one touch more would tell most at X{:.1f} Y{:.1f}", next[0], next[1]));
+  const DeltaModel<double>& drawn = machine.delta->model;
+  AddLines("before, Marlin: ", AsMarlin(start, drawn), &messages);
+  AddLines("after, Marlin: ", AsMarlin(performed.outcome.settings, drawn), &messages);
+  AddLines(
+      "after, RepRapFirmware: ", AsRrf(performed.outcome.settings, drawn), &messages);
+  AddLines("after, printer.cfg: ", AsKlipper(performed.outcome.settings), &messages);
   return performed;
 }
 
 }  // namespace
+
+std::optional<Observability> BlindnessOfG33(int points) {
+  constexpr int kAngles = 3;  // From this grid on.
+  if (points >= kAngles) return std::nullopt;
+  return Observability{
+      .statement = fmt::format(
+          "G33 P{} touches too few places to tell tower angles{}: its deviation says "
+          "nothing of them",
+          points,
+          points < 2 ? ", endstops and radius" : ""),
+      .blind_direction = {{"tower_angle.a", 1}, {"tower_angle.b", 1}}};
+}
 
 DeltaOutcome PerformDeltaStep(const DeltaStep& step,
                               const DeltaScenario& scenario,

@@ -4,6 +4,7 @@
 
 #include "calibration/delta/bench.h"
 #include "calibration/delta/joint.h"
+#include "calibration/loop/outcome.h"
 #include "scenarios/delta_scenario.h"
 
 namespace caltwin {
@@ -16,5 +17,9 @@ DeltaOutcome PerformDeltaStep(const DeltaStep& step,
                               const DeltaProbe& probe,
                               const DeltaModel<double>& start,
                               std::optional<DeltaJointFit>* fit);
+
+/// What a grid of G33's cannot tell, whatever deviation it prints; none where it tells
+/// endstops, radius and angles.
+std::optional<Observability> BlindnessOfG33(int points);
 
 }  // namespace caltwin

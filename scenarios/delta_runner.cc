@@ -143,6 +143,9 @@ class DeltaRun {
     if (step.name == "g33") {
       g33_variant_ = step.variant == "as_published" ? G33Variant::kAsPublished
                                                     : G33Variant::kCorrected;
+      if (const auto blind = BlindnessOfG33(step.points)) {
+        result->observability.push_back(*blind);
+      }
       const auto lines = probe.Say(fmt::format("G33 P{}{}", step.points, step.words));
       result->messages.insert(result->messages.end(), lines.begin(), lines.end());
     } else {
@@ -227,6 +230,15 @@ class DeltaRun {
               "tower_radius");
         });
     for (const DeltaEstimate& estimate : fit_->estimates) {
+      const std::string told_name(
+          kDeltaKnobs[static_cast<std::size_t>(estimate.knob)].name);
+      if (estimate.sd_over_prior >= kSaidNothing) {
+        result->observability.push_back(
+            {.statement = told_name +
+                          " is not told by these touches: its uncertainty is "
+                          "still that of its prior",
+             .blind_direction = {{told_name, 1}}});
+      }
       const DeltaKnob& knob = kDeltaKnobs[static_cast<std::size_t>(estimate.knob)];
       const bool is_told = estimate.sd_over_prior < kSaidNothing;
       const auto known = std::ranges::find(

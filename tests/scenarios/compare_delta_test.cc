@@ -1,5 +1,6 @@
 #include "scenarios/compare_delta.h"
 
+#include <cmath>
 #include <numeric>
 
 #include <gmock/gmock.h>
@@ -27,13 +28,15 @@ TEST(CompareDelta, TheMedianLiesBetweenItsOrderStatistics) {
   EXPECT_EQ(spread.high, 61);
 }
 
-TEST(CompareDelta, OneValueIsItsOwnSpread) {
-  const Spread spread = SpreadOf({3});
-
-  EXPECT_EQ(spread.median, 3);
-  EXPECT_EQ(spread.p95, 3);
-  EXPECT_EQ(spread.low, 3);
-  EXPECT_EQ(spread.high, 3);
+// The range of n values holds the median of what they come from but once in 2^(n - 1).
+TEST(CompareDelta, FewerThanSixValuesHaveNoIntervalOf95Percent) {
+  const Spread one = SpreadOf({3});
+  EXPECT_EQ(one.median, 3);
+  EXPECT_EQ(one.p95, 3);
+  EXPECT_TRUE(std::isnan(one.low) && std::isnan(one.high));
+  EXPECT_TRUE(std::isnan(SpreadOf({1, 2, 3, 4, 5}).low));
+  EXPECT_EQ(SpreadOf({1, 2, 3, 4, 5, 6}).low, 1);
+  EXPECT_EQ(SpreadOf({1, 2, 3, 4, 5, 6}).high, 6);
 }
 
 TEST(CompareDelta, AMachineIsTheSameWhoeverAsks) {
