@@ -5,9 +5,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "sim/base/units.h"
 #include "sim/base/yaml.h"
 #include "sim/machine/machine.h"
-#include "sim/base/units.h"
 #include "sim/measure/import/klipper_delta.h"
 #include "sim/measure/import/klipper_mesh.h"
 #include "tests/measure/import_bench.h"
@@ -160,8 +160,8 @@ Machine MachineOf(const Imported& imported) {
 }
 
 TEST(KlipperDelta, WritesAMachineThatIsReadAgain) {
-  const Imported with_drives = ImportText(
-      "klipper-delta", PrinterCfgText(kPoses_mm, 16), "my printer.cfg", {});
+  const Imported with_drives =
+      ImportText("klipper-delta", PrinterCfgText(kPoses_mm, 16), "my printer.cfg", {});
   const Machine machine = MachineOf(with_drives);
   ASSERT_TRUE(machine.delta.has_value());
   EXPECT_DOUBLE_EQ(machine.delta->model.endstop_mm[1], 300.25);
