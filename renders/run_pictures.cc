@@ -11,6 +11,7 @@
 #include "renders/delta_scene.h"
 #include "renders/html.h"
 #include "renders/machine_scene.h"
+#include "renders/triple_z_scene.h"
 #include "scenarios/runner.h"
 #include "scenarios/scenario.h"
 
@@ -87,6 +88,15 @@ ReportPicture DeltaAsBuilt(const Scenario& scenario, std::uint64_t seed) {
   }
 }
 
+ReportPicture TripleZAsBuilt(const Scenario& scenario, std::uint64_t seed) {
+  const TripleZScene scene(
+      DrawTripleZ(*scenario.triple_z, scenario.machine.machine, seed, /*sample=*/0),
+      kExaggerate);
+  return {.title = "The machine as built.",
+          .caption = fmt::format("Its bed's tilt is enlarged {} times.", kExaggerate),
+          .png = PngBytes(DrawScene(scene.model(), scene.data(), Options()))};
+}
+
 ReportPicture ErrorPicture(MachineScene* scene,
                            Painter* painter,
                            const std::string& title,
@@ -156,6 +166,11 @@ ReportPictures PicturesOf(const RunResult& result) {
   ReportPictures pictures;
   if (scenario.delta) {
     pictures.pictures.push_back(DeltaAsBuilt(scenario, result.seed));
+    return pictures;
+  }
+  if (scenario.z_offset) return pictures;  // Nothing of it is in a model.
+  if (scenario.triple_z) {
+    pictures.pictures.push_back(TripleZAsBuilt(scenario, result.seed));
     return pictures;
   }
   const TwinConfig config = MakeTwinConfig(scenario, {.seed = result.seed});

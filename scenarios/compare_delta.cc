@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "calibration/delta/foretold_mesh.h"
 #include "calibration/delta/g33.h"
 #include "calibration/delta/joint.h"
 #include "calibration/delta/klipper_descent.h"
@@ -48,11 +49,14 @@ DeltaOutcome Klipper(const DeltaProbe& probe, const DeltaModel<double>& start) {
       probe, start, {.points = KlipperProbePoints(kCompareRadius_mm)});
 }
 
+/// What the firmware is told beside its settings, which otherwise bend the machine to
+/// the bed as far as they can.
+enum class Beside { kNothing, kTilt, kMesh };
+
 // RRF's sixteen points; everything about the machine is unknown, within its priors.
-// With `commands_tilt` the firmware is told of the bed's tilt beside the settings;
-// without it they bend the machine to the bed as far as they can.
-template <bool commands_tilt>
+template <Beside beside>
 DeltaOutcome Joint(const DeltaProbe& probe, const DeltaModel<double>& start) {
+  constexpr int kNodes = 7;
   DeltaReadings readings;
   DeltaOutcome outcome{.settings = start};
   for (const Eigen::Vector2d& at : RrfProbePoints(kCompareRadius_mm)) {
@@ -67,13 +71,16 @@ DeltaOutcome Joint(const DeltaProbe& probe, const DeltaModel<double>& start) {
   outcome.is_done = fit.converged;
   outcome.said_mm = fit.hold_out_mm;
   DeltaBed<double> bed = fit.bed;
-  if (commands_tilt) {
+  if (beside == Beside::kTilt) {
     outcome.tilt_x = std::exchange(bed.slope_x, 0);
     outcome.tilt_y = std::exchange(bed.slope_y, 0);
   }
   // One radius for all towers: what every firmware here can hold.
   outcome.settings = BestDeltaSettings(
       fit.build, bed, start, kCompareRadius_mm, {.has_radius_per_tower = false});
+  if (beside == Beside::kMesh) {
+    outcome.mesh = ForetoldMesh(fit, outcome.settings, kCompareRadius_mm, kNodes);
+  }
   return outcome;
 }
 
@@ -83,9 +90,14 @@ constexpr std::array kRivals = {
     DeltaRival{"rrf_least_squares", "RepRapFirmware's, 6 factors, 16 points", Rrf<6>},
     DeltaRival{"rrf_8_factors", "the same with the bed's tilt", Rrf<8>},
     DeltaRival{"klipper_descent", "Klipper's, 6 parameters, 7 points", Klipper},
+    DeltaRival{"delta_joint",
+               "caltwin's, 29 unknowns with priors, 16 points",
+               Joint<Beside::kNothing>},
     DeltaRival{
-        "delta_joint", "caltwin's, 29 unknowns with priors, 16 points", Joint<false>},
-    DeltaRival{"delta_joint_tilt", "the same with the bed's tilt", Joint<true>}};
+        "delta_joint_tilt", "the same with the bed's tilt", Joint<Beside::kTilt>},
+    DeltaRival{"delta_joint_mesh",
+               "the same with a mesh of heights, foretold",
+               Joint<Beside::kMesh>}};
 
 struct Trial {
   int touches = 0;
@@ -109,8 +121,8 @@ Trial Try(const DeltaRival& rival, const DeltaCase& machine, std::uint64_t seed)
   DeltaBed<double> bed = machine.bed;
   bed.slope_x -= outcome.tilt_x;
   bed.slope_y -= outcome.tilt_y;
-  trial.after =
-      DeltaAccuracyOf(machine.build, bed, outcome.settings, kCompareRadius_mm);
+  trial.after = DeltaAccuracyOf(
+      machine.build, bed, outcome.settings, kCompareRadius_mm, outcome.mesh);
   const double before_mm =
       DeltaAccuracyOf(machine.build, machine.bed, drawn, kCompareRadius_mm).z_rms_mm;
   trial.has_failed = !outcome.is_done || !(trial.after.z_rms_mm < before_mm);

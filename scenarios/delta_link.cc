@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "calibration/delta/foretold_mesh.h"
 #include "calibration/delta/settings.h"
 
 namespace caltwin {
@@ -49,10 +50,16 @@ DeltaProbe DeltaLinkProbe::AsProbe() {
 }
 
 void DeltaLinkProbe::Set(const DeltaModel<double>& settings) {
+  if (AreSame(settings, sent_)) return;
   std::istringstream lines(AsMarlin(settings, drawn_));
   for (std::string line; std::getline(lines, line);) Say(line);
   sent_ = settings;
   is_homed_ = false;
+}
+
+void DeltaLinkProbe::Set(const DeltaMesh& mesh) {
+  std::istringstream lines(MeshAsMarlin(mesh));
+  for (std::string line; std::getline(lines, line);) Say(line);
 }
 
 std::vector<std::string> DeltaLinkProbe::Say(const std::string& line) {
@@ -65,7 +72,7 @@ std::vector<std::string> DeltaLinkProbe::Say(const std::string& line) {
 std::optional<Vec3<double>> DeltaLinkProbe::Touch(const DeltaModel<double>& settings,
                                                   double x_mm,
                                                   double y_mm) {
-  if (!AreSame(settings, sent_)) Set(settings);
+  Set(settings);
   if (!is_homed_) {
     Say("G28");
     is_homed_ = true;

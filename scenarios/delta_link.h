@@ -34,8 +34,10 @@ class DeltaLinkProbe {
 
   /// For the engines; borrows this.
   DeltaProbe AsProbe();
-  /// Sends M665 and M666.
+  /// Sends M665 and M666, unless the firmware has these settings.
   void Set(const DeltaModel<double>& settings);
+  /// Sends M421 for every node, and M420 S1.
+  void Set(const DeltaMesh& mesh);
   /// Sends a line and takes what is answered. The first line refused is the fault;
   /// nothing is touched after it.
   std::vector<std::string> Say(const std::string& line);

@@ -6,14 +6,19 @@
 
 #include <fmt/format.h>
 
+#include "calibration/delta/change.h"
+#include "calibration/delta/foretold_mesh.h"
 #include "calibration/delta/klipper_descent.h"
 #include "calibration/delta/rrf_least_squares.h"
 #include "calibration/delta/settings.h"
 #include "scenarios/delta_link.h"
+#include "scenarios/delta_verdict.h"
+#include "sim/base/units.h"
 
 namespace caltwin {
 namespace {
 
+constexpr int kMeshNodes = 7;      // As the firmware on the wire has them.
 constexpr double kBest_mm = 1e-3;  // Less than this no touch is believed to scatter.
 
 /// What a procedure left behind.
@@ -52,48 +57,153 @@ void AddLines(const std::string& whose,
   }
 }
 
-Performed PerformJoint(const DeltaStep& step,
-                       const DeltaScenario& scenario,
-                       const Machine& machine,
-                       const DeltaProbe& probe,
-                       const DeltaModel<double>& start) {
-  const double radius_mm = machine.delta->print_radius_mm;
-  DeltaBuild<double> believed = machine.delta->Build();
-  believed.model = start;
-  const DeltaReadings readings = TouchAll(probe,
-                                          start,
-                                          DiscPoints(step.points, radius_mm),
-                                          TouchSigma_mm(scenario, machine));
-  Performed performed;
-  performed.fit = FitDeltaJointly(
-      believed,
-      readings,
-      {.knobs = step.unknowns == "machine" ? MachineKnobs() : FirmwareKnobs()});
-  const DeltaJointFit& fit = *performed.fit;
-  performed.outcome = {
-      .settings = BestDeltaSettings(
-          fit.build, fit.bed, start, radius_mm, {.has_radius_per_tower = false}),
-      .touches = static_cast<int>(readings.touches.size()),
-      .is_done = fit.converged,
-      .said_mm = fit.hold_out_mm,
-      .messages = {fmt::format("joint estimate of {} unknowns from {} touches: {:.4f} "
-                               "mm rms, {:.4f} mm of points left out",
-                               fit.estimates.size(),
-                               readings.touches.size(),
-                               fit.rms_mm,
-                               fit.hold_out_mm)}};
-  const Vec3<double> next =
-      BestNextTouch(fit, start, radius_mm, TouchSigma_mm(scenario, machine));
-  std::vector<std::string>& messages = performed.outcome.messages;
+// The twelve distances of Klipper's print, made with these settings.
+std::vector<DeltaDistance> ReadPrint(const DeltaCalliper& calliper,
+                                     const DeltaModel<double>& settings) {
+  std::vector<DeltaDistance> distances;
+  for (const KlipperRidge& ridge : KlipperPrint()) {
+    DeltaDistance distance{.sigma_mm = std::max(calliper.sigma_mm, kBest_mm)};
+    distance.from_mm =
+        DeltaMotors_mm<double>(settings, {ridge.first_mm[0], ridge.first_mm[1], 0});
+    distance.to_mm =
+        DeltaMotors_mm<double>(settings, {ridge.second_mm[0], ridge.second_mm[1], 0});
+    const auto length_mm = calliper.between_mm(distance.from_mm, distance.to_mm);
+    if (!length_mm) continue;
+    distance.length_mm = *length_mm;
+    distances.push_back(distance);
+  }
+  return distances;
+}
+
+DeltaReadings ReadAll(const DeltaStep& step,
+                      const DeltaScenario& scenario,
+                      const Machine& machine,
+                      const DeltaDoors& doors,
+                      const DeltaModel<double>& start) {
+  DeltaReadings readings =
+      TouchAll(doors.probe,
+               start,
+               DiscPoints(step.points, machine.delta->print_radius_mm),
+               TouchSigma_mm(scenario, machine));
+  if (step.reads_print) readings.distances = ReadPrint(doors.calliper, start);
+  for (int rod = 0; step.reads_rods && rod < kNumRods; ++rod) {
+    readings.rods.push_back({.rod = rod,
+                             .length_mm = doors.calliper.rod_mm(rod),
+                             .sigma_mm = std::max(doors.calliper.sigma_mm, kBest_mm)});
+  }
+  return readings;
+}
+
+// Knobs are counted from the settings that the touches were made with; what was stated
+// of one that is a setting is its value.
+DeltaJointOptions JointOptions(const DeltaStep& step,
+                               const DeltaModel<double>& start,
+                               const DeltaModel<double>& drawn) {
+  constexpr double kNothingBelieved_mm = 2;
+  DeltaJointOptions options{.knobs = step.knobs};
+  options.prior_mean.assign(kNumDeltaKnobs, 0);
+  for (const DeltaKnob& knob : kDeltaKnobs) options.prior_sd.push_back(knob.prior_sd);
+  // Rods that somebody reads need no belief in their length.
+  if (step.reads_rods || step.reads_print) {
+    options.prior_sd[kArmKnob] = kNothingBelieved_mm;
+  }
+  for (const DeltaPrior& prior : step.priors) {
+    const auto at = static_cast<std::size_t>(prior.knob);
+    options.prior_sd[at] = prior.sd;
+    if (!prior.value) continue;
+    const auto set = DeltaSettingNamed(start, drawn, kDeltaKnobs[at].name);
+    options.prior_mean[at] = *prior.value - set.value_or(0);
+  }
+  return options;
+}
+
+// What the estimate says of itself, and settings as firmwares take them.
+void AddReport(const DeltaJointFit& fit,
+               const DeltaReadings& readings,
+               const DeltaModel<double>& start,
+               const Machine& machine,
+               DeltaOutcome* outcome) {
+  std::vector<std::string>& messages = outcome->messages;
+  std::string lengths;
+  if (!readings.distances.empty()) {
+    lengths += fmt::format(", {} distances on a print", readings.distances.size());
+  }
+  if (!readings.rods.empty()) {
+    lengths += fmt::format(", {} rods by calliper", readings.rods.size());
+  }
+  messages.push_back(fmt::format(
+      "joint estimate of {} unknowns from {} touches{}: {:.4f} mm rms, {:.4f} mm of "
+      "points left out",
+      fit.estimates.size(),
+      readings.touches.size(),
+      lengths,
+      fit.rms_mm,
+      fit.hold_out_mm));
+  const Vec3<double> next = BestNextTouch(
+      fit, start, machine.delta->print_radius_mm, readings.touches.front().sigma_mm);
   messages.push_back(fmt::format(
       "one touch more would tell most at X{:.1f} Y{:.1f}", next[0], next[1]));
   const DeltaModel<double>& drawn = machine.delta->model;
   AddLines("before, Marlin: ", AsMarlin(start, drawn), &messages);
-  AddLines("after, Marlin: ", AsMarlin(performed.outcome.settings, drawn), &messages);
-  AddLines(
-      "after, RepRapFirmware: ", AsRrf(performed.outcome.settings, drawn), &messages);
-  AddLines("after, printer.cfg: ", AsKlipper(performed.outcome.settings), &messages);
+  AddLines("after, Marlin: ", AsMarlin(outcome->settings, drawn), &messages);
+  AddLines("after, RepRapFirmware: ", AsRrf(outcome->settings, drawn), &messages);
+  AddLines("after, printer.cfg: ", AsKlipper(outcome->settings), &messages);
+  if (outcome->mesh.nodes > 0) {
+    AddLines("after, printer.cfg: ", MeshAsKlipper(outcome->mesh), &messages);
+  }
+}
+
+Performed PerformJoint(const DeltaStep& step,
+                       const DeltaScenario& scenario,
+                       const Machine& machine,
+                       const DeltaDoors& doors,
+                       const DeltaModel<double>& start) {
+  const double radius_mm = machine.delta->print_radius_mm;
+  DeltaBuild<double> believed = machine.delta->Build();
+  believed.model = start;
+  const DeltaReadings readings = ReadAll(step, scenario, machine, doors, start);
+  Performed performed{.outcome = {.settings = start}};
+  performed.outcome.touches = static_cast<int>(readings.touches.size());
+  if (readings.touches.empty()) return performed;
+  performed.fit = FitDeltaJointly(
+      believed, readings, JointOptions(step, start, machine.delta->model));
+  const DeltaJointFit& fit = *performed.fit;
+  const DeltaModel<double> best = BestDeltaSettings(
+      fit.build, fit.bed, start, radius_mm, {.has_radius_per_tower = false});
+  const DeltaChange change = ChangeOf(fit, start, best, radius_mm);
+  performed.outcome.is_done = fit.converged;
+  performed.outcome.said_mm = fit.hold_out_mm;
+  if (change.IsTold()) performed.outcome.settings = best;
+  if (step.makes_mesh) {
+    performed.outcome.mesh =
+        ForetoldMesh(fit, performed.outcome.settings, radius_mm, kMeshNodes);
+  }
+  AddReport(fit, readings, start, machine, &performed.outcome);
+  if (!change.IsTold()) {
+    performed.outcome.messages.push_back(fmt::format(
+        "the settings are kept: others would move the nozzle by {:.4f} mm in z, {:.4f} "
+        "mm in the plane and {:.3f} um/mm in size, less than twice what these readings "
+        "leave open ({:.4f}, {:.4f}, {:.3f})",
+        change.height_mm.by,
+        change.place_mm.by,
+        UmFromMm(change.scale.by),
+        change.height_mm.sd,
+        change.place_mm.sd,
+        UmFromMm(change.scale.sd)));
+  }
   return performed;
+}
+
+// Eight and nine factors find the bed's tilt, which the firmware on the wire has no
+// number for.
+DeltaOutcome WithTiltTold(DeltaOutcome outcome) {
+  if (outcome.tilt_x == 0 && outcome.tilt_y == 0) return outcome;
+  outcome.messages.push_back(fmt::format(
+      "the bed's tilt that was found, {:.3f} and {:.3f} mrad, is not commanded: Marlin "
+      "has no setting for it, so the nozzle keeps it",
+      MradFromRad(outcome.tilt_x),
+      MradFromRad(outcome.tilt_y)));
+  return outcome;
 }
 
 }  // namespace
@@ -113,18 +223,22 @@ std::optional<Observability> BlindnessOfG33(int points) {
 DeltaOutcome PerformDeltaStep(const DeltaStep& step,
                               const DeltaScenario& scenario,
                               const Machine& machine,
-                              const DeltaProbe& probe,
+                              const DeltaDoors& doors,
                               const DeltaModel<double>& start,
                               std::optional<DeltaJointFit>* fit) {
   const double radius_mm = machine.delta->print_radius_mm;
   if (step.name == "rrf_least_squares") {
-    return CalibrateRrf(
-        probe, start, {.factors = step.factors, .points = RrfProbePoints(radius_mm)});
+    return WithTiltTold(
+        CalibrateRrf(doors.probe,
+                     start,
+                     {.factors = step.factors, .points = RrfProbePoints(radius_mm)}));
   }
   if (step.name == "klipper_descent") {
-    return CalibrateKlipper(probe, start, {.points = KlipperProbePoints(radius_mm)});
+    KlipperOptions options{.points = KlipperProbePoints(radius_mm)};
+    if (step.reads_print) options.distances = ReadPrint(doors.calliper, start);
+    return CalibrateKlipper(doors.probe, start, options);
   }
-  const Performed performed = PerformJoint(step, scenario, machine, probe, start);
+  const Performed performed = PerformJoint(step, scenario, machine, doors, start);
   *fit = performed.fit;
   return performed.outcome;
 }

@@ -9,12 +9,18 @@
 
 namespace caltwin {
 
+/// What a procedure on this side of the wire reads the machine through.
+struct DeltaDoors {
+  DeltaProbe probe{};
+  DeltaCalliper calliper{};
+};
+
 /// Performs a step that runs on this side of the wire: touches as it likes, ends with
 /// settings. `fit`: what a joint estimate found beside them.
 DeltaOutcome PerformDeltaStep(const DeltaStep& step,
                               const DeltaScenario& scenario,
                               const Machine& machine,
-                              const DeltaProbe& probe,
+                              const DeltaDoors& doors,
                               const DeltaModel<double>& start,
                               std::optional<DeltaJointFit>* fit);
 

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "scenarios/named_step.h"
 #include "sim/effects/catalog.h"
 #include "sim/link/gcode.h"
 #include "sim/machine/delta_knobs.h"
@@ -45,6 +46,72 @@ std::string ReadG33Letters(YamlMap* map) {
   return words;
 }
 
+std::vector<std::string> KnobNames() {
+  std::vector<std::string> names;
+  for (const DeltaKnob& knob : kDeltaKnobs) names.emplace_back(knob.name);
+  return names;
+}
+
+// `fit: [NAME, ...]`; none where a name is wrong.
+std::vector<int> ReadFit(const YamlValue& list) {
+  std::vector<int> knobs;
+  for (const YamlValue& item : list.List()) {
+    const std::string name = item.Text();
+    const auto knob = DeltaKnobNamed(name);
+    if (!knob) {
+      const std::vector<std::string> all = KnobNames();
+      const std::string nearest = NearestWord(name, all);
+      item.Fail(fmt::format("'{}' is no unknown of a delta", name),
+                nearest.empty() ? fmt::format("one of {}", fmt::join(all, " "))
+                                : fmt::format("did you mean '{}'?", nearest));
+    } else if (std::ranges::find(knobs, *knob) != knobs.end()) {
+      item.Fail(fmt::format("'{}' stands twice", name));
+    } else {
+      knobs.push_back(*knob);
+    }
+  }
+  if (list.is_list() && knobs.empty() && list.faults()->empty()) {
+    list.Fail("is empty", "name at least one unknown, delta_radius for example");
+  }
+  return knobs;
+}
+
+void ReadPriors(const YamlValue& priors, DeltaStep* step) {
+  constexpr Bounds kSd{1e-6, 1e6};
+  for (const auto& [name, value] : priors.Map().Entries()) {
+    YamlMap keys = value.Map();
+    DeltaPrior prior{.sd = keys.Number("sd", kSd, "a standard deviation, above 0")};
+    if (const auto is = keys.Optional("value")) prior.value = is->Number();
+    keys.NoMoreKeys();
+    const auto knob = DeltaKnobNamed(name);
+    if (!knob || std::ranges::find(step->knobs, *knob) == step->knobs.end()) {
+      std::vector<std::string> fitted;
+      for (const int one : step->knobs) {
+        fitted.emplace_back(kDeltaKnobs[static_cast<std::size_t>(one)].name);
+      }
+      value.Fail(fmt::format("'{}' is not among the unknowns of this step", name),
+                 fmt::format("it fits {}", fmt::join(fitted, " ")));
+      continue;
+    }
+    prior.knob = *knob;
+    step->priors.push_back(prior);
+  }
+}
+
+// Which numbers a joint estimate asks for, and what is known of them.
+void ReadUnknowns(YamlMap* map, DeltaStep* step) {
+  const auto unknowns = map->Optional("unknowns");
+  step->knobs = unknowns && unknowns->Word({"firmware", "machine"}) == "machine"
+                    ? MachineKnobs()
+                    : FirmwareKnobs();
+  if (const auto fit = map->Optional("fit")) {
+    if (unknowns)
+      fit->Fail("stands beside 'unknowns'", "one of them says what is fitted");
+    step->knobs = ReadFit(*fit);
+  }
+  if (const auto priors = map->Optional("priors")) ReadPriors(*priors, step);
+}
+
 DeltaStep ReadDeltaStep(const std::string& name, const YamlValue& options) {
   DeltaStep step{.name = name};
   // An empty value means all options left out.
@@ -67,39 +134,23 @@ DeltaStep ReadDeltaStep(const std::string& name, const YamlValue& options) {
   }
   if (name == "delta_joint") {
     step.points = static_cast<int>(map.IntegerOr("points", 37, 8, 400));
-    step.unknowns = map.WordOr("unknowns", "firmware", {"firmware", "machine"});
+    ReadUnknowns(&map, &step);
+    step.reads_rods = map.FlagOr("rods", false);
+    step.makes_mesh = map.FlagOr("mesh", false);
+  }
+  if (name == "delta_joint" || name == "klipper_descent") {
+    step.reads_print = map.FlagOr("print", false);
   }
   map.NoMoreKeys();
   return step;
 }
 
 std::vector<DeltaStep> ReadDeltaSteps(const YamlValue& list) {
-  static const std::vector<std::string> kNames = {
+  constexpr std::array<std::string_view, 4> kNames = {
       "g33", "rrf_least_squares", "klipper_descent", "delta_joint"};
   std::vector<DeltaStep> steps;
-  for (const YamlValue& item : list.List()) {
-    std::string name;
-    YamlValue options(YAML::Node(), item.file(), item.path(), item.faults());
-    if (item.is_scalar()) {
-      name = item.Text();
-    } else {
-      const auto entries = item.Map().Entries();
-      if (entries.size() != 1) {
-        item.Fail("is not a mapping of one procedure to its options");
-        continue;
-      }
-      name = entries[0].first;
-      options = entries[0].second;
-    }
-    if (std::ranges::find(kNames, name) == kNames.end()) {
-      item.Fail(fmt::format("'{}' is no procedure of a delta", name),
-                fmt::format("there are {}", fmt::join(kNames, ", ")));
-      continue;
-    }
-    steps.push_back(ReadDeltaStep(name, options));
-  }
-  if (list.is_list() && steps.empty() && list.faults()->empty()) {
-    list.Fail("is empty", "name at least one procedure");
+  for (const NamedStep& step : ReadNamedSteps(list, kNames, "procedure of a delta")) {
+    steps.push_back(ReadDeltaStep(step.name, step.options));
   }
   return steps;
 }
@@ -109,6 +160,7 @@ void ReadDeltaExpectation(YamlMap map, DeltaScenario* scenario) {
       "outcome", "recovers", {"recovers", "misses", "diverges", "no_trigger"});
   for (const char* figure : {"height_error_mm.rms",
                              "height_error_mm.most",
+                             "height_drift_mm",
                              "position_error_mm.p95",
                              "xy_scale_um_per_mm",
                              "said_mm"}) {
@@ -192,6 +244,11 @@ DeltaScenario ReadDeltaScenario(YamlMap* map,
     if (const auto probe = by_name.Optional("probe")) {
       YamlMap keys = probe->Map();
       scenario.probe_sigma_mm = kMilli * keys.NumberOr("sigma_um", 0, {0, 1000});
+      keys.NoMoreKeys();
+    }
+    if (const auto calliper = by_name.Optional("calliper")) {
+      YamlMap keys = calliper->Map();
+      scenario.calliper_sigma_mm = kMilli * keys.NumberOr("sigma_um", 20, {0, 1000});
       keys.NoMoreKeys();
     }
     by_name.NoMoreKeys();

@@ -16,14 +16,28 @@ struct Within {
   std::optional<double> below{};
 };
 
+/// What is known of one unknown before anything is touched.
+struct DeltaPrior {
+  int knob = 0;
+  /// In the knob's unit, as the table of results has it: of a setting its value. None:
+  /// as the settings are.
+  std::optional<double> value{};
+  double sd = 0;
+};
+
 /// One entry of a delta's `calibrate:`.
 struct DeltaStep {
-  std::string name{};     ///< g33, rrf_least_squares, klipper_descent, delta_joint.
-  std::string variant{};  ///< as_published | corrected (g33).
-  int points = 0;         ///< Touches, or G33's P; 0: the procedure's own.
-  std::string words{};    ///< G33's other letters, as G-code: " C0.01 F3 T".
-  int factors = 6;        ///< Of rrf_least_squares.
-  std::string unknowns{"firmware"};  ///< Of delta_joint: firmware | machine.
+  std::string name{};        ///< g33, rrf_least_squares, klipper_descent, delta_joint.
+  std::string variant{};     ///< as_published | corrected (g33).
+  int points = 0;            ///< Touches, or G33's P; 0: the procedure's own.
+  std::string words{};       ///< G33's other letters, as G-code: " C0.01 F3 T".
+  int factors = 6;           ///< Of rrf_least_squares.
+  std::vector<int> knobs{};  ///< Of delta_joint: its unknowns.
+  std::vector<DeltaPrior> priors{};  ///< Of delta_joint, beside what knobs have.
+  bool makes_mesh = false;           ///< Of what the settings leave (delta_joint).
+  bool reads_rods = false;           ///< By calliper, each rod (delta_joint).
+  /// By calliper, the distances of a calibration print (delta_joint, klipper_descent).
+  bool reads_print = false;
 };
 
 struct DeltaExpectedValue {
@@ -40,11 +54,12 @@ struct DeltaScenario {
   /// settings: {probe_offset_mm: [x, y, z]}, sent as M851.
   Vec3<double> probe_offset_mm = Vec3<double>::Zero();
   double probe_sigma_mm = 0;  ///< instruments: {probe: {sigma_um: }}
+  double calliper_sigma_mm = 0.02;
   std::vector<DeltaStep> calibrate{};
   std::string outcome = "recovers";
   std::vector<DeltaExpectedValue> values{};
-  /// `height_error_mm.rms`, `.most`, `position_error_mm.p95`, `xy_scale_um_per_mm`,
-  /// `said_mm`.
+  /// `height_error_mm.rms`, `.most`, `height_drift_mm` (from the first step to the
+  /// last), `position_error_mm.p95`, `xy_scale_um_per_mm`, `said_mm`.
   std::vector<std::pair<std::string, Within>> figures{};
   std::vector<std::string> messages{};
 };

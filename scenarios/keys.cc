@@ -61,6 +61,32 @@ constexpr std::array kKeys = {
          "both senses, mean offset removed, in mm."},
     Word{"messages", "Texts that must occur in what the run says."}};
 
+constexpr std::array kStudyKeys = {
+    Word{"scenarios",
+         "A list of scenario files; numbers in them may be distributions. Each is a "
+         "contender, or each with each of `compare`."},
+    Word{
+        "plan",
+        "In place of scenarios: a measuring plan, whose rows are estimated jointly for "
+        "what `vary` names."},
+    Word{"vary",
+         "Number or distribution by name: cause.axis.parameter, settings.KEY.AXIS, "
+         "instruments.ID.sigma_um, built.probe.hysteresis_mm."},
+    Word{"compare", "Procedures put in place of `calibrate:`, on the same machines."},
+    Word{
+        "fidelity (study)",
+        "fast, physics, or of a plan linear: rows drawn from one design straight about "
+        "the median machine; refused where 1000 machines by the closed forms differ."},
+    Word{"trials", "How many machines."},
+    Word{
+        "adaptive",
+        "In place of trials: {digits: 2, most_trials: 1000000}, batches of 10000 until "
+        "means, standard deviations and interval ends of all errors are known to so "
+        "many digits (JCGM 101, 7.9). Not with --shard."},
+    Word{"keep",
+         "all: every trial in study.sqlite and trials.csv. none: aggregates alone, in "
+         "fixed memory; usual for linear."}};
+
 constexpr std::array kOutcomeWords = {
     Word{"recovers",
          "Every procedure ran to its end, every expected truth was met, and the "
@@ -95,6 +121,10 @@ constexpr std::array kUnitWords = {
 
 std::span<const Word> ScenarioKeys() {
   return kKeys;
+}
+
+std::span<const Word> StudyKeys() {
+  return kStudyKeys;
 }
 
 std::span<const Word> OutcomeWords() {

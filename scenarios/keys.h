@@ -13,6 +13,7 @@ struct Word {
 };
 
 std::span<const Word> ScenarioKeys();  ///< Dotted, as they nest.
+std::span<const Word> StudyKeys();     ///< Of study files.
 std::span<const Word> OutcomeWords();
 std::span<const Word> UnitWords();
 

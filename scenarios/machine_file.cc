@@ -16,6 +16,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::size_t kLargestFile_bytes = 1'000'000;
+constexpr std::size_t kLargestModel_bytes = 100'000'000;
 
 struct SettingKey {
   const char* key;
@@ -95,7 +96,10 @@ std::optional<InjectedSpec> ReadUnknown(YamlMap map) {
       FlatMap(values->Numbers(cells, {parameter.min, parameter.max}), table);
   return InjectedSpec{
       .effect = EffectIndex<UnknownMap>(),
-      .axis = MapAxis(channel->Word({"x", "y", "z", "probe", "bed"}), words),
+      .axis =
+          MapAxis(channel->Word(
+                      {"x", "y", "z", "a", "b", "c", "z1", "z2", "z3", "probe", "bed"}),
+                  words),
       .values = {flat.begin(), flat.end()},
       .place = channel->place()};
 }
@@ -145,6 +149,13 @@ MachineFile ReadExtension(const fs::path& file, YamlMap* map) {
 
 MachineFile ReadMachineFile(const fs::path& file) {
   MachineFile read = ReadAnyMachineFile(file);
+  if (read.machine.triple_z) {
+    throw InputError(
+        {.file = file.string()},
+        "this machine is a triple-Z printer, which serve and calibrate do not know",
+        "run, compare levelling, simulate, plan, diagnose (closed loops too), "
+        "validate and render know it");
+  }
   if (read.machine.delta) {
     throw InputError(
         {.file = file.string()},
@@ -164,8 +175,12 @@ MachineFile ReadAnyMachineFile(const fs::path& file) {
     read = ReadExtension(file, &map);
   } else {
     read.machine = ReadMachine(&map);
+    if (faults.empty() && !read.machine.model.empty()) {
+      read.verbatim = ReadTextFile(read.machine.model, kLargestModel_bytes);
+    }
   }
   faults.ThrowIfAny();
+  read.verbatim += ReadTextFile(file, kLargestFile_bytes);
   return read;
 }
 

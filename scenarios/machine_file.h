@@ -19,6 +19,9 @@ struct MachineFile {
   Machine machine{};
   std::vector<InjectedSpec> effects{};
   std::vector<std::string> notes{};  ///< What a person should know of it.
+  /// Contents of every file it is made of, one after the other: itself, what it
+  /// extends, its model.
+  std::string verbatim{};
 };
 
 /// Reads a machine file or an extension of one, which may extend another. Of an
@@ -27,7 +30,7 @@ struct MachineFile {
 /// was taken of becomes a note. Throws InputError, of a delta too: only what asks for
 /// any machine can have one.
 MachineFile ReadMachineFile(const std::filesystem::path& file);
-/// The same, a delta not refused.
+/// The same, deltas and triple-Z printers not refused.
 MachineFile ReadAnyMachineFile(const std::filesystem::path& file);
 
 /// One setting that a scenario or truth file gives, perhaps still to be drawn.

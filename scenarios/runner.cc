@@ -13,7 +13,9 @@
 #include "scenarios/interruptible_link.h"
 #include "scenarios/parameter_name.h"
 #include "scenarios/record.h"
+#include "scenarios/triple_z_runner.h"
 #include "scenarios/verdict.h"
+#include "scenarios/z_offset_runner.h"
 #include "sim/base/mutant.h"
 #include "sim/base/rng.h"
 #include "sim/link/transcript.h"
@@ -166,12 +168,14 @@ void Judge(const Scenario& scenario, const Trial& trial, RunResult* result) {
 TwinConfig MakeTwinConfig(const Scenario& scenario, const RunOptions& options) {
   const std::uint64_t seed = options.seed.value_or(scenario.seed);
   return {
-      .machine = scenario.machine.machine,
+      .machine =
+          DrawBuilt(scenario.machine.machine, scenario.varied, seed, options.sample),
       .effects = DrawEffects(scenario.effects, seed, options.sample),
       .settings = DrawSettings(
           scenario.machine.machine.settings, scenario.settings, seed, options.sample),
       .artefacts = scenario.artefacts,
-      .instruments = scenario.instruments,
+      .instruments =
+          DrawInstruments(scenario.instruments, scenario.varied, seed, options.sample),
       .fidelity = options.fidelity.value_or(scenario.fidelity),
       .firmware = scenario.firmware,
       .seed = seed,
@@ -207,6 +211,8 @@ double PositionErrorP95_mm(const Twin& twin) {
 
 RunResult RunScenario(const Scenario& scenario, const RunOptions& options) {
   if (scenario.delta) return RunDeltaScenario(scenario, options);
+  if (scenario.triple_z) return RunTripleZScenario(scenario, options);
+  if (scenario.z_offset) return RunZOffsetScenario(scenario, options);
   const std::clock_t start = std::clock();
   Twin twin(MakeTwinConfig(scenario, options));
   const TwinConfig& config = twin.config();
@@ -228,9 +234,11 @@ RunResult RunScenario(const Scenario& scenario, const RunOptions& options) {
   bench.link = recorder ? static_cast<Link*>(recorder.get()) : &link;
   bench.gauge = &twin.gauge();
   bench.person = &twin.person();
-  bench.machine = config.machine;
+  bench.machine = scenario.machine.machine;
   bench.artefacts = config.artefacts;
   bench.instruments = config.instruments;
+  constexpr std::size_t kUsualRows = 1024;
+  result.rows.rows.reserve(kUsualRows);
   bench.record = &result.rows;
   bench.say = options.progress;
 

@@ -6,6 +6,7 @@
 #include <fmt/ranges.h>
 
 #include "scenarios/gcode_step.h"
+#include "scenarios/named_step.h"
 #include "sim/base/text_file.h"
 
 namespace caltwin {
@@ -56,7 +57,30 @@ std::vector<std::string> StepNames() {
   return names;
 }
 
-CalibrationStep ReadStep(const std::string& name, const YamlValue& options) {
+// What the file leaves out, as if `text` stood at that place.
+YamlMap Unwritten(const std::string& text, const YamlValue& at, Faults* faults) {
+  const Place place = at.place();
+  const auto lines = static_cast<std::size_t>(std::max(1, place.line) - 1);
+  const auto columns = static_cast<std::size_t>(std::max(1, place.column) - 1);
+  const YAML::Node node =
+      YAML::Load(std::string(lines, '\n') + std::string(columns, ' ') + text);
+  return {node, at.file(), at.path(), faults};
+}
+
+// The options of a procedure by its name alone: an axis where it needs one.
+YamlMap UsualOptions(const Procedure& procedure,
+                     const YamlValue& at,
+                     const std::string& usual_axis) {
+  Faults lacking;
+  if (!usual_axis.empty()) procedure.prepare(Unwritten("{}", at, &lacking));
+  return Unwritten(lacking.empty() ? "{}" : fmt::format("{{axis: {}}}", usual_axis),
+                   at,
+                   at.faults());
+}
+
+CalibrationStep ReadStep(const std::string& name,
+                         const YamlValue& options,
+                         const std::string& usual_axis) {
   CalibrationStep step{.name = name};
   if (name == "external") {
     step.external = ReadExternal(options.Map());
@@ -76,12 +100,9 @@ CalibrationStep ReadStep(const std::string& name, const YamlValue& options) {
   }
   if (options.is_map()) step.variant = options.Map().TextOr("variant", "");
   // An empty value means a procedure with all its options left out.
-  step.procedure =
-      procedure->prepare(options.is_null() ? YamlMap(YAML::Node(YAML::NodeType::Map),
-                                                     options.file(),
-                                                     options.path(),
-                                                     options.faults())
-                                           : options.Map());
+  step.procedure = procedure->prepare(
+      options.is_null() ? UsualOptions(*procedure, options, usual_axis)
+                        : options.Map());
   return step;
 }
 
@@ -107,25 +128,11 @@ void ReadTwinKeys(YamlMap* map, Scenario* scenario) {
 
 }  // namespace
 
-std::vector<CalibrationStep> ReadCalibrationSteps(const YamlValue& list) {
+std::vector<CalibrationStep> ReadCalibrationSteps(const YamlValue& list,
+                                                  const std::string& usual_axis) {
   std::vector<CalibrationStep> steps;
-  for (const YamlValue& item : list.List()) {
-    if (item.is_scalar()) {  // `- next_all`, short for `- next_all: {}`.
-      steps.push_back(
-          ReadStep(item.Text(),
-                   YamlValue(YAML::Node(), item.file(), item.path(), item.faults())));
-      continue;
-    }
-    const auto entries = item.Map().Entries();
-    if (entries.size() != 1) {
-      item.Fail("is not a mapping of one procedure to its options",
-                "write one procedure a line: `- next_dual_dimension: {axis: x}`");
-      continue;
-    }
-    steps.push_back(ReadStep(entries[0].first, entries[0].second));
-  }
-  if (list.is_list() && steps.empty() && list.faults()->empty()) {
-    list.Fail("is empty", "name at least one procedure; `caltwin explain` lists them");
+  for (const NamedStep& step : ReadNamedSteps(list)) {
+    steps.push_back(ReadStep(step.name, step.options, usual_axis));
   }
   return steps;
 }
@@ -143,6 +150,19 @@ Scenario ReadScenarioText(const std::string& text, const fs::path& name) {
   if (scenario.machine.machine.delta) {
     scenario.delta =
         ReadDeltaScenario(&map, scenario.machine.machine, scenario.machine.effects);
+    map.NoMoreKeys();
+    faults.ThrowIfAny();
+    return scenario;
+  }
+  if (map.Has("station")) {
+    scenario.z_offset = ReadZOffsetScenario(&map);
+    map.NoMoreKeys();
+    faults.ThrowIfAny();
+    return scenario;
+  }
+  if (scenario.machine.machine.triple_z) {
+    scenario.triple_z =
+        ReadTripleZScenario(&map, scenario.machine.machine, scenario.machine.effects);
     map.NoMoreKeys();
     faults.ThrowIfAny();
     return scenario;

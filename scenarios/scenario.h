@@ -11,6 +11,9 @@
 #include "scenarios/expectation.h"
 #include "scenarios/external.h"
 #include "scenarios/machine_file.h"
+#include "scenarios/triple_z_scenario.h"
+#include "scenarios/varied.h"
+#include "scenarios/z_offset_scenario.h"
 #include "sim/machine/artefact.h"
 #include "sim/measure/instrument.h"
 #include "sim/twin/twin.h"
@@ -39,11 +42,14 @@ struct Scenario {
   std::vector<InjectedSpec> effects{};  ///< The machine file's own first.
   std::vector<SettingSpec> settings{};
   Instruments instruments{};
+  std::vector<VariedNumber> varied{};  ///< A study's; none in a scenario file.
   std::vector<Artefact> artefacts{};
   FirmwareOptions firmware{};
   std::vector<CalibrationStep> calibrate{};
   Expectation expect{};
-  std::optional<DeltaScenario> delta{};  ///< In place of all from `effects` on.
+  std::optional<DeltaScenario> delta{};       ///< In place of all from `effects` on.
+  std::optional<TripleZScenario> triple_z{};  ///< Likewise.
+  std::optional<ZOffsetScenario> z_offset{};  ///< Likewise, where it has a `station`.
 };
 
 /// Reads and checks a scenario file; throws InputError with every fault.
@@ -52,6 +58,9 @@ Scenario ReadScenario(const std::filesystem::path& file);
 Scenario ReadScenarioText(const std::string& text, const std::filesystem::path& name);
 
 /// What a step of `calibrate` is made of, for any list of one-key maps.
-std::vector<CalibrationStep> ReadCalibrationSteps(const YamlValue& list);
+/// A procedure by its name alone that cannot do without an axis gets `usual_axis`
+/// ("x"), where that is not empty.
+std::vector<CalibrationStep> ReadCalibrationSteps(const YamlValue& list,
+                                                  const std::string& usual_axis = "");
 
 }  // namespace caltwin

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/machine/delta.h"
+#include "sim/machine/delta_mesh.h"
 
 namespace caltwin {
 
@@ -25,6 +25,25 @@ struct DeltaDistance {
   double sigma_mm = 0.05;  ///< A calliper on plastic.
 };
 
+/// The length of one rod, joint to joint, as a calliper reads it.
+struct DeltaRodLength {
+  int rod = 0;  ///< As RodName counts.
+  double length_mm = 0;
+  double sigma_mm = 0.02;
+};
+
+/// A person with a calliper. Without functions there is none.
+struct DeltaCalliper {
+  /// The length of a rod.
+  std::function<double(int rod)> rod_mm{};
+  /// The distance of two features of a print, drawn where the nozzle stood with the
+  /// motors at these travels. nullopt: the machine does not reach there.
+  std::function<std::optional<double>(const Vec3<double>& from_mm,
+                                      const Vec3<double>& to_mm)>
+      between_mm{};
+  double sigma_mm = 0.02;  ///< Of one reading.
+};
+
 /// The only door of a delta's calibration: touches the bed on the way straight down at
 /// (x, y) as `settings` say, and tells the motors' travels at the trigger. nullopt: out
 /// of reach.
@@ -39,6 +58,7 @@ struct DeltaOutcome {
   double said_mm = 0;    ///< The deviation that it reports as its own.
   double tilt_x = 0;     ///< Of the bed, where the engine fits it (dz/dx).
   double tilt_y = 0;
+  DeltaMesh mesh{};                     ///< Where the procedure makes one.
   std::vector<std::string> messages{};  ///< What the firmware would print.
 };
 

@@ -39,16 +39,9 @@ void RequirePlausible(const G33Options& options) {
   }
 }
 
-// The number behind a letter; `otherwise` where there is none.
-double NumberOr(const GcodeCommand& command, char letter, double otherwise) {
-  const GcodeWord* word = command.Find(letter);
-  const bool has_number = word != nullptr && word->kind == GcodeWord::Kind::kNumber;
-  return has_number ? word->number : otherwise;
-}
-
 // A letter alone, or with anything but 0, says yes.
 bool Says(const GcodeCommand& command, char letter) {
-  return command.Find(letter) != nullptr && NumberOr(command, letter, 1) != 0;
+  return command.Find(letter) != nullptr && command.Number(letter).value_or(1) != 0;
 }
 
 // Rms of the used points from the zero plane, in whole micrometres and never nought.
@@ -209,22 +202,23 @@ class Calibration {
 G33Options ReadG33(const GcodeCommand& command, G33Options options) {
   constexpr double kMostVerbose = 3;
   constexpr double kMostPoints = 10;
-  const double points = NumberOr(command, 'P', options.points);
+  const double points = command.Number('P').value_or(options.points);
   if (!(points >= 0 && points <= kMostPoints)) {
     throw InputError({}, "?(P)oints implausible (0-10).");
   }
-  const double verbosity = NumberOr(command, 'V', static_cast<int>(options.verbosity));
+  const double verbosity =
+      command.Number('V').value_or(static_cast<int>(options.verbosity));
   if (!(verbosity >= 0 && verbosity <= kMostVerbose)) {
     throw InputError({}, "?(V)erbose level implausible (0-3).");
   }
   // Whatever does not fit an int is refused as implausible, too.
   constexpr double kFar = 1000;
-  const double forced = NumberOr(command, 'F', options.force_iterations);
+  const double forced = command.Number('F').value_or(options.force_iterations);
   options.points = static_cast<int>(points);
   options.verbosity = static_cast<G33Verbosity>(static_cast<int>(verbosity));
   options.force_iterations = static_cast<int>(std::clamp(forced, -kFar, kFar));
-  options.precision_mm = NumberOr(command, 'C', options.precision_mm);
-  options.reduce_mm = NumberOr(command, 'R', options.reduce_mm);
+  options.precision_mm = command.Number('C').value_or(options.precision_mm);
+  options.reduce_mm = command.Number('R').value_or(options.reduce_mm);
   if (command.Find('T') != nullptr) options.tower_angles = false;
   options.engages_probe = options.engages_probe || Says(command, 'E');
   options.probes_at_offset = options.probes_at_offset || Says(command, 'O');

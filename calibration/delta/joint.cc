@@ -30,8 +30,8 @@ class ReadDelta {
         poses_(readings.touches.size() + 2 * readings.distances.size()) {}
 
   Rows At(const DeltaBuild<double>& build, const DeltaBed<double>& bed) {
-    const auto num = static_cast<Eigen::Index>(readings_.touches.size() +
-                                               readings_.distances.size());
+    const auto num = static_cast<Eigen::Index>(
+        readings_.touches.size() + readings_.distances.size() + readings_.rods.size());
     Rows rows{Eigen::VectorXd(num),
               Eigen::MatrixXd::Zero(num, static_cast<Eigen::Index>(knobs_.size()))};
     std::size_t pose = 0;
@@ -50,6 +50,7 @@ class ReadDelta {
       AddDistance(build, between, pose, i++, &rows);
       pose += 2;
     }
+    for (const DeltaRodLength& rod : readings_.rods) AddRod(build, rod, i++, &rows);
     return rows;
   }
 
@@ -78,6 +79,18 @@ class ReadDelta {
     rows->residual[i] = (length_mm - between.length_mm) / between.sigma_mm;
     Take(to->Slopes(way / length_mm), 1 / between.sigma_mm, i, rows);
     Take(from->Slopes(-way / length_mm), 1 / between.sigma_mm, i, rows);
+  }
+
+  void AddRod(const DeltaBuild<double>& build,
+              const DeltaRodLength& read,
+              Eigen::Index i,
+              Rows* rows) const {
+    const auto rod = static_cast<std::size_t>(read.rod);
+    const double length_mm = build.model.arm_mm[rod / 2] + build.rod_error_mm[rod];
+    rows->residual[i] = (length_mm - read.length_mm) / read.sigma_mm;
+    std::array<double, kNumDeltaKnobs> slopes{};
+    slopes[kArmKnob] = slopes[kRodKnob + rod] = 1;
+    Take(slopes, 1 / read.sigma_mm, i, rows);
   }
 
   void Take(const std::array<double, kNumDeltaKnobs>& slopes,
@@ -109,10 +122,13 @@ class Fitter {
       const auto at = static_cast<std::size_t>(knob);
       const DeltaKnob& is = kDeltaKnobs[at];
       const double sd = options.prior_sd.empty() ? is.prior_sd : options.prior_sd[at];
+      const double mean = options.prior_mean.empty() ? 0 : options.prior_mean[at];
       prior_.push_back(sd * is.per_unit);
+      believed_.push_back(mean * is.per_unit);
       reach_.push_back(is.prior_sd * is.per_unit);
     }
-    turned_ = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(prior_.size()));
+    turned_ = Eigen::Map<const Eigen::VectorXd>(
+        believed_.data(), static_cast<Eigen::Index>(believed_.size()));
   }
 
   DeltaJointFit Fit() {
@@ -178,7 +194,8 @@ class Fitter {
       cost += far <= 0 || size <= far ? size * size : 2 * far * size - far * far;
     }
     for (std::size_t k = 0; k < prior_.size(); ++k) {
-      cost += std::pow(turned[static_cast<Eigen::Index>(k)] / prior_[k], 2);
+      cost += std::pow(
+          (turned[static_cast<Eigen::Index>(k)] - believed_[k]) / prior_[k], 2);
     }
     return cost;
   }
@@ -202,7 +219,7 @@ class Fitter {
         rows.slope.transpose() * Weights(rows).asDiagonal() * rows.residual;
     for (std::size_t k = 0; k < prior_.size(); ++k) {
       const auto at = static_cast<Eigen::Index>(k);
-      right[at] += turned_[at] / (prior_[k] * prior_[k]);
+      right[at] += (turned_[at] - believed_[k]) / (prior_[k] * prior_[k]);
       normal(at, at) *= 1 + damping;
     }
     // In units of what machines stray by: like numbers, whatever the unit.
@@ -268,7 +285,7 @@ class Fitter {
   const DeltaReadings& readings_;
   const DeltaJointOptions& options_;
   ReadDelta machine_;
-  std::vector<double> prior_{}, reach_{};
+  std::vector<double> prior_{}, believed_{}, reach_{};
   Eigen::VectorXd turned_{};
 };
 

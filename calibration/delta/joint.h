@@ -15,6 +15,7 @@ namespace caltwin {
 struct DeltaReadings {
   std::vector<DeltaTouch> touches{};
   std::vector<DeltaDistance> distances{};
+  std::vector<DeltaRodLength> rods{};
 };
 
 /// What a joint estimate asks for.
@@ -23,6 +24,9 @@ struct DeltaJointOptions {
   /// Standard deviations of the priors in the knobs' units, by index of kDeltaKnobs;
   /// empty: as kDeltaKnobs has them. Infinite: none.
   std::vector<double> prior_sd{};
+  /// What is believed beforehand, in the knobs' units, by index of kDeltaKnobs; empty:
+  /// built as drawn.
+  std::vector<double> prior_mean{};
   /// Readings further than this many sigma count less (Huber); 0: never.
   double huber_sigma = 3;
 };
@@ -56,7 +60,12 @@ struct DeltaJointFit {
 /// Least squares with priors of all unknowns over all readings, through the exact
 /// six-rod chain with exact derivatives (Levenberg-Marquardt; Huber's weights).
 ///
-///   residual = (nozzle height over the bed - height) / sigma
+///   residual = (nozzle height over the bed - height) / sigma,
+///   (distance of two places of the nozzle - distance) / sigma,
+///   (rod as the machine has it - rod) / sigma
+///
+/// A rod length says what it says even where no knob turns that rod: then all of a
+/// tower's readings pull at `arm_length`, which cannot follow unlike rods.
 DeltaJointFit FitDeltaJointly(const DeltaBuild<double>& drawn,
                               const DeltaReadings& readings,
                               const DeltaJointOptions& options = {});

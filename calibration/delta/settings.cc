@@ -15,10 +15,9 @@ namespace caltwin {
 namespace {
 
 constexpr int kNumSettings = 12;  // Endstops, radii, angles, arms.
-// How much more heights weigh than places: more where a firmware lacks numbers and
-// would trade one for the other.
-constexpr double kWeightOfTwelve = 10;
-constexpr double kWeightOfFewer = 100;
+// How much more heights on the bed weigh than places. Where a firmware has fewer
+// numbers than it takes, it trades one for the other; beyond this nothing is gained.
+constexpr double kHeightWeight = 200;
 
 using SettingsJet = ceres::Jet<double, kNumSettings>;
 
@@ -105,23 +104,32 @@ DeltaModel<double> BestDeltaSettings(const DeltaBuild<double>& build,
   const std::vector<Aim> aims = AimsOn(build, bed, radius_mm);
   DeltaModel<double> model = from;
   const auto num = static_cast<Eigen::Index>(aims.size());
-  const bool has_all = shape.has_radius_per_tower && shape.has_arm_per_tower;
-  const double height_weight = has_all ? kWeightOfTwelve : kWeightOfFewer;
   for (int round = 0; round < kRounds; ++round) {
-    Eigen::MatrixXd slope = Eigen::MatrixXd::Zero(3 * num + kNumSettings, kNumSettings);
-    Eigen::VectorXd off = Eigen::VectorXd::Zero(3 * num + kNumSettings);
+    const Eigen::Index rows = 3 * num + 1 + kNumSettings;
+    Eigen::MatrixXd slope = Eigen::MatrixXd::Zero(rows, kNumSettings);
+    Eigen::VectorXd off = Eigen::VectorXd::Zero(rows);
     const DeltaModel<SettingsJet> free = Free(model, shape);
+    SettingsJet outward(0.0);  // Sum of how far out places are, times their radius.
+    double radius2_mm2 = 0;
     for (Eigen::Index i = 0; i < num; ++i) {
       const Aim& aim = aims[static_cast<std::size_t>(i)];
       // Where the firmware believes to be when the nozzle is where it was sent.
       const Vec3<SettingsJet> believed =
           DeltaNozzle_mm<SettingsJet>(free, aim.motors_mm.cast<SettingsJet>());
       for (int c = 0; c < 3; ++c) {
-        const double weight = c == 2 ? height_weight : 1;
+        const bool is_bed_height = c == 2 && aim.sent_mm[2] == 0;
+        const double weight = is_bed_height ? kHeightWeight : 1;
         slope.row(3 * i + c) = weight * believed[c].v.transpose();
         off[3 * i + c] = weight * (believed[c].a - aim.sent_mm[c]);
+        if (c == 2) continue;
+        outward += (believed[c] - aim.sent_mm[c]) * aim.sent_mm[c];
+        radius2_mm2 += aim.sent_mm[c] * aim.sent_mm[c];
       }
     }
+    // The error of scale is outward / radius^2: one number, in places as heights weigh.
+    const double scale_weight = kHeightWeight / std::sqrt(radius2_mm2);
+    slope.row(3 * num) = scale_weight * outward.v.transpose();
+    off[3 * num] = scale_weight * outward.a;
     slope.bottomRows(kNumSettings).diagonal().setConstant(kSlight);
     Add(-slope.colPivHouseholderQr().solve(off), shape, &model);
   }

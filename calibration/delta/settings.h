@@ -14,9 +14,10 @@ struct DeltaSettingsShape {
 
 /// The settings with which a machine prints best: least squares of where the nozzle
 /// goes against where it is sent, all over a disc on the bed and 40 mm above it;
-/// heights over the bed weigh ten times as much as places on it, a hundred times
-/// where the shape lacks numbers. `from`: where
-/// to start, and what the firmware has no number for.
+/// heights on the bed weigh 200 times as much as places, and the scale of all places
+/// together as much as they do: else flatness would be bought with size. Heights above
+/// the bed weigh as places, for touches of the bed tell them less. `from`: where to
+/// start, and what the firmware has no number for.
 DeltaModel<double> BestDeltaSettings(const DeltaBuild<double>& build,
                                      const DeltaBed<double>& bed,
                                      const DeltaModel<double>& from,

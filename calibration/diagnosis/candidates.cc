@@ -133,7 +133,7 @@ std::optional<Candidate> CandidateOf(const Observed& o,
   Candidate candidate{.effect = index,
                       .cause = std::string(effect.name),
                       .axis = axis,
-                      .shown = effect.sight->shown(axis)};
+                      .shown = ShownOn(effect, axis, o.machine().kinematics)};
   if (!CanTell(o, effect, candidate.shown)) return std::nullopt;
   const Roles roles = RolesOf(effect);
   candidate.must_be_positive = roles.sizes.size() == 1 && !roles.phase &&

@@ -9,6 +9,7 @@
 
 #include "calibration/diagnosis/atlas.h"
 #include "sim/base/require.h"
+#include "sim/measure/plan_kinds.h"
 
 namespace caltwin {
 namespace {
@@ -137,6 +138,22 @@ MeasuredSession Continued(MeasuredSession session, PlannedSession planned, int r
   return session;
 }
 
+namespace {
+
+// The first kind that is made for such a machine.
+std::string FirstCampaign(const Machine& machine) {
+  const bool is_gantry = machine.kinematics == Kinematics::kCartesian;
+  const auto kinds = AllCampaignKinds();
+  const auto first = std::ranges::find_if(kinds, [&](const CampaignKind& kind) {
+    return kind.PlanOn(machine.kinematics) != nullptr &&
+           (is_gantry || kind.plan == nullptr);
+  });
+  Require(first != kinds.end(), "every machine can perform a campaign");
+  return std::string(first->id);
+}
+
+}  // namespace
+
 ClosedLoop MeasureUntilSettled(MeasuredSession session,
                                const Machine& machine,
                                const std::vector<Injected>& effects,
@@ -145,7 +162,7 @@ ClosedLoop MeasureUntilSettled(MeasuredSession session,
   const Loop loop(machine, effects, measure, options);
   LoopRound first;
   if (session.table.rows.empty()) {
-    first = {.round = 1, .campaign = CampaignChoices().front().campaign.id};
+    first = {.round = 1, .campaign = FirstCampaign(machine)};
     const auto minutes = loop.Measure(first, &session);
     if (minutes) first.minutes = *minutes;
   }

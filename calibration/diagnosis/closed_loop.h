@@ -62,7 +62,7 @@ MeasuredSession Continued(MeasuredSession session, PlannedSession planned, int r
 
 /// Measures, diagnoses, and measures what the diagnosis asks for, until one cause is
 /// left (or none), nothing more can be asked, or `most_campaigns` were measured. With
-/// no rows to begin with, the first kind of campaign there is is the first. The
+/// no rows to begin with, the first kind made for such a machine is the first. The
 /// diagnosis sees rows, header and the machine as believed, nothing else.
 ClosedLoop MeasureUntilSettled(MeasuredSession session,
                                const Machine& machine,

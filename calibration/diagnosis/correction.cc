@@ -107,8 +107,25 @@ class Writer {
     }
   }
 
+  // What two standard deviations cannot tell from nothing is no correction.
+  bool IsToBeWritten(const BaselineLine& line) {
+    constexpr double kSure_sds = 2;
+    if (line.is_determined && std::abs(line.value) >= kSure_sds * line.sd) return true;
+    Comment(
+        line.is_determined
+            ? fmt::format("{} {:+.4g} +- {:.2g} {}: not told from 0, nothing to set",
+                          line.name,
+                          line.value,
+                          line.sd,
+                          line.unit)
+            : fmt::format("{}: not determined by these rows, nothing to set",
+                          line.name));
+    return false;
+  }
+
   // Moves too far by s: steps/mm / (1 + s).
   void AddScale(Axis axis, const BaselineLine& scale) {
+    if (!IsToBeWritten(scale)) return;
     const auto i = static_cast<std::size_t>(Index(axis));
     const AxisDrawing& drawing = observed_.machine().axis(axis);
     const double set = SettingsOf(observed_).steps_per_mm[i];
@@ -132,6 +149,7 @@ class Writer {
   }
 
   void AddGap(Axis axis, const BaselineLine& gap) {
+    if (!IsToBeWritten(gap)) return;
     const std::string source = fmt::format(
         "mm, backlash.{} {:.4f} +- {:.4f} mm", Name(axis), gap.value, gap.sd);
     const double gap_mm = std::max(gap.value, 0.0);

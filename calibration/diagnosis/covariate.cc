@@ -37,12 +37,13 @@ Eigen::VectorXd ChannelOf(const Observed& observed, std::string_view channel) {
   for (Eigen::Index i = 0; i < observed.num_rows(); ++i) {
     const bool is_touch = observed.at(i).kind == RowKind::kTouch;
     if (const auto drive = DriveNamed(channel)) {
-      const Vec3<double>& n = observed.at(i).n;
-      const DeltaAt* delta = observed.at(i).delta;
-      const double along =
-          !drive->is_tower   ? n[drive->index]
-          : delta == nullptr ? 0
-                             : -n.dot(delta->by_knob.col(kEndstopKnob + drive->index));
+      const At& at = observed.at(i);
+      double along = at.n[drive->index];
+      if (drive->is_motor) {
+        Errors<double> by_one;
+        by_one.motor_mm[drive->index] = 1;
+        along = at.n.dot(MotionOfMotors_mm(at, by_one));
+      }
       shows[i] = observed.MotionSign(i) * along;
     } else if (channel == "probe") {
       shows[i] = is_touch ? -1 : 0;

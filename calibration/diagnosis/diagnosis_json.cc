@@ -41,7 +41,11 @@ Json FindingJson(const Finding& finding) {
     json["knots"] = {{"channel", finding.map->channel},
                      {"covariates", finding.map->covariates},
                      {"knots", finding.map->knots},
-                     {"values_um", finding.map->values_um}};
+                     {"values_um", finding.map->values_um},
+                     {"kernel",
+                      {{"form", "cosines"},
+                       {"terms", finding.map->terms},
+                       {"prior_size_um", finding.map->prior_size_um}}}};
   }
   return json;
 }
@@ -65,7 +69,8 @@ Json GainJson(const Diagnosis& diagnosis) {
       {"explained_fraction", is_none ? Json(nullptr) : Json(gain.explained_fraction)},
       {"held_out", true},
       {"runs_left_out", HeldOutJson(gain.runs)},
-      {"positions_left_out", HeldOutJson(gain.positions)}};
+      {"positions_left_out", HeldOutJson(gain.positions)},
+      {"ends_left_out", HeldOutJson(gain.ends)}};
 }
 
 }  // namespace

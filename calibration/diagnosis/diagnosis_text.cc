@@ -82,6 +82,25 @@ void AddRivals(const Finding& finding, std::string* text) {
   if (effect) *text += fmt::format("  What tells: {}\n", EffectAt(*effect).twin);
 }
 
+// How fine a table can be, and what held it back.
+void AddKernel(const Finding& finding, std::string* text) {
+  if (!finding.map || finding.map->terms == 0) return;
+  const FreeMap& map = *finding.map;
+  *text += fmt::format("  The table: {} cosines", map.terms);
+  const std::string& word = map.covariates[0];
+  if (map.covariates.size() == 1 && map.knots[0].size() > 2) {
+    const double range = map.knots[0].back() - map.knots[0].front();
+    const bool is_place = word == "x" || word == "y" || word == "z";
+    *text += fmt::format(" over {:.4g}{} of {}, half-waves down to {:.3g}",
+                         range,
+                         is_place ? " mm" : "",
+                         CovariateInWords(word),
+                         range / map.terms);
+  }
+  *text += fmt::format("; prior size {} um, as these rows chose it.\n",
+                       TwoDigits(map.prior_size_um));
+}
+
 // Whether the rows determine nothing of what is always fitted.
 bool IsOpen(const Diagnosis& diagnosis) {
   return !diagnosis.baseline.empty() &&
@@ -151,6 +170,7 @@ void AddGain(const Diagnosis& diagnosis, std::string* text) {
                        Percent(gain.explained_fraction));
   AddHeldOut(gain.runs, "runs", text);
   AddHeldOut(gain.positions, "positions (inner ones)", text);
+  AddHeldOut(gain.ends, "the ends (an extrapolation)", text);
 }
 
 // The best of each cause; causes on several axes are told once.
@@ -199,8 +219,8 @@ void AddAbsorbed(const std::vector<Absorbed>& absorbed, std::string* text) {
   }
   if (words.empty()) return;
   *text += fmt::format(
-      "Cannot be seen here, since the baseline takes it up (--json says which part of "
-      "it): {}.\n",
+      "Cannot be seen here, since the baseline takes it up or no row moves it (--json "
+      "says which): {}.\n",
       fmt::join(words, ", "));
 }
 
@@ -332,6 +352,7 @@ std::string DiagnosisText(const Diagnosis& diagnosis, const TextNotes& notes) {
   for (const Finding& finding : diagnosis.findings) {
     text += "\n" + FindingText(finding, diagnosis, notes.measured) + "\n";
     AddRivals(finding, &text);
+    AddKernel(finding, &text);
     const std::string action = WhatToDo(finding);
     if (!action.empty()) text += "  What to do: " + action + "\n";
   }

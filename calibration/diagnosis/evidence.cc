@@ -32,29 +32,40 @@ Evidence::Evidence(const Observed& observed,
   Eigen::MatrixXd tall(n + q, q);
   tall.topRows(n) = Whiten(columns_mm_) * prior_sd_.asDiagonal();
   tall.bottomRows(q).setIdentity();
-  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(tall);
-  r_ = qr.matrixQR().topRows(q).triangularView<Eigen::Upper>();
-  q_ = (qr.householderQ() * Eigen::MatrixXd::Identity(n + q, q)).topRows(n);
-  const Eigen::VectorXd along = q_.transpose() * white_residual_;
-  chi2_ = std::max(white_residual_.squaredNorm() - along.squaredNorm(), 1e-30);
-  // Each nuisance pays for what the rows, not its prior, say of it.
-  dof_ = std::max(1.0, keep_.sum() - q_.squaredNorm());
-  log_none_ = -0.5 * whitener_.log_det() - r_.diagonal().array().abs().log().sum() -
+  qr_.compute(tall);
+  Eigen::VectorXd readings = Eigen::VectorXd::Zero(n + q);
+  readings.head(n) = white_residual_;
+  taken_ = (qr_.householderQ().adjoint() * readings).head(q);
+  chi2_ = std::max(white_residual_.squaredNorm() - taken_.squaredNorm(), 1e-30);
+  // Each nuisance pays for what the rows, not its prior, say of it: 1 less the square
+  // of its part of Q in the pseudo rows, which is R^-1.
+  const Eigen::MatrixXd inverse = Upper().solve(Eigen::MatrixXd::Identity(q, q));
+  const double paid = static_cast<double>(q) - inverse.squaredNorm();
+  dof_ = std::max(1.0, keep_.sum() - paid);
+  log_none_ = -0.5 * whitener_.log_det() -
+              qr_.matrixQR().diagonal().array().abs().log().sum() -
               0.5 * dof_ * std::log(chi2_);
+}
+
+const Eigen::MatrixXd& Evidence::Q() const {
+  if (q_.size() == 0 && prior_sd_.size() > 0) {
+    const Eigen::Index n = observed_->num_rows(), q = prior_sd_.size();
+    q_ = (qr_.householderQ() * Eigen::MatrixXd::Identity(n + q, q)).topRows(n);
+  }
+  return q_;
 }
 
 Eigen::MatrixXd Evidence::Whiten(const Eigen::MatrixXd& columns_mm) const {
   return keep_.asDiagonal() * whitener_(columns_mm);
 }
 
-Projected Evidence::Project(const Eigen::MatrixXd& white) const {
-  const Eigen::MatrixXd along = q_.transpose() * white;
-  const Eigen::VectorXd taken = q_.transpose() * white_residual_;
+Projected Evidence::ProjectPart(const Eigen::Ref<const Eigen::MatrixXd>& white,
+                                const Eigen::Ref<const Eigen::MatrixXd>& along) const {
   Projected projected;
   projected.gram = white.transpose() * white;
   projected.gram -= along.transpose() * along;
   projected.match = white.transpose() * white_residual_;
-  projected.match -= along.transpose() * taken;
+  projected.match -= along.transpose() * taken_;
   // What the baseline takes all but a billionth of is not there: rounding would be
   // taken for it.
   constexpr double kInvisible = 1e-9;
@@ -62,8 +73,40 @@ Projected Evidence::Project(const Eigen::MatrixXd& white) const {
   return projected;
 }
 
+Projected Evidence::Project(const Eigen::MatrixXd& white) const {
+  return ProjectPart(white, Q().transpose() * white);
+}
+
+std::vector<Projected> Evidence::ProjectEach(
+    std::span<const Eigen::MatrixXd* const> sets_mm) const {
+  constexpr Eigen::Index kColumnsAtOnce = 64;  // What fits into a core's cache.
+  std::vector<Projected> all;
+  for (std::size_t next = 0; next < sets_mm.size();) {
+    const std::size_t first = next;
+    Eigen::Index num = 0;
+    while (next < sets_mm.size() && (num == 0 || num < kColumnsAtOnce)) {
+      num += sets_mm[next++]->cols();
+    }
+    Eigen::MatrixXd columns_mm(observed_->num_rows(), num);
+    Eigen::Index at = 0;
+    for (std::size_t k = first; k < next; ++k) {
+      columns_mm.middleCols(at, sets_mm[k]->cols()) = *sets_mm[k];
+      at += sets_mm[k]->cols();
+    }
+    const Eigen::MatrixXd white = Whiten(columns_mm);
+    const Eigen::MatrixXd along = Q().transpose() * white;
+    at = 0;
+    for (std::size_t k = first; k < next; ++k) {
+      const Eigen::Index own = sets_mm[k]->cols();
+      all.push_back(ProjectPart(white.middleCols(at, own), along.middleCols(at, own)));
+      at += own;
+    }
+  }
+  return all;
+}
+
 Eigen::MatrixXd Evidence::Left(const Eigen::MatrixXd& white) const {
-  return white - q_ * (q_.transpose() * white);
+  return white - Q() * (Q().transpose() * white);
 }
 
 Eigen::MatrixXd Evidence::ProjectedReadings(
@@ -96,11 +139,10 @@ double Evidence::LogBayes(const Projected& projected,
 
 Evidence::Fit Evidence::FitNuisances() const {
   Fit fit;
-  const auto upper = r_.triangularView<Eigen::Upper>();
-  const Eigen::VectorXd scaled = upper.solve(q_.transpose() * white_residual_);
+  const Eigen::VectorXd scaled = Upper().solve(taken_);
   fit.values = prior_sd_.cwiseProduct(scaled);
-  const Eigen::MatrixXd inverse =
-      upper.solve(Eigen::MatrixXd::Identity(r_.rows(), r_.cols()));
+  const Eigen::Index q = prior_sd_.size();
+  const Eigen::MatrixXd inverse = Upper().solve(Eigen::MatrixXd::Identity(q, q));
   const double scale = std::sqrt(chi2_ / dof_);
   fit.half = prior_sd_.asDiagonal() * inverse * scale;
   fit.sds = fit.half.rowwise().norm();

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include <Eigen/Core>
+#include <Eigen/QR>
 
 #include "calibration/diagnosis/noise.h"
 #include "calibration/diagnosis/nuisances.h"
@@ -40,6 +41,10 @@ class Evidence {
 
   Eigen::MatrixXd Whiten(const Eigen::MatrixXd& columns_mm) const;
   Projected Project(const Eigen::MatrixXd& white) const;
+  /// The same of many sets of columns [mm] at once: one product where each alone would
+  /// read the whole baseline again.
+  std::vector<Projected> ProjectEach(
+      std::span<const Eigen::MatrixXd* const> sets_mm) const;
   /// Of columns already white, with respect to other right-hand sides (n x draws).
   Eigen::MatrixXd ProjectedReadings(const Eigen::MatrixXd& white_readings) const;
   /// What of white columns is left (n x k), pseudo readings dropped.
@@ -63,14 +68,25 @@ class Evidence {
   Fit FitNuisances() const;
 
  private:
+  /// Orthonormal, rows by nuisances (pseudo rows dropped). Dear, and not asked for by
+  /// most: made at the first call.
+  const Eigen::MatrixXd& Q() const;
+  /// The triangular factor.
+  auto Upper() const {
+    return qr_.matrixQR().topRows(prior_sd_.size()).triangularView<Eigen::Upper>();
+  }
+  Projected ProjectPart(const Eigen::Ref<const Eigen::MatrixXd>& white,
+                        const Eigen::Ref<const Eigen::MatrixXd>& along) const;
+
   const Observed* observed_;
   Whitener whitener_;
   Eigen::VectorXd keep_;  ///< 0 for rows left out.
   Eigen::MatrixXd columns_mm_;
   Eigen::VectorXd prior_sd_;
-  Eigen::MatrixXd q_;  ///< Orthonormal, rows by nuisances (pseudo rows dropped).
-  Eigen::MatrixXd r_;  ///< Triangular factor.
+  Eigen::HouseholderQR<Eigen::MatrixXd> qr_;  ///< White columns above the priors.
+  mutable Eigen::MatrixXd q_;
   Eigen::VectorXd white_residual_;
+  Eigen::VectorXd taken_;  ///< What each nuisance takes of the residual.
   double chi2_ = 0, dof_ = 0, log_none_ = 0;
 };
 

@@ -47,10 +47,10 @@ bool IsFinerThanAStep(const Observed& observed,
   const Candidate& candidate = candidates[found.candidate];
   const auto drive = DriveNamed(candidate.shown.channel);
   if (!candidate.is_free() || !drive) return false;
-  // A delta's towers move every axis.
-  const std::size_t motor = observed.machine().delta && !drive->is_tower
-                                ? 0
-                                : static_cast<std::size_t>(drive->index);
+  // A delta's towers move every axis; screws under a bed are its z.
+  std::size_t motor = static_cast<std::size_t>(drive->index);
+  if (observed.machine().delta && !drive->is_motor) motor = 0;
+  if (observed.machine().triple_z && drive->is_motor) motor = 2;
   return Peak_mm(found.variant.columns_mm * found.sizes_mm) <
          1 / observed.machine().axes[motor].steps_per_mm();
 }

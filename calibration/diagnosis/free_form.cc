@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "sim/effects/drive.h"
+
 namespace caltwin {
 namespace {
 
@@ -129,6 +131,17 @@ std::vector<FreeForm> AllFreeForms(const Observed& observed) {
         add(tower, {word});
       }
       add(tower, {sense, "motor_" + tower});
+    }
+  }
+  if (observed.machine().triple_z) {
+    for (const std::string_view screw : kScrewAxes) {
+      const std::string name(screw), sense = SenseCovariate(screw);
+      const std::string motor = DriveCovariate(screw);
+      for (const std::string& word :
+           {motor, sense, std::string("t"), std::string("temp")}) {
+        add(name, {word});
+      }
+      add(name, {sense, motor});
     }
   }
   for (const char* word : {"theta", "feed", "temp", "t", "x", "y", "z"}) {

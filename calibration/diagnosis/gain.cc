@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <map>
 
 namespace caltwin {
@@ -11,6 +12,8 @@ constexpr int kBlocks = 5;
 constexpr int kMostPositionFolds = 40;
 constexpr double kForetold = 1.5;  // Of a row's sigma that the baseline may leave open.
 
+using Lines = std::vector<std::vector<Nuisance>>;  ///< By finding.
+
 class Gainer {
  public:
   Gainer(const Observed& observed,
@@ -18,7 +21,7 @@ class Gainer {
          const SearchResult& search,
          const std::vector<Refined>& refined,
          bool has_freedom)
-      : observed_(observed), search_(search) {
+      : observed_(observed), candidates_(candidates), search_(search) {
     for (std::size_t i = 0; i < search.found.size(); ++i) {
       Found found = search.found[i];
       if (refined[i].effect.effect >= 0) {
@@ -32,7 +35,8 @@ class Gainer {
   }
 
   // Rows of one group are left out together; group -1 is always fitted, never scored.
-  HeldOut LeaveOut(const std::vector<int>& group_of) const {
+  // With `chooses_sizes` the prior sizes of tables are chosen without those rows, too.
+  HeldOut LeaveOut(const std::vector<int>& group_of, bool chooses_sizes = false) const {
     HeldOut held;
     held.groups = 1 + *std::ranges::max_element(group_of);
     if (held.groups < 2) return {};
@@ -42,12 +46,13 @@ class Gainer {
       for (std::size_t i = 0; i < out.size(); ++i) {
         if (group_of[i] == group) out[i] = true;
       }
-      const Evidence baseline = EvidenceOf(NoFinding(), out, 0);
+      const Evidence baseline = EvidenceOf(NoFinding(), out, more_);
       const Evidence::Fit without = baseline.FitNuisances();
       // What is not in the baseline raises its chi2.
       const double foretold = kForetold * std::sqrt(baseline.chi2() / baseline.dof());
-      const Eigen::VectorXd with =
-          more_.empty() ? without.residual_mm : ResidualOf(All(), out);
+      const Eigen::VectorXd with = more_.empty()   ? without.residual_mm
+                                   : chooses_sizes ? ResidualOf(All(), out, Chosen(out))
+                                                   : ResidualOf(All(), out, more_);
       for (std::size_t i = 0; i < out.size(); ++i) {
         if (group_of[i] != group || search_.circumstances.left_out[i]) continue;
         const auto row = static_cast<Eigen::Index>(i);
@@ -59,7 +64,8 @@ class Gainer {
         ++held.rows;
       }
     }
-    const double rows = std::max(held.rows, 1);
+    if (held.rows == 0) return {};
+    const double rows = held.rows;
     held.before_mm = std::sqrt(before / rows);
     held.after_mm = std::sqrt(after / rows);
     return held;
@@ -68,7 +74,7 @@ class Gainer {
   // Residual mean square of a subset of the findings, nothing left out [mm^2].
   double MeanSquare(unsigned subset) const {
     const std::vector<bool>& out = search_.circumstances.left_out;
-    const Eigen::VectorXd residual = ResidualOf(subset, out);
+    const Eigen::VectorXd residual = ResidualOf(subset, out, more_);
     double sum = 0;
     int rows = 0;
     for (std::size_t i = 0; i < out.size(); ++i) {
@@ -89,7 +95,7 @@ class Gainer {
       for (std::size_t i = 0; i < out.size(); ++i) {
         if (block_of[i] == block) out[i] = true;
       }
-      const Evidence evidence = EvidenceOf(subset, out, 0);
+      const Evidence evidence = EvidenceOf(subset, out, more_);
       const Evidence::Fit fit = evidence.FitNuisances();
       const double scale = std::sqrt(evidence.chi2() / evidence.dof());
       for (std::size_t i = 0; i < out.size(); ++i) {
@@ -109,25 +115,41 @@ class Gainer {
   std::size_t num_findings() const { return more_.size(); }
 
  private:
-  Eigen::VectorXd ResidualOf(unsigned subset, const std::vector<bool>& out) const {
-    return EvidenceOf(subset, out, 0).FitNuisances().residual_mm;
+  Eigen::VectorXd ResidualOf(unsigned subset,
+                             const std::vector<bool>& out,
+                             const Lines& more) const {
+    return EvidenceOf(subset, out, more).FitNuisances().residual_mm;
   }
 
   Evidence EvidenceOf(unsigned subset,
                       const std::vector<bool>& out,
-                      double wander_mm2_per_s) const {
+                      const Lines& more) const {
     std::vector<Nuisance> nuisances = search_.circumstances.nuisances;
-    for (std::size_t f = 0; f < more_.size(); ++f) {
+    for (std::size_t f = 0; f < more.size(); ++f) {
       if ((subset >> f & 1U) == 0) continue;
-      nuisances.insert(nuisances.end(), more_[f].begin(), more_[f].end());
+      nuisances.insert(nuisances.end(), more[f].begin(), more[f].end());
     }
-    return {
-        observed_, {search_.circumstances.sigma_mm, wander_mm2_per_s}, nuisances, out};
+    return {observed_, {search_.circumstances.sigma_mm, 0}, nuisances, out};
+  }
+
+  // The findings, the prior size of each table as the rows that are left say.
+  Lines Chosen(const std::vector<bool>& out) const {
+    Lines chosen = more_;
+    for (std::size_t f = 0; f < more_.size(); ++f) {
+      const Candidate& candidate = candidates_[search_.found[f].candidate];
+      if (!candidate.is_free()) continue;
+      const Evidence others = EvidenceOf(All() & ~(1U << f), out, more_);
+      const Found& found = search_.found[f];
+      const double scale_mm = LikeliestScale_mm(others, candidate, found.variant);
+      for (Nuisance& line : chosen[f]) line.prior_sd *= scale_mm / found.scale_mm;
+    }
+    return chosen;
   }
 
   const Observed& observed_;
+  const std::vector<Candidate>& candidates_;
   const SearchResult& search_;
-  std::vector<std::vector<Nuisance>> more_{};
+  Lines more_{};
 };
 
 std::string SetupOf(const Row& row) {
@@ -180,9 +202,11 @@ std::string PoseOf(const Row& row) {
   return key;
 }
 
-// Positions that were measured more than once, the ends of the axis read excepted:
-// beyond the last position there is nothing to interpolate between.
-std::vector<int> PositionGroups(const Observed& o) {
+enum class Which : std::uint8_t { kInner, kEnds };
+
+// Positions that were measured more than once. The ends of the axis read apart: beyond
+// the last position there is nothing to interpolate between.
+std::vector<int> PositionGroups(const Observed& o, Which which) {
   std::map<std::string, int> counts;
   const auto along = [&](Eigen::Index i) {
     Eigen::Index axis = 0;
@@ -205,7 +229,8 @@ std::vector<int> PositionGroups(const Observed& o) {
     const Eigen::Index axis = along(i);
     const double end_mm = 1e-3 * (high[axis] - low[axis]);
     const double q_mm = o.at(i).q_mm[axis];
-    if (q_mm - low[axis] < end_mm || high[axis] - q_mm < end_mm) continue;
+    const bool is_end = q_mm - low[axis] < end_mm || high[axis] - q_mm < end_mm;
+    if (is_end != (which == Which::kEnds)) continue;
     const int id =
         ids.try_emplace(PoseOf(o.row(i)), static_cast<int>(ids.size())).first->second;
     groups[static_cast<std::size_t>(i)] = id % kMostPositionFolds;
@@ -269,7 +294,8 @@ double NoiseFloor_mm(const Observed& o,
 GainFigures GainOf(const Observed& observed,
                    const std::vector<Candidate>& candidates,
                    const SearchResult& search,
-                   const std::vector<Refined>& refined) {
+                   const std::vector<Refined>& refined,
+                   GainDepth depth) {
   // The freedom of form that each finding is granted may foretell or mislead: as the
   // rows left out say.
   const std::vector<int> blocks = TimeBlocks(observed);
@@ -281,9 +307,16 @@ GainFigures GainOf(const Observed& observed,
   GainFigures gain;
   gain.noise_floor_mm = NoiseFloor_mm(observed, search, &gain.floor_from_replicates);
   gain.blocks = gainer.LeaveOut(blocks);
-  if (!search.found.empty()) {
+  if (depth == GainDepth::kAll && !search.found.empty()) {
     gain.runs = gainer.LeaveOut(GroupsBy(observed, RunOf, kMostPositionFolds));
-    gain.positions = gainer.LeaveOut(PositionGroups(observed));
+    const auto leave_out = [&](Which which) {
+      return gainer.LeaveOut(PositionGroups(observed, which), /*chooses_sizes=*/true);
+    };
+    gain.positions = leave_out(Which::kInner);
+    gain.positions_as_fitted = gainer.LeaveOut(PositionGroups(observed, Which::kInner));
+    gain.ends = leave_out(Which::kEnds);
+  }
+  if (!search.found.empty()) {
     const double floor2 = gain.noise_floor_mm * gain.noise_floor_mm;
     const double before2 = gain.blocks.before_mm * gain.blocks.before_mm;
     const double after2 = gain.blocks.after_mm * gain.blocks.after_mm;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -21,7 +22,13 @@ struct GainFigures {
   HeldOut blocks{};  ///< Contiguous times left out inside each setup.
   HeldOut
       runs{};  ///< Repetitions left out: gain where it was measured. 0 groups: none.
-  HeldOut positions{};  ///< Positions left out: gain between them. 0 groups: none.
+  /// Inner positions left out in turn: gain between them. 0 groups: none. The size of a
+  /// table's prior is chosen without the rows left out.
+  HeldOut positions{};
+  /// The same with the size that all rows chose: how well the table, as it is, stands
+  /// between its positions. A name rests on this, a promise on `positions`.
+  HeldOut positions_as_fitted{};
+  HeldOut ends{};  ///< The same of the first and last position: an extrapolation.
   double noise_floor_mm = 0;
   bool floor_from_replicates = false;
   /// (before^2 - after^2) / (before^2 - floor^2) of `blocks`.
@@ -36,9 +43,14 @@ struct GainFigures {
   std::vector<double> scores{};
 };
 
+/// What a gain is asked for: what decides on findings, or all that is reported.
+enum class GainDepth : std::uint8_t { kBlocks, kAll };
+
+/// @param depth  kBlocks: without `runs`, `positions` and `ends`
 GainFigures GainOf(const Observed& observed,
                    const std::vector<Candidate>& candidates,
                    const SearchResult& search,
-                   const std::vector<Refined>& refined);
+                   const std::vector<Refined>& refined,
+                   GainDepth depth = GainDepth::kAll);
 
 }  // namespace caltwin

@@ -9,6 +9,7 @@
 #include "calibration/diagnosis/atlas.h"
 #include "calibration/diagnosis/evidence.h"
 #include "calibration/diagnosis/free_form.h"
+#include "calibration/diagnosis/stories.h"
 #include "sim/base/input_error.h"
 #include "sim/base/median.h"
 
@@ -99,16 +100,29 @@ class Rater {
   }
 
  private:
-  // What of the shape becomes known: 1/2 log|I + D A|.
+  // What becomes known of the shape, and of the causes that could hide in it (waves
+  // between the positions): 1/2 log|I + D A|.
   double InformationGained(const Observed& both, const Evidence& evidence) const {
     const Candidate& own = candidates_[found_.candidate];
     const FreeForm form =
         FreeFormOf(both, own.shown.channel, own.shown.covariates, kMostTerms);
     if (form.columns_mm.cols() == 0) return 0;
     const double size_mm = std::max(found_.scale_mm, found_.sizes_mm.norm());
-    const Eigen::VectorXd sd = form.prior.cwiseSqrt() * size_mm;
+    Eigen::MatrixXd columns_mm = form.columns_mm;
+    Eigen::VectorXd sd = form.prior.cwiseSqrt() * size_mm;
+    for (const Candidate& other : candidates_) {
+      if (other.is_free() || !ShareRowsAndVariable(own.shown, other.shown)) continue;
+      const Variant its =
+          VariantOf(both, other.effect, other.axis, other.variants[0].forms);
+      const Eigen::Index more = its.columns_mm.cols();
+      if (more == 0) continue;
+      columns_mm.conservativeResize(Eigen::NoChange, columns_mm.cols() + more);
+      columns_mm.rightCols(more) = its.columns_mm;
+      sd.conservativeResize(columns_mm.cols());
+      sd.tail(more).setConstant(its.usual_mm);
+    }
     Eigen::MatrixXd inner = sd.asDiagonal() *
-                            evidence.Project(evidence.Whiten(form.columns_mm)).gram *
+                            evidence.Project(evidence.Whiten(columns_mm)).gram *
                             sd.asDiagonal();
     inner.diagonal().array() += 1;
     const Eigen::MatrixXd lower = inner.llt().matrixL();

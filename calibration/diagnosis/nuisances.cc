@@ -12,6 +12,7 @@
 #include "calibration/diagnosis/candidates.h"
 #include "calibration/diagnosis/free_form.h"
 #include "sim/base/units.h"
+#include "sim/effects/drive.h"
 
 namespace caltwin {
 namespace {
@@ -135,12 +136,66 @@ void AddDelta(const Observed& o, Builder* builder) {
   add("scale", kScaleSd_ppm);
 }
 
+// Scale and backlash that all three screws of a bed share; like a gantry's z.
+void AddScrews(const Observed& o, Builder* builder) {
+  const int z = Index(Axis::kZ);
+  const AxisDrawing& drawing = o.machine().axis(Axis::kZ);
+  const auto motion = [&](Eigen::Index row) {
+    return o.MotionSign(row) * o.at(row).n[z];
+  };
+  const double set = o.machine().settings.steps_per_mm[static_cast<std::size_t>(z)];
+  builder->Add(
+      "scale.z",
+      "ppm",
+      kScaleSd_ppm,
+      [&](Eigen::Index row) {
+        const Vec3<double>& weights = o.at(row).triple_z->weights;
+        return -motion(row) * weights.dot(*MotorsOf_mm(o.at(row))) * 1e-6;
+      },
+      set > 0 ? (set / drawing.steps_per_mm() - 1) * 1e6 : 0);
+  builder->Add("backlash.z", "mm", kBacklashSd_mm, [&](Eigen::Index row) {
+    return -motion(row) * o.at(row).dir[z] / 2;
+  });
+}
+
+// What a slope of the bed of one would do to every row, along x or y.
+Eigen::VectorXd SlopeColumn(const Observed& o, std::size_t slope) {
+  Injected unit{.effect = *FindEffect("bed_tilt"), .axis = "", .values = {0, 0}};
+  unit.values[slope] = 1;
+  return o.Change_mm(unit);
+}
+
+// A bed on screws stands anew after each homing.
+void AddBedPlanes(const Observed& o, Builder* builder) {
+  std::vector<std::string> homes;
+  for (Eigen::Index i = 0; i < o.num_rows(); ++i) {
+    const std::string& home = o.row(i).home;
+    if (std::ranges::find(homes, home) == homes.end()) homes.push_back(home);
+  }
+  for (std::size_t h = 0; h < homes.size(); ++h) {
+    const std::string name =
+        homes.size() == 1 ? "bed_plane." : "bed_plane." + homes[h] + ".";
+    const auto within = [&](Eigen::Index row) {
+      return o.row(row).home == homes[h];
+    };
+    // The first one's height is that of the placements.
+    builder->Add(name + "height", "mm", kPlacementSd_mm, [&](Eigen::Index row) {
+      const double up = o.MotionSign(row) * o.at(row).n.z();
+      return h > 0 && within(row) ? -up : 0.0;
+    });
+    for (std::size_t slope = 0; slope < 2; ++slope) {
+      const Eigen::VectorXd column = SlopeColumn(o, slope);
+      builder->Add(name + (slope == 0 ? "slope_x" : "slope_y"),
+                   "mrad",
+                   kSlopeSd_mrad,
+                   [&](Eigen::Index row) { return within(row) ? column[row] : 0.0; });
+    }
+  }
+}
+
 void AddBedPlane(const Observed& o, Builder* builder) {
-  const auto tilt = *FindEffect("bed_tilt");
   for (std::size_t slope = 0; slope < 2; ++slope) {
-    Injected unit{.effect = tilt, .axis = "", .values = {0, 0}};
-    unit.values[slope] = 1;
-    const Eigen::VectorXd column = o.Change_mm(unit);
+    const Eigen::VectorXd column = SlopeColumn(o, slope);
     builder->Add(slope == 0 ? "bed_plane.slope_x" : "bed_plane.slope_y",
                  "mrad",
                  kSlopeSd_mrad,
@@ -273,10 +328,11 @@ void AddFreedomOfEffect(const Observed& o, const Injected& effect, Builder* buil
   }
   const Variant variant = VariantOf(o, effect.effect, effect.axis, forms);
   if (variant.columns_mm.cols() == 0 || size == 0) return;
-  const Candidate candidate{.effect = effect.effect,
-                            .cause = std::string(declaration.name),
-                            .axis = effect.axis,
-                            .shown = declaration.sight->shown(effect.axis)};
+  const Candidate candidate{
+      .effect = effect.effect,
+      .cause = std::string(declaration.name),
+      .axis = effect.axis,
+      .shown = ShownOn(declaration, effect.axis, o.machine().kinematics)};
   const double size_mm = std::abs(size) / variant.size_per_mm;
   const bool is_homing = declaration.name == HomingScatter::kDeclaration.name;
   const double share = is_homing ? kHomingsApart : kFreedomShare;
@@ -309,10 +365,16 @@ std::vector<Nuisance> BaselineOf(const Observed& observed) {
   Builder builder(observed);
   if (observed.machine().delta) {
     AddDelta(observed, &builder);
+  } else if (observed.machine().triple_z) {
+    AddScrews(observed, &builder);
   } else {
     AddAxes(observed, &builder);
   }
-  AddBedPlane(observed, &builder);
+  if (observed.machine().triple_z) {
+    AddBedPlanes(observed, &builder);
+  } else {
+    AddBedPlane(observed, &builder);
+  }
   AddPlacements(observed, &builder);
   AddSizes(observed, &builder);
   builder.Add("probe_hysteresis", "mm", kHysteresisSd_mm, [&](Eigen::Index row) {

@@ -194,10 +194,15 @@ void Observed::Linearise() {
 }
 
 Eigen::VectorXd Observed::Change_mm(const Injected& effect) const {
-  const bool is_drive = EffectAt(effect.effect).stage == Stage::kDrive;
+  const Stage stage = EffectAt(effect.effect).stage;
+  const bool is_drive = stage == Stage::kDrive;
   Eigen::VectorXd change(num_rows());
   for (Eigen::Index i = 0; i < num_rows(); ++i) {
     const At& where = at(i);
+    if (stage == Stage::kFrame && where.triple_z && where.triple_z->is_fixed) {
+      change[i] = 0;
+      continue;
+    }
     const Asked<double> asked{
         .p = effect.values,
         .axis = effect.axis,
@@ -208,10 +213,11 @@ Eigen::VectorXd Observed::Change_mm(const Injected& effect) const {
     AddErrors(effect.effect, asked, &errors);
     Vec3<double> motion_mm =
         errors.motion_mm - where.dir.cwiseProduct(errors.lost_motion_mm) / 2;
-    if (where.delta != nullptr) motion_mm += MotionOfMotors_mm(*where.delta, errors);
+    motion_mm += MotionOfMotors_mm(where, errors);
     const double along_mm = motion_mm.dot(where.n);
+    const double surface_mm = where.triple_z ? errors.artefact_mm : 0;
     change[i] = where.kind != RowKind::kTouch
-                    ? along_mm
+                    ? along_mm - surface_mm
                     : -along_mm - errors.more_pretravel_mm -
                           where.feed_mm_s * errors.latency_s + errors.tip_radius_mm +
                           errors.artefact_mm;
@@ -238,13 +244,13 @@ Extent Observed::ExtentOf() const {
   Extent extent;
   if (at_.empty()) return extent;
   extent.q_min_mm = extent.q_max_mm = at_.front().q_mm;
-  if (at_.front().delta != nullptr) {
-    extent.motor_min_mm = extent.motor_max_mm = at_.front().delta->motors_mm;
+  if (const auto motors_mm = MotorsOf_mm(at_.front())) {
+    extent.motor_min_mm = extent.motor_max_mm = *motors_mm;
   }
   for (const At& at : at_) {
-    if (at.delta != nullptr) {
-      extent.motor_min_mm = extent.motor_min_mm.cwiseMin(at.delta->motors_mm);
-      extent.motor_max_mm = extent.motor_max_mm.cwiseMax(at.delta->motors_mm);
+    if (const auto motors_mm = MotorsOf_mm(at)) {
+      extent.motor_min_mm = extent.motor_min_mm.cwiseMin(*motors_mm);
+      extent.motor_max_mm = extent.motor_max_mm.cwiseMax(*motors_mm);
     }
     extent.q_min_mm = extent.q_min_mm.cwiseMin(at.q_mm);
     extent.q_max_mm = extent.q_max_mm.cwiseMax(at.q_mm);

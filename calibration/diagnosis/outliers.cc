@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <string>
 
 #include <Eigen/QR>
 
@@ -202,6 +204,45 @@ Richest JudgeRows(const Observed& observed,
       circumstances.sigma_mm.cwiseInverse().cwiseProduct(observed.residual_mm()));
   judge.Run();
   return judge.Take(circumstances.sigma_mm);
+}
+
+std::vector<bool> LoneRows(const Observed& observed) {
+  constexpr std::size_t kFewestReplicates = 4, kMost = 3;
+  constexpr double kFar = 10;
+  std::map<std::string, std::vector<Eigen::Index>> groups;
+  for (Eigen::Index i = 0; i < observed.num_rows(); ++i) {
+    groups[ReplicateKey(observed, i)].push_back(i);
+  }
+  std::vector<double> off_mm(static_cast<std::size_t>(observed.num_rows()), 0);
+  std::vector<std::vector<std::size_t>> rows(observed.campaigns().size());
+  for (const auto& [key, members] : groups) {
+    if (members.size() < kFewestReplicates) continue;
+    std::vector<double> values_mm;
+    for (const Eigen::Index i : members) {
+      values_mm.push_back(observed.residual_mm()[i]);
+    }
+    const double middle_mm = Median(values_mm);
+    for (std::size_t k = 0; k < members.size(); ++k) {
+      const auto i = static_cast<std::size_t>(members[k]);
+      off_mm[i] = std::abs(values_mm[k] - middle_mm);
+      rows[static_cast<std::size_t>(observed.campaign_of()[i])].push_back(i);
+    }
+  }
+  std::vector<bool> is_lone(off_mm.size(), false);
+  for (const auto& campaign : rows) {
+    std::vector<double> sizes_mm;
+    for (const std::size_t i : campaign) sizes_mm.push_back(off_mm[i]);
+    if (sizes_mm.empty()) continue;
+    const double limit_mm = kFar * kSigmaOfMedian * Median(sizes_mm);
+    const auto is_far = [&](std::size_t i) {
+      return limit_mm > 0 && off_mm[i] > limit_mm;
+    };
+    if (static_cast<std::size_t>(std::ranges::count_if(campaign, is_far)) > kMost) {
+      continue;
+    }
+    for (const std::size_t i : campaign) is_lone[i] = is_far(i);
+  }
+  return is_lone;
 }
 
 }  // namespace caltwin

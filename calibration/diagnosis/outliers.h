@@ -28,4 +28,10 @@ Richest JudgeRows(const Observed& observed,
                   const Weighing& weighing,
                   const Circumstances& circumstances);
 
+/// Rows that contradict their own replicates (same pose, sense and circumstances; four
+/// of them or more) by ten times what these scatter by, and stand alone: three of a
+/// campaign at most, since what shows in more may be a cause. No model takes part, so
+/// none can be bent to pass through them.
+std::vector<bool> LoneRows(const Observed& observed);
+
 }  // namespace caltwin

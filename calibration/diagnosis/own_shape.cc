@@ -128,4 +128,23 @@ bool IsAmongOutliers(const Observed& observed,
   return outliers > kMost;
 }
 
+bool IsPlaceAsWell(const Observed& observed,
+                   const Candidate& candidate,
+                   const Variant& variant) {
+  const auto axis = AxisNamed(candidate.shown.channel);
+  if (candidate.cause != kJump || !axis) return false;
+  constexpr double kAlong = 0.5;
+  const double jump_s = variant.forms[0];
+  double low_mm[2] = {1e300, 1e300}, high_mm[2] = {-1e300, -1e300};
+  for (Eigen::Index i = 0; i < observed.num_rows(); ++i) {
+    const At& at = observed.at(i);
+    if (std::abs(at.n[Index(*axis)]) < kAlong) continue;
+    const int side = at.t_s < jump_s ? 0 : 1;
+    low_mm[side] = std::min(low_mm[side], at.q_mm[Index(*axis)]);
+    high_mm[side] = std::max(high_mm[side], at.q_mm[Index(*axis)]);
+  }
+  const bool has_both = high_mm[0] >= low_mm[0] && high_mm[1] >= low_mm[1];
+  return has_both && (high_mm[0] < low_mm[1] || high_mm[1] < low_mm[0]);
+}
+
 }  // namespace caltwin

@@ -44,4 +44,11 @@ bool IsAmongOutliers(const Observed& observed,
                      const Candidate& candidate,
                      const Variant& variant);
 
+/// Whether all rows along a jump's axis before it lie on one side, in place, of all
+/// rows after it: a step in the axis' own scale would read alike. False for causes that
+/// do not jump.
+bool IsPlaceAsWell(const Observed& observed,
+                   const Candidate& candidate,
+                   const Variant& variant);
+
 }  // namespace caltwin

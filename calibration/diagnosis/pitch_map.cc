@@ -66,17 +66,18 @@ bool IsPitchMap(const Observed& observed,
                 const GainFigures& gain) {
   constexpr double kHolds = 0.8;
   const auto axis = AxisNamed(candidate.shown.channel);
-  if (observed.machine().delta) return false;  // It has no axes of its own.
+  // Elsewhere motors have no axis of their own.
+  if (observed.machine().kinematics != Kinematics::kCartesian) return false;
   if (!candidate.is_free() || !axis || candidate.shown.covariates.size() != 1 ||
       candidate.shown.covariates[0] != candidate.shown.channel) {
     return false;
   }
   if (!SeesAllWaves(observed, *axis)) return false;
   // Where no position was measured twice, leaving rows out leaves positions out.
-  if (gain.positions.groups == 0 || gain.runs.groups == 0) {
+  if (gain.positions_as_fitted.groups == 0 || gain.runs.groups == 0) {
     return Explained(gain.blocks) > 0;
   }
-  return Explained(gain.positions) >= kHolds * Explained(gain.runs);
+  return Explained(gain.positions_as_fitted) >= kHolds * Explained(gain.runs);
 }
 
 }  // namespace caltwin

@@ -233,9 +233,15 @@ std::vector<Doubt> Doubts(const RowTable& table,
          .refuse = true});
     return doubts;
   }
+  const bool may_have_screws = machine == nullptr || machine->triple_z;
+  const RowTable alike = may_have_screws ? WithoutLoneScrews(table) : table;
   DoubtRows(table, &doubts);
-  DoubtSizes(table, header, &doubts);
-  if (machine != nullptr) DoubtTravel(table, *machine, &doubts);
+  DoubtBlocks(InOrder(alike), &doubts);
+  DoubtSizes(table, alike, header, &doubts);
+  if (machine != nullptr) {
+    DoubtTravel(table, *machine, &doubts);
+    DoubtDrives(header, *machine, &doubts);
+  }
   std::ranges::stable_sort(doubts, std::greater(), &Doubt::refuse);
   return doubts;
 }

@@ -16,7 +16,8 @@ struct Doubt {
   /// not_finite, too_few, constant, duplicated_rows, time_backwards, temperature_unit,
   /// sigma_unit, quantised, one_direction, direction_unknown, value_unit,
   /// position_unit, value_is_position, reversed_axis, scale_absurd, units_differ,
-  /// reversed_sign, negative_gap, moves_contradict, outside_travel.
+  /// reversed_sign, negative_gap, moves_contradict, outside_travel,
+  /// other_drive.
   std::string kind{};
   std::string message{};  ///< One sentence, with its figures.
   std::string hint{};     ///< What to do; may be empty.

@@ -56,6 +56,8 @@ void DoubtGaps(const std::vector<RowSeries>& all, std::vector<Doubt>* doubts) {
   std::vector<Gap> gaps;
   for (const RowSeries& series : all) {
     if (series.rows.size() < kFewest || series.first->kind == RowKind::kTouch) continue;
+    // On machines whose motors are no axes a gap is a motor's, and each has its own.
+    if (Known(series.first->motor_mm[0])) continue;
     const SeriesFit fit = FitSeries(series);
     if (!(fit.half_gap_sd_mm > 0)) continue;
     const std::array<double, 3>& n = series.first->n;

@@ -42,6 +42,13 @@ void Count(const Row& before, const Row& now, std::size_t axis, Moves* moves) {
   moves->in_inches += is_about(1 / MmFromInch(1.0)) ? 1 : 0;
 }
 
+// Every touch comes from outside and goes back: what it travelled along its normal
+// begins anew each time, however alike the senses are.
+bool TurnsRound(const Row& row, std::size_t axis) {
+  constexpr double kAlong = 0.1;
+  return row.kind == RowKind::kTouch && std::abs(row.n[axis]) > kAlong;
+}
+
 void DoubtCampaign(const Moves& moves, std::size_t axis, std::vector<Doubt>* doubts) {
   constexpr int kFewest = 6;
   constexpr double kMost = 0.7;
@@ -83,7 +90,8 @@ void DoubtMoves(const std::vector<const Row*>& rows, std::vector<Doubt>* doubts)
                          before->setup == row->setup;
     for (std::size_t axis = 0; goes_on && axis < 3; ++axis) {
       const double sense = row->dir[static_cast<int>(axis)];
-      if (!Known(sense) || sense == 0 || sense != before->dir[static_cast<int>(axis)]) {
+      if (!Known(sense) || sense == 0 || sense != before->dir[static_cast<int>(axis)] ||
+          TurnsRound(*row, axis)) {
         continue;
       }
       Count(*before, *row, axis, &by_campaign[{row->campaign, axis}]);

@@ -14,9 +14,15 @@ namespace caltwin {
 /// steps, senses.
 void DoubtRows(const RowTable& table, std::vector<Doubt>* doubts);
 
+/// The rows without the campaigns of a triple-Z printer that move screws against each
+/// other: swapped motors and wrong pivots make readings there that follow no command.
+RowTable WithoutLoneScrews(const RowTable& table);
+
 /// Sizes against each other and against what a machine can do: units, signs, positions
 /// in place of deviations, stated sigmas.
+/// `moved_alike`: those of `table` whose readings follow what is commanded.
 void DoubtSizes(const RowTable& table,
+                const RowTable& moved_alike,
                 const DataHeader& header,
                 std::vector<Doubt>* doubts);
 
@@ -26,8 +32,19 @@ void DoubtMoves(const std::vector<const Row*>& rows, std::vector<Doubt>* doubts)
 /// The gap of an axis in one campaign against another's.
 void DoubtGaps(const std::vector<RowSeries>& all, std::vector<Doubt>* doubts);
 
+/// Rows of a campaign in micrometres among others in mm.
+void DoubtBlocks(const std::vector<const Row*>& rows, std::vector<Doubt>* doubts);
+
+/// The mean over opposite faces in one campaign against another's.
+void DoubtFaces(const std::vector<RowSeries>& all, std::vector<Doubt>* doubts);
+
 /// Positions against the travel of the axes.
 void DoubtTravel(const RowTable& table,
+                 const Machine& machine,
+                 std::vector<Doubt>* doubts);
+
+/// Steps/mm that were in force against those that the machine file's drives take.
+void DoubtDrives(const DataHeader& header,
                  const Machine& machine,
                  std::vector<Doubt>* doubts);
 

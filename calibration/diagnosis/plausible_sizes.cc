@@ -236,9 +236,11 @@ std::size_t NumRemainders(const std::set<double>& positions, double step) {
 }
 
 // Targets are round numbers in the unit they were chosen in. One odd position, and
-// those a round number away from it, may be round in inches by chance.
+// those a round number away from it, may be round in inches by chance; so may a grid of
+// equal steps, which is why positions further out than any bench goes are none.
 void DoubtPositions(const RowTable& table, std::vector<Doubt>* doubts) {
   constexpr double kRound_mm = 0.5;
+  constexpr double kFarthest_mm = 4000;
   for (const int axis : {0, 1, 2}) {
     std::set<double> positions;
     for (const Row& row : table.rows) {
@@ -252,7 +254,11 @@ void DoubtPositions(const RowTable& table, std::vector<Doubt>* doubts) {
         return std::abs(steps - std::round(steps)) * step < tolerance;
       });
     };
-    if (all_round(1, 0.01, 1e-4) || NumRemainders(positions, kRound_mm) < 4 ||
+    const bool is_too_far = std::ranges::any_of(positions, [](double position) {
+      return MmFromInch(std::abs(position)) > kFarthest_mm;
+    });
+    if (is_too_far || all_round(1, 0.01, 1e-4) ||
+        NumRemainders(positions, kRound_mm) < 4 ||
         !all_round(kInch_mm, kRound_mm, 0.01)) {
       continue;
     }
@@ -266,6 +272,20 @@ void DoubtPositions(const RowTable& table, std::vector<Doubt>* doubts) {
                        .hint = fmt::format("cmd_{}_mm is in mm", "xyz"[axis]),
                        .refuse = true});
   }
+}
+
+// Taken as not stated.
+void DoubtZeroSigmas(const RowTable& table, std::vector<Doubt>* doubts) {
+  Doubt doubt{.kind = "sigma_unit"};
+  for (const Row& row : table.rows) {
+    if (Known(row.sigma_mm) && row.sigma_mm <= 0) doubt.rows.push_back(row.row);
+  }
+  if (doubt.rows.empty()) return;
+  doubt.message = fmt::format("sigma_mm is not above 0 in {} rows, the first is row {}",
+                              doubt.rows.size(),
+                              doubt.rows.front());
+  doubt.hint = "no reading is exact: taken as unknown; leave the column empty there";
+  doubts->push_back(std::move(doubt));
 }
 
 void DoubtSigmas(const RowTable& table,
@@ -335,11 +355,30 @@ void DoubtSteps(const RowTable& table,
 
 }  // namespace
 
+RowTable WithoutLoneScrews(const RowTable& table) {
+  constexpr double kApart_mm = 0.01;
+  std::map<std::string, const Row*> firsts;
+  std::set<std::string> alone;
+  for (const Row& row : table.rows) {
+    const Row& first = *firsts.try_emplace(row.campaign, &row).first->second;
+    for (const std::size_t screw : {1, 2}) {
+      const double apart_mm = (row.motor_mm[screw] - row.motor_mm[0]) -
+                              (first.motor_mm[screw] - first.motor_mm[0]);
+      if (std::abs(apart_mm) > kApart_mm) alone.insert(row.campaign);
+    }
+  }
+  RowTable alike = table;
+  std::erase_if(alike.rows,
+                [&](const Row& row) { return alone.contains(row.campaign); });
+  return alike;
+}
+
 void DoubtSizes(const RowTable& table,
+                const RowTable& moved_alike,
                 const DataHeader& header,
                 std::vector<Doubt>* doubts) {
   const std::vector<RowSeries> all = SeriesOf(table);
-  for (const RowSeries& series : all) {
+  for (const RowSeries& series : SeriesOf(moved_alike)) {
     if (series.rows.size() < kFewestInLine) continue;
     const SeriesFit fit = FitSeries(series);
     const std::size_t before = doubts->size();
@@ -349,8 +388,10 @@ void DoubtSizes(const RowTable& table,
     DoubtGap(series, fit, doubts);
   }
   DoubtGaps(all, doubts);
-  DoubtCampaigns(table, doubts);
+  DoubtFaces(all, doubts);
+  DoubtCampaigns(moved_alike, doubts);
   DoubtPositions(table, doubts);
+  DoubtZeroSigmas(table, doubts);
   DoubtSigmas(table, header, all, doubts);
   DoubtSteps(table, all, doubts);
 }

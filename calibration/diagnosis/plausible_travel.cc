@@ -1,5 +1,7 @@
 // Whether rows are commanded where the machine can go.
 
+#include <cmath>
+
 #include <fmt/format.h>
 
 #include "calibration/diagnosis/plausible_parts.h"
@@ -61,6 +63,36 @@ void DoubtTravel(const RowTable& table,
         doubt.rows.front());
     doubt.hint = "the wrong machine file, or another unit or zero of the positions";
     doubts->push_back(std::move(doubt));
+  }
+}
+
+void DoubtDrives(const DataHeader& header,
+                 const Machine& machine,
+                 std::vector<Doubt>* doubts) {
+  constexpr double kFarthest = 0.05;  // What wrong steps/mm may be off by.
+  for (const auto& [id, settings] : header.settings) {
+    for (const Axis axis : kAxes) {
+      const auto set = settings.steps_per_mm.find(Name(axis));
+      if (machine.delta || set == settings.steps_per_mm.end() || set->second <= 0) {
+        continue;
+      }
+      const double drawn = machine.axis(axis).steps_per_mm();
+      const double moved = set->second / drawn;
+      if (std::abs(moved - 1) < kFarthest) continue;
+      doubts->push_back(
+          {.kind = "other_drive",
+           .message = fmt::format(
+               "the settings '{}' were {:g} steps/mm along {}, the machine file's "
+               "drive "
+               "takes {:g}: by it the axis moves {:.3g} mm for every mm commanded",
+               id,
+               set->second,
+               Name(axis),
+               drawn,
+               moved),
+           .hint = "another machine's file, or its lead, pulley, full steps or "
+                   "microsteps are not those of the machine measured"});
+    }
   }
 }
 

@@ -3,13 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include <Eigen/Cholesky>
 #include <ceres/dynamic_numeric_diff_cost_function.h>
 #include <ceres/problem.h>
 #include <ceres/solver.h>
 
+#include "calibration/diagnosis/bent.h"
 #include "sim/base/units.h"
+#include "sim/effects/catalog.h"
 
 namespace caltwin {
 namespace {
@@ -152,6 +155,14 @@ double JumpSd_s(const Observed& observed, double at_s) {
   return (after_s - before_s) / std::sqrt(12.0);
 }
 
+// Parts of a closed chain in the wrong place act by its geometry, exactly: their shape
+// has no freedom.
+bool IsRigid(const Candidate& candidate) {
+  const std::vector<double> any(EffectAt(candidate.effect).parameters.size(), 1);
+  return !TurnsOf({.effect = candidate.effect, .axis = candidate.axis, .values = any})
+              .empty();
+}
+
 // Sizes and forms of one finding with the covariance of the linearised problem, the
 // other findings and all freedom of form being nuisances.
 class Final {
@@ -167,7 +178,8 @@ class Final {
     Refined refined{.variant =
                         VariantOf(observed_, candidate.effect, candidate.axis, forms)};
     if (refined.variant.columns_mm.cols() == 0) refined.variant = found.variant;
-    const Evidence evidence = EvidenceWithout(index, refined.variant, /*is_free=*/true);
+    const Evidence evidence =
+        EvidenceWithout(index, refined.variant, /*is_free=*/!IsRigid(candidate));
     const Eigen::Index num_sizes = refined.variant.columns_mm.cols();
     Eigen::MatrixXd columns = refined.variant.columns_mm;
     // The effect acts without its freedom of form, so it is fitted without; how sure
@@ -306,6 +318,9 @@ std::vector<Refined> Refit(const Observed& observed,
   for (std::size_t k = 0; k < findings.named().size(); ++k) {
     refined[findings.named()[k]] =
         final.Of(findings.named()[k], findings.FormsOf(k, findings.forms().data()));
+  }
+  for (Bent& bent : Bend(observed, candidates, search)) {
+    refined[bent.finding] = std::move(bent.refined);
   }
   return refined;
 }

@@ -20,8 +20,9 @@ struct Refined {
 /// Refines the named findings together: their form parameters by Ceres over the
 /// projected residual (sizes and baseline are solved exactly for every trial), then
 /// sizes, phases and forms with their covariance from the linearised problem, freedom
-/// of form included. Free forms stay as they are. One entry per finding; a free one has
-/// no effect (index -1).
+/// of form included. What is not straight in its sizes is fitted to the exact
+/// prediction (Bend). Free forms stay as they are. One entry per finding; a free one
+/// has no effect (index -1).
 std::vector<Refined> Refit(const Observed& observed,
                            const std::vector<Candidate>& candidates,
                            const SearchResult& search);

@@ -147,7 +147,8 @@ class Replayer {
            const ReplayOptions& options)
       : observed_(observed),
         options_(options),
-        sigma_mm_(SigmaOf(observed, diagnosis)) {
+        sigma_mm_(SigmaOf(observed, diagnosis)),
+        floor_mm_(diagnosis.gain.noise_floor_mm) {
     // Of a delta they are known together, though not one by one.
     if (observed.machine().delta) return;
     for (const BaselineLine& line : diagnosis.baseline) {
@@ -172,6 +173,7 @@ class Replayer {
     replay.left_before_mm = findings.empty() ? replay.left_after_mm : LeftBefore_mm();
     replay.before_mm = Rms_mm(replay.left_before_mm, sigma_mm_);
     replay.after_mm = Rms_mm(replay.left_after_mm, sigma_mm_);
+    replay.floor_mm = floor_mm_;
     if (was_interrupted_) return {.why_not = "The replay was interrupted."};
     return replay;
   }
@@ -259,6 +261,7 @@ class Replayer {
   const Observed& observed_;
   const ReplayOptions& options_;
   Eigen::VectorXd sigma_mm_;
+  double floor_mm_ = 0;
   std::set<std::string> open_{};  ///< Lines that the rows do not determine.
   bool was_interrupted_ = false;
 };
@@ -301,6 +304,7 @@ Replay ReplayOf(const Observed& observed,
 
 std::string ReplayText(const Replay& replay) {
   constexpr double kWorse = 1.02;  // More than rounding and chance.
+  constexpr double kFar = 3, kSmall_mm = 1e-3;
   if (!replay.why_not.empty()) return replay.why_not + "\n";
   std::string text = fmt::format(
       "Replayed in MuJoCo ({}): {:.1f} um rms of {} rows before the findings act in "
@@ -319,6 +323,15 @@ std::string ReplayText(const Replay& replay) {
         "WARNING: with the findings the twin is further from the rows than without: "
         "its pose, its datum or the machine file are not those of the measurement, or "
         "the findings are wrong.\n";
+  }
+  if (replay.floor_mm > 0 && replay.after_mm > kSmall_mm &&
+      replay.after_mm > kFar * replay.floor_mm) {
+    text += fmt::format(
+        "With the findings the twin still leaves {:.1f} times the noise floor of "
+        "{:.1f} "
+        "um: some cause is missing, or a value found is wrong.\n",
+        replay.after_mm / replay.floor_mm,
+        UmFromMm(replay.floor_mm));
   }
   if (!replay.far_rows.empty()) text += FarText(replay);
   if (!replay.as_fitted.empty()) {

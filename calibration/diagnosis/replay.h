@@ -23,6 +23,7 @@ struct Replay {
   double after_mm = 0;            ///< The findings act in the twin.
   /// Reading in MuJoCo less that of the closed form, the findings acting in both.
   double form_rms_mm = 0, form_max_mm = 0;
+  double floor_mm = 0;  ///< The diagnosis' noise floor.
   int rows = 0;
   /// Rows whose difference from the closed form exceeds half of their noise.
   std::vector<std::int64_t> far_rows{};

@@ -88,7 +88,7 @@ class Scrutiny {
     if (found().empty()) return;
     const std::vector<Refined> refined = Refit(observed_, candidates_, search_);
     const std::vector<double> shares =
-        GainOf(observed_, candidates_, search_, refined).shares;
+        GainOf(observed_, candidates_, search_, refined, GainDepth::kBlocks).shares;
     const double explained = std::accumulate(shares.begin(), shares.end(), 0.0);
     for (std::size_t i = found().size(); i-- > 0;) {
       const Candidate& candidate = candidates_[found()[i].candidate];
@@ -141,8 +141,11 @@ class Scrutiny {
   std::vector<Found>& found() { return search_.found; }
 
   GainFigures Gain() const {
-    return GainOf(
-        observed_, candidates_, search_, Refit(observed_, candidates_, search_));
+    return GainOf(observed_,
+                  candidates_,
+                  search_,
+                  Refit(observed_, candidates_, search_),
+                  GainDepth::kBlocks);
   }
 
   // With all that was found but one in the baseline.

@@ -7,6 +7,7 @@
 
 #include "calibration/diagnosis/baseline_fit.h"
 #include "calibration/diagnosis/gates.h"
+#include "calibration/diagnosis/own_shape.h"
 #include "calibration/diagnosis/stories.h"
 #include "sim/base/units.h"
 
@@ -84,8 +85,8 @@ class Searcher {
   void SettleNoise() {
     baseline_ = BaselineOf(observed_);
     sigma_mm_ = GuessSigma_mm(observed_, FitBaseline(observed_).left_mm);
-    left_out_.assign(static_cast<std::size_t>(observed_.num_rows()), false);
-    suspects_ = left_out_;
+    suspects_ = LoneRows(observed_);
+    left_out_ = suspects_;
     for (int round = 0; round < kNoiseRounds; ++round) JudgeNoise(Under({}));
   }
 
@@ -188,9 +189,10 @@ class Searcher {
       const Candidate& free = candidates_[other.candidate];
       if (!free.is_free() || IsFound(other.candidate, {})) continue;
       // Beyond the usual margin only what would be a finding by itself; and not on a
-      // delta, whose nozzle touches along one axis alone.
+      // printer, whose nozzle touches along one axis alone.
       const bool stands_alone =
-          other.log_odds > kNamingOdds && !observed_.machine().delta;
+          other.log_odds > kNamingOdds &&
+          observed_.machine().kinematics == Kinematics::kCartesian;
       const double margin =
           stands_alone ? MarginOver(candidates_[top.candidate], free) : kOwnShape_nats;
       if (other.log_odds <= top.log_odds - margin) continue;
@@ -330,7 +332,26 @@ class Searcher {
       known->structural = true;
       known->separation = separation;
     }
+    AddPlace(i);
     std::ranges::stable_sort(found.rivals, std::ranges::greater{}, &Rival::probability);
+  }
+
+  // Where every row before a jump lies on one side of every row after it, a step in the
+  // axis' own scale is as likely as steps lost at that time.
+  void AddPlace(std::size_t i) {
+    Found& found = found_[i];
+    const Candidate& own = candidates_[found.candidate];
+    if (!IsPlaceAsWell(observed_, own, found.variant)) return;
+    for (std::size_t c = 0; c < candidates_.size(); ++c) {
+      const Shown& shown = candidates_[c].shown;
+      const bool is_place = candidates_[c].is_free() &&
+                            shown.channel == own.shown.channel &&
+                            shown.covariates == std::vector{shown.channel};
+      if (!is_place) continue;
+      std::erase_if(found.rivals, [&](const Rival& r) { return r.candidate == c; });
+      found.probability /= 2;
+      found.rivals.push_back({.candidate = c, .probability = found.probability});
+    }
   }
 
   SearchResult Take() const {

@@ -83,21 +83,25 @@ class Volume {
   }
 
  private:
-  // Anywhere over its disc, as high as that is wide.
+  // Anywhere over its disc, as high as that is wide; where the rods of the machine as
+  // stated reach next to nothing of that, at the row it was drawn from.
   void PlaceOnDelta(const Observed& observed, Rng* rng, At* at) {
+    constexpr int kMostDraws = 200;
     const double radius_mm = machine_.delta->print_radius_mm;
     const DeltaBuild<double> build = observed.BelievedBuild();
     Row row;
     for (double& dir : row.motor_dir) dir = rng->Uniform() < 1.0 / 2 ? -1 : 1;
     std::optional<DeltaAt> here;
-    while (!here) {
+    for (int drawn = 0; !here && drawn < kMostDraws; ++drawn) {
       const double out_mm = radius_mm * std::sqrt(rng->Uniform());
       const double angle = 2 * std::numbers::pi * rng->Uniform();
-      at->q_mm = {out_mm * std::cos(angle),
-                  out_mm * std::sin(angle),
-                  radius_mm * rng->Uniform()};
-      here = DeltaAtOf(build, machine_.delta->settings, row, at->q_mm);
+      const Vec3<double> q_mm(out_mm * std::cos(angle),
+                              out_mm * std::sin(angle),
+                              radius_mm * rng->Uniform());
+      here = DeltaAtOf(build, machine_.delta->settings, row, q_mm);
+      if (here) at->q_mm = q_mm;
     }
+    if (!here) return;
     delta_.push_back(*here);
     at->delta = &delta_.back();
   }

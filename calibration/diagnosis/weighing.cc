@@ -126,17 +126,23 @@ struct Scored {
   double log_bayes = -1e300;
 };
 
-// Every variant without freedom of form.
+// What every variant shows, without freedom of form.
+std::vector<Projected> ProjectedVariants(const Evidence& evidence,
+                                         const Candidate& candidate) {
+  std::vector<const Eigen::MatrixXd*> sets;
+  for (const Variant& variant : candidate.variants) sets.push_back(&variant.columns_mm);
+  return evidence.ProjectEach(sets);
+}
+
 std::vector<Scored> PlainScores(const NoiseWorld& world, const Candidate& candidate) {
+  const std::vector<Projected> all = ProjectedVariants(world.evidence, candidate);
   std::vector<Scored> scores;
   for (std::size_t v = 0; v < candidate.variants.size(); ++v) {
     const Variant& variant = candidate.variants[v];
-    const Projected projected =
-        world.evidence.Project(world.evidence.Whiten(variant.columns_mm));
     double scale_mm = 0;
     scores.push_back({v,
                       LogBayesOverScales(world.evidence,
-                                         projected,
+                                         all[v],
                                          PriorOf(candidate, variant),
                                          variant.usual_mm,
                                          world.noise_scale,
@@ -278,6 +284,19 @@ double LogSum(const std::vector<double>& logs) {
   double sum = 0;
   for (const double value : logs) sum += std::exp(value - most);
   return most + std::log(sum);
+}
+
+double LikeliestScale_mm(const Evidence& evidence,
+                         const Candidate& candidate,
+                         const Variant& variant) {
+  double scale_mm = 0;
+  LogBayesOverScales(evidence,
+                     evidence.Project(evidence.Whiten(variant.columns_mm)),
+                     PriorOf(candidate, variant),
+                     variant.usual_mm,
+                     std::sqrt(evidence.chi2() / evidence.dof()),
+                     &scale_mm);
+  return scale_mm;
 }
 
 Weighing Weigh(const Observed& observed,

@@ -43,6 +43,12 @@ Weighing Weigh(const Observed& observed,
                const std::vector<Candidate>& candidates,
                const Circumstances& circumstances);
 
+/// The prior size of a variant that is most likely under this evidence, of those that a
+/// weighing averages over.
+double LikeliestScale_mm(const Evidence& evidence,
+                         const Candidate& candidate,
+                         const Variant& variant);
+
 /// Chance that rows of noise alone, with this baseline, would reach `log_odds_any`: the
 /// largest of a hundred simulated weighings, their tail extrapolated as exponential.
 double ChanceUnderNone(const Observed& observed,

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "calibration/estimate/clusters.h"
 #include "sim/base/mutant.h"
 #include "sim/base/require.h"
 
@@ -27,6 +28,33 @@ double SharedRoundingVariance(const TouchNoise& noise) {
   }
   return noise.step_mm * noise.step_mm * sum /
          (2 * std::numbers::pi * std::numbers::pi);
+}
+
+// Variance within groups of repeats, each about its own mean.
+struct Pooled {
+  double variance_mm2 = 0;
+  int dof = 0;
+};
+
+Pooled PooledOver(std::span<const std::span<const double>> groups_mm) {
+  Pooled pooled;
+  double squares = 0;
+  for (const std::span<const double> group : groups_mm) {
+    if (group.size() < 2) continue;
+    const int own_dof = static_cast<int>(group.size()) - 1;
+    squares += own_dof * Scatter(group) * Scatter(group);
+    pooled.dof += own_dof;
+  }
+  if (pooled.dof > 0) pooled.variance_mm2 = squares / pooled.dof;
+  return pooled;
+}
+
+// What chance lets a variance of so many degrees of freedom be, over its expectation,
+// once in a thousand.
+double LargestByChance(int dof) {
+  constexpr double kOnceInAThousand = 3.09;  // Of a normal distribution, one side.
+  const double spread = 2 / (9.0 * dof);
+  return std::pow(1 - spread + kOnceInAThousand * std::sqrt(spread), 3);
 }
 
 }  // namespace
@@ -65,20 +93,42 @@ Uncertain MeanTouch_mm(std::span<const double> readings_mm, const TouchNoise& no
           .identifiable = true};
 }
 
+double SmallSampleFactor(int dof) {
+  constexpr double kNormal95 = 1.959963984540054;
+  double low = kNormal95, high = 13;  // t of one degree of freedom is 12.7.
+  while (high - low > 1e-9) {
+    const double middle = (low + high) / 2;
+    (StudentTwoSided(middle, dof) > 0.05 ? low : high) = middle;
+  }
+  return high / kNormal95;
+}
+
+TouchNoise NoiseSeen(const TouchNoise& stated,
+                     std::span<const std::span<const double>> groups_mm) {
+  const Pooled pooled = PooledOver(groups_mm);
+  if (pooled.dof == 0) return stated;
+  const double rounding_mm2 = RoundingVariance(stated.step_mm);
+  const double expected_mm2 =
+      std::max(0.0,
+               stated.sigma_mm * stated.sigma_mm + rounding_mm2 -
+                   SharedRoundingVariance(stated));
+  const double largest_mm2 = expected_mm2 * LargestByChance(pooled.dof);
+  if (pooled.variance_mm2 <= largest_mm2) {
+    return stated;
+  }
+  const double sigma_mm = std::sqrt(std::max(0.0, pooled.variance_mm2 - rounding_mm2));
+  return {
+      .sigma_mm = std::max(stated.sigma_mm, sigma_mm * SmallSampleFactor(pooled.dof)),
+      .step_mm = stated.step_mm};
+}
+
 Uncertain TriggerScatter_mm(std::span<const std::span<const double>> groups_mm,
                             double step_mm) {
-  double squares = 0;
-  double dof = 0;
-  for (const std::span<const double> group : groups_mm) {
-    if (group.size() < 2) continue;
-    const auto own_dof = static_cast<double>(group.size() - 1);
-    squares += own_dof * Scatter(group) * Scatter(group);
-    dof += own_dof;
-  }
-  if (dof == 0) return {};
-  const double variance = squares / dof;
-  return {.value = std::sqrt(std::max(0.0, variance - RoundingVariance(step_mm))),
-          .sd = std::sqrt(variance / (2 * dof)),
+  const Pooled pooled = PooledOver(groups_mm);
+  if (pooled.dof == 0) return {};
+  return {.value =
+              std::sqrt(std::max(0.0, pooled.variance_mm2 - RoundingVariance(step_mm))),
+          .sd = std::sqrt(pooled.variance_mm2 / (2.0 * pooled.dof)),
           .identifiable = true};
 }
 

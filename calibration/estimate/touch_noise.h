@@ -36,6 +36,22 @@ double Mean(std::span<const double> readings);
 /// identifiable without readings.
 Uncertain MeanTouch_mm(std::span<const double> readings_mm, const TouchNoise& noise);
 
+/// The noise to reckon with after groups of repeats, each scattering about its own
+/// mean: the one stated, unless they contradict it.
+///
+/// They do where their pooled variance of nu degrees of freedom exceeds the one stated,
+/// sigma^2 + step^2 / 12 less the rounding they share, by more than chance does once in
+/// a thousand (Wilson and Hilferty's chi2: (1 - 2 / (9 nu) + 3.09 sqrt(2 / (9 nu)))^3).
+/// Then it takes the place of what was stated, widened by t(nu) / 1.96, so that +-1.96
+/// sd hold 95 % in small samples too. The larger of both would be too wide on average:
+/// scatter exceeds its own expectation every second time.
+TouchNoise NoiseSeen(const TouchNoise& stated,
+                     std::span<const std::span<const double>> groups_mm);
+
+/// Student's t / 1.96: what a standard deviation told by `dof` degrees of freedom is
+/// multiplied by for an interval of +-1.96 to hold 95 %.
+double SmallSampleFactor(int dof);
+
 /// The trigger's own scatter as the readings show it: pooled over groups of repeats,
 /// each about its own mean, less the step's share. Not identifiable without repeats.
 Uncertain TriggerScatter_mm(std::span<const std::span<const double>> groups_mm,

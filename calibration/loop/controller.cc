@@ -48,23 +48,30 @@ std::string Joined(const std::vector<std::string>& lines) {
   return all;
 }
 
+// The first number in `text`, which is cut off behind it.
+std::optional<double> NextNumber(std::string_view* text) {
+  const auto begins = [](char c) {
+    return (c >= '0' && c <= '9') || c == '-' || c == '.';
+  };
+  while (!text->empty()) {
+    const auto at = std::ranges::find_if(*text, begins);
+    text->remove_prefix(static_cast<std::size_t>(at - text->begin()));
+    double value = 0;
+    const auto [end, error] =
+        std::from_chars(text->data(), text->data() + text->size(), value);
+    if (error == std::errc()) {
+      text->remove_prefix(static_cast<std::size_t>(end - text->data()));
+      return value;
+    }
+    text->remove_prefix(text->empty() ? 0 : 1);
+  }
+  return std::nullopt;
+}
+
 // The numbers of "{0.02, 0.019, 0}", "[0.02,0.019,0]" or "0.02".
 std::vector<double> NumbersIn(std::string_view text) {
   std::vector<double> numbers;
-  while (!text.empty()) {
-    const std::size_t at = text.find_first_of("-.0123456789");
-    if (at == std::string_view::npos) break;
-    text.remove_prefix(at);
-    double value = 0;
-    const auto [end, error] =
-        std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc()) {
-      text.remove_prefix(1);
-      continue;
-    }
-    numbers.push_back(value);
-    text.remove_prefix(static_cast<std::size_t>(end - text.data()));
-  }
+  while (const auto number = NextNumber(&text)) numbers.push_back(*number);
   return numbers;
 }
 
@@ -85,9 +92,14 @@ std::optional<Vec3<double>> CountOf(std::string_view reply) {
   const std::size_t at = reply.find("Count");
   if (at == std::string_view::npos) return std::nullopt;
   const std::size_t end = reply.find("Machine", at);
-  const std::vector<double> numbers = NumbersIn(reply.substr(at + 5, end - at - 5));
-  if (numbers.size() < 3) return std::nullopt;
-  return Vec3<double>(numbers[0], numbers[1], numbers[2]);
+  std::string_view text = reply.substr(at + 5, end - at - 5);
+  Vec3<double> counts;
+  for (int i = 0; i < 3; ++i) {
+    const auto count = NextNumber(&text);
+    if (!count) return std::nullopt;
+    counts[i] = *count;
+  }
+  return counts;
 }
 
 MachineFault Classified(MachineFault fault) {
@@ -309,7 +321,9 @@ Expected<void> Controller::ProbeAway(const Vec3<double>& target_mm, double feed_
 Expected<Vec3<double>> Controller::ReadPosition_mm() {
   const auto reply = Send("M114");
   if (!reply) return tl::unexpected(reply.error());
-  const auto steps = CountOf(Joined(*reply));
+  // One line, of nearly every controller.
+  const auto steps =
+      reply->size() == 1 ? CountOf(reply->front()) : CountOf(Joined(*reply));
   if (!steps) {
     return tl::unexpected(MachineFault{
         .kind = MachineFault::Kind::kRefused,

@@ -20,6 +20,7 @@ constexpr double kKnown_mm = 0.1;  // A gap less sure than this is not known.
 struct FromElsewhere {
   Given backlash_left_mm = kNotGiven;
   Given tip_radius_mm{};
+  Given mm_per_commanded_mm{.value = 1};
 };
 
 // What the span is measured on: for z a ledge, which can be touched from both sides.
@@ -35,10 +36,20 @@ Artefact* ArtefactFor(Session* session, const DeflectionOptions& o) {
       c.place);
 }
 
+// The steps/mm believed, as well as somebody has measured them.
+Given Scale(Session* session, Axis axis) {
+  const std::string name = NameOf(Setting::kStepsPerMm, axis);
+  const auto& known = session->bench().ledger.known;
+  const auto steps = known.find(name);
+  if (steps == known.end()) return {.value = 1};
+  return {.value = 1, .sd = steps->second.sd / steps->second.value};
+}
+
 FromElsewhere WhatIsKnown(Session* session, const DeflectionOptions& o) {
   return {.backlash_left_mm =
               o.backlash_left_mm.value_or(BacklashLeft(session, o.common.axis)),
-          .tip_radius_mm = TipRadius(session, o.tip_radius_mm)};
+          .tip_radius_mm = TipRadius(session, o.tip_radius_mm),
+          .mm_per_commanded_mm = Scale(session, o.common.axis)};
 }
 
 Expected<SpanReading> Measure(Session* session,
@@ -62,7 +73,8 @@ DeflectionSpan AsSpan(Session* session,
           .span_mm = span.span_mm,
           .tip_radius_cfg_mm = radius_mm,
           .tip_radius_mm = known.tip_radius_mm,
-          .backlash_mm = known.backlash_left_mm};
+          .backlash_mm = known.backlash_left_mm,
+          .mm_per_commanded_mm = known.mm_per_commanded_mm};
 }
 
 void ExplainPlan(Session* session,

@@ -51,10 +51,20 @@ Expected<Uncertain> ReadGapLeft(Session* session,
     sd_mm = std::hypot(MmFromUm(found->second.sigma_um),
                        MmFromUm(found->second.resolution_um) / std::sqrt(12.0));
   }
-  // Stopping on a whole step blurs a reading too, either way.
-  sd_mm = std::hypot(sd_mm, session->probing().Noise(axis).step_mm / std::sqrt(12.0));
-  sd_mm = std::max(sd_mm, Scatter(readings_mm) / std::numbers::sqrt2);
-  return BacklashFromDial(readings_mm, +1, sd_mm);
+  std::vector<double> each_mm;  // Of one reading; zeroing is another.
+  for (const double reading_mm : readings_mm) {
+    each_mm.push_back(reading_mm / std::numbers::sqrt2);
+  }
+  const std::span<const double> group_mm(each_mm);
+  const TouchNoise seen = NoiseSeen({.sigma_mm = sd_mm}, std::span(&group_mm, 1));
+  Uncertain left_mm = BacklashFromDial(readings_mm, +1, seen.sigma_mm);
+  // Both approaches stop at the same count, but for what is compensated: that is
+  // rounded to whole steps, in each sense by itself and in every repeat alike.
+  if (session->Believed(Setting::kBacklash, axis) != 0) {
+    const double step_mm = session->probing().Noise(axis).step_mm;
+    left_mm.sd = std::hypot(left_mm.sd, step_mm * std::sqrt(2 / 12.0));
+  }
+  return left_mm;
 }
 
 }  // namespace caltwin

@@ -33,8 +33,6 @@ Expected<void> Fit(Session* session, const std::string& stylus) {
 
 Expected<Lip> TouchTop(Session* session, const Face& top, const SpanPlan& plan) {
   Lip lip;
-  std::vector<Vec3<double>> points_mm;
-  double sd_mm = 0;
   for (const auto& [x, y] :
        std::array<std::array<int, 2>, 4>{{{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}}) {
     Face corner = top;
@@ -42,11 +40,15 @@ Expected<Lip> TouchTop(Session* session, const Face& top, const SpanPlan& plan) 
     const auto touched = session->probing().Touch(
         corner, {.repeats = plan.repeats, .campaign = plan.campaign});
     if (!touched) return tl::unexpected(touched.error());
-    const Uncertain mean = MeanOf(session, Axis::kZ, touched->trigger_mm);
-    points_mm.emplace_back(corner.at_mm[0], corner.at_mm[1], mean.value);
-    sd_mm = std::max(sd_mm, mean.sd);
     lip.touches.push_back(*touched);
   }
+  const TouchNoise noise = NoiseOf(session, Axis::kZ, lip.touches);
+  std::vector<Vec3<double>> points_mm;
+  for (const Touched& touched : lip.touches) {
+    const Vec3<double>& at_mm = touched.face.at_mm;
+    points_mm.emplace_back(at_mm[0], at_mm[1], Mean(touched.trigger_mm));
+  }
+  const double sd_mm = MeanSd_mm(noise, plan.repeats);
   const TiltPlane plane = FitTiltPlane(points_mm, std::max(sd_mm, 1e-9), top.at_mm);
   lip.top_mm = plane.height_mm;
   lip.slope = {plane.slope_x.value, plane.slope_y.value};
@@ -106,7 +108,8 @@ Expected<SpanReading> MeasureLedge(Session* session,
     return tl::unexpected(fitted.error());
   }
 
-  const Uncertain under_mm = MeanOf(session, Axis::kZ, below->trigger_mm);
+  const TouchNoise noise = NoiseOf(session, Axis::kZ, std::span(&*below, 1));
+  const Uncertain under_mm = MeanTouch_mm(below->trigger_mm, noise);
   const TiltReads tilt = ReadsOf(ledge,
                                  bottom.at_mm.head<2>(),
                                  lip->slope,

@@ -68,18 +68,18 @@ std::vector<Face> TiltGrid(Session* session, const PlaneTiltOptions& o) {
 
 Expected<void> RunPlaneTilt(Session* session, const PlaneTiltOptions& o) {
   std::vector<Vec3<double>> points_mm;
-  double sigma_mm = 0;
+  std::vector<Touched> touches;
   for (const Face& face : TiltGrid(session, o)) {
     const auto touched = session->probing().Touch(
         face, {.repeats = o.repeats, .campaign = "plane_tilt"});
     if (!touched) return tl::unexpected(touched.error());
-    const Uncertain mean = MeanOf(session, Axis::kZ, touched->trigger_mm);
-    sigma_mm = std::max(sigma_mm, mean.sd);
     Vec3<double> point_mm = face.at_mm;
     if (Mutant("tilt_axes_swapped", false, true)) std::swap(point_mm[0], point_mm[1]);
-    point_mm[2] = face.at_mm[2] + mean.value;
+    point_mm[2] = face.at_mm[2] + Mean(touched->trigger_mm);
     points_mm.push_back(point_mm);
+    touches.push_back(*touched);
   }
+  const double sigma_mm = MeanSd_mm(NoiseOf(session, Axis::kZ, touches), o.repeats);
   const TiltPlane plane = FitTiltPlane(points_mm, std::max(sigma_mm, 1e-9));
   const auto conclude = [&](const std::string& which, Uncertain slope) {
     slope.value = MradFromRad(slope.value);

@@ -18,6 +18,7 @@ namespace caltwin {
 namespace {
 
 constexpr double kHysteresisDoubt = 0.25;  // Of a hysteresis nobody has measured.
+constexpr double kScaleDoubt = 0.01;  // Of steps/mm nobody has: the catalogue's prior.
 
 // All that the releases of one run read, along the outward normals.
 struct Releases {
@@ -67,7 +68,8 @@ Given Hysteresis(Session* session, const ReleaseOptions& o) {
 }
 
 void KeepSlowest(Session* session, Axis axis, const Touched& touched, Releases* all) {
-  const Uncertain trigger = MeanOf(session, axis, touched.trigger_mm);
+  const Uncertain trigger =
+      MeanTouch_mm(touched.trigger_mm, NoiseOf(session, axis, std::span(&touched, 1)));
   for (std::size_t i = 0; i < touched.trigger_mm.size(); ++i) {
     all->trigger_mm.push_back(touched.trigger_mm[i] - trigger.value);
     all->release_mm.push_back(touched.release_mm[i] - trigger.value);
@@ -110,9 +112,14 @@ Expected<Releases> Measure(Session* session, const ReleaseOptions& o) {
 ReleaseFit Fit(Session* session, const Releases& all, const ReleaseOptions& o) {
   std::vector<TriggerRelease> feeds;
   for (const auto& [feed_mm_s, differences_mm] : all.difference_mm) {
-    TouchNoise noise = session->probing().Noise(o.common.axis);
-    noise.sigma_mm =
-        std::max(noise.sigma_mm, Scatter(differences_mm) / std::numbers::sqrt2);
+    // A difference of two readings scatters as their sum does: by sqrt(2) each.
+    std::vector<double> each_mm;
+    for (const double difference_mm : differences_mm) {
+      each_mm.push_back(difference_mm / std::numbers::sqrt2);
+    }
+    const std::span<const double> group_mm(each_mm);
+    const TouchNoise noise =
+        NoiseSeen(session->probing().Noise(o.common.axis), std::span(&group_mm, 1));
     const double sd_mm =
         TriggerReleaseSd_mm(noise, static_cast<int>(differences_mm.size()));
     feeds.push_back({.feed_mm_s = feed_mm_s,
@@ -120,6 +127,16 @@ ReleaseFit Fit(Session* session, const Releases& all, const ReleaseOptions& o) {
   }
   const Given latency_s = feeds.size() == 1 ? Given{} : kNotGiven;
   return BacklashFromRelease(feeds, Hysteresis(session, o), latency_s);
+}
+
+// Commanded millimetres are taken for true ones: how far apart they may be, as a part
+// of one. What has been measured here counts as far as it is set.
+double ScaleDoubt(Session* session, Axis axis) {
+  const auto& known = session->bench().ledger.known;
+  const auto found = known.find(NameOf(Setting::kStepsPerMm, axis));
+  if (found == known.end()) return kScaleDoubt;
+  const double believed = session->Believed(Setting::kStepsPerMm, axis);
+  return std::hypot(found->second.sd, found->second.value - believed) / believed;
 }
 
 void ExplainPlan(Session* session, const ReleaseOptions& o) {
@@ -179,7 +196,8 @@ Expected<Uncertain> SpanLeft(Session* session,
                                  {.repeats = o.common.repeats,
                                   .campaign = "backlash_check." + Name(o.common.axis)});
     if (!touched) return tl::unexpected(touched.error());
-    const Uncertain mean = MeanOf(session, o.common.axis, touched->trigger_mm);
+    const Uncertain mean = MeanTouch_mm(
+        touched->trigger_mm, NoiseOf(session, o.common.axis, std::span(&*touched, 1)));
     outward_mm += mean.value;
     sd_mm = std::hypot(sd_mm, mean.sd);
   }
@@ -271,6 +289,9 @@ Expected<void> RunRelease(Session* session, const ReleaseOptions& o) {
   Uncertain gap_mm = c.as_published ? fit.combination_mm : fit.backlash_mm;
   // As published, the reading is added to what is set.
   if (c.as_published) gap_mm.value += before_mm;
+  if (!c.as_published) {
+    gap_mm.sd = std::hypot(gap_mm.sd, gap_mm.value * ScaleDoubt(session, c.axis));
+  }
   const Proposal proposal{
       .setting = Setting::kBacklash,
       .axis = c.axis,

@@ -67,10 +67,10 @@ std::vector<Face> FacesForSpan(const Artefact& artefact, const SpanPlan& plan) {
   return faces;
 }
 
-Uncertain MeanOf(Session* session, Axis axis, const std::vector<double>& readings) {
-  TouchNoise noise = session->probing().Noise(axis);
-  noise.sigma_mm = std::max(noise.sigma_mm, Scatter(readings));
-  return MeanTouch_mm(readings, noise);
+TouchNoise NoiseOf(Session* session, Axis axis, std::span<const Touched> faces) {
+  std::vector<std::span<const double>> groups_mm;
+  for (const Touched& touched : faces) groups_mm.emplace_back(touched.trigger_mm);
+  return NoiseSeen(session->probing().Noise(axis), groups_mm);
 }
 
 Expected<SpanReading> MeasureSpan(Session* session,
@@ -86,10 +86,13 @@ Expected<SpanReading> MeasureSpan(Session* session,
         face, {.repeats = plan.repeats, .campaign = plan.campaign});
     if (!touched) return tl::unexpected(touched.error());
     if (face.internal) reading.kind = SpanKind::kInternal;
-    const Uncertain mean = MeanOf(session, plan.axis, touched->trigger_mm);
+    reading.faces.push_back(*touched);
+  }
+  const TouchNoise noise = NoiseOf(session, plan.axis, reading.faces);
+  for (const Touched& touched : reading.faces) {
+    const Uncertain mean = MeanTouch_mm(touched.trigger_mm, noise);
     outward_mm += mean.value;
     variance_mm2 += mean.sd * mean.sd;
-    reading.faces.push_back(*touched);
   }
   reading.is_height = reading.faces.size() == 1;
   // Values are along the outward normals: a hole is as much smaller as a block larger.

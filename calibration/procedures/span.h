@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -43,9 +44,9 @@ Expected<SpanReading> MeasureSpan(Session* session,
 /// The faces that MeasureSpan would touch.
 std::vector<Face> FacesForSpan(const Artefact& artefact, const SpanPlan& plan);
 
-/// Mean of one face's touches with its uncertainty: the probe's stated sigma or the
-/// scatter seen, whichever is larger, and rounding to motor steps.
-Uncertain MeanOf(Session* session, Axis axis, const std::vector<double>& readings);
+/// The probe's stated noise, or what the repeats show where they contradict it
+/// (NoiseSeen), pooled over the faces, all across `axis`.
+TouchNoise NoiseOf(Session* session, Axis axis, std::span<const Touched> faces);
 
 /// Ledger's gap less the compensation in force: what is left. kNotGiven where nobody
 /// has measured it.

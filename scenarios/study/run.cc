@@ -5,8 +5,13 @@
 #include <condition_variable>
 #include <exception>
 #include <mutex>
+#include <optional>
+#include <set>
 #include <thread>
+#include <utility>
 #include <vector>
+
+#include <malloc.h>
 
 #include "scenarios/interrupt.h"
 
@@ -16,29 +21,37 @@ namespace {
 // Work is handed out in the order of trials, a trial's cases one after the other.
 class Todo {
  public:
-  Todo(const Study& study, const StudyStore& store)
+  Todo(const Study& study,
+       const Shard& shard,
+       std::set<std::pair<std::int64_t, std::size_t>> done)
       : num_cases_(study.cases.size()),
-        all_(study.trials * static_cast<std::int64_t>(study.cases.size())),
-        done_(store.Done()) {}
+        end_(study.trials * static_cast<std::int64_t>(study.cases.size())),
+        shard_(shard),
+        done_(std::move(done)) {}
 
   std::optional<std::pair<std::int64_t, std::size_t>> Next() {
     const std::scoped_lock lock(mutex_);
-    while (next_ < all_) {
+    while (next_ < end_) {
       const auto cases = static_cast<std::int64_t>(num_cases_);
       const std::pair<std::int64_t, std::size_t> task{
           next_ / cases, static_cast<std::size_t>(next_ % cases)};
       ++next_;
-      if (!done_.contains(task)) return task;
+      if (shard_.Has(task.first) && !done_.contains(task)) return task;
     }
     return std::nullopt;
   }
 
-  std::int64_t all() const { return all_; }
+  std::int64_t all() const {
+    const std::int64_t trials = end_ / static_cast<std::int64_t>(num_cases_);
+    const std::int64_t own = (trials - shard_.index + shard_.count - 1) / shard_.count;
+    return own * static_cast<std::int64_t>(num_cases_);
+  }
   std::int64_t done_before() const { return static_cast<std::int64_t>(done_.size()); }
 
  private:
   std::size_t num_cases_;
-  std::int64_t all_;
+  std::int64_t end_;
+  Shard shard_;
   std::set<std::pair<std::int64_t, std::size_t>> done_;
   std::int64_t next_ = 0;
   std::mutex mutex_{};
@@ -50,15 +63,28 @@ TrialResult Perform(const Study& study, std::int64_t trial, std::size_t of_case)
   } catch (const std::exception& error) {
     return {.trial = trial,
             .of_case = of_case,
-            .status = "failed",
+            .status = TrialResult::kFailed,
             .message = error.what()};
   }
 }
 
+// What one trial frees the next one needs: handing it back to the system in between
+// and asking for it again is an eighth of the time.
+void KeepFreedMemory() {
+#ifdef __GLIBC__
+  constexpr int kMost_bytes = 64 << 20;
+  mallopt(M_TRIM_THRESHOLD, kMost_bytes);
+  mallopt(M_MMAP_THRESHOLD, kMost_bytes);
+#endif
+}
+
 class Pool {
  public:
-  Pool(const Study& study, StudyStore* store)
-      : study_(study), store_(store), todo_(study, *store) {}
+  Pool(const Study& study,
+       const Shard& shard,
+       const std::set<std::pair<std::int64_t, std::size_t>>& done,
+       const std::function<void(const TrialResult&)>& keep)
+      : study_(study), keep_(keep), todo_(study, shard, done) {}
 
   StudyProgress Run(const StudyOptions& options) {
     using Clock = std::chrono::steady_clock;
@@ -105,10 +131,10 @@ class Pool {
   }
 
   void Keep(const TrialResult& result) {
-    const std::scoped_lock lock(store_mutex_);
+    const std::scoped_lock lock(keep_mutex_);
     if (is_stopped_) return;
     try {
-      store_->Add(result);
+      keep_(result);
       ++performed_;
     } catch (const std::exception&) {
       fault_ = std::current_exception();
@@ -117,9 +143,9 @@ class Pool {
   }
 
   const Study& study_;
-  StudyStore* store_;
+  const std::function<void(const TrialResult&)>& keep_;
   Todo todo_;
-  std::mutex mutex_{}, store_mutex_{};
+  std::mutex mutex_{}, keep_mutex_{};
   std::condition_variable ended_{};
   int working_ = 0;
   std::atomic<std::int64_t> performed_ = 0;
@@ -129,10 +155,20 @@ class Pool {
 
 }  // namespace
 
+StudyProgress RunTrials(const Study& study,
+                        const StudyOptions& options,
+                        const std::set<std::pair<std::int64_t, std::size_t>>& done,
+                        const std::function<void(const TrialResult&)>& keep) {
+  KeepFreedMemory();
+  return Pool(study, options.shard, done, keep).Run(options);
+}
+
 StudyProgress RunStudy(const Study& study,
                        const StudyOptions& options,
                        StudyStore* store) {
-  return Pool(study, store).Run(options);
+  return RunTrials(study, options, store->Done(), [store](const TrialResult& result) {
+    store->Add(result);
+  });
 }
 
 }  // namespace caltwin

@@ -2,6 +2,8 @@
 
 #include <cstdint>
 #include <functional>
+#include <set>
+#include <utility>
 
 #include "scenarios/study/store.h"
 
@@ -15,10 +17,18 @@ struct StudyProgress {
 
 struct StudyOptions {
   int workers = 1;
+  Shard shard{};  ///< The trials to run.
   /// Called a few times a second, from the thread that called RunStudy.
   std::function<void(const StudyProgress&)> progress = [](const StudyProgress&) {
   };
 };
+
+/// Runs every trial that is not in `done`, calling `keep` with each, one at a time, in
+/// whatever order they end. What `keep` throws ends it.
+StudyProgress RunTrials(const Study& study,
+                        const StudyOptions& options,
+                        const std::set<std::pair<std::int64_t, std::size_t>>& done,
+                        const std::function<void(const TrialResult&)>& keep);
 
 /// Runs every trial that `store` does not hold yet, each worker one at a time, each
 /// with a machine of its own: results depend on the trial's number alone. A trial that

@@ -7,6 +7,7 @@
 #include <SQLiteCpp/SQLiteCpp.h>
 #include <fmt/format.h>
 #include <sqlite3.h>
+#include <unistd.h>
 
 #include "sim/base/input_error.h"
 
@@ -17,6 +18,9 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kFormat = "1";
+
+// Of `study.sqlite` and its log and of `trials.csv`, a run with a dozen parameters.
+constexpr double kFixed_bytes = 1e6, kBytesPerRun = 2000;
 
 // `results` has a row only for what a run reported; NULL is "not told".
 constexpr const char* kSchema = R"(
@@ -51,7 +55,19 @@ std::optional<double> OptionalOf(const SQLite::Column& column) {
   return column.getDouble();
 }
 
-// Text of a file that somebody else may open: one message, whatever SQLite says.
+ParameterResult ParameterAt(SQLite::Statement& results) {
+  ParameterResult parameter{.name = results.getColumn(0).getString(),
+                            .unit = results.getColumn(1).getString(),
+                            .injected = results.getColumn(2).getDouble(),
+                            .recovered = OptionalOf(results.getColumn(3)),
+                            .sd = OptionalOf(results.getColumn(4)),
+                            .is_setting = results.getColumn(5).getInt() != 0};
+  parameter.identifiable = parameter.recovered.has_value();
+  if (parameter.recovered) parameter.error = *parameter.recovered - parameter.injected;
+  return parameter;
+}
+
+// One message, whatever SQLite says.
 [[noreturn]] void Fail(const fs::path& file, const SQLite::Exception& error) {
   const bool is_full = error.getErrorCode() == SQLITE_FULL;
   throw InputError(
@@ -61,11 +77,59 @@ std::optional<double> OptionalOf(const SQLite::Column& column) {
       is_full ? "make room, then `--resume`" : "choose another folder with --out");
 }
 
+// Does it; what SQLite throws becomes the person's message.
+template <typename Act>
+auto OrFail(const fs::path& file, const Act& act) {
+  try {
+    return act();
+  } catch (const SQLite::Exception& failed) {
+    Fail(file, failed);
+  }
+}
+
+// Before hours of work end at a full disk.
+void RequireRoom(const fs::path& folder, const Study& study, const Shard& shard) {
+  std::error_code error;
+  const fs::space_info room = fs::space(folder, error);
+  if (error) return;  // Nobody knows: then the disk itself will tell.
+  const double runs = static_cast<double>(study.most_trials) *
+                      static_cast<double>(study.cases.size()) /
+                      static_cast<double>(shard.count);
+  const double needed_bytes = kFixed_bytes + kBytesPerRun * runs;
+  if (needed_bytes <= static_cast<double>(room.available)) return;
+  constexpr double kMega = 1e6;
+  throw InputError(
+      {.file = folder.string()},
+      fmt::format("has {:.1f} MB of room, {:.0f} runs need about {:.1f} MB",
+                  static_cast<double>(room.available) / kMega,
+                  runs,
+                  needed_bytes / kMega),
+      "make room, choose another folder with --out, or fewer trials");
+}
+
+// There, in a folder where nothing can be written: SQLite's log neither.
+bool IsFixed(const fs::path& file) {
+  std::error_code error;
+  return fs::exists(file, error) && access(file.parent_path().c_str(), W_OK) != 0;
+}
+
+std::string FixedUri(const fs::path& file) {
+  std::string uri = "file:";
+  for (const char c : fs::absolute(file).string()) {
+    const bool is_special = c == '%' || c == '?' || c == '#';
+    uri += is_special ? fmt::format("%{:02X}", c) : std::string(1, c);
+  }
+  return uri + "?immutable=1";
+}
+
 }  // namespace
 
 struct StudyStore::Parts {
   explicit Parts(const fs::path& file)
-      : db(file.string(), SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE) {
+      : db(IsFixed(file) ? FixedUri(file) : file.string(),
+           IsFixed(file) ? SQLite::OPEN_READONLY | SQLite::OPEN_URI
+                         : SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE) {
+    if (IsFixed(file)) return;
     db.setBusyTimeout(10'000);
     // A commit is a write to the log: a killed process loses none of them.
     db.exec("PRAGMA journal_mode = WAL");
@@ -80,7 +144,7 @@ struct StudyStore::Parts {
     return query.getColumn(0).getString();
   }
 
-  void Begin(const Study& study) {
+  void Begin(const Study& study, const Shard& shard) {
     SQLite::Transaction transaction(db);
     SQLite::Statement keep(db, "INSERT INTO study VALUES(?, ?)");
     for (const auto& [key, value] :
@@ -89,9 +153,10 @@ struct StudyStore::Parts {
           {"version", CALTWIN_VERSION},
           {"file", study.file.string()},
           {"text", study.verbatim},
-          {"fidelity", ToString(study.fidelity)},
+          {"fidelity", study.FidelityWord()},
           {"seed", std::to_string(study.seed)},
-          {"trials", std::to_string(study.trials)}}) {
+          {"trials", std::to_string(study.trials)},
+          {"shard", shard.Text()}}) {
       keep.bind(1, key);
       keep.bind(2, value);
       keep.exec();
@@ -153,29 +218,67 @@ struct StudyStore::Parts {
     transaction.commit();
   }
 
+  void ForEach(const std::function<void(const TrialResult&)>& look,
+               std::int64_t first,
+               std::int64_t last) {
+    SQLite::Statement trials(db,
+                             "SELECT * FROM trials WHERE trial >= ? AND trial < ? "
+                             "ORDER BY trial, case_id");
+    trials.bind(1, first);
+    trials.bind(2, last);
+    SQLite::Statement results(
+        db,
+        "SELECT name, unit, injected, recovered, sd, is_setting FROM results "
+        "JOIN parameters USING(parameter_id) WHERE trial = ? AND case_id = ? "
+        "ORDER BY position");
+    while (trials.executeStep()) {
+      TrialResult result{
+          .trial = trials.getColumn(0).getInt64(),
+          .of_case = static_cast<std::size_t>(trials.getColumn(1).getInt64()),
+          .status = trials.getColumn(2).getString(),
+          .machine_time_s = trials.getColumn(3).getDouble(),
+          .touches = trials.getColumn(4).getInt(),
+          .position_error_before_mm = trials.getColumn(5).getDouble(),
+          .position_error_after_mm = trials.getColumn(6).getDouble(),
+          .message = trials.getColumn(7).getString()};
+      results.bind(1, result.trial);
+      results.bind(2, static_cast<std::int64_t>(result.of_case));
+      while (results.executeStep()) result.parameters.push_back(ParameterAt(results));
+      results.reset();
+      look(result);
+    }
+  }
+
   SQLite::Database db;
   std::map<std::string, std::int64_t> parameter_ids{};
   std::optional<SQLite::Statement> add_trial{}, add_result{};
 };
 
-StudyStore::StudyStore(const fs::path& folder, const Study& study, bool may_resume)
+StudyStore::StudyStore(const fs::path& folder,
+                       const Study& study,
+                       bool may_resume,
+                       const Shard& shard)
     : file_(folder / "study.sqlite") {
   std::error_code error;
-  fs::create_directories(folder, error);
+  has_made_folder_ = fs::create_directories(folder, error);
   if (error) {
     throw InputError({.file = folder.string()},
                      "cannot be made: " + error.message(),
                      "choose another folder with --out");
   }
-  try {
+  lock_ = FolderLock(folder);
+  is_new_ = !fs::exists(file_, error);
+  if (is_new_) RequireRoom(folder, study, shard);
+  OrFail(file_, [&] {
     parts_ = std::make_unique<Parts>(file_);
-    const auto fingerprint = parts_->Kept("fingerprint");
-    if (!fingerprint) parts_->Begin(study);
-    if (fingerprint && *fingerprint != study.Fingerprint()) {
-      throw InputError({.file = file_.string()},
-                       "holds another study, or this one before its files or the "
-                       "program changed",
-                       "choose another folder with --out");
+    const bool is_new = !parts_->Kept("fingerprint");
+    if (!is_new) RequireSameStudy(study);
+    const std::string part = parts_->Kept("shard").value_or(shard.Text());
+    if (part != shard.Text()) {
+      throw InputError(
+          {.file = file_.string()},
+          fmt::format("holds part {} of the study, not {}", part, shard.Text()),
+          "choose another folder with --out");
     }
     const bool holds_trials =
         parts_->db.execAndGet("SELECT EXISTS(SELECT 1 FROM trials)").getInt() != 0;
@@ -184,70 +287,71 @@ StudyStore::StudyStore(const fs::path& folder, const Study& study, bool may_resu
                        "holds trials of this study already",
                        "`--resume` goes on with them; --out begins elsewhere");
     }
+    if (is_new) parts_->Begin(study, shard);
     parts_->add_trial.emplace(parts_->db,
                               "INSERT INTO trials VALUES(?, ?, ?, ?, ?, ?, ?, ?)");
     parts_->add_result.emplace(parts_->db,
                                "INSERT INTO results VALUES(?, ?, ?, ?, ?, ?, ?, ?)");
-  } catch (const SQLite::Exception& failed) {
-    Fail(file_, failed);
-  }
+  });
 }
 
+StudyStore::StudyStore(fs::path file) : file_(std::move(file)) {}
 StudyStore::~StudyStore() = default;
 
-void StudyStore::Add(const TrialResult& result) {
-  try {
-    parts_->Add(result);
-  } catch (const SQLite::Exception& failed) {
-    Fail(file_, failed);
+void StudyStore::DiscardIfEmpty() {
+  if (!is_new_ || !Done().empty()) return;
+  parts_.reset();
+  std::error_code error;
+  for (const char* ending : {"", "-wal", "-shm"}) {
+    fs::remove(file_.string() + ending, error);
   }
+  if (has_made_folder_) fs::remove(file_.parent_path(), error);
+}
+
+std::unique_ptr<StudyStore> StudyStore::OpenPart(const fs::path& folder,
+                                                 const Study& study) {
+  std::unique_ptr<StudyStore> part(new StudyStore(folder / "study.sqlite"));
+  std::error_code error;
+  if (!fs::is_regular_file(part->file_, error)) {
+    throw InputError({.file = part->file_.string()},
+                     "is not there",
+                     "name the --out folders of the study's parts");
+  }
+  OrFail(part->file_, [&] {
+    part->parts_ = std::make_unique<Parts>(part->file_);
+    part->RequireSameStudy(study);
+  });
+  return part;
+}
+
+void StudyStore::RequireSameStudy(const Study& study) const {
+  if (parts_->Kept("fingerprint") == study.Fingerprint()) return;
+  throw InputError({.file = file_.string()},
+                   "holds another study, or this one before its files or the program "
+                   "changed",
+                   "choose another folder with --out");
+}
+
+void StudyStore::Add(const TrialResult& result) {
+  OrFail(file_, [&] { parts_->Add(result); });
 }
 
 std::set<std::pair<std::int64_t, std::size_t>> StudyStore::Done() const {
-  std::set<std::pair<std::int64_t, std::size_t>> done;
-  SQLite::Statement query(parts_->db, "SELECT trial, case_id FROM trials");
-  while (query.executeStep()) {
-    done.emplace(query.getColumn(0).getInt64(),
-                 static_cast<std::size_t>(query.getColumn(1).getInt64()));
-  }
-  return done;
+  return OrFail(file_, [&] {
+    std::set<std::pair<std::int64_t, std::size_t>> done;
+    SQLite::Statement query(parts_->db, "SELECT trial, case_id FROM trials");
+    while (query.executeStep()) {
+      done.emplace(query.getColumn(0).getInt64(),
+                   static_cast<std::size_t>(query.getColumn(1).getInt64()));
+    }
+    return done;
+  });
 }
 
-void StudyStore::ForEach(const std::function<void(const TrialResult&)>& look) const {
-  SQLite::Statement trials(parts_->db, "SELECT * FROM trials ORDER BY trial, case_id");
-  SQLite::Statement results(
-      parts_->db,
-      "SELECT name, unit, injected, recovered, sd, is_setting FROM results "
-      "JOIN parameters USING(parameter_id) WHERE trial = ? AND case_id = ? "
-      "ORDER BY position");
-  while (trials.executeStep()) {
-    TrialResult result{
-        .trial = trials.getColumn(0).getInt64(),
-        .of_case = static_cast<std::size_t>(trials.getColumn(1).getInt64()),
-        .status = trials.getColumn(2).getString(),
-        .machine_time_s = trials.getColumn(3).getDouble(),
-        .touches = trials.getColumn(4).getInt(),
-        .position_error_before_mm = trials.getColumn(5).getDouble(),
-        .position_error_after_mm = trials.getColumn(6).getDouble(),
-        .message = trials.getColumn(7).getString()};
-    results.bind(1, result.trial);
-    results.bind(2, static_cast<std::int64_t>(result.of_case));
-    while (results.executeStep()) {
-      ParameterResult parameter{.name = results.getColumn(0).getString(),
-                                .unit = results.getColumn(1).getString(),
-                                .injected = results.getColumn(2).getDouble(),
-                                .recovered = OptionalOf(results.getColumn(3)),
-                                .sd = OptionalOf(results.getColumn(4)),
-                                .is_setting = results.getColumn(5).getInt() != 0};
-      parameter.identifiable = parameter.recovered.has_value();
-      if (parameter.recovered) {
-        parameter.error = *parameter.recovered - parameter.injected;
-      }
-      result.parameters.push_back(std::move(parameter));
-    }
-    results.reset();
-    look(result);
-  }
+void StudyStore::ForEach(const std::function<void(const TrialResult&)>& look,
+                         std::int64_t first,
+                         std::int64_t last) const {
+  OrFail(file_, [&] { parts_->ForEach(look, first, last); });
 }
 
 }  // namespace caltwin

@@ -3,12 +3,14 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <set>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "scenarios/study/folder_lock.h"
 #include "scenarios/study/study.h"
 
 namespace caltwin {
@@ -18,25 +20,44 @@ namespace caltwin {
 /// (docs/studies.md): study, cases, parameters, trials, results.
 class StudyStore {
  public:
-  /// Opens or begins it in `folder`, which is made. Throws InputError where the folder
-  /// cannot be written, its disk is full, the file is no study, it is another one than
-  /// `study`, or it holds trials and `may_resume` is false.
-  StudyStore(const std::filesystem::path& folder, const Study& study, bool may_resume);
+  /// Opens or begins it in `folder`, which is made; nobody else may meanwhile. Where
+  /// the folder is read-only what is there can be read. Throws InputError where the
+  /// folder cannot be written, its disk has no room for all trials, the file is no
+  /// study, it is another one than `study` or another part of it, or it holds trials
+  /// and `may_resume` is false.
+  StudyStore(const std::filesystem::path& folder,
+             const Study& study,
+             bool may_resume,
+             const Shard& shard = {});
   ~StudyStore();
+  /// Takes away what the constructor made, where no trial was kept since.
+  void DiscardIfEmpty();
+  /// What is there, whichever part of `study` it is; throws InputError where it is
+  /// none.
+  static std::unique_ptr<StudyStore> OpenPart(const std::filesystem::path& folder,
+                                              const Study& study);
   StudyStore(const StudyStore&) = delete;
   StudyStore& operator=(const StudyStore&) = delete;
 
   /// Throws InputError where the disk is full: what was done stays.
   void Add(const TrialResult& result);
 
+  /// @name Throw InputError where the file cannot be read
   /// (trial, case) of all that it holds.
   std::set<std::pair<std::int64_t, std::size_t>> Done() const;
-  /// Every result by trial, then by case.
-  void ForEach(const std::function<void(const TrialResult&)>& look) const;
+  /// Every result by trial, then by case; of the trials from `first` to before `last`.
+  void ForEach(const std::function<void(const TrialResult&)>& look,
+               std::int64_t first = 0,
+               std::int64_t last = std::numeric_limits<std::int64_t>::max()) const;
 
  private:
   struct Parts;
+  explicit StudyStore(std::filesystem::path file);
+  void RequireSameStudy(const Study& study) const;
+
   std::filesystem::path file_;
+  bool is_new_ = false, has_made_folder_ = false;
+  FolderLock lock_{};
   std::unique_ptr<Parts> parts_;
 };
 

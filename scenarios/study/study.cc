@@ -1,10 +1,12 @@
 #include "scenarios/study/study.h"
 
 #include <algorithm>
+#include <charconv>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "scenarios/study/adaptive.h"
 #include "scenarios/study/vary.h"
 #include "sim/base/sha256.h"
 #include "sim/base/text_file.h"
@@ -16,8 +18,10 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::int64_t kMostTrials = 1'000'000'000;
+constexpr std::int64_t kMostUnkeptTrials = 1'000'000'000'000;
 constexpr std::int64_t kLargestSeed = 1'000'000'000'000;
 constexpr std::size_t kMostScenarios = 1000;
+constexpr std::int64_t kMostShards = 1'000'000;
 constexpr std::size_t kLargestFile_bytes = 1'000'000;
 
 // Every scenario named; their faults among the study's.
@@ -37,8 +41,36 @@ std::vector<Scenario> ReadScenarios(const YamlValue& list, const fs::path& folde
   return scenarios;
 }
 
+// The axis in a dotted name, "x" of "backlash.x.gap_mm"; else empty.
+std::string AxisIn(const std::string& name) {
+  for (const char* axis : {"x", "y", "z"}) {
+    if (("." + name + ".").find(fmt::format(".{}.", axis)) != std::string::npos) {
+      return axis;
+    }
+  }
+  return "";
+}
+
+// Of procedures that are named alone: the first axis that the scenario's own steps
+// name, or else what is varied.
+std::string UsualAxis(const Scenario& scenario, const std::optional<YamlValue>& vary) {
+  const YAML::Node root = YAML::Load(scenario.verbatim);
+  for (const YAML::Node& step : root["calibrate"]) {
+    if (!step.IsMap() || !step.begin()->second.IsMap()) continue;
+    const YAML::Node axis = step.begin()->second["axis"];
+    if (axis && axis.IsScalar() && !AxisIn(axis.Scalar()).empty()) return axis.Scalar();
+  }
+  if (!vary || !vary->is_map()) return "x";
+  for (const auto& [name, value] : vary->Map().Entries()) {
+    const std::string axis = AxisIn(name);
+    if (!axis.empty()) return axis;
+  }
+  return "x";
+}
+
 // Each scenario as it is, or with each of the procedures.
 std::vector<StudyCase> CasesOf(const std::vector<Scenario>& scenarios,
+                               const std::optional<YamlValue>& vary,
                                const std::optional<YamlValue>& compare) {
   std::vector<StudyCase> cases;
   for (const Scenario& scenario : scenarios) {
@@ -46,17 +78,89 @@ std::vector<StudyCase> CasesOf(const std::vector<Scenario>& scenarios,
       cases.push_back({.scenario = scenario});
       continue;
     }
-    if (scenario.delta) {
-      compare->Fail("is not known of a delta",
+    if (scenario.delta || scenario.triple_z) {
+      compare->Fail("is not known of a printer",
                     "name two scenarios, each with its own `calibrate:`");
       continue;
     }
-    for (const CalibrationStep& step : ReadCalibrationSteps(*compare)) {
+    const std::string axis = UsualAxis(scenario, vary);
+    for (const CalibrationStep& step : ReadCalibrationSteps(*compare, axis)) {
       cases.push_back({.scenario = scenario, .procedure = step.name});
       cases.back().scenario.calibrate = {step};
     }
   }
   return cases;
+}
+
+// The plan's machine with what is varied of it, and the design of its rows.
+void ReadPlanStudy(const YamlValue& plan,
+                   const std::optional<YamlValue>& vary,
+                   Study* study) {
+  const fs::path file = study->file.parent_path() / plan.Text();
+  try {
+    const Plan read = ReadPlan(file);
+    Scenario varied;
+    varied.file = file;
+    varied.verbatim = ReadTextFile(file, kLargestFile_bytes);
+    varied.machine = ReadAnyMachineFile(
+        FindMachine(read.machine, file.parent_path(), {.file = file.string()}));
+    varied.effects = varied.machine.effects;
+    if (vary) Vary(vary->Map(), &varied);
+    if (!varied.settings.empty() || !varied.varied.empty()) {
+      vary->Fail("names more than effects",
+                 "of a plan, effects are varied; its instruments are the plan's");
+    }
+    if (!plan.faults()->empty()) return;
+    study->cases = {{.scenario = varied}};
+    study->plan = std::make_shared<PlanStudy>(file, std::move(varied), study->seed);
+  } catch (const InputError& error) {
+    plan.faults()->Add(error);
+  }
+}
+
+// JCGM 101 7.9: as many trials as it takes.
+void ReadAdaptive(const YamlValue& adaptive, bool has_trials, Study* study) {
+  constexpr std::int64_t kUsualMost = 1'000'000;
+  YamlMap map = adaptive.Map();
+  study->adaptive_digits = static_cast<int>(map.IntegerOr("digits", 2, 1, 4));
+  study->most_trials = map.IntegerOr("most_trials", kUsualMost, 20'000, kMostTrials);
+  map.NoMoreKeys();
+  if (study->most_trials % kAdaptiveBatch != 0) {
+    adaptive.Fail(fmt::format("has most_trials {}, which is no whole number of batches",
+                              study->most_trials),
+                  fmt::format("a batch is {} trials", kAdaptiveBatch));
+  }
+  if (has_trials) {
+    adaptive.Fail("stands beside `trials`", "one of the two says how many");
+  } else if (!study->keeps_trials) {
+    adaptive.Fail("needs the trials kept", "write `keep: all`");
+  }
+}
+
+// How many trials, how, and what is kept of them.
+void ReadHow(YamlMap* map, Study* study) {
+  const std::string fidelity =
+      map->WordOr("fidelity", "fast", {"physics", "fast", "linear"});
+  study->is_linear = fidelity == "linear";
+  study->fidelity = fidelity == "physics" ? Fidelity::kPhysics : Fidelity::kFast;
+  const bool fits = study->plan ? fidelity != "physics" : fidelity != "linear";
+  if (!fits && map->faults()->empty()) {
+    map->Optional("fidelity")
+        ->Fail(study->plan ? "is not known of a plan" : "is for plans alone",
+               study->plan ? "write `fast` or `linear`"
+                           : "write `fast`, or `plan: FILE` in place of `scenarios`");
+  }
+  const std::string keep =
+      map->WordOr("keep", study->is_linear ? "none" : "all", {"all", "none"});
+  study->keeps_trials = keep == "all";
+  if (const auto adaptive = map->Optional("adaptive")) {
+    ReadAdaptive(*adaptive, map->Has("trials"), study);
+    map->Optional("trials");
+  } else if (const auto trials = map->Required("trials")) {
+    study->trials =
+        trials->Integer(1, study->keeps_trials ? kMostTrials : kMostUnkeptTrials);
+    study->most_trials = study->trials;
+  }
 }
 
 }  // namespace
@@ -68,8 +172,14 @@ std::string StudyCase::Name() const {
 
 std::string Study::Fingerprint() const {
   std::string all = verbatim;
-  for (const StudyCase& one : cases) all += one.scenario.verbatim;
+  for (const StudyCase& one : cases) {
+    all += one.scenario.verbatim + one.scenario.machine.verbatim;
+  }
   return Sha256(all + CALTWIN_VERSION);
+}
+
+std::string Study::FidelityWord() const {
+  return is_linear ? "linear" : ToString(fidelity);
 }
 
 Study ReadStudy(const fs::path& file) {
@@ -81,32 +191,76 @@ Study ReadStudy(const fs::path& file) {
   faults.ThrowIfAny();
   YamlMap map = body->Map();
   study.about = map.TextOr("about", "");
-  std::vector<Scenario> scenarios;
-  if (const auto names = map.Required("scenarios")) {
-    scenarios = ReadScenarios(*names, file.parent_path());
-  }
-  const auto vary = map.Optional("vary");
-  if (vary) {
-    for (Scenario& scenario : scenarios) Vary(vary->Map(), &scenario);
-  }
-  study.cases = CasesOf(scenarios, map.Optional("compare"));
-  study.fidelity = map.WordOr("fidelity", "fast", {"physics", "fast"}) == "fast"
-                       ? Fidelity::kFast
-                       : Fidelity::kPhysics;
-  if (const auto trials = map.Required("trials")) {
-    study.trials = trials->Integer(1, kMostTrials);
-  }
   study.seed = static_cast<std::uint64_t>(map.IntegerOr("seed", 1, 0, kLargestSeed));
+  const auto vary = map.Optional("vary");
+  const auto plan = map.Optional("plan");
+  if (plan) {
+    ReadPlanStudy(*plan, vary, &study);
+  } else if (const auto names = map.Required("scenarios")) {
+    std::vector<Scenario> scenarios = ReadScenarios(*names, file.parent_path());
+    if (vary) {
+      for (Scenario& scenario : scenarios) Vary(vary->Map(), &scenario);
+    }
+    study.cases = CasesOf(scenarios, vary, map.Optional("compare"));
+  }
+  ReadHow(&map, &study);
   map.NoMoreKeys();
   faults.ThrowIfAny();
   return study;
 }
 
+std::string Shard::Text() const {
+  return fmt::format("{}/{}", index + 1, count);
+}
+
+Shard ReadShard(const std::string& text) {
+  const std::size_t slash = text.find('/');
+  const auto number = [&](std::size_t from, std::size_t to) {
+    std::int64_t value = 0;
+    const char* const end = text.data() + to;
+    const auto read = std::from_chars(text.data() + from, end, value);
+    return read.ec == std::errc() && read.ptr == end ? value : -1;
+  };
+  if (slash != std::string::npos) {
+    const std::int64_t part = number(0, slash);
+    const std::int64_t count = number(slash + 1, text.size());
+    if (part >= 1 && part <= count && count <= kMostShards) {
+      return {.index = part - 1, .count = count};
+    }
+  }
+  throw InputError(
+      {},
+      fmt::format("--shard '{}' is not I/N with I from 1 to N, N at most {}",
+                  text,
+                  kMostShards),
+      "`--shard 2/5` is the second of five");
+}
+
 RunResult RunTrial(const Study& study, std::size_t of_case, std::int64_t trial) {
-  return RunScenario(study.cases.at(of_case).scenario,
-                     {.fidelity = study.fidelity,
-                      .seed = study.seed,
-                      .sample = static_cast<std::uint64_t>(trial)});
+  if (study.plan) {
+    return study.is_linear ? study.plan->Linear(trial) : study.plan->Fast(trial);
+  }
+  const Scenario& scenario = study.cases.at(of_case).scenario;
+  const auto sample = static_cast<std::uint64_t>(trial);
+  RunResult result = RunScenario(
+      scenario, {.fidelity = study.fidelity, .seed = study.seed, .sample = sample});
+  for (const auto& [name, value] :
+       DrawnNumbers(scenario.machine.machine, scenario.varied, study.seed, sample)) {
+    result.parameters.push_back(
+        {.name = name, .unit = name.ends_with("_mm") ? "mm" : "um", .injected = value});
+  }
+  return result;
+}
+
+std::string CauseOf(const RunResult& run) {
+  if (run.outcome == "recovers" || run.outcome == "fitted") return "";
+  std::string missed;
+  for (const ParameterResult& parameter : run.parameters) {
+    if (parameter.passed.value_or(true)) continue;
+    missed += (missed.empty() ? "missed " : ", ") + parameter.name;
+  }
+  if (run.outcome == "misses" && !missed.empty()) return missed;
+  return run.messages.empty() ? "" : run.messages.back();
 }
 
 TrialResult KeptOf(const RunResult& run, std::size_t of_case, std::int64_t trial) {
@@ -117,7 +271,8 @@ TrialResult KeptOf(const RunResult& run, std::size_t of_case, std::int64_t trial
           .touches = run.touches,
           .position_error_before_mm = run.position_error_before_p95_mm,
           .position_error_after_mm = run.position_error_after_p95_mm,
-          .parameters = run.parameters};
+          .parameters = run.parameters,
+          .message = CauseOf(run)};
 }
 
 }  // namespace caltwin

@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <optional>
-#include <set>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "scenarios/result_text.h"
+#include "scenarios/study/adaptive.h"
+#include "scenarios/study/aggregate.h"
 
 namespace caltwin {
 namespace {
@@ -52,27 +52,30 @@ struct Collected {
         .error = QuantilesOf(errors),
         .identified = RateOf(static_cast<std::int64_t>(errors.size()), trials),
         .coverage95 = RateOf(held, with_sd)};
+    summary.histogram = EmptyHistogram(summary.error);
+    for (const double error : errors) CountIn(error, 1, &summary.histogram);
     if (with_sd > 0) {
       const auto count = static_cast<double>(with_sd);
       summary.mean_sd = std::sqrt(variance_sum / count);
       summary.rms_over_sd = std::sqrt(square_sum / variance_sum);
+      summary.gum = ValidationOf(summary.error, summary.mean_sd, /*digits=*/1);
     }
     return summary;
   }
 };
 
 struct CollectedCase {
-  std::map<std::string, std::int64_t> status{};
+  bool is_of_plan = false;
+  std::map<std::string, std::int64_t> status{}, causes{};
   std::vector<double> machine_time_s{}, touches{}, before_mm{}, after_mm{};
-  std::vector<std::pair<double, std::int64_t>> by_error{};  ///< Failed: infinite.
+  std::vector<std::pair<double, std::int64_t>> by_error{};  ///< By Badness.
   std::map<std::string, Collected> parameters{};
 
   void Add(const TrialResult& result) {
     ++status[result.status];
-    const bool has_failed = !result.message.empty();
-    by_error.emplace_back(has_failed ? -1 : result.position_error_after_mm,
-                          result.trial);
-    if (has_failed) return;
+    if (const std::string cause = CauseKey(result); !cause.empty()) ++causes[cause];
+    by_error.emplace_back(Badness(result, is_of_plan), result.trial);
+    if (result.HasFailed()) return;
     machine_time_s.push_back(result.machine_time_s);
     touches.push_back(result.touches);
     before_mm.push_back(result.position_error_before_mm);
@@ -93,6 +96,7 @@ struct CollectedCase {
                         .scenario = of.scenario.file.string(),
                         .procedure = of.procedure,
                         .status = status,
+                        .causes = causes,
                         .machine_time_s = QuantilesOf(machine_time_s),
                         .touches = QuantilesOf(touches),
                         .position_error_before_mm = QuantilesOf(before_mm),
@@ -136,10 +140,24 @@ nlohmann::ordered_json JsonOf(const ParameterSummary& parameter) {
                               {"is_setting", parameter.is_setting},
                               {"identified", JsonOf(parameter.identified)},
                               {"error", JsonOf(parameter.error)}};
+  if (!parameter.histogram.counts.empty()) {
+    json["histogram"] = {{"low", parameter.histogram.low},
+                         {"high", parameter.histogram.high},
+                         {"counts", parameter.histogram.counts}};
+  }
   if (parameter.coverage95.cases > 0) {
     json["coverage95"] = JsonOf(parameter.coverage95);
     json["mean_sd"] = parameter.mean_sd;
     json["rms_over_sd"] = parameter.rms_over_sd;
+    json["gum_validation"] = {{"digits", parameter.gum.digits},
+                              {"delta", parameter.gum.delta},
+                              {"d_low", parameter.gum.d_low},
+                              {"d_high", parameter.gum.d_high},
+                              {"settled", parameter.gum.is_settled},
+                              {"holds", nullptr}};
+    if (parameter.gum.is_settled) {
+      json["gum_validation"]["holds"] = parameter.gum.holds();
+    }
   }
   return json;
 }
@@ -159,15 +177,23 @@ std::string CaseText(const CaseSummary& summary, const Study& study) {
   for (const auto& [status, count] : summary.status) {
     text += fmt::format(" {} {}", status, count);
   }
-  text += fmt::format(
-      "; {:.0f} touches, {:.0f} s on the machine (medians)\n  position error p95: "
-      "median "
-      "{:.4f} mm before, {:.4f} after (97.5 %: {:.4f})\n",
-      summary.touches.median,
-      summary.machine_time_s.median,
-      summary.position_error_before_mm.median,
-      summary.position_error_after_mm.median,
-      summary.position_error_after_mm.q975);
+  const auto& causes = summary.causes;
+  const auto most =
+      std::ranges::max_element(causes, {}, [](const auto& one) { return one.second; });
+  text += fmt::format("; {:.0f} touches, {:.0f} s on the machine (medians)\n",
+                      summary.touches.median,
+                      summary.machine_time_s.median);
+  if (most != causes.end()) {
+    text += fmt::format("  most often ({}): {}\n", most->second, most->first);
+  }
+  if (!study.plan) {  // A plan sets nothing right.
+    text += fmt::format(
+        "  position error p95: median {:.4f} mm before, {:.4f} after (97.5 %: "
+        "{:.4f})\n",
+        summary.position_error_before_mm.median,
+        summary.position_error_after_mm.median,
+        summary.position_error_after_mm.q975);
+  }
   text += fmt::format("  {:<28} {:<6} {:>9} {:>11} {:>11} {:>8} {:>19}\n",
                       "quantity",
                       "unit",
@@ -178,14 +204,16 @@ std::string CaseText(const CaseSummary& summary, const Study& study) {
                       "coverage95 %");
   for (const ParameterSummary& parameter : summary.parameters) {
     const bool has_sd = parameter.coverage95.cases > 0;
-    text += fmt::format("  {:<28} {:<6} {:>9} {:>11} {:>11} {:>8} {:>19}\n",
-                        parameter.name,
-                        parameter.unit,
-                        parameter.identified.hits,
-                        Sensible(parameter.error.mean, parameter.error.sd),
-                        Sensible(parameter.error.sd, parameter.error.sd),
-                        has_sd ? fmt::format("{:.3f}", parameter.rms_over_sd) : "-",
-                        CoverageText(parameter));
+    const bool is_told = parameter.error.count > 0;
+    text +=
+        fmt::format("  {:<28} {:<6} {:>9} {:>11} {:>11} {:>8} {:>19}\n",
+                    parameter.name,
+                    parameter.unit,
+                    parameter.identified.hits,
+                    is_told ? Sensible(parameter.error.mean, parameter.error.sd) : "-",
+                    is_told ? Sensible(parameter.error.sd, parameter.error.sd) : "-",
+                    has_sd ? fmt::format("{:.3f}", parameter.rms_over_sd) : "-",
+                    CoverageText(parameter));
   }
   if (!summary.worst.empty()) {
     text += "  worst: " + ReplayCommand(study, summary.worst.front()) + "\n";
@@ -210,6 +238,36 @@ Quantiles QuantilesOf(std::vector<double> values) {
   return quantiles;
 }
 
+Validation ValidationOf(const Quantiles& error, double stated_sd, int digits) {
+  // Standard error of the 2.5 % quantile of n normal values, in standard deviations:
+  // sqrt(0.025 0.975 / n) over the density there, 0.0584.
+  constexpr double kQuantileError = 2.671;
+  Validation validation{.digits = digits,
+                        .delta = NumericalTolerance(error.sd, digits)};
+  validation.d_low = std::abs(-kTwoSided95 * stated_sd - error.q025);
+  validation.d_high = std::abs(kTwoSided95 * stated_sd - error.q975);
+  const double standard_error =
+      kQuantileError * error.sd / std::sqrt(static_cast<double>(error.count));
+  validation.is_settled = 2 * standard_error <= validation.delta / 5;
+  return validation;
+}
+
+Histogram EmptyHistogram(const Quantiles& errors) {
+  constexpr std::size_t kParts = 41;  // Odd: one of them is about 0.
+  constexpr double kSigmas = 4;
+  if (errors.count == 0 || !(errors.sd > 0)) return {};
+  const double half = std::abs(errors.mean) + kSigmas * errors.sd;
+  return {.low = -half, .high = half, .counts = std::vector<std::int64_t>(kParts)};
+}
+
+void CountIn(double value, std::int64_t count, Histogram* histogram) {
+  if (histogram->counts.empty()) return;
+  const auto parts = static_cast<double>(histogram->counts.size());
+  const double at =
+      (value - histogram->low) / (histogram->high - histogram->low) * parts;
+  histogram->counts[static_cast<std::size_t>(std::clamp(at, 0.0, parts - 1))] += count;
+}
+
 Rate RateOf(std::int64_t hits, std::int64_t cases) {
   Rate rate{.hits = hits, .cases = cases};
   if (cases == 0) return rate;
@@ -224,21 +282,55 @@ Rate RateOf(std::int64_t hits, std::int64_t cases) {
   return rate;
 }
 
-StudySummary SummaryOf(const Study& study, const StudyStore& store) {
-  std::vector<CollectedCase> collected(study.cases.size());
-  std::map<std::int64_t, std::size_t> done;
+double Badness(const TrialResult& result, bool is_of_plan) {
+  if (result.HasFailed()) return -1;
+  if (!is_of_plan) return result.position_error_after_mm;
+  double largest_sd = 0;
+  for (const ParameterResult& parameter : result.parameters) {
+    if (!parameter.error || !parameter.sd || !(*parameter.sd > 0)) continue;
+    largest_sd = std::max(largest_sd, std::abs(*parameter.error) / *parameter.sd);
+  }
+  return largest_sd;
+}
+
+std::string CauseKey(const TrialResult& result) {
+  if (result.message.empty()) return "";
+  std::string key = result.status + ": ";
+  for (const char c : result.message) {
+    const bool is_digit = c >= '0' && c <= '9';
+    if (!is_digit) key += c;
+    if (is_digit && !key.ends_with('#')) key += '#';
+  }
+  return key;
+}
+
+namespace {
+
+// One pass over what is kept.
+template <typename Of>
+StudySummary Collect(const Study& study, const StudyStore& store) {
+  std::vector<Of> collected(study.cases.size(), Of{study.plan != nullptr});
+  StudySummary summary;
+  std::size_t of_trial = 0;  // Cases come one after the other.
+  std::int64_t trial = -1;
   store.ForEach([&](const TrialResult& result) {
     collected.at(result.of_case).Add(result);
-    ++done[result.trial];
+    of_trial = result.trial == trial ? of_trial + 1 : 1;
+    trial = result.trial;
+    summary.trials += of_trial == study.cases.size() ? 1 : 0;
   });
-  StudySummary summary;
-  for (const auto& [trial, cases] : done) {
-    summary.trials += cases == study.cases.size() ? 1 : 0;
-  }
   for (std::size_t i = 0; i < study.cases.size(); ++i) {
     summary.cases.push_back(collected[i].Summary(study.cases[i]));
   }
   return summary;
+}
+
+}  // namespace
+
+StudySummary SummaryOf(const Study& study, const StudyStore& store) {
+  constexpr std::int64_t kMostExact = 200'000;  // A dozen errors each: 20 MB.
+  return study.trials > kMostExact ? Collect<Aggregate>(study, store)
+                                   : Collect<CollectedCase>(study, store);
 }
 
 nlohmann::ordered_json SummaryJson(const Study& study, const StudySummary& summary) {
@@ -256,6 +348,7 @@ nlohmann::ordered_json SummaryJson(const Study& study, const StudySummary& summa
                      {"scenario", one.scenario},
                      {"procedure", one.procedure},
                      {"status", one.status},
+                     {"causes", one.causes},
                      {"machine_time_s", JsonOf(one.machine_time_s)},
                      {"touches", JsonOf(one.touches)},
                      {"position_error_before_mm", JsonOf(one.position_error_before_mm)},
@@ -266,7 +359,8 @@ nlohmann::ordered_json SummaryJson(const Study& study, const StudySummary& summa
   return {{"format", 1},
           {"about", study.about},
           {"version", CALTWIN_VERSION},
-          {"fidelity", ToString(study.fidelity)},
+          {"fingerprint", study.Fingerprint()},
+          {"fidelity", study.FidelityWord()},
           {"seed", study.seed},
           {"trials", study.trials},
           {"trials_done", summary.trials},
@@ -279,54 +373,10 @@ std::string SummaryText(const Study& study, const StudySummary& summary) {
                                  study.about,
                                  summary.trials,
                                  study.trials,
-                                 ToString(study.fidelity),
+                                 study.FidelityWord(),
                                  study.seed);
   for (const CaseSummary& one : summary.cases) text += CaseText(one, study);
   return text;
-}
-
-std::string TrialsCsv(const Study& study, const StudyStore& store) {
-  std::set<std::string> names;
-  store.ForEach([&](const TrialResult& result) {
-    for (const ParameterResult& parameter : result.parameters) {
-      names.insert(parameter.name);
-    }
-  });
-  std::string csv = "trial,seed,status,machine_time_s,touches";
-  for (const std::string& name : names) {
-    csv += fmt::format(",{0}.injected,{0}.recovered,{0}.sd", name);
-  }
-  const bool has_cases = study.cases.size() > 1;
-  csv += has_cases ? ",case\n" : "\n";
-  const auto cell = [](const std::optional<double>& value) {
-    return value ? fmt::format("{}", *value) : std::string();
-  };
-  store.ForEach([&](const TrialResult& result) {
-    csv += fmt::format("{},{},{},{},{}",
-                       result.trial,
-                       study.seed,
-                       result.status,
-                       result.machine_time_s,
-                       result.touches);
-    std::map<std::string, const ParameterResult*> by_name;
-    for (const ParameterResult& parameter : result.parameters) {
-      by_name[parameter.name] = &parameter;
-    }
-    for (const std::string& name : names) {
-      const auto found = by_name.find(name);
-      if (found == by_name.end()) {
-        csv += ",,,";
-        continue;
-      }
-      const ParameterResult& parameter = *found->second;
-      csv += fmt::format(",{},{},{}",
-                         parameter.injected,
-                         cell(parameter.recovered),
-                         cell(parameter.sd));
-    }
-    csv += has_cases ? fmt::format(",{}\n", study.cases[result.of_case].Name()) : "\n";
-  });
-  return csv;
 }
 
 std::string ReplayCommand(const Study& study, std::int64_t trial) {

@@ -20,6 +20,16 @@ struct Quantiles {
 };
 Quantiles QuantilesOf(std::vector<double> values);
 
+/// Counts in parts of one width, those beyond the ends in the last ones.
+struct Histogram {
+  double low = 0, high = 0;
+  std::vector<std::int64_t> counts{};
+};
+/// The ends for errors of that mean and sd: about 0, four sd beyond the mean.
+Histogram EmptyHistogram(const Quantiles& errors);
+/// Counts `count` values as that one.
+void CountIn(double value, std::int64_t count, Histogram* histogram);
+
 /// How often what was so many times of so many, with Wilson's 95 % interval.
 struct Rate {
   std::int64_t hits = 0, cases = 0;
@@ -27,24 +37,41 @@ struct Rate {
 };
 Rate RateOf(std::int64_t hits, std::int64_t cases);
 
+/// JCGM 101 section 8: whether the first-order result, 0 +- 1.96 times the stated
+/// standard deviation, is the interval that the trials show, within the tolerance of
+/// `digits` significant digits of u.
+struct Validation {
+  int digits = 1;
+  double delta = 0;              ///< NumericalTolerance of u.
+  double d_low = 0, d_high = 0;  ///< Ends of both intervals, apart.
+  /// The trials themselves know the ends to delta / 5 (twice their standard error).
+  bool is_settled = false;
+  bool holds() const { return d_low <= delta && d_high <= delta; }
+};
+Validation ValidationOf(const Quantiles& error, double stated_sd, int digits);
+
 /// What a contender's estimates of one parameter were worth.
 struct ParameterSummary {
   std::string name{}, unit{};
   bool is_setting = false;
   Quantiles error{};       ///< recovered - injected, where something was told.
+  Histogram histogram{};   ///< Of the same.
   Rate identified{};       ///< Told something, of all trials that were run.
   Rate coverage95{};       ///< Truth within recovered +- 1.96 sd, where sd was stated.
   double mean_sd = 0;      ///< Root of the mean of the stated variances.
   double rms_over_sd = 0;  ///< Root mean square error over it: 1 where honest.
+  Validation gum{};        ///< Where sd was stated; of one digit.
 };
 
 struct CaseSummary {
   std::string name{}, scenario{}, procedure{};
   std::map<std::string, std::int64_t> status{};
+  /// Trials by "status: why", its numbers as #; of those that say why.
+  std::map<std::string, std::int64_t> causes{};
   Quantiles machine_time_s{}, touches{};
   Quantiles position_error_before_mm{}, position_error_after_mm{};
   std::vector<ParameterSummary> parameters{};
-  /// Trials with the largest position error left, the worst first; then failed ones.
+  /// The worst first, by Badness.
   std::vector<std::int64_t> worst{};
 };
 
@@ -53,16 +80,22 @@ struct StudySummary {
   std::vector<CaseSummary> cases{};
 };
 
+/// By which trials are ranked: the position error left; of a plan, which sets nothing
+/// right, the largest error over its stated sd; -1 of those that could not be run.
+double Badness(const TrialResult& result, bool is_of_plan);
+
+/// "no_trigger: Probe failed at # mm": the same for all trials of one cause; empty
+/// where the trial says none.
+std::string CauseKey(const TrialResult& result);
+
+/// Of what is kept. Quantiles are exact up to 200 000 trials, beyond that right to
+/// 1/256 of themselves, so that memory does not grow.
 StudySummary SummaryOf(const Study& study, const StudyStore& store);
 
 /// `summary.json`.
 nlohmann::ordered_json SummaryJson(const Study& study, const StudySummary& summary);
 /// What the terminal shows.
 std::string SummaryText(const Study& study, const StudySummary& summary);
-
-/// `trials.csv`: a line a trial and contender, in their order; the same bytes whoever
-/// ran them in whatever order.
-std::string TrialsCsv(const Study& study, const StudyStore& store);
 
 /// What runs one trial again.
 std::string ReplayCommand(const Study& study, std::int64_t trial);

@@ -66,13 +66,21 @@ void VarySetting(const SettingSpec& varied, std::vector<SettingSpec>* settings) 
   settings->push_back(varied);
 }
 
+void VaryNumber(const std::string& name, const YamlValue& value, Scenario* scenario) {
+  if (scenario->delta) {
+    value.Fail("is not known of a delta", "vary its effects");
+    return;
+  }
+  scenario->varied.push_back(ReadVariedNumber(name, value, scenario->instruments));
+}
+
 }  // namespace
 
 void Vary(YamlMap vary, Scenario* scenario) {
   for (const auto& [name, value] : vary.Entries()) {
     if (name.starts_with(kOfSettings)) {
-      if (scenario->delta) {
-        value.Fail("is not known of a delta", "vary its effects");
+      if (scenario->delta || scenario->triple_z) {
+        value.Fail("is not known of a printer", "vary its effects");
         continue;
       }
       const std::string key = name.substr(kOfSettings.size());
@@ -80,6 +88,10 @@ void Vary(YamlMap vary, Scenario* scenario) {
       for (const SettingSpec& spec : ReadSettingSpecs(value.Within(setting, axis))) {
         VarySetting(spec, &scenario->settings);
       }
+      continue;
+    }
+    if (IsVariedNumber(name)) {
+      VaryNumber(name, value, scenario);
       continue;
     }
     const auto [effect, parameter] = Parted(name, name.rfind('.'));
@@ -103,8 +115,10 @@ void Vary(YamlMap vary, Scenario* scenario) {
       VaryDelta(
           ReadDeltaEffects(nested, machine), parameter, &scenario->delta->effects);
     } else {
+      auto& effects =
+          scenario->triple_z ? scenario->triple_z->effects : scenario->effects;
       for (const InjectedSpec& spec : ReadEffects(nested, machine)) {
-        Replace(spec, parameter, &scenario->effects);
+        Replace(spec, parameter, &effects);
       }
     }
   }

@@ -22,6 +22,19 @@ Place PlaceOf(const std::string& file, const YAML::Node& node) {
   return YamlPlace(file, node.Mark());
 }
 
+// A map of one key without a value, both at that place of the file.
+YAML::Node MapAt(const Place& place, const std::string& key) {
+  constexpr std::size_t kLongest = 200;  // Of a key that yaml-cpp takes so: 1024.
+  if (place.line < 1 || place.column < 1 || key.size() > kLongest) {
+    return YAML::Node(YAML::NodeType::Map);
+  }
+  YAML::Emitter quoted;
+  quoted << YAML::DoubleQuoted << key;
+  return YAML::Load(std::string(static_cast<std::size_t>(place.line) - 1, '\n') +
+                    std::string(static_cast<std::size_t>(place.column) - 1, ' ') +
+                    quoted.c_str() + ": ");
+}
+
 std::string Kind(const YAML::Node& node) {
   if (node.IsMap()) return "a mapping";
   if (node.IsSequence()) return "a list";
@@ -205,13 +218,21 @@ YamlMap YamlValue::Map() const {
 }
 
 YamlMap YamlValue::Within(const std::string& first, const std::string& second) const {
-  YAML::Node node(YAML::NodeType::Map);
+  const Place at = key_ ? *key_ : place();
+  YAML::Node node = MapAt(at, first);
   if (second.empty()) {
     node[first] = node_;
   } else {
-    node[first][second] = node_;
+    YAML::Node inner = MapAt(at, second);
+    inner[second] = node_;
+    node[first] = inner;
   }
-  return {node, file_, path_, faults_};
+  // The value's own path ends with these names already.
+  const std::string names = "." + first + (second.empty() ? "" : "." + second);
+  return {node,
+          file_,
+          path_.ends_with(names) ? path_.substr(0, path_.size() - names.size()) : path_,
+          faults_};
 }
 
 std::vector<YamlValue> YamlValue::List() const {
@@ -361,7 +382,8 @@ void YamlMap::NoMoreKeys() {
         PlaceOf(file_, entry.first),
         fmt::format("{} has no key '{}'", path_.empty() ? "this file" : path_, key),
         (nearest.empty() ? "" : fmt::format("did you mean '{}'? ", nearest)) +
-            fmt::format("It knows: {}", fmt::join(known, ", ")));
+            (known.empty() ? "it takes none"
+                           : fmt::format("It knows: {}", fmt::join(known, ", "))));
   }
 }
 

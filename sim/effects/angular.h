@@ -17,6 +17,7 @@ namespace caltwin {
 struct Angular {
   static constexpr std::array<std::string_view, 8> kAxes = {
       "EBX", "ECX", "EAY", "EBY", "ECY", "EAZ", "EBZ", "ECZ"};
+  static constexpr std::array<std::string_view, 3> kTripleZAxes = {"EBY", "EAZ", "EBZ"};
   static constexpr std::array kParameters = {
       Parameter{.name = "slope_urad",
                 .unit = "urad",
@@ -39,6 +40,11 @@ struct Angular {
     if (axis == "EAZ") return {.channel = "y", .covariates = {"z"}};
     if (axis == "EBZ") return {.channel = "x", .covariates = {"z"}};
     return {.channel = "x", .covariates = {"z"}};
+  }
+  /// The tool against the bed: in z, by where it stands over it.
+  static Shown ShownOnTripleZ(std::string_view axis) {
+    if (axis == "EBY") return {.channel = "z", .covariates = {"x", "y"}};
+    return {.channel = "z", .covariates = {axis == "EAZ" ? "y" : "x", "z"}};
   }
   static constexpr Effect kDeclaration = {
       .name = "angular",
@@ -67,15 +73,25 @@ struct Angular {
                 .action = "Calibrate at the height of the work, lengthen the wheel "
                           "base, straighten the rail."},
       .neutral = Neutral,
-      .sight = Sight{.shown = ShownIn}};
+      .sight = Sight{.shown = ShownIn, .shown_on_triple_z = ShownOnTripleZ},
+      .triple_z_axes = kTripleZAxes};
 
+  /// On a triple-Z printer the gantry leans, EAZ and EBZ, as the bed moves along z:
+  /// about its middle, r = (x - mid, y - mid, 0).
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {
-    AddRotation(asked,
-                MovingAxis(asked.axis),
-                AxisOfRotation(asked.axis[1]),
-                RadFromUrad(asked.p[0]),
-                errors);
+    const Axis moving = MovingAxis(asked.axis);
+    const Axis about = AxisOfRotation(asked.axis[1]);
+    if (asked.at.triple_z && moving == Axis::kZ) {
+      Vec3<T> lever_mm = asked.q_mm + asked.at.probe_off_mm.template cast<T>();
+      for (const Axis axis : {Axis::kX, Axis::kY}) {
+        lever_mm[Index(axis)] -= asked.machine.axis(axis).mid_mm();
+      }
+      lever_mm[2] = T(0);
+      AddRotationOf(lever_mm, asked, moving, about, RadFromUrad(asked.p[0]), errors);
+      return;
+    }
+    AddRotation(asked, moving, about, RadFromUrad(asked.p[0]), errors);
   }
 };
 

@@ -57,7 +57,8 @@ struct AxisTwist {
                           "axis_twist_compensation; or probe with the tool itself."},
       .neutral = Neutral,
       .aliases = kAliases,
-      .sight = Sight{.shown = ShownIn}};
+      .sight = Sight{.shown = ShownIn},
+      .triple_z_axes = kAxes};
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {

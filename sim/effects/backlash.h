@@ -14,6 +14,7 @@ namespace caltwin {
 /// kg), which changes no reading taken while the nut pushes.
 struct Backlash {
   static constexpr std::array<std::string_view, 3> kAxes = {"x", "y", "z"};
+  static constexpr std::array<std::string_view, 1> kTripleZAxes = {"z"};
   static constexpr std::array kParameters = {
       Parameter{.name = "gap_mm",
                 .unit = "mm",
@@ -45,7 +46,8 @@ struct Backlash {
                 .cause = "Worn or unloaded nut, loose bearing or coupling.",
                 .effect = "Circles flatten, pockets and bosses miss by the gap.",
                 .action = "Preload or replace the nut; else set M425 to the gap."},
-      .neutral = Neutral};
+      .neutral = Neutral,
+      .triple_z_axes = kTripleZAxes};
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {

@@ -48,7 +48,8 @@ struct BedBowl {
                           "it."},
       .neutral = Neutral,
       .sight = Sight{.shown = ShownIn},
-      .delta_axes = kAxes};
+      .delta_axes = kAxes,
+      .triple_z_axes = kAxes};
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {

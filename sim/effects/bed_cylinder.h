@@ -50,7 +50,8 @@ struct BedCylinder {
                           "map."},
       .neutral = Neutral,
       .sight = Sight{.shown = ShownIn},
-      .delta_axes = kAxes};
+      .delta_axes = kAxes,
+      .triple_z_axes = kAxes};
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {

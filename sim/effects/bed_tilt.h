@@ -50,7 +50,8 @@ struct BedTilt {
                 .effect = "Pockets vary in depth across the part.",
                 .action = "Shim or surface the table."},
       .neutral = Neutral,
-      .delta_axes = kAxes};
+      .delta_axes = kAxes,
+      .triple_z_axes = kAxes};
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {

@@ -50,7 +50,8 @@ struct BedTwist {
                           "cannot mend it, a height map can."},
       .neutral = Neutral,
       .sight = Sight{.shown = ShownIn},
-      .delta_axes = kAxes};
+      .delta_axes = kAxes,
+      .triple_z_axes = kAxes};
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {

@@ -4,9 +4,15 @@
 
 namespace caltwin {
 
-/// A delta's carriage with play: after its motor turns back it stays behind by the gap.
+/// A delta's carriage with play between belt and carriage: where its rail holds it, it
+/// stays behind by the gap after its motor turns back.
 ///
 ///   carriage - commanded = -dir gap / 2,  dir +1: last moved down
+///
+/// about the middle of the gap. Where more hangs on the carriage than its rail holds
+/// (TowerLoad_n, which depends on the pose), it rests on the lower side whichever way
+/// it came, as after a move up (dir = -1): then nothing is lost at a reversal, and what
+/// it hangs lower by is the endstop's.
 struct CarriageBacklash {
   static constexpr std::array kParameters = {
       Parameter{.name = "gap_mm",
@@ -24,12 +30,14 @@ struct CarriageBacklash {
   static constexpr Effect kDeclaration = {
       .name = "carriage_backlash",
       .about =
-          "A carriage has play against its belt or rail: it lags behind when it turns "
-          "back.",
+          "A carriage has play against its belt: it lags behind when it turns back, "
+          "where its rail holds it against the weight that hangs on it.",
       .bucket = Bucket::kMotion,
       .stage = Stage::kDrive,
       .parameters = kParameters,
-      .formula = "carriage: -dir gap / 2 of travel, dir the sense of its motor",
+      .formula =
+          "carriage: -dir gap / 2 of travel, dir the sense of its motor; up "
+          "(-1) wherever (carriage + share of the effector) g > rail_friction_n",
       .source = "Wheels or bushes with play, belt teeth: 0.02 to 0.1 mm.",
       .twin =
           "trigger_scatter, where the sense of approach is not known; touches after "
@@ -48,7 +56,23 @@ struct CarriageBacklash {
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {
-    errors->motor_lost_motion_mm[DriveNamed(asked.axis)->index] += asked.p[0];
+    const int tower = DriveNamed(asked.axis)->index;
+    if (IsHeld(asked, tower)) {
+      errors->motor_lost_motion_mm[tower] += asked.p[0];
+    } else {
+      errors->motor_mm[tower] += asked.p[0] / T(2);
+    }
+  }
+
+ private:
+  // By the rail, so that the drive has to push it down.
+  template <typename T>
+  static bool IsHeld(const Asked<T>& asked, int tower) {
+    const DeltaAt* here = asked.at.delta;
+    if (here == nullptr || !asked.machine.delta) return true;
+    const AxisDrawing& drawing = asked.machine.axes[static_cast<std::size_t>(tower)];
+    const double rise = here->by_knob(Index(Axis::kZ), kEndstopKnob + tower);
+    return TowerLoad_n(drawing, *asked.machine.delta, rise) < drawing.rail_friction_n;
   }
 };
 

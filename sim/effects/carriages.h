@@ -61,21 +61,31 @@ Vec3<T> LeverOn(const Asked<T>& asked, Axis carriage) {
 ///   motion += sin(theta) e x r + (1 - cos(theta)) e x (e x r),
 ///   theta = change U / 2, right-handed about e
 template <typename T>
-void AddRotation(const Asked<T>& asked,
-                 Axis carriage,
-                 Axis about,
-                 const T& change_rad,
-                 Errors<T>* errors) {
+void AddRotationOf(const Vec3<T>& lever_mm,
+                   const Asked<T>& asked,
+                   Axis carriage,
+                   Axis about,
+                   const T& change_rad,
+                   Errors<T>* errors) {
   using std::cos;
   using std::sin;
   const T theta_rad = change_rad / 2.0 *
                       OverTravel(asked.machine, carriage, asked.q_mm[Index(carriage)]);
-  const Vec3<T> lever_mm = LeverOn(asked, carriage);
   const int u = (Index(about) + 1) % 3;  // From u to v is the right-handed sense.
   const int v = (Index(about) + 2) % 3;
   const T less = 1.0 - cos(theta_rad);
   errors->motion_mm[u] -= sin(theta_rad) * lever_mm[v] + less * lever_mm[u];
   errors->motion_mm[v] += sin(theta_rad) * lever_mm[u] - less * lever_mm[v];
+}
+
+/// The same of a carriage in the chain, r = LeverOn.
+template <typename T>
+void AddRotation(const Asked<T>& asked,
+                 Axis carriage,
+                 Axis about,
+                 const T& change_rad,
+                 Errors<T>* errors) {
+  AddRotationOf(LeverOn(asked, carriage), asked, carriage, about, change_rad, errors);
 }
 
 }  // namespace caltwin

@@ -38,7 +38,22 @@ std::optional<int> FindEffect(std::string_view name) {
 }
 
 std::span<const std::string_view> AxesOn(const Effect& effect, Kinematics kinematics) {
-  return kinematics == Kinematics::kDelta ? effect.delta_axes : effect.axes;
+  switch (kinematics) {
+    case Kinematics::kDelta:
+      return effect.delta_axes;
+    case Kinematics::kTripleZ:
+      return effect.triple_z_axes;
+    case Kinematics::kCartesian:
+      break;
+  }
+  return effect.axes;
+}
+
+Shown ShownOn(const Effect& effect, std::string_view axis, Kinematics kinematics) {
+  const Sight& sight = *effect.sight;
+  const bool is_other =
+      kinematics == Kinematics::kTripleZ && sight.shown_on_triple_z != nullptr;
+  return is_other ? sight.shown_on_triple_z(axis) : sight.shown(axis);
 }
 
 bool HasAxis(const Effect& effect, std::string_view axis, Kinematics kinematics) {

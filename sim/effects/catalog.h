@@ -32,8 +32,10 @@
 #include "sim/effects/knob_turns.h"
 #include "sim/effects/microstep.h"
 #include "sim/effects/missed_steps.h"
+#include "sim/effects/motors_swapped.h"
 #include "sim/effects/pitch_map.h"
 #include "sim/effects/pitch_progressive.h"
+#include "sim/effects/pivot_position.h"
 #include "sim/effects/probe_lobing.h"
 #include "sim/effects/probe_pretravel.h"
 #include "sim/effects/probe_temperature.h"
@@ -41,6 +43,9 @@
 #include "sim/effects/random_walk.h"
 #include "sim/effects/reversal_spike.h"
 #include "sim/effects/rod_mismatch.h"
+#include "sim/effects/screw_backlash.h"
+#include "sim/effects/screw_cyclic.h"
+#include "sim/effects/screw_pitch.h"
 #include "sim/effects/servo_lag.h"
 #include "sim/effects/servo_mismatch.h"
 #include "sim/effects/squareness.h"
@@ -87,6 +92,11 @@ using EffectList = std::tuple<StepsPerMm,
                               TowerTwist,
                               TowerRadius,
                               EffectorTilt,
+                              ScrewPitch,
+                              ScrewCyclic,
+                              ScrewBacklash,
+                              PivotPosition,
+                              MotorsSwapped,
                               ServoMismatch,
                               ServoLag,
                               FrameGrowth,
@@ -141,6 +151,9 @@ extern template void AddErrors<double>(int, const Asked<double>&, Errors<double>
 /// What may stand after the dot of the effect's name on such a machine; empty: it does
 /// not have the effect.
 std::span<const std::string_view> AxesOn(const Effect& effect, Kinematics kinematics);
+
+/// Where an effect that diagnosis may find shows on such a machine.
+Shown ShownOn(const Effect& effect, std::string_view axis, Kinematics kinematics);
 
 /// Whether files may write this after the dot of the effect's name.
 bool HasAxis(const Effect& effect, std::string_view axis, Kinematics kinematics);

@@ -8,50 +8,106 @@
 
 namespace caltwin {
 
-/// What a drive moves: an axis of a cartesian machine, or a tower's carriage.
+/// What a drive moves: an axis of a cartesian machine, a tower's carriage or a screw.
 struct Drive {
   int index = 0;
-  bool is_tower = false;
+  bool is_motor = false;  ///< Of a tower or a screw: in the `motor_` columns.
 };
 
-/// "x" .. "z", "a" .. "c"; nullopt for anything else.
+/// "x" .. "z", "a" .. "c", "z1" .. "z3"; nullopt for anything else.
 constexpr std::optional<Drive> DriveNamed(std::string_view name) {
+  if (name.size() == 2 && name[0] == 'z' && name[1] >= '1' && name[1] <= '3') {
+    return Drive{name[1] - '1', true};
+  }
   if (name.size() != 1) return std::nullopt;
   if (name[0] >= 'x' && name[0] <= 'z') return Drive{name[0] - 'x', false};
   if (name[0] >= 'a' && name[0] <= 'c') return Drive{name[0] - 'a', true};
   return std::nullopt;
 }
 
-/// Its word as a covariate: "x", or "motor_a".
+/// Its word as a covariate: "x", or "motor_a" (a screw's too).
 inline std::string DriveCovariate(std::string_view name) {
-  return (DriveNamed(name)->is_tower ? "motor_" : "") + std::string(name);
+  const Drive drive = *DriveNamed(name);
+  if (!drive.is_motor) return std::string(name);
+  return std::string("motor_") + "abc"[drive.index];
+}
+/// The word of its sense: "dir_x", or "dir_a".
+inline std::string SenseCovariate(std::string_view name) {
+  const Drive drive = *DriveNamed(name);
+  return std::string("dir_") + (drive.is_motor ? "abc"[drive.index] : name[0]);
 }
 
-/// Where it stands by command [mm]; a tower's counts down from its endstop.
+/// What a row's motors are told: a tower's travel down from its endstop, a screw's
+/// height over its. nullopt on a machine that has no motors beside its axes.
+inline std::optional<Vec3<double>> MotorsOf_mm(const At& at) {
+  if (at.delta != nullptr) return at.delta->motors_mm;
+  if (!at.triple_z) return std::nullopt;
+  const double up_mm = at.q_mm[2] - at.triple_z->stated_z_mm;
+  return at.triple_z->stated_mm - Vec3<double>::Constant(up_mm);
+}
+/// In which sense each of them came.
+inline std::optional<Vec3<double>> MotorDirOf(const At& at) {
+  if (at.delta != nullptr) return at.delta->motor_dir;
+  if (!at.triple_z) return std::nullopt;
+  return at.triple_z->motor_dir;
+}
+
+/// Where it stands by command [mm], motors as in MotorsOf_mm.
 template <typename T>
 T DriveAt_mm(const Asked<T>& asked) {
   const Drive drive = *DriveNamed(asked.axis);
-  if (!drive.is_tower) return asked.q_mm[drive.index];
-  return T(asked.at.delta == nullptr ? 0.0 : asked.at.delta->motors_mm[drive.index]);
+  if (!drive.is_motor) return asked.q_mm[drive.index];
+  const auto motors_mm = MotorsOf_mm(asked.at);
+  return T(motors_mm ? (*motors_mm)[drive.index] : 0.0);
 }
 
 /// What it moves further than commanded [mm], in its own sense.
 template <typename T>
 T& DriveError_mm(std::string_view axis, Errors<T>* errors) {
   const Drive drive = *DriveNamed(axis);
-  return drive.is_tower ? errors->motor_mm[drive.index]
+  return drive.is_motor ? errors->motor_mm[drive.index]
                         : errors->motion_mm[drive.index];
 }
 
-/// How a delta's nozzle follows its carriages: errors in `motor_mm` and the gaps, as
-/// the motors last moved [mm].
+/// What the motors move further than commanded: their errors and gaps, as they last
+/// moved [mm].
 template <typename T>
-Vec3<T> MotionOfMotors_mm(const DeltaAt& delta, const Errors<T>& errors) {
-  const Vec3<T> moved_mm =
-      errors.motor_mm -
-      delta.motor_dir.cast<T>().cwiseProduct(errors.motor_lost_motion_mm) / T(2);
-  // A carriage that is lower is one whose endstop is.
-  return -delta.by_knob.middleCols<3>(kEndstopKnob).cast<T>() * moved_mm;
+Vec3<T> MotorsMoved_mm(const Vec3<double>& motor_dir, const Errors<T>& errors) {
+  return errors.motor_mm -
+         motor_dir.cast<T>().cwiseProduct(errors.motor_lost_motion_mm) / T(2);
+}
+
+/// By how much each screw's height counts in that of the bed there, the screws as
+/// built.
+template <typename T>
+Vec3<T> BuiltWeights(const At& at, const Errors<T>& errors) {
+  const Vec3<double> tip_mm = at.Tip_mm();
+  Pivots<T> built_mm;
+  for (std::size_t i = 0; i < built_mm.size(); ++i) {
+    built_mm[i] = at.triple_z->drawn_mm[i].template cast<T>() +
+                  errors.pivot_off_mm.col(static_cast<Eigen::Index>(i));
+  }
+  return ScrewWeights<T>(built_mm, T(tip_mm[0]), T(tip_mm[1]));
+}
+
+/// How the nozzle follows the motors: on a delta through its chain; over a bed on
+/// screws by how far that truly stands higher there than the screws as drawn, told so,
+/// have it.
+///
+///   dz = -(W . (told + moved) - w . told),  W of the screws as built, w as drawn
+template <typename T>
+Vec3<T> MotionOfMotors_mm(const At& at, const Errors<T>& errors) {
+  if (at.delta != nullptr) {
+    // A carriage that is lower is one whose endstop is.
+    return -at.delta->by_knob.middleCols<3>(kEndstopKnob).cast<T>() *
+           MotorsMoved_mm(at.delta->motor_dir, errors);
+  }
+  if (!at.triple_z) return Vec3<T>::Zero();
+  const Vec3<T> moved_mm = MotorsMoved_mm(at.triple_z->motor_dir, errors);
+  const Vec3<T> weights = BuiltWeights(at, errors);
+  const Vec3<T> more = weights - at.triple_z->weights.template cast<T>();
+  const Vec3<T> told_mm = MotorsOf_mm(at)->template cast<T>();
+  return {T(0), T(0), -(more.dot(told_mm) + weights.dot(moved_mm))};
 }
 
 }  // namespace caltwin

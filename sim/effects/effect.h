@@ -41,6 +41,8 @@ struct Parameter {
   Distribution prior;     ///< What is believed before anything is measured.
   std::string_view doc;   ///< What it is, with its sign.
   Role role = Role::kSize;
+  /// Its value where a file names the effect and leaves this out; none: neutral.
+  std::optional<double> if_named{};
 };
 
 /// How far measured rows reach: what the values of form parameters are sought in.
@@ -48,7 +50,7 @@ struct Extent {
   double t_min_s = 0, t_max_s = 0;
   Vec3<double> q_min_mm = Vec3<double>::Zero();
   Vec3<double> q_max_mm = Vec3<double>::Zero();
-  /// The same of a delta's motors.
+  /// The same of a delta's or a triple-Z printer's motors.
   Vec3<double> motor_min_mm = Vec3<double>::Zero();
   Vec3<double> motor_max_mm = Vec3<double>::Zero();
   /// Times of the rows that could feel the effect, ascending, each once.
@@ -71,6 +73,8 @@ struct Sight {
                                             const Extent& extent) = nullptr;
   /// Harmonics of a periodic effect, as columns of their own: 2 .. this. 0: not so.
   int harmonics = 0;
+  /// As `shown`, on a triple-Z printer, where it differs.
+  Shown (*shown_on_triple_z)(std::string_view axis) = nullptr;
 };
 
 /// The five things a person wants to know of a cause, in that order.
@@ -107,6 +111,8 @@ struct Effect {
   std::optional<Sight> sight{};
   /// As `axes`, on a delta.
   std::span<const std::string_view> delta_axes{};
+  /// As `axes`, on a triple-Z printer.
+  std::span<const std::string_view> triple_z_axes{};
 };
 
 /// In `axes`: any word, such as an artefact's id.
@@ -114,6 +120,9 @@ inline constexpr std::string_view kAnyAxis = "*";
 
 /// The towers of a delta, after the dot.
 inline constexpr std::array<std::string_view, 3> kTowerAxes = {"a", "b", "c"};
+
+/// The screws of a triple-Z printer, after the dot.
+inline constexpr std::array<std::string_view, 3> kScrewAxes = {"z1", "z2", "z3"};
 
 /// What a delta's reading has beside its pose: what its motors did, and how the nozzle
 /// moves with whatever may be wrong, about the machine as it is believed to be built.
@@ -126,6 +135,20 @@ struct DeltaAt {
   Eigen::Matrix<double, 3, kNumDeltaKnobs> by_knob =
       Eigen::Matrix<double, 3, kNumDeltaKnobs>::Zero();
   double rim_mm = 100;  ///< How far out the outermost touch of the bed lies.
+};
+
+/// What a triple-Z printer's reading has beside its pose.
+struct TripleZAt {
+  /// Commanded heights of the screws with the nozzle at `stated_z_mm`; all three go
+  /// down as it rises.
+  Vec3<double> stated_mm = Vec3<double>::Zero();
+  double stated_z_mm = 0;
+  Vec3<double> motor_dir = Vec3<double>::Zero();  ///< Sense of each in the approach.
+  Pivots<double> drawn_mm{};                      ///< Where the screws are drawn.
+  Vec3<double> weights = Vec3<double>::Zero();    ///< ScrewWeights there, by that.
+  double off_mm = 0;  ///< Nozzle over bed by its motors, less commanded.
+  /// Read by a gauge on the frame: what the gantry does, it does not feel.
+  bool is_fixed = false;
 };
 
 /// Where and under which circumstances an error is asked for: what is known of one
@@ -164,8 +187,9 @@ struct At {
   double artefact_turn_deg = 0;
   /// Middle of what was touched of the artefact in this setup, machine axes.
   Vec3<double> artefact_mid_mm = Vec3<double>::Zero();
-  double radius_mm = 0;            ///< Of a ball-bar's circle; 0: none.
-  const DeltaAt* delta = nullptr;  ///< On a delta; borrowed.
+  double radius_mm = 0;                 ///< Of a ball-bar's circle; 0: none.
+  const DeltaAt* delta = nullptr;       ///< On a delta; borrowed.
+  std::optional<TripleZAt> triple_z{};  ///< On a triple-Z printer.
 
   /// Where the tip's centre (or what a gauge looks at) is by command, machine axes.
   Vec3<double> Tip_mm() const { return q_mm + probe_off_mm; }
@@ -177,9 +201,11 @@ struct Errors {
   Vec3<T> steps_per_mm = Vec3<T>::Zero();    ///< True.
   Vec3<T> motion_mm = Vec3<T>::Zero();       ///< Tip: actual minus commanded.
   Vec3<T> lost_motion_mm = Vec3<T>::Zero();  ///< Full width; acts as -dir * width / 2.
-  /// @name A delta's carriages, + down as its motors count
+  /// @name Carriages of a delta (+ down), screws of a triple-Z printer (+ up)
   Vec3<T> motor_mm = Vec3<T>::Zero();              ///< Moved less commanded.
   Vec3<T> motor_lost_motion_mm = Vec3<T>::Zero();  ///< Full width, by motor_dir.
+  /// Screws of a triple-Z printer: where they stand less where they are drawn.
+  Eigen::Matrix<T, 2, 3> pivot_off_mm = Eigen::Matrix<T, 2, 3>::Zero();
   /// Stylus deflection at the trigger for a tip pushed towards + and - of each axis, so
   /// [axis][0] counts where the machine moves in + (normal towards -).
   std::array<std::array<T, 2>, 3> pretravel_mm{};

@@ -34,7 +34,7 @@ std::vector<double> Geometric(double first, double last, int count);
 /// How far rows reach along an axis [mm].
 double Span_mm(const Extent& extent, Axis axis);
 
-/// The same of a drive by name, a tower's along its motor.
+/// The same of a drive by name, a tower's or screw's along its motor.
 double DriveSpan_mm(const Extent& extent, std::string_view name);
 
 /// Periods within 3 % of the drawn one, so close that between neighbours the phase at

@@ -64,7 +64,8 @@ struct FrameGrowth {
       .neutral = Neutral,
       .aliases = kAliases,
       .sight = Sight{.shown = In, .forms = Grid},
-      .delta_axes = kAxes};
+      .delta_axes = kAxes,
+      .triple_z_axes = kAxes};
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {

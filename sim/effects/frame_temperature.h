@@ -69,7 +69,8 @@ struct FrameTemperature {
                      "(Klipper: z_thermal_adjust, temp_coeff in mm/K, the same sign)."},
       .neutral = Neutral,
       .sight = Sight{.shown = In, .forms = Grid},
-      .delta_axes = kAxes};
+      .delta_axes = kAxes,
+      .triple_z_axes = kAxes};
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {

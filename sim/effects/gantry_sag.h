@@ -53,7 +53,8 @@ struct GantrySag {
                           "it only if probed on a flat you trust."},
       .neutral = Neutral,
       .aliases = kAliases,
-      .sight = Sight{.shown = ShownIn}};
+      .sight = Sight{.shown = ShownIn},
+      .triple_z_axes = kAxes};
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {

@@ -34,12 +34,11 @@ bool ReadName(const std::string& key,
   const std::optional<int> effect = FindEffect(cause);
   if (!effect || AxesOn(EffectAt(*effect), kinematics).empty()) {
     const std::string nearest = NearestWord(key, KnownCauses(kinematics));
-    value.Fail(
-        effect ? fmt::format("is no effect of a {} machine",
-                             kinematics == Kinematics::kDelta ? "delta" : "cartesian")
-               : "is no effect that this version can inject",
-        (nearest.empty() ? "" : fmt::format("did you mean '{}'? ", nearest)) +
-            "`caltwin explain` lists them all");
+    value.Fail(effect
+                   ? fmt::format("is no effect of a {} machine", ToString(kinematics))
+                   : "is no effect that this version can inject",
+               (nearest.empty() ? "" : fmt::format("did you mean '{}'? ", nearest)) +
+                   "`caltwin explain` lists them all");
     return false;
   }
   spec->effect = *effect;
@@ -105,6 +104,15 @@ std::vector<InjectedSpec> ReadEffects(
   for (const auto& [key, value] : entries) {
     InjectedSpec spec{.place = value.place()};
     if (!ReadName(key, value, machine.kinematics, &spec)) continue;
+    // Any two pairs of three motors share one.
+    const bool is_swapped_before = std::ranges::any_of(specs, [&](const auto& one) {
+      return one.effect == spec.effect && spec.effect == EffectIndex<MotorsSwapped>();
+    });
+    if (is_swapped_before) {
+      value.Fail("shares a motor with another pair that is swapped",
+                 "a motor is plugged into one driver: name one pair");
+      continue;
+    }
     const Effect& effect = EffectAt(spec.effect);
     const Injected neutral = NeutralEffect(spec.effect, spec.axis, machine);
     YamlMap parameters = value.Map();
@@ -117,9 +125,10 @@ std::vector<InjectedSpec> ReadEffects(
     for (std::size_t i = 0; i < effect.parameters.size(); ++i) {
       const Parameter& parameter = effect.parameters[i];
       const auto number = parameters.Optional(std::string(parameter.name));
-      spec.values.push_back(number ? number->NumberOrDistribution(
-                                         {parameter.min, parameter.max}, parameter.doc)
-                                   : Distribution(neutral.values[i]));
+      spec.values.push_back(
+          number ? number->NumberOrDistribution({parameter.min, parameter.max},
+                                                parameter.doc)
+                 : Distribution(parameter.if_named.value_or(neutral.values[i])));
     }
     parameters.NoMoreKeys();
     specs.push_back(std::move(spec));

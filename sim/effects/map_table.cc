@@ -103,13 +103,15 @@ double CovariateAt(const At& at, std::string_view word) {
   if (word.starts_with("dir_")) {
     const auto drive = DriveNamed(word.substr(4));
     if (!drive) return kUnknown;
-    if (!drive->is_tower) return at.dir[drive->index];
-    return at.delta == nullptr ? kUnknown : at.delta->motor_dir[drive->index];
+    if (!drive->is_motor) return at.dir[drive->index];
+    const auto motor_dir = MotorDirOf(at);
+    return motor_dir ? (*motor_dir)[drive->index] : kUnknown;
   }
   if (word.starts_with("motor_")) {
     const auto drive = DriveNamed(word.substr(6));
-    const bool is_there = drive && drive->is_tower && at.delta != nullptr;
-    return is_there ? at.delta->motors_mm[drive->index] : kUnknown;
+    const auto motors_mm = MotorsOf_mm(at);
+    const bool is_there = drive && drive->is_motor && motors_mm;
+    return is_there ? (*motors_mm)[drive->index] : kUnknown;
   }
   if (word == "t") return at.t_s;
   if (word == "temp") return LiveliestTemp_k(at);

@@ -66,7 +66,8 @@ struct MissedSteps {
                "and measure again what came after the jump."},
       .neutral = Neutral,
       .sight = Sight{.shown = In, .forms = Grid},
-      .delta_axes = kTowerAxes};
+      .delta_axes = kTowerAxes,
+      .triple_z_axes = kScrewAxes};
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {

@@ -16,7 +16,8 @@ namespace caltwin {
 /// where the axes then truly stand (drive errors and lost motion added), so that a
 /// squareness on a wrong scale is exact.
 ///
-/// On a delta `at.delta` says where the nozzle stands beside its commanded place as the
+/// A triple-Z printer's `at.triple_z` adds where the bed stands by its screws. On a
+/// delta `at.delta` says where the nozzle stands beside its commanded place as the
 /// machine is believed to be built; effects that turn its build are straight about
 /// that.
 template <typename T>
@@ -31,7 +32,10 @@ Errors<T> ErrorsAt(const Machine& machine,
   errors.tip_radius_mm = T(machine.probe.tip_radius_mm);
   const auto add = [&](bool drive, const Vec3<T>& q_mm) {
     for (const Valued<T>& effect : effects) {
-      if ((EffectAt(effect.effect).stage == Stage::kDrive) != drive) continue;
+      const Stage stage = EffectAt(effect.effect).stage;
+      if ((stage == Stage::kDrive) != drive) continue;
+      // A gauge that stands on the frame does not feel what the gantry does.
+      if (stage == Stage::kFrame && at.triple_z && at.triple_z->is_fixed) continue;
       const Asked<T> asked{.p = effect.values,
                            .axis = effect.axis,
                            .machine = machine,
@@ -45,12 +49,23 @@ Errors<T> ErrorsAt(const Machine& machine,
   if (at.delta != nullptr) {
     errors.motion_mm += at.delta->off_mm.template cast<T>();
     add(/*drive=*/false, Vec3<T>(q_mm + errors.motion_mm));
-    errors.motion_mm += MotionOfMotors_mm(*at.delta, errors);
+    errors.motion_mm += MotionOfMotors_mm(at, errors);
     return errors;
+  }
+  if (at.triple_z) {
+    const int z = Index(Axis::kZ);
+    if (at.steps_per_mm[z] > 0) {
+      errors.motor_mm += MotorsOf_mm(at)->template cast<T>() *
+                         (T(at.steps_per_mm[z] / errors.steps_per_mm[z]) - 1.0);
+    }
+    errors.motion_mm[z] += at.triple_z->off_mm;
+    errors.motion_mm += MotionOfMotors_mm(at, errors);
   }
   for (const Axis axis : kAxes) {
     const int i = Index(axis);
-    if (at.steps_per_mm[i] > 0) {
+    // A bed's screws have had theirs.
+    const bool is_screws = at.triple_z && axis == Axis::kZ;
+    if (at.steps_per_mm[i] > 0 && !is_screws) {
       errors.motion_mm[i] += (at.q_mm[i] - machine.axis(axis).home_mm()) *
                              (Mutant("predict_scale_inverted",
                                      T(at.steps_per_mm[i] / errors.steps_per_mm[i]),
@@ -89,11 +104,15 @@ T Pretravel_mm(const Errors<T>& errors, const Vec3<double>& n) {
 ///   position, radial:  motion . n
 ///   touch:  -motion . n - pre-travel - v tau + (R_true - R_cfg) + artefact
 ///
-/// Motion contains the lost motion not compensated, -dir (b - compensation) / 2.
+/// Motion contains the lost motion not compensated, -dir (b - compensation) / 2. On a
+/// triple-Z printer a gauge reads how far the nozzle is from the bed, so that
+/// position = motion . n - artefact.
 template <typename T>
 T Value_mm(const At& at, const Errors<T>& errors) {
   T along_mm = errors.motion_mm.dot(at.n.template cast<T>());
-  if (at.kind != RowKind::kTouch) return along_mm;
+  if (at.kind != RowKind::kTouch) {
+    return at.triple_z ? along_mm - errors.artefact_mm : along_mm;
+  }
   return -along_mm - Pretravel_mm(errors, at.n) - errors.more_pretravel_mm -
          Mutant("predict_latency_sign", 1.0, -1.0) * at.feed_mm_s * errors.latency_s +
          Mutant("predict_tip_sign", 1.0, -1.0) *

@@ -66,7 +66,8 @@ struct ProbeTemperature {
       .neutral = Neutral,
       .aliases = kAliases,
       .sight = Sight{.shown = In, .forms = Grid},
-      .delta_axes = kAxes};
+      .delta_axes = kAxes,
+      .triple_z_axes = kAxes};
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {

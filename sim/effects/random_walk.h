@@ -58,7 +58,8 @@ struct RandomWalk {
                     "often, keep campaigns short."},
       .neutral = Neutral,
       .aliases = kAliases,
-      .delta_axes = kAxes};
+      .delta_axes = kAxes,
+      .triple_z_axes = kAxes};
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {

@@ -13,6 +13,7 @@ namespace caltwin {
 /// ErrorsAt applies it, since a setting can be wrong on a machine built as drawn.
 struct StepsPerMm {
   static constexpr std::array<std::string_view, 3> kAxes = {"x", "y", "z"};
+  static constexpr std::array<std::string_view, 1> kTripleZAxes = {"z"};
   static constexpr std::array kParameters = {
       Parameter{.name = "true_steps_per_mm",
                 .unit = "1/mm",
@@ -45,7 +46,8 @@ struct StepsPerMm {
            .cause = "Wrong steps/mm setting, or a screw whose lead is not as marked.",
            .effect = "Parts are too large or too small in proportion to their size.",
            .action = "Set M92 to s_cfg * commanded / actual."},
-      .neutral = Neutral};
+      .neutral = Neutral,
+      .triple_z_axes = kTripleZAxes};
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {

@@ -15,6 +15,8 @@ namespace caltwin {
 struct Straightness {
   static constexpr std::array<std::string_view, 5> kAxes = {
       "EYX", "EXY", "EZY", "EXZ", "EYZ"};
+  /// A bed is touched along z alone.
+  static constexpr std::array<std::string_view, 1> kTripleZAxes = {"EZY"};
   static constexpr std::array kParameters = {
       Parameter{.name = "bow_um",
                 .unit = "um",
@@ -57,7 +59,8 @@ struct Straightness {
                 .action = "Measure against a straight-edge on both of its sides, then "
                           "shim or scrape the rail; firmware seldom corrects it."},
       .neutral = Neutral,
-      .sight = Sight{.shown = ShownIn}};
+      .sight = Sight{.shown = ShownIn},
+      .triple_z_axes = kTripleZAxes};
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {

@@ -120,11 +120,39 @@ void Surroundings::Complete(const Row& row, At* at) const {
   }
 }
 
+namespace {
+
+// Where the screws stand by what the row tells of them.
+TripleZAt TripleZAtOf(const Row& row, const TripleZDrawing& drawing, const At& at) {
+  constexpr double kNone_mm = 0;
+  const Vec3<double> tip_mm = at.Tip_mm();
+  TripleZAt here{
+      .drawn_mm = drawing.pivots_mm(),
+      .weights = ScrewWeights<double>(drawing.pivots_mm(), tip_mm[0], tip_mm[1])};
+  const double commanded_mm = Known(row.cmd_mm[2]) ? row.cmd_mm[2] : kNone_mm;
+  here.stated_z_mm =
+      commanded_mm - (row.kind == RowKind::kTouch ? at.probe_off_mm[2] : 0);
+  for (int i = 0; i < kNumScrews; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const bool is_stated = Known(row.motor_mm[k]);
+    here.stated_mm[i] = is_stated ? row.motor_mm[k] : drawing.top_mm - commanded_mm;
+    here.motor_dir[i] = Known(row.motor_dir[k]) ? row.motor_dir[k] : -at.dir[2];
+  }
+  here.off_mm = drawing.top_mm - here.weights.dot(here.stated_mm) - commanded_mm;
+  here.is_fixed =
+      row.kind == RowKind::kPosition &&
+      (row.feature.starts_with("post") || row.campaign.starts_with("fixed_post"));
+  return here;
+}
+
+}  // namespace
+
 At AtOf(const Row& row, const Machine& machine, const Settings& in_force) {
   At at{.kind = row.kind,
         .n = DirectionOf(row),
         // What a delta moves is its nozzle, which is what touches.
-        .tip_radius_cfg_mm = machine.delta ? 0 : in_force.tip_radius_mm,
+        .tip_radius_cfg_mm =
+            machine.delta || machine.triple_z ? 0 : in_force.tip_radius_mm,
         .feed_mm_s = Known(row.feed_mm_s) ? row.feed_mm_s : 0,
         .load_n = row.load_n,
         .on_table = row.kind == RowKind::kTouch,
@@ -150,6 +178,10 @@ At AtOf(const Row& row, const Machine& machine, const Settings& in_force) {
     at.q_mm += (row.value_mm + at.tip_radius_cfg_mm) * at.n - at.probe_off_mm;
   }
   if (IsRelease(row)) at.feed_mm_s = -at.feed_mm_s;
+  if (machine.triple_z) {
+    at.triple_z = TripleZAtOf(row, *machine.triple_z, at);
+    at.on_table = true;  // Gauges too read how far the bed is.
+  }
   return at;
 }
 

@@ -40,7 +40,8 @@ struct TriggerLatency {
                 .action = "Probe at the feed at which the deflection was measured."},
       .neutral = Neutral,
       .sight = Sight{.shown = In},
-      .delta_axes = kAxes};
+      .delta_axes = kAxes,
+      .triple_z_axes = kAxes};
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {

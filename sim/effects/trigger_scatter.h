@@ -40,7 +40,8 @@ struct TriggerScatter {
                 .action =
                     "Clean ball and face, slow the measuring touch, repeat more."},
       .neutral = Neutral,
-      .delta_axes = kAxes};
+      .delta_axes = kAxes,
+      .triple_z_axes = kAxes};
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {

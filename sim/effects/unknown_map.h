@@ -21,6 +21,8 @@ struct UnknownMap {
       "x", "y", "z", "probe", "bed"};
   static constexpr std::array<std::string_view, 8> kDeltaAxes = {
       "x", "y", "z", "a", "b", "c", "probe", "bed"};
+  static constexpr std::array<std::string_view, 8> kTripleZAxes = {
+      "x", "y", "z", "z1", "z2", "z3", "probe", "bed"};
   static constexpr std::array kParameters = {
       Parameter{.name = "values_um",
                 .unit = "um",
@@ -54,7 +56,8 @@ struct UnknownMap {
                     "Measure what the last lines here ask for, or look at the machine "
                     "where the table is steepest."},
       .neutral = Neutral,
-      .delta_axes = kDeltaAxes};
+      .delta_axes = kDeltaAxes,
+      .triple_z_axes = kTripleZAxes};
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {

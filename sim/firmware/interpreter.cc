@@ -268,7 +268,10 @@ Reply Firmware::Parts::Set(std::string_view rest, Frame* frame) {
 }
 
 void Firmware::Parts::AdoptGlobals() {
-  if (const auto found = globals.find("nxtProbeDeflection"); found != globals.end()) {
+  // Asked after every line: the names are made once.
+  static const std::string kDeflection = "nxtProbeDeflection";
+  static const std::string kTipRadius = "nxtProbeTipRadius";
+  if (const auto found = globals.find(kDeflection); found != globals.end()) {
     const Value& value = found->second;
     const Value::Array* const array = value.array();
     for (std::size_t i = 0; i < 3; ++i) {
@@ -279,7 +282,7 @@ void Firmware::Parts::AdoptGlobals() {
       }
     }
   }
-  if (const auto found = globals.find("nxtProbeTipRadius");
+  if (const auto found = globals.find(kTipRadius);
       found != globals.end() && found->second.is_number()) {
     settings.tip_radius_mm = found->second.Number();
   }

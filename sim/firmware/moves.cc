@@ -34,12 +34,11 @@ Vec3<double> Firmware::Parts::Target_mm(const Words& words) const {
   return target_mm;
 }
 
-std::string Firmware::Parts::Refusal(const std::string& command,
-                                     const Words& words,
-                                     const Vec3<double>& target_mm) const {
+std::string_view Firmware::Parts::Refusal(const Words& words,
+                                          const Vec3<double>& target_mm) const {
   for (const Axis axis : kAxes) {
     if (words.Has(CapitalLetter(axis)) && !motion.is_homed(axis)) {
-      return command + ": insufficient axes homed";
+      return "insufficient axes homed";
     }
   }
   for (const Axis axis : kAxes) {
@@ -47,7 +46,7 @@ std::string Firmware::Parts::Refusal(const std::string& command,
     const double mm = target_mm[Index(axis)];
     if (words.Has(CapitalLetter(axis)) && (mm < drawing.min_mm - kLimitSlack_mm ||
                                            mm > drawing.max_mm + kLimitSlack_mm)) {
-      return command + ": target position outside machine limits";
+      return "target position outside machine limits";
     }
   }
   return "";
@@ -64,8 +63,8 @@ Reply Firmware::Parts::MoveLinear(const GcodeCommand& command, const Words& word
   }
   if (!NamesAxis(words)) return {};
   const Vec3<double> target_mm = Target_mm(words);
-  const std::string refusal = Refusal("G0/G1", words, target_mm);
-  if (!refusal.empty()) return Refuse(refusal);
+  const std::string_view refusal = Refusal(words, target_mm);
+  if (!refusal.empty()) return Refuse(fmt::format("G0/G1: {}", refusal));
   motion.MoveTo(target_mm,
                 is_rapid ? std::numeric_limits<double>::infinity() : feed_mm_s);
   return {};
@@ -110,8 +109,8 @@ Reply Firmware::Parts::Probe(const GcodeCommand& command, const Words& words) {
   motion.Finish();
   if (motion.alarm()) return {};
   const Vec3<double> target_mm = Target_mm(words);
-  const std::string refusal = Refusal(command.Name(), words, target_mm);
-  if (!refusal.empty()) return Refuse(refusal);
+  const std::string_view refusal = Refusal(words, target_mm);
+  if (!refusal.empty()) return Refuse(fmt::format("{}: {}", command.Name(), refusal));
 
   const bool goes_away = command.minor >= 4;
   if (plant->ProbeTriggered() != goes_away) {

@@ -73,9 +73,7 @@ struct Firmware::Parts {
   Reply MotorsOff(const Words& words);                                // M18 M84
   Vec3<double> Target_mm(const Words& words) const;
   /// Why a move to `target_mm` is refused; empty: it is not.
-  std::string Refusal(const std::string& command,
-                      const Words& words,
-                      const Vec3<double>& target_mm) const;
+  std::string_view Refusal(const Words& words, const Vec3<double>& target_mm) const;
 
   /// @name settings_commands.cc
   Reply StepsPerMm(const Words& words);        // M92

@@ -1,5 +1,6 @@
 #include "sim/firmware/words.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -29,20 +30,35 @@ Value ValueOf(const GcodeWord& word, const Lookup& lookup) {
 }  // namespace
 
 Words::Words(const GcodeCommand& command, const Lookup& lookup)
-    : command_(command.Name()) {
+    : letter_(command.letter), code_(command.code), minor_(command.minor) {
+  values_.reserve(command.words.size());
   for (const GcodeWord& word : command.words) {
-    values_[word.letter] = ValueOf(word, lookup);
+    const auto known =
+        std::ranges::find(values_, word.letter, &std::pair<char, Value>::first);
+    if (known == values_.end()) {
+      values_.emplace_back(word.letter, ValueOf(word, lookup));
+    } else {
+      known->second = ValueOf(word, lookup);
+    }
   }
 }
 
+const Value* Words::Find(char letter) const {
+  const auto found = std::ranges::find(values_, letter, &std::pair<char, Value>::first);
+  return found == values_.end() ? nullptr : &found->second;
+}
+
+std::string Words::Name() const {
+  return GcodeCommand{.letter = letter_, .code = code_, .minor = minor_}.Name();
+}
+
 std::optional<double> Words::Number(char letter) const {
-  const auto found = values_.find(letter);
-  if (found == values_.end()) return std::nullopt;
-  if (!found->second.is_number() || !std::isfinite(found->second.Number())) {
-    throw InputError({},
-                     fmt::format("{}: expected number after '{}'", command_, letter));
+  const Value* const found = Find(letter);
+  if (found == nullptr) return std::nullopt;
+  if (!found->is_number() || !std::isfinite(found->Number())) {
+    throw InputError({}, fmt::format("{}: expected number after '{}'", Name(), letter));
   }
-  return found->second.Number();
+  return found->Number();
 }
 
 std::optional<int> Words::Whole(char letter, int min, int max) const {
@@ -51,7 +67,7 @@ std::optional<int> Words::Whole(char letter, int min, int max) const {
   if (*number < min || *number > max || std::floor(*number) != *number) {
     throw InputError({},
                      fmt::format("{}: parameter '{}' is a whole number from {} to {}",
-                                 command_,
+                                 Name(),
                                  letter,
                                  min,
                                  max));
@@ -60,12 +76,11 @@ std::optional<int> Words::Whole(char letter, int min, int max) const {
 }
 
 std::optional<std::string> Words::Text(char letter) const {
-  const auto found = values_.find(letter);
-  if (found == values_.end()) return std::nullopt;
-  const auto* const text = std::get_if<std::string>(&found->second.of);
+  const Value* const found = Find(letter);
+  if (found == nullptr) return std::nullopt;
+  const auto* const text = std::get_if<std::string>(&found->of);
   if (text == nullptr) {
-    throw InputError({},
-                     fmt::format("{}: expected string after '{}'", command_, letter));
+    throw InputError({}, fmt::format("{}: expected string after '{}'", Name(), letter));
   }
   return *text;
 }

@@ -1,8 +1,9 @@
 #pragma once
 
-#include <map>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "sim/firmware/expression.h"
 #include "sim/link/gcode.h"
@@ -15,17 +16,22 @@ class Words {
  public:
   Words(const GcodeCommand& command, const Lookup& lookup);
 
-  bool Has(char letter) const { return values_.contains(letter); }
+  bool Has(char letter) const { return Find(letter) != nullptr; }
   /// Nullopt where the letter is absent; throws InputError, naming the command, where
   /// it has no number.
   std::optional<double> Number(char letter) const;
   std::optional<int> Whole(char letter, int min, int max) const;
   std::optional<std::string> Text(char letter) const;
-  const std::map<char, Value>& values() const { return values_; }
+  const std::vector<std::pair<char, Value>>& values() const { return values_; }
 
  private:
-  std::string command_;
-  std::map<char, Value> values_{};
+  const Value* Find(char letter) const;
+  /// For messages.
+  std::string Name() const;
+
+  char letter_;
+  int code_, minor_;
+  std::vector<std::pair<char, Value>> values_{};
 };
 
 }  // namespace caltwin::rrf

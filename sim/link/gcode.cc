@@ -73,7 +73,7 @@ class Reader {
   /// The first of `marks` outside quotes, braces and bracketed comments, or the end.
   std::size_t FindOutside(std::string_view marks) const;
   std::optional<double> ReadNumber();
-  int ReadWhole(const std::string& what);
+  int ReadWhole(std::string_view what);
   GcodeCommand ReadCommand(bool is_first);
   GcodeWord ReadWord();
   std::string ReadQuoted();
@@ -95,6 +95,8 @@ void Reader::SkipBlanks() {
 }
 
 bool Reader::StartsWithMetaWord() const {
+  // Nearly every line begins with a letter and a digit: "G1".
+  if (at_ + 1 < end_ && !IsLetter(line_[at_ + 1])) return false;
   std::size_t stop = at_;
   while (stop < end_ && IsLetter(line_[stop])) ++stop;
   if (stop < end_ && (IsDigit(line_[stop]) || line_[stop] == '_')) return false;
@@ -148,6 +150,7 @@ void Reader::CutComment() {
 }
 
 void Reader::CutChecksum() {
+  if (line_.substr(0, end_).find('*') == std::string_view::npos) return;
   const std::size_t star = FindOutside("*");
   if (star == end_) return;
   const int computed = GcodeChecksum(line_.substr(0, star));
@@ -182,11 +185,12 @@ std::optional<double> Reader::ReadNumber() {
   return value;
 }
 
-int Reader::ReadWhole(const std::string& what) {
+int Reader::ReadWhole(std::string_view what) {
   int value = 0;
   const char* const begin = line_.data() + at_;
   const auto [stop, error] = std::from_chars(begin, line_.data() + end_, value);
-  if (error != std::errc() || value < 0) Fail("expected " + what + ": a whole number");
+  if (error != std::errc() || value < 0)
+    Fail(fmt::format("expected {}: a whole number", what));
   at_ += static_cast<std::size_t>(stop - begin);
   return value;
 }
@@ -258,7 +262,9 @@ GcodeCommand Reader::ReadCommand(bool is_first) {
       ++at_;
       command.code = -ReadWhole("a tool number");
     } else if (letter != 'T' || (!done() && IsDigit(now()))) {
-      command.code = ReadWhole(fmt::format("the number of a {} command", letter));
+      command.code = ReadWhole(letter == 'G'   ? "the number of a G command"
+                               : letter == 'M' ? "the number of an M command"
+                                               : "the number of a T command");
     }
     if (!done() && now() == '.') {
       ++at_;
@@ -270,13 +276,13 @@ GcodeCommand Reader::ReadCommand(bool is_first) {
       return command;
     }
   }
-  const std::size_t start = at_;
+  constexpr std::size_t kUsualWords = 4;
   for (SkipBlanks(); !done(); SkipBlanks()) {
     const char next = Capital(now());
     if (next == 'G' || next == 'M') break;
+    if (command.words.empty()) command.words.reserve(kUsualWords);
     command.words.push_back(ReadWord());
   }
-  command.rest = std::string(line_.substr(start, at_ - start));
   return command;
 }
 
@@ -304,6 +310,8 @@ GcodeLine Reader::Read() {
   while (last > at_ && IsSpace(line_[last - 1])) --last;
   parsed.text = std::string(line_.substr(at_, last - at_));
   if (parsed.is_meta) return parsed;
+  constexpr std::size_t kUsualCommands = 2;  // G53 G1 ...
+  parsed.commands.reserve(kUsualCommands);
   for (SkipBlanks(); !done(); SkipBlanks()) {
     parsed.commands.push_back(ReadCommand(parsed.commands.empty()));
   }
@@ -325,6 +333,12 @@ const GcodeWord* GcodeCommand::Find(char wanted) const {
   return found == words.end() ? nullptr : &*found;
 }
 
+std::optional<double> GcodeCommand::Number(char wanted) const {
+  const GcodeWord* word = Find(wanted);
+  if (word == nullptr || word->kind != GcodeWord::Kind::kNumber) return std::nullopt;
+  return word->number;
+}
+
 std::string GcodeCommand::Name() const {
   std::string name(1, letter);
   if (code >= 0) name += fmt::format("{}", code);
@@ -339,27 +353,6 @@ GcodeLine ParseGcode(std::string_view line) {
                      fmt::format("{} are allowed", kLongestLine));
   }
   return Reader(line).Read();
-}
-
-std::string GcodeNumber(double value, int decimals) {
-  Require(std::isfinite(value), "a number in G-code is finite");
-  std::string text = fmt::format("{:.{}f}", value, decimals);
-  if (text.find('.') != std::string::npos) {
-    while (text.back() == '0') text.pop_back();
-    if (text.back() == '.') text.pop_back();
-  }
-  return text == "-0" ? "0" : text;
-}
-
-std::string GcodeMove(std::string_view command,
-                      const std::vector<std::pair<char, double>>& words_mm,
-                      double feed_mm_s) {
-  std::string line(command);
-  for (const auto& [letter, value_mm] : words_mm) {
-    line += fmt::format(" {}{}", letter, GcodeNumber(value_mm));
-  }
-  if (feed_mm_s > 0) line += " F" + GcodeNumber(FeedWord_mm_min(feed_mm_s));
-  return line;
 }
 
 int GcodeChecksum(std::string_view bytes) {

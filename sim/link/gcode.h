@@ -32,9 +32,11 @@ struct GcodeCommand {
   int code = -1;
   int minor = 0;  ///< The 2 of G38.2.
   std::vector<GcodeWord> words{};
-  std::string rest{};  ///< Everything behind the code as written: M117 and M118.
+  std::string rest{};  ///< Of M117 and M118: everything behind the code as written.
 
   const GcodeWord* Find(char letter) const;
+  /// The number behind that letter; nullopt where there is none.
+  std::optional<double> Number(char letter) const;
   bool Is(char of, int number, int fraction = 0) const {
     return letter == of && code == number && minor == fraction;
   }

@@ -6,17 +6,23 @@
 namespace caltwin {
 namespace {
 
+char Small(char c) {
+  return static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+}
+
 std::string InSmallLetters(std::string_view text) {
   std::string small(text);
-  std::ranges::transform(small, small.begin(), [](unsigned char c) {
-    return static_cast<char>(std::tolower(c));
-  });
+  std::ranges::transform(small, small.begin(), Small);
   return small;
 }
 
+bool BeginsWith(std::string_view line, std::string_view words) {
+  return line.size() >= words.size() &&
+         std::ranges::equal(line.substr(0, words.size()), words, {}, Small);
+}
+
 bool IsFault(std::string_view line) {
-  const std::string small = InSmallLetters(line);
-  return small.starts_with("error:") || small.starts_with("emergency stop");
+  return BeginsWith(line, "error:") || BeginsWith(line, "emergency stop");
 }
 
 MachineFault::Kind KindOf(std::string_view reply) {

@@ -73,6 +73,7 @@ DeltaDrawing ReadDeltaDrawing(YamlMap* map) {
   drawing.rod_spacing_mm = map->NumberOr("rod_spacing_mm", 40, {1, 500});
   drawing.effector_radius_mm = map->NumberOr("effector_radius_mm", 30, {1, 500});
   drawing.joint_height_mm = map->NumberOr("joint_height_mm", 20, {-200, 500});
+  drawing.effector_mass_kg = map->NumberOr("effector_mass_kg", 0.35, {1e-3, 100});
   drawing.print_radius_mm =
       map->NumberOr("print_radius_mm", drawing.model.radius_mm[0] / 1.3, {1, 2000});
   drawing.settings = drawing.model;

@@ -11,7 +11,8 @@ struct DeltaDrawing {
   double rod_spacing_mm = 40;
   double effector_radius_mm = 30;
   double joint_height_mm = 20;
-  double print_radius_mm = 100;  ///< Of the bed's part that is probed and printed on.
+  double effector_mass_kg = 0.35;  ///< All that hangs on the rods.
+  double print_radius_mm = 100;    ///< Of the bed's part that is probed and printed on.
   DeltaModel<double> settings = model;  ///< As drawn where the file says nothing.
 
   /// Built exactly as drawn.

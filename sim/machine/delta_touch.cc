@@ -4,6 +4,8 @@
 #include <limits>
 #include <vector>
 
+#include "sim/machine/delta_mesh.h"
+
 namespace caltwin {
 namespace {
 
@@ -78,6 +80,14 @@ DeltaAccuracy DeltaAccuracyOf(const DeltaBuild<double>& build,
                               const DeltaBed<double>& bed,
                               const DeltaModel<double>& settings,
                               double radius_mm) {
+  return DeltaAccuracyOf(build, bed, settings, radius_mm, DeltaMesh{});
+}
+
+DeltaAccuracy DeltaAccuracyOf(const DeltaBuild<double>& build,
+                              const DeltaBed<double>& bed,
+                              const DeltaModel<double>& settings,
+                              double radius_mm,
+                              const DeltaMesh& mesh) {
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   const std::vector<Vec3<double>> commanded = OnDisc(radius_mm);
   std::vector<Vec3<double>> moved;
@@ -85,7 +95,8 @@ DeltaAccuracy DeltaAccuracyOf(const DeltaBuild<double>& build,
   double sum = 0, square = 0;
   const auto num = static_cast<double>(commanded.size());
   for (const Vec3<double>& at : commanded) {
-    const auto pose = DeltaPoseOf(build, DeltaMotors_mm(settings, at));
+    const Vec3<double> lifted = at + mesh.Lift_mm(at[0], at[1]) * Unit(Axis::kZ);
+    const auto pose = DeltaPoseOf(build, DeltaMotors_mm(settings, lifted));
     if (!pose) return {kNaN, kNaN, kNaN, kNaN, kNaN};
     moved.push_back(pose->nozzle_mm);
     const double above_mm =
@@ -98,6 +109,21 @@ DeltaAccuracy DeltaAccuracyOf(const DeltaBuild<double>& build,
   accuracy.z_flat_rms_mm = std::sqrt(std::max(0.0, square - sum * sum));
   AddPlane(commanded, moved, &accuracy);
   return accuracy;
+}
+
+double DeltaHeightChange_mm(const DeltaBuild<double>& build,
+                            const DeltaModel<double>& from,
+                            const DeltaModel<double>& to,
+                            double radius_mm) {
+  const std::vector<Vec3<double>> commanded = OnDisc(radius_mm);
+  double square = 0;
+  for (const Vec3<double>& at : commanded) {
+    const auto before = DeltaPoseOf(build, DeltaMotors_mm(from, at));
+    const auto after = DeltaPoseOf(build, DeltaMotors_mm(to, at));
+    if (!before || !after) return std::numeric_limits<double>::quiet_NaN();
+    square += std::pow(after->nozzle_mm[2] - before->nozzle_mm[2], 2);
+  }
+  return std::sqrt(square / static_cast<double>(commanded.size()));
 }
 
 }  // namespace caltwin

@@ -68,4 +68,11 @@ DeltaAccuracy DeltaAccuracyOf(const DeltaBuild<double>& build,
                               const DeltaModel<double>& settings,
                               double radius_mm);
 
+/// By how much other settings change the height at which the nozzle of a machine
+/// stands, rms over the same points. Not a number where it does not reach.
+double DeltaHeightChange_mm(const DeltaBuild<double>& build,
+                            const DeltaModel<double>& from,
+                            const DeltaModel<double>& to,
+                            double radius_mm);
+
 }  // namespace caltwin

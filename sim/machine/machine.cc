@@ -109,12 +109,54 @@ AxisDrawing TowerAxis(const DeltaDrawing& delta, std::size_t tower) {
           .max_feed_mm_s = 200,
           .acceleration_mm_s2 = 2000,
           .moving_mass_kg = 0.15,
-          .rail_friction_n = 1};
+          .rail_friction_n = 6};
+}
+
+// Belts along x and y, and along z the screws: the nozzle over a bed of 235 mm.
+void ReadTripleZAxes(YamlMap* map, Machine* machine) {
+  TripleZDrawing& triple_z = *machine->triple_z;
+  AxisDrawing belt{.max_mm = 235,
+                   .lead_mm = 40,
+                   .is_belt = true,
+                   .max_feed_mm_s = 200,
+                   .acceleration_mm_s2 = 3000,
+                   .moving_mass_kg = 0.5,
+                   .rail_friction_n = 2};
+  const ScrewDrawing& first = triple_z.screws[0];
+  AxisDrawing screw{.max_mm = triple_z.top_mm,
+                    .home = HomeEnd::kMax,
+                    .lead_mm = first.lead_mm,
+                    .full_steps_per_rev = first.full_steps_per_rev,
+                    .microsteps = first.microsteps,
+                    .max_feed_mm_s = 20,
+                    .acceleration_mm_s2 = 200,
+                    .moving_mass_kg = 2,
+                    .rail_friction_n = 5};
+  // Nothing hangs on a gap: every screw's is in its drive.
+  screw.counterbalance_n = screw.moving_mass_kg * kGravity_m_s2;
+  machine->axes = {belt, belt, screw};
+  if (const auto axes = map->Optional("axes")) {
+    YamlMap by_axis = axes->Map();
+    for (const Axis axis : kAxes) {
+      AxisDrawing& read = machine->axes[static_cast<std::size_t>(Index(axis))];
+      if (const auto drawing = by_axis.Optional(Name(axis))) {
+        read = ReadAxis(axis, drawing->Map(), read, /*needs_lead=*/false);
+      }
+    }
+    by_axis.NoMoreKeys();
+  }
+  // Commanded heights count from where the bed meets the nozzle.
+  machine->axes[2].home = HomeEnd::kMax;
+  triple_z.top_mm = machine->axes[2].max_mm;
 }
 
 // A cartesian machine names its axes; a delta's towers are alike but where they are
 // named.
 void ReadAxes(YamlMap* map, Machine* machine) {
+  if (machine->triple_z) {
+    ReadTripleZAxes(map, machine);
+    return;
+  }
   if (machine->delta) {
     for (std::size_t i = 0; i < kNumTowers; ++i) {
       machine->axes[i] = TowerAxis(*machine->delta, i);
@@ -128,7 +170,7 @@ void ReadAxes(YamlMap* map, Machine* machine) {
     const auto drawing =
         machine->delta ? by_axis.Optional(name) : by_axis.Required(name);
     if (!drawing) continue;
-    // No tower's weight hangs on a gap: belts hold it.
+    // What hangs on a tower's gap depends on the pose (TowerLoad_n).
     AxisDrawing& read = machine->axes[static_cast<std::size_t>(Index(axis))];
     read = machine->delta
                ? ReadAxis(Axis::kX, drawing->Map(), read, /*needs_lead=*/false)
@@ -143,12 +185,31 @@ fs::path SourceFolder() {
 
 }  // namespace
 
+std::string ToString(Kinematics kinematics) {
+  switch (kinematics) {
+    case Kinematics::kDelta:
+      return "delta";
+    case Kinematics::kTripleZ:
+      return "triple_z";
+    case Kinematics::kCartesian:
+      break;
+  }
+  return "cartesian";
+}
+
 bool WeightKeepsGapShut(Axis axis, const AxisDrawing& drawing) {
   if (axis != Axis::kZ) return false;
   const double hanging_n =
       drawing.moving_mass_kg * kGravity_m_s2 - drawing.counterbalance_n;
   return std::abs(hanging_n) >
          Mutant("weight_never_shuts_the_gap", 1.0, 1e9) * drawing.rail_friction_n;
+}
+
+double TowerLoad_n(const AxisDrawing& tower,
+                   const DeltaDrawing& delta,
+                   double nozzle_per_carriage) {
+  return kGravity_m_s2 *
+         (tower.moving_mass_kg + delta.effector_mass_kg * nozzle_per_carriage);
 }
 
 void ReadSettings(YamlMap* map, Settings* settings) {
@@ -166,9 +227,13 @@ Machine ReadMachine(YamlMap* map) {
   map->IntegerOr("format", 1, 1, 1);
   machine.name = map->TextOr("name", machine.file.stem().string());
   if (const auto kinematics = map->Required("kinematics")) {
-    if (kinematics->Word({"cartesian", "delta"}) == "delta") {
+    const std::string word = kinematics->Word({"cartesian", "delta", "triple_z"});
+    if (word == "delta") {
       machine.kinematics = Kinematics::kDelta;
       machine.delta = ReadDeltaDrawing(map);
+    } else if (word == "triple_z") {
+      machine.kinematics = Kinematics::kTripleZ;
+      machine.triple_z = ReadTripleZDrawing(map);
     }
   }
   if (const auto model = map->Optional("model")) {
@@ -182,7 +247,8 @@ Machine ReadMachine(YamlMap* map) {
   ReadAxes(map, &machine);
   if (const auto probe = map->Optional("probe"))
     machine.probe = ReadProbe(probe->Map());
-  if (machine.delta) machine.probe.tip_radius_mm = 0;  // Its nozzle is its tip.
+  const bool is_printer = machine.delta || machine.triple_z;
+  if (is_printer) machine.probe.tip_radius_mm = 0;  // Its nozzle is its tip.
   machine.settings.tip_radius_mm = machine.probe.tip_radius_mm;
   for (const Axis axis : kAxes) {
     machine.settings.steps_per_mm[Index(axis)] = machine.axis(axis).steps_per_mm();

@@ -9,6 +9,7 @@
 #include "sim/base/yaml.h"
 #include "sim/machine/axis.h"
 #include "sim/machine/delta_drawing.h"
+#include "sim/machine/triple_z.h"
 
 namespace caltwin {
 
@@ -44,8 +45,21 @@ inline constexpr double kGravity_m_s2 = 9.81;
 
 /// Whether the load hanging on `drawing` [N], its weight less the counterbalance,
 /// exceeds the rail friction, so that it, not the last direction, decides on which side
-/// of its gap the carriage rests. Only the vertical axis can.
+/// of its gap the carriage rests. Only the vertical axis of a cartesian machine can; of
+/// a delta see TowerLoad_n.
 bool WeightKeepsGapShut(Axis axis, const AxisDrawing& drawing);
+
+/// What hangs on a tower's drive: the carriage and its share of the effector, which is
+/// by how much the nozzle rises as that carriage does (virtual work; rods are taken to
+/// weigh nothing).
+///
+///   load = (carriage + effector dz / dcarriage) g   [N]
+///
+/// More than the rail's friction, and the weight, not the last direction, decides on
+/// which side of its gap the carriage rests: it hangs.
+double TowerLoad_n(const AxisDrawing& tower,
+                   const DeltaDrawing& delta,
+                   double nozzle_per_carriage);
 
 /// The touch probe as drawn.
 struct ProbeDrawing {
@@ -68,7 +82,9 @@ struct Settings {
   double tip_radius_mm = 1.0;
 };
 
-enum class Kinematics { kCartesian, kDelta };
+enum class Kinematics { kCartesian, kDelta, kTripleZ };
+/// "cartesian", "delta", "triple_z".
+std::string ToString(Kinematics kinematics);
 
 /// A machine file: its drawing and the settings it starts with.
 struct Machine {
@@ -78,6 +94,7 @@ struct Machine {
   std::filesystem::path model{};  ///< MJCF, resolved; empty: a generic one is built.
   std::array<AxisDrawing, 3> axes{};  ///< x y z; of a delta its towers a b c.
   std::optional<DeltaDrawing> delta{};
+  std::optional<TripleZDrawing> triple_z{};  ///< Its axes are x y z all the same.
   ProbeDrawing probe{};
   Settings settings{};
 

@@ -115,9 +115,20 @@ SurfaceDistance DistanceTo(const Solid& solid, const Vec3<double>& p_mm) {
   return nearest;
 }
 
+namespace {
+
+// Not more than the distance to an upright box: the farthest of its three slabs.
+double AtLeast_mm(const Solid& solid, const Vec3<double>& p_mm) {
+  if (solid.turn_rad != 0 || solid.bore_radius_mm > 0) return -1e9;
+  return ((p_mm - solid.center_mm).cwiseAbs() - solid.half_mm).maxCoeff();
+}
+
+}  // namespace
+
 SurfaceDistance NearestOf(const std::vector<Solid>& solids, const Vec3<double>& p_mm) {
   SurfaceDistance nearest;
   for (std::size_t i = 0; i < solids.size(); ++i) {
+    if (AtLeast_mm(solids[i], p_mm) >= nearest.distance_mm) continue;
     const SurfaceDistance candidate = DistanceTo(solids[i], p_mm);
     if (candidate.distance_mm >= nearest.distance_mm) continue;
     nearest = candidate;

@@ -6,6 +6,7 @@
 #include "sim/measure/plan_options_delta.h"
 #include "sim/measure/plan_options_gauge.h"
 #include "sim/measure/plan_options_touch.h"
+#include "sim/measure/plan_options_triple_z.h"
 
 namespace caltwin {
 namespace {
@@ -59,6 +60,8 @@ constexpr std::array kKinds = {
                  "twist of the beam.",
                  "probe",
                  of::kPlate,
+                 PlanPlate,
+                 nullptr,
                  PlanPlate},
     CampaignKind{"plate_turned_90",
                  "The same plate, turned by a quarter.",
@@ -66,6 +69,8 @@ constexpr std::array kKinds = {
                  "machine's: gantry sag against a curved bed.",
                  "probe",
                  of::kPlate,
+                 PlanPlateTurned90,
+                 nullptr,
                  PlanPlateTurned90},
     CampaignKind{
         "ring",
@@ -124,7 +129,46 @@ constexpr std::array kKinds = {
         "height_gauge",
         of::kZColumns,
         nullptr,
-        PlanZColumns}};
+        PlanZColumns},
+    CampaignKind{
+        "tz_grid",
+        "The nozzle touches a bed that stands on three screws on a grid.",
+        "The bed's plane and shape, sag of the gantry; with two probe offsets a "
+        "twist of its beam.",
+        "probe",
+        of::kTzGrid,
+        nullptr,
+        nullptr,
+        PlanTzGrid},
+    CampaignKind{
+        "tz_heights",
+        "A distance sensor on the head reads the bed on a grid at many heights, "
+        "moved there from above and from below.",
+        "Pitch, waves and play of single screws, a gantry that leans.",
+        "laser",
+        of::kTzHeights,
+        nullptr,
+        nullptr,
+        PlanTzHeights},
+    CampaignKind{"fixed_post",
+                 "An indicator on a post that stands on the frame reads the bed over "
+                 "each screw at many heights.",
+                 "What is the screws' alone: a gantry that leans does not move it.",
+                 "indicator",
+                 of::kFixedPost,
+                 nullptr,
+                 nullptr,
+                 PlanFixedPost},
+    CampaignKind{
+        "screws_one_by_one",
+        "Each screw is moved up and down alone, and the bed touched on a grid.",
+        "Where the screws truly stand, and motors plugged into each other's "
+        "drivers: invisible while all move alike.",
+        "probe",
+        of::kScrewsOneByOne,
+        nullptr,
+        nullptr,
+        PlanScrewsOneByOne}};
 
 }  // namespace
 

@@ -22,9 +22,13 @@ struct CampaignKind {
   /// The same on a delta.
   void (*plan_on_delta)(const PlannedCampaign& campaign,
                         MeasuringSession* session) = nullptr;
+  /// The same on a triple-Z printer.
+  void (*plan_on_triple_z)(const PlannedCampaign& campaign,
+                           MeasuringSession* session) = nullptr;
 
   /// What plans it on that machine; null: nothing does.
   auto PlanOn(Kinematics kinematics) const {
+    if (kinematics == Kinematics::kTripleZ) return plan_on_triple_z;
     return kinematics == Kinematics::kDelta ? plan_on_delta : plan;
   }
 };
@@ -35,7 +39,7 @@ std::span<const CampaignKind> AllCampaignKinds();
 const CampaignKind* FindCampaignKind(std::string_view id);
 
 /// @name How each kind is performed: plan_gauge.cc, plan_touch.cc, plan_edges.cc,
-/// plan_time.cc, plan_delta.cc
+/// plan_time.cc, plan_delta.cc, plan_triple_z.cc
 void PlanIso230(const PlannedCampaign& campaign, MeasuringSession* session);
 void PlanDense(const PlannedCampaign& campaign, MeasuringSession* session);
 void PlanAbbe(const PlannedCampaign& campaign, MeasuringSession* session);
@@ -52,6 +56,10 @@ void PlanDeltaGrid(const PlannedCampaign& campaign, MeasuringSession* session);
 void PlanDeltaXy(const PlannedCampaign& campaign, MeasuringSession* session);
 void PlanZColumns(const PlannedCampaign& campaign, MeasuringSession* session);
 void PlanDeltaRing(const PlannedCampaign& campaign, MeasuringSession* session);
+void PlanTzGrid(const PlannedCampaign& campaign, MeasuringSession* session);
+void PlanTzHeights(const PlannedCampaign& campaign, MeasuringSession* session);
+void PlanFixedPost(const PlannedCampaign& campaign, MeasuringSession* session);
+void PlanScrewsOneByOne(const PlannedCampaign& campaign, MeasuringSession* session);
 void PlanDrift(const PlannedCampaign& campaign, MeasuringSession* session);
 
 }  // namespace caltwin

@@ -46,6 +46,14 @@ MeasuringSession::MeasuringSession(const Plan& plan,
         drawing.lead_mm;
     transmission.full_steps_per_mm = drawing.full_steps_per_rev / drawing.lead_mm;
   }
+  if (machine.triple_z) {
+    for (int i = 0; i < kNumScrews; ++i) {
+      const ScrewDrawing& screw = machine.triple_z->screws[static_cast<std::size_t>(i)];
+      Transmission& transmission = session_.header.transmission[ScrewName(i)];
+      transmission.lead_mm = screw.lead_mm;
+      transmission.full_steps_per_mm = screw.full_steps_per_rev / screw.lead_mm;
+    }
+  }
   Home();
 }
 
@@ -112,6 +120,8 @@ void MeasuringSession::MoveTo(const Vec3<double>& q_mm, double feed_mm_s) {
           std::abs(moved_mm[i]) < kStill_mm ? 0 : std::copysign(1, moved_mm[i]);
     }
   }
+  // As the nozzle's height over the bed grows, the screws go down.
+  if (machine_.triple_z) motor_dir_.setConstant(-last_dir_[2]);
   const double feed =
       std::min(std::max(feed_mm_s, kStill_mm), MostFeed_mm_s(machine_, travel_mm));
   t_s_ += length_mm / feed + feed / machine_.axis(Axis::kX).acceleration_mm_s2;
@@ -120,6 +130,17 @@ void MeasuringSession::MoveTo(const Vec3<double>& q_mm, double feed_mm_s) {
 
 void MeasuringSession::Rapid(const Vec3<double>& q_mm) {
   MoveTo(q_mm, 1e9);
+}
+
+void MeasuringSession::SetScrews(const Vec3<double>& raised_mm) {
+  const Vec3<double> moved_mm = raised_mm - raised_mm_;
+  for (int i = 0; i < kNumScrews; ++i) {
+    motor_dir_[i] =
+        std::abs(moved_mm[i]) < kStill_mm ? 0 : std::copysign(1, moved_mm[i]);
+  }
+  const double feed_mm_s = machine_.axis(Axis::kZ).max_feed_mm_s;
+  t_s_ += moved_mm.cwiseAbs().maxCoeff() / feed_mm_s;
+  raised_mm_ = raised_mm;
 }
 
 void MeasuringSession::Finish(Row row) {
@@ -140,6 +161,14 @@ void MeasuringSession::Finish(Row row) {
     for (int i = 0; i < kNumTowers; ++i) {
       const auto k = static_cast<std::size_t>(i);
       row.motor_mm[k] = std::round(motors_mm[i] * 1e6) / 1e6;
+      row.motor_dir[k] = motor_dir_[i];
+    }
+  }
+  if (machine_.triple_z) {
+    for (int i = 0; i < kNumScrews; ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      const double told_mm = machine_.triple_z->top_mm - row.cmd_mm[2] + raised_mm_[i];
+      row.motor_mm[k] = std::round(told_mm * 1e6) / 1e6;
       row.motor_dir[k] = motor_dir_[i];
     }
   }

@@ -24,6 +24,21 @@ constexpr double kUnitTolerance = 1e-3;    // 0.707, 0.707 is a unit vector to p
 constexpr std::string_view kRequired[] = {"campaign", "value_mm"};
 constexpr std::string_view kPose[] = {"cmd_x_mm", "cmd_y_mm", "cmd_z_mm"};
 
+// What importers keep beside the rows, for people: nobody's mistake.
+constexpr std::string_view kKept[] = {"height_mm",
+                                      "count_a",
+                                      "count_b",
+                                      "count_c",
+                                      "temp_hotend_c",
+                                      "target_bed_c",
+                                      "target_hotend_c"};
+constexpr std::string_view kKeptOfCmm = "cmm_";
+
+bool IsKept(std::string_view name) {
+  return std::ranges::find(kKept, name) != std::end(kKept) ||
+         name.starts_with(kKeptOfCmm);
+}
+
 std::vector<std::string> KnownNames() {
   std::vector<std::string> names = {"row", "kind", "value_mm"};
   for (const Column& column : AllColumns()) names.emplace_back(column.name);
@@ -107,6 +122,7 @@ class Reader {
     for (const CsvField* field : unknown) {
       table_.extra_columns.push_back(field->text);
       if (field->text.empty()) faults_.Add(PlaceOf(*field), "a column without a name");
+      if (IsKept(field->text)) continue;
       const std::string nearest = NearestWord(field->text, known);
       table_.remarks.push_back(
           fmt::format("{}: the column '{}' is not known and not used{}",

@@ -16,6 +16,7 @@ constexpr int kCells = 256;
 constexpr double kBase_mm = 5;
 constexpr double kFlat_mm = 1e-9;
 constexpr const char* kProbe = "probe";
+constexpr const char* kDrive = "drive_";  // Its body, joint and tendon, by tower.
 
 mjsBody* Body(const mjSpec* spec, const std::string& name) {
   return mjs_asBody(FindElement(spec, mjOBJ_BODY, name));
@@ -78,6 +79,7 @@ void DeltaMjcf::SetTimestep_s(double timestep_s) {
         mjs_asEquality(FindElement(spec_.get(), mjOBJ_EQUALITY, "rod_" + RodName(k)));
     MakeHard(timestep_s, /*damping_ratio=*/0.5, rod->solref, rod->solimp);
   }
+  for (int tower = 0; tower < kNumTowers; ++tower) HardenPlay(tower, timestep_s);
   constexpr double kOneSided = 1;  // Damping ratio.
   for (const char* name : {"bed", "nozzle"}) {
     mjsGeom* geom = mjs_asGeom(FindElement(spec_.get(), mjOBJ_GEOM, name));
@@ -89,6 +91,49 @@ void DeltaMjcf::SetTimestep_s(double timestep_s) {
     mjsGeom* tip = mjs_asGeom(FindElement(spec_.get(), mjOBJ_GEOM, kProbe));
     MakeHard(timestep_s, kOneSided, tip->solref, tip->solimp);
   }
+}
+
+void DeltaMjcf::HardenPlay(int tower, double timestep_s) {
+  const std::string drive = kDrive + TowerName(tower);
+  mjsElement* element = mjs_findElement(spec_.get(), mjOBJ_TENDON, drive.c_str());
+  if (element == nullptr) return;
+  constexpr double kOneSided = 1;  // Damping ratio.
+  mjsTendon* gap = mjs_asTendon(element);
+  MakeHard(timestep_s, kOneSided, gap->solref_limit, gap->solimp_limit);
+  mjsJoint* rail = mjs_asJoint(FindElement(spec_.get(), mjOBJ_JOINT, TowerName(tower)));
+  MakeHard(timestep_s, kOneSided, rail->solref_friction, rail->solimp_friction);
+}
+
+void DeltaMjcf::AddPlay(const DeltaPlay& play) {
+  constexpr double kDrive_kg = 1e-3;
+  const std::string tower = TowerName(play.tower), drive = kDrive + tower;
+  mjsBody* carriage = Body(spec_.get(), "carriage_" + tower);
+  mjsJoint* rail = mjs_asJoint(FindElement(spec_.get(), mjOBJ_JOINT, tower));
+  mjsBody* driven = mjs_addBody(Body(spec_.get(), "world"), nullptr);
+  mjs_setName(driven->element, drive.c_str());
+  std::copy_n(carriage->pos, 3, driven->pos);
+  driven->explicitinertial = 1;
+  driven->mass = kDrive_kg;
+  for (double& inertia : driven->inertia) inertia = kDrive_kg * 1e-3;
+  mjsJoint* motor = mjs_addJoint(driven, nullptr);
+  mjs_setName(motor->element, drive.c_str());
+  motor->type = mjJNT_SLIDE;
+  std::copy_n(rail->axis, 3, motor->axis);
+  motor->armature = rail->armature;
+  rail->armature = 0;
+  rail->frictionloss = play.friction_n;
+  carriage->mass = play.carriage_kg;
+  mjsTendon* gap = mjs_addTendon(spec_.get(), nullptr);
+  mjs_setName(gap->element, drive.c_str());
+  mjs_wrapJoint(gap, tower.c_str(), 1);
+  mjs_wrapJoint(gap, drive.c_str(), -1);
+  gap->limited = mjLIMITED_TRUE;
+  gap->range[0] = -play.gap_mm / 2 * kMPerMm;
+  gap->range[1] = play.gap_mm / 2 * kMPerMm;
+}
+
+void DeltaMjcf::SetEffectorMass_kg(double mass_kg) {
+  Body(spec_.get(), "effector")->mass = mass_kg;
 }
 
 void DeltaMjcf::SetBuild(const DeltaBuild<double>& build) {

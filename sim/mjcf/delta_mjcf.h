@@ -8,6 +8,14 @@
 
 namespace caltwin {
 
+/// A carriage that is loose in its drive.
+struct DeltaPlay {
+  int tower = 0;
+  double gap_mm = 0;
+  double friction_n = 0;  ///< Between carriage and rail.
+  double carriage_kg = 0;
+};
+
 /// A delta's MuJoCo model as an editable specification, millimetres outside. Bodies,
 /// joints, sites and tendons are those of models/delta_printer/model.xml: bodies
 /// `carriage_a`, `effector`, `bed`, joints `a` (up is +, 0 at the endstop), sites
@@ -36,12 +44,21 @@ class DeltaMjcf {
   /// What touches without a probe: the nozzle's tip, or something as hard beside it.
   void MoveNozzle(const Vec3<double>& off_mm);
 
+  /// Parts a carriage from its drive: a body `drive_a` that the motor moves (joint
+  /// `drive_a`) and the carriage, which its rail holds by friction and which the drive
+  /// takes along once the gap is crossed. The friction never acts on the gap itself:
+  /// there it would close it. Call it after SetBuild and before SetTimestep_s.
+  void AddPlay(const DeltaPlay& play);
+  /// What hangs on the rods.
+  void SetEffectorMass_kg(double mass_kg);
+
   /// Throws logic_error with MuJoCo's words where it does not compile.
   ModelPtr Compile(bool with_looks) const;
 
  private:
   explicit DeltaMjcf(SpecPtr spec) : spec_(std::move(spec)) {}
   void CheckNames(const std::string& file) const;
+  void HardenPlay(int tower, double timestep_s);
   void AddHeights(const DeltaBed<double>& bed);
 
   SpecPtr spec_;

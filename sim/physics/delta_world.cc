@@ -22,9 +22,14 @@ DeltaWorld::DeltaWorld(ModelPtr model, const DeltaBuild<double>& build)
     : model_(std::move(model)), data_(mj_makeData(model_.get())) {
   for (int i = 0; i < kNumTowers; ++i) {
     const auto at = static_cast<std::size_t>(i);
-    const int joint = IdOf(model_.get(), mjOBJ_JOINT, TowerName(i));
+    const int carriage = IdOf(model_.get(), mjOBJ_JOINT, TowerName(i));
+    const int drive =
+        mj_name2id(model_.get(), mjOBJ_JOINT, ("drive_" + TowerName(i)).c_str());
+    const int joint = drive < 0 ? carriage : drive;
     qpos_[at] = model_->jnt_qposadr[joint];
     dof_[at] = model_->jnt_dofadr[joint];
+    carriage_qpos_[at] = model_->jnt_qposadr[carriage];
+    carriage_dof_[at] = model_->jnt_dofadr[carriage];
     mass_kg_[at] =
         model_->dof_armature[dof_[at]] + model_->body_mass[model_->jnt_bodyid[joint]];
     scale_[i] = 1 + build.belt_scale[at];
@@ -54,6 +59,8 @@ void DeltaWorld::Place(const Vec3<double>& motors_mm,
     const auto at = static_cast<std::size_t>(i);
     data_->qpos[qpos_[at]] = -motors_mm[i] * scale_[i] * kMPerMm;
     data_->qvel[dof_[at]] = -motors_mm_s[i] * scale_[i] * kMPerMm;
+    data_->qpos[carriage_qpos_[at]] = data_->qpos[qpos_[at]];
+    data_->qvel[carriage_dof_[at]] = data_->qvel[dof_[at]];
   }
   const double norm = std::sqrt(1 + pose.cayley.squaredNorm());
   for (int i = 0; i < 3; ++i) {
@@ -99,6 +106,16 @@ Vec3<double> DeltaWorld::Nozzle_mm() const {
   return at;
 }
 
+double DeltaWorld::MostPlay_mm() const {
+  double most_m = 0;
+  for (int tendon = 0; tendon < model_->ntendon; ++tendon) {
+    if (model_->tendon_limited[tendon] == 0) continue;
+    const mjtNum* range_m = model_->tendon_range + 2 * tendon;
+    most_m = std::max(most_m, range_m[1] - range_m[0]);
+  }
+  return most_m * kMmPerM;
+}
+
 Vec3<double> DeltaWorld::Motors_mm() const {
   Vec3<double> at;
   for (int i = 0; i < kNumTowers; ++i) {
@@ -114,6 +131,33 @@ double TouchTimestep_s(const DeltaTip& tip) {
   return tip.pretravel_mm < kLong_mm ? kShort_s : kLong_s;
 }
 
+std::optional<Vec3<double>> RestInPhysics(DeltaWorld* world,
+                                          const DeltaBuild<double>& build,
+                                          const Vec3<double>& motors_mm,
+                                          const Vec3<double>& motor_dir) {
+  constexpr double kFeed_mm_s = 5, kBeyondPlay_mm = 0.1;
+  // At the full feed a carriage with play would coast a micrometre beyond the stop.
+  constexpr double kSlow_mm_s = 0.5, kSlowFor_mm = 0.02;
+  constexpr int kRestSteps = 3, kRestStepsWithPlay = 30;
+  const double play_mm = world->MostPlay_mm();
+  const double way_mm = play_mm > 0 ? play_mm + kBeyondPlay_mm : 0;
+  const auto motors_at = [&](double left_mm) -> Vec3<double> {
+    return motors_mm - left_mm * motor_dir;
+  };
+  const auto pose = DeltaPoseOf(build, motors_at(way_mm));
+  if (!pose) return std::nullopt;
+  world->Place(motors_at(way_mm), *pose, Vec3<double>::Zero(), Vec3<double>::Zero());
+  for (double left_mm = way_mm; left_mm > 0;) {
+    const double feed_mm_s = left_mm > kSlowFor_mm ? kFeed_mm_s : kSlow_mm_s;
+    left_mm = std::max(left_mm - feed_mm_s * world->timestep_s(), 0.0);
+    world->Step(motors_at(left_mm));
+  }
+  for (int i = 0; i < (play_mm > 0 ? kRestStepsWithPlay : kRestSteps); ++i) {
+    world->Step(motors_mm);
+  }
+  return world->Nozzle_mm();
+}
+
 std::optional<Vec3<double>> TouchInPhysics(DeltaWorld* world,
                                            const DeltaBuild<double>& build,
                                            const DeltaBed<double>& bed,
@@ -127,7 +171,10 @@ std::optional<Vec3<double>> TouchInPhysics(DeltaWorld* world,
   if (!expected) return std::nullopt;
   const Vec3<double> target = DeltaNozzle_mm(settings, *expected);
   const double step_mm = options.feed_mm_s * world->timestep_s();
-  const double start_mm = options.start_mm + tip.pretravel_mm;
+  // Carriages with play are to have crossed it before the contact: the nozzle comes
+  // down by less than half of what one carriage does alone, by as much as all do.
+  const double start_mm =
+      options.start_mm + tip.pretravel_mm + 3 * world->MostPlay_mm();
   const auto motors_at = [&](double above_mm) {
     return DeltaMotors_mm<double>(settings, target + above_mm * Unit(Axis::kZ));
   };

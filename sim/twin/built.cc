@@ -1,6 +1,7 @@
 #include "sim/twin/built.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "sim/base/mutant.h"
@@ -41,6 +42,22 @@ bool ActsOnTable(const Injected& effect) {
          KindOfAct(effect) != ActKind::kArtefactMap;
 }
 
+// Effects whose closed form leaves the tool where it stands: summing them up at every
+// place would change nothing. All else counts as moving it.
+bool LeavesToolAlone(const Injected& effect) {
+  static const std::array kSuch = {EffectIndex<ProbePretravel>(),
+                                   EffectIndex<TipSize>(),
+                                   EffectIndex<TriggerLatency>(),
+                                   EffectIndex<TriggerScatter>(),
+                                   EffectIndex<BedTilt>(),
+                                   EffectIndex<BedBowl>(),
+                                   EffectIndex<BedCylinder>(),
+                                   EffectIndex<BedTwist>(),
+                                   EffectIndex<BlockSize>(),
+                                   EffectIndex<BlockRotated>()};
+  return std::ranges::find(kSuch, effect.effect) != kSuch.end();
+}
+
 }  // namespace
 
 double LagAfter_mm(double lag_mm, double travel_mm, double width_mm) {
@@ -67,8 +84,12 @@ void Built::Prepare() {
     } else {
       everywhere.push_back(effect);
     }
-    if (EffectAt(effect.effect).stage != Stage::kDrive) frame_effects.push_back(effect);
-    if (kind == ActKind::kReadingMap) tool_effects.push_back(effect);
+    if (!LeavesToolAlone(effect)) {
+      if (EffectAt(effect.effect).stage != Stage::kDrive) {
+        frame_effects.push_back(effect);
+      }
+      if (kind == ActKind::kReadingMap) tool_effects.push_back(effect);
+    }
     if (kind == ActKind::kArtefactMap) surface_effects.push_back(effect);
     if (!ActsOnTable(effect)) continue;
     table_effects.push_back(effect);
@@ -167,6 +188,7 @@ Vec3<double> Built::StepsAt(const Vec3<double>& motors_mm) const {
 
 Vec3<double> Built::Tip_mm(const Vec3<double>& steps,
                            const Vec3<double>& lag_mm) const {
+  if (frame_effects.empty()) return Motors_mm(steps) + lag_mm + now.probe_off_mm;
   At at = AtAxes(Motors_mm(steps) + lag_mm);
   at.steps_per_mm.setZero();
   at.compensation_mm.setZero();

@@ -38,7 +38,7 @@ struct Built {
   Errors<double> probe{};                 ///< Pre-travels, radius, latency.
   std::vector<Injected> drive_effects{};  ///< Bend the way from steps to nut, or widen
                                           ///< the play somewhere.
-  std::vector<Injected> frame_effects{};  ///< All that is not the drive's.
+  std::vector<Injected> frame_effects{};  ///< Not the drive's, and move the tool.
   std::vector<Injected> tool_effects{};   ///< Move the tool or the switch's threshold.
   std::vector<Injected> table_effects{};  ///< Raise what is touched.
   /// Of these, those that act while the machine runs: all but a tilt of the model.

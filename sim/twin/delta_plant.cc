@@ -1,5 +1,6 @@
 #include "sim/twin/delta_plant.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "sim/base/require.h"
@@ -23,10 +24,33 @@ DeltaWorld WorldOfDelta(const Machine& machine, const BuiltDelta& built) {
   } else {
     model.MoveNozzle(built.tip.off_mm);
   }
-  model.SetTimestep_s(TouchTimestep_s(built.tip));
   model.SetBuild(built.build);
+  if (machine.delta) model.SetEffectorMass_kg(machine.delta->effector_mass_kg);
+  for (int i = 0; i < kNumTowers; ++i) {
+    const auto tower = static_cast<std::size_t>(i);
+    if (built.play_mm[tower] <= 0) continue;
+    model.AddPlay({.tower = i,
+                   .gap_mm = built.play_mm[tower],
+                   .friction_n = machine.axes[tower].rail_friction_n,
+                   .carriage_kg = machine.axes[tower].moving_mass_kg});
+  }
+  constexpr double kWithPlay_s = 0.0002;  // Flanks are met to 0.01 um.
+  const bool has_play = std::ranges::max(built.play_mm) > 0;
+  model.SetTimestep_s(has_play ? kWithPlay_s : TouchTimestep_s(built.tip));
   model.SetBed(built.bed);
   return {model.Compile(/*with_looks=*/false), built.build};
+}
+
+std::optional<Vec3<double>> TouchOfDelta(DeltaWorld* world,
+                                         const BuiltDelta& built,
+                                         const DeltaModel<double>& settings,
+                                         const Eigen::Vector2d& at_mm) {
+  if (world != nullptr) {
+    return TouchInPhysics(
+        world, built.build, built.bed, settings, at_mm, {.tip = built.tip});
+  }
+  return DeltaTouchMotors(
+      built.build, built.bed, settings, at_mm[0], at_mm[1], built.tip);
 }
 
 DeltaTwinPlant::DeltaTwinPlant(const Machine& machine,
@@ -46,15 +70,7 @@ DeltaTwinPlant::DeltaTwinPlant(const Machine& machine,
 std::optional<Vec3<double>> DeltaTwinPlant::Touch(const DeltaModel<double>& settings,
                                                   double x_mm,
                                                   double y_mm) {
-  const auto motors_mm =
-      world_ ? TouchInPhysics(world_.get(),
-                              built_.build,
-                              built_.bed,
-                              settings,
-                              {x_mm, y_mm},
-                              {.tip = built_.tip})
-             : DeltaTouchMotors(
-                   built_.build, built_.bed, settings, x_mm, y_mm, built_.tip);
+  const auto motors_mm = TouchOfDelta(world_.get(), built_, settings, {x_mm, y_mm});
   if (!motors_mm) return std::nullopt;
   Vec3<double> at = DeltaNozzle_mm(settings, *motors_mm);
   if (built_.scatter_mm > 0) at[2] += built_.scatter_mm * scatter_.Normal();

@@ -16,6 +16,7 @@ struct BuiltDelta {
   DeltaBed<double> bed{};
   double scatter_mm = 0;  ///< Of the trigger, along z.
   DeltaTip tip{};
+  std::array<double, 3> play_mm{};  ///< Of each carriage in its drive; physics alone.
 };
 
 /// A simulated delta that can be touched: closed form or MuJoCo. What it answers is a
@@ -41,6 +42,14 @@ class DeltaTwinPlant : public DeltaPlant {
   std::unique_ptr<DeltaWorld> world_{};
   Rng scatter_;
 };
+
+/// Where a delta built so touches its bed on the way straight down at (x, y) by these
+/// settings: found by MuJoCo in `world`, or, without one, in closed form. The motors'
+/// commanded travels; nullopt: out of reach.
+std::optional<Vec3<double>> TouchOfDelta(DeltaWorld* world,
+                                         const BuiltDelta& built,
+                                         const DeltaModel<double>& settings,
+                                         const Eigen::Vector2d& at_mm);
 
 /// MuJoCo's world of a delta as it is built, with what it touches with.
 DeltaWorld WorldOfDelta(const Machine& machine, const BuiltDelta& built);

@@ -8,6 +8,7 @@
 #include "sim/effects/predict.h"
 #include "sim/twin/measuring_machine.h"
 #include "sim/twin/readings.h"
+#include "sim/twin/triple_z_machine.h"
 
 namespace caltwin {
 namespace {
@@ -23,45 +24,37 @@ At InGap(const PerformConfig& config, At at) {
   return at;
 }
 
-// The reading for which the closed form, asked at the trigger it implies, gives that
-// same reading. Halved steps once plain ones do not settle: steep waves.
-double SolveTouch_mm(const PerformConfig& config, const Row& row, At* at) {
-  double value_mm = 0;
-  for (int i = 0; i < kMostRounds; ++i) {
-    *at = Readings::WithValue(*at, row, value_mm);
-    const double next_mm = Predict_mm<double>(config.machine, *at, config.effects);
-    const double step_mm = next_mm - value_mm;
-    value_mm += i < kPlainRounds ? step_mm : step_mm / 2;
-    if (std::abs(step_mm) < kSolved_mm) break;
-  }
-  return value_mm;
-}
-
 // Takes one row's reading, before chance and counting.
 class Reader {
  public:
   explicit Reader(const PerformConfig& config) : config_(config) {
-    if (config.fidelity == Fidelity::kPhysics) {
+    if (config.fidelity != Fidelity::kPhysics) return;
+    if (config.machine.triple_z) {
+      triple_z_.emplace(config.machine, config.effects);
+    } else {
       machine_.emplace(config.machine, config.effects);
     }
   }
 
   double Position_mm(const At& at) {
+    if (triple_z_) return triple_z_->Gauge_mm(at);
     if (machine_) return machine_->Position_mm(at);
     return Predict_mm<double>(config_.machine, InGap(config_, at), config_.effects);
   }
 
   double Touch_mm(const Row& row, At at) {
+    if (triple_z_) return triple_z_->Touch_mm(row, at);
     if (machine_) return machine_->Touch_mm(row, at);
     at = InGap(config_, at);
     // A release comes at a smaller deflection.
-    return SolveTouch_mm(config_, row, &at) +
+    return ClosedFormTouch_mm(config_.machine, config_.effects, row, at) +
            (IsRelease(row) ? config_.machine.probe.hysteresis_mm : 0);
   }
 
  private:
   const PerformConfig& config_;
   std::optional<MeasuringMachine> machine_{};
+  std::optional<TripleZMachine> triple_z_{};
 };
 
 double Reading_mm(const PerformConfig& config,
@@ -86,6 +79,22 @@ double Reading_mm(const PerformConfig& config,
 }
 
 }  // namespace
+
+// Halved steps once plain ones do not settle: steep waves.
+double ClosedFormTouch_mm(const Machine& machine,
+                          std::span<const Injected> effects,
+                          const Row& row,
+                          At at) {
+  double value_mm = 0;
+  for (int i = 0; i < kMostRounds; ++i) {
+    at = Readings::WithValue(at, row, value_mm);
+    const double next_mm = Predict_mm<double>(machine, at, effects);
+    const double step_mm = next_mm - value_mm;
+    value_mm += i < kPlainRounds ? step_mm : step_mm / 2;
+    if (std::abs(step_mm) < kSolved_mm) break;
+  }
+  return value_mm;
+}
 
 RowTable Perform(const PerformConfig& config, std::vector<Row> planned) {
   Readings readings(config, planned);

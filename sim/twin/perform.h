@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "sim/effects/effect.h"
@@ -30,6 +31,13 @@ struct PerformConfig {
   /// Asked before each row; true ends it (the rows done so far are returned).
   std::function<bool()> interrupted{};
 };
+
+/// The reading of a touch for which the closed form, asked at the trigger it implies,
+/// gives that same reading [mm].
+double ClosedFormTouch_mm(const Machine& machine,
+                          std::span<const Injected> effects,
+                          const Row& row,
+                          At at);
 
 /// Takes every reading of `planned` in its order, whatever `value_mm` says, and fills
 /// in what was read. Rows may come from a plan or from a file: a sense not known leaves

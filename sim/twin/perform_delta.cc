@@ -10,13 +10,12 @@
 #include "sim/base/input_error.h"
 #include "sim/effects/catalog.h"
 #include "sim/effects/delta_at.h"
+#include "sim/effects/drive.h"
 #include "sim/effects/predict.h"
 #include "sim/twin/readings.h"
 
 namespace caltwin {
 namespace {
-
-constexpr int kSettleSteps = 3;
 
 [[noreturn]] void FailReach(const Row& row) {
   throw InputError(
@@ -36,7 +35,7 @@ class DeltaReader {
 
   double Gauge_mm(const Row& row, At at) {
     DeltaAt delta = Placed(row, at.q_mm);
-    if (world_) delta.off_mm = Settled_mm(row, delta.motors_mm) - at.q_mm;
+    if (world_) delta.off_mm = Settled_mm(row, delta) - at.q_mm;
     at.delta = &delta;
     return Predict_mm<double>(config_.machine, at, config_.effects);
   }
@@ -57,28 +56,18 @@ class DeltaReader {
  private:
   // Of the build alone, above the nominal point.
   double Contact_mm(const Row& row, const Vec3<double>& sent_mm) {
-    const BuiltDelta& built = config_.built;
-    const double x_mm = sent_mm[0], y_mm = sent_mm[1];
     const auto motors_mm =
-        world_ ? TouchInPhysics(world_.get(),
-                                built.build,
-                                built.bed,
-                                settings_,
-                                {x_mm, y_mm},
-                                {.tip = built.tip})
-               : DeltaTouchMotors(
-                     built.build, built.bed, settings_, x_mm, y_mm, built.tip);
+        TouchOfDelta(world_.get(), config_.built, settings_, sent_mm.head<2>());
     if (!motors_mm) FailReach(row);
     return DeltaNozzle_mm(settings_, *motors_mm)[2] - sent_mm[2];
   }
 
   // Where MuJoCo's effector comes to rest.
-  Vec3<double> Settled_mm(const Row& row, const Vec3<double>& motors_mm) {
-    const auto pose = DeltaPoseOf(config_.built.build, motors_mm);
-    if (!pose) FailReach(row);
-    world_->Place(motors_mm, *pose, Vec3<double>::Zero(), Vec3<double>::Zero());
-    for (int step = 0; step < kSettleSteps; ++step) world_->Step(motors_mm);
-    return world_->Nozzle_mm();
+  Vec3<double> Settled_mm(const Row& row, const DeltaAt& delta) {
+    const auto rest_mm = RestInPhysics(
+        world_.get(), config_.built.build, delta.motors_mm, delta.motor_dir);
+    if (!rest_mm) FailReach(row);
+    return *rest_mm;
   }
 
   DeltaAt Placed(const Row& row, const Vec3<double>& q_mm) const {
@@ -93,11 +82,22 @@ class DeltaReader {
   std::unique_ptr<DeltaWorld> world_{};
 };
 
+// What physics has parts for: it acts there, not in closed form.
+void BuildIn(DeltaPerformConfig* config) {
+  std::erase_if(config->effects, [&](const Injected& effect) {
+    if (effect.effect != EffectIndex<CarriageBacklash>()) return false;
+    const auto tower = static_cast<std::size_t>(DriveNamed(effect.axis)->index);
+    config->built.play_mm[tower] += effect.values[0];
+    return true;
+  });
+}
+
 }  // namespace
 
 RowTable PerformDelta(const DeltaPerformConfig& as_given, std::vector<Row> planned) {
   DeltaPerformConfig config = as_given;
   config.effects = TurnBuild(as_given.effects, &config.built.build);
+  if (config.fidelity == Fidelity::kPhysics) BuildIn(&config);
   // The heights of a bed's shapes are those of the outermost touch.
   const double rim_mm = RimOf_mm(planned);
   if (rim_mm > 0) config.built.bed.radius_mm = rim_mm;

@@ -16,8 +16,8 @@ namespace caltwin {
 struct DeltaPerformConfig {
   Machine machine{};
   BuiltDelta built{};
-  /// More of it: those that turn the build are built in, the others (drives, probe,
-  /// temperatures) act in closed form.
+  /// More of it: those that turn the build are built in, play of carriages too in
+  /// physics; the others (drives, probe, temperatures) act in closed form.
   std::vector<Injected> effects{};
   DataHeader header{};
   Fidelity fidelity = Fidelity::kPhysics;

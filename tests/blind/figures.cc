@@ -239,7 +239,9 @@ std::string FiguresText(const std::vector<Judgement>& judgements) {
         figure.cases == 0         ? "-"
         : figure.IsBeyondChance() ? "FAILED"
         : figure.Reaches()        ? "reached"
-                                  : "within chance");
+        : interval.low <= figure.must && figure.must <= interval.high
+            ? "missed, within chance"
+            : "missed");
   }
   return text + MedianText(judgements) + ReliabilityText(judgements);
 }

@@ -23,6 +23,7 @@
 #include "tests/blind/ledger.h"
 #include "tests/blind/metamorphic.h"
 #include "tests/blind/sets.h"
+#include "tests/blind/volumetric.h"
 
 namespace {
 
@@ -43,6 +44,7 @@ struct Options {
   int physics = 10;
   int loops = 10;
   int changes = 8;
+  int volumetric = 0;
   int jobs = 2;
   double minutes = 0;  // 0: as long as it takes.
   std::string ledger{};
@@ -197,9 +199,31 @@ void WriteMarkdown(const Options& options, const std::string& text) {
   if (!stream) throw std::runtime_error("cannot write " + options.markdown);
 }
 
-int Run(int argc, char** argv) {
-  CLI::App app("Diagnoses hidden causes and counts how often it was right.");
-  Options options;
+/// What diagnoses are worth at poses that nobody measured.
+std::string VolumetricReport(const Options& options) {
+  const auto requests = blind::VolumetricSet(options.volumetric, options.seed);
+  std::vector<blind::Volumetric> all(requests.size());
+  std::atomic<std::size_t> next = 0;
+  const auto work = [&] {
+    for (std::size_t i = next++; i < requests.size(); i = next++) {
+      try {
+        all[i] = blind::ExamineVolumetric(options.diagnoser, requests[i]);
+      } catch (const std::exception& error) {
+        all[i] = {.name = std::string("not made: ") + error.what(),
+                  .sigma = requests[i].sigma,
+                  .seed = requests[i].seed};
+      }
+    }
+  };
+  std::vector<std::thread> workers;
+  for (int i = 0; i < options.jobs; ++i) workers.emplace_back(work);
+  for (std::thread& worker : workers) worker.join();
+  return blind::VolumetricText(all);
+}
+
+void Declare(CLI::App* to, Options* into) {
+  CLI::App& app = *to;
+  Options& options = *into;
   app.add_option("--binary", options.diagnoser.binary, "the caltwin under test")
       ->required()
       ->check(CLI::ExistingFile);
@@ -216,6 +240,10 @@ int Run(int argc, char** argv) {
   app.add_option("--loops", options.loops, "closed loops on an edited model");
   app.add_option("--model", options.diagnoser.model, "the model.xml that they edit");
   app.add_option("--changes", options.changes, "cases to swap, shuffle and reduce");
+  app.add_option("--volumetric",
+                 options.volumetric,
+                 "only this: so many causes at 3 and at 20 sigma, and what is left of "
+                 "them at poses that nobody measured");
   app.add_option("--jobs", options.jobs, "diagnoses at a time");
   app.add_option("--minutes",
                  options.minutes,
@@ -229,7 +257,20 @@ int Run(int argc, char** argv) {
                  "only cases of this kind (or physics), or hiding this cause");
   app.add_option("--markdown", options.markdown, "writes figures and confusion there");
   app.add_flag("--failures-only", options.failures_only, "prints only what went wrong");
+}
+
+int Run(int argc, char** argv) {
+  CLI::App app("Diagnoses hidden causes and counts how often it was right.");
+  Options options;
+  Declare(&app, &options);
   CLI11_PARSE(app, argc, argv);
+  std::filesystem::create_directories(options.diagnoser.folder);
+  if (options.volumetric > 0) {
+    const std::string text = VolumetricReport(options);
+    std::cout << text;
+    if (!options.markdown.empty()) WriteMarkdown(options, text);
+    return 0;
+  }
   auto requests = blind::MakeSet(SizesOf(options), options.seed, options.date);
   std::erase_if(requests, [&](const blind::CaseRequest& request) {
     const bool hides =
@@ -238,7 +279,6 @@ int Run(int argc, char** argv) {
     return !options.only.empty() && request.kind != options.only && !hides &&
            !is_physics;
   });
-  std::filesystem::create_directories(options.diagnoser.folder);
   std::cout << fmt::format("the second half is drawn from --date {}\n", options.date);
   const auto judgements = ExamineAll(options, requests);
   const int broken = options.only.empty() ? CountBrokenChanges(options) : 0;

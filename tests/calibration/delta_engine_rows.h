@@ -8,24 +8,21 @@
 
 #include "calibration/delta/bench.h"
 #include "sim/base/units.h"
+#include "sim/machine/measured_delta.h"
 #include "sim/machine/simulated_delta.h"
 
 namespace caltwin::delta_rows {
 
 inline DeltaModel<double> Believed() {
-  return SymmetricDelta(300, 130, 250);
+  return MeasuredDeltaAsDrawn();
 }
 
 inline DeltaBuild<double> Built(double arm_mm = 250) {
-  DeltaBuild<double> build{.model = SymmetricDelta(300, 130.8, arm_mm)};
-  build.model.angle_rad[0] += RadFromDeg(0.35);
-  build.model.angle_rad[1] -= RadFromDeg(0.25);
-  build.model.endstop_mm = {300.30, 299.80, 300.45};
-  return build;
+  return MeasuredDelta(arm_mm);
 }
 
 inline DeltaBed<double> Tilted() {
-  return {.slope_x = 0.002, .slope_y = -0.001};
+  return MeasuredDeltaTilted();
 }
 
 /// Touches `machine`, which must outlive it.

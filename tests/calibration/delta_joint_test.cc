@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "calibration/delta/foretold_mesh.h"
 #include "calibration/delta/joint.h"
 #include "calibration/delta/settings.h"
 #include "sim/base/rng.h"
@@ -199,7 +200,7 @@ TEST(DeltaJoint, AnOutlierCostsLittle) {
 // their mean, which a Z offset takes.
 TEST(DeltaJoint, ThirtySevenTouchesOfAnyMachineLeaveItFlat) {
   Rng rng(5, 0, "delta.any");
-  double one_radius2 = 0, three_radii2 = 0;
+  double one_radius2 = 0, three_radii2 = 0, mesh2 = 0;
   constexpr int kMachines = 20;
   for (int m = 0; m < kMachines; ++m) {
     DeltaBuild<double> build = Drawn();
@@ -225,10 +226,17 @@ TEST(DeltaJoint, ThirtySevenTouchesOfAnyMachineLeaveItFlat) {
     };
     one_radius2 += flat2(false);
     three_radii2 += flat2(true);
+    const DeltaModel<double> settings = BestDeltaSettings(
+        fit.build, fit.bed, Believed(), 100, {.has_radius_per_tower = false});
+    const DeltaMesh mesh = ForetoldMesh(fit, settings, 100, 7);
+    const double left = DeltaAccuracyOf(build, bed, settings, 100, mesh).z_flat_rms_mm;
+    mesh2 += left * left / kMachines;
   }
   RecordProperty("one_radius_um", std::to_string(1e3 * std::sqrt(one_radius2)));
   RecordProperty("three_radii_um", std::to_string(1e3 * std::sqrt(three_radii2)));
+  RecordProperty("mesh_um", std::to_string(1e3 * std::sqrt(mesh2)));
   EXPECT_LT(std::sqrt(one_radius2), 0.010);
+  EXPECT_LT(std::sqrt(mesh2), 0.003);  // Less than one touch scatters by.
   EXPECT_LT(std::sqrt(three_radii2), std::sqrt(one_radius2) + 1e-4);
 }
 

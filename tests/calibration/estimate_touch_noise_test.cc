@@ -78,5 +78,75 @@ TEST(TouchNoise, ScatterOfSingleTouchesIsNotIdentifiable) {
   EXPECT_FALSE(MeanTouch_mm({}, {.sigma_mm = 1}).identifiable);
 }
 
+// Of Student's t, as tabulated: 12.706 for one degree of freedom, 2.262 for nine.
+TEST(NoiseSeen, SmallSamplesAreWidenedByStudent) {
+  constexpr double kPrinted = 5e-4 / 1.96;
+
+  EXPECT_NEAR(SmallSampleFactor(1), 12.706 / 1.959964, kPrinted);
+  EXPECT_NEAR(SmallSampleFactor(9), 2.262 / 1.959964, kPrinted);
+  EXPECT_NEAR(SmallSampleFactor(1000), 1, 2e-3);
+}
+
+// Groups of ten touches that scatter by `sigma`, read to the micrometre's fraction.
+std::vector<std::vector<double>> Groups(double sigma_mm, int groups, Rng* rng) {
+  std::vector<std::vector<double>> all(static_cast<std::size_t>(groups));
+  for (auto& group : all) {
+    for (int i = 0; i < 10; ++i) group.push_back(sigma_mm * rng->Normal());
+  }
+  return all;
+}
+
+TouchNoise Seen(const TouchNoise& stated, const std::vector<std::vector<double>>& all) {
+  const std::vector<std::span<const double>> groups(all.begin(), all.end());
+  return NoiseSeen(stated, groups);
+}
+
+TEST(NoiseSeen, WhatIsStatedStandsButOnceInAThousand) {
+  constexpr int kTrials = 20'000;
+  constexpr TouchNoise kStated{.sigma_mm = 0.001};
+  Rng rng(1, 0, "noise_seen");
+  int contradicted = 0;
+
+  for (int trial = 0; trial < kTrials; ++trial) {
+    const TouchNoise seen = Seen(kStated, Groups(0.001, 2, &rng));
+    contradicted += seen.sigma_mm == kStated.sigma_mm ? 0 : 1;
+  }
+
+  const double expected = 0.001 * kTrials;
+  EXPECT_NEAR(contradicted, expected, 5 * std::sqrt(expected));
+}
+
+TEST(NoiseSeen, TwiceTheStatedScatterIsSeen) {
+  Rng rng(2, 0, "noise_seen");
+  const auto groups = Groups(0.002, 4, &rng);
+
+  const TouchNoise seen = Seen({.sigma_mm = 0.001}, groups);
+
+  // 36 degrees of freedom tell a standard deviation to 12 %.
+  EXPECT_NEAR(seen.sigma_mm, 0.002, 4 * 0.12 * 0.002);
+}
+
+TEST(NoiseSeen, RepeatsOnOneStepTellNothing) {
+  const TouchNoise stated{.sigma_mm = 0.0001, .step_mm = 0.00125};
+
+  EXPECT_EQ(Seen(stated, {{1, 1, 1}, {2, 2}}).sigma_mm, stated.sigma_mm);
+  EXPECT_EQ(Seen(stated, {{1}}).sigma_mm, stated.sigma_mm);
+}
+
+// Nobody stated anything: intervals of 1.96 sd of a mean of three hold 95 %.
+TEST(NoiseSeen, IntervalsHoldWithoutAStatement) {
+  constexpr int kTrials = 10'000;
+  Rng rng(3, 0, "noise_seen");
+  int held = 0;
+
+  for (int trial = 0; trial < kTrials; ++trial) {
+    const std::vector<double> touches{rng.Normal(), rng.Normal(), rng.Normal()};
+    const Uncertain mean = MeanTouch_mm(touches, Seen({}, {touches}));
+    held += std::abs(mean.value) <= 1.96 * mean.sd ? 1 : 0;
+  }
+
+  EXPECT_NEAR(held, 0.95 * kTrials, 5 * std::sqrt(0.95 * 0.05 * kTrials));
+}
+
 }  // namespace
 }  // namespace caltwin

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -31,6 +32,26 @@ TEST(TriggerRelease, FindsTheGapAndSetsIt) {
   EXPECT_NEAR(toy.machine.settings.backlash_mm[0], 0.05, kFromRounding_mm);
   ASSERT_EQ(result.estimates.size(), 1u);
   EXPECT_TRUE(result.estimates[0].is_setting);
+}
+
+// The counter's millimetres are 1 % too long: so is the gap. Who has measured steps/mm
+// need not allow for that.
+TEST(TriggerRelease, AllowsForStepsThatNobodyHasMeasured) {
+  ToyBench toy, measured;
+  for (ToyBench* one : {&toy, &measured}) one->machine.drives[0].gap_mm = 0.4;
+  toy.machine.settings.steps_per_mm[0] = 808;
+  measured.bench.ledger.known["steps_per_mm.x"] = {
+      .value = 800, .sd = 0.008, .identifiable = true};
+
+  const ProcedureResult doubtful = RunStep(kTriggerReleaseBacklash, "{axis: x}", &toy);
+  const ProcedureResult sure = RunStep(kTriggerReleaseBacklash, "{axis: x}", &measured);
+
+  ASSERT_EQ(doubtful.estimates.size(), 1u);
+  ASSERT_EQ(sure.estimates.size(), 1u);
+  const double off_mm = doubtful.estimates[0].value - 0.4;
+  EXPECT_GT(std::abs(off_mm), 0.003);
+  EXPECT_LT(std::abs(off_mm), 1.96 * doubtful.estimates[0].sd);
+  EXPECT_LT(sure.estimates[0].sd, 0.002);
 }
 
 TEST(TriggerRelease, SaysBeforehandThatItTellsTheGap) {

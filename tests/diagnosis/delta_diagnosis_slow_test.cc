@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "calibration/diagnosis/diagnosis.h"
+#include "calibration/diagnosis/volumetric.h"
 #include "sim/measure/plan.h"
 #include "sim/twin/perform_delta.h"
 
@@ -18,7 +19,9 @@ Machine Delta() {
             .lead_mm = 40,
             .is_belt = true,
             .full_steps_per_rev = 200,
-            .microsteps = 256};
+            .microsteps = 256,
+            .moving_mass_kg = 0.15,
+            .rail_friction_n = 6};
   }
   return machine;
 }
@@ -32,10 +35,16 @@ BuiltDelta Built() {
   return built;
 }
 
-Diagnosis DiagnosisOf(const BuiltDelta& built,
-                      const std::vector<std::string>& campaigns,
-                      const std::vector<Injected>& effects = {}) {
-  const Machine machine = Delta();
+// What campaigns read on that machine.
+struct Session {
+  PlannedSession planned{};
+  RowTable table{};
+};
+
+Session SessionOf(const Machine& machine,
+                  const BuiltDelta& built,
+                  const std::vector<std::string>& campaigns,
+                  const std::vector<Injected>& effects = {}) {
   Plan plan;
   for (const std::string& id : campaigns) {
     plan.campaigns.push_back(DefaultCampaign(id));
@@ -43,14 +52,24 @@ Diagnosis DiagnosisOf(const BuiltDelta& built,
                      : id == "delta_xy" ? "camera"
                                         : "height_gauge"] = {.sigma_um = 3};
   }
-  PlannedSession session = PlanSession(plan, machine, /*seed=*/1);
-  RowTable table = PerformDelta({.machine = machine,
-                                 .built = built,
-                                 .effects = effects,
-                                 .header = session.header,
-                                 .fidelity = Fidelity::kFast},
-                                session.rows);
-  return Diagnose(Observed(table, session.header, machine, {}), {});
+  Session session{.planned = PlanSession(plan, machine, /*seed=*/1)};
+  session.table = PerformDelta({.machine = machine,
+                                .built = built,
+                                .effects = effects,
+                                .header = session.planned.header,
+                                .fidelity = Fidelity::kFast},
+                               session.planned.rows);
+  return session;
+}
+
+Diagnosis DiagnosisOf(const BuiltDelta& built,
+                      const std::vector<std::string>& campaigns,
+                      const std::vector<Injected>& effects = {},
+                      double rail_friction_n = 6) {
+  Machine machine = Delta();
+  for (AxisDrawing& axis : machine.axes) axis.rail_friction_n = rail_friction_n;
+  const Session session = SessionOf(machine, built, campaigns, effects);
+  return Diagnose(Observed(session.table, session.planned.header, machine, {}), {});
 }
 
 double BaselineOf(const Diagnosis& diagnosis, const std::string& name) {
@@ -96,6 +115,36 @@ TEST(DeltaDiagnosis, NamesThePlayOfACarriage) {
   EXPECT_EQ(diagnosis.findings[0].cause, "carriage_backlash");
   EXPECT_EQ(diagnosis.findings[0].axis, "c");
   EXPECT_NEAR(diagnosis.findings[0].parameters[0].value, 0.06, 0.01);
+}
+
+// A machine file that claims a bed beyond any rod's reach: poses that cannot be are
+// replaced by those of the rows, and the gain is still told.
+TEST(DeltaDiagnosis, TellsTheGainWhereNextToNothingIsReached) {
+  BuiltDelta built = Built();
+  built.build.lean_radial_rad[1] = 3e-3;
+  const Session session =
+      SessionOf(Delta(), built, {"delta_grid", "delta_xy", "z_columns"});
+  Machine boasting = Delta();
+  boasting.delta->print_radius_mm = 1e5;
+  const Observed observed(session.table, session.planned.header, boasting, {});
+
+  const auto gain = VolumetricGainOf(observed, Diagnose(observed, {}), /*seed=*/1);
+
+  ASSERT_TRUE(gain);
+  EXPECT_GT(gain->before_mm, gain->after_mm);
+  EXPECT_LT(gain->before_mm, 5);
+}
+
+// On free rails the carriages hang in their drives: the play costs nothing, and is
+// nobody's finding.
+TEST(DeltaDiagnosis, IsBlindToPlayThatWeightKeepsShut) {
+  const Diagnosis diagnosis = DiagnosisOf(
+      Built(),
+      {"delta_grid", "z_columns"},
+      {{.effect = EffectIndex<CarriageBacklash>(), .axis = "c", .values = {0.06}}},
+      /*rail_friction_n=*/1);
+
+  EXPECT_EQ(diagnosis.verdict, DiagnosisVerdict::kNone);
 }
 
 TEST(DeltaDiagnosis, SaysThatATowersRadiusIsOnlyAnotherWayToWriteTheBaseline) {

@@ -75,6 +75,7 @@ TEST(DiagnosisText, EveryNameIsASentence) {
     if (!effect.sight) continue;
     std::set<std::string_view> axes(effect.axes.begin(), effect.axes.end());
     axes.insert(effect.delta_axes.begin(), effect.delta_axes.end());
+    axes.insert(effect.triple_z_axes.begin(), effect.triple_z_axes.end());
     for (const std::string_view axis : axes) {
       Finding finding{.cause = std::string(effect.name), .axis = std::string(axis)};
       for (const Parameter& p : effect.parameters) {

@@ -265,6 +265,18 @@ RowTable Passes() {
   return table;
 }
 
+// Five places at equal steps of 50.0788 mm are round numbers as inches, by chance: they
+// would span five metres.
+TEST(Plausible, AGridOfEqualStepsIsNotInInches) {
+  RowTable table = Passes();
+  for (std::size_t i = 0; i < table.rows.size(); ++i) {
+    table.rows[i].cmd_mm[0] = 15 + 50.0788 * static_cast<double>(i % 5);
+    table.rows[i].since_rev_mm = {kUnknown, kUnknown, kUnknown};
+  }
+
+  EXPECT_THAT(KindsOf(table), Not(Contains("position_unit!")));
+}
+
 TEST(Plausible, TravelsMustBeThoseOfTheCommands) {
   EXPECT_THAT(KindsOf(Passes()), Each(Not(HasSubstr("!"))));
 

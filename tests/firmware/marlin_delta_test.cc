@@ -80,6 +80,16 @@ TEST_F(MarlinDeltaTest, StoresRestoresAndForgets) {
   EXPECT_DOUBLE_EQ(marlin_.settings().radius_mm[2], 130);
 }
 
+TEST_F(MarlinDeltaTest, KeepsAMeshOnceSwitchedOn) {
+  EXPECT_FALSE(marlin_.Execute("M421 I6 J0 Z0.125").error);
+  EXPECT_EQ(marlin_.mesh().nodes, 0);
+  EXPECT_THAT(Lines("M420 S1"), Contains("echo:Bed Leveling ON"));
+  EXPECT_DOUBLE_EQ(marlin_.mesh().Lift_mm(100, -100), 0.125);
+  EXPECT_DOUBLE_EQ(marlin_.mesh().Lift_mm(0, 0), 0);
+  EXPECT_TRUE(marlin_.Execute("M421 I7 J0 Z0.1").error);
+  EXPECT_TRUE(marlin_.Execute("M421 I1 J0").error);
+}
+
 TEST_F(MarlinDeltaTest, RefusesRodsThatDoNotReach) {
   EXPECT_TRUE(marlin_.Execute("M665 L100").error);
   EXPECT_DOUBLE_EQ(marlin_.settings().arm_mm[0], 250);

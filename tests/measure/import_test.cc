@@ -93,6 +93,61 @@ TEST(ImportProbeAccuracy, AHeightThatRunsAwayIsRefused) {
                 "in 5 touches of one place\n  the nozzle was at one place"));
 }
 
+constexpr const char* kMarlinLog =
+    "2026-11-22 10:00:00,120 - Send: N1 G28*18\n"
+    "2026-11-22 10:00:20,500 - Recv: echo:  M92 X80.00 Y80.00 Z400.00 E93.00\n"
+    "2026-11-22 10:00:21,000 - Send: N2 G29 V4*33\n"
+    "2026-11-22 10:00:25,000 - Recv: Bed X: 30.000 Y: 30.000 Z: 0.059\n"
+    "2026-11-22 10:00:29,000 - Recv: Bed X: 190.000 Y: 30.000 Z: -0.041\n"
+    "Recv: Bilinear Leveling Grid:\n"
+    ">>> G28\n>>> G30 X50 Y60\nBed X: 50.00 Y: 60.00 Z: 0.03\n"
+    ">>> M48 P2 X24 Y25\n1 of 2: z: 0.011\n2 of 2   z: 0.012 Mean: 0.0115\n"
+    ">>> G30 X70 Y60\nBed X: 70.00 Y: 60.00 Z: 0.04\n";
+
+TEST(ImportMarlinLog, TouchesOfEveryKind) {
+  const RowTable table = RowsOf("marlin-log", kMarlinLog);
+
+  ASSERT_THAT(table.rows, SizeIs(6));
+  std::vector<std::string> campaigns;
+  for (const Row& row : table.rows) campaigns.push_back(row.campaign + row.home);
+  EXPECT_THAT(campaigns,
+              ::testing::ElementsAre("g291", "g291", "g302", "m482", "m482", "g302"));
+  EXPECT_EQ(table.rows[1].cmd_mm[0], 190);
+  EXPECT_EQ(table.rows[1].value_mm, -0.041);
+  EXPECT_EQ(table.rows[1].t_s, 4);
+  EXPECT_EQ(table.rows[3].cmd_mm[1], 25);
+  EXPECT_EQ(table.rows[4].value_mm, 0.012);
+  EXPECT_EQ(table.rows[5].settings, "m503");
+}
+
+TEST(ImportMarlinLog, ADeltaMakesAMachineFile) {
+  const Imported imported =
+      ImportText("marlin-log",
+                 "echo:  M92 X80.00 Y80.00 Z80.00\n"
+                 "echo:  M665 L250.00 R124.00 H300.00 S80 X0.1 Y0 Z0 A0.2 B0 C0\n"
+                 "echo:  M666 X-0.10 Y0.00 Z-0.20\n",
+                 "f",
+                 {});
+
+  EXPECT_THAT(imported.table.rows, SizeIs(0));
+  EXPECT_THAT(imported.machine_yaml, HasSubstr("300.1"));
+  EXPECT_THAT(imported.machine_yaml, HasSubstr("300.2"));
+  EXPECT_THAT(imported.machine_yaml, HasSubstr("250.2"));
+  EXPECT_THAT(imported.machine_yaml, HasSubstr("210.1"));
+}
+
+TEST(ImportMarlinLog, WhatIsNotReadIsRefused) {
+  EXPECT_THAT(ImportFault("marlin-log", "ok\n"), HasSubstr("nothing of a Marlin"));
+  EXPECT_THAT(ImportFault("marlin-log", "Bilinear Leveling Grid:\n 0 +0.07\n"),
+              HasSubstr("f:1:1: a levelling grid does not say where"));
+  EXPECT_THAT(ImportFault("marlin-log", "Bed X: 1 Y: z Z: 3\n"),
+              HasSubstr("its numbers are not all there"));
+  EXPECT_THAT(ImportFault("marlin-log", "M665 L100 R124 H300\n"),
+              HasSubstr("a rod is longer than the delta radius"));
+  EXPECT_THAT(ImportFault("marlin-log", "M92 Xnan\n"),
+              HasSubstr("M92 Xnan is no number"));
+}
+
 TEST(ImportCmmPlate, HolesBecomeTwoRowsEach) {
   const RowTable table =
       RowsOf("cmm-plate", TestData("imports/plate_1396A_excerpt.txt"));

@@ -139,6 +139,109 @@ TEST(DeltaScenario, EveryProcedureFlattensAWrongRadius) {
   }
 }
 
+// What no touch tells a calliper does: rods 0.4 mm longer than believed.
+TEST(DeltaScenario, RodsAndPrintsAreReadByCalliper) {
+  const std::string rods = "effects: {arm_length: {error_mm: 0.4}}\ncalibrate:\n";
+  const std::string all =
+      "fit: [endstop.a, endstop.b, endstop.c, delta_radius, tower_angle.a, "
+      "tower_angle.b, arm_length]";
+  const std::string found =
+      "expect:\n  arm_length: {truth_within: 0.05}\n"
+      "  xy_scale_um_per_mm: {above: -0.3, below: 0.3}\n";
+  for (const std::string& step :
+       {"delta_joint: {" + all + ", rods: true}",
+        "delta_joint: {" + all + ", print: true}",
+        "delta_joint: {" + all + ", priors: {arm_length: {value: 250.4, sd: 0.01}}}",
+        std::string("klipper_descent: {print: true}")}) {
+    const RunResult result =
+        RunScenario(ReadDeltaText(rods + "  - " + step + "\n" + found));
+    const double scale = 1e3 * *result.parameters[6].error / 250;
+    EXPECT_LT(std::abs(scale), 0.3) << step;
+    for (const CheckResult& check : result.checks) {
+      if (check.name == "outcome") continue;
+      EXPECT_TRUE(check.passed) << step << check.name << check.found;
+    }
+  }
+}
+
+TEST(DeltaScenario, AnySubsetOfUnknownsIsFitted) {
+  const RunResult result = RunScenario(
+      ReadDeltaText("effects: {delta_radius: {error_mm: 0.8}}\n"
+                    "calibrate: [{delta_joint: {fit: [delta_radius, endstop.a, "
+                    "bed_tilt.slope_x_mrad]}}]\n"));
+
+  EXPECT_EQ(result.outcome, "recovers");
+  EXPECT_EQ(result.parameters.size(), 8U);  // Seven settings, and the slope.
+  EXPECT_THAT(result.messages[0],
+              HasSubstr("joint estimate of 3 unknowns from 37 touches: 0.0"));
+  EXPECT_THAT(result.messages[0], HasSubstr("mm of points left out"));
+  EXPECT_THAT(result.messages[1], HasSubstr("one touch more would tell most at X"));
+}
+
+TEST(DeltaScenario, TellsWhatAStepDoesNotKnow) {
+  const auto fault = [](const std::string& step) {
+    return FaultOf("calibrate: [{" + step + "}]\n");
+  };
+  EXPECT_THAT(fault("delta_joint: {fit: [delta_radus]}"),
+              HasSubstr("did you mean 'delta_radius'?"));
+  EXPECT_THAT(fault("delta_joint: {fit: [delta_radius, delta_radius]}"),
+              HasSubstr("stands twice"));
+  EXPECT_THAT(fault("delta_joint: {fit: []}"), HasSubstr("is empty"));
+  EXPECT_THAT(fault("delta_joint: {fit: [delta_radius], unknowns: machine}"),
+              HasSubstr("stands beside 'unknowns'"));
+  EXPECT_THAT(fault("delta_joint: {priors: {arm_length: {value: 250, sd: 0.1}}}"),
+              HasSubstr("'arm_length' is not among the unknowns of this step"));
+  EXPECT_THAT(fault("delta_joint: {priors: {delta_radius: {value: 130}}}"),
+              HasSubstr("priors.delta_radius lacks the key 'sd'"));
+  EXPECT_THAT(fault("klipper_descent: {points: 7}"), HasSubstr("It knows: print"));
+}
+
+// Whole motor steps of 12.5 um: each calibration reads a little else, and none after
+// the first finds anything worth setting.
+TEST(DeltaScenario, ASecondCalibrationLeavesTheMachineAlone) {
+  const RunResult result = RunScenario(
+      ReadDeltaText("effects: {delta_radius: {error_mm: 0.8}, endstop.a: {error_mm: "
+                    "0.3}}\ncalibrate: [delta_joint, delta_joint]\n"
+                    "expect: {height_drift_mm: {below: 1.0e-9}}\n"));
+
+  EXPECT_TRUE(result.passed);
+  EXPECT_THAT(result.messages,
+              ::testing::Contains(HasSubstr("the settings are kept: others would")));
+}
+
+// Unlike rods, which settings cannot hold, in a mesh that the touches foretell.
+TEST(DeltaScenario, AMeshHoldsWhatSettingsCannot) {
+  const auto left_mm = [](const std::string& mesh) {
+    const RunResult result = RunScenario(ReadDeltaText(
+        "effects: {rod_mismatch.a1: {length_error_mm: 0.3}, rod_mismatch.b2: "
+        "{length_error_mm: -0.2}}\ncalibrate: [{delta_joint: {unknowns: machine" +
+        mesh + "}}]\nexpect: {height_error_mm.rms: {below: 1}}\n"));
+    return std::stod(result.checks[1].found);
+  };
+
+  EXPECT_LT(left_mm(", mesh: true"), 0.5 * left_mm(""));
+}
+
+// Touches of a run are rows like any others: by the settings in force, of whole steps.
+TEST(DeltaScenario, ARunIsRecordedAsRows) {
+  const RunResult result =
+      RunScenario(ReadDeltaText("effects: {delta_radius: {error_mm: 0.8}}\n"
+                                "calibrate: [delta_joint, {g33: {p: 4}}]\n"));
+
+  ASSERT_EQ(static_cast<int>(result.rows.rows.size()), result.touches);
+  const Row& first = result.rows.rows.front();
+  EXPECT_EQ(first.campaign, "delta_joint");
+  EXPECT_EQ(first.settings, "s1");
+  EXPECT_EQ(first.feature, "bed.top");
+  EXPECT_NEAR(first.value_mm, 0, 0.02);  // The middle, which a radius does not move.
+  const Vec3<double> nominal = DeltaMotors_mm<double>(
+      SymmetricDelta(300, 130, 250), {first.cmd_mm[0], first.cmd_mm[1], 0});
+  EXPECT_NEAR(first.motor_mm[1], nominal[1], 1e-9);
+  EXPECT_EQ(result.rows.rows[37].campaign, "g33");
+  EXPECT_EQ(result.rows.rows[37].settings, "s2");
+  EXPECT_EQ(result.header.settings.at("s2").steps_per_mm.at("a"), 80);
+}
+
 TEST(DeltaScenario, SameSeedGivesTheSameRun) {
   const Scenario scenario = ReadDeltaText(
       "effects: {delta_radius: {error_mm: {normal: {mean: 0, sd: 0.5}}}}\n"

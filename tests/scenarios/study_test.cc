@@ -5,11 +5,17 @@
 #include <filesystem>
 #include <fstream>
 
+#include <SQLiteCpp/SQLiteCpp.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sched.h>
+#include <sys/mount.h>
 
+#include "scenarios/study/merge.h"
 #include "scenarios/study/run.h"
 #include "scenarios/study/summary.h"
+#include "scenarios/study/trials_csv.h"
+#include "sim/base/text_file.h"
 
 namespace caltwin {
 namespace {
@@ -97,6 +103,88 @@ TEST_F(StudyTest, SaysWhatItDoesNotKnowAndWhere) {
   EXPECT_THAT(FaultOf("  trials: 1\n"), HasSubstr("gap.yaml:3:1"));
 }
 
+TEST_F(StudyTest, NamesOfParametersAreToldOnceAndWithTheirPlace) {
+  const std::string fault = FaultOf("  vary: {backlash.q.gap_mm: 0.1}\n  trials: 1\n");
+  EXPECT_THAT(fault, HasSubstr("study.yaml:3:10: study.vary.backlash.q"));
+  EXPECT_THAT(FaultOf("  vary: {backlash.x.gap_mm: 100}\n  trials: 1\n"),
+              HasSubstr("study.yaml:3:29: study.vary.backlash.x.gap_mm = 100 is"));
+  EXPECT_THAT(FaultOf("  vary: {backlash.x.gapp_mm: 0.1}\n  trials: 1\n"),
+              HasSubstr("study.yaml:3:10: study.vary.backlash.x"));
+}
+
+// The study of the contract: procedures by their names alone.
+TEST_F(StudyTest, ContendersByTheirNamesAloneGetAnAxis) {
+  Write("gap.yaml",
+        "machine: gantry_router\nfidelity: fast\n"
+        "effects: {backlash.y: {gap_mm: 0.05}}\n"
+        "instruments: {probe: {sigma_um: 1}}\n"
+        "artefacts: {block: {type: block123, at_mm: [150, 150, 0], side: y}}\n"
+        "calibrate: [next_all]\n");
+  const Study study = Read(
+      "  vary: {backlash.y.gap_mm: {normal: {mean: 0.05, sd: 0.01}}}\n"
+      "  compare: [next_cluster_backlash, trigger_release_backlash, next_all]\n"
+      "  trials: 1\n");
+
+  ASSERT_EQ(study.cases.size(), 3U);
+  const auto told = [&](std::size_t of_case) {
+    std::set<std::string> names;
+    for (const ParameterResult& one : RunTrial(study, of_case, 0).parameters) {
+      if (one.recovered) names.insert(one.name);
+    }
+    return names;
+  };
+  EXPECT_TRUE(told(1).contains("backlash.y"));
+  EXPECT_FALSE(told(1).contains("backlash.x"));
+  EXPECT_THAT(FaultOf("  compare: [dial_backlsh]\n  trials: 1\n"),
+              HasSubstr("study.yaml:3:13"));
+}
+
+TEST_F(StudyTest, KeepsWhyARunEndedAndCountsByCause) {
+  const RunResult stopped{.outcome = "no_trigger",
+                          .parameters = {{.name = "backlash.x", .passed = false}},
+                          .messages = {"something", "not found within 25.5 mm"}};
+  const RunResult missed{
+      .outcome = "misses",
+      .parameters = {{.name = "backlash.x", .passed = false}, {.name = "tilt"}},
+      .messages = {"something"}};
+  const RunResult well{.outcome = "recovers", .messages = {"something"}};
+  const Study study = Read(kVaried);
+  StudyStore store(folder() / "out", study, /*may_resume=*/false);
+  store.Add(KeptOf(stopped, 0, 0));
+  store.Add(KeptOf(missed, 0, 1));
+  store.Add(KeptOf(well, 0, 2));
+  store.Add(KeptOf(stopped, 0, 3));
+  const CaseSummary summary = SummaryOf(study, store).cases.at(0);
+
+  EXPECT_EQ(summary.causes,
+            (std::map<std::string, std::int64_t>{
+                {"misses: missed backlash.x", 1},
+                {"no_trigger: not found within #.# mm", 2}}));
+  EXPECT_EQ(summary.touches.count, 4);  // All of them ran.
+}
+
+TEST_F(StudyTest, QuotesNamesInCsv) {
+  fs::copy(folder() / "gap.yaml", folder() / "a,\"b.yaml");
+  Write("study.yaml", "study:\n  scenarios: ['a,\"b.yaml', gap.yaml]\n  trials: 1\n");
+  const Study study = ReadStudy(folder() / "study.yaml");
+
+  EXPECT_THAT(CsvOf(study, folder() / "out", 1), HasSubstr(",\"a,\"\"b\"\n"));
+}
+
+TEST_F(StudyTest, OneProgramAtATimeWritesToAFolder) {
+  const Study study = Read(kVaried);
+  {
+    StudyStore store(folder() / "out", study, /*may_resume=*/false);
+    try {
+      StudyStore(folder() / "out", study, /*may_resume=*/true);
+      FAIL();
+    } catch (const InputError& error) {
+      EXPECT_THAT(error.what(), HasSubstr("another caltwin is writing there"));
+    }
+  }
+  EXPECT_NO_THROW(StudyStore(folder() / "out", study, /*may_resume=*/true));
+}
+
 TEST_F(StudyTest, OneWorkerOrThreeGiveTheSameBytes) {
   const Study study = Read(kVaried);
   const std::string one = CsvOf(study, folder() / "one", 1);
@@ -120,7 +208,155 @@ TEST_F(StudyTest, WhatWasLostIsDoneAgainAndNothingElse) {
   EXPECT_EQ(store.Done().size(), 3U);
   EXPECT_EQ(RunStudy(study, {}, &store).done, 12);
   EXPECT_EQ(TrialsCsv(study, store), undisturbed);
+  WriteTrialsCsv(study, store, folder() / "trials.csv");
+  EXPECT_EQ(ReadTextFile(folder() / "trials.csv", 1'000'000), undisturbed);
   EXPECT_EQ(RunStudy(study, {}, &store).per_s, 0);  // Nothing left to do.
+}
+
+TEST_F(StudyTest, PartsPutTogetherAreTheWhole) {
+  const Study study = Read(kVaried);
+  const std::string undisturbed = CsvOf(study, folder() / "whole", 2);
+  std::vector<fs::path> parts;
+  for (const std::string shard : {"1/3", "2/3", "3/3"}) {
+    parts.push_back(folder() / ("part" + shard.substr(0, 1)));
+    StudyStore store(parts.back(), study, /*may_resume=*/false, ReadShard(shard));
+    const StudyProgress done = RunStudy(study, {.shard = ReadShard(shard)}, &store);
+    EXPECT_EQ(done.done, 4);
+    EXPECT_EQ(done.all, 4);
+  }
+  StudyStore merged(folder() / "merged", study, /*may_resume=*/false);
+  try {
+    MergeParts(study, {parts[2], parts[0]}, &merged);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("trial 1 is in none of these folders"));
+  }
+  EXPECT_TRUE(merged.Done().empty());
+  MergeParts(study, {parts[2], parts[0], parts[1], parts[0]}, &merged);
+
+  EXPECT_EQ(TrialsCsv(study, merged), undisturbed);
+}
+
+TEST_F(StudyTest, APartIsNotTakenForAnother) {
+  const Study study = Read(kVaried);
+  StudyStore(folder() / "part", study, /*may_resume=*/false, ReadShard("1/2"));
+
+  EXPECT_THROW(StudyStore(folder() / "part", study, true), InputError);
+  EXPECT_THROW(StudyStore(folder() / "part", study, true, ReadShard("2/2")),
+               InputError);
+  EXPECT_THROW(StudyStore::OpenPart(folder() / "nowhere", study), InputError);
+  for (const char* wrong : {"0/2", "3/2", "1", "1/2x", "/", "a/b", "-1/2"}) {
+    EXPECT_THROW(ReadShard(wrong), InputError) << wrong;
+  }
+}
+
+TEST_F(StudyTest, AChangedMachineIsAnotherStudy) {
+  fs::copy(fs::path(CALTWIN_SOURCE_DIR) / "models" / "gantry_router", folder() / "own");
+  Write("gap.yaml",
+        "machine: own/machine.yaml\nfidelity: fast\ncalibrate: [next_all]\n");
+  const std::string before = Read("  trials: 1\n").Fingerprint();
+  EXPECT_EQ(Read("  trials: 1\n").Fingerprint(), before);
+
+  std::ofstream(folder() / "own" / "model.xml", std::ios::app) << "<!-- other -->\n";
+  EXPECT_NE(Read("  trials: 1\n").Fingerprint(), before);
+}
+
+TEST_F(StudyTest, VariesNoiseAndTheHysteresisAsBuilt) {
+  const Study study = Read(
+      "  vary: {instruments.probe.sigma_um: 3,\n"
+      "         built.probe.hysteresis_mm: {normal: {mean: 0.002, sd: 0.0005}}}\n"
+      "  trials: 2\n");
+  const Scenario& scenario = study.cases.at(0).scenario;
+  const TwinConfig first = MakeTwinConfig(scenario, {.sample = 0});
+  const TwinConfig second = MakeTwinConfig(scenario, {.sample = 1});
+
+  EXPECT_EQ(first.instruments.at("probe").sigma_um, 3);
+  EXPECT_NE(first.machine.probe.hysteresis_mm, second.machine.probe.hysteresis_mm);
+  EXPECT_NEAR(first.machine.probe.hysteresis_mm, 0.002, 5 * 0.0005);
+  EXPECT_EQ(scenario.machine.machine.probe.hysteresis_mm, 0.002);
+  EXPECT_THAT(FaultOf("  vary: {instruments.laser.sigma_um: 1}\n  trials: 1\n"),
+              AllOf(HasSubstr("study.yaml:3:38"), HasSubstr("instruments.probe.")));
+  EXPECT_THAT(FaultOf("  vary: {built.probe.colour: 1}\n  trials: 1\n"),
+              HasSubstr("built.probe.hysteresis_mm"));
+}
+
+TEST_F(StudyTest, TellsBeforehandThatThereIsNoRoom) {
+  const Study study = Read("  trials: 1000000000\n");  // 2 TB.
+  std::error_code error;
+  if (fs::space(folder(), error).available > std::uintmax_t{2'000'000'000'000}) {
+    GTEST_SKIP() << "this disk has room for anything";
+  }
+  try {
+    StudyStore(folder() / "out", study, /*may_resume=*/false);
+    FAIL();
+  } catch (const InputError& fault) {
+    EXPECT_THAT(fault.what(), HasSubstr("need about 2000001.0 MB"));
+  }
+}
+
+// A disk of 3 MB of one's own, seen by this process alone; false where it may not.
+bool MountSmallDisk(const fs::path& at) {
+  return unshare(CLONE_NEWNS) == 0 &&
+         mount("none", "/", nullptr, MS_REC | MS_PRIVATE, nullptr) == 0 &&
+         mount("tmpfs", at.c_str(), "tmpfs", 0, "size=3m") == 0;
+}
+
+TEST_F(StudyTest, AFullDiskLeavesWhatWasDone) {
+  const fs::path disk = folder() / "disk";
+  fs::create_directories(disk);
+  if (!MountSmallDisk(disk)) GTEST_SKIP() << "no right to mount a disk";
+  const Study study = Read("  trials: 12\n");
+  std::int64_t kept = 0;
+  {
+    StudyStore store(disk / "out", study, /*may_resume=*/false);
+    std::ofstream(disk / "filler") << std::string(3 << 20, 'x');
+    const std::string long_message(20'000, 'm');
+    try {
+      for (; kept < 12; ++kept) {
+        store.Add({.trial = kept, .status = "failed", .message = long_message});
+      }
+      FAIL() << "all fitted";
+    } catch (const InputError& error) {
+      EXPECT_THAT(error.what(), HasSubstr("the disk is full"));
+    }
+  }
+  try {
+    StudyStore(disk / "elsewhere", study, /*may_resume=*/false);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("MB of room"));
+  }
+  fs::remove(disk / "filler");
+  StudyStore store(disk / "out", study, /*may_resume=*/true);
+  EXPECT_EQ(store.Done().size(), static_cast<std::size_t>(kept));
+  EXPECT_EQ(RunStudy(study, {}, &store).done, 12);
+}
+
+TEST_F(StudyTest, AFinishedStudyIsReadInAReadOnlyFolder) {
+  const fs::path disk = folder() / "disk";
+  fs::create_directories(disk);
+  if (!MountSmallDisk(disk)) GTEST_SKIP() << "no right to mount a disk";
+  const Study study = Read(kVaried);
+  const std::string csv = CsvOf(study, disk / "o #%", 1);
+  ASSERT_EQ(mount("none", disk.c_str(), nullptr, MS_REMOUNT | MS_RDONLY, nullptr), 0);
+  StudyStore store(disk / "o #%", study, /*may_resume=*/true);
+
+  EXPECT_EQ(RunStudy(study, {}, &store).done, 12);
+  EXPECT_EQ(TrialsCsv(study, store), csv);
+  EXPECT_THROW(store.Add({.trial = 99, .status = "recovers"}), InputError);
+}
+
+TEST_F(StudyTest, SaysThatAStoreIsBroken) {
+  const Study study = Read(kVaried);
+  CsvOf(study, folder() / "out", 1);
+  StudyStore store(folder() / "out", study, /*may_resume=*/true);
+  // Somebody else's program takes a table away.
+  SQLite::Database(folder() / "out" / "study.sqlite", SQLite::OPEN_READWRITE)
+      .exec("DROP TABLE trials");
+
+  EXPECT_THROW(store.Done(), InputError);
+  EXPECT_THROW(store.ForEach([](const TrialResult&) {}), InputError);
+  EXPECT_THROW(store.Add({.trial = 99, .status = "recovers"}), InputError);
 }
 
 TEST_F(StudyTest, AFolderThatHoldsTrialsIsNotWrittenToUnasked) {

@@ -127,6 +127,44 @@ TEST_F(ImportCommand, SaysThatASavedDeltaIsStaleAndWritesItsMachine) {
   EXPECT_THAT(ReadTextFile(machine, 10'000), HasSubstr("kinematics: delta"));
 }
 
+// The step that the touches suggest and the verdict on the geometry hang on the same
+// endstops: what each rests on is told.
+TEST_F(ImportCommand, AStepGivenByHandMayBeWhatDoesNotBelong) {
+  const auto with_step = [](const std::string& step) {
+    return RunImport({"klipper-delta", Data("delta_no_step.cfg"), "--step-mm", step})
+        .out;
+  };
+
+  EXPECT_THAT(with_step("0.0125"),
+              HasSubstr("its endstops are those of these touches: delta radius or "
+                        "angles were changed after them"));
+  EXPECT_THAT(with_step("0.01"),
+              HasSubstr("or --step-mm 0.01 is not this machine's motor step: the touch "
+                        "nearest to the middle suggests 0.0125"));
+}
+
+TEST_F(ImportCommand, WritesNothingThatWasNotAskedFor) {
+  fs::create_directories(folder_);
+  const fs::path was = fs::current_path();
+  fs::current_path(folder_);
+  const Answer answer = RunImport({"klipper-delta", Data("delta_super_racer.cfg")});
+  fs::current_path(was);
+
+  EXPECT_EQ(answer.exit_code, kPassed);
+  EXPECT_THAT(answer.out, HasSubstr("finds      the saved geometry belongs"));
+  EXPECT_THAT(answer.out,
+              HasSubstr("next:      nothing was written; the same with --out DATA.csv "
+                        "--machine-out M.yaml writes the rows\n"));
+  EXPECT_TRUE(fs::is_empty(folder_));
+}
+
+// Counts stand beside the rows for people; nobody misspelt them.
+TEST_F(ImportCommand, ItsOwnColumnsAreNoRemarks) {
+  RunImport({"klipper-delta", Data("delta_super_racer.cfg"), "--out", Out()});
+
+  EXPECT_THAT(ReadRows(Out()).remarks, IsEmpty());
+}
+
 TEST_F(ImportCommand, JudgesTheMeshOfADelta) {
   const Answer answer =
       RunImport({"klipper-mesh", Data("mesh_v400.cfg"), "--out", Out()});

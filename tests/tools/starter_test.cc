@@ -33,5 +33,22 @@ TEST(Starter, ReadsBackAsTheMachineItIsLike) {
   EXPECT_THAT(mine.settings.steps_per_mm, Eq(like.settings.steps_per_mm));
 }
 
+TEST(Starter, OtherKindsKeepTheirKeys) {
+  Faults faults;
+  const std::string text =
+      "# Of the machine that it is like.\nname: triple\nkinematics: triple_z\n"
+      "model: model.xml\nscrews: {z1: {at_mm: [30, 30]}}  # front left\n"
+      "axes: {x: {max_mm: 235}, y: {max_mm: 235}, z: {max_mm: 250, lead_mm: 4}}\n";
+  YamlMap map = ReadYamlText(StarterLike(text, "mine"), "mine.yaml", &faults);
+
+  const Machine mine = ReadMachine(&map);
+
+  faults.ThrowIfAny();
+  EXPECT_THAT(mine.name, StrEq("mine"));
+  EXPECT_TRUE(mine.model.empty());
+  ASSERT_TRUE(mine.triple_z);
+  EXPECT_THAT(mine.triple_z->screws[0].at_mm[0], DoubleEq(30));
+}
+
 }  // namespace
 }  // namespace caltwin

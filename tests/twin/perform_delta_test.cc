@@ -93,6 +93,62 @@ INSTANTIATE_TEST_SUITE_P(Effects,
                            return std::string(EffectAt(effect.param).name);
                          });
 
+// Rails that hold more than ever hangs on them, rails that hold less, and some that do
+// the one near a tower and the other far from it: MuJoCo decides by friction and
+// weight, the closed form by what it says of them.
+class PlayOfACarriage : public ::testing::TestWithParam<double> {};
+
+TEST_P(PlayOfACarriage, ReadsInPhysicsAsInClosedForm) {
+  constexpr double kMust_mm = 1e-4;
+  static const PlannedSession kSession = SessionOf({"delta_grid", "z_columns"});
+  Machine machine = Delta();
+  for (AxisDrawing& tower : machine.axes) tower.rail_friction_n = GetParam();
+  const Injected loose{
+      .effect = EffectIndex<CarriageBacklash>(), .axis = "c", .values = {0.06}};
+  const auto read = [&](Fidelity fidelity) {
+    return PerformDelta({.machine = machine,
+                         .built = {.build = machine.delta->Build()},
+                         .effects = {loose},
+                         .header = kSession.header,
+                         .fidelity = fidelity,
+                         .is_noisy = false},
+                        kSession.rows);
+  };
+  const RowTable fast = read(Fidelity::kFast), physics = read(Fidelity::kPhysics);
+
+  for (std::size_t i = 0; i < fast.rows.size(); ++i) {
+    EXPECT_NEAR(physics.rows[i].value_mm, fast.rows[i].value_mm, kMust_mm)
+        << "row " << i + 1;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Friction_n,
+                         PlayOfACarriage,
+                         ::testing::Values(0.5, 2.75, 6.0));
+
+// A reversal loses the gap where the rail holds the carriage, and nothing where its
+// weight does.
+TEST(PerformDelta, PlayIsSeenWhereTheRailHoldsTheCarriage) {
+  const PlannedSession session = SessionOf({"z_columns"});
+  const auto lost_mm = [&](double friction_n) {
+    Machine machine = Delta();
+    machine.axes[2].rail_friction_n = friction_n;
+    const RowTable table =
+        PerformDelta({.machine = machine,
+                      .built = {.build = machine.delta->Build()},
+                      .effects = {{.effect = EffectIndex<CarriageBacklash>(),
+                                   .axis = "c",
+                                   .values = {0.06}}},
+                      .header = session.header,
+                      .is_noisy = false},
+                     session.rows);
+    return table.rows[0].value_mm - table.rows[1].value_mm;  // Down less up.
+  };
+
+  EXPECT_GT(lost_mm(6), 0.01);
+  EXPECT_NEAR(lost_mm(1), 0, 2e-5);
+}
+
 TEST(PerformDelta, AMachineAsDrawnReadsNothing) {
   const PlannedSession session = SessionOf({"delta_grid", "ring", "z_columns"});
   const auto values_mm =

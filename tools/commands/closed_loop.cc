@@ -43,7 +43,8 @@ void RequireTwin(const std::string& url) {
 MachineUnderTest MachineAt(const std::string& url) {
   RequireTwin(url);
   const TwinOptions options = TwinOptionsOf(url);
-  const auto twin = std::make_shared<const TwinConfig>(MakeTwinConfig(options));
+  const auto twin = std::make_shared<const TwinConfig>(
+      MakeTwinConfig(options, /*only_measures=*/true));
   Machine machine = twin->machine;
   machine.settings = twin->settings;
   const Measurer measure = [twin, machine](const MeasuredSession& session,

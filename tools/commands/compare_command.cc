@@ -4,7 +4,12 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "scenarios/compare_backlash.h"
 #include "scenarios/compare_delta.h"
+#include "scenarios/compare_levelling.h"
+#include "scenarios/compare_measured.h"
+#include "scenarios/interrupt.h"
+#include "sim/base/input_error.h"
 #include "sim/base/text_file.h"
 #include "tools/commands/command.h"
 #include "tools/commands/progress.h"
@@ -16,28 +21,68 @@ constexpr int kMostMachines = 100000;
 
 struct Options {
   std::string kind{};
+  std::string machine = "random";
   int machines = 200;
+  int draws = 200;
   std::uint64_t seed = 1;
   std::string json{};
 };
 
-int Run(const Options& options) {
+void Write(const Options& options,
+           const std::string& text,
+           const nlohmann::ordered_json& json) {
   constexpr int kJsonIndent = 2;
-  ProgressLine line;
-  const DeltaComparison comparison =
-      CompareDelta(options.machines, options.seed, [&](int done) {
-        line.Show(fmt::format("machine {} of {}", done + 1, options.machines));
-      });
-  line.Clear();
-  if (options.json != "-") std::cout << DeltaComparisonText(comparison);
-  if (!options.json.empty()) {
-    const std::string json = DeltaComparisonJson(comparison).dump(kJsonIndent) + "\n";
-    if (options.json == "-") {
-      std::cout << json;
-    } else {
-      WriteTextFile(options.json, json);
-    }
+  if (options.json != "-") std::cout << text;
+  if (options.json.empty()) return;
+  const std::string dump = json.dump(kJsonIndent) + "\n";
+  if (options.json == "-") {
+    std::cout << dump;
+  } else {
+    WriteTextFile(options.json, dump);
   }
+}
+
+int RunMeasured(const Options& options) {
+  if (options.kind != "delta") {
+    throw InputError({.file = "--machine"},
+                     "only a delta has been measured",
+                     "caltwin compare delta --machine measured");
+  }
+  ProgressLine line;
+  const auto tasks = CompareMeasuredDelta(
+      options.draws, options.seed, [&](const std::string& name) { line.Show(name); });
+  line.Clear();
+  Write(options, MeasuredDeltaText(tasks), MeasuredDeltaJson(tasks, options.seed));
+  return InterruptRequested() ? kInterrupted : kPassed;
+}
+
+int RunRandom(const Options& options) {
+  ProgressLine line;
+  const auto progress = [&](int done) {
+    line.Show(fmt::format("machine {} of {}", done + 1, options.machines));
+  };
+  if (options.kind == "levelling") {
+    const LevellingComparison comparison =
+        CompareLevelling(options.machines, options.seed, progress);
+    line.Clear();
+    Write(options,
+          LevellingComparisonText(comparison),
+          LevellingComparisonJson(comparison));
+    return comparison.is_interrupted ? kInterrupted : kPassed;
+  }
+  if (options.kind == "backlash") {
+    const BacklashComparison comparison =
+        CompareBacklash(options.machines, options.seed, progress);
+    line.Clear();
+    Write(options,
+          BacklashComparisonText(comparison),
+          BacklashComparisonJson(comparison));
+    return comparison.is_interrupted ? kInterrupted : kPassed;
+  }
+  const DeltaComparison comparison =
+      CompareDelta(options.machines, options.seed, progress);
+  line.Clear();
+  Write(options, DeltaComparisonText(comparison), DeltaComparisonJson(comparison));
   return comparison.is_interrupted ? kInterrupted : kPassed;
 }
 
@@ -45,10 +90,21 @@ int Run(const Options& options) {
 
 Action DeclareCompare(CLI::App* app) {
   const auto options = std::make_shared<Options>();
-  app->add_option("kind", options->kind, "what is calibrated: delta")
+  app->add_option(
+         "kind", options->kind, "what is calibrated: delta, levelling, backlash")
       ->required()
-      ->check(CLI::IsMember({"delta"}));
+      ->check(CLI::IsMember({"delta", "levelling", "backlash"}));
   app->add_option("--machines", options->machines, "how many random machines")
+      ->capture_default_str()
+      ->check(CLI::Range(1, kMostMachines));
+  app->add_option("--machine",
+                  options->machine,
+                  "random, or measured: the one on which the public engines' own code "
+                  "was measured, row by row")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"random", "measured"}));
+  app->add_option(
+         "--draws", options->draws, "of each noisy row of the measured machine")
       ->capture_default_str()
       ->check(CLI::Range(1, kMostMachines));
   app->add_option("--seed", options->seed, "of the machines and their touches")
@@ -56,7 +112,7 @@ Action DeclareCompare(CLI::App* app) {
   app->add_option(
       "--json", options->json, "write the figures as JSON; - for stdout alone");
   return [options] {
-    return Run(*options);
+    return options->machine == "measured" ? RunMeasured(*options) : RunRandom(*options);
   };
 }
 

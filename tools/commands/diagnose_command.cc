@@ -62,18 +62,6 @@ struct Believed {
   fs::path file{};  // Empty: assumed from the rows.
 };
 
-// Where rows do not say what the motors did.
-void NoteMissingMotors(Data* data) {
-  const auto missing = std::ranges::count_if(data->table.rows, [](const Row& row) {
-    return !std::ranges::all_of(row.motor_mm, Known);
-  });
-  if (missing == 0) return;
-  data->notes.push_back(fmt::format(
-      "{} rows do not say all of motor_a_mm, motor_b_mm, motor_c_mm: there the machine "
-      "file's settings say what was commanded",
-      missing));
-}
-
 // --machine, else the header's `machine:` (relative to the header), else assumed.
 Believed BelievedMachine(const Options& options, Data* data) {
   const fs::path header_file = fs::path(options.file).replace_extension(".yaml");
@@ -103,13 +91,15 @@ Believed BelievedMachine(const Options& options, Data* data) {
     believed.effects = std::move(read.effects);
     data->notes.insert(data->notes.end(), read.notes.begin(), read.notes.end());
   }
-  if (believed.machine.delta && !options.correction.empty()) {
+  const bool is_printer = believed.machine.delta || believed.machine.triple_z;
+  if (is_printer && !options.correction.empty()) {
     throw InputError({.file = "--correction"},
-                     "no correction of a delta is written yet",
-                     "`caltwin run` with delta_joint finds its M665, M666 and "
-                     "printer.cfg; the baseline below is built minus believed");
+                     fmt::format("no correction of a {} machine is written yet",
+                                 ToString(believed.machine.kinematics)),
+                     "`caltwin run` finds settings: delta_joint M665, M666 and "
+                     "printer.cfg, pivots_and_wiring M671");
   }
-  if (believed.machine.delta) NoteMissingMotors(data);
+  NoteMissingMotors(believed.machine, data);
   believed.machine = WithTransmission(std::move(believed.machine), data->header);
   if (believed.file.empty()) {
     believed.machine = WithStepsAsSet(std::move(believed.machine), data->header);

@@ -12,6 +12,7 @@
 #include "calibration/procedures/catalog.h"
 #include "scenarios/delta_words.h"
 #include "scenarios/keys.h"
+#include "scenarios/triple_z_words.h"
 #include "sim/effects/catalog.h"
 #include "sim/measure/plan_kinds.h"
 #include "tools/commands/command.h"
@@ -75,6 +76,9 @@ std::string EffectText(const Effect& effect) {
   if (!std::ranges::equal(effect.axes, effect.delta_axes)) {
     add_axes(effect.delta_axes, " on a delta");
   }
+  if (!std::ranges::equal(effect.axes, effect.triple_z_axes)) {
+    add_axes(effect.triple_z_axes, " on a triple-Z printer");
+  }
   for (const Parameter& parameter : effect.parameters) {
     text += fmt::format("  {} [{}], {} to {}; expected: {}\n",
                         parameter.name,
@@ -129,10 +133,12 @@ std::string Explanation(const std::string& name) {
     }
   };
   add(ScenarioKeys(), "key");
+  add(StudyKeys(), "key of a study");
   add(OutcomeWords(), "outcome");
   add(UnitWords(), "unit");
   add(DeltaEffectWords(), "effect of a delta");
   add(DeltaProcedureWords(), "procedure of a delta");
+  add(TripleZProcedureWords(), "procedure of a triple-Z printer");
   for (const Effect* each : AllEffects()) {
     for (const Parameter& parameter : each->parameters) {
       if (parameter.name != name || effect) continue;
@@ -164,23 +170,55 @@ std::string ListText() {
   };
   add_names("Keys of a scenario (`caltwin explain scenario` says them all)",
             ScenarioKeys());
+  add_names("Keys of a study (`caltwin explain study` says them all)", StudyKeys());
   add_names("Outcomes", OutcomeWords());
   add_names("Units", UnitWords());
   add_names("Effects of a delta", DeltaEffectWords());
   add_names("Procedures of a delta", DeltaProcedureWords());
+  add_names("Procedures of a triple-Z printer", TripleZProcedureWords());
   return text;
 }
 
-std::string ScenarioText() {
-  std::string text = "The keys of a scenario file\n";
-  for (const Word& word : ScenarioKeys()) {
+std::string KeysText(std::string_view of, std::span<const Word> keys) {
+  std::string text = fmt::format("The keys of a {} file\n", of);
+  for (const Word& word : keys) {
     text += fmt::format("  {}\n", word.name) + Folded(word.meaning, 4);
   }
   return text;
 }
 
+// All that is said of deltas, by what it is.
+std::string DeltaText() {
+  std::string text = "delta (a kind of machine)\n";
+  text += Folded(
+      "Three carriages on towers a, b and c (210, 330 and 90 deg), six rods in pairs, "
+      "an effector that hangs on them. `caltwin run` calibrates one by G-code, "
+      "`simulate`, `diagnose` and `plan` measure one, `compare delta` sets rival "
+      "procedures beside each other, `import klipper-delta` reads a real one. Each "
+      "name below is explained by `caltwin explain NAME`.",
+      2);
+  const auto add = [&](std::string_view title, std::vector<std::string_view> names) {
+    text += fmt::format("\n{}\n", title) +
+            Folded(fmt::format("{}", fmt::join(names, " ")), 2);
+  };
+  std::vector<std::string_view> effects, campaigns, procedures;
+  for (const Word& word : DeltaEffectWords()) effects.push_back(word.name);
+  for (const Effect* effect : AllEffects()) {
+    const bool is_known = std::ranges::find(effects, effect->name) != effects.end();
+    if (!effect->delta_axes.empty() && !is_known) effects.push_back(effect->name);
+  }
+  for (const Word& word : DeltaProcedureWords()) procedures.push_back(word.name);
+  for (const CampaignKind& kind : AllCampaignKinds()) {
+    if (kind.PlanOn(Kinematics::kDelta) != nullptr) campaigns.push_back(kind.id);
+  }
+  add("Effects", effects);
+  add("Procedures", procedures);
+  add("Campaigns of a plan", campaigns);
+  return text;
+}
+
 std::vector<std::string> AllNames() {
-  std::vector<std::string> names = {"scenario"};
+  std::vector<std::string> names = {"scenario", "study", "delta"};
   for (const Effect* effect : AllEffects()) {
     names.emplace_back(effect->name);
     for (const Parameter& p : effect->parameters) names.emplace_back(p.name);
@@ -188,10 +226,12 @@ std::vector<std::string> AllNames() {
   for (const Procedure& procedure : AllProcedures()) names.emplace_back(procedure.name);
   for (const CampaignKind& kind : AllCampaignKinds()) names.emplace_back(kind.id);
   for (const auto words : {ScenarioKeys(),
+                           StudyKeys(),
                            OutcomeWords(),
                            UnitWords(),
                            DeltaEffectWords(),
-                           DeltaProcedureWords()}) {
+                           DeltaProcedureWords(),
+                           TripleZProcedureWords()}) {
     for (const Word& word : words) names.emplace_back(word.name);
   }
   return names;
@@ -202,7 +242,10 @@ int Explain(const std::string& name) {
     std::cout << ListText();
     return kPassed;
   }
-  const std::string text = name == "scenario" ? ScenarioText() : Explanation(name);
+  const std::string text = name == "scenario" ? KeysText(name, ScenarioKeys())
+                           : name == "study"  ? KeysText(name, StudyKeys())
+                           : name == "delta"  ? DeltaText()
+                                              : Explanation(name);
   if (text.empty()) {
     const std::string nearest = NearestWord(name, AllNames());
     throw InputError({},

@@ -1,5 +1,6 @@
 #include "tools/commands/import_account.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -130,7 +131,37 @@ std::string DistancesText(double off_mm, double sigma_mm) {
                            : "");
 }
 
-std::vector<std::string> DeltaAccount(const KlipperCalibration& read) {
+// Why a geometry may not belong to its touches though nobody changed all of it.
+std::vector<std::string> StaleTexts(const KlipperCalibration& read,
+                                    const KlipperFit& fit,
+                                    const ImportOptions& import) {
+  constexpr double kSame_mm = MmFromUm(1.0);
+  constexpr double kSameStep = 0.005;
+  const DeltaModel<double>& saved = read.geometry.model;
+  double most_mm = 0;
+  for (std::size_t i = 0; i < kNumTowers; ++i) {
+    most_mm =
+        std::max(most_mm, std::abs(fit.model.endstop_mm[i] - saved.endstop_mm[i]));
+  }
+  if (most_mm < kSame_mm) {
+    return {
+        "its endstops are those of these touches: delta radius or angles were "
+        "changed after them"};
+  }
+  const double likely_mm = LikelyStep_mm(read.geometry, read.touches);
+  const bool is_doubtful = import.step_mm && Known(likely_mm) &&
+                           std::abs(likely_mm / *import.step_mm - 1) > kSameStep;
+  if (!is_doubtful) return {};
+  return {
+      fmt::format("or --step-mm {:g} is not this machine's motor step: the touch "
+                  "nearest to the middle suggests {:.3g}, if the endstops are "
+                  "theirs",
+                  *import.step_mm,
+                  likely_mm)};
+}
+
+std::vector<std::string> DeltaAccount(const KlipperCalibration& read,
+                                      const ImportOptions& import) {
   const Readings readings = ReadingsOf(read);
   const KlipperAssessment assessment =
       AssessKlipper(readings.touches, readings.distances, read.geometry.model);
@@ -147,6 +178,10 @@ std::vector<std::string> DeltaAccount(const KlipperCalibration& read) {
       DeviationsText(assessment.fit, read.geometry.model),
       HoldOutText(assessment),
       SdText(assessment.fit)};
+  if (assessment.verdict == SavedVerdict::kStale) {
+    const auto why = StaleTexts(read, assessment.fit, import);
+    lines.insert(lines.begin() + 1, why.begin(), why.end());
+  }
   if (!readings.distances.empty()) {
     lines.push_back(
         DistancesText(assessment.fit.distance_rms_mm, readings.distance_sigma_mm));
@@ -243,7 +278,7 @@ std::vector<std::string> ImportAccount(const std::string& kind,
                                        const std::string& name,
                                        const ImportOptions& options) {
   if (kind == "klipper-delta") {
-    return DeltaAccount(ReadKlipperCalibration(text, name, options));
+    return DeltaAccount(ReadKlipperCalibration(text, name, options), options);
   }
   if (kind == "klipper-mesh") return MeshAccount(ReadKlipperBed(text, name));
   return {};

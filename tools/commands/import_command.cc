@@ -45,14 +45,21 @@ void Print(const char* title, const std::vector<std::string>& sentences) {
   }
 }
 
-void PrintNext(const Imported& imported,
-               const std::string& out,
-               const std::string& machine_out) {
+void PrintNext(const Imported& imported, const Options& options) {
+  const std::string& out = options.out;
+  const std::string& machine_out = options.machine_out;
   const bool is_positioning =
       !imported.header.campaigns.empty() &&
       imported.header.campaigns.begin()->second.plan == "iso230";
   // Rows of motors say nothing without their machine.
   const bool wants_machine = machine_out.empty() && !imported.machine_yaml.empty();
+  if (out.empty()) {
+    std::cout << fmt::format(
+        "next:      nothing was written; the same with --out DATA.csv{} writes the "
+        "rows\n",
+        wants_machine ? " --machine-out M.yaml" : "");
+    return;
+  }
   std::cout << fmt::format(
       "next:      {}caltwin diagnose {}{}{}\n",
       wants_machine ? "the same with --machine-out M.yaml, then " : "",
@@ -106,6 +113,32 @@ void WriteMachineAlone(const Options& options, const Imported& imported) {
   PrintFound(imported);
 }
 
+/// Of a header of rows that would be written over by the machine.
+void RefuseSameHeader(const fs::path& machine_out, const fs::path& header) {
+  const auto plain = [](const fs::path& file) {
+    return fs::absolute(file).lexically_normal();
+  };
+  if (machine_out.empty() || plain(machine_out) != plain(header)) return;
+  throw InputError({.file = "--machine-out"},
+                   fmt::format("{} is the header of the rows", header.string()),
+                   "give the machine another name");
+}
+
+/// Rows and their header where `--out` names them, the machine where `--machine-out`
+/// does; what is not asked for is not written.
+void WriteAskedFor(const Options& options, const Imported& imported) {
+  const fs::path header = fs::path(options.out).replace_extension(".yaml");
+  if (!options.out.empty()) {
+    RefuseSame(options.out, options.file);
+    RefuseSameHeader(options.machine_out, header);
+    WriteDataHeader(header, imported.header);
+  }
+  if (!options.machine_out.empty()) {
+    WriteTextFile(options.machine_out, imported.machine_yaml);
+  }
+  if (!options.out.empty()) WriteRows(options.out, imported.table);
+}
+
 int RunImport(const Options& options) {
   ImportOptions import = options.import;
   if (options.step_mm > 0) import.step_mm = options.step_mm;
@@ -118,37 +151,26 @@ int RunImport(const Options& options) {
   }
   const std::vector<Doubt> doubts = Doubts(imported.table, imported.header);
   RefuseImplausible(doubts, options.file);
-  const fs::path out = options.out.empty()
-                           ? fs::path(options.file).stem().concat(".rows.csv")
-                           : fs::path(options.out);
-  RefuseSame(out, options.file);
   const std::vector<std::string> account =
       ImportAccount(options.kind,
                     ReadTextFile(options.file, kLargestFile_bytes),
                     options.file,
                     import);
-  const fs::path header = fs::path(out).replace_extension(".yaml");
-  if (!options.machine_out.empty() &&
-      fs::absolute(options.machine_out).lexically_normal() ==
-          fs::absolute(header).lexically_normal()) {
-    throw InputError({.file = "--machine-out"},
-                     fmt::format("{} is the header of the rows", header.string()),
-                     "give the machine another name");
-  }
-  WriteDataHeader(header, imported.header);
-  if (!imported.machine_yaml.empty() && !options.machine_out.empty()) {
-    WriteTextFile(options.machine_out, imported.machine_yaml);
-  }
-  WriteRows(out, imported.table);
-  std::cout << fmt::format(
-      "{}: {} rows from {}\n", out.string(), imported.table.rows.size(), options.file);
+  WriteAskedFor(options, imported);
+  std::cout << (options.out.empty()
+                    ? fmt::format(
+                          "{}: {} rows\n", options.file, imported.table.rows.size())
+                    : fmt::format("{}: {} rows from {}\n",
+                                  options.out,
+                                  imported.table.rows.size(),
+                                  options.file));
   PrintFound(imported);
   Print("finds", account);
   for (const Doubt& doubt : doubts) {
     Print("note", {doubt.message});
     if (!doubt.hint.empty()) Print("", {doubt.hint});
   }
-  PrintNext(imported, out.string(), options.machine_out);
+  PrintNext(imported, options);
   return kPassed;
 }
 
@@ -162,7 +184,10 @@ Action DeclareImport(CLI::App* app) {
   }
   app->add_option("KIND", options->kind, "what the file is, below")->required();
   app->add_option("FILE", options->file, "the file to read")->required();
-  app->add_option("--out", options->out, "measured rows, DATA.csv (and DATA.yaml)");
+  app->add_option(
+      "--out",
+      options->out,
+      "write measured rows, DATA.csv (and DATA.yaml); without it nothing is written");
   app->add_option("--machine-out",
                   options->machine_out,
                   "a machine file, where the file knows one");

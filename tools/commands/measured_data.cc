@@ -59,4 +59,17 @@ void JudgeData(const std::string& file, const Machine* machine, Data* data) {
   faults.ThrowIfAny();
 }
 
+void NoteMissingMotors(const Machine& machine, Data* data) {
+  const auto missing = std::ranges::count_if(data->table.rows, [](const Row& row) {
+    return !std::ranges::all_of(row.motor_mm, Known);
+  });
+  if (missing == 0 || (!machine.delta && !machine.triple_z)) return;
+  data->notes.push_back(fmt::format(
+      "{} rows do not say all of motor_a_mm, motor_b_mm, motor_c_mm: there {}",
+      missing,
+      machine.delta ? "the machine file's settings say what was told"
+                    : "cmd_z_mm says it of all screws alike, and not of one moved "
+                      "alone"));
+}
+
 }  // namespace caltwin

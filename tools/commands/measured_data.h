@@ -23,4 +23,7 @@ Data ReadData(const std::string& file);
 /// null where it was assumed from the rows.
 void JudgeData(const std::string& file, const Machine* machine, Data* data);
 
+/// Notes where rows do not say what the motors of a delta or under a bed did.
+void NoteMissingMotors(const Machine& machine, Data* data);
+
 }  // namespace caltwin

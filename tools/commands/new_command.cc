@@ -17,6 +17,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
+constexpr std::size_t kLargestFile_bytes = 1'000'000;
+
 struct Options {
   std::string name{};
   std::string like = "gantry_router";
@@ -33,8 +35,8 @@ int NewMachine(const Options& options) {
                      fmt::format("'{}' is no name for a machine", options.name),
                      "letters, digits, _ and - only: it becomes a folder in models/");
   }
-  const Machine like =
-      ReadMachine(FindMachine(options.like, "", {.file = "--like " + options.like}));
+  const fs::path like =
+      FindMachine(options.like, "", {.file = "--like " + options.like});
   const fs::path file = fs::path("models") / options.name / "machine.yaml";
   std::error_code error;
   if (fs::exists(file, error)) {
@@ -42,7 +44,12 @@ int NewMachine(const Options& options) {
                      "this file is already there",
                      "take another name, or move it away");
   }
-  WriteTextFile(file, StarterText(like, options.name));
+  const Machine machine = ReadMachine(like);
+  WriteTextFile(
+      file,
+      machine.kinematics == Kinematics::kCartesian
+          ? StarterText(machine, options.name)
+          : StarterLike(ReadTextFile(like, kLargestFile_bytes), options.name));
   std::cout << fmt::format(
       "{}\nFill in your own sizes, then: caltwin validate {}\nA scenario uses it as "
       "`machine: {}`.\n",

@@ -9,6 +9,7 @@
 
 #include "renders/delta_scene.h"
 #include "renders/machine_scene.h"
+#include "renders/triple_z_scene.h"
 #include "scenarios/file_kind.h"
 #include "scenarios/machine_file.h"
 #include "scenarios/runner.h"
@@ -75,6 +76,27 @@ std::optional<DeltaScene> DeltaOf(const Options& options) {
   return DeltaScene(read.machine, drawn.built, options.exaggerate);
 }
 
+/// The triple-Z printer that the file describes; nullopt where it is none.
+std::optional<TripleZScene> TripleZOf(const Options& options) {
+  const fs::path file = options.file;
+  const FileKind kind = KindOf(file);
+  if (kind == FileKind::kScenario) {
+    const Scenario scenario = ReadScenario(file);
+    if (!scenario.triple_z) return std::nullopt;
+    return TripleZScene(DrawTripleZ(*scenario.triple_z,
+                                    scenario.machine.machine,
+                                    scenario.seed,
+                                    /*sample=*/0),
+                        options.exaggerate);
+  }
+  if (kind != FileKind::kMachine) return std::nullopt;
+  const MachineFile read = ReadAnyMachineFile(file);
+  if (!read.machine.triple_z) return std::nullopt;
+  return TripleZScene({.machine = read.machine,
+                       .effects = DrawEffects(read.effects, /*seed=*/1, /*sample=*/0)},
+                      options.exaggerate);
+}
+
 void Draw(const Options& options, const mjModel* model, mjData* data) {
   CheckCamera(model, options.camera);
   WritePng(options.out,
@@ -94,6 +116,10 @@ int Render(const Options& options) {
   }
   if (const auto delta = DeltaOf(options)) {
     Draw(options, delta->model(), delta->data());
+    return kPassed;
+  }
+  if (const auto triple_z = TripleZOf(options)) {
+    Draw(options, triple_z->model(), triple_z->data());
     return kPassed;
   }
   const MachineScene scene(ConfigOf(options.file), options.exaggerate);

@@ -1,6 +1,8 @@
 #include "tools/commands/starter.h"
 
 #include <array>
+#include <sstream>
+#include <string>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -103,6 +105,25 @@ std::string StarterText(const Machine& like, const std::string& name) {
                      fmt::arg("backlash", ByAxis(like.settings.backlash_mm)),
                      fmt::arg("deflection", ByAxis(like.settings.probe_deflection_mm)),
                      fmt::arg("radius", like.settings.tip_radius_mm));
+}
+
+std::string StarterLike(const std::string& text, const std::string& name) {
+  std::string starter = fmt::format(
+      "# {}: sizes of your own machine. Check with `caltwin validate`.\n", name);
+  std::istringstream lines(text);
+  bool is_head = true;
+  for (std::string line; std::getline(lines, line);) {
+    is_head = is_head && line.starts_with('#');  // Of the machine that it is like.
+    if (is_head) continue;
+    if (line.starts_with("name:")) {
+      line = "name: " + name;
+    } else if (line.starts_with("model:")) {
+      line =
+          "# " + line + "      # an MJCF of your own; without it a plain one is built";
+    }
+    starter += line + "\n";
+  }
+  return starter;
 }
 
 }  // namespace caltwin

@@ -11,4 +11,8 @@ namespace caltwin {
 /// file).
 std::string StarterText(const Machine& like, const std::string& name);
 
+/// The same of any other kind: the file of such a machine, with its comments, under
+/// another name and without a model of its own.
+std::string StarterLike(const std::string& text, const std::string& name);
+
 }  // namespace caltwin

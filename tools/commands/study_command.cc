@@ -6,14 +6,23 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "renders/study_report.h"
 #include "scenarios/interrupt.h"
 #include "scenarios/result_text.h"
+#include "scenarios/study/adaptive.h"
+#include "scenarios/study/aggregate.h"
+#include "scenarios/study/best_readings.h"
+#include "scenarios/study/budget.h"
+#include "scenarios/study/linear.h"
+#include "scenarios/study/merge.h"
 #include "scenarios/study/run.h"
 #include "scenarios/study/summary.h"
+#include "scenarios/study/trials_csv.h"
 #include "sim/base/text_file.h"
 #include "tools/commands/command.h"
 #include "tools/commands/progress.h"
@@ -26,13 +35,17 @@ namespace {
 
 constexpr int kJsonIndent = 2;
 constexpr int kMostWorkers = 1024;
+constexpr std::size_t kLargestSummary_bytes = 100'000'000;
 
 struct Options {
   std::string study{};
   std::string out{};
+  std::string report{};
   int workers = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   bool resume = false;
   std::optional<std::int64_t> trial{};
+  std::string shard{};
+  std::vector<std::string> merge{};
 };
 
 // Of the whole study: "next_study" beside where one is.
@@ -41,10 +54,10 @@ fs::path FolderOf(const Options& options) {
 }
 
 int ReplayTrial(const Study& study, std::int64_t trial) {
-  if (trial < 0 || trial >= study.trials) {
+  if (trial < 0 || trial >= study.most_trials) {
     throw InputError({.file = study.file.string()},
                      fmt::format("has no trial {}", trial),
-                     fmt::format("there are 0 to {}", study.trials - 1));
+                     fmt::format("there are 0 to {}", study.most_trials - 1));
   }
   bool lost = false;
   for (std::size_t i = 0; i < study.cases.size(); ++i) {
@@ -75,22 +88,176 @@ std::string ProgressText(const StudyProgress& progress) {
                      left_s);
 }
 
-int Run(const Options& options) {
-  const Study study = ReadStudy(options.study);
-  if (options.trial) return ReplayTrial(study, *options.trial);
-  const fs::path folder = FolderOf(options);
-  StudyStore store(folder, study, options.resume);
-  StudyProgress progress;
-  {
-    ProgressLine line;
-    progress = RunStudy(study,
-                        {.workers = options.workers,
-                         .progress =
-                             [&](const StudyProgress& now) {
-                               line.Show(ProgressText(now));
-                             }},
-                        &store);
+// What says the same already is left alone, its time of writing too.
+void WriteIfOther(const fs::path& file, const std::string& text) {
+  std::error_code error;
+  if (fs::is_regular_file(file, error) && fs::file_size(file, error) == text.size() &&
+      ReadTextFile(file, text.size()) == text) {
+    return;
   }
+  WriteTextFile(file, text);
+}
+
+// Whether the folder holds what came out of this study; throws InputError where that
+// is another's.
+bool HoldsSummary(const Study& study, const fs::path& folder) {
+  const fs::path file = folder / "summary.json";
+  std::error_code error;
+  if (!fs::exists(file, error)) return false;
+  const auto json = nlohmann::json::parse(ReadTextFile(file, kLargestSummary_bytes),
+                                          nullptr,
+                                          /*allow_exceptions=*/false);
+  if (json.is_object() && json.value("fingerprint", nlohmann::json()) ==
+                              nlohmann::json(study.Fingerprint())) {
+    return true;
+  }
+  throw InputError(
+      {.file = file.string()},
+      "is of another study, or of this one before its files or the program "
+      "changed",
+      "choose another folder with --out");
+}
+
+// Aggregates leave a summary alone, and no folder that holds trials is theirs.
+bool IsDone(const Study& study, const fs::path& folder) {
+  const fs::path trials = folder / "study.sqlite";
+  std::error_code error;
+  if (fs::exists(trials, error)) {
+    throw InputError({.file = trials.string()},
+                     "holds the trials of another study, and this one keeps none",
+                     "choose another folder with --out");
+  }
+  return HoldsSummary(study, folder);
+}
+
+// Says and writes what came out; `files` is what else lies in the folder.
+int Tell(const Study& study,
+         const Options& options,
+         const StudyFindings& findings,
+         const std::string& files) {
+  const fs::path folder = FolderOf(options);
+  WriteIfOther(folder / "summary.json",
+               SummaryJson(study, findings.summary).dump(kJsonIndent) + "\n");
+  std::cout << SummaryText(study, findings.summary);
+  for (const auto& budgets : findings.budgets) std::cout << BudgetText(budgets);
+  if (study.plan) std::cout << WorthText(*study.plan, WorthOf(*study.plan));
+  std::cout << findings.remarks
+            << fmt::format("\n{}: {}summary.json\n", folder.string(), files);
+  if (options.report.empty()) return kPassed;
+  WriteStudyReport(study, findings, options.report);
+  std::cout << fmt::format("{}: index.html and its pictures\n", options.report);
+  return kPassed;
+}
+
+int SumUp(const Study& study,
+          const Options& options,
+          const StudyStore& store,
+          const std::string& remarks) {
+  WriteTrialsCsv(study, store, FolderOf(options) / "trials.csv");
+  return Tell(study,
+              options,
+              {.summary = SummaryOf(study, store),
+               .budgets = BudgetsOf(study, store),
+               .remarks = remarks},
+              "trials.csv, study.sqlite, ");
+}
+
+// A line that says how far it is, while one of these lives.
+struct Shown {
+  StudyOptions With(const Options& options) {
+    return {.workers = options.workers,
+            .shard = options.shard.empty() ? Shard{} : ReadShard(options.shard),
+            .progress = [this](const StudyProgress& now) {
+              line.Show(ProgressText(now));
+            }};
+  }
+  ProgressLine line{};
+};
+
+// Aggregates alone.
+int RunUnkept(const Study& study, const Options& options) {
+  const bool is_done = IsDone(study, FolderOf(options));
+  if (options.resume && options.shard.empty() && is_done) {
+    std::cout << fmt::format("{}: finished; summary.json is as it was\n",
+                             FolderOf(options).string());
+    return kPassed;
+  }
+  if (options.resume || !options.shard.empty()) {
+    throw InputError({.file = study.file.string()},
+                     "keeps no trials, so there is nothing to resume or to merge",
+                     "`keep: all` keeps them; linear without runs 10^7 a minute");
+  }
+  Shown shown;
+  StudyFindings findings;
+  if (study.is_linear) {
+    const LinearCheck check = CheckLinear(study, shown.With(options));
+    if (InterruptRequested()) return kInterrupted;
+    RequireLinear(study, check);
+    findings.summary = RunLinear(study, shown.With(options));
+    findings.remarks = CheckText(check);
+  } else {
+    std::vector<Aggregate> cases(study.cases.size(), Aggregate(study.plan != nullptr));
+    const auto add = [&](const TrialResult& result) {
+      cases.at(result.of_case).Add(result);
+    };
+    findings.summary.trials = RunTrials(study, shown.With(options), {}, add).done /
+                              static_cast<std::int64_t>(cases.size());
+    for (std::size_t i = 0; i < cases.size(); ++i) {
+      findings.summary.cases.push_back(cases[i].Summary(study.cases[i]));
+    }
+  }
+  shown.line.Clear();
+  if (InterruptRequested()) return kInterrupted;
+  return Tell(study, options, findings, "");
+}
+
+// What `act` refuses leaves nothing new behind.
+template <typename Act>
+void OrDiscard(StudyStore* store, const Act& act) {
+  try {
+    act();
+  } catch (const InputError&) {
+    store->DiscardIfEmpty();
+    throw;
+  }
+}
+
+int Merge(const Study& study, const Options& options) {
+  const fs::path folder = FolderOf(options);
+  StudyStore whole(folder, study, options.resume);
+  OrDiscard(&whole, [&] {
+    HoldsSummary(study, folder);
+    MergeParts(study, {options.merge.begin(), options.merge.end()}, &whole);
+  });
+  return SumUp(study, options, whole, "");
+}
+
+int Run(const Options& options) {
+  Study study = ReadStudy(options.study);
+  if (options.trial) return ReplayTrial(study, *options.trial);
+  if (!options.merge.empty()) return Merge(study, options);
+  if (study.adaptive_digits > 0 && !options.shard.empty()) {
+    throw InputError({.file = study.file.string()},
+                     "is adaptive: how many trials it takes is known at the end alone",
+                     "parts need a fixed number: write `trials: N`");
+  }
+  if (!study.keeps_trials) return RunUnkept(study, options);
+  const fs::path folder = FolderOf(options);
+  Shown shown;
+  const StudyOptions how = shown.With(options);
+  StudyStore store(folder, study, options.resume, how.shard);
+  const bool is_begun = !store.Done().empty();
+  OrDiscard(&store, [&] {
+    HoldsSummary(study, folder);
+    if (!study.is_linear || is_begun) return;  // Was good enough when it was begun.
+    const LinearCheck check = CheckLinear(study, how);
+    if (!InterruptRequested()) RequireLinear(study, check);
+  });
+  AdaptiveStop stop(study.adaptive_digits);
+  const StudyProgress progress = study.adaptive_digits > 0
+                                     ? RunAdaptive(&study, how, &store, &stop)
+                                     : RunStudy(study, how, &store);
+  shown.line.Clear();
   if (InterruptRequested()) {
     std::cerr << fmt::format(
         "{} of {} runs are kept in {}; --resume goes on with them\n",
@@ -99,14 +266,8 @@ int Run(const Options& options) {
         folder.string());
     return kInterrupted;
   }
-  const StudySummary summary = SummaryOf(study, store);
-  WriteTextFile(folder / "trials.csv", TrialsCsv(study, store));
-  WriteTextFile(folder / "summary.json",
-                SummaryJson(study, summary).dump(kJsonIndent) + "\n");
-  std::cout << SummaryText(study, summary)
-            << fmt::format("\n{}: trials.csv, summary.json, study.sqlite\n",
-                           folder.string());
-  return kPassed;
+  return SumUp(
+      study, options, store, study.adaptive_digits > 0 ? SettlingText(stop) : "");
 }
 
 }  // namespace
@@ -116,12 +277,26 @@ Action DeclareStudy(CLI::App* app) {
   app->add_option("STUDY", options->study, "what to draw and compare (docs/studies.md)")
       ->required();
   app->add_option("--out", options->out, "folder; default: named after the study");
+  app->add_option(
+      "--report",
+      options->report,
+      "folder for an HTML report: coverage, histograms, budget, worst ones");
   app->add_option("--workers", options->workers, "machines at a time; default: cores")
       ->check(CLI::Range(1, kMostWorkers));
   app->add_flag("--resume", options->resume, "goes on with what the folder holds");
-  app->add_option("--trial",
-                  options->trial,
-                  "runs this one alone and shows all of it; keeps nothing");
+  CLI::Option* const trial =
+      app->add_option("--trial",
+                      options->trial,
+                      "runs this one alone and shows all of it; keeps nothing");
+  CLI::Option* const shard =
+      app->add_option("--shard", options->shard, "I/N: runs the I-th of N parts")
+          ->excludes(trial);
+  app->add_option("--merge",
+                  options->merge,
+                  "runs nothing: puts the parts in these folders together in --out")
+      ->excludes(shard)
+      ->excludes(trial)
+      ->expected(1, kMostWorkers * kMostWorkers);
   app->footer(
       "Killed or interrupted, a study loses the trials on their way; `--resume` goes "
       "on. Results depend on the study and its seed, not on workers or order.");

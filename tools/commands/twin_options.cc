@@ -1,6 +1,7 @@
 #include "tools/commands/twin_options.h"
 
 #include <charconv>
+#include <filesystem>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -38,9 +39,11 @@ void ReadOption(const std::string& url, std::string_view option, TwinOptions* op
 
 }  // namespace
 
-TwinConfig MakeTwinConfig(const TwinOptions& options) {
-  const MachineFile read =
-      ReadMachineFile(FindMachine(options.machine, "", {.file = options.machine}));
+TwinConfig MakeTwinConfig(const TwinOptions& options, bool only_measures) {
+  const std::filesystem::path file =
+      FindMachine(options.machine, "", {.file = options.machine});
+  MachineFile read = ReadAnyMachineFile(file);
+  if (!only_measures || !read.machine.triple_z) read = ReadMachineFile(file);
   std::vector<InjectedSpec> effects = read.effects;
   std::vector<SettingSpec> settings;
   if (!options.truth.empty()) {

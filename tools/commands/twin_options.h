@@ -19,8 +19,9 @@ struct TwinOptions {
   Instruments instruments{};
 };
 
-/// Reads the files. Throws InputError.
-TwinConfig MakeTwinConfig(const TwinOptions& options);
+/// Reads the files. Throws InputError, of printers too: those that measure rows but
+/// speak no G-code here only `only_measures` takes.
+TwinConfig MakeTwinConfig(const TwinOptions& options, bool only_measures = false);
 
 /// Reads `twin:M.yaml?truth=T.yaml&fidelity=fast&seed=7`. Throws InputError.
 TwinOptions TwinOptionsOf(const std::string& url);

@@ -1,14 +1,18 @@
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "scenarios/delta_effects.h"
 #include "scenarios/file_kind.h"
 #include "scenarios/machine_file.h"
 #include "scenarios/scenario.h"
 #include "scenarios/study/study.h"
+#include "sim/machine/machine.h"
 #include "sim/measure/data_header.h"
 #include "sim/measure/plan.h"
 #include "sim/measure/rows.h"
@@ -21,10 +25,26 @@ struct Options {
   std::vector<std::string> files{};
 };
 
-// What each effect of a truth file may be does not depend on the machine; only neutral
-// values do, and those are not used here.
+// A truth file does not say whose it is: sound if it is sound of any kind of machine,
+// else told as of the kind that it fits best.
 void ReadTruth(const std::string& file) {
-  ReadTruthFile(file, Machine{});
+  std::optional<InputError> least;
+  for (const char* name : {"gantry_router", "delta_printer", "triple_z_printer"}) {
+    try {
+      const Machine machine =
+          ReadMachine(ShareFolder() / "models" / name / "machine.yaml");
+      if (machine.delta) {
+        ReadDeltaTruthFile(file, machine);
+      } else {
+        ReadTruthFile(file, machine);
+      }
+      return;
+    } catch (const InputError& error) {
+      const std::string_view text = error.what();
+      if (!least || text.size() < std::string_view(least->what()).size()) least = error;
+    }
+  }
+  throw *least;
 }
 
 // Reads a file as what it is; throws InputError where it is not that.

@@ -10,12 +10,13 @@ namespace caltwin {
 
 /// Where an effect acts in the physics.
 enum class ActKind {
-  kEditModel,    ///< Bodies, joints, springs of the model, before it is compiled.
-  kDriveMap,     ///< Where the motors put the nuts: steps to position, the gap's width.
-  kReadingMap,   ///< The tip's place and the probe's switch, while it runs.
-  kTableMap,     ///< How the table stands under the tip, while it runs.
-  kDeltaBuild,   ///< The parts of a delta, before its model is made (TurnsOf).
-  kArtefactMap,  ///< Size and turn of what lies on the table: BuiltArtefacts.
+  kEditModel,   ///< Bodies, joints, springs of the model, before it is compiled.
+  kDriveMap,    ///< Where the motors put the nuts: steps to position, the gap's width.
+  kReadingMap,  ///< The tip's place and the probe's switch, while it runs.
+  kTableMap,    ///< How the table stands under the tip, while it runs.
+  kDeltaBuild,  ///< The parts of a delta, before its model is made (TurnsOf).
+  kTripleZBuild,  ///< Where a bed's screws stand, before its model is made.
+  kArtefactMap,   ///< Size and turn of what lies on the table: BuiltArtefacts.
 };
 
 struct ActOf {

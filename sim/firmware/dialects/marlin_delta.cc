@@ -18,12 +18,6 @@ constexpr double kClearance_mm = 5;
 constexpr double kHoming_s = 12;
 constexpr double kAtEnd_mm = 1e-6;
 
-std::optional<double> NumberOf(const GcodeCommand& command, char letter) {
-  const GcodeWord* word = command.Find(letter);
-  if (word == nullptr || word->kind != GcodeWord::Kind::kNumber) return std::nullopt;
-  return word->number;
-}
-
 Reply Refusal(const std::string& text) {
   return {.lines = {"Error:" + text}, .error = true};
 }
@@ -79,6 +73,7 @@ Reply MarlinDelta::Obey(const GcodeCommand& command) {
   if (command.Is('G', 0) || command.Is('G', 1)) return Move(command);
   if (command.Is('G', 33)) {
     if (!g33_) return Refusal("G33 is not compiled in");
+    is_levelling_ = false;  // What it corrects the mesh no longer fits.
     const Reply reply{.lines = g33_(command, &settings_)};
     Take(settings_);
     return reply;
@@ -87,6 +82,8 @@ Reply MarlinDelta::Obey(const GcodeCommand& command) {
   if (command.Is('M', 665)) return SetGeometry(command);
   if (command.Is('M', 666)) return SetEndstops(command);
   if (command.Is('M', 851)) return SetProbeOffset(command);
+  if (command.Is('M', 420)) return SwitchMesh(command);
+  if (command.Is('M', 421)) return SetMeshPoint(command);
   if (command.Is('M', 500)) {
     stored_ = settings_;
     return {.lines = {"echo:Settings Stored (614 bytes; crc 0)"}};
@@ -141,8 +138,8 @@ Reply MarlinDelta::Home() {
 
 Reply MarlinDelta::Probe(const GcodeCommand& command) {
   if (!is_homed_) return Refusal("Home XYZ first");
-  const double x = NumberOf(command, 'X').value_or(at_mm_[0]);
-  const double y = NumberOf(command, 'Y').value_or(at_mm_[1]);
+  const double x = command.Number('X').value_or(at_mm_[0]);
+  const double y = command.Number('Y').value_or(at_mm_[1]);
   // The tip goes there, the nozzle beside.
   const double nozzle_x = x - probe_offset_mm_[0], nozzle_y = y - probe_offset_mm_[1];
   const auto motors = plant_->Touch(settings_, nozzle_x, nozzle_y);
@@ -161,7 +158,7 @@ Reply MarlinDelta::Move(const GcodeCommand& command) {
   Vec3<double> to = at_mm_;
   constexpr std::string_view kLetters = "XYZ";
   for (int i = 0; i < 3; ++i) {
-    to[i] = NumberOf(command, kLetters[static_cast<std::size_t>(i)]).value_or(to[i]);
+    to[i] = command.Number(kLetters[static_cast<std::size_t>(i)]).value_or(to[i]);
   }
   if (!DeltaMotors_mm(settings_, to).allFinite())
     return Refusal("Destination out of reach");
@@ -194,16 +191,16 @@ Reply MarlinDelta::Position() const {
 Reply MarlinDelta::SetGeometry(const GcodeCommand& command) {
   if (command.words.empty()) return {.lines = GeometryLines()};
   const double arm = MeanOfTowers(settings_.arm_mm);
-  const double new_arm = NumberOf(command, 'L').value_or(arm);
-  const double new_height = NumberOf(command, 'H').value_or(height_mm_);
-  const double radius = NumberOf(command, 'R').value_or(settings_.radius_mm[0]);
+  const double new_arm = command.Number('L').value_or(arm);
+  const double new_height = command.Number('H').value_or(height_mm_);
+  const double radius = command.Number('R').value_or(settings_.radius_mm[0]);
   DeltaModel<double> model = settings_;
   for (std::size_t i = 0; i < 3; ++i) {
     model.endstop_mm[i] += new_height - height_mm_;
     model.radius_mm[i] = radius;
-    const double trim = NumberOf(command, "ABC"[i]).value_or(model.arm_mm[i] - arm);
+    const double trim = command.Number("ABC"[i]).value_or(model.arm_mm[i] - arm);
     model.arm_mm[i] = new_arm + trim;
-    if (const auto degrees = NumberOf(command, "XYZ"[i])) {
+    if (const auto degrees = command.Number("XYZ"[i])) {
       model.angle_rad[i] = drawn_.angle_rad[i] + RadFromDeg(*degrees);
     }
     if (!(radius > 0 && model.arm_mm[i] > radius && model.arm_mm[i] < 1e5)) {
@@ -219,7 +216,7 @@ Reply MarlinDelta::SetGeometry(const GcodeCommand& command) {
 Reply MarlinDelta::SetEndstops(const GcodeCommand& command) {
   if (command.words.empty()) return {.lines = GeometryLines()};
   for (std::size_t i = 0; i < 3; ++i) {
-    const auto below = NumberOf(command, "XYZ"[i]);
+    const auto below = command.Number("XYZ"[i]);
     // A carriage backs off from its endstop, never beyond it: Marlin ignores the rest.
     if (below && *below <= 0)
       settings_.endstop_mm[i] =
@@ -235,7 +232,7 @@ Reply MarlinDelta::SetProbeOffset(const GcodeCommand& command) {
   for (int i = 0; i < 3; ++i) {
     const char letter = "XYZ"[i];
     const double most_mm = kMost_mm[static_cast<std::size_t>(i)];
-    offset_mm[i] = NumberOf(command, letter).value_or(offset_mm[i]);
+    offset_mm[i] = command.Number(letter).value_or(offset_mm[i]);
     if (std::abs(offset_mm[i]) <= most_mm) continue;
     return {.lines = {fmt::format("?{0} out of range (-{1} to {1})", letter, most_mm)}};
   }
@@ -244,6 +241,27 @@ Reply MarlinDelta::SetProbeOffset(const GcodeCommand& command) {
                                 offset_mm[0],
                                 offset_mm[1],
                                 offset_mm[2])}};
+}
+
+Reply MarlinDelta::SwitchMesh(const GcodeCommand& command) {
+  if (const auto on = command.Number('S')) is_levelling_ = *on != 0;
+  return {.lines = {fmt::format("echo:Bed Leveling {}", is_levelling_ ? "ON" : "OFF"),
+                    "echo:Fade Height OFF"}};
+}
+
+Reply MarlinDelta::SetMeshPoint(const GcodeCommand& command) {
+  const auto column = command.Number('I'), row = command.Number('J');
+  const auto height_mm = command.Number('Z');
+  if (!column || !row || !height_mm) {
+    return Refusal("M421 incorrect parameter usage");
+  }
+  const auto is_node = [](double index) {
+    return index >= 0 && index < kMeshNodes && index == std::floor(index);
+  };
+  if (!is_node(*column) || !is_node(*row)) return Refusal("Mesh point out of range");
+  const int node = static_cast<int>(*row) * kMeshNodes + static_cast<int>(*column);
+  mesh_.height_mm[static_cast<std::size_t>(node)] = *height_mm;
+  return {};
 }
 
 std::vector<std::string> MarlinDelta::GeometryLines() const {

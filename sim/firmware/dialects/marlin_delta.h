@@ -9,7 +9,7 @@
 
 #include "sim/firmware/firmware.h"
 #include "sim/link/gcode.h"
-#include "sim/machine/delta.h"
+#include "sim/machine/delta_mesh.h"
 
 namespace caltwin {
 
@@ -32,8 +32,9 @@ class DeltaPlant {
 DeltaModel<double> AsMarlinHasIt(const DeltaModel<double>& settings);
 
 /// A controller that understands Marlin's dialect as far as a delta's calibration needs
-/// it: G0 G1 G28 G30 G33 M92 M114 M115 M119 M400 M500-M503 M665 M666 M851. Anything
-/// else is answered as Marlin does, `echo:Unknown command: "..."`.
+/// it: G0 G1 G28 G30 G33 M92 M114 M115 M119 M400 M420 M421 M500-M503 M665 M666 M851.
+/// Anything else is answered as Marlin does, `echo:Unknown command: "..."`. Touches are
+/// not lifted by the mesh.
 class MarlinDelta {
  public:
   /// Answers G33: its words in, the lines that it prints; settings in place.
@@ -56,6 +57,10 @@ class MarlinDelta {
   double machine_time_s() const { return time_s_; }
   /// M851: of the probe's tip from the nozzle.
   const Vec3<double>& probe_offset_mm() const { return probe_offset_mm_; }
+  /// M421 and M420: in force; without nodes where it is switched off.
+  DeltaMesh mesh() const { return is_levelling_ ? mesh_ : DeltaMesh{}; }
+  /// Of the square that the mesh covers.
+  void SetMeshRadius_mm(double radius_mm) { mesh_.radius_mm = radius_mm; }
 
  private:
   void Take(const DeltaModel<double>& settings);
@@ -67,6 +72,8 @@ class MarlinDelta {
   Reply SetGeometry(const GcodeCommand& command);
   Reply SetEndstops(const GcodeCommand& command);
   Reply SetProbeOffset(const GcodeCommand& command);
+  Reply SetMeshPoint(const GcodeCommand& command);
+  Reply SwitchMesh(const GcodeCommand& command);
   Reply Report() const;
   std::vector<std::string> GeometryLines() const;
 
@@ -80,6 +87,11 @@ class MarlinDelta {
   bool is_homed_ = false;
   Vec3<double> at_mm_ = Vec3<double>::Zero();
   Vec3<double> probe_offset_mm_ = Vec3<double>::Zero();
+  static constexpr int kMeshNodes = 7;
+  DeltaMesh mesh_{
+      .nodes = kMeshNodes,
+      .height_mm = std::vector<double>(std::size_t{kMeshNodes} * kMeshNodes, 0)};
+  bool is_levelling_ = false;
   double time_s_ = 0;
   int touches_ = 0;
 };

@@ -14,6 +14,7 @@
 #include "sim/measure/import/klipper_mesh.h"
 #include "sim/measure/import/klipper_thermal.h"
 #include "sim/measure/import/map.h"
+#include "sim/measure/import/marlin_log.h"
 #include "sim/measure/import/probe_accuracy.h"
 #include "sim/measure/import/rrf_config.h"
 #include "sim/measure/import/rrf_heightmap.h"
@@ -37,6 +38,10 @@ constexpr std::array kImporters = {
     Importer{"probe-accuracy",
              "a terminal log of PROBE_ACCURACY (Klipper) or M48 (Marlin)",
              ReadProbeAccuracy},
+    Importer{
+        "marlin-log",
+        "a terminal log of Marlin: touches of G30, G29 V4 and M48, settings of M503",
+        ReadMarlinLog},
     Importer{"klipper-delta",
              "a delta's printer.cfg with the touches of its saved calibration",
              ReadKlipperDelta},

@@ -118,6 +118,14 @@ double NumberIn(const CsvField& field,
   return value.value_or(0);
 }
 
+std::optional<double> NumberAfter(std::string_view text, std::string_view key) {
+  const std::size_t at = text.find(key);
+  if (at == std::string_view::npos) return std::nullopt;
+  std::string_view rest = text.substr(at + key.size());
+  rest.remove_prefix(std::min(rest.size(), rest.find_first_not_of(' ')));
+  return NumberOf(rest.substr(0, rest.find_first_of(" ,)\t#")));
+}
+
 std::string PlainWord(std::string_view text) {
   std::string word;
   for (const char c : text) {

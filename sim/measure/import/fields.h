@@ -30,6 +30,10 @@ double NumberIn(const CsvField& field,
                 const std::string& name,
                 Faults* faults);
 
+/// What follows `key`, blanks left out, up to a blank, comma or `)`, as a number;
+/// nullopt where the key does not stand there or no number follows.
+std::optional<double> NumberAfter(std::string_view text, std::string_view key);
+
 /// In small letters, and without blanks, underscores and quotes: "Meas X" is "measx".
 std::string PlainWord(std::string_view text);
 

@@ -68,21 +68,6 @@ Vec3<double> StepsOf(const KlipperGeometry& geometry) {
       geometry.drive[0].step_mm, geometry.drive[1].step_mm, geometry.drive[2].step_mm};
 }
 
-/// The step that puts the touch nearest to the middle, where all carriages stand alike,
-/// at its height.
-double LikelyStep_mm(const KlipperGeometry& geometry,
-                     const std::vector<KlipperTouch>& touches) {
-  double spread = 0, step_mm = kUnknown;
-  for (const KlipperTouch& touch : touches) {
-    const double mean = touch.counts.mean();
-    const double uneven = touch.counts.maxCoeff() - touch.counts.minCoeff();
-    if (mean <= 0 || (Known(step_mm) && uneven >= spread)) continue;
-    spread = uneven;
-    step_mm = (geometry.model.endstop_mm[0] - touch.height_mm) / mean;
-  }
-  return step_mm;
-}
-
 void ReadTouches(const PrinterCfg& cfg, KlipperCalibration* read, Faults* faults) {
   for (const bool is_manual : {false, true}) {
     ForEach(cfg,
@@ -122,7 +107,8 @@ void RequireSteps(const KlipperCalibration& read, const PrinterCfg& cfg) {
             "rotation_distance and microsteps (or step_distance) are missing. "
             "Give the step yourself with --step-mm{}",
             likely_mm > 0
-                ? fmt::format(": the touch nearest to the middle suggests {:.3g}",
+                ? fmt::format(": the touch nearest to the middle suggests {:.3g}, if "
+                              "the saved endstops are those of the touches",
                               likely_mm)
                 : ""));
   }
@@ -213,6 +199,19 @@ DataHeader HeaderOf(const KlipperGeometry& geometry, const std::string& machine)
 }
 
 }  // namespace
+
+double LikelyStep_mm(const KlipperGeometry& geometry,
+                     const std::vector<KlipperTouch>& touches) {
+  double spread = 0, step_mm = kUnknown;
+  for (const KlipperTouch& touch : touches) {
+    const double mean = touch.counts.mean();
+    const double uneven = touch.counts.maxCoeff() - touch.counts.minCoeff();
+    if (mean <= 0 || (Known(step_mm) && uneven >= spread)) continue;
+    spread = uneven;
+    step_mm = (geometry.model.endstop_mm[0] - touch.height_mm) / mean;
+  }
+  return step_mm;
+}
 
 KlipperCalibration ReadKlipperCalibration(const std::string& text,
                                           const std::string& name,

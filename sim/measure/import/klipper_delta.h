@@ -32,6 +32,12 @@ struct KlipperCalibration {
   std::vector<KlipperDistance> distances{};
 };
 
+/// The motor step that puts the touch nearest to the middle, where all carriages stand
+/// alike, at its height, if the saved endstops are those of the touches; kUnknown where
+/// there is none.
+double LikelyStep_mm(const KlipperGeometry& geometry,
+                     const std::vector<KlipperTouch>& touches);
+
 /// Reads the block from a printer.cfg. Throws InputError, file:line:column, with every
 /// fault: no block, numbers that are none, no motor step (with the step that the
 /// touches suggest), a geometry that does not reach its own touches. At most 999

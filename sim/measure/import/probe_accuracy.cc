@@ -5,20 +5,12 @@
 #include <fmt/format.h>
 
 #include "sim/base/units.h"
+#include "sim/measure/import/bed_touch.h"
 #include "sim/measure/import/climb.h"
 #include "sim/measure/import/fields.h"
 
 namespace caltwin {
 namespace {
-
-/// What follows `key` up to a blank or `)`, as a number.
-std::optional<double> NumberAfter(std::string_view text, std::string_view key) {
-  const std::size_t at = text.find(key);
-  if (at == std::string_view::npos) return std::nullopt;
-  std::string_view rest = text.substr(at + key.size());
-  rest.remove_prefix(std::min(rest.size(), rest.find_first_not_of(' ')));
-  return NumberOf(rest.substr(0, rest.find_first_of(" ,)\t#")));
-}
 
 class LogReader {
  public:
@@ -110,18 +102,14 @@ class LogReader {
   }
 
   void Add(const TextLine& line, double z_mm, double time_s) {
-    Row row{.campaign = fmt::format("probe_accuracy_{}", num_batches_),
-            .kind = RowKind::kTouch,
-            .setup = "bed",
-            .rep = ++rep_,
-            .t_s = time_s,
-            .feed_mm_s = feed_mm_s_,
-            .place = PlaceOf(line.words.front(), name_)};
-    row.cmd_mm = {x_mm_, y_mm_, 0};
-    row.dir[2] = -1;
-    row.n = {0, 0, 1};
-    row.feature = "bed.top";
-    row.value_mm = z_mm;
+    Row row = BedTouch(fmt::format("probe_accuracy_{}", num_batches_),
+                       x_mm_,
+                       y_mm_,
+                       z_mm,
+                       PlaceOf(line.words.front(), name_));
+    row.rep = ++rep_;
+    row.t_s = time_s;
+    row.feed_mm_s = feed_mm_s_;
     if (heights_mm_.empty()) first_ = row.place;
     heights_mm_.push_back(z_mm);
     imported_.table.rows.push_back(std::move(row));

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "sim/measure/import/bed_touch.h"
 #include "sim/measure/import/fields.h"
 
 namespace caltwin {
@@ -148,18 +149,12 @@ class MapReader {
       ++num_missing_;
       return;
     }
-    Row row{.campaign = options.campaign.empty() ? "heightmap" : options.campaign,
-            .kind = RowKind::kTouch,
-            .setup = "bed",
-            .place = PlaceOf(height, name_)};
-    row.cmd_mm = {grid_.min_mm[0] + grid_.spacing_mm[0] * static_cast<double>(x),
-                  grid_.min_mm[1] + grid_.spacing_mm[1] * static_cast<double>(y),
-                  0};
-    row.dir[2] = -1;
-    row.n = {0, 0, 1};
-    row.feature = "bed.top";
-    row.value_mm = NumberIn(height, "a height", name_, &faults_);
-    imported_.table.rows.push_back(std::move(row));
+    imported_.table.rows.push_back(
+        BedTouch(options.campaign.empty() ? "heightmap" : options.campaign,
+                 grid_.min_mm[0] + grid_.spacing_mm[0] * static_cast<double>(x),
+                 grid_.min_mm[1] + grid_.spacing_mm[1] * static_cast<double>(y),
+                 NumberIn(height, "a height", name_, &faults_),
+                 PlaceOf(height, name_)));
   }
 
   std::string name_;

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <functional>
 #include <numbers>
+#include <numeric>
 #include <set>
 #include <stdexcept>
 
@@ -57,6 +58,8 @@ DeltaTruth DrawBaseline(const DeltaPaper& paper, std::uint64_t seed) {
   Random random(seed, "delta baseline");
   DeltaTruth truth;
   truth.bed.rim_mm = paper.bed_radius_mm;
+  Random shape(seed, "delta shape");
+  truth.bed.power = shape.Uniform(1.7, 2.3);
   for (std::size_t i = 0; i < 3; ++i) {
     truth.made.endstop_mm[i] = 0.3 * random.Normal();
     if (i < 2) truth.made.angle[i] = 0.25 * kRadPerDeg * random.Normal();
@@ -194,8 +197,11 @@ nlohmann::json TwinsOf(const DeltaCase& made,
   return twins;
 }
 
-nlohmann::json Hide(const DeltaCause& cause, DeltaCase* made, DeltaTruth* truth) {
-  Random random(made->request.seed, "delta hidden");
+nlohmann::json Hide(const DeltaCause& cause,
+                    double sigma,
+                    DeltaCase* made,
+                    DeltaTruth* truth) {
+  Random random(made->request.seed, "delta hidden" + cause.name);
   std::string axis = made->request.axis.empty() || made->request.axis == "any"
                          ? random.Pick(cause.axes)
                          : made->request.axis;
@@ -215,7 +221,7 @@ nlohmann::json Hide(const DeltaCause& cause, DeltaCase* made, DeltaTruth* truth)
     if (visible.peak < 1e-3 * visible.whole_peak) break;
     // No machine is this bad, whatever its plan shows of it.
     const double most = kMost * cause.typical;
-    if (round < 3) size *= made->request.sigma / visible.peak;
+    if (round < 3) size *= sigma / visible.peak;
     size = std::clamp(size, -most, most);
   }
   const nlohmann::json twins =
@@ -237,6 +243,49 @@ nlohmann::json Hide(const DeltaCause& cause, DeltaCase* made, DeltaTruth* truth)
           {"separation", twins},
           {"acceptable", nlohmann::json::array()},
           {"covariates", cause.covariates}};
+}
+
+// One cause, or two of different names, each of a size of its own.
+nlohmann::json HideAll(Random* random, DeltaCase* made, DeltaTruth* truth) {
+  const DeltaRequest& request = made->request;
+  nlohmann::json hidden = nlohmann::json::array();
+  if (request.kind == "null") return hidden;
+  std::vector<DeltaCause> fit;
+  for (const DeltaCause& cause : DeltaCauses()) {
+    const bool is_named = request.cause.empty() || cause.name == request.cause;
+    if (is_named && cause.is_outside == (request.kind == "outside")) {
+      fit.push_back(cause);
+    }
+  }
+  if (fit.empty()) throw std::invalid_argument("no such cause: " + request.cause);
+  const DeltaCause first = random->Pick(fit);
+  hidden.push_back(Hide(first, request.sigma, made, truth));
+  if (request.kind != "pair") return hidden;
+  std::vector<DeltaCause> others;
+  for (const DeltaCause& cause : DeltaCauses()) {
+    if (cause.name != first.name && !cause.is_outside) others.push_back(cause);
+  }
+  hidden.push_back(Hide(random->Pick(others), random->LogUniform(2, 15), made, truth));
+  return hidden;
+}
+
+// A random walk in time, as every reading along z sees it.
+void AddWander(DeltaCase* made) {
+  if (made->request.wander_um_per_sqrt_h <= 0) return;
+  constexpr double kSecondsPerHour = 3600;
+  Random random(made->request.seed, "delta wander");
+  std::vector<std::size_t> order(made->stops.size());
+  std::iota(order.begin(), order.end(), 0U);
+  std::ranges::sort(order, {}, [&](std::size_t i) { return made->stops[i].t_s; });
+  double at_mm = 0, before_s = 0;
+  for (const std::size_t i : order) {
+    const DeltaStop& stop = made->stops[i];
+    at_mm += 1e-3 * made->request.wander_um_per_sqrt_h * random.Normal() *
+             std::sqrt((stop.t_s - before_s) / kSecondsPerHour);
+    before_s = stop.t_s;
+    // A nozzle that stands higher is touched lower.
+    made->values_mm[i] += (stop.is_touch ? -1 : 1) * stop.n.z() * at_mm;
+  }
 }
 
 void WriteText(const std::filesystem::path& file, const std::string& text) {
@@ -317,19 +366,9 @@ DeltaCase MakeDeltaCase(const DeltaRequest& request) {
   made.sigma_mm = random.LogUniform(0.002, 0.01);
   made.stated = random.Chance(0.3) ? random.LogUniform(0.5, 2) : 1;
   DeltaTruth truth = DrawBaseline(made.paper, request.seed);
-  nlohmann::json causes = nlohmann::json::array();
-  if (request.kind != "null") {
-    std::vector<DeltaCause> fit;
-    for (const DeltaCause& cause : DeltaCauses()) {
-      const bool is_named = request.cause.empty() || cause.name == request.cause;
-      if (is_named && cause.is_outside == (request.kind == "outside")) {
-        fit.push_back(cause);
-      }
-    }
-    if (fit.empty()) throw std::invalid_argument("no such cause: " + request.cause);
-    causes.push_back(Hide(random.Pick(fit), &made, &truth));
-  }
+  const nlohmann::json causes = HideAll(&random, &made, &truth);
   made.values_mm = Readings(made.paper, truth, made.stops);
+  AddWander(&made);
   Random noise(request.seed, "delta noise");
   const double outliers = noise.Chance(0.3) ? 0.01 : 0;
   for (double& value : made.values_mm) {
@@ -339,6 +378,7 @@ DeltaCase MakeDeltaCase(const DeltaRequest& request) {
   made.truth = {{"kind", request.kind},
                 {"seed", request.seed},
                 {"rows", made.stops.size()},
+                {"wander_um_per_sqrt_h", request.wander_um_per_sqrt_h},
                 {"causes", causes},
                 {"baseline",
                  {{"endstop_mm", truth.made.endstop_mm},

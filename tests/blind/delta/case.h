@@ -8,16 +8,11 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/blind/delta/session.h"
+#include "tests/blind/printer_score.h"
 
 namespace blind {
 
-/// What is to be hidden in a delta's data. Kind: null, single or outside.
-struct DeltaRequest {
-  std::string kind = "null";
-  std::string cause{}, axis{};  ///< Empty: drawn.
-  double sigma = 5;             ///< Near-peak over the noise of a reading.
-  std::uint64_t seed = 1;
-};
+using DeltaRequest = PrinterRequest;
 
 /// A cause that a delta's truth may have.
 struct DeltaCause {

@@ -63,8 +63,10 @@ Vec AnySide(Random* random, double far_mm) {
 
 double DeltaSurface::Height_mm(double x_mm, double y_mm) const {
   const double u = x_mm / rim_mm, v = y_mm / rim_mm, r = std::hypot(u, v);
-  double height_mm = slope_x * x_mm + slope_y * y_mm + bowl_mm * r * r +
-                     along_x_mm * u * u + along_y_mm * v * v + 2 * twist_mm * u * v;
+  const double twisted = r > 0 ? 2 * u * v * std::pow(r, power - 2) : 0;
+  double height_mm = slope_x * x_mm + slope_y * y_mm + bowl_mm * std::pow(r, power) +
+                     along_x_mm * std::pow(std::abs(u), power) +
+                     along_y_mm * std::pow(std::abs(v), power) + twist_mm * twisted;
   const double far = std::hypot(x_mm - dent_x_mm, y_mm - dent_y_mm) / dent_radius_mm;
   if (far < 1) height_mm -= dent_mm * (1 - far);
   if (r > edge_from) height_mm += edge_mm * (r - edge_from) / (1 - edge_from);

@@ -27,6 +27,8 @@ struct DeltaStop {
 struct DeltaSurface {
   double slope_x = 0, slope_y = 0;
   double bowl_mm = 0, along_x_mm = 0, along_y_mm = 0, twist_mm = 0;
+  /// Real plates bend a little otherwise than parabolas do: r to this power.
+  double power = 2;
   double rim_mm = 100;
   /// Outside every catalogue: a dent, and metal near the edge that pulls an inductive
   /// probe's trigger.

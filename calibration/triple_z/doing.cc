@@ -1,0 +1,92 @@
+#include "calibration/triple_z/doing.h"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "sim/base/units.h"
+
+namespace caltwin {
+namespace {
+
+Estimate SlopeEstimate(const std::string& name, const Uncertain& slope) {
+  return {.name = name,
+          .unit = "mrad",
+          .value = MradFromRad(slope.value),
+          .sd = MradFromRad(slope.sd),
+          .identifiable = slope.identifiable};
+}
+
+}  // namespace
+
+std::vector<Eigen::Vector2d> PointsOf(const TripleZPrinter& printer,
+                                      const TripleZOptions& o) {
+  const TripleZBench& bench = printer.bench();
+  if (!o.at_screws) return ProbeGrid(bench, o.columns, o.rows, o.margin_mm);
+  return {bench.drawn_mm.begin(), bench.drawn_mm.end()};
+}
+
+std::optional<BedPlane> ProbePlane(TripleZPrinter* printer,
+                                   const TripleZOptions& o,
+                                   Doing* doing,
+                                   std::vector<BedTouch>* touches) {
+  auto touched = doing->Got(printer->ProbeAll(PointsOf(*printer, o)));
+  if (!touched) return std::nullopt;
+  *touches = *std::move(touched);
+  const BedPlane plane = FitBedPlane(*touches, printer->bench().sigma_mm);
+  if (doing->done().plane) return plane;
+  doing->done().plane = plane;
+  auto& result = doing->done().result;
+  result.estimates.push_back(SlopeEstimate("bed_tilt.slope_x_mrad", plane.fit.slope_x));
+  result.estimates.push_back(SlopeEstimate("bed_tilt.slope_y_mrad", plane.fit.slope_y));
+  doing->Say(fmt::format(
+      "plane z = {:.6f} x {:+.6f} y {:+.4f} from {} points, residual {:.4f} mm; tilt "
+      "{:.4f} deg along x, {:.4f} along y, {:.4f} in all",
+      plane.a(),
+      plane.b(),
+      plane.c_mm(),
+      plane.points,
+      plane.fit.rms_mm,
+      plane.TiltX_deg(),
+      plane.TiltY_deg(),
+      plane.Tilt_deg()));
+  doing->SayAll(PlaneVerdicts(plane));
+  return plane;
+}
+
+std::string WordsOfLevel(const LevelReport& report) {
+  return fmt::format(
+      "validation of {} points: mean {:.4f} mm, max {:.4f}, standard deviation "
+      "{:.4f}{}",
+      report.count,
+      report.mean_mm,
+      report.max_mm,
+      report.std_mm,
+      report.mean_mm < 0.1 ? "" : "; above the 0.1 mm that are asked");
+}
+
+std::optional<std::vector<RaisedTouches>> TryScrews(TripleZPrinter* printer,
+                                                    const TripleZOptions& o,
+                                                    Doing* doing) {
+  const auto points = ProbeGrid(printer->bench(), 3, 3, o.margin_mm);
+  std::vector<RaisedTouches> stands;
+  const auto touch = [&](const Vec3<double>& raised_mm) {
+    auto touches = doing->Got(printer->ProbeAll(points));
+    if (touches) stands.push_back({raised_mm, *std::move(touches)});
+    return touches.has_value();
+  };
+  if (!touch(Vec3<double>::Zero())) return std::nullopt;
+  for (int i = 0; i < kNumScrews; ++i) {
+    const Vec3<double> up_mm = o.test_mm * Vec3<double>::Unit(i);
+    if (!doing->Did(printer->Raise(up_mm)) || !touch(up_mm)) return std::nullopt;
+    if (!doing->Did(printer->Raise(-up_mm))) return std::nullopt;
+  }
+  return stands;
+}
+
+std::map<std::string, double> AlongBoth(const std::string& one,
+                                        const std::string& two) {
+  return {{one, std::sqrt(0.5)}, {two, std::sqrt(0.5)}};
+}
+
+}  // namespace caltwin

@@ -1,0 +1,104 @@
+#include <fmt/format.h>
+
+#include "calibration/triple_z/doing.h"
+
+namespace caltwin {
+namespace {
+
+// Two rounds of levelling by the drawn screws, watched.
+std::optional<std::vector<RaisedTouches>> WatchRounds(TripleZPrinter* printer,
+                                                      const TripleZOptions& o,
+                                                      Doing* doing) {
+  constexpr int kRounds = 2;
+  const auto points = ProbeGrid(printer->bench(), 3, 3, o.margin_mm);
+  const Vec3<double> start_mm = printer->raised_mm();
+  std::vector<RaisedTouches> stands;
+  for (int i = 0; i <= kRounds; ++i) {
+    auto touches = doing->Got(printer->ProbeAll(points));
+    if (!touches) return std::nullopt;
+    stands.push_back({printer->raised_mm() - start_mm, *std::move(touches)});
+    if (i == kRounds) break;
+    const BedPlane plane =
+        FitBedPlane(stands.back().touches, printer->bench().sigma_mm);
+    const Vec3<double> raise_mm =
+        ScrewOffsets_mm(plane, printer->bench().drawn_mm, 0, OffsetRule::kLevel);
+    if (!doing->Did(printer->Raise(raise_mm))) return std::nullopt;
+  }
+  return stands;
+}
+
+void AddPivotEstimates(const ScrewResponse& response,
+                       const Pivots<double>& drawn_mm,
+                       ProcedureResult* result) {
+  for (std::size_t i = 0; i < response.at_mm.size(); ++i) {
+    const auto screw = static_cast<std::size_t>(response.screw_of[i]);
+    const Eigen::Vector2d off_mm = response.at_mm[i] - drawn_mm[screw];
+    for (int k = 0; k < 2; ++k) {
+      result->estimates.push_back(
+          {.name = fmt::format(
+               "pivot_position.{}.d{}_mm", ScrewName(static_cast<int>(screw)), "xy"[k]),
+           .unit = "mm",
+           .value = off_mm[k],
+           .sd = response.at_sd_mm[i][k],
+           .identifiable = true});
+    }
+  }
+  for (int i = 0; i < kNumScrews; ++i) {
+    for (int j = i + 1; j < kNumScrews; ++j) {
+      const bool is_swapped = response.screw_of[static_cast<std::size_t>(i)] == j &&
+                              response.screw_of[static_cast<std::size_t>(j)] == i;
+      result->estimates.push_back(
+          {.name = fmt::format("motors_swapped.{}{}", ScrewName(i), ScrewName(j)),
+           .unit = "1",
+           .value = is_swapped ? 1.0 : 0.0,
+           .sd = 0,
+           .identifiable = true});
+    }
+  }
+}
+
+}  // namespace
+
+TripleZResult RunPivotsAndWiring(TripleZPrinter* printer,
+                                 const TripleZOptions& options) {
+  Doing doing("pivots_and_wiring", options, printer);
+  const TripleZBench& bench = printer->bench();
+  const auto believed_mm = doing.Got(printer->ReadPivots());
+  if (!believed_mm) return doing.Take();
+  const auto stands = options.from_rounds ? WatchRounds(printer, options, &doing)
+                                          : TryScrews(printer, options, &doing);
+  if (!stands) return doing.Take();
+  const ScrewResponse response =
+      FitScrewResponse(*stands, bench.drawn_mm, bench.sigma_mm);
+  doing.SayAll(WordsOfResponse(response, bench.drawn_mm));
+  if (!response.is_told) {
+    doing.Confess(
+        "two rounds whose corrections are nearly alike tell one direction of the "
+        "screws' "
+        "places",
+        AlongBoth("pivot_position.z2.dx_mm", "pivot_position.z3.dy_mm"));
+    return doing.Take();
+  }
+  doing.done().response = response;
+  const double radius = SpectralRadius(LevellingGain(response, *believed_mm));
+  doing.done().predicted_factor = radius;
+  doing.Say("with M671 as it was, " + WordsOfGain(radius));
+  AddPivotEstimates(response, bench.drawn_mm, &doing.done().result);
+  if (options.is_as_published) return doing.Take();
+  if (!doing.Did(printer->SetPivots(response.at_mm))) return doing.Take();
+  for (std::size_t i = 0; i < response.at_mm.size(); ++i) {
+    for (int k = 0; k < 2; ++k) {
+      doing.Step(
+          fmt::format("screw_at_mm.{}.{}", ScrewName(static_cast<int>(i)), "xy"[k]),
+          (*believed_mm)[i][k],
+          response.at_mm[i][k],
+          Verdict::kApplied,
+          "M671 says where the screw of this driver stands");
+    }
+  }
+  doing.Say("with M671 as it is now, " +
+            WordsOfGain(SpectralRadius(LevellingGain(response, response.at_mm))));
+  return doing.Take();
+}
+
+}  // namespace caltwin

@@ -1,0 +1,204 @@
+#include "calibration/triple_z/response.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Eigenvalues>
+#include <fmt/format.h>
+
+#include "calibration/estimate/linear_fit.h"
+#include "sim/base/mutant.h"
+
+namespace caltwin {
+namespace {
+
+constexpr double kScale_mm = 100;  // Brings columns to like units.
+constexpr int kShape = 6;          // 1 x y x^2 x y y^2 of the bed at first.
+constexpr int kColumns = kShape + 6;
+
+// Where the other two drivers' responses vanish.
+std::optional<Eigen::Vector2d> PlaceOf_mm(const Eigen::Matrix3d& by_driver,
+                                          int driver) {
+  const Vec3<double> one = by_driver.row((driver + 1) % kNumScrews);
+  const Vec3<double> other = by_driver.row((driver + 2) % kNumScrews);
+  const double area = one[1] * other[2] - one[2] * other[1];
+  if (std::abs(area) < 1e-12) return std::nullopt;
+  return Eigen::Vector2d((one[2] * other[0] - one[0] * other[2]) / area,
+                         (one[0] * other[1] - one[1] * other[0]) / area);
+}
+
+// Responses of the drivers out of the last six unknowns.
+Eigen::Matrix3d ByDriver(const Eigen::VectorXd& x) {
+  Eigen::Matrix3d by_driver;
+  for (int i = 0; i < 2; ++i) {
+    by_driver.row(i) << x[kShape + 3 * i], x[kShape + 3 * i + 1] / kScale_mm,
+        x[kShape + 3 * i + 2] / kScale_mm;
+  }
+  by_driver.row(2) = Eigen::RowVector3d(1, 0, 0) - by_driver.row(0) - by_driver.row(1);
+  return by_driver;
+}
+
+void MatchDrivers(const Pivots<double>& drawn_mm, ScrewResponse* response) {
+  std::array<int, kNumScrews> order{0, 1, 2};
+  double best_mm2 = -1;
+  do {
+    double sum_mm2 = 0;
+    for (std::size_t i = 0; i < order.size(); ++i) {
+      const auto screw = static_cast<std::size_t>(order[i]);
+      sum_mm2 += (response->at_mm[i] - drawn_mm[screw]).squaredNorm();
+    }
+    if (best_mm2 >= 0 && sum_mm2 >= best_mm2) continue;
+    best_mm2 = sum_mm2;
+    response->screw_of = order;
+  } while (std::ranges::next_permutation(order).found);
+}
+
+// Uncertainty of where the screws stand: by small changes of the unknowns.
+void PropagateSds(const LinearFit& fit, ScrewResponse* response) {
+  constexpr double kStep = 1e-5;
+  const Eigen::Index n = fit.x.size();
+  // Where the touches scatter more than was said, they are believed.
+  const double rough = std::sqrt(std::max(fit.chi2_per_dof, 1.0));
+  for (int driver = 0; driver < kNumScrews; ++driver) {
+    Eigen::MatrixX2d slopes = Eigen::MatrixX2d::Zero(n, 2);
+    const auto at = static_cast<std::size_t>(driver);
+    for (Eigen::Index k = kShape; k < n; ++k) {
+      Eigen::VectorXd moved = fit.x;
+      moved[k] += kStep;
+      const auto place_mm = PlaceOf_mm(ByDriver(moved), driver);
+      if (place_mm) {
+        slopes.row(k) = ((*place_mm - response->at_mm[at]) / kStep).transpose();
+      }
+    }
+    for (int i = 0; i < 2; ++i) {
+      response->at_sd_mm[at][i] = rough * SdOf(slopes.col(i), fit.covariance);
+    }
+  }
+}
+
+}  // namespace
+
+ScrewResponse FitScrewResponse(std::span<const RaisedTouches> stands,
+                               const Pivots<double>& drawn_mm,
+                               double sigma_mm) {
+  Eigen::Index rows = 0;
+  for (const RaisedTouches& stand : stands) rows += std::ssize(stand.touches);
+  Eigen::MatrixXd a(rows, kColumns);
+  Eigen::VectorXd r(rows);
+  Eigen::Index row = 0;
+  for (const RaisedTouches& stand : stands) {
+    for (const BedTouch& touch : stand.touches) {
+      const double x = touch.at_mm[0] / kScale_mm, y = touch.at_mm[1] / kScale_mm;
+      const Vec3<double>& up_mm = stand.raised_mm;
+      const double first = up_mm[0] - up_mm[2], second = up_mm[1] - up_mm[2];
+      a.row(row) << 1, x, y, x * x, x * y, y * y, first, first * x, first * y, second,
+          second * x, second * y;
+      r[row++] = touch.height_mm - up_mm[2];
+    }
+  }
+  ScrewResponse response;
+  // A response is told where a screw's place is, to a tenth of the bed.
+  constexpr double kLargestSd = 0.3;
+  const LinearFit fit =
+      SolveLinear(a / sigma_mm, r / sigma_mm, {.largest_sd = kLargestSd});
+  if (!fit.identifiable) return response;
+  response.by_driver = ByDriver(fit.x);
+  response.chi2_per_dof = fit.chi2_per_dof;
+  response.rms_mm = fit.residuals.size() == 0
+                        ? 0
+                        : sigma_mm * std::sqrt(fit.residuals.squaredNorm() /
+                                               static_cast<double>(rows));
+  for (int driver = 0; driver < kNumScrews; ++driver) {
+    const auto place_mm = PlaceOf_mm(response.by_driver, driver);
+    if (!place_mm) return response;
+    response.at_mm[static_cast<std::size_t>(driver)] = *place_mm;
+  }
+  PropagateSds(fit, &response);
+  // Known worse than this, a place is of no use to a firmware.
+  constexpr double kLargestSd_mm = 10;
+  for (const Eigen::Vector2d& sd_mm : response.at_sd_mm) {
+    if (!(sd_mm.maxCoeff() < kLargestSd_mm)) return response;
+  }
+  if (Mutant("tz_drivers_unmatched", true, false)) MatchDrivers(drawn_mm, &response);
+  response.is_told = true;
+  return response;
+}
+
+Eigen::Matrix3d LevellingGain(const ScrewResponse& response,
+                              const Pivots<double>& believed_mm) {
+  Eigen::Matrix3d lifts;
+  for (int k = 0; k < kNumScrews; ++k) {
+    for (int j = 0; j < kNumScrews; ++j) {
+      lifts(k, j) = response.At(j, believed_mm[static_cast<std::size_t>(k)]);
+    }
+  }
+  return Eigen::Matrix3d::Identity() - Mutant("tz_gain_of_a_third", 1.0, 0.3) * lifts;
+}
+
+Eigen::Matrix3d LevellingGain(const Pivots<double>& standing_mm,
+                              const Pivots<double>& believed_mm) {
+  Eigen::Matrix3d lifts;
+  for (int k = 0; k < kNumScrews; ++k) {
+    const Eigen::Vector2d& at_mm = believed_mm[static_cast<std::size_t>(k)];
+    lifts.row(k) = ScrewWeights<double>(standing_mm, at_mm[0], at_mm[1]).transpose();
+  }
+  return Eigen::Matrix3d::Identity() - lifts;
+}
+
+double SpectralRadius(const Eigen::Matrix3d& gain) {
+  return gain.eigenvalues().cwiseAbs().maxCoeff();
+}
+
+std::vector<std::string> WordsOfResponse(const ScrewResponse& response,
+                                         const Pivots<double>& drawn_mm) {
+  constexpr double kSure = 3;      // Standard deviations.
+  constexpr double kLeast_mm = 1;  // Nearer is where it should be.
+  if (!response.is_told) {
+    return {
+        "these moves do not tell where the screws stand: raise single screws, one "
+        "by one"};
+  }
+  std::vector<std::string> words;
+  const auto& screw_of = response.screw_of;
+  int moved = 0;
+  for (int i = 0; i < kNumScrews; ++i) {
+    const int j = screw_of[static_cast<std::size_t>(i)];
+    if (j == i) continue;
+    ++moved;
+    const bool is_pair = screw_of[static_cast<std::size_t>(j)] == i;
+    if (is_pair && i < j) {
+      words.push_back(fmt::format("Z{} and Z{} are swapped", i + 1, j + 1));
+    }
+  }
+  if (moved == kNumScrews) {
+    words.push_back(fmt::format("the drivers of Z1, Z2, Z3 turn screws {}, {}, {}",
+                                screw_of[0] + 1,
+                                screw_of[1] + 1,
+                                screw_of[2] + 1));
+  }
+  for (std::size_t i = 0; i < screw_of.size(); ++i) {
+    const auto screw = static_cast<std::size_t>(screw_of[i]);
+    const Eigen::Vector2d off_mm = response.at_mm[i] - drawn_mm[screw];
+    const double sd_mm = response.at_sd_mm[i].norm();
+    if (off_mm.norm() < std::max(kLeast_mm, kSure * sd_mm)) continue;
+    words.push_back(
+        fmt::format("pivot {} is {:.1f} +- {:.1f} mm off (dx {:+.1f}, dy {:+.1f})",
+                    screw + 1,
+                    off_mm.norm(),
+                    sd_mm,
+                    off_mm[0],
+                    off_mm[1]));
+  }
+  if (words.empty()) words.push_back("wiring and pivots are as drawn");
+  return words;
+}
+
+std::string WordsOfGain(double radius) {
+  return fmt::format("each levelling round multiplies the tilt by {:.2f}: {}",
+                     radius,
+                     radius >= 1    ? "it diverges"
+                     : radius > 0.5 ? "it converges slowly"
+                                    : "it converges");
+}
+
+}  // namespace caltwin

@@ -1,0 +1,188 @@
+#include "calibration/z_offset/procedures.h"
+
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+
+#include <fmt/format.h>
+
+#include "sim/base/units.h"
+
+namespace caltwin {
+namespace {
+
+constexpr std::chrono::milliseconds kPatience{120'000};
+constexpr double kPrinted_mm = 0.0011;  // Three decimals, three of them.
+
+std::optional<double> After(const std::string& line, const std::string& key) {
+  const std::size_t at = line.find(key);
+  if (at == std::string::npos) return std::nullopt;
+  const char* from = line.c_str() + at + key.size();
+  char* end = nullptr;
+  const double value = std::strtod(from, &end);
+  return end == from ? std::nullopt : std::optional(value);
+}
+
+std::optional<double> After(const std::vector<std::string>& lines,
+                            const std::string& start,
+                            const std::string& key) {
+  for (const std::string& line : lines) {
+    if (line.starts_with(start)) return After(line, key);
+  }
+  return std::nullopt;
+}
+
+void Fail(const MachineFault& fault, ProcedureResult* result) {
+  result->fault = fault.reply;
+  result->ending = fault.reply.find("No trigger") != std::string::npos
+                       ? Ending::kNoTrigger
+                   : fault.kind == MachineFault::Kind::kLinkLost ? Ending::kLinkLost
+                                                                 : Ending::kRefused;
+  result->messages.push_back("the machine said: " + fault.reply);
+}
+
+}  // namespace
+
+std::optional<ZCalibrationReading> ReadZCalibration(
+    const std::vector<std::string>& lines) {
+  constexpr const char* kStart = "Z-CALIBRATION:";
+  const auto endstop = After(lines, kStart, "ENDSTOP=");
+  const auto nozzle = After(lines, kStart, "NOZZLE=");
+  const auto on_switch = After(lines, kStart, "SWITCH=");
+  const auto probe = After(lines, kStart, "PROBE=");
+  const auto offset = After(lines, kStart, "OFFSET=");
+  if (!endstop || !nozzle || !on_switch || !probe || !offset) return std::nullopt;
+  return ZCalibrationReading{*endstop, *nozzle, *on_switch, *probe, *offset};
+}
+
+Expected<std::vector<std::string>> ZOffsetClient::Say(const std::string& line) {
+  const auto answer = link_->Send(line, kPatience);
+  if (!answer) return answer;
+  if (line.starts_with("CALIBRATE_Z")) {
+    is_calibrated_ = true;
+    is_spoilt_ = false;
+  } else if (line.starts_with("G28")) {
+    is_spoilt_ = is_calibrated_;
+  }
+  return answer;
+}
+
+ProcedureResult RunZCalibration(ZOffsetClient* client, double switch_offset_mm) {
+  ProcedureResult result;
+  const auto answer = client->Say("CALIBRATE_Z");
+  if (!answer) {
+    Fail(answer.error(), &result);
+    return result;
+  }
+  const auto reading = ReadZCalibration(*answer);
+  if (!reading) {
+    Fail({.reply = fmt::format("Could not parse '{}' to CALIBRATE_Z",
+                               answer->empty() ? "" : answer->back())},
+         &result);
+    return result;
+  }
+  result.messages.push_back(answer->back());
+  const double used_mm = reading->SwitchOffset_mm();
+  if (std::abs(used_mm - switch_offset_mm) > kPrinted_mm) {
+    result.messages.push_back(
+        fmt::format("this offset was made with switch_offset {:.3f}, not {:.3f}",
+                    used_mm,
+                    switch_offset_mm));
+  }
+  const auto position = client->Say("GET_POSITION");
+  const auto base_mm =
+      position ? After(*position, "gcode base:", "Z:") : std::optional<double>();
+  if (base_mm && std::abs(*base_mm - reading->offset_mm) > kPrinted_mm) {
+    result.messages.push_back(
+        fmt::format("GET_POSITION has {:.6f} for it: somebody adjusted it", *base_mm));
+  }
+  result.steps.push_back({.procedure = "z_calibration",
+                          .variant = "corrected",
+                          .name = "gcode_offset.z",
+                          .before = 0,
+                          .after = reading->offset_mm,
+                          .verdict = Verdict::kApplied,
+                          .message = "probe - (switch - nozzle + switch_offset)"});
+  result.observability.push_back(
+      {.statement =
+           "the offset takes ooze on the nozzle and a wrong switch_offset for the "
+           "bed's height: only a gap measured under the nozzle tells them",
+       .blind_direction = {{"ooze", std::sqrt(0.5)},
+                           {"switch_offset", -std::sqrt(0.5)}}});
+  return result;
+}
+
+ProcedureResult RunProbeAccuracy(ZOffsetClient* client, bool is_endstop, int samples) {
+  constexpr double kWorn_mm = 0.01;
+  ProcedureResult result;
+  const auto answer = client->Say(fmt::format(
+      "{} SAMPLES={}", is_endstop ? "PROBE_Z_ACCURACY" : "PROBE_ACCURACY", samples));
+  if (!answer) {
+    Fail(answer.error(), &result);
+    return result;
+  }
+  const std::string start = "probe accuracy results";
+  const auto sd_mm = After(*answer, start, "standard deviation ");
+  const auto range_mm = After(*answer, start, "range ");
+  if (!sd_mm || !range_mm) {
+    Fail({.reply = fmt::format("Could not parse '{}'",
+                               answer->empty() ? "" : answer->back())},
+         &result);
+    return result;
+  }
+  result.messages.push_back(answer->back());
+  // A standard deviation of n normal numbers is uncertain by 1 / sqrt(2 n).
+  result.estimates.push_back({.name = is_endstop ? "endstop_scatter" : "probe_scatter",
+                              .unit = "um",
+                              .value = UmFromMm(*sd_mm),
+                              .sd = UmFromMm(*sd_mm) / std::sqrt(2.0 * samples),
+                              .identifiable = samples > 2});
+  result.messages.push_back(
+      *sd_mm > kWorn_mm
+          ? fmt::format(
+                "{:.1f} um from touch to touch: worn, dirty or loose; an offset of "
+                "{} samples is uncertain by {:.1f} um",
+                UmFromMm(*sd_mm),
+                samples,
+                UmFromMm(*sd_mm) / std::sqrt(samples))
+          : fmt::format("{:.1f} um from touch to touch", UmFromMm(*sd_mm)));
+  return result;
+}
+
+ProcedureResult RunSwitchOffset(ZOffsetClient* client,
+                                double switch_offset_mm,
+                                const std::function<std::optional<double>()>& gap_mm) {
+  constexpr std::array kHeights_mm = {5.0, 3.0, 1.0, 0.5, 0.3, 0.1};
+  constexpr double kTooNear_mm = 0.02;
+  ProcedureResult result;
+  double off_mm = 0;
+  for (const double height_mm : kHeights_mm) {
+    if (const auto moved = client->Say(fmt::format("G0 Z{}", height_mm)); !moved) {
+      Fail(moved.error(), &result);
+      return result;
+    }
+    const auto gap = gap_mm();
+    if (!gap) {
+      Fail({.reply = "nobody measured the gap"}, &result);
+      return result;
+    }
+    off_mm = *gap - height_mm;
+    result.messages.push_back(
+        fmt::format("at Z{}: a gap of {:.3f} mm", height_mm, *gap));
+    // The next step down would be into the bed.
+    if (height_mm + off_mm < kTooNear_mm + height_mm / 2) break;
+  }
+  // A nozzle that hangs too high needs a greater switch_offset.
+  result.estimates.push_back({.name = "switch_offset",
+                              .unit = "mm",
+                              .value = switch_offset_mm + off_mm,
+                              .sd = 0.005,
+                              .identifiable = true});
+  result.messages.push_back(fmt::format("switch_offset {:.3f} should be {:.3f}",
+                                        switch_offset_mm,
+                                        switch_offset_mm + off_mm));
+  return result;
+}
+
+}  // namespace caltwin

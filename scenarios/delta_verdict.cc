@@ -1,0 +1,261 @@
+#include "scenarios/delta_verdict.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "sim/base/rng.h"
+#include "sim/base/units.h"
+
+namespace caltwin {
+namespace {
+
+constexpr double kRecovered = 0.1;    // Of the heights as they were.
+constexpr double kSaidNothing = 0.9;  // Of the prior's standard deviation.
+
+const DeltaKnob& KnobOf(const DeltaEstimate& estimate) {
+  return kDeltaKnobs[static_cast<std::size_t>(estimate.knob)];
+}
+
+void AddSettings(const DeltaTrial& trial, RunResult* result) {
+  const DeltaModel<double>& drawn = trial.machine.delta->model;
+  for (const char* name : kDeltaSettingNames) {
+    ParameterResult row{.name = name,
+                        .unit = std::string(name).starts_with("tower") ? "deg" : "mm",
+                        .identifiable = true,
+                        .is_setting = true};
+    row.injected = *DeltaSettingNamed(trial.built.build.model, drawn, name);
+    row.recovered = *DeltaSettingNamed(trial.after, drawn, name);
+    row.error = *row.recovered - row.injected;
+    result->parameters.push_back(row);
+  }
+}
+
+// Of what is a setting too: what was found; the settings made of it stand among the
+// steps.
+void TakeEstimate(const DeltaTrial& trial,
+                  const DeltaEstimate& estimate,
+                  ParameterResult* row) {
+  row->recovered =
+      DeltaSettingNamed(trial.fit->build.model, trial.machine.delta->model, row->name);
+  row->error = *row->recovered - row->injected;
+  row->sd = estimate.sd;
+  row->identifiable = estimate.sd_over_prior < kSaidNothing;
+  row->is_setting = false;
+}
+
+ParameterResult RowOf(const DeltaTrial& trial, const DeltaEstimate& estimate) {
+  const DeltaKnob& knob = KnobOf(estimate);
+  ParameterResult row{.name = std::string(knob.name),
+                      .unit = std::string(knob.unit),
+                      .identifiable = estimate.sd_over_prior < kSaidNothing};
+  row.injected = KnobValue(
+      estimate.knob, trial.built.build, trial.built.bed, trial.machine.delta->Build());
+  if (row.identifiable) {
+    row.recovered = estimate.value;
+    row.sd = estimate.sd;
+    row.error = estimate.value - row.injected;
+  }
+  return row;
+}
+
+// What the joint estimate knows and no setting holds, and how sure it is of the rest.
+void AddEstimates(const DeltaTrial& trial, RunResult* result) {
+  if (!trial.fit) return;
+  const bool has_tower_radii =
+      std::ranges::any_of(trial.fit->estimates, [](const DeltaEstimate& estimate) {
+        return KnobOf(estimate).name.starts_with("tower_radius");
+      });
+  for (const DeltaEstimate& estimate : trial.fit->estimates) {
+    const std::string name(KnobOf(estimate).name);
+    if (estimate.sd_over_prior >= kSaidNothing) {
+      result->observability.push_back(
+          {.statement = name + " is not told by these readings: its uncertainty is "
+                               "still that of its prior",
+           .blind_direction = {{name, 1}}});
+    }
+    const auto known =
+        std::ranges::find(result->parameters, name, &ParameterResult::name);
+    if (known == result->parameters.end()) {
+      result->parameters.push_back(RowOf(trial, estimate));
+    } else if (name != "delta_radius" || !has_tower_radii) {
+      // With a radius for each tower the common one is tower c's, no setting.
+      TakeEstimate(trial, estimate, &*known);
+    }
+  }
+}
+
+void AddCheck(const std::string& name,
+              double found,
+              const Within& within,
+              RunResult* result) {
+  const bool is_above = !within.above || found > *within.above;
+  const bool is_below = !within.below || found < *within.below;
+  std::string expected;
+  if (within.above) expected += fmt::format("above {:g}", *within.above);
+  if (within.below) {
+    expected +=
+        fmt::format("{}below {:g}", expected.empty() ? "" : ", ", *within.below);
+  }
+  result->checks.push_back({.name = name,
+                            .expected = expected,
+                            .found = fmt::format("{:.5g}", found),
+                            .passed = is_above && is_below});
+}
+
+// Whether every value that was expected came out.
+bool MeetValues(const DeltaTrial& trial, RunResult* result) {
+  bool all_met = true;
+  for (const DeltaExpectedValue& expected : trial.scenario.values) {
+    const auto row =
+        std::ranges::find(result->parameters, expected.name, &ParameterResult::name);
+    bool passed = row != result->parameters.end();
+    if (passed && expected.identifiable) {
+      passed = row->identifiable == *expected.identifiable;
+    }
+    if (passed && expected.truth_within) {
+      row->tolerance = expected.truth_within;
+      passed = row->error && std::abs(*row->error) <= *expected.truth_within;
+    }
+    if (row != result->parameters.end()) {
+      row->passed = passed;
+    } else {
+      result->checks.push_back({.name = expected.name,
+                                .expected = "a value",
+                                .found = "not estimated",
+                                .passed = false});
+    }
+    all_met = all_met && passed;
+  }
+  return all_met;
+}
+
+void CheckMessages(const DeltaTrial& trial, RunResult* result) {
+  for (const std::string& text : trial.scenario.messages) {
+    const bool is_there = std::ranges::any_of(
+        result->messages,
+        [&](const std::string& line) { return line.find(text) != std::string::npos; });
+    result->checks.push_back({.name = "message",
+                              .expected = text,
+                              .found = is_there ? "said" : "not said",
+                              .passed = is_there});
+  }
+}
+
+// By how much the nozzle's height over the disc has moved since the first step, rms.
+double Drift_mm(const DeltaTrial& trial) {
+  return DeltaHeightChange_mm(trial.built.build,
+                              trial.after_first,
+                              trial.after,
+                              trial.machine.delta->print_radius_mm);
+}
+
+void CheckFigures(const DeltaTrial& trial,
+                  const DeltaAccuracy& after,
+                  RunResult* result) {
+  for (const auto& [name, within] : trial.scenario.figures) {
+    const double found = name == "height_error_mm.rms"    ? after.z_rms_mm
+                         : name == "height_error_mm.most" ? after.z_most_mm
+                         : name == "height_drift_mm"      ? Drift_mm(trial)
+                         : name == "said_mm"              ? trial.said_mm
+                         : name == "xy_scale_um_per_mm"
+                             ? UmFromMm(after.xy_scale)
+                             : result->position_error_after_p95_mm;
+    AddCheck(name, found, within, result);
+  }
+}
+
+}  // namespace
+
+std::optional<double> DeltaSettingNamed(const DeltaModel<double>& model,
+                                        const DeltaModel<double>& drawn,
+                                        std::string_view name) {
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::string tower = TowerName(static_cast<int>(i));
+    if (name == "endstop." + tower) return model.endstop_mm[i];
+    if (name == "tower_angle." + tower) {
+      return DegFromRad(model.angle_rad[i] - drawn.angle_rad[i]);
+    }
+  }
+  if (name == "delta_radius") return MeanOfTowers(model.radius_mm);
+  if (name == "arm_length") return MeanOfTowers(model.arm_mm);
+  return std::nullopt;
+}
+
+double DeltaPositionP95_mm(const DeltaTrial& trial,
+                           const DeltaModel<double>& settings,
+                           const DeltaMesh& mesh) {
+  constexpr int kPoses = 1000;
+  const double radius_mm = trial.machine.delta->print_radius_mm;
+  Rng rng(1, 0, "position_error_mm");
+  std::vector<Vec3<double>> errors_mm;
+  Vec3<double> mean_mm = Vec3<double>::Zero();
+  for (int i = 0; i < kPoses; ++i) {
+    const double out_mm = radius_mm * std::sqrt(rng.Uniform());
+    const double angle = 2 * std::numbers::pi * rng.Uniform();
+    const Vec3<double> sent(
+        out_mm * std::cos(angle), out_mm * std::sin(angle), radius_mm * rng.Uniform());
+    const Vec3<double> lifted = sent + mesh.Lift_mm(sent[0], sent[1]) * Unit(Axis::kZ);
+    const auto pose = DeltaPoseOf(trial.built.build, DeltaMotors_mm(settings, lifted));
+    if (!pose) return std::numeric_limits<double>::infinity();
+    errors_mm.push_back(pose->nozzle_mm - sent);
+    mean_mm += errors_mm.back() / kPoses;
+  }
+  std::vector<double> sizes_mm;
+  for (const Vec3<double>& error : errors_mm) {
+    sizes_mm.push_back((error - mean_mm).norm());
+  }
+  const auto p95 = sizes_mm.begin() + kPoses * 95 / 100 - 1;
+  std::nth_element(sizes_mm.begin(), p95, sizes_mm.end());
+  return *p95;
+}
+
+void JudgeDelta(const DeltaTrial& trial, RunResult* result) {
+  const auto accuracy = [&](const DeltaModel<double>& settings, const DeltaMesh& mesh) {
+    return DeltaAccuracyOf(trial.built.build,
+                           trial.built.bed,
+                           settings,
+                           trial.machine.delta->print_radius_mm,
+                           mesh);
+  };
+  const DeltaAccuracy before = accuracy(trial.before, {});
+  const DeltaAccuracy after = accuracy(trial.after, trial.mesh);
+  result->position_error_before_p95_mm = DeltaPositionP95_mm(trial, trial.before, {});
+  result->position_error_after_p95_mm =
+      DeltaPositionP95_mm(trial, trial.after, trial.mesh);
+  AddSettings(trial, result);
+  AddEstimates(trial, result);
+  const bool all_met = MeetValues(trial, result);
+  result->messages.push_back(fmt::format(
+      "the nozzle stands {:.1f} um rms off the bed ({:.1f} at most), {:.1f} before; "
+      "prints are {:+.2f} um/mm wrong; the procedure says {:.4f} mm",
+      UmFromMm(after.z_rms_mm),
+      UmFromMm(after.z_most_mm),
+      UmFromMm(before.z_rms_mm),
+      UmFromMm(after.xy_scale),
+      trial.said_mm));
+  CheckFigures(trial, after, result);
+  CheckMessages(trial, result);
+  result->outcome = trial.has_fault                        ? "alarm"
+                    : trial.was_out_of_reach               ? "no_trigger"
+                    : after.z_rms_mm > 2 * before.z_rms_mm ? "diverges"
+                    : all_met && after.z_rms_mm < kRecovered * before.z_rms_mm
+                        ? "recovers"
+                        : "misses";
+  const DeltaScenario& scenario = trial.scenario;
+  result->checks.insert(result->checks.begin(),
+                        {.name = "outcome",
+                         .expected = scenario.outcome,
+                         .found = result->outcome,
+                         .passed = result->outcome == scenario.outcome});
+  result->passed = !result->interrupted &&
+                   std::ranges::all_of(result->checks, &CheckResult::passed) &&
+                   std::ranges::none_of(
+                       result->parameters,
+                       [](const ParameterResult& row) { return row.passed == false; });
+}
+
+}  // namespace caltwin

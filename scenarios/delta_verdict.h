@@ -1,0 +1,52 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string_view>
+
+#include "calibration/delta/joint.h"
+#include "scenarios/delta_scenario.h"
+#include "scenarios/result.h"
+#include "sim/twin/delta_plant.h"
+
+namespace caltwin {
+
+/// One value of the settings, as the table of results names it: angles in degrees
+/// against the drawing, radius and rods the mean of the towers. nullopt: no setting.
+std::optional<double> DeltaSettingNamed(const DeltaModel<double>& model,
+                                        const DeltaModel<double>& drawn,
+                                        std::string_view name);
+inline constexpr std::array kDeltaSettingNames = {"endstop.a",
+                                                  "endstop.b",
+                                                  "endstop.c",
+                                                  "delta_radius",
+                                                  "tower_angle.a",
+                                                  "tower_angle.b",
+                                                  "arm_length"};
+
+/// Where a run has led, for those who know the truth.
+struct DeltaTrial {
+  const DeltaScenario& scenario;
+  const Machine& machine;
+  const BuiltDelta& built;
+  DeltaModel<double> before{};         ///< Settings when the firmware was switched on,
+  DeltaModel<double> after_first{};    ///< after the first step,
+  DeltaModel<double> after{};          ///< and at the end.
+  DeltaMesh mesh{};                    ///< That the firmware lifts by at the end.
+  std::optional<DeltaJointFit> fit{};  ///< Of the last step.
+  double said_mm = 0;                  ///< By the last procedure, as its own deviation.
+  bool has_fault = false;
+  bool was_out_of_reach = false;
+};
+
+/// The largest of 95 % of the nozzle's errors at 1000 seeded poses over the bed, up to
+/// as high as it is wide; the mean error is left out. Infinite where the machine does
+/// not reach.
+double DeltaPositionP95_mm(const DeltaTrial& trial,
+                           const DeltaModel<double>& settings,
+                           const DeltaMesh& mesh);
+
+/// Fills in the table, the outcome and the checks.
+void JudgeDelta(const DeltaTrial& trial, RunResult* result);
+
+}  // namespace caltwin

@@ -1,0 +1,140 @@
+#include "scenarios/study/aggregate.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace caltwin {
+namespace {
+
+constexpr std::size_t kWorst = 5;
+constexpr double kTwoSided95 = 1.959963984540054;
+
+}  // namespace
+
+void StreamedQuantiles::Add(double value) {
+  ++count_;
+  sum_.Add(value);
+  squares_.Add(value * value);
+  sketch_.Add(value);
+}
+
+void StreamedQuantiles::Add(const StreamedQuantiles& other) {
+  count_ += other.count_;
+  sum_.Add(other.sum_);
+  squares_.Add(other.squares_);
+  sketch_.Add(other.sketch_);
+}
+
+double StreamedQuantiles::MeanSquare() const {
+  return count_ > 0 ? squares_.Value() / static_cast<double>(count_) : 0;
+}
+
+Quantiles StreamedQuantiles::Summary() const {
+  Quantiles quantiles{.count = count_};
+  if (count_ == 0) return quantiles;
+  const auto count = static_cast<double>(count_);
+  quantiles.mean = sum_.Value() / count;
+  const double about_mean = squares_.Value() - count * quantiles.mean * quantiles.mean;
+  quantiles.sd = count_ > 1 ? std::sqrt(std::max(0.0, about_mean) / (count - 1)) : 0;
+  quantiles.q025 = sketch_.Quantile(0.025);
+  quantiles.median = sketch_.Quantile(0.5);
+  quantiles.q975 = sketch_.Quantile(0.975);
+  return quantiles;
+}
+
+void StreamedParameter::Add(std::optional<double> error, std::optional<double> sd) {
+  ++trials_;
+  if (!error) return;
+  errors_.Add(*error);
+  if (!sd || !(*sd > 0)) return;
+  ++with_sd_;
+  held_ += std::abs(*error) <= kTwoSided95 * *sd ? 1 : 0;
+  variances_.Add(*sd * *sd);
+  squares_.Add(*error * *error);
+}
+
+void StreamedParameter::Add(const StreamedParameter& other) {
+  errors_.Add(other.errors_);
+  trials_ += other.trials_;
+  with_sd_ += other.with_sd_;
+  held_ += other.held_;
+  variances_.Add(other.variances_);
+  squares_.Add(other.squares_);
+}
+
+ParameterSummary StreamedParameter::Summary(const std::string& name) const {
+  ParameterSummary summary{.name = name,
+                           .unit = unit,
+                           .is_setting = is_setting,
+                           .error = errors_.Summary(),
+                           .coverage95 = RateOf(held_, with_sd_)};
+  summary.identified = RateOf(summary.error.count, trials_);
+  summary.histogram = EmptyHistogram(summary.error);
+  for (const QuantileSketch::Part& part : errors_.sketch().Parts()) {
+    CountIn((part.low + part.high) / 2, part.count, &summary.histogram);
+  }
+  if (with_sd_ > 0) {
+    summary.mean_sd = std::sqrt(variances_.Value() / static_cast<double>(with_sd_));
+    summary.rms_over_sd = std::sqrt(squares_.Value() / variances_.Value());
+    summary.gum = ValidationOf(summary.error, summary.mean_sd, /*digits=*/1);
+  }
+  return summary;
+}
+
+void Worst::Add(double value, std::int64_t trial) {
+  if (worst_.size() == kWorst && -value > worst_.back().first) return;
+  worst_.emplace_back(-value, trial);
+  std::ranges::sort(worst_);
+  if (worst_.size() > kWorst) worst_.pop_back();
+}
+
+void Worst::Add(const Worst& other) {
+  for (const auto& [minus_value, trial] : other.worst_) Add(-minus_value, trial);
+}
+
+std::vector<std::int64_t> Worst::trials() const {
+  std::vector<std::int64_t> trials;
+  for (const auto& [minus_value, trial] : worst_) trials.push_back(trial);
+  return trials;
+}
+
+void Aggregate::Add(const TrialResult& result) {
+  ++status_[result.status];
+  if (const std::string cause = CauseKey(result); !cause.empty()) ++causes_[cause];
+  worst_.Add(Badness(result, is_of_plan_), result.trial);
+  if (result.HasFailed()) return;
+  machine_time_s_.Add(result.machine_time_s);
+  touches_.Add(result.touches);
+  before_mm_.Add(result.position_error_before_mm);
+  after_mm_.Add(result.position_error_after_mm);
+  for (const ParameterResult& parameter : result.parameters) {
+    auto found = std::ranges::find(
+        parameters_, parameter.name, &std::pair<std::string, StreamedParameter>::first);
+    if (found == parameters_.end()) {
+      parameters_.emplace_back(parameter.name, StreamedParameter{});
+      found = parameters_.end() - 1;
+      found->second.unit = parameter.unit;
+      found->second.is_setting = parameter.is_setting;
+    }
+    found->second.Add(parameter.error, parameter.sd);
+  }
+}
+
+CaseSummary Aggregate::Summary(const StudyCase& of) const {
+  CaseSummary summary{.name = of.Name(),
+                      .scenario = of.scenario.file.string(),
+                      .procedure = of.procedure,
+                      .status = status_,
+                      .causes = causes_,
+                      .machine_time_s = machine_time_s_.Summary(),
+                      .touches = touches_.Summary(),
+                      .position_error_before_mm = before_mm_.Summary(),
+                      .position_error_after_mm = after_mm_.Summary(),
+                      .worst = worst_.trials()};
+  for (const auto& [name, parameter] : parameters_) {
+    summary.parameters.push_back(parameter.Summary(name));
+  }
+  return summary;
+}
+
+}  // namespace caltwin

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "scenarios/study/run.h"
+#include "scenarios/study/summary.h"
+
+namespace caltwin {
+
+/// How far the linear design of a plan is from what its machines do: the estimates of
+/// some machines by the closed forms and by the design.
+struct LinearCheck {
+  std::int64_t trials = 0;
+  struct Unknown {
+    std::string name{}, unit{};
+    double fast_mean = 0, fast_sd = 0;  ///< Of the errors.
+    double linear_mean = 0, linear_sd = 0;
+    bool agrees = false;
+  };
+  std::vector<Unknown> unknowns{};
+};
+
+/// 1000 machines, the same ones both ways, whatever part of the study is run. An
+/// unknown agrees where its mean error differs by less than a tenth of its sd and its
+/// sd by less than a tenth, beyond five standard deviations of chance.
+LinearCheck CheckLinear(const Study& study, const StudyOptions& options);
+
+/// Throws InputError where an unknown does not agree: linear is not good enough there.
+void RequireLinear(const Study& study, const LinearCheck& check);
+
+/// All trials of a study with the fidelity linear, none kept. The same bytes for any
+/// number of workers.
+StudySummary RunLinear(const Study& study, const StudyOptions& options);
+
+/// What the terminal shows of the check.
+std::string CheckText(const LinearCheck& check);
+
+}  // namespace caltwin

@@ -1,0 +1,267 @@
+#include "scenarios/triple_z_runner.h"
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+#include <limits>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "scenarios/interrupt.h"
+#include "scenarios/interruptible_link.h"
+#include "scenarios/triple_z_link.h"
+#include "sim/base/units.h"
+#include "sim/link/transcript.h"
+
+namespace caltwin {
+namespace {
+
+constexpr double kRecovered = 0.1;     // Of the tilt as it was.
+constexpr double kFlat_mm = 0.01;      // Less is as good as flat.
+constexpr double kPublished_mm = 0.1;  // The published target of the mean error.
+
+/// A run on its way.
+class TripleZRun {
+ public:
+  TripleZRun(const Scenario& scenario, const RunOptions& options)
+      : scenario_(scenario),
+        triple_z_(*scenario.triple_z),
+        options_(options),
+        seed_(options.seed.value_or(scenario.seed)),
+        built_(DrawTripleZ(triple_z_, scenario.machine.machine, seed_, options.sample)),
+        fidelity_(options.fidelity.value_or(scenario.fidelity)),
+        plant_(built_, fidelity_ == Fidelity::kPhysics, seed_, options.sample),
+        firmware_(FirmwareOf(built_.machine, triple_z_.believed_mm), &plant_),
+        wire_(&firmware_) {}
+
+  RunResult Perform() {
+    const std::clock_t start = std::clock();
+    RunResult result{.scenario = scenario_.file.string(),
+                     .about = scenario_.about,
+                     .verbatim = scenario_.verbatim,
+                     .machine = built_.machine.name,
+                     .fidelity = ToString(fidelity_),
+                     .seed = seed_,
+                     .messages = scenario_.machine.notes};
+    const TrueLevel before =
+        TrueLevelOf(built_, Vec3<double>::Zero(), /*reference_mm=*/0);
+    result.position_error_before_p95_mm = before.max_mm;
+    InterruptibleLink link(&wire_);
+    std::unique_ptr<RecordingLink> recorder;
+    if (!options_.transcript.empty()) {
+      recorder = std::make_unique<RecordingLink>(&link, options_.transcript);
+    }
+    TripleZPrinter printer(
+        BenchOf(built_.machine,
+                recorder ? static_cast<Link*>(recorder.get()) : &link,
+                triple_z_.probe_sigma_mm));
+    for (const TripleZStep& step : triple_z_.calibrate) {
+      options_.progress(step.name);
+      Take(step, &printer, &result);
+      if (InterruptRequested()) result.interrupted = true;
+      const bool goes_on =
+          last_.ending == Ending::kDone || last_.ending == Ending::kConfounded;
+      if (!goes_on || result.interrupted) break;
+    }
+    if (recorder) recorder->Save();
+    result.touches = firmware_.touches();
+    result.machine_time_s = firmware_.machine_time_s();
+    result.lost = last_.ending == Ending::kLinkLost;
+    const TrueLevel after = TrueLevelOf(built_, firmware_.raised_mm(), reference_mm_);
+    result.position_error_after_p95_mm = after.max_mm;
+    Judge(before, after, &result);
+    result.cpu_s = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+    return result;
+  }
+
+ private:
+  void Take(const TripleZStep& step, TripleZPrinter* printer, RunResult* result) {
+    const TripleZOptions& o = step.options;
+    const TripleZResult done =
+        step.name == "plane_tilt"          ? RunPlaneTilt(printer, o)
+        : step.name == "rrf_levelling"     ? RunRrfLevelling(printer, o)
+        : step.name == "pivots_and_wiring" ? RunPivotsAndWiring(printer, o)
+                                           : RunBedTilt(printer, o);
+    last_ = done.result;
+    const bool levels = step.name != "plane_tilt" && step.name != "pivots_and_wiring";
+    has_levelled_ = has_levelled_ || levels;
+    if (levels) reference_mm_ = o.reference_mm;
+    if (done.predicted_factor) predicted_factor_ = *done.predicted_factor;
+    if (done.level) validation_mm_ = done.level->mean_mm;
+    grew_ += static_cast<int>(
+        std::ranges::count_if(done.steeper, [](double times) { return times > 1; }));
+    confounded_ = confounded_ || last_.ending == Ending::kConfounded;
+    const auto append = [](const auto& from, auto* to) {
+      to->insert(to->end(), from.begin(), from.end());
+    };
+    append(last_.steps, &result->steps);
+    append(last_.messages, &result->messages);
+    append(last_.observability, &result->observability);
+    for (const Estimate& estimate : last_.estimates) {
+      const auto same = [&](const Estimate& had) {
+        return had.name == estimate.name;
+      };
+      // What was found first: later ones are of the levelled bed.
+      if (std::ranges::none_of(estimates_, same)) estimates_.push_back(estimate);
+    }
+  }
+
+  // The built value of "cause.axis.parameter".
+  double BuiltOf(const std::string& name) const {
+    double value = 0;
+    for (const Injected& effect : built_.effects) {
+      const auto count = EffectAt(effect.effect).parameters.size();
+      for (std::size_t i = 0; i < count; ++i) {
+        if (ParameterName(effect.effect, effect.axis, i) == name) {
+          value += effect.values[i];
+        }
+      }
+    }
+    return value;
+  }
+
+  void AddEstimates(RunResult* result) const {
+    for (const Estimate& estimate : estimates_) {
+      ParameterResult row{.name = estimate.name,
+                          .unit = estimate.unit,
+                          .injected = BuiltOf(estimate.name),
+                          .identifiable = estimate.identifiable};
+      if (estimate.identifiable) {
+        row.recovered = estimate.value;
+        row.sd = estimate.sd;
+        row.error = estimate.value - row.injected;
+      }
+      result->parameters.push_back(row);
+    }
+  }
+
+  bool MeetValues(RunResult* result) const {
+    bool all_met = true;
+    for (const DeltaExpectedValue& expected : triple_z_.values) {
+      const auto row =
+          std::ranges::find(result->parameters, expected.name, &ParameterResult::name);
+      if (row == result->parameters.end()) {
+        result->checks.push_back({.name = expected.name,
+                                  .expected = "a value",
+                                  .found = "not estimated",
+                                  .passed = false});
+        all_met = false;
+        continue;
+      }
+      bool passed =
+          !expected.identifiable || row->identifiable == *expected.identifiable;
+      if (expected.truth_within) {
+        row->tolerance = expected.truth_within;
+        passed =
+            passed && row->error && std::abs(*row->error) <= *expected.truth_within;
+      }
+      row->passed = passed;
+      all_met = all_met && passed;
+    }
+    return all_met;
+  }
+
+  double FigureOf(const std::string& name,
+                  const TrueLevel& after,
+                  const RunResult& result) const {
+    if (name == "level_error_mm.mean") return after.mean_mm;
+    if (name == "level_error_mm.max") return after.max_mm;
+    if (name == "flatness_mm.rms") return after.flat_rms_mm;
+    if (name == "validation_mm.mean") return validation_mm_;
+    if (name == "machine_time_s") return result.machine_time_s;
+    return predicted_factor_;
+  }
+
+  void AddChecks(const TrueLevel& after, RunResult* result) const {
+    for (const auto& [name, within] : triple_z_.figures) {
+      const double found = FigureOf(name, after, *result);
+      std::string expected;
+      if (within.above) expected += fmt::format("above {:g}", *within.above);
+      if (within.below) {
+        expected +=
+            fmt::format("{}below {:g}", expected.empty() ? "" : ", ", *within.below);
+      }
+      result->checks.push_back({.name = name,
+                                .expected = expected,
+                                .found = fmt::format("{:.5g}", found),
+                                .passed = (!within.above || found > *within.above) &&
+                                          (!within.below || found < *within.below)});
+    }
+    for (const std::string& text : triple_z_.messages) {
+      const bool is_there =
+          std::ranges::any_of(result->messages, [&](const std::string& line) {
+            return line.find(text) != std::string::npos;
+          });
+      result->checks.push_back({.name = "message",
+                                .expected = text,
+                                .found = is_there ? "said" : "not said",
+                                .passed = is_there});
+    }
+  }
+
+  std::string OutcomeOf(bool all_met,
+                        const TrueLevel& before,
+                        const TrueLevel& after) const {
+    if (last_.ending == Ending::kAlarm) return "alarm";
+    if (last_.ending == Ending::kNoTrigger) return "no_trigger";
+    if (grew_ >= 2) return "diverges";
+    if (last_.ending == Ending::kRefused) return "refused";
+    if (confounded_) return "confounded";
+    const bool is_level =
+        after.flat_rms_mm <= std::max(kRecovered * before.flat_rms_mm, kFlat_mm) &&
+        after.mean_mm <= kPublished_mm;
+    return all_met && (!has_levelled_ || is_level) ? "recovers" : "misses";
+  }
+
+  void Judge(const TrueLevel& before, const TrueLevel& after, RunResult* result) {
+    AddEstimates(result);
+    const bool all_met = MeetValues(result);
+    result->messages.push_back(
+        fmt::format("the bed truly stands {:.4f} mm off its reference in the mean "
+                    "({:.4f} at most), "
+                    "{:.1f} um rms from flat; {:.1f} before",
+                    after.mean_mm,
+                    after.max_mm,
+                    UmFromMm(after.flat_rms_mm),
+                    UmFromMm(before.flat_rms_mm)));
+    AddChecks(after, result);
+    result->outcome = OutcomeOf(all_met, before, after);
+    result->checks.insert(result->checks.begin(),
+                          {.name = "outcome",
+                           .expected = triple_z_.outcome,
+                           .found = result->outcome,
+                           .passed = result->outcome == triple_z_.outcome});
+    result->passed =
+        !result->interrupted &&
+        std::ranges::all_of(result->checks, &CheckResult::passed) &&
+        std::ranges::none_of(result->parameters, [](const ParameterResult& row) {
+          return row.passed == false;
+        });
+  }
+
+  const Scenario& scenario_;
+  const TripleZScenario& triple_z_;
+  const RunOptions& options_;
+  std::uint64_t seed_;
+  BuiltTripleZ built_;
+  Fidelity fidelity_;
+  TripleZTwinPlant plant_;
+  RrfTripleZ firmware_;
+  RrfTripleZWire wire_;
+  ProcedureResult last_{};
+  std::vector<Estimate> estimates_{};
+  double reference_mm_ = 0;
+  double predicted_factor_ = std::numeric_limits<double>::quiet_NaN();
+  double validation_mm_ = std::numeric_limits<double>::quiet_NaN();
+  int grew_ = 0;
+  bool has_levelled_ = false, confounded_ = false;
+};
+
+}  // namespace
+
+RunResult RunTripleZScenario(const Scenario& scenario, const RunOptions& options) {
+  return TripleZRun(scenario, options).Perform();
+}
+
+}  // namespace caltwin

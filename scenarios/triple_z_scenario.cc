@@ -1,0 +1,243 @@
+#include "scenarios/triple_z_scenario.h"
+
+#include <array>
+
+#include <fmt/format.h>
+
+#include "scenarios/named_step.h"
+#include "sim/base/units.h"
+#include "sim/effects/catalog.h"
+
+namespace caltwin {
+namespace {
+
+constexpr std::array<std::string_view, 5> kProcedures = {"plane_tilt",
+                                                         "bed_tilt",
+                                                         "bed_tilt_iterated",
+                                                         "rrf_levelling",
+                                                         "pivots_and_wiring"};
+constexpr std::array<const char*, 6> kFigures = {"level_error_mm.mean",
+                                                 "level_error_mm.max",
+                                                 "flatness_mm.rms",
+                                                 "validation_mm.mean",
+                                                 "machine_time_s",
+                                                 "predicted_factor"};
+
+// An empty value means all options left out.
+YamlMap MapOf(const YamlValue& options) {
+  if (!options.is_null()) return options.Map();
+  return {YAML::Node(YAML::NodeType::Map),
+          options.file(),
+          options.path(),
+          options.faults()};
+}
+
+void ReadGrid(YamlMap* map, TripleZOptions* options) {
+  const auto grid = map->Optional("grid");
+  if (!grid) return;
+  const auto numbers = grid->Numbers(2, {2, 20});
+  if (numbers.size() != 2) return;
+  options->columns = static_cast<int>(numbers[0]);
+  options->rows = static_cast<int>(numbers[1]);
+}
+
+// What several of the procedures have.
+void ReadProbing(YamlMap* map, TripleZOptions* options) {
+  ReadGrid(map, options);
+  options->margin_mm = map->NumberOr("margin_mm", options->margin_mm, {0, 100});
+  if (const auto at = map->Optional("at")) {
+    options->at_screws = at->Word({"grid", "screws"}) == "screws";
+  }
+}
+
+void ReadLevelling(YamlMap* map, TripleZOptions* options) {
+  options->reference_mm = map->NumberOr("reference_mm", 0, {-50, 250});
+  if (options->is_as_published) {
+    const std::string sign = map->WordOr("offsets", "example", {"example", "formula"});
+    options->rule = sign == "formula" ? OffsetRule::kFormula : OffsetRule::kExample;
+  }
+  options->largest_mm = map->NumberOr("largest_mm", options->largest_mm, {0, 250});
+}
+
+void ReadRounds(YamlMap* map, int otherwise, TripleZOptions* options) {
+  options->rounds = static_cast<int>(map->IntegerOr("rounds", otherwise, 1, 50));
+  options->target_mm = map->NumberOr("target_mm", options->target_mm, {0, 10});
+}
+
+std::vector<TripleZStep> ReadSteps(const YamlValue& list) {
+  std::vector<TripleZStep> steps;
+  for (const NamedStep& step :
+       ReadNamedSteps(list, kProcedures, "procedure of a triple-Z printer")) {
+    steps.push_back(ReadTripleZStep(step.name, step.options));
+  }
+  return steps;
+}
+
+std::vector<std::string> ValueNames() {
+  std::vector<std::string> names = {"bed_tilt.slope_x_mrad", "bed_tilt.slope_y_mrad"};
+  for (const std::string_view screw : kScrewAxes) {
+    for (const char* along : {"dx_mm", "dy_mm"}) {
+      names.push_back(fmt::format("pivot_position.{}.{}", screw, along));
+    }
+  }
+  for (const std::string_view pair : MotorsSwapped::kPairs) {
+    names.push_back(fmt::format("motors_swapped.{}", pair));
+  }
+  return names;
+}
+
+void ReadExpectation(YamlMap map, TripleZScenario* scenario) {
+  scenario->outcome = map.WordOr("outcome",
+                                 "recovers",
+                                 {"recovers",
+                                  "misses",
+                                  "diverges",
+                                  "refused",
+                                  "confounded",
+                                  "no_trigger",
+                                  "alarm"});
+  for (const char* figure : kFigures) {
+    const auto value = map.Optional(figure);
+    if (!value) continue;
+    YamlMap bounds = value->Map();
+    Within within;
+    if (const auto above = bounds.Optional("above")) within.above = above->Number();
+    if (const auto below = bounds.Optional("below")) within.below = below->Number();
+    if (!within.above && !within.below && bounds.faults()->empty()) {
+      value->Fail("expects nothing", "write {above: ...} or {below: ...}");
+    }
+    bounds.NoMoreKeys();
+    scenario->figures.emplace_back(figure, within);
+  }
+  if (const auto messages = map.Optional("messages")) {
+    for (const YamlValue& text : messages->List()) {
+      scenario->messages.push_back(text.Text());
+    }
+  }
+  for (const std::string& name : ValueNames()) {
+    const auto value = map.Optional(name);
+    if (!value) continue;
+    YamlMap keys = value->Map();
+    DeltaExpectedValue expected{.name = name};
+    if (const auto within = keys.Optional("truth_within")) {
+      expected.truth_within = within->Number(kNotNegative);
+    }
+    if (const auto flag = keys.Optional("identifiable")) {
+      expected.identifiable = flag->Flag();
+    }
+    if (!expected.truth_within && !expected.identifiable && keys.faults()->empty()) {
+      value->Fail("expects nothing",
+                  "write {truth_within: ...} or {identifiable: ...}");
+    }
+    keys.NoMoreKeys();
+    scenario->values.push_back(std::move(expected));
+  }
+  map.NoMoreKeys();
+}
+
+void ReadSettings(YamlMap map, TripleZScenario* scenario) {
+  if (const auto screws = map.Optional("screws_at_mm")) {
+    YamlMap by_name = screws->Map();
+    for (int i = 0; i < kNumScrews; ++i) {
+      const auto at = by_name.Optional(ScrewName(i));
+      if (!at) continue;
+      const auto numbers = at->Numbers(2, {-1e4, 1e4});
+      if (numbers.size() != 2) continue;
+      scenario->believed_mm[static_cast<std::size_t>(i)] = {numbers[0], numbers[1]};
+    }
+    by_name.NoMoreKeys();
+    if (TriangleShape(scenario->believed_mm) < kFlattestTriangle) {
+      screws->Fail("stand nearly in one line", "three screws span a triangle");
+    }
+  }
+  if (const auto steps = map.Optional("steps_per_mm")) {
+    YamlMap by_axis = steps->Map();
+    scenario->steps_per_mm = by_axis.NumberOr("z", scenario->steps_per_mm, {1e-3, 1e7});
+    by_axis.NoMoreKeys();
+  }
+  map.NoMoreKeys();
+}
+
+void RequireBuildable(const InjectedSpec& spec, Faults* faults) {
+  const Effect& effect = EffectAt(spec.effect);
+  if (effect.bucket != Bucket::kTime && effect.name != "probe_temperature") return;
+  faults->Add(spec.place,
+              fmt::format("'{}' needs times or temperatures, which no scenario of a "
+                          "triple-Z printer has",
+                          effect.name),
+              "`caltwin simulate --truth` has them");
+}
+
+}  // namespace
+
+TripleZStep ReadTripleZStep(const std::string& name, const YamlValue& value) {
+  TripleZStep step{.name = name};
+  TripleZOptions& o = step.options;
+  YamlMap map = MapOf(value);
+  o.is_as_published =
+      map.WordOr("variant", "corrected", {"as_published", "corrected"}) ==
+      "as_published";
+  ReadProbing(&map, &o);
+  if (name == "bed_tilt" || name == "bed_tilt_iterated") ReadLevelling(&map, &o);
+  if (name == "plane_tilt")
+    o.reference_mm = map.NumberOr("reference_mm", 0, {-50, 250});
+  o.iterates = name == "bed_tilt_iterated";
+  if (o.iterates) ReadRounds(&map, 5, &o);
+  if (name == "rrf_levelling") ReadRounds(&map, 2, &o);
+  // To tell wiring half a millimetre does, to tell places more is better.
+  const double test_mm = name == "pivots_and_wiring" ? 2 : 0.5;
+  if (name != "plane_tilt") o.test_mm = map.NumberOr("test_mm", test_mm, {0.01, 10});
+  if (name == "pivots_and_wiring") {
+    o.from_rounds =
+        map.WordOr("from", "single_screws", {"single_screws", "rounds"}) == "rounds";
+  }
+  map.NoMoreKeys();
+  return step;
+}
+
+TripleZScenario ReadTripleZScenario(YamlMap* map,
+                                    const Machine& machine,
+                                    const std::vector<InjectedSpec>& machine_effects) {
+  TripleZScenario scenario{.effects = machine_effects,
+                           .believed_mm = machine.triple_z->pivots_mm(),
+                           .steps_per_mm = machine.settings.steps_per_mm[2]};
+  if (const auto effects = map->Optional("effects")) {
+    const auto read = ReadEffects(effects->Map(), machine);
+    scenario.effects.insert(scenario.effects.end(), read.begin(), read.end());
+  }
+  for (const InjectedSpec& effect : scenario.effects) {
+    RequireBuildable(effect, map->faults());
+  }
+  if (const auto settings = map->Optional("settings")) {
+    ReadSettings(settings->Map(), &scenario);
+  }
+  if (const auto instruments = map->Optional("instruments")) {
+    YamlMap by_name = instruments->Map();
+    if (const auto probe = by_name.Optional("probe")) {
+      YamlMap keys = probe->Map();
+      scenario.probe_sigma_mm = MmFromUm(keys.NumberOr("sigma_um", 0, {0, 1000}));
+      keys.NoMoreKeys();
+    }
+    by_name.NoMoreKeys();
+  }
+  if (const auto calibrate = map->Required("calibrate")) {
+    scenario.calibrate = ReadSteps(*calibrate);
+  }
+  if (const auto expect = map->Optional("expect")) {
+    ReadExpectation(expect->Map(), &scenario);
+  }
+  return scenario;
+}
+
+BuiltTripleZ DrawTripleZ(const TripleZScenario& scenario,
+                         const Machine& machine,
+                         std::uint64_t seed,
+                         std::uint64_t sample) {
+  BuiltTripleZ built{.machine = machine,
+                     .effects = DrawEffects(scenario.effects, seed, sample),
+                     .scatter_mm = scenario.probe_sigma_mm};
+  built.machine.settings.steps_per_mm[2] = scenario.steps_per_mm;
+  return built;
+}
+
+}  // namespace caltwin

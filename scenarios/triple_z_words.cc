@@ -1,0 +1,51 @@
+#include "scenarios/triple_z_words.h"
+
+#include <array>
+
+namespace caltwin {
+
+std::span<const Word> TripleZProcedureWords() {
+  static constexpr std::array kWords = {
+      Word{
+          "bed_tilt",
+          "Levels a bed on three screws: touches a grid, fits z = a x + b y + c, "
+          "raises "
+          "each screw, touches again. Options: grid ([3, 3]; 2 to 5 are usual), at "
+          "(grid "
+          "or screws, the manual way), margin_mm, reference_mm, largest_mm, variant. "
+          "corrected raises by reference - z, and undoes what validates worse. "
+          "as_published takes offsets: example (z less the smallest, which doubles the "
+          "tilt) or formula (reference - z less the smallest: level, at another "
+          "height)."},
+      Word{"bed_tilt_iterated",
+           "bed_tilt again until the mean error is below target_mm, at most rounds "
+           "times. "
+           "corrected first raises each screw alone by test_mm, tells by what each "
+           "round "
+           "will multiply the tilt, and refuses a loop that would diverge."},
+      Word{
+          "rrf_levelling",
+          "The firmware levels by its drivers: G30 P0 .. S3 with the screws of M671. "
+          "Options: grid, at, rounds, target_mm, test_mm, variant. corrected foretells "
+          "the factor of each round as bed_tilt_iterated does."},
+      Word{
+          "pivots_and_wiring",
+          "Where the screws stand and which driver turns which: raises each alone by "
+          "test_mm and touches a grid, or (from: rounds) watches two levelling rounds. "
+          "Names swapped motors and pivots that are off; corrected writes M671 as "
+          "found."},
+      Word{"z_calibration",
+           "Klipper's: the nozzle and the probe's body on the endstop switch, the "
+           "probe on "
+           "the bed; offset = probe - (switch - nozzle + switch_offset). In a scenario "
+           "with "
+           "a `station:`; beside it the steps probe_accuracy (samples, of: endstop or "
+           "probe), switch_offset (the stepwise descent), gcode, change."},
+      Word{"probe_accuracy",
+           "PROBE_Z_ACCURACY or PROBE_ACCURACY: maximum, minimum, range, average, "
+           "median, "
+           "standard deviation, and whether a switch is worn."}};
+  return kWords;
+}
+
+}  // namespace caltwin

@@ -1,0 +1,263 @@
+#include "scenarios/z_offset_runner.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <ctime>
+#include <limits>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "calibration/z_offset/procedures.h"
+#include "sim/base/units.h"
+#include "sim/link/transcript.h"
+
+namespace caltwin {
+namespace {
+
+constexpr double kRecovered_mm = 0.01;
+
+class KlipperZWire : public Link {
+ public:
+  explicit KlipperZWire(KlipperZ* klipper) : klipper_(klipper) {}
+  Expected<std::vector<std::string>> Send(
+      std::string_view line, std::chrono::milliseconds /*patience*/) override {
+    const Reply reply = klipper_->Execute(line);
+    if (!reply.error) return reply.lines;
+    return tl::unexpected(
+        MachineFault{.reply = reply.lines.empty() ? "!!" : reply.lines.back()});
+  }
+
+ private:
+  KlipperZ* klipper_;
+};
+
+class ZOffsetRun {
+ public:
+  ZOffsetRun(const Scenario& scenario, const RunOptions& options)
+      : scenario_(scenario),
+        z_(*scenario.z_offset),
+        options_(options),
+        seed_(options.seed.value_or(scenario.seed)),
+        twin_(Drawn(), seed_, options.sample),
+        klipper_(z_.settings, &twin_),
+        wire_(&klipper_) {}
+
+  RunResult Perform() {
+    const std::clock_t start = std::clock();
+    RunResult result{.scenario = scenario_.file.string(),
+                     .about = scenario_.about,
+                     .verbatim = scenario_.verbatim,
+                     .machine = scenario_.machine.machine.name,
+                     .fidelity = "fast",
+                     .seed = seed_};
+    std::unique_ptr<RecordingLink> recorder;
+    if (!options_.transcript.empty()) {
+      recorder = std::make_unique<RecordingLink>(&wire_, options_.transcript);
+    }
+    ZOffsetClient client(recorder ? static_cast<Link*>(recorder.get()) : &wire_);
+    for (const ZOffsetStep& step : z_.calibrate) {
+      options_.progress(step.name);
+      // As homing alone leaves it.
+      const bool is_first = step.name == "z_calibration" && result.steps.empty();
+      if (is_first) result.position_error_before_p95_mm = std::abs(Error_mm());
+      const ProcedureResult done = Take(step, &client);
+      ending_ = done.ending;
+      const auto append = [](const auto& from, auto* to) {
+        to->insert(to->end(), from.begin(), from.end());
+      };
+      append(done.steps, &result.steps);
+      append(done.messages, &result.messages);
+      append(done.observability, &result.observability);
+      append(done.estimates, &estimates_);
+      if (ending_ != Ending::kDone) break;
+    }
+    if (client.is_spoilt()) {
+      result.messages.push_back(
+          "Z was homed after CALIBRATE_Z: its offset no longer holds, calibrate again");
+    }
+    if (recorder) recorder->Save();
+    result.touches = klipper_.touches();
+    result.machine_time_s = klipper_.machine_time_s();
+    result.position_error_after_p95_mm = std::abs(Error_mm());
+    Judge(&result);
+    result.cpu_s = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+    return result;
+  }
+
+ private:
+  ZStation Drawn() const {
+    ZStation station;
+    SetStation(z_.station, seed_, options_.sample, &station);
+    return station;
+  }
+
+  ProcedureResult Take(const ZOffsetStep& step, ZOffsetClient* client) {
+    if (step.name == "z_calibration") {
+      return RunZCalibration(client, klipper_.config().switch_offset_mm);
+    }
+    if (step.name == "probe_accuracy") {
+      return RunProbeAccuracy(client, step.is_endstop, step.samples);
+    }
+    if (step.name == "switch_offset") return FindSwitchOffset(step, client);
+    if (step.name == "change") {
+      SetStation(step.change, seed_, options_.sample, twin_.station());
+      return {};
+    }
+    ProcedureResult result;
+    for (const std::string& line : step.lines) {
+      const auto answer = client->Say(line);
+      if (!answer) {
+        result.ending = Ending::kRefused;
+        result.messages.push_back("the machine said: " + answer.error().reply);
+        return result;
+      }
+      for (const std::string& said : *answer) result.messages.push_back(said);
+    }
+    return result;
+  }
+
+  // A feeler gauge tells hundredths.
+  ProcedureResult FindSwitchOffset(const ZOffsetStep& step, ZOffsetClient* client) {
+    const double before_mm = klipper_.config().switch_offset_mm;
+    ProcedureResult result =
+        RunSwitchOffset(client, before_mm, [&]() -> std::optional<double> {
+          constexpr double kFeeler_mm = 0.01;
+          const auto carriage_mm = CarriageNow_mm(client);
+          if (!carriage_mm) return std::nullopt;
+          return std::round(twin_.Gap_mm(*carriage_mm) / kFeeler_mm) * kFeeler_mm;
+        });
+    if (result.estimates.empty() || !step.applies) return result;
+    const double after_mm = result.estimates.back().value;
+    klipper_.SetSwitchOffset_mm(after_mm);
+    result.steps.push_back({.procedure = "z_calibration",
+                            .variant = "corrected",
+                            .name = "switch_offset",
+                            .before = before_mm,
+                            .after = after_mm,
+                            .verdict = Verdict::kApplied,
+                            .message = "from the gap under the nozzle"});
+    return result;
+  }
+
+  // Where the carriage stands, by what the controller says of its G-code height.
+  std::optional<double> CarriageNow_mm(ZOffsetClient* client) const {
+    const auto at_nought_mm = klipper_.CarriageAtNought_mm();
+    const auto position = client->Say("GET_POSITION");
+    if (!at_nought_mm || !position) return std::nullopt;
+    for (const std::string& line : *position) {
+      double z_mm = 0;
+      if (std::sscanf(line.c_str(), "gcode: X:%*f Y:%*f Z:%lf", &z_mm) == 1) {
+        return *at_nought_mm + z_mm;
+      }
+    }
+    return std::nullopt;
+  }
+
+  double Error_mm() const {
+    const auto at_nought_mm = klipper_.CarriageAtNought_mm();
+    return at_nought_mm ? twin_.Gap_mm(*at_nought_mm)
+                        : std::numeric_limits<double>::infinity();
+  }
+
+  double BuiltOf(const std::string& name) const {
+    ZStationTwin copy = twin_;
+    const ZStation& station = *copy.station();
+    if (name == "switch_offset") return station.trigger_mm;
+    // Of a worn switch: the deviation of a product of two uniform numbers.
+    const double worn_mm = station.worn_mm * std::sqrt(1.0 / 9 - 1.0 / 16);
+    return UmFromMm(name == "endstop_scatter"
+                        ? std::hypot(station.endstop_scatter_mm, worn_mm)
+                        : station.probe_scatter_mm);
+  }
+
+  void AddEstimates(RunResult* result) const {
+    for (const Estimate& estimate : estimates_) {
+      ParameterResult row{.name = estimate.name,
+                          .unit = estimate.unit,
+                          .injected = BuiltOf(estimate.name),
+                          .recovered = estimate.value,
+                          .sd = estimate.sd,
+                          .identifiable = estimate.identifiable};
+      row.error = estimate.value - row.injected;
+      result->parameters.push_back(row);
+    }
+    result->parameters.push_back({.name = "z_offset_error",
+                                  .unit = "mm",
+                                  .injected = 0,
+                                  .recovered = Error_mm(),
+                                  .error = Error_mm(),
+                                  .identifiable = true,
+                                  .is_setting = true});
+  }
+
+  double FigureOf(const std::string& name, const RunResult& result) const {
+    if (name == "z_offset_error_mm") return std::abs(Error_mm());
+    if (name == "machine_time_s") return result.machine_time_s;
+    if (name == "switch_offset_mm") return klipper_.config().switch_offset_mm;
+    const auto last =
+        std::find_if(result.steps.rbegin(), result.steps.rend(), [](const Step& step) {
+          return step.name == "gcode_offset.z";
+        });
+    return last == result.steps.rend() ? std::numeric_limits<double>::quiet_NaN()
+                                       : last->after;
+  }
+
+  void Judge(RunResult* result) const {
+    AddEstimates(result);
+    result->messages.push_back(fmt::format(
+        "commanded to 0 the clean nozzle stands {:+.4f} mm over the print surface",
+        Error_mm()));
+    for (const auto& [name, within] : z_.figures) {
+      const double found = FigureOf(name, *result);
+      result->checks.push_back(
+          {.name = name,
+           .expected = fmt::format(
+               "{}{}",
+               within.above ? fmt::format("above {:g} ", *within.above) : "",
+               within.below ? fmt::format("below {:g}", *within.below) : ""),
+           .found = fmt::format("{:.5g}", found),
+           .passed = (!within.above || found > *within.above) &&
+                     (!within.below || found < *within.below)});
+    }
+    for (const std::string& text : z_.messages) {
+      const bool is_there =
+          std::ranges::any_of(result->messages, [&](const std::string& line) {
+            return line.find(text) != std::string::npos;
+          });
+      result->checks.push_back({.name = "message",
+                                .expected = text,
+                                .found = is_there ? "said" : "not said",
+                                .passed = is_there});
+    }
+    result->outcome = ending_ == Ending::kNoTrigger           ? "no_trigger"
+                      : ending_ != Ending::kDone              ? "refused"
+                      : std::abs(Error_mm()) <= kRecovered_mm ? "recovers"
+                                                              : "misses";
+    result->checks.insert(result->checks.begin(),
+                          {.name = "outcome",
+                           .expected = z_.outcome,
+                           .found = result->outcome,
+                           .passed = result->outcome == z_.outcome});
+    result->passed = std::ranges::all_of(result->checks, &CheckResult::passed);
+  }
+
+  const Scenario& scenario_;
+  const ZOffsetScenario& z_;
+  const RunOptions& options_;
+  std::uint64_t seed_;
+  ZStationTwin twin_;
+  KlipperZ klipper_;
+  KlipperZWire wire_;
+  std::vector<Estimate> estimates_{};
+  Ending ending_ = Ending::kDone;
+};
+
+}  // namespace
+
+RunResult RunZOffsetScenario(const Scenario& scenario, const RunOptions& options) {
+  return ZOffsetRun(scenario, options).Perform();
+}
+
+}  // namespace caltwin

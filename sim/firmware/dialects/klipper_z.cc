@@ -1,0 +1,298 @@
+#include "sim/firmware/dialects/klipper_z.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <cstdlib>
+#include <numeric>
+#include <sstream>
+
+#include <fmt/format.h>
+
+#include "sim/base/mutant.h"
+
+namespace caltwin {
+namespace {
+
+constexpr double kTravel_mm_s = 10;
+constexpr double kHoming_s = 20;
+constexpr double kClear_mm = 10;
+constexpr double kDock_s = 5;
+
+Reply Refusal(const std::string& text) {
+  return {.lines = {"!! " + text}, .error = true};
+}
+
+std::string Upper(std::string text) {
+  for (char& c : text)
+    c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  return text;
+}
+
+// "Z_ADJUST=0.1", or "Z0.1" of G-code.
+std::pair<std::string, std::string> WordOf(const std::string& text) {
+  const std::size_t equals = text.find('=');
+  if (equals != std::string::npos) {
+    return {Upper(text.substr(0, equals)), text.substr(equals + 1)};
+  }
+  return {Upper(text.substr(0, 1)), text.substr(1)};
+}
+
+std::optional<double> NumberOf(const std::map<std::string, std::string>& words,
+                               const std::string& key) {
+  const auto word = words.find(key);
+  if (word == words.end() || word->second.empty()) return std::nullopt;
+  char* end = nullptr;
+  const double value = std::strtod(word->second.c_str(), &end);
+  return *end == '\0' ? std::optional(value) : std::nullopt;
+}
+
+double Average(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) /
+         static_cast<double>(values.size());
+}
+
+// Of an even number the mean of the two in the middle, as Klipper has it.
+double Median(std::vector<double> values) {
+  std::ranges::sort(values);
+  const std::size_t half = values.size() / 2;
+  return values.size() % 2 == 1 ? values[half] : (values[half - 1] + values[half]) / 2;
+}
+
+double Deviation(const std::vector<double>& values) {
+  const double average = Average(values);
+  double squares = 0;
+  for (const double value : values) squares += (value - average) * (value - average);
+  return std::sqrt(squares / static_cast<double>(values.size()));
+}
+
+}  // namespace
+
+std::string ZCalibrationLine(double endstop_mm,
+                             double nozzle_mm,
+                             double switch_mm,
+                             double probe_mm,
+                             double offset_mm) {
+  return fmt::format(
+      "Z-CALIBRATION: ENDSTOP={:.3f} NOZZLE={:.3f} SWITCH={:.3f} PROBE={:.3f} --> "
+      "OFFSET={:.6f}",
+      endstop_mm,
+      nozzle_mm,
+      switch_mm,
+      probe_mm,
+      offset_mm);
+}
+
+double ZCalibrationOffset_mm(double nozzle_mm,
+                             double switch_mm,
+                             double probe_mm,
+                             double switch_offset_mm) {
+  return probe_mm - (switch_mm - nozzle_mm +
+                     Mutant("z_switch_offset_sign", 1.0, -1.0) * switch_offset_mm);
+}
+
+Reply KlipperZ::Execute(std::string_view line) {
+  std::istringstream text{std::string(line.substr(0, line.find(';')))};
+  std::string command;
+  if (!(text >> command)) return {};
+  command = Upper(command);
+  Words words;
+  for (std::string word; text >> word;) words.insert(WordOf(word));
+  return Obey(command, words);
+}
+
+Reply KlipperZ::Obey(const std::string& command, const Words& words) {
+  if (command == "G28") return Home();
+  if (command == "G0" || command == "G1") return Move(words);
+  if (command == "SET_GCODE_OFFSET") return SetOffset(words);
+  if (command == "GET_POSITION") return GetPosition();
+  if (command == "CALIBRATE_Z") return CalibrateZ();
+  if (command == "PROBE") return ProbeBed();
+  if (command == "PROBE_ACCURACY") return Accuracy(ZTouch::kProbeOnBed, words);
+  if (command == "PROBE_Z_ACCURACY") return Accuracy(ZTouch::kNozzleOnSwitch, words);
+  if (command == "ATTACH_PROBE" || command == "DETACH_PROBE") {
+    is_attached_ = command == "ATTACH_PROBE";
+    time_s_ += kDock_s;
+    return {};
+  }
+  if (command == "M104" || command == "M140" || command == "M141") {
+    const char what = command == "M104" ? 'n' : command == "M140" ? 'b' : 'c';
+    plant_->Heat(what, NumberOf(words, "S").value_or(20));
+    return {};
+  }
+  if (command == "G90" || command == "M400") return {};
+  return Refusal(fmt::format("Unknown command:\"{}\"", command));
+}
+
+Reply KlipperZ::Run(const std::string& macro) {
+  std::istringstream lines(macro);
+  for (std::string line; std::getline(lines, line);) {
+    const Reply reply = Execute(line);
+    if (reply.error) return reply;
+  }
+  return {};
+}
+
+std::optional<std::string> KlipperZ::Lacks(ZTouch touch) const {
+  if (!is_homed_) return "Must home axis first";
+  if (touch != ZTouch::kNozzleOnSwitch && !is_attached_) {
+    return "Probe is not attached: call ATTACH_PROBE";
+  }
+  return std::nullopt;
+}
+
+Reply KlipperZ::Home() {
+  const auto trigger = plant_->Touch(ZTouch::kNozzleOnSwitch);
+  if (!trigger) return Refusal("No trigger on z after full movement");
+  is_homed_ = true;
+  zero_mm_ = *trigger - config_.position_endstop_mm;
+  z_mm_ = config_.position_endstop_mm + kClear_mm;
+  time_s_ += kHoming_s;
+  ++touches_;
+  return {};
+}
+
+Reply KlipperZ::Move(const Words& words) {
+  if (!is_homed_) return Refusal("Must home axis first");
+  const auto z = NumberOf(words, "Z");
+  if (!z) return {};
+  const double to_mm = *z + offset_mm_;
+  if (to_mm < config_.position_min_mm) {
+    return Refusal(fmt::format("Move out of range: {:.3f}", to_mm));
+  }
+  time_s_ += std::abs(to_mm - z_mm_) / kTravel_mm_s;
+  z_mm_ = to_mm;
+  return {};
+}
+
+std::optional<double> KlipperZ::TouchOnce(ZTouch touch, const Way& way) {
+  const auto trigger = plant_->Touch(touch);
+  if (!trigger) return std::nullopt;
+  const double at_mm = *trigger - zero_mm_;
+  time_s_ += std::abs(z_mm_ - at_mm) / way.down_mm_s + way.up_mm / way.up_mm_s;
+  z_mm_ = at_mm + way.up_mm;
+  ++touches_;
+  if (at_mm < config_.position_min_mm) return std::nullopt;
+  return at_mm;
+}
+
+std::optional<double> KlipperZ::Touch(ZTouch touch, std::string* error) {
+  z_mm_ = std::max(z_mm_, kClear_mm);
+  const Way way{.down_mm_s = config_.probing_speed_mm_s,
+                .up_mm_s = config_.lifting_speed_mm_s,
+                .up_mm = config_.retract_mm};
+  for (int attempt = 0; attempt <= config_.samples_tolerance_retries; ++attempt) {
+    std::vector<double> samples;
+    for (int i = 0; i < config_.samples; ++i) {
+      const auto at = TouchOnce(touch, way);
+      if (!at) {
+        *error = "No trigger on probe after full movement";
+        return std::nullopt;
+      }
+      samples.push_back(*at);
+    }
+    const auto [least, most] = std::ranges::minmax(samples);
+    if (most - least > config_.samples_tolerance_mm) continue;
+    return config_.takes_median ? Median(samples) : Average(samples);
+  }
+  *error = "Probe samples exceed samples_tolerance";
+  return std::nullopt;
+}
+
+Reply KlipperZ::CalibrateZ() {
+  if (config_.switch_offset_mm < 0) {
+    return Refusal(
+        "Option 'switch_offset' in section 'z_calibration' must have minimum of 0.0");
+  }
+  if (config_.is_virtual_endstop) {
+    return Refusal("probe:z_virtual_endstop is not supported for Z calibration");
+  }
+  if (!is_homed_) return Refusal("Must home axes first");
+  offset_mm_ = 0;  // A previous one is reset.
+  if (const Reply started = Run(config_.start_gcode); started.error) return started;
+  std::string error;
+  std::array<double, 3> at_mm{};
+  constexpr std::array kTouches = {
+      ZTouch::kNozzleOnSwitch, ZTouch::kBodyOnSwitch, ZTouch::kProbeOnBed};
+  for (std::size_t i = 0; i < kTouches.size(); ++i) {
+    if (kTouches[i] == ZTouch::kBodyOnSwitch) {
+      const Reply before = Run(config_.before_switch_gcode);
+      if (before.error) return before;
+    }
+    if (const auto lacks = Lacks(kTouches[i])) return Refusal(*lacks);
+    const auto touched = Touch(kTouches[i], &error);
+    if (!touched) return Refusal(error);
+    at_mm[i] = *touched;
+  }
+  offset_mm_ =
+      ZCalibrationOffset_mm(at_mm[0], at_mm[1], at_mm[2], config_.switch_offset_mm);
+  if (const Reply ended = Run(config_.end_gcode); ended.error) return ended;
+  return {.lines = {ZCalibrationLine(
+              config_.position_endstop_mm, at_mm[0], at_mm[1], at_mm[2], offset_mm_)}};
+}
+
+Reply KlipperZ::Accuracy(ZTouch touch, const Words& words) {
+  if (const auto lacks = Lacks(touch)) return Refusal(*lacks);
+  const Way way{
+      .down_mm_s = NumberOf(words, "PROBE_SPEED").value_or(config_.probing_speed_mm_s),
+      .up_mm_s = NumberOf(words, "LIFT_SPEED").value_or(config_.lifting_speed_mm_s),
+      .up_mm = NumberOf(words, "SAMPLE_RETRACT_DIST").value_or(config_.retract_mm)};
+  const int samples = static_cast<int>(NumberOf(words, "SAMPLES").value_or(10));
+  if (std::min({way.down_mm_s, way.up_mm_s, way.up_mm}) <= 0 || samples < 1) {
+    return Refusal(
+        "PROBE_SPEED, LIFT_SPEED, SAMPLE_RETRACT_DIST and SAMPLES must be above 0");
+  }
+  std::vector<double> at_mm;
+  Reply reply;
+  for (int i = 0; i < samples; ++i) {
+    const auto at = TouchOnce(touch, way);
+    if (!at) return Refusal("No trigger on probe after full movement");
+    at_mm.push_back(*at);
+  }
+  const auto [least, most] = std::ranges::minmax(at_mm);
+  reply.lines.push_back(fmt::format(
+      "probe accuracy results: maximum {:.6f}, minimum {:.6f}, range {:.6f}, average "
+      "{:.6f}, median {:.6f}, standard deviation {:.6f}",
+      most,
+      least,
+      most - least,
+      Average(at_mm),
+      Median(at_mm),
+      Deviation(at_mm)));
+  return reply;
+}
+
+Reply KlipperZ::ProbeBed() {
+  if (const auto lacks = Lacks(ZTouch::kProbeOnBed)) return Refusal(*lacks);
+  std::string error;
+  const auto at = Touch(ZTouch::kProbeOnBed, &error);
+  if (!at) return Refusal(error);
+  return {.lines = {fmt::format("Result is z={:.6f}", *at)}};
+}
+
+Reply KlipperZ::SetOffset(const Words& words) {
+  const double gcode_mm = z_mm_ - offset_mm_;
+  if (const auto z = NumberOf(words, "Z")) offset_mm_ = *z;
+  if (const auto by = NumberOf(words, "Z_ADJUST")) offset_mm_ += *by;
+  if (NumberOf(words, "MOVE").value_or(0) == 1) z_mm_ = gcode_mm + offset_mm_;
+  return {};
+}
+
+Reply KlipperZ::GetPosition() const {
+  return {.lines = {
+              fmt::format("kinematic: X:0.000000 Y:0.000000 Z:{:.6f}", z_mm_),
+              fmt::format("toolhead: X:0.000000 Y:0.000000 Z:{:.6f} E:0.000000", z_mm_),
+              fmt::format("gcode: X:0.000000 Y:0.000000 Z:{:.6f} E:0.000000",
+                          z_mm_ - offset_mm_),
+              fmt::format("gcode base: X:0.000000 Y:0.000000 Z:{:.6f} E:0.000000",
+                          offset_mm_),
+              fmt::format("gcode homing: X:0.000000 Y:0.000000 Z:{:.6f}", offset_mm_)}};
+}
+
+std::optional<double> KlipperZ::CarriageAtNought_mm() const {
+  if (!is_homed_) return std::nullopt;
+  return zero_mm_ + offset_mm_;
+}
+
+}  // namespace caltwin

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <array>
+#include <memory>
+#include <optional>
+
+#include "sim/machine/triple_z.h"
+#include "sim/mjcf/triple_z_mjcf.h"
+#include "sim/physics/world.h"
+
+namespace caltwin {
+
+/// The bed's surface about one place, in the bed's own frame: its height over the plane
+/// of the balls, and its slopes there.
+struct BedSpot {
+  Eigen::Vector2d at_mm = Eigen::Vector2d::Zero();
+  double height_mm = 0;
+  double slope_x = 0, slope_y = 0;
+};
+
+/// A compiled triple-Z printer with its state, millimetres outside. The nuts are driven
+/// exactly (dead-beat); balls, bed and contact are MuJoCo's.
+class TripleZWorld {
+ public:
+  /// `pivots_mm`: as the model was given them.
+  TripleZWorld(ModelPtr model, const Pivots<double>& pivots_mm);
+
+  double timestep_s() const { return model_->opt.timestep; }
+  /// Where the nozzle hangs in the machine's frame, z over the lower endstops.
+  void HangNozzle(const Vec3<double>& tip_mm);
+  /// What of the bed can be touched.
+  void SetSpot(const BedSpot& spot);
+  /// Puts the screws there, all of them at that speed, and the bed on them, forgetting
+  /// what was.
+  void Place(const Vec3<double>& heights_mm, double speed_mm_s);
+  /// One time step, after which the nuts stand at `heights_mm`.
+  void Step(const Vec3<double>& heights_mm);
+
+  /// Of the instant before the last Step: contacts are found at a step's beginning.
+  std::optional<double> Clearance_mm() const;
+  /// Height of the bed's plane of balls over a place of the machine, now.
+  double Plane_mm(const Eigen::Vector2d& at_mm) const;
+
+  const mjModel* model() const { return model_.get(); }
+  mjData* data() const { return data_.get(); }
+
+ private:
+  ModelPtr model_;
+  std::unique_ptr<mjData, DeleteData> data_;
+  Pivots<double> pivots_mm_;
+  std::array<int, kNumScrews> qpos_{}, dof_{};
+  std::array<double, kNumScrews> mass_kg_{};
+  int bed_qpos_ = 0, bed_dof_ = 0, bed_body_ = 0;
+  int groove_qpos_ = 0, flat_x_qpos_ = 0, flat_y_qpos_ = 0;
+  int spot_geom_ = 0, head_mocap_ = 0;
+};
+
+}  // namespace caltwin

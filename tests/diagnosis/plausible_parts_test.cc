@@ -1,0 +1,150 @@
+#include <cmath>
+#include <numbers>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "calibration/diagnosis/plausible.h"
+#include "sim/machine/machine.h"
+
+namespace caltwin {
+namespace {
+
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+
+std::vector<std::string> RefusalsOf(const RowTable& table) {
+  std::vector<std::string> kinds;
+  for (const Doubt& doubt : Doubts(table, {})) {
+    if (doubt.refuse) kinds.push_back(doubt.kind);
+  }
+  return kinds;
+}
+
+// Scatter that is no pattern, in -1 .. 1.
+double Scatter(int i) {
+  return std::sin(12.9898 * i) * std::cos(78.233 * i);
+}
+
+/// Gauge rows along x, 1 um of scatter.
+RowTable Gauged(int num) {
+  RowTable table;
+  for (int i = 0; i < num; ++i) {
+    Row row{.row = i + 1, .campaign = "laser"};
+    row.n = {1, 0, 0};
+    row.dir = {i % 2 == 0 ? 1.0 : -1.0, 0, 0};
+    row.cmd_mm = {10 + 7.3 * (i / 2), 0, 0};
+    row.value_mm = 0.001 * Scatter(i);
+    table.rows.push_back(row);
+  }
+  return table;
+}
+
+TEST(PlausibleBlocks, RowsInMicrometresAmongOthers) {
+  RowTable table = Gauged(60);
+  EXPECT_THAT(RefusalsOf(table), IsEmpty());
+  for (std::size_t i = 20; i < 31; ++i) {
+    table.rows[i].value_mm = 1000 * (table.rows[i].value_mm + 0.004);
+  }
+  const auto doubts = Doubts(table, {});
+  ASSERT_FALSE(doubts.empty());
+  EXPECT_EQ(doubts[0].kind, "units_differ");
+  EXPECT_TRUE(doubts[0].refuse);
+  EXPECT_THAT(doubts[0].message, HasSubstr("of its 60 rows (21 to 31)"));
+}
+
+// A machine that lost 5 mm scatters there as it did before.
+TEST(PlausibleBlocks, AJumpIsNoUnit) {
+  RowTable table = Gauged(60);
+  for (std::size_t i = 20; i < 31; ++i) table.rows[i].value_mm += 5;
+  EXPECT_THAT(RefusalsOf(table), Not(Contains("units_differ")));
+}
+
+// An edge that lies askew: each touch ends 0.7 mm later than the one before, after a
+// retreat of 4 mm.
+TEST(PlausibleMoves, TouchesTurnRoundEachTime) {
+  RowTable table = Gauged(20);
+  for (int i = 0; i < 20; ++i) {
+    Row row{.row = 21 + i, .campaign = "edge", .kind = RowKind::kTouch};
+    row.cmd_mm = {20.0 + 10 * i, 210, 0};
+    row.dir = {0, -1, 0};
+    row.n = {0, 1, 0};
+    row.since_rev_mm = {kUnknown, 4 + 0.7 * (i % 3), kUnknown};
+    row.value_mm = -0.7 * (i % 3) + 0.001 * Scatter(i);
+    table.rows.push_back(row);
+  }
+  EXPECT_THAT(RefusalsOf(table), Not(Contains("moves_contradict")));
+}
+
+// A log of a printer of 400 steps/mm, diagnosed with a router of 800.
+TEST(PlausibleDrives, AnotherMachinesFileIsTold) {
+  const Machine router =
+      ReadMachine(CALTWIN_SOURCE_DIR "/models/gantry_router/machine.yaml");
+  DataHeader header;
+  const auto kinds = [&](double steps_per_mm) {
+    header.settings["s1"].steps_per_mm["x"] = steps_per_mm;
+    std::vector<std::string> all;
+    for (const Doubt& doubt : Doubts(Gauged(60), header, &router)) {
+      all.push_back(doubt.kind);
+    }
+    return all;
+  };
+  EXPECT_THAT(kinds(808), Not(Contains("other_drive")));
+  EXPECT_THAT(kinds(400), Contains("other_drive"));
+}
+
+/// A ring (faces inward) and a block (outward), touched by a probe that triggers
+/// `late_mm` late on an axis of that scale, the block `size_error_mm` too large.
+RowTable Touched(double late_mm, double scale, double size_error_mm) {
+  RowTable table = Gauged(40);
+  for (Row& row : table.rows) row.value_mm += scale * row.cmd_mm[0];
+  for (Row row : Gauged(40).rows) {
+    row.campaign = "laser_y";
+    row.n = {0, 1, 0};
+    row.dir = {0, row.dir[0], 0};
+    row.cmd_mm = {0, row.cmd_mm[0], 0};
+    row.value_mm += scale * row.cmd_mm[1];
+    table.rows.push_back(row);
+  }
+  for (int i = 0; i < 48; ++i) {
+    const bool is_ring = i < 24;
+    const double angle = 2 * std::numbers::pi * i / 24;
+    const double turn = is_ring ? angle : std::numbers::pi / 2 * (i % 4);
+    const double out = is_ring ? -1 : 1, radius_mm = is_ring ? 25 : 38.1;
+    Row row{.campaign = is_ring ? "ring" : "block", .kind = RowKind::kTouch};
+    row.n = {out * std::cos(turn), out * std::sin(turn), 0};
+    row.cmd_mm = {
+        150 + radius_mm * std::cos(turn), 150 + radius_mm * std::sin(turn), 0};
+    row.feature = is_ring ? "ring.bore" : "block.side";
+    const double along_mm = row.cmd_mm[0] * row.n[0] + row.cmd_mm[1] * row.n[1];
+    row.value_mm = -late_mm - scale * along_mm + (is_ring ? 0 : size_error_mm / 2) +
+                   0.001 * Scatter(i);
+    table.rows.push_back(row);
+  }
+  for (std::size_t i = 0; i < table.rows.size(); ++i) {
+    table.rows[i].row = static_cast<std::int64_t>(i + 1);
+  }
+  return table;
+}
+
+TEST(PlausibleFaces, OneCampaignOfTouchesReversed) {
+  for (const double scale : {0.0, 0.002, -0.002}) {
+    RowTable table = Touched(/*late_mm=*/0.02, scale, /*size_error_mm=*/0);
+    EXPECT_THAT(RefusalsOf(table), IsEmpty()) << scale;
+    for (Row& row : table.rows) {
+      if (row.campaign == "ring") row.value_mm *= -1;
+    }
+    EXPECT_THAT(RefusalsOf(table), ElementsAre("reversed_sign"));
+  }
+}
+
+TEST(PlausibleFaces, AWrongBlockIsNoReversedSign) {
+  EXPECT_THAT(RefusalsOf(Touched(0.02, 0, /*size_error_mm=*/0.03)), IsEmpty());
+  EXPECT_THAT(RefusalsOf(Touched(0.02, 0, /*size_error_mm=*/-0.03)), IsEmpty());
+}
+
+}  // namespace
+}  // namespace caltwin

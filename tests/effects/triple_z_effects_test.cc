@@ -1,0 +1,140 @@
+// Effects of a triple-Z printer: neutral values, derivatives, how the bed moves.
+
+#include <algorithm>
+#include <cmath>
+
+#include <ceres/jet.h>
+#include <gtest/gtest.h>
+
+#include "sim/effects/predict.h"
+#include "sim/effects/surroundings.h"
+
+namespace caltwin {
+namespace {
+
+using Jet = ceres::Jet<double, 1>;
+
+Machine Printer() {
+  Machine machine{.kinematics = Kinematics::kTripleZ, .triple_z = TripleZDrawing{}};
+  machine.axes[0].max_mm = machine.axes[1].max_mm = 235;
+  machine.axes[2] = {.max_mm = 250, .home = HomeEnd::kMax};
+  machine.settings.steps_per_mm = {800, 800, 800};
+  return machine;
+}
+
+// A gauge's reading with its screws apart, each in its own sense.
+Row SomeReading() {
+  Row row{.kind = RowKind::kPosition};
+  row.cmd_mm = {170, 60, 90};
+  row.motor_mm = {160.3, 160.9, 159.2};
+  row.dir = {0, 0, 1};
+  row.motor_dir = {1, -1, -1};
+  row.n = {0, 0, 1};
+  row.probe_off_mm = {0, 25, 0};
+  row.feature = "bed.top";
+  return row;
+}
+
+At SomeAt(const Machine& machine) {
+  At at = AtOf(SomeReading(), machine, machine.settings);
+  at.t_s = 100;
+  at.homed_at_s = 0;
+  return at;
+}
+
+Injected Usual(int index, std::string_view axis, const Machine& machine) {
+  Injected usual = NeutralEffect(index, axis, machine);
+  for (std::size_t i = 0; i < usual.values.size(); ++i) {
+    const Parameter& p = EffectAt(index).parameters[i];
+    const double middle = Middle(p.prior);
+    usual.values[i] =
+        std::clamp(middle + 0.3 * std::max(1.0, std::abs(middle) / 10), p.min, p.max);
+  }
+  return usual;
+}
+
+template <typename Check>
+void ForEveryEffect(const Check& check) {
+  for (int index = 0; index < static_cast<int>(kNumEffects); ++index) {
+    for (const std::string_view axis : EffectAt(index).triple_z_axes) {
+      SCOPED_TRACE(std::string(EffectAt(index).name) + "." + std::string(axis));
+      check(index, axis);
+    }
+  }
+}
+
+TEST(TripleZEffects, AtTheirNeutralValuesChangeNothing) {
+  const Machine machine = Printer();
+  const At at = SomeAt(machine);
+  const double drawn_mm = Predict_mm<double>(machine, at, {});
+  ForEveryEffect([&](int index, std::string_view axis) {
+    const Injected neutral = NeutralEffect(index, axis, machine);
+    EXPECT_DOUBLE_EQ(Predict_mm<double>(machine, at, std::span(&neutral, 1)), drawn_mm);
+  });
+}
+
+TEST(TripleZEffects, CarryTheirDerivatives) {
+  const Machine machine = Printer();
+  const At at = SomeAt(machine);
+  int seen = 0;
+  ForEveryEffect([&](int index, std::string_view axis) {
+    const Injected usual = Usual(index, axis, machine);
+    for (std::size_t i = 0; i < usual.values.size(); ++i) {
+      Valued<Jet> valued{.effect = index, .axis = usual.axis};
+      for (const double value : usual.values) valued.values.emplace_back(value);
+      valued.values[i].v[0] = 1;
+      const double derivative =
+          Predict_mm<Jet>(machine, at, std::span<const Valued<Jet>>(&valued, 1)).v[0];
+      const double step = 1e-6 * std::max(std::abs(usual.values[i]), 1e-3);
+      const auto value_mm = [&](double by) {
+        Injected moved = usual;
+        moved.values[i] += by;
+        return Predict_mm<double>(machine, at, std::span(&moved, 1));
+      };
+      const double rounding = 4e-15 * 300 / step;
+      EXPECT_NEAR(derivative,
+                  (value_mm(step) - value_mm(-step)) / (2 * step),
+                  rounding + 1e-6 * std::abs(derivative))
+          << EffectAt(index).parameters[i].name;
+      seen += derivative != 0 ? 1 : 0;
+    }
+  });
+  EXPECT_GE(seen, 25);
+}
+
+// Effects together are one machine: heights of the screws by its own wiring and pitch,
+// the plane through where they stand.
+TEST(TripleZEffects, TogetherAreOneMachine) {
+  const Machine machine = Printer();
+  const At at = SomeAt(machine);
+  const std::vector<Injected> all = {
+      {.effect = EffectIndex<MotorsSwapped>(), .axis = "z1z3", .values = {1}},
+      {.effect = EffectIndex<PivotPosition>(), .axis = "z2", .values = {-20, 11}},
+      {.effect = EffectIndex<ScrewPitch>(), .axis = "z2", .values = {700}}};
+  Vec3<double> heights_mm(159.2, 160.9, 160.3);
+  heights_mm[1] += 700e-6 * 160.9;
+  Pivots<double> pivots_mm = machine.triple_z->pivots_mm();
+  pivots_mm[1] += Eigen::Vector2d(-20, 11);
+
+  const double nozzle_over_bed_mm =
+      250 - ScrewWeights<double>(pivots_mm, 170, 85).dot(heights_mm);
+
+  EXPECT_NEAR(Predict_mm<double>(machine, at, all), nozzle_over_bed_mm - 90, 1e-12);
+}
+
+TEST(TripleZEffects, ScaleIsThatOfTheScrews) {
+  Machine machine = Printer();
+  const At at = SomeAt(machine);
+  const double drawn_mm = Predict_mm<double>(machine, at, {});
+  const Injected scale{
+      .effect = EffectIndex<StepsPerMm>(), .axis = "z", .values = {800 / 1.001}};
+
+  const double bed_mm = at.triple_z->weights.dot(*MotorsOf_mm(at));
+
+  EXPECT_NEAR(Predict_mm<double>(machine, at, std::span(&scale, 1)) - drawn_mm,
+              -0.001 * bed_mm,
+              1e-12);
+}
+
+}  // namespace
+}  // namespace caltwin

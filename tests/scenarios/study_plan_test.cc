@@ -1,0 +1,194 @@
+// Studies of plans: the linear design is what the joint estimate does, and says where
+// it is not.
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "scenarios/study/aggregate.h"
+#include "scenarios/study/linear.h"
+
+namespace caltwin {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+class StudyPlanTest : public ::testing::Test {
+ protected:
+  StudyPlanTest()
+      : folder_(fs::path(::testing::TempDir()) /
+                ::testing::UnitTest::GetInstance()->current_test_info()->name()) {
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+    Write("plan.yaml",
+          "format: 1\nmachine: gantry_router\n"
+          "instruments: {laser: {kind: laser, sigma_um: 1}}\n"
+          "campaigns:\n  - iso230: {axis: x, positions: 7, runs: 2}\n");
+  }
+
+  void Write(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ / name) << text;
+  }
+  Study Read(const std::string& keys) const {
+    Write("study.yaml", "study:\n  plan: plan.yaml\n" + keys);
+    return ReadStudy(folder_ / "study.yaml");
+  }
+  std::string FaultOf(const std::string& keys) const {
+    try {
+      Read(keys);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  }
+
+ private:
+  fs::path folder_;
+};
+
+constexpr const char* kStraight =
+    "  vary:\n"
+    "    steps_per_mm.x.true_steps_per_mm: {normal: {mean: 800, sd: 0.1}}\n"
+    "    backlash.x.gap_mm: {lognormal: {median: 0.05, factor: 1.2}}\n";
+
+TEST_F(StudyPlanTest, TheDesignStatesWhatTheJointEstimateStates) {
+  const Study study = Read(std::string(kStraight) + "  trials: 1\n");
+  const RunResult fast = study.plan->Fast(0), linear = study.plan->Linear(0);
+
+  ASSERT_EQ(fast.parameters.size(), 2U);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(linear.parameters[i].name, fast.parameters[i].name);
+    EXPECT_DOUBLE_EQ(linear.parameters[i].injected, fast.parameters[i].injected);
+    // At another machine than the median one: straight to a thousandth.
+    ASSERT_TRUE(linear.parameters[i].sd && fast.parameters[i].sd);
+    EXPECT_NEAR(*linear.parameters[i].sd / *fast.parameters[i].sd, 1, 1e-3);
+  }
+}
+
+// Closed form: means of 14 readings each way tell the gap, sqrt(2 / 14) of one's noise.
+TEST_F(StudyPlanTest, TheGapScattersAsMeansOfReadingsDo) {
+  const Study study =
+      Read(std::string(kStraight) + "  trials: 4000\n  fidelity: linear\n");
+  const StudySummary summary = RunLinear(study, {});
+  const ParameterSummary& gap = summary.cases.at(0).parameters.at(1);
+
+  const double step_mm = 1.0 / 800;
+  const double expected_mm = std::sqrt((1e-6 + step_mm * step_mm / 12) * 2 / 14);
+  // The belief of 0.01 mm about the gap takes off less than a thousandth.
+  EXPECT_EQ(gap.name, "backlash.x");
+  EXPECT_NEAR(gap.error.sd / expected_mm, 1, 5 / std::sqrt(2.0 * 4000) + 1e-3);
+  EXPECT_NEAR(gap.coverage95.rate, 0.95, 5 * std::sqrt(0.95 * 0.05 / 4000));
+}
+
+TEST_F(StudyPlanTest, OneWorkerOrThreeGiveTheSameBytes) {
+  const Study study =
+      Read(std::string(kStraight) + "  trials: 30000\n  fidelity: linear\n");
+  const auto json = [&](int workers) {
+    return SummaryJson(study, RunLinear(study, {.workers = workers})).dump();
+  };
+
+  EXPECT_EQ(json(1), json(3));
+  EXPECT_THAT(json(2), HasSubstr("\"fidelity\":\"linear\""));
+}
+
+TEST_F(StudyPlanTest, LinearAgreesWithTheClosedFormsWhereTheyAreStraight) {
+  const Study study =
+      Read(std::string(kStraight) + "  trials: 1\n  fidelity: linear\n");
+  const LinearCheck check = CheckLinear(study, {});
+
+  EXPECT_EQ(check.trials, 1000);  // Whatever the study has.
+  ASSERT_EQ(check.unknowns.size(), 2U);
+  EXPECT_NO_THROW(RequireLinear(study, check));
+}
+
+// The phase of a wave anywhere on the circle: nothing straight about it.
+TEST_F(StudyPlanTest, LinearIsRefusedWhereItMatters) {
+  const Study study = Read(
+      "  vary:\n"
+      "    cyclic_lead.x.amplitude_um: {normal: {mean: 20, sd: 1}}\n"
+      "    cyclic_lead.x.period_mm: 4\n"
+      "    cyclic_lead.x.phase_deg: {uniform: {min: -180, max: 180}}\n"
+      "  trials: 60\n  fidelity: linear\n");
+  try {
+    RequireLinear(study, CheckLinear(study, {}));
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(),
+                AllOf(HasSubstr("linear is not good enough for cyclic_lead.x"),
+                      HasSubstr("fidelity: fast")));
+  }
+}
+
+TEST_F(StudyPlanTest, SaysWhatAPlanCannotHave) {
+  EXPECT_THAT(FaultOf("  trials: 1\n"), HasSubstr("nothing is varied"));
+  EXPECT_THAT(FaultOf(std::string(kStraight) + "  trials: 1\n  fidelity: physics\n"),
+              HasSubstr("is not known of a plan"));
+  EXPECT_THAT(FaultOf("  vary: {settings.steps_per_mm.x: 808}\n  trials: 1\n"),
+              HasSubstr("names more than effects"));
+}
+
+TEST_F(StudyPlanTest, AggregatesAreTheSummaryOfKeptTrials) {
+  const Study study = Read(std::string(kStraight) + "  trials: 50\n");
+  StudyStore store(fs::path(::testing::TempDir()) / "aggregates_kept", study, true);
+  RunStudy(study, {}, &store);
+  const CaseSummary kept = SummaryOf(study, store).cases.at(0);
+  Aggregate aggregate;
+  RunTrials(study, {.workers = 2}, {}, [&](const TrialResult& result) {
+    aggregate.Add(result);
+  });
+  const CaseSummary streamed = aggregate.Summary(study.cases.at(0));
+
+  EXPECT_EQ(streamed.status, kept.status);
+  ASSERT_EQ(streamed.parameters.size(), kept.parameters.size());
+  for (std::size_t i = 0; i < kept.parameters.size(); ++i) {
+    const ParameterSummary &one = streamed.parameters[i], &other = kept.parameters[i];
+    EXPECT_EQ(one.name, other.name);
+    EXPECT_EQ(one.coverage95.hits, other.coverage95.hits);
+    EXPECT_NEAR(one.error.mean, other.error.mean, 1e-12 * other.error.sd);
+    EXPECT_NEAR(one.error.sd, other.error.sd, 1e-9 * other.error.sd);
+    // Half a part of 1/128, and half a gap between two of 50 in the tail.
+    EXPECT_NEAR(one.error.median, other.error.median, 0.1 * other.error.sd);
+  }
+}
+
+// A plan leaves no position error; its worst machine is the one farthest off in sd.
+TEST_F(StudyPlanTest, WorstIsWhereTheErrorIsMostOfItsUncertainty) {
+  const Study study = Read(std::string(kStraight) + "  trials: 50\n");
+  StudyStore store(fs::path(::testing::TempDir()) / "worst_of_plan", study, true);
+  RunStudy(study, {}, &store);
+  Aggregate aggregate(/*is_of_plan=*/true);
+  double largest_sd = 0;
+  std::int64_t worst = -1;
+  store.ForEach([&](const TrialResult& result) {
+    aggregate.Add(result);
+    for (const ParameterResult& one : result.parameters) {
+      if (!(std::abs(*one.error) / *one.sd > largest_sd)) continue;
+      largest_sd = std::abs(*one.error) / *one.sd;
+      worst = result.trial;
+    }
+  });
+
+  EXPECT_NE(worst, 0);  // Else the order of trials would pass as well.
+  EXPECT_EQ(SummaryOf(study, store).cases.at(0).worst.at(0), worst);
+  EXPECT_EQ(aggregate.Summary(study.cases.at(0)).worst.at(0), worst);
+}
+
+TEST(Worst, KeepsTheGreatestWhateverTheOrder) {
+  Worst forward, backward;
+  for (std::int64_t trial = 0; trial < 10; ++trial) {
+    forward.Add(static_cast<double>(trial % 7), trial);
+    backward.Add(static_cast<double>((9 - trial) % 7), 9 - trial);
+  }
+
+  EXPECT_EQ(forward.trials(), (std::vector<std::int64_t>{6, 5, 4, 3, 2}));
+  EXPECT_EQ(backward.trials(), forward.trials());
+}
+
+}  // namespace
+}  // namespace caltwin

@@ -1,0 +1,150 @@
+#include "scenarios/triple_z_scenario.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "scenarios/compare_levelling.h"
+#include "scenarios/runner.h"
+#include "sim/effects/catalog.h"
+
+namespace caltwin {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+
+const std::filesystem::path kName = CALTWIN_SOURCE_DIR "/scenarios/in_a_test.yaml";
+
+Scenario ReadText(const std::string& keys) {
+  return ReadScenarioText("machine: triple_z_printer\nfidelity: fast\n" + keys, kName);
+}
+
+std::string FaultOf(const std::string& keys) {
+  try {
+    ReadText(keys);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(TripleZScenario, ASwapNeedsNoNumber) {
+  const Scenario scenario = ReadText(
+      "effects: {motors_swapped.z1z2: {}, pivot_position.z3: {dx_mm: 4}}\n"
+      "calibrate: [plane_tilt]\n");
+
+  const BuiltTripleZ built =
+      DrawTripleZ(*scenario.triple_z, scenario.machine.machine, 1, 0);
+
+  ASSERT_EQ(built.effects.size(), 2U);
+  for (const Injected& effect : built.effects) {
+    const bool is_swap = effect.effect == EffectIndex<MotorsSwapped>();
+    EXPECT_DOUBLE_EQ(effect.values[0], is_swap ? 1 : 4);
+  }
+}
+
+TEST(TripleZScenario, NamesWhatItCannotDo) {
+  EXPECT_THAT(FaultOf("calibrate: [g33]\n"),
+              HasSubstr("'g33' is no procedure of a triple-Z printer\n  there are "
+                        "plane_tilt, bed_tilt"));
+  EXPECT_THAT(FaultOf("effects: {cyclic_lead.x: {amplitude_um: 5}}\ncalibrate: "
+                      "[bed_tilt]\n"),
+              HasSubstr("is no effect of a triple_z machine"));
+  EXPECT_THAT(
+      FaultOf("effects: {frame_growth: {growth_um: 5}}\ncalibrate: [bed_tilt]\n"),
+      HasSubstr("'frame_growth' needs times or temperatures"));
+  EXPECT_THAT(FaultOf("calibrate: [{bed_tilt: {offsets: formula}}]\n"),
+              HasSubstr("offsets"));
+}
+
+// Three motors have one wiring; two pairs of them always share one.
+TEST(TripleZScenario, WhatNoMachineCanBeIsRefused) {
+  EXPECT_THAT(FaultOf("effects: {motors_swapped.z1z2: {}, motors_swapped.z2z3: {}}\n"
+                      "calibrate: [plane_tilt]\n"),
+              HasSubstr("shares a motor with another pair"));
+  EXPECT_THAT(FaultOf("settings: {screws_at_mm: {z2: [20, 20]}}\n"
+                      "calibrate: [plane_tilt]\n"),
+              HasSubstr("stand nearly in one line"));
+  EXPECT_THAT(FaultOf("calibrate: [plane_tilt]\nexpect: {flatness_mm.rms: {}}\n"),
+              HasSubstr("expects nothing"));
+}
+
+// Two rounds whose second is lost in noise tell no place; none is written into M671.
+TEST(TripleZScenario, PlacesLostInNoiseAreNotWritten) {
+  const Scenario scenario = ReadText(
+      "effects: {bed_tilt: {slope_x_mrad: 3, slope_y_mrad: 2}, "
+      "trigger_scatter: {sd_um: 20}}\n"
+      "calibrate: [{pivots_and_wiring: {from: rounds}}]\n"
+      "expect: {outcome: confounded}\n");
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    EXPECT_TRUE(RunScenario(scenario, {.seed = seed}).passed) << seed;
+  }
+}
+
+// One round is foretold like five are.
+TEST(TripleZScenario, OneIteratedRoundIsForetoldToo) {
+  const Scenario scenario = ReadText(
+      "effects: {bed_tilt: {slope_x_mrad: 3, slope_y_mrad: 2}, "
+      "motors_swapped.z1z2: {}}\n"
+      "calibrate: [{bed_tilt_iterated: {rounds: 1}}]\n"
+      "expect: {outcome: refused}\n");
+  EXPECT_TRUE(RunScenario(scenario).passed);
+}
+
+TEST(TripleZScenario, MovesBeyondTheLimitAreRefused) {
+  const RunResult result =
+      RunScenario(ReadText("effects: {bed_tilt: {slope_x_mrad: 20}}\n"
+                           "calibrate: [{bed_tilt: {largest_mm: 1}}]\n"
+                           "expect: {outcome: refused}\n"),
+                  {});
+
+  EXPECT_TRUE(result.passed);
+  EXPECT_THAT(result.messages, Contains(HasSubstr("more than 1: not done")));
+  EXPECT_TRUE(result.steps.empty());
+}
+
+// A screw that does not answer as it is told: what validates worse is undone.
+TEST(TripleZScenario, WhatValidatesWorseIsUndone) {
+  const RunResult result =
+      RunScenario(ReadText("effects: {bed_tilt: {slope_x_mrad: 3}, "
+                           "motors_swapped.z1z2: {}}\n"
+                           "calibrate: [bed_tilt]\nexpect: {outcome: misses}\n"),
+                  {});
+
+  ASSERT_FALSE(result.steps.empty());
+  for (const Step& step : result.steps) {
+    EXPECT_EQ(step.verdict, Verdict::kRolledBack);
+    EXPECT_EQ(step.before, step.after);
+  }
+  EXPECT_NEAR(result.position_error_after_p95_mm,
+              result.position_error_before_p95_mm,
+              0.002);  // Whole steps of the screws.
+}
+
+TEST(TripleZScenario, TenLevellingsStayWhereTheFirstOneWas) {
+  std::string steps;
+  for (int i = 0; i < 10; ++i) steps += "  - bed_tilt: {}\n";
+  const std::string keys =
+      "effects: {bed_tilt: {slope_x_mrad: 3, slope_y_mrad: -5}}\ncalibrate:\n";
+
+  const RunResult once = RunScenario(ReadText(keys + "  - bed_tilt: {}\n"), {});
+  const RunResult ten = RunScenario(ReadText(keys + steps), {});
+
+  // A step of the screws is 1.25 um.
+  EXPECT_NEAR(
+      ten.position_error_after_p95_mm, once.position_error_after_p95_mm, 0.0013);
+}
+
+TEST(CompareLevelling, ForetellsEveryLoopThatDiverges) {
+  const LevellingComparison comparison = CompareLevelling(60, 3, [](int) {});
+
+  EXPECT_GT(comparison.foretelling.diverging, 3);
+  EXPECT_EQ(comparison.foretelling.foretold, comparison.foretelling.diverging);
+  EXPECT_EQ(comparison.foretelling.false_alarms, 0);
+  EXPECT_EQ(comparison.foretelling.swaps_named, comparison.foretelling.swapped);
+  EXPECT_EQ(comparison.foretelling.swaps_invented, 0);
+  EXPECT_LT(comparison.foretelling.pivot_mm.median, 0.5);
+}
+
+}  // namespace
+}  // namespace caltwin
