@@ -25,8 +25,12 @@ double TermAt(const Covariate& covariate, double value, int order) {
     const int turns = (order + 1) / 2;
     return order % 2 == 1 ? std::cos(turns * value) : std::sin(turns * value);
   }
-  const double u = (covariate.Scaled(value) + 1) / 2;
-  return std::cos(order * std::numbers::pi * u);
+  // Cosines alone are flat at both ends: what is not (a growth, a screw that runs away)
+  // they follow only far inside. A line and a bow carry the slopes there.
+  const double u = covariate.Scaled(value);
+  if (order == 1) return -u;
+  if (order == 2) return 2 * u * u - 1;
+  return std::cos(order * std::numbers::pi * (u + 1) / 2);
 }
 
 int NumTerms(const Covariate& covariate, int most) {

@@ -228,7 +228,9 @@ void AddPlacements(const Observed& o, Builder* builder) {
   const auto num_plates = std::ranges::count_if(placements, [](const auto& entry) {
     return !entry.second.is_gauge && entry.second.only_faces_up;
   });
-  for (const auto& [key, placement] : placements) {
+  for (const auto& entry : placements) {
+    const std::string& key = entry.first;
+    const Placement& placement = entry.second;
     const Vec3<double> mid_mm = placement.sum_mm / placement.count;
     const auto belongs = [&](Eigen::Index row) {
       return PlacementKey(o.row(row)) == key;

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "calibration/diagnosis/baseline_fit.h"
+#include "calibration/diagnosis/beside_table.h"
 #include "calibration/diagnosis/gates.h"
 #include "calibration/diagnosis/own_shape.h"
 #include "calibration/diagnosis/stories.h"
@@ -157,7 +158,7 @@ class Searcher {
       }
       if (support.is_by_many) {
         if (!IsBeyondChance(circumstances, weighing)) return std::nullopt;
-        Found found = FoundFrom(circumstances, weighing, Nameable(&weighing));
+        Found found = FoundFrom(circumstances, weighing, Nameable(&weighing, except));
         // A free form that stands in for it may be there already.
         const bool is_finer = IsFinerThanAStep(observed_, candidates_, found);
         if (!is_finer && !IsFound(found.candidate, except)) return found;
@@ -182,9 +183,16 @@ class Searcher {
   // What may be reported of the likeliest: where a free form, prior weights and
   // handicap apart, explains the rows about as well as a name, the name is one story of
   // many, and both are as likely.
-  const Weighed& Nameable(Weighing* weighing) const {
+  const Weighed& Nameable(Weighing* weighing, std::optional<std::size_t> except) const {
     Weighed& top = weighing->ranked.front();
-    if (candidates_[top.candidate].is_free()) return top;
+    if (candidates_[top.candidate].is_free()) {
+      const auto name = std::ranges::find_if(weighing->ranked, [&](const Weighed& one) {
+        return !candidates_[one.candidate].is_free() && !IsFound(one.candidate, except);
+      });
+      const bool is_name =
+          name != weighing->ranked.end() && TwoNamesTell(*weighing, *name, top, except);
+      return is_name ? *name : top;
+    }
     for (Weighed& other : weighing->ranked) {
       const Candidate& free = candidates_[other.candidate];
       if (!free.is_free() || IsFound(other.candidate, {})) continue;
@@ -196,11 +204,39 @@ class Searcher {
       const double margin =
           stands_alone ? MarginOver(candidates_[top.candidate], free) : kOwnShape_nats;
       if (other.log_odds <= top.log_odds - margin) continue;
+      if (TwoNamesTell(*weighing, top, other, except)) continue;
       const double together = top.probability + other.probability;
       top.probability = other.probability = together / 2;
       return other;
     }
     return top;
+  }
+
+  // Whether a free form in two variables tells no more than this and the next name do.
+  bool TwoNamesTell(const Weighing& weighing,
+                    const Weighed& name,
+                    const Weighed& form,
+                    std::optional<std::size_t> except) const {
+    const Candidate& free = candidates_[form.candidate];
+    if (free.shown.covariates.size() < 2 ||
+        !IsPractical(candidates_[name.candidate], name)) {
+      return false;
+    }
+    std::vector<Found> found = found_;
+    if (except) found.erase(found.begin() + static_cast<std::ptrdiff_t>(*except));
+    found.push_back(FoundFrom(Under(found), weighing, name));
+    if (found.back().lost_its_name) return false;
+    const double margin = MarginOver(candidates_[name.candidate], free);
+    for (const Weighed& next : Weigh(observed_, candidates_, Under(found)).ranked) {
+      const Candidate& candidate = candidates_[next.candidate];
+      if (name.log_odds + next.log_odds < form.log_odds + margin) break;
+      const bool is_another = next.candidate != name.candidate && !candidate.is_free();
+      if (is_another && next.log_odds > kNamingOdds &&
+          !IsFound(next.candidate, except) && IsPractical(candidate, next)) {
+        return true;
+      }
+    }
+    return false;
   }
 
   // A cause is found once; twice, at other lags or periods, it only mends its form.
@@ -260,17 +296,15 @@ class Searcher {
     }
   }
 
-  // A free form found beside a named cause, in the same rows and with the same
-  // variable, is that cause's deviation from its form: where it outgrows the limit, the
-  // name goes and the free form stands for both.
+  // A free form found beside a named cause may be that cause's deviation from its form:
+  // where it outgrows the limit, the name goes.
   void DropImitated() {
     for (std::size_t i = 0; i < found_.size();) {
       const Candidate& own = candidates_[found_[i].candidate];
       bool is_imitated = false;
       for (std::size_t k = 0; k < found_.size() && !own.is_free(); ++k) {
-        const Candidate& free = candidates_[found_[k].candidate];
-        is_imitated |= free.is_free() && ShareRowsAndVariable(free.shown, own.shown) &&
-                       (Carried(k) > kFormLimit * Carried(i) || IsAsTall(k, i));
+        is_imitated |= candidates_[found_[k].candidate].is_free() &&
+                       StandsForBoth(observed_, candidates_, Under({}), found_, k, i);
       }
       if (is_imitated) {
         found_.erase(found_.begin() + static_cast<std::ptrdiff_t>(i));
@@ -279,26 +313,6 @@ class Searcher {
         ++i;
       }
     }
-  }
-
-  // Both in the same channel, one reaching the limit of the other.
-  bool IsAsTall(std::size_t free, std::size_t named) const {
-    const auto peak_mm = [&](std::size_t i) {
-      return Peak_mm(found_[i].variant.columns_mm * found_[i].sizes_mm);
-    };
-    return candidates_[found_[free].candidate].shown.channel ==
-               candidates_[found_[named].candidate].shown.channel &&
-           peak_mm(free) > kFormLimit * peak_mm(named);
-  }
-
-  // What nothing else that was found could carry in its place: the root of what the
-  // residual sum of squares rises by without it [sigma]. Two that cancel each other
-  // look large.
-  double Carried(std::size_t i) const {
-    const Noise still{sigma_mm_, 0};
-    const Evidence all(observed_, still, BaselineAnd(found_, {}), left_out_);
-    const Evidence without(observed_, still, BaselineAnd(found_, i), left_out_);
-    return std::sqrt(std::max(0.0, without.chi2() - all.chi2()));
   }
 
   // The sizes of all that is left, each with the others in place.
