@@ -6,6 +6,8 @@
 #include <Eigen/Cholesky>
 #include <Eigen/QR>
 
+#include "sim/base/require.h"
+
 namespace caltwin {
 
 Evidence::Evidence(const Observed& observed,
@@ -14,7 +16,8 @@ Evidence::Evidence(const Observed& observed,
                    const std::vector<bool>& left_out)
     : observed_(&observed),
       whitener_(observed, noise),
-      keep_(Eigen::VectorXd::Ones(observed.num_rows())) {
+      keep_(Eigen::VectorXd::Ones(observed.num_rows())),
+      sigma_mm_(noise.sigma_mm) {
   const Eigen::Index n = observed.num_rows();
   const auto q = static_cast<Eigen::Index>(nuisances.size());
   for (std::size_t i = 0; i < left_out.size(); ++i) {
@@ -56,7 +59,9 @@ const Eigen::MatrixXd& Evidence::Q() const {
 }
 
 Eigen::MatrixXd Evidence::Whiten(const Eigen::MatrixXd& columns_mm) const {
-  return keep_.asDiagonal() * whitener_(columns_mm);
+  Eigen::MatrixXd white = whitener_(columns_mm);
+  white.array().colwise() *= keep_.array();
+  return white;
 }
 
 Projected Evidence::ProjectPart(const Eigen::Ref<const Eigen::MatrixXd>& white,
@@ -149,6 +154,34 @@ Evidence::Fit Evidence::FitNuisances() const {
   fit.residual_mm = observed_->residual_mm() - columns_mm_ * fit.values;
   fit.sd_mm = (columns_mm_ * fit.half).rowwise().norm();
   return fit;
+}
+
+Evidence::Foretold Evidence::Foretell(const std::vector<int>& group_of) const {
+  std::vector<std::vector<Eigen::Index>> groups;
+  for (std::size_t i = 0; i < group_of.size(); ++i) {
+    if (group_of[i] < 0) continue;
+    const auto g = static_cast<std::size_t>(group_of[i]);
+    if (g >= groups.size()) groups.resize(g + 1);
+    groups[g].push_back(static_cast<Eigen::Index>(i));
+  }
+  Foretold foretold{.residual_mm = white_residual_ - Q() * taken_,
+                    .sd_mm = Eigen::VectorXd::Zero(white_residual_.size())};
+  const Eigen::Index q = prior_sd_.size();
+  for (const std::vector<Eigen::Index>& rows : groups) {
+    const Eigen::MatrixXd own = Q()(rows, Eigen::all);
+    // The prior alone is left of what only this group tells: small, never nothing.
+    Eigen::MatrixXd others = Eigen::MatrixXd::Identity(q, q);
+    others.noalias() -= own.transpose() * own;
+    const Eigen::LLT<Eigen::MatrixXd> llt(others);
+    Require(llt.info() == Eigen::Success, "every nuisance has a prior");
+    const Eigen::MatrixXd half = llt.matrixL().solve(own.transpose());
+    const Eigen::VectorXd left = foretold.residual_mm(rows);
+    foretold.residual_mm(rows) += half.transpose() * (half * left);
+    foretold.sd_mm(rows) = half.colwise().norm().transpose();
+  }
+  foretold.residual_mm.array() *= sigma_mm_.array();
+  foretold.sd_mm.array() *= sigma_mm_.array();
+  return foretold;
 }
 
 }  // namespace caltwin

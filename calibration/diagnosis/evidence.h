@@ -67,6 +67,17 @@ class Evidence {
   };
   Fit FitNuisances() const;
 
+  /// Each row as the rows of all other groups foretell it, with nothing fitted again:
+  ///   residual  e + Q_g (I - Q_g' Q_g)^-1 Q_g' e   of the group's residuals e,
+  ///   variance  the diagonal of  Q_g (I - Q_g' Q_g)^-1 Q_g'
+  /// (the Sherman-Morrison-Woodbury identity on the rows of a group). Rows of group -1
+  /// are always fitted and come back as fitted. For a noise without wander.
+  struct Foretold {
+    Eigen::VectorXd residual_mm{};  ///< Reading less what was foretold.
+    Eigen::VectorXd sd_mm{};  ///< Of what was foretold, for the noise as it is stated.
+  };
+  Foretold Foretell(const std::vector<int>& group_of) const;
+
  private:
   /// Orthonormal, rows by nuisances (pseudo rows dropped). Dear, and not asked for by
   /// most: made at the first call.
@@ -81,6 +92,7 @@ class Evidence {
   const Observed* observed_;
   Whitener whitener_;
   Eigen::VectorXd keep_;  ///< 0 for rows left out.
+  Eigen::VectorXd sigma_mm_;
   Eigen::MatrixXd columns_mm_;
   Eigen::VectorXd prior_sd_;
   Eigen::HouseholderQR<Eigen::MatrixXd> qr_;  ///< White columns above the priors.

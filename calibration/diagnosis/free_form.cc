@@ -89,11 +89,13 @@ FreeForm FreeFormOf(const Observed& observed,
   const auto num = static_cast<Eigen::Index>(terms.size());
   form.columns_mm.resize(observed.num_rows(), num);
   form.prior.resize(num);
+  std::vector<double> at(covariates.size());
   for (Eigen::Index k = 0; k < num; ++k) {
     const FreeTerm& term = terms[static_cast<std::size_t>(k)];
     for (Eigen::Index i = 0; i < observed.num_rows(); ++i) {
-      std::vector<double> at;
-      for (const Covariate& covariate : covariates) at.push_back(covariate.values[i]);
+      form.columns_mm(i, k) = 0;
+      if (shows[i] == 0) continue;
+      for (std::size_t c = 0; c < at.size(); ++c) at[c] = covariates[c].values[i];
       form.columns_mm(i, k) = shows[i] * ProductAt(term, covariates, at);
     }
     const double order = std::max(0, term.first + term.second - 1);

@@ -40,29 +40,24 @@ class Gainer {
     HeldOut held;
     held.groups = 1 + *std::ranges::max_element(group_of);
     if (held.groups < 2) return {};
+    const std::vector<bool>& out = search_.circumstances.left_out;
+    const Evidence::Foretold without =
+        EvidenceOf(NoFinding(), out, more_).Foretell(group_of);
+    const Eigen::VectorXd with =
+        more_.empty() ? without.residual_mm
+        : chooses_sizes && HasFreeForm()
+            ? ResidualsChosenAnew(group_of, held.groups)
+            : EvidenceOf(All(), out, more_).Foretell(group_of).residual_mm;
     double before = 0, after = 0;
-    for (int group = 0; group < held.groups; ++group) {
-      std::vector<bool> out = search_.circumstances.left_out;
-      for (std::size_t i = 0; i < out.size(); ++i) {
-        if (group_of[i] == group) out[i] = true;
+    for (std::size_t i = 0; i < out.size(); ++i) {
+      const auto row = static_cast<Eigen::Index>(i);
+      if (group_of[i] < 0 || out[i] ||
+          without.sd_mm[row] > kForetold * search_.circumstances.sigma_mm[row]) {
+        continue;
       }
-      const Evidence baseline = EvidenceOf(NoFinding(), out, more_);
-      const Evidence::Fit without = baseline.FitNuisances();
-      // What is not in the baseline raises its chi2.
-      const double foretold = kForetold * std::sqrt(baseline.chi2() / baseline.dof());
-      const Eigen::VectorXd with = more_.empty()   ? without.residual_mm
-                                   : chooses_sizes ? ResidualOf(All(), out, Chosen(out))
-                                                   : ResidualOf(All(), out, more_);
-      for (std::size_t i = 0; i < out.size(); ++i) {
-        if (group_of[i] != group || search_.circumstances.left_out[i]) continue;
-        const auto row = static_cast<Eigen::Index>(i);
-        if (without.sd_mm[row] > foretold * search_.circumstances.sigma_mm[row]) {
-          continue;
-        }
-        before += without.residual_mm[row] * without.residual_mm[row];
-        after += with[row] * with[row];
-        ++held.rows;
-      }
+      before += without.residual_mm[row] * without.residual_mm[row];
+      after += with[row] * with[row];
+      ++held.rows;
     }
     if (held.rows == 0) return {};
     const double rows = held.rows;
@@ -88,24 +83,17 @@ class Gainer {
   // log p(row | all but its block) of a subset of the findings, summed over the rows.
   double Score(unsigned subset, const std::vector<int>& block_of) const {
     constexpr double kFarthest = 5;  // Sigmas that a row may count for: robust.
-    const int num_blocks = 1 + *std::ranges::max_element(block_of);
+    const std::vector<bool>& out = search_.circumstances.left_out;
+    const Evidence::Foretold foretold =
+        EvidenceOf(subset, out, more_).Foretell(block_of);
     double score = 0;
-    for (int block = 0; block < num_blocks; ++block) {
-      std::vector<bool> out = search_.circumstances.left_out;
-      for (std::size_t i = 0; i < out.size(); ++i) {
-        if (block_of[i] == block) out[i] = true;
-      }
-      const Evidence evidence = EvidenceOf(subset, out, more_);
-      const Evidence::Fit fit = evidence.FitNuisances();
-      const double scale = std::sqrt(evidence.chi2() / evidence.dof());
-      for (std::size_t i = 0; i < out.size(); ++i) {
-        if (block_of[i] != block || search_.circumstances.left_out[i]) continue;
-        const auto row = static_cast<Eigen::Index>(i);
-        const double sd_mm =
-            std::hypot(search_.circumstances.sigma_mm[row], fit.sd_mm[row] / scale);
-        const double z = std::min(std::abs(fit.residual_mm[row]) / sd_mm, kFarthest);
-        score -= 0.5 * z * z + std::log(sd_mm);
-      }
+    for (std::size_t i = 0; i < out.size(); ++i) {
+      if (block_of[i] < 0 || out[i]) continue;
+      const auto row = static_cast<Eigen::Index>(i);
+      const double sd_mm =
+          std::hypot(search_.circumstances.sigma_mm[row], foretold.sd_mm[row]);
+      const double z = std::min(std::abs(foretold.residual_mm[row]) / sd_mm, kFarthest);
+      score -= 0.5 * z * z + std::log(sd_mm);
     }
     return score;
   }
@@ -130,6 +118,30 @@ class Gainer {
       nuisances.insert(nuisances.end(), more[f].begin(), more[f].end());
     }
     return {observed_, {search_.circumstances.sigma_mm, 0}, nuisances, out};
+  }
+
+  bool HasFreeForm() const {
+    return std::ranges::any_of(search_.found, [&](const Found& found) {
+      return candidates_[found.candidate].is_free();
+    });
+  }
+
+  // What the others foretell of each row, fitted anew for every group.
+  Eigen::VectorXd ResidualsChosenAnew(const std::vector<int>& group_of,
+                                      int num_groups) const {
+    Eigen::VectorXd residual_mm = observed_.residual_mm();
+    for (int group = 0; group < num_groups; ++group) {
+      std::vector<bool> out = search_.circumstances.left_out;
+      for (std::size_t i = 0; i < out.size(); ++i) {
+        if (group_of[i] == group) out[i] = true;
+      }
+      const Eigen::VectorXd with = ResidualOf(All(), out, Chosen(out));
+      for (std::size_t i = 0; i < out.size(); ++i) {
+        const auto row = static_cast<Eigen::Index>(i);
+        if (group_of[i] == group) residual_mm[row] = with[row];
+      }
+    }
+    return residual_mm;
   }
 
   // The findings, the prior size of each table as the rows that are left say.

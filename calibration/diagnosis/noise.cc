@@ -1,6 +1,7 @@
 #include "calibration/diagnosis/noise.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <numeric>
@@ -66,13 +67,23 @@ Whitener::Whitener(const Observed& observed, const Noise& noise)
 Eigen::MatrixXd Whitener::operator()(const Eigen::MatrixXd& columns_mm) const {
   if (!wanders_) return inverse_sd_.asDiagonal() * columns_mm;
   Eigen::MatrixXd white(columns_mm.rows(), columns_mm.cols());
-  for (Eigen::Index c = 0; c < columns_mm.cols(); ++c) {
-    Eigen::Vector3d state = Eigen::Vector3d::Zero();
+  // A row waits for the one before it: several columns side by side do not.
+  constexpr Eigen::Index kAtOnce = 8;
+  using Several = Eigen::Array<double, 1, kAtOnce>;
+  for (Eigen::Index first = 0; first < columns_mm.cols(); first += kAtOnce) {
+    const Eigen::Index num = std::min(kAtOnce, columns_mm.cols() - first);
+    std::array<Several, 3> state;
+    state.fill(Several::Zero());
+    Several innovation = Several::Zero();
     for (std::size_t k = 0; k < order_.size(); ++k) {
       const Eigen::Index i = order_[k];
-      const double innovation = columns_mm(i, c) - direction_[k].dot(state);
-      state += gain_[k] * innovation;
-      white(i, c) = innovation * inverse_sd_[i];
+      const Eigen::Vector3d &n = direction_[k], &gain = gain_[k];
+      innovation.head(num) = columns_mm.row(i).segment(first, num).array();
+      innovation -= n[0] * state[0] + n[1] * state[1] + n[2] * state[2];
+      for (std::size_t d = 0; d < 3; ++d) {
+        state[d] += gain[static_cast<Eigen::Index>(d)] * innovation;
+      }
+      white.row(i).segment(first, num) = innovation.head(num) * inverse_sd_[i];
     }
   }
   return white;

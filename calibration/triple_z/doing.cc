@@ -72,8 +72,9 @@ std::optional<std::vector<RaisedTouches>> TryScrews(TripleZPrinter* printer,
   std::vector<RaisedTouches> stands;
   const auto touch = [&](const Vec3<double>& raised_mm) {
     auto touches = doing->Got(printer->ProbeAll(points));
-    if (touches) stands.push_back({raised_mm, *std::move(touches)});
-    return touches.has_value();
+    if (!touches) return false;
+    stands.push_back({raised_mm, *std::move(touches)});
+    return true;
   };
   if (!touch(Vec3<double>::Zero())) return std::nullopt;
   for (int i = 0; i < kNumScrews; ++i) {
