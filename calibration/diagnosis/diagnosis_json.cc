@@ -43,7 +43,7 @@ Json FindingJson(const Finding& finding) {
                      {"knots", finding.map->knots},
                      {"values_um", finding.map->values_um},
                      {"kernel",
-                      {{"form", "cosines"},
+                      {{"form", "line, bow, cosines"},
                        {"terms", finding.map->terms},
                        {"prior_size_um", finding.map->prior_size_um}}}};
   }

@@ -82,11 +82,21 @@ void AddRivals(const Finding& finding, std::string* text) {
   if (effect) *text += fmt::format("  What tells: {}\n", EffectAt(*effect).twin);
 }
 
+// What a table is a sum of.
+std::string TermsInWords(const FreeMap& map) {
+  if (map.covariates.size() > 1) return fmt::format("{} terms", map.terms);
+  if (map.covariates[0] == "theta") return fmt::format("{} waves", map.terms);
+  if (map.terms == 1) return "a line";
+  if (map.terms == 2) return "a line and a bow";
+  return fmt::format(
+      "a line, a bow and {} cosine{}", map.terms - 2, map.terms == 3 ? "" : "s");
+}
+
 // How fine a table can be, and what held it back.
 void AddKernel(const Finding& finding, std::string* text) {
   if (!finding.map || finding.map->terms == 0) return;
   const FreeMap& map = *finding.map;
-  *text += fmt::format("  The table: {} cosines", map.terms);
+  *text += "  The table: " + TermsInWords(map);
   const std::string& word = map.covariates[0];
   if (map.covariates.size() == 1 && map.knots[0].size() > 2) {
     const double range = map.knots[0].back() - map.knots[0].front();

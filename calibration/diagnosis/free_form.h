@@ -15,8 +15,9 @@ struct FreeTerm {
   int first = 0, second = 0;
 };
 
-/// The terms that one or two covariates can carry: cosines over their range, of a
-/// periodic one cosines and sines, of a sense itself.
+/// The terms that one or two covariates can carry: over their range a line (order 1), a
+/// bow (2) and cosines of so many half-waves (3 and up), of a periodic one cosines and
+/// sines, of a sense itself.
 std::vector<FreeTerm> TermsOf(const std::vector<Covariate>& covariates);
 
 /// A term's value where the covariates have these values.
