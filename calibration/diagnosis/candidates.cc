@@ -333,7 +333,7 @@ Tolerance ToleranceOf(const Observed& observed,
     AddModulated(observed, candidate, variant, &columns);
     AddHarmonics(observed, candidate, variant, &columns);
     AddDerivatives(observed, candidate, variant, &columns);
-    constexpr int kSmoothTerms = 4;
+    constexpr int kSmoothTerms = 6;
     const FreeForm smooth = FreeFormOf(
         observed, candidate.shown.channel, candidate.shown.covariates, kSmoothTerms);
     for (Eigen::Index k = 0; k < smooth.columns_mm.cols(); ++k) {

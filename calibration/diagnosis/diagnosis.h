@@ -41,9 +41,9 @@ struct FreeMap {
   std::vector<std::vector<double>> knots{};  ///< By covariate, ascending.
   std::vector<double> values_um{};           ///< First covariate slowest.
   std::vector<double> sds_um{};
-  /// What it is made of: a line, a bow and, from order 3, cosines over the range of
-  /// each covariate (of angles: waves), order k held back to a prior variance of 1 / (1
-  /// + (k - 1)^2) of the first.
+  /// What it is made of: a line (order 1), a bow (2) and cosines of k half-waves over
+  /// the range of each covariate (of angles: waves), order k held back to a prior
+  /// variance of 1 / (1 + (k - 1)^2) of the first.
   int terms = 0;
   double prior_size_um = 0;  ///< Standard deviation of the whole, as the rows chose it.
 };

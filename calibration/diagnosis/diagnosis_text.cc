@@ -105,7 +105,7 @@ void AddKernel(const Finding& finding, std::string* text) {
                          range,
                          is_place ? " mm" : "",
                          CovariateInWords(word),
-                         range / map.terms);
+                         range / std::max(1, map.terms - 2));
   }
   *text += fmt::format("; prior size {} um, as these rows chose it.\n",
                        TwoDigits(map.prior_size_um));

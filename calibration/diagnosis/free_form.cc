@@ -10,8 +10,10 @@
 namespace caltwin {
 namespace {
 
-constexpr int kTermsAlone = 10;
-constexpr int kTermsOfTwo = 4;
+constexpr int kCosines = 10;
+// Orders below 0: cosines are flat at both ends; what is not (a growth, a screw that
+// runs away) they follow only far inside. A line and a bow carry the slopes there.
+constexpr int kLine = -1, kBow = -2;
 
 bool IsSense(const std::string& word) {
   return word.starts_with("dir_");
@@ -25,17 +27,29 @@ double TermAt(const Covariate& covariate, double value, int order) {
     const int turns = (order + 1) / 2;
     return order % 2 == 1 ? std::cos(turns * value) : std::sin(turns * value);
   }
-  // Cosines alone are flat at both ends: what is not (a growth, a screw that runs away)
-  // they follow only far inside. A line and a bow carry the slopes there.
   const double u = covariate.Scaled(value);
-  if (order == 1) return -u;
-  if (order == 2) return 2 * u * u - 1;
+  if (order == kLine) return u;
+  if (order == kBow) return 2 * u * u - 1;
   return std::cos(order * std::numbers::pi * (u + 1) / 2);
 }
 
-int NumTerms(const Covariate& covariate, int most) {
-  if (IsSense(covariate.word)) return 1;
-  return std::clamp(covariate.num_distinct - 1, 1, most);
+// The orders of a covariate that stands alone, but for a sense.
+std::vector<int> OrdersOf(const Covariate& covariate) {
+  std::vector<int> orders;
+  if (!covariate.is_periodic && covariate.num_distinct > 2) orders.push_back(kLine);
+  if (!covariate.is_periodic && covariate.num_distinct > 3) orders.push_back(kBow);
+  const int most = std::clamp(covariate.num_distinct - 1, 1, kCosines);
+  for (int order = 1; order <= most; ++order) orders.push_back(order);
+  return orders;
+}
+
+// Of one of two, coarser: a line, a bow and what a few places tell beside them.
+std::vector<int> OrdersBeside(const Covariate& covariate) {
+  std::vector<int> orders =
+      covariate.is_periodic ? std::vector{1, 2, 3, 4} : std::vector{kLine, kBow, 3, 4};
+  const auto most = static_cast<std::size_t>(std::max(covariate.num_distinct - 1, 1));
+  orders.resize(std::min(orders.size(), most));
+  return orders;
 }
 
 }  // namespace
@@ -43,17 +57,22 @@ int NumTerms(const Covariate& covariate, int most) {
 std::vector<FreeTerm> TermsOf(const std::vector<Covariate>& covariates) {
   std::vector<FreeTerm> terms;
   if (covariates.size() == 1) {
-    for (int k = 1; k <= NumTerms(covariates[0], kTermsAlone); ++k) {
-      terms.push_back({k, 0});
-    }
+    if (IsSense(covariates[0].word)) return {{1, 0}};
+    for (const int order : OrdersOf(covariates[0])) terms.push_back({order, 0});
     return terms;
   }
   // A sense multiplies the other's terms, the constant among them.
-  const bool has_sense = IsSense(covariates[0].word);
-  const int most = has_sense ? kTermsAlone : kTermsOfTwo;
-  for (int k = 1; k <= NumTerms(covariates[0], most); ++k) {
-    for (int l = has_sense ? 0 : 1; l <= NumTerms(covariates[1], most); ++l) {
-      if (k + l <= most + 1) terms.push_back({k, l});
+  if (IsSense(covariates[0].word)) {
+    terms.push_back({1, 0});
+    for (const int order : OrdersOf(covariates[1])) terms.push_back({1, order});
+    return terms;
+  }
+  constexpr int kFinest = 5;  // Of both orders together.
+  for (const int first : OrdersBeside(covariates[0])) {
+    for (const int second : OrdersBeside(covariates[1])) {
+      if (std::abs(first) + std::abs(second) <= kFinest) {
+        terms.push_back({first, second});
+      }
     }
   }
   return terms;
@@ -98,7 +117,7 @@ FreeForm FreeFormOf(const Observed& observed,
       for (std::size_t c = 0; c < at.size(); ++c) at[c] = covariates[c].values[i];
       form.columns_mm(i, k) = shows[i] * ProductAt(term, covariates, at);
     }
-    const double order = std::max(0, term.first + term.second - 1);
+    const double order = std::max(0, std::abs(term.first) + std::abs(term.second) - 1);
     form.prior[k] = 1 / (1 + order * order);
   }
   form.prior /= form.prior.sum();

@@ -10,14 +10,14 @@
 
 namespace caltwin {
 
-/// Orders of one term in its covariates; 0: constant there.
+/// Orders of one term in its covariates. 0: constant there; -1: a line over their
+/// range, -2: a bow, k > 0: a cosine of k half-waves; of a periodic one waves.
 struct FreeTerm {
   int first = 0, second = 0;
 };
 
-/// The terms that one or two covariates can carry: over their range a line (order 1), a
-/// bow (2) and cosines of so many half-waves (3 and up), of a periodic one cosines and
-/// sines, of a sense itself.
+/// The terms that one or two covariates can carry: a line, a bow and up to ten cosines,
+/// of two together those of a few orders, of a sense itself.
 std::vector<FreeTerm> TermsOf(const std::vector<Covariate>& covariates);
 
 /// A term's value where the covariates have these values.

@@ -297,7 +297,7 @@ void AddFreedom(const std::string& name,
 // A table without a formula: smooth functions of its covariates, by as much as a named
 // effect may deviate from its shape.
 void AddFreedomOfMap(const Observed& o, const Injected& effect, Builder* builder) {
-  constexpr int kTerms = 12;
+  constexpr int kTerms = 13;
   const MapWords words = EffectAt(effect.effect).name == PitchMap::kDeclaration.name
                              ? MapWords{.channel = effect.axis,
                                         .covariates = {effect.axis, ""},

@@ -101,6 +101,43 @@ TEST(Evidence, RowsLeftOutSayNothing) {
   EXPECT_DOUBLE_EQ(with.dof(), without.dof());
 }
 
+// The identity against the long way: each group left out, all fitted anew.
+TEST(Evidence, ForetellsAGroupAsAFitWithoutItDoes) {
+  const Observed observed(Line(11), {}, Plain(), {});
+  const Eigen::VectorXd sigma = Eigen::VectorXd::Constant(kRows, kSigma_mm);
+  const Eigen::MatrixXd columns = SomeColumns();
+  const std::vector<Nuisance> nuisances = {
+      Known("offset", Eigen::VectorXd::Ones(kRows), 10),
+      Known("wave", columns.col(0), 0.002),
+      Known("step", columns.col(1), 1)};
+  std::vector<bool> out(static_cast<std::size_t>(kRows), false);
+  out[3] = true;
+  std::vector<int> group_of(static_cast<std::size_t>(kRows));
+  // The last group is all that lies behind the step: its prior alone is left of it.
+  for (std::size_t i = 0; i < group_of.size(); ++i) {
+    group_of[i] = i > 20 ? 3 : static_cast<int>(i % 4) - 1;
+  }
+  const Evidence all(observed, {sigma, 0}, nuisances, out);
+  const Evidence::Foretold foretold = all.Foretell(group_of);
+
+  for (int group = 0; group < 4; ++group) {
+    std::vector<bool> without = out;
+    for (std::size_t i = 0; i < out.size(); ++i) {
+      if (group_of[i] == group) without[i] = true;
+    }
+    const Evidence others(observed, {sigma, 0}, nuisances, without);
+    const Evidence::Fit fit = others.FitNuisances();
+    const double scale = std::sqrt(others.chi2() / others.dof());
+    for (std::size_t i = 0; i < out.size(); ++i) {
+      if (group_of[i] != group || out[i]) continue;
+      const auto row = static_cast<Eigen::Index>(i);
+      EXPECT_NEAR(foretold.residual_mm[row], fit.residual_mm[row], 1e-9) << i;
+      const double sd_mm = fit.sd_mm[row] / scale;
+      EXPECT_NEAR(foretold.sd_mm[row] / sd_mm, 1, 1e-5) << i;
+    }
+  }
+}
+
 TEST(Whitener, WanderMakesInnovationsWithTheCovariancesDeterminant) {
   const Observed observed(Line(7), {}, Plain(), {});
   const Eigen::VectorXd sigma = Eigen::VectorXd::Constant(kRows, kSigma_mm);

@@ -1,6 +1,7 @@
 // Names that the rows seem to give, and what they are worth.
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,7 @@ namespace {
 using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::Not;
+using ::testing::UnorderedElementsAre;
 
 constexpr double kSigma_mm = 1e-3;
 constexpr double kStart_c = 20;
@@ -31,8 +33,9 @@ double Warming(double t_s, double duration_s) {
   return 1 - std::exp(-3 * t_s / duration_s);
 }
 
-std::vector<std::string> Named(const RowTable& table) {
-  const Diagnosis diagnosis = Diagnose(Observed(table, {}, Plain(), {}), {});
+std::vector<std::string> Named(const RowTable& table,
+                               const Machine& machine = Plain()) {
+  const Diagnosis diagnosis = Diagnose(Observed(table, {}, machine, {}), {});
   std::vector<std::string> names;
   for (const Finding& finding : diagnosis.findings) names.push_back(finding.cause);
   return names;
@@ -55,6 +58,30 @@ RowTable LongerAxis(double warmer_k) {
     row.dir = {i / kPositions % 2 == 0 ? 1.0 : -1.0, 0, 0};
     row.n = {1, 0, 0};
     row.value_mm = kGrowth_mm * share * warmth + kSigma_mm * rng.Normal();
+    table.rows.push_back(row);
+  }
+  return table;
+}
+
+// A laser along x at random places: a wave of each screw turn on a smooth run of the
+// pitch.
+RowTable WaveOnABend(double wave_mm, double bend_mm) {
+  constexpr int kPlaces = 60;
+  constexpr double kLead_mm = 4;
+  Rng rng(23, 0, "names_test");
+  RowTable table;
+  for (int i = 0; i < 2 * kPlaces; ++i) {
+    const double u = std::fmod(0.5 + 0.61803398875 * (i / 2), 1.0);
+    Row row{.row = i + 1, .campaign = "laser"};
+    row.t_s = 10 * i;
+    row.rep = 1 + i % 2;
+    row.cmd_mm = {300 * u, 0, 0};
+    row.dir = {1, 0, 0};
+    row.n = {1, 0, 0};
+    const double v = 2 * u - 1;
+    const double turn_rad = 2 * std::numbers::pi * row.cmd_mm[0] / kLead_mm;
+    row.value_mm = wave_mm * std::sin(turn_rad) + bend_mm * (4 * v * v * v - 3 * v) +
+                   kSigma_mm * rng.Normal();
     table.rows.push_back(row);
   }
   return table;
@@ -97,6 +124,17 @@ TEST(Names, AProbeIsToldFromPlayOnFacesOfTwoAxes) {
   EXPECT_THAT(Named(WarmProbe({{-1, 0, 0}, {1, 0, 0}, {0, 0, 1}, {0, 0, -1}})),
               ElementsAre("probe_temperature"));
   EXPECT_THAT(Named(WarmProbe({{-1, 0, 0}, {1, 0, 0}})), ElementsAre("unknown"));
+}
+
+// A smooth table is no deviation of a wave far finer than its terms, however tall. Of a
+// machine that is only assumed, no lead is known: no table is its pitch's.
+TEST(Names, AWaveStandsBesideATallerPitchMap) {
+  Machine drawn = Plain();
+  drawn.file = "machine.yaml";
+  const RowTable both = WaveOnABend(0.006, 0.012);
+  EXPECT_THAT(Named(both, drawn), UnorderedElementsAre("cyclic_lead", "pitch_map"));
+  EXPECT_THAT(Named(both), UnorderedElementsAre("cyclic_lead", "unknown"));
+  EXPECT_THAT(Named(WaveOnABend(0.006, 0), drawn), ElementsAre("cyclic_lead"));
 }
 
 }  // namespace
