@@ -34,13 +34,15 @@ std::vector<NamedStep> ReadNamedSteps(const YamlValue& list) {
 std::vector<NamedStep> ReadNamedSteps(const YamlValue& list,
                                       std::span<const std::string_view> known,
                                       std::string_view what) {
-  std::vector<NamedStep> steps = ReadNamedSteps(list);
-  std::erase_if(steps, [&](const NamedStep& step) {
-    if (std::ranges::find(known, step.name) != known.end()) return false;
+  std::vector<NamedStep> steps;
+  for (const NamedStep& step : ReadNamedSteps(list)) {
+    if (std::ranges::find(known, step.name) != known.end()) {
+      steps.push_back(step);
+      continue;
+    }
     step.options.Fail(fmt::format("'{}' is no {}", step.name, what),
                       fmt::format("there are {}", fmt::join(known, ", ")));
-    return true;
-  });
+  }
   return steps;
 }
 
