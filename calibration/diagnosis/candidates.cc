@@ -156,7 +156,8 @@ Candidate FreeCandidate(FreeForm form) {
   Candidate candidate{.cause = "unknown",
                       .axis = form.channel,
                       .shown = {form.channel, form.words},
-                      .free_prior = form.prior};
+                      .free_prior = form.prior,
+                      .free_terms = form.terms};
   candidate.variants.push_back({.columns_mm = std::move(form.columns_mm)});
   return candidate;
 }
@@ -249,6 +250,13 @@ std::string Candidate::Name() const {
   if (is_free())
     return fmt::format("unknown.{}{{{}}}", axis, fmt::join(shown.covariates, ","));
   return axis.empty() ? cause : cause + "." + axis;
+}
+
+bool IsRigid(const Candidate& candidate) {
+  if (candidate.is_free()) return false;
+  const std::vector<double> any(EffectAt(candidate.effect).parameters.size(), 1);
+  return !TurnsOf({.effect = candidate.effect, .axis = candidate.axis, .values = any})
+              .empty();
 }
 
 double Peak_mm(const Eigen::VectorXd& change_mm) {

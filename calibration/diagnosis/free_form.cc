@@ -36,7 +36,8 @@ int NumTerms(const Covariate& covariate, int most) {
 
 }  // namespace
 
-std::vector<FreeTerm> TermsOf(const std::vector<Covariate>& covariates) {
+std::vector<FreeTerm> TermsOf(const std::vector<Covariate>& covariates,
+                              TermsOfTwo which) {
   std::vector<FreeTerm> terms;
   if (covariates.size() == 1) {
     for (int k = 1; k <= NumTerms(covariates[0], kTermsAlone); ++k) {
@@ -46,10 +47,12 @@ std::vector<FreeTerm> TermsOf(const std::vector<Covariate>& covariates) {
   }
   // A sense multiplies the other's terms, the constant among them.
   const bool has_sense = IsSense(covariates[0].word);
+  const bool has_all = !has_sense && which == TermsOfTwo::kAll;
   const int most = has_sense ? kTermsAlone : kTermsOfTwo;
-  for (int k = 1; k <= NumTerms(covariates[0], most); ++k) {
-    for (int l = has_sense ? 0 : 1; l <= NumTerms(covariates[1], most); ++l) {
-      if (k + l <= most + 1) terms.push_back({k, l});
+  for (int k = has_all ? 0 : 1; k <= NumTerms(covariates[0], most); ++k) {
+    for (int l = has_sense || has_all ? 0 : 1; l <= NumTerms(covariates[1], most);
+         ++l) {
+      if (k + l > 0 && k + l <= most + 1) terms.push_back({k, l});
     }
   }
   return terms;
@@ -66,7 +69,8 @@ double ProductAt(const FreeTerm& term,
 FreeForm FreeFormOf(const Observed& observed,
                     const std::string& channel,
                     const std::vector<std::string>& words,
-                    int most_terms) {
+                    int most_terms,
+                    TermsOfTwo which) {
   FreeForm form{.channel = channel, .words = words};
   const Eigen::VectorXd shows = ChannelOf(observed, channel);
   if (shows.cwiseAbs().maxCoeff() < 0.1 || words.empty() || words.size() > 2) {
@@ -78,7 +82,7 @@ FreeForm FreeFormOf(const Observed& observed,
     if (!covariate) return form;
     covariates.push_back(std::move(*covariate));
   }
-  std::vector<FreeTerm> terms = TermsOf(covariates);
+  std::vector<FreeTerm> terms = TermsOf(covariates, which);
   if (static_cast<int>(terms.size()) > most_terms) {
     terms.resize(static_cast<std::size_t>(most_terms));
   }
@@ -97,15 +101,22 @@ FreeForm FreeFormOf(const Observed& observed,
   }
   form.prior /= form.prior.sum();
   form.covariates = std::move(covariates);
+  form.terms = std::move(terms);
   return form;
 }
 
 std::vector<FreeForm> AllFreeForms(const Observed& observed) {
   constexpr int kMostTerms = 20;
   std::vector<FreeForm> forms;
+  const bool is_printer = observed.machine().kinematics != Kinematics::kCartesian;
+  const std::vector<std::string> place = {"x", "y"};
   const auto add = [&](const std::string& channel,
                        const std::vector<std::string>& words) {
-    FreeForm form = FreeFormOf(observed, channel, words, kMostTerms);
+    const bool is_height = channel == "bed" || channel == "z";
+    const TermsOfTwo which = is_printer && is_height && words == place
+                                 ? TermsOfTwo::kAll
+                                 : TermsOfTwo::kProducts;
+    FreeForm form = FreeFormOf(observed, channel, words, kMostTerms, which);
     if (form.columns_mm.cols() > 0) forms.push_back(std::move(form));
   };
   const std::array<std::string, 3> letters = {"x", "y", "z"};
