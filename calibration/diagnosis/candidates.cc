@@ -337,7 +337,9 @@ Tolerance ToleranceOf(const Observed& observed,
                       const Candidate& candidate,
                       const Variant& variant) {
   Columns columns(observed.num_rows());
-  if (!candidate.is_free() && candidate.cause != kHoming) {
+  const bool has_freedom =
+      !candidate.is_free() && candidate.cause != kHoming && !IsRigid(candidate);
+  if (has_freedom) {
     AddModulated(observed, candidate, variant, &columns);
     AddHarmonics(observed, candidate, variant, &columns);
     AddDerivatives(observed, candidate, variant, &columns);
