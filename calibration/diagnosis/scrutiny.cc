@@ -196,9 +196,6 @@ class Scrutiny {
     const auto leaves_too_much = [&](const Circumstances& beside) {
       const Eigen::MatrixXd& columns_mm = refined.variant.columns_mm;
       const PlainFit fit = FitPlain(observed_, beside, columns_mm, refined.sizes_mm);
-      if (getenv("DBG") != nullptr) {
-        fmt::print(stderr, "DBG {} explained {:.0f} left {:.0f} doubt {:.1f} ratio {:.3f} peak {:.1f} um usual {:.2f} visible {:.4f}\n", candidate.Name(), fit.explained, fit.left, fit.doubt, (fit.left-fit.doubt)/fit.explained, UmFromMm(Peak_mm(columns_mm * refined.sizes_mm)), refined.sizes_mm.norm() / refined.variant.usual_mm, ShownPart(observed_, beside, columns_mm * refined.sizes_mm));
-      }
       return LeavesTooMuch(fit, FormOf(candidate, observed_.machine()));
     };
     const bool is_leftover =
@@ -208,14 +205,14 @@ class Scrutiny {
            !IsGradual(observed_, NamedBut(i), candidate);
   }
 
-  // Plates are no parabolas: where the baseline takes up nearly all of a bend, what is
-  // left of it is what its form differs by, and may be anything's.
+  // Plates are no parabolas: where baseline and other findings take up nearly all of a
+  // bend, what is left of it is what its form differs by, and may be anything's.
   bool IsResidue(std::size_t i, const Refined& refined) const {
     constexpr double kLeastShown = 0.1;
     const Candidate& candidate = candidates_[search_.found[i].candidate];
     if (FormOf(candidate, observed_.machine()) != Form::kClose) return false;
     const Eigen::VectorXd change_mm = refined.variant.columns_mm * refined.sizes_mm;
-    return ShownPart(observed_, search_.circumstances, change_mm) < kLeastShown;
+    return ShownPart(observed_, CircumstancesBut(i), change_mm) < kLeastShown;
   }
 
   // What unseen rows can say nothing of: homings scatter anew each time, and some
