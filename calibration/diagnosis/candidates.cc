@@ -156,7 +156,8 @@ Candidate FreeCandidate(FreeForm form) {
   Candidate candidate{.cause = "unknown",
                       .axis = form.channel,
                       .shown = {form.channel, form.words},
-                      .free_prior = form.prior};
+                      .free_prior = form.prior,
+                      .free_terms = form.terms};
   candidate.variants.push_back({.columns_mm = std::move(form.columns_mm)});
   return candidate;
 }
@@ -251,6 +252,13 @@ std::string Candidate::Name() const {
   return axis.empty() ? cause : cause + "." + axis;
 }
 
+bool IsRigid(const Candidate& candidate) {
+  if (candidate.is_free()) return false;
+  const std::vector<double> any(EffectAt(candidate.effect).parameters.size(), 1);
+  return !TurnsOf({.effect = candidate.effect, .axis = candidate.axis, .values = any})
+              .empty();
+}
+
 double Peak_mm(const Eigen::VectorXd& change_mm) {
   const double most = change_mm.cwiseAbs().maxCoeff();
   if (most < kNothing_mm) return 0;
@@ -329,7 +337,9 @@ Tolerance ToleranceOf(const Observed& observed,
                       const Candidate& candidate,
                       const Variant& variant) {
   Columns columns(observed.num_rows());
-  if (!candidate.is_free() && candidate.cause != kHoming) {
+  const bool has_freedom =
+      !candidate.is_free() && candidate.cause != kHoming && !IsRigid(candidate);
+  if (has_freedom) {
     AddModulated(observed, candidate, variant, &columns);
     AddHarmonics(observed, candidate, variant, &columns);
     AddDerivatives(observed, candidate, variant, &columns);

@@ -30,12 +30,17 @@ struct Candidate {
   double log_prior = 0;
   bool must_be_positive = false;
   std::vector<Variant> variants{};
-  Eigen::VectorXd free_prior{};  ///< Of a free form's terms.
+  Eigen::VectorXd free_prior{};          ///< Of a free form's terms.
+  std::vector<FreeTerm> free_terms{};    ///< The same terms.
 
   bool is_free() const { return effect < 0; }
   /// "cyclic_lead.x", "unknown.z{x,y}".
   std::string Name() const;
 };
+
+/// Whether it is a part of a closed chain in the wrong place: such a part acts by the
+/// chain's geometry, exactly, and its shape has no freedom.
+bool IsRigid(const Candidate& candidate);
 
 /// Every cause that these rows could show, on every axis, and the free forms.
 std::vector<Candidate> AllCandidates(const Observed& observed);

@@ -46,7 +46,7 @@ FreeMap MapOf(const Observed& observed,
   }
   map.terms = static_cast<int>(found.sizes_mm.size());
   map.prior_size_um = UmFromMm(found.scale_mm);
-  const std::vector<FreeTerm> terms = TermsOf(covariates);
+  const std::vector<FreeTerm>& terms = candidate.free_terms;
   const auto value = [&](const std::vector<double>& at) {
     double sum_mm = 0;
     for (Eigen::Index k = 0; k < found.sizes_mm.size(); ++k) {

@@ -43,18 +43,26 @@ std::vector<int> OrdersOf(const Covariate& covariate) {
   return orders;
 }
 
-// Of one of two, coarser: a line, a bow and what a few places tell beside them.
-std::vector<int> OrdersBeside(const Covariate& covariate) {
+// Of one of two, coarser. Products take a line, a bow and what a few places tell beside
+// them; what also stands for each alone, the constant and cosines: a bed's plane is in
+// the baseline, and a dent is no bow.
+std::vector<int> OrdersBeside(const Covariate& covariate, TermsOfTwo which) {
+  const auto most = static_cast<std::size_t>(std::max(covariate.num_distinct - 1, 1));
+  if (which == TermsOfTwo::kAll) {
+    std::vector<int> orders = {0, 1, 2, 3, 4};
+    orders.resize(std::min(orders.size(), most + 1));
+    return orders;
+  }
   std::vector<int> orders =
       covariate.is_periodic ? std::vector{1, 2, 3, 4} : std::vector{kLine, kBow, 3, 4};
-  const auto most = static_cast<std::size_t>(std::max(covariate.num_distinct - 1, 1));
   orders.resize(std::min(orders.size(), most));
   return orders;
 }
 
 }  // namespace
 
-std::vector<FreeTerm> TermsOf(const std::vector<Covariate>& covariates) {
+std::vector<FreeTerm> TermsOf(const std::vector<Covariate>& covariates,
+                              TermsOfTwo which) {
   std::vector<FreeTerm> terms;
   if (covariates.size() == 1) {
     if (IsSense(covariates[0].word)) return {{1, 0}};
@@ -68,11 +76,10 @@ std::vector<FreeTerm> TermsOf(const std::vector<Covariate>& covariates) {
     return terms;
   }
   constexpr int kFinest = 5;  // Of both orders together.
-  for (const int first : OrdersBeside(covariates[0])) {
-    for (const int second : OrdersBeside(covariates[1])) {
-      if (std::abs(first) + std::abs(second) <= kFinest) {
-        terms.push_back({first, second});
-      }
+  for (const int first : OrdersBeside(covariates[0], which)) {
+    for (const int second : OrdersBeside(covariates[1], which)) {
+      const int both = std::abs(first) + std::abs(second);
+      if (both > 0 && both <= kFinest) terms.push_back({first, second});
     }
   }
   return terms;
@@ -89,7 +96,8 @@ double ProductAt(const FreeTerm& term,
 FreeForm FreeFormOf(const Observed& observed,
                     const std::string& channel,
                     const std::vector<std::string>& words,
-                    int most_terms) {
+                    int most_terms,
+                    TermsOfTwo which) {
   FreeForm form{.channel = channel, .words = words};
   const Eigen::VectorXd shows = ChannelOf(observed, channel);
   if (shows.cwiseAbs().maxCoeff() < 0.1 || words.empty() || words.size() > 2) {
@@ -101,7 +109,7 @@ FreeForm FreeFormOf(const Observed& observed,
     if (!covariate) return form;
     covariates.push_back(std::move(*covariate));
   }
-  std::vector<FreeTerm> terms = TermsOf(covariates);
+  std::vector<FreeTerm> terms = TermsOf(covariates, which);
   if (static_cast<int>(terms.size()) > most_terms) {
     terms.resize(static_cast<std::size_t>(most_terms));
   }
@@ -122,15 +130,22 @@ FreeForm FreeFormOf(const Observed& observed,
   }
   form.prior /= form.prior.sum();
   form.covariates = std::move(covariates);
+  form.terms = std::move(terms);
   return form;
 }
 
 std::vector<FreeForm> AllFreeForms(const Observed& observed) {
   constexpr int kMostTerms = 20;
   std::vector<FreeForm> forms;
+  const bool is_printer = observed.machine().kinematics != Kinematics::kCartesian;
+  const std::vector<std::string> place = {"x", "y"};
   const auto add = [&](const std::string& channel,
                        const std::vector<std::string>& words) {
-    FreeForm form = FreeFormOf(observed, channel, words, kMostTerms);
+    const bool is_height = channel == "bed" || channel == "z";
+    const TermsOfTwo which = is_printer && is_height && words == place
+                                 ? TermsOfTwo::kAll
+                                 : TermsOfTwo::kProducts;
+    FreeForm form = FreeFormOf(observed, channel, words, kMostTerms, which);
     if (form.columns_mm.cols() > 0) forms.push_back(std::move(form));
   };
   const std::array<std::string, 3> letters = {"x", "y", "z"};

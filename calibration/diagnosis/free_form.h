@@ -16,9 +16,16 @@ struct FreeTerm {
   int first = 0, second = 0;
 };
 
+/// Which terms of two covariates a form has.
+enum class TermsOfTwo {
+  kProducts,  ///< What neither covariate makes alone: a form of each stands beside it.
+  kAll,       ///< Also those of one alone: a dent or a rim is no product.
+};
+
 /// The terms that one or two covariates can carry: a line, a bow and up to ten cosines,
 /// of two together those of a few orders, of a sense itself.
-std::vector<FreeTerm> TermsOf(const std::vector<Covariate>& covariates);
+std::vector<FreeTerm> TermsOf(const std::vector<Covariate>& covariates,
+                              TermsOfTwo which = TermsOfTwo::kProducts);
 
 /// A term's value where the covariates have these values.
 double ProductAt(const FreeTerm& term,
@@ -31,6 +38,7 @@ struct FreeForm {
   std::string channel{};
   std::vector<std::string> words{};  ///< Of its covariates.
   std::vector<Covariate> covariates{};
+  std::vector<FreeTerm> terms{};
   Eigen::MatrixXd columns_mm{};  ///< Rows by terms; each term at most 1.
   Eigen::VectorXd prior{};       ///< Relative variance of each, sums to 1.
 };
@@ -40,10 +48,14 @@ struct FreeForm {
 FreeForm FreeFormOf(const Observed& observed,
                     const std::string& channel,
                     const std::vector<std::string>& words,
-                    int most_terms);
+                    int most_terms,
+                    TermsOfTwo which = TermsOfTwo::kProducts);
 
 /// The blocks worth asking of a table: every channel that shows, with the covariates
 /// that could rule it, direction x time and direction x temperature among them.
+///
+/// On a printer, whose nozzle touches its bed from above, what a bed or the nozzle's
+/// height does over the place has all terms of x and y.
 std::vector<FreeForm> AllFreeForms(const Observed& observed);
 
 }  // namespace caltwin

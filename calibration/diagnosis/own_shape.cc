@@ -89,10 +89,28 @@ PlainFit FitPlain(const Observed& observed,
   return fit;
 }
 
-bool LeavesTooMuch(const PlainFit& fit) {
+Form FormOf(const Candidate& candidate, const Machine& machine) {
+  if (IsRigid(candidate)) return Form::kExact;
+  const bool is_printer = machine.kinematics != Kinematics::kCartesian;
+  return is_printer && candidate.shown.channel == "bed" ? Form::kClose : Form::kLike;
+}
+
+bool LeavesTooMuch(const PlainFit& fit, Form form) {
   constexpr double kVisible = 9;
-  constexpr double kMost = 0.3;
-  return fit.explained >= kVisible && fit.left - fit.doubt > kMost * fit.explained;
+  constexpr double kMostLike = 0.3, kMostClose = 0.04;
+  if (fit.explained < kVisible) return form == Form::kExact;
+  const double most = form == Form::kLike ? kMostLike : kMostClose;
+  return fit.left - fit.doubt > most * fit.explained;
+}
+
+double ShownPart(const Observed& observed,
+                 const Circumstances& beside,
+                 const Eigen::VectorXd& change_mm) {
+  const Evidence evidence(
+      observed, {beside.sigma_mm, 0}, beside.nuisances, beside.left_out);
+  const Eigen::VectorXd white = evidence.Whiten(change_mm);
+  const double whole = white.norm();
+  return whole > 0 ? evidence.Left(white).norm() / whole : 0;
 }
 
 bool IsGradual(const Observed& observed,

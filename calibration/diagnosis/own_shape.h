@@ -24,10 +24,25 @@ PlainFit FitPlain(const Observed& observed,
                   const Eigen::MatrixXd& columns_mm,
                   const Eigen::VectorXd& sizes_mm);
 
+/// How truly a cause must have the shape that its formula says.
+enum class Form {
+  kLike,   ///< Real causes are like it: about half of its height may be left.
+  kClose,  ///< Plates bend nearly so: a fifth.
+  kExact,  ///< Geometry: a fifth, for what else is wrong; never seen by its size alone.
+};
+Form FormOf(const Candidate& candidate, const Machine& machine);
+
 /// A lack of fit that a name has no right to leave: beyond a standard deviation of
-/// noise, three tenths of what it explains, about half of its height. Never where next
-/// to nothing is explained: such a cause is known by its size, not by its shape.
-bool LeavesTooMuch(const PlainFit& fit);
+/// noise, three tenths of what it explains (half of its height squared is a quarter), or
+/// 0.04. Where next to nothing is explained, a cause may be known by its size, not by
+/// its shape; geometry is not.
+bool LeavesTooMuch(const PlainFit& fit, Form form = Form::kLike);
+
+/// How much of a shape shows beside the rest: the root of its squares, in sigma, over
+/// those of all of it. 1: all; 0: the rest takes it up whole.
+double ShownPart(const Observed& observed,
+                 const Circumstances& beside,
+                 const Eigen::VectorXd& change_mm);
 
 /// Whether a jump is told no better than a gradual change of the same rows: a ramp over
 /// several of them, or a creep that slows down. The rows next to a jump tell both

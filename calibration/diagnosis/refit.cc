@@ -155,14 +155,6 @@ double JumpSd_s(const Observed& observed, double at_s) {
   return (after_s - before_s) / std::sqrt(12.0);
 }
 
-// Parts of a closed chain in the wrong place act by its geometry, exactly: their shape
-// has no freedom.
-bool IsRigid(const Candidate& candidate) {
-  const std::vector<double> any(EffectAt(candidate.effect).parameters.size(), 1);
-  return !TurnsOf({.effect = candidate.effect, .axis = candidate.axis, .values = any})
-              .empty();
-}
-
 // Sizes and forms of one finding with the covariance of the linearised problem, the
 // other findings and all freedom of form being nuisances.
 class Final {

@@ -195,13 +195,24 @@ class Scrutiny {
     const auto& out = search_.circumstances.left_out;
     const auto leaves_too_much = [&](const Circumstances& beside) {
       const Eigen::MatrixXd& columns_mm = refined.variant.columns_mm;
-      return LeavesTooMuch(FitPlain(observed_, beside, columns_mm, refined.sizes_mm));
+      const PlainFit fit = FitPlain(observed_, beside, columns_mm, refined.sizes_mm);
+      return LeavesTooMuch(fit, FormOf(candidate, observed_.machine()));
     };
     const bool is_leftover =
         leaves_too_much(CircumstancesBut(i)) && leaves_too_much(PlainBut(i));
-    return !is_leftover &&
+    return !is_leftover && !IsResidue(i, refined) &&
            !IsAmongOutliers(observed_, out, candidate, refined.variant) &&
            !IsGradual(observed_, NamedBut(i), candidate);
+  }
+
+  // Plates are no parabolas: where baseline and other findings take up nearly all of a
+  // bend, what is left of it is what its form differs by, and may be anything's.
+  bool IsResidue(std::size_t i, const Refined& refined) const {
+    constexpr double kLeastShown = 0.1;
+    const Candidate& candidate = candidates_[search_.found[i].candidate];
+    if (FormOf(candidate, observed_.machine()) != Form::kClose) return false;
+    const Eigen::VectorXd change_mm = refined.variant.columns_mm * refined.sizes_mm;
+    return ShownPart(observed_, CircumstancesBut(i), change_mm) < kLeastShown;
   }
 
   // What unseen rows can say nothing of: homings scatter anew each time, and some

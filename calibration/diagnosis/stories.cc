@@ -4,17 +4,28 @@
 #include <set>
 #include <string>
 
+#include "sim/effects/drive.h"
+
 namespace caltwin {
 namespace {
 
 constexpr double kClock_nats = 12;
 constexpr double kOneAxis_nats = 16;
 
-// In any order, time and temperature alike.
+bool IsTower(const std::string& channel) {
+  const auto drive = DriveNamed(channel);
+  return drive && drive->is_motor && channel.size() == 1;
+}
+
+// In any order, time and temperature alike. A tower's carriage stands where the place
+// wants it.
 std::set<std::string> Variables(const Shown& shown) {
   std::set<std::string> words;
   for (const std::string& word : shown.covariates) {
     words.insert(word == "temp" ? "t" : word);
+    if (IsTower(shown.channel) && word.starts_with("motor_")) {
+      words.insert({"x", "y", "z"});
+    }
   }
   return words;
 }
@@ -27,7 +38,8 @@ bool ShareRows(const std::string& one, const std::string& other) {
   const auto is_either = [&](const char* channel) {
     return one == channel || other == channel;
   };
-  return one == other || is_either("probe") || (is_either("bed") && is_either("z"));
+  return one == other || is_either("probe") || (is_either("bed") && is_either("z")) ||
+         IsTower(one) || IsTower(other);
 }
 
 }  // namespace

@@ -22,7 +22,8 @@ double MarginOver(const Candidate& named, const Candidate& free);
 
 /// Whether both are seen in the same rows and vary with the same thing, so that one can
 /// take up what the other leaves. Time and temperature count as the same: after a
-/// warm-up no row tells them apart.
+/// warm-up no row tells them apart. A delta's tower moves the nozzle along every axis,
+/// and where its carriage stands is a matter of place.
 bool ShareRowsAndVariable(const Shown& one, const Shown& other);
 
 }  // namespace caltwin

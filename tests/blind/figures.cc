@@ -124,8 +124,10 @@ Figure OfPairs(const std::vector<Judgement>& all, const Figure& figure, int leas
   return Counted(
       all,
       figure,
-      [](const Judgement& j) { return j.kind == "pair"; },
-      [least](const Judgement& j) { return j.hidden_named >= least; });
+      [](const Judgement& j) {
+        return j.kind == "pair" && j.sigma >= 2 && j.sum_squares >= kSeen;
+      },
+      [least](const Judgement& j) { return j.hidden_told >= least; });
 }
 
 Figure OfLoops(const std::vector<Judgement>& all) {

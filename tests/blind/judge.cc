@@ -97,6 +97,15 @@ void CountIntervals(const json& truth, const json& finding, Judgement* judgement
   }
 }
 
+/// Does another cause imitate it under this plan?
+bool HasTwin(const json& hidden) {
+  constexpr double kSeparated = 9;
+  const json& left = hidden.at("separation");
+  return std::any_of(left.begin(), left.end(), [](const json& squares) {
+    return squares.get<double>() < kSeparated;
+  });
+}
+
 void ReadTruth(const json& truth, Judgement* judgement) {
   judgement->kind = truth.at("kind");
   judgement->seed = truth.at("seed");
@@ -148,6 +157,7 @@ Judgement Judge(const json& truth, const json& answer, const json& again) {
       }
     }
     judgement.hidden_named += named ? 1 : 0;
+    judgement.hidden_told += named || (held && HasTwin(hidden)) ? 1 : 0;
     judgement.set_holds &= held || named;
   }
   const json gain = answer.value("gain", json::object());

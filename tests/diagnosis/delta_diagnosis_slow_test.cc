@@ -1,5 +1,10 @@
 // A delta performs its campaigns in closed form; the diagnosis gets the rows.
 
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -115,6 +120,56 @@ TEST(DeltaDiagnosis, NamesThePlayOfACarriage) {
   EXPECT_EQ(diagnosis.findings[0].cause, "carriage_backlash");
   EXPECT_EQ(diagnosis.findings[0].axis, "c");
   EXPECT_NEAR(diagnosis.findings[0].parameters[0].value, 0.06, 0.01);
+}
+
+// Eight times the usual: the chain is no straight function of such a lean, and what is
+// left of a straight one would be a finding of its own.
+TEST(DeltaDiagnosis, TellsALargeLeanExactly) {
+  BuiltDelta built = Built();
+  built.build.lean_radial_rad[1] = 16e-3;
+  built.build.lean_tangential_rad[1] = 8e-3;
+  const Diagnosis diagnosis =
+      DiagnosisOf(built, {"delta_grid", "delta_xy", "z_columns"});
+
+  ASSERT_EQ(diagnosis.findings.size(), 1U);
+  const Finding& finding = diagnosis.findings[0];
+  EXPECT_EQ(finding.cause, "tower_lean");
+  EXPECT_NEAR(finding.parameters[0].value, 16, 4 * finding.parameters[0].sd);
+  EXPECT_NEAR(finding.parameters[1].value, 8, 4 * finding.parameters[1].sd);
+}
+
+// A part of the chain has no freedom of form that could take up the small twist.
+TEST(DeltaDiagnosis, FindsASmallTwistOfTheBedBesideALargeLean) {
+  BuiltDelta built = Built();
+  built.build.lean_radial_rad[1] = 6e-3;
+  built.bed.twist_mm = 0.02;
+  const Diagnosis diagnosis =
+      DiagnosisOf(built, {"delta_grid", "delta_xy", "z_columns"});
+
+  std::vector<std::string> causes;
+  for (const Finding& finding : diagnosis.findings) causes.push_back(finding.cause);
+  EXPECT_THAT(causes, ::testing::UnorderedElementsAre("tower_lean", "bed_twist"));
+}
+
+// Metal near the rim pulls an inductive probe's trigger: higher there alone, and no
+// bowl, which no row can tell from it but by its shape.
+TEST(DeltaDiagnosis, MetalNearTheRimIsNoBowl) {
+  Session session = SessionOf(Delta(), Built(), {"delta_grid", "delta_xy"});
+  double rim_mm = 0;
+  for (const Row& row : session.table.rows) {
+    if (row.kind != RowKind::kTouch) continue;
+    rim_mm = std::max(rim_mm, std::hypot(row.cmd_mm[0], row.cmd_mm[1]));
+  }
+  for (Row& row : session.table.rows) {
+    if (row.kind != RowKind::kTouch) continue;
+    const double out = std::hypot(row.cmd_mm[0], row.cmd_mm[1]) / rim_mm;
+    row.value_mm += 0.15 * std::max(0.0, (out - 0.8) / 0.2);
+  }
+  const Diagnosis diagnosis =
+      Diagnose(Observed(session.table, session.planned.header, Delta(), {}), {});
+
+  EXPECT_EQ(diagnosis.verdict, DiagnosisVerdict::kUnknownStructure);
+  for (const Finding& finding : diagnosis.findings) EXPECT_EQ(finding.cause, "unknown");
 }
 
 // A machine file that claims a bed beyond any rod's reach: poses that cannot be are

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/base/rng.h"
+#include "sim/effects/catalog.h"
 
 namespace caltwin {
 namespace {
@@ -108,6 +109,45 @@ TEST(OwnShape, NoiseIsNoLackOfFit) {
 
 TEST(OwnShape, WhatIsKnownByItsSizeHasNoShapeToShow) {
   EXPECT_FALSE(LeavesTooMuch({.explained = 1, .left = 200, .doubt = 20}));
+}
+
+TEST(OwnShape, GeometryIsExactAndPlatesOfPrintersAreClose) {
+  const Candidate rod{.effect = EffectIndex<RodMismatch>(), .axis = "a1"};
+  const Candidate bowl{.effect = EffectIndex<BedBowl>(), .shown = {"bed", {"x", "y"}}};
+  const Machine delta{.kinematics = Kinematics::kDelta};
+
+  EXPECT_EQ(FormOf(rod, delta), Form::kExact);
+  EXPECT_EQ(FormOf(bowl, delta), Form::kClose);
+  EXPECT_EQ(FormOf(bowl, Plain()), Form::kLike);
+  EXPECT_EQ(FormOf({.effect = EffectIndex<FrameTemperature>()}, delta), Form::kLike);
+}
+
+TEST(OwnShape, WhatIsExactLeavesAFifthOfItsHeightAtMost) {
+  const PlainFit some{.explained = 600, .left = 60, .doubt = 20};
+  EXPECT_TRUE(LeavesTooMuch(some, Form::kExact));
+  EXPECT_TRUE(LeavesTooMuch(some, Form::kClose));
+  EXPECT_FALSE(LeavesTooMuch(some, Form::kLike));
+  EXPECT_FALSE(LeavesTooMuch({.explained = 600, .left = 40, .doubt = 20}, Form::kExact));
+}
+
+TEST(OwnShape, GeometryIsNotKnownByItsSizeAlone) {
+  const PlainFit nothing{.explained = 1, .left = 0, .doubt = 20};
+  EXPECT_TRUE(LeavesTooMuch(nothing, Form::kExact));
+  EXPECT_FALSE(LeavesTooMuch(nothing, Form::kClose));
+}
+
+// Beside an offset a half of ones shows by its scatter about the mean, one half of its
+// height, of a root mean square of 1 / sqrt(2).
+TEST(OwnShape, WhatTheOffsetTakesUpDoesNotShow) {
+  const Observed observed = Datum([](double) { return 0.0; });
+  Eigen::VectorXd half = Eigen::VectorXd::Zero(kRows);
+  half.head(kRows / 2).setOnes();
+  constexpr double kNeglected = 1e-5;  // The offset's prior: (sigma / sd)^2.
+
+  EXPECT_NEAR(ShownPart(observed, Offset(), half), std::sqrt(0.5), kNeglected);
+  EXPECT_NEAR(
+      ShownPart(observed, Offset(), Eigen::VectorXd::Ones(kRows)), 0, 1e-3);
+  EXPECT_EQ(ShownPart(observed, Offset(), Eigen::VectorXd::Zero(kRows)), 0);
 }
 
 TEST(OwnShape, RowsFullOfOutliersShowNoJump) {

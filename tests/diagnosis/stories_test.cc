@@ -35,6 +35,16 @@ TEST(Stories, ProbeAndAxisShareRowsTimeAndTemperatureAVariable) {
   EXPECT_FALSE(ShareRowsAndVariable({"bed", {"x"}}, {"x", {"x"}}));
 }
 
+// On a delta a tower's carriage stands where the place wants it; a screw under a bed
+// does not.
+TEST(Stories, ATowersTravelIsPlace) {
+  EXPECT_TRUE(ShareRowsAndVariable({"c", {"motor_c"}}, {"z", {"x", "y"}}));
+  EXPECT_TRUE(ShareRowsAndVariable({"bed", {"x"}}, {"a", {"motor_a"}}));
+  EXPECT_TRUE(ShareRowsAndVariable({"a", {"motor_a"}}, {"b", {"motor_b"}}));
+  EXPECT_FALSE(ShareRowsAndVariable({"c", {"t"}}, {"z", {"x", "y"}}));
+  EXPECT_FALSE(ShareRowsAndVariable({"z3", {"motor_c"}}, {"z", {"x", "y"}}));
+}
+
 TEST(Stories, TheSenseAloneIsNoSharedVariable) {
   EXPECT_FALSE(ShareRowsAndVariable({"x", {"load", "dir_x"}}, {"x", {"dir_x", "x"}}));
 }
