@@ -217,7 +217,10 @@ class MotorRun {
     }
     if (name == "history_entries") return static_cast<double>(history_);
     if (name == "machine_time_s") return result.machine_time_s;
-    return TrueHome(firmware_, rig_, *MotorAxisNamed(name.substr(name.find('.') + 1)));
+    const std::size_t axis = *MotorAxisNamed(name.substr(name.find('.') + 1));
+    if (name.starts_with("home.")) return TrueHome(firmware_, rig_, axis);
+    const AxisCalibration& record = firmware_.record(axis);
+    return record.backlash_pulses / record.pulses_per_unit;
   }
 
   void AddChecks(RunResult* result) const {

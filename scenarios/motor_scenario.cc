@@ -188,6 +188,7 @@ void ReadExpectation(YamlMap map, MotorScenario* scenario) {
   std::vector<std::string> figures(kFigures.begin(), kFigures.end());
   for (std::size_t i = 0; i < kNumMotorAxes; ++i) {
     figures.push_back("home." + MotorAxisName(i));
+    figures.push_back("compensated." + MotorAxisName(i));
   }
   for (const std::string& figure : figures) {
     if (const auto value = map.Optional(figure)) {
