@@ -9,7 +9,7 @@ namespace caltwin {
 namespace {
 
 constexpr double kUsualBackOff_unit = 2;
-constexpr double kHunt = 1.2;       // Turns that are gone to look for an index.
+constexpr double kHunt = 1.2;        // Turns that are gone to look for an index.
 constexpr double kSecondLook = 0.1;  // Of the slow speed: the corrected one's.
 constexpr double kTwoSided = 4;      // |offset| beyond a turn's 1/4: not this switch.
 
@@ -19,15 +19,15 @@ struct Homing {
   double pulses_per_unit = 1;
   double lead_unit = 1;
   double slow_unit_s = 1;
-  double sigma_unit = 0;      ///< Of where it was seen at the switch.
+  double sigma_unit = 0;  ///< Of where it was seen at the switch.
   std::int64_t at_switch = 0;
   std::int64_t backed_off = 0;
   std::int64_t index = 0;
 
-  double AfterBackOff_unit() const {
+  double after_back_off_unit() const {
     return static_cast<double>(index - backed_off) / pulses_per_unit;
   }
-  double Offset_unit() const {
+  double offset_unit() const {
     return static_cast<double>(index - at_switch) / pulses_per_unit;
   }
 };
@@ -38,7 +38,7 @@ double Below(double sigmas) {
 
 // The share of homings whose back-off ends on the other side of an index.
 double WrongTurns(const Homing& homing) {
-  const double to_unit = homing.AfterBackOff_unit();
+  const double to_unit = homing.after_back_off_unit();
   return Below(to_unit / homing.sigma_unit) +
          Below((homing.lead_unit - to_unit) / homing.sigma_unit);
 }
@@ -92,42 +92,46 @@ bool LookAgain(double back_off_unit, Homing* homing, MotorDoing* doing) {
 // Half a turn between the back-off's end and the index.
 bool BackOffFarther(Homing* homing, MotorDoing* doing) {
   MotorAxes& axes = doing->axes();
-  const double to_unit = homing->AfterBackOff_unit();
+  const double to_unit = homing->after_back_off_unit();
   const double half_unit = homing->lead_unit / 2;
-  const double more_unit = to_unit < half_unit ? to_unit + half_unit : to_unit - half_unit;
+  const double more_unit =
+      to_unit < half_unit ? to_unit + half_unit : to_unit - half_unit;
   const auto now = doing->Got(axes.Count(homing->axis));
   if (!now) return false;
   homing->backed_off += std::llround(more_unit * homing->pulses_per_unit);
   const double by_unit =
       static_cast<double>(homing->backed_off - *now) / homing->pulses_per_unit;
-  if (!doing->Did(axes.MoveBy(homing->axis, by_unit, homing->slow_unit_s))) return false;
+  if (!doing->Did(axes.MoveBy(homing->axis, by_unit, homing->slow_unit_s)))
+    return false;
   if (!HuntIndex(homing, doing)) return false;
-  doing->Say(fmt::format("backed off by {:.3f} {} more: the index is half a turn from "
-                         "there, out of the switch's reach",
-                         more_unit,
-                         axes.drawing(homing->axis).unit()));
+  doing->Say(
+      fmt::format("backed off by {:.3f} {} more: the index is half a turn from "
+                  "there, out of the switch's reach",
+                  more_unit,
+                  axes.drawing(homing->axis).unit()));
   return true;
 }
 
 void WarnOfReach(const Homing& homing, MotorDoing* doing) {
-  const double to_unit = homing.AfterBackOff_unit();
+  const double to_unit = homing.after_back_off_unit();
   const double near_unit = std::min(to_unit, homing.lead_unit - to_unit);
   const double share = WrongTurns(homing);
-  doing->Warn(fmt::format(
-      "the back-off of {} ends {:.1f} um from an index, {:.1f} times the switch's scatter "
-      "({:.1f} um): {:.2g} % of homings would be a turn ({:g} {}) off",
-      MotorAxisName(homing.axis),
-      UmFromMm(near_unit),
-      near_unit / homing.sigma_unit,
-      UmFromMm(homing.sigma_unit),
-      PercentFromFraction(share),
-      homing.lead_unit,
-      doing->axes().drawing(homing.axis).unit()));
+  doing->Warn(
+      fmt::format("the back-off of {} ends {:.1f} um from an index, {:.1f} times the "
+                  "switch's scatter "
+                  "({:.1f} um): {:.2g} % of homings would be a turn ({:g} {}) off",
+                  MotorAxisName(homing.axis),
+                  UmFromMm(near_unit),
+                  near_unit / homing.sigma_unit,
+                  UmFromMm(homing.sigma_unit),
+                  PercentFromFraction(share),
+                  homing.lead_unit,
+                  doing->axes().drawing(homing.axis).unit()));
 }
 
 // Against the offset that was stored: whole turns are the switch's, the rest is none.
 bool CountTurns(double stored_unit, Homing* homing, MotorDoing* doing) {
-  const double off_unit = homing->Offset_unit() - stored_unit;
+  const double off_unit = homing->offset_unit() - stored_unit;
   const double turns = std::round(off_unit / homing->lead_unit);
   const double rest_unit = off_unit - turns * homing->lead_unit;
   if (std::abs(rest_unit) > homing->lead_unit / kTwoSided) {
@@ -142,8 +146,8 @@ bool CountTurns(double stored_unit, Homing* homing, MotorDoing* doing) {
   const double pulses = turns * homing->lead_unit * homing->pulses_per_unit;
   homing->index -= Mutant("home_ignores_turns", std::llround(pulses), 0LL);
   if (turns != 0) {
-    doing->Say(fmt::format("{:+g} turn of the motor against the stored home: taken back",
-                           turns));
+    doing->Say(fmt::format(
+        "{:+g} turn of the motor against the stored home: taken back", turns));
   }
   return true;
 }
@@ -172,7 +176,7 @@ bool ToSwitch(Homing* homing, MotorDoing* doing) {
 }
 
 bool Correct(double stored_unit, Homing* homing, MotorDoing* doing) {
-  const double to_unit = homing->AfterBackOff_unit();
+  const double to_unit = homing->after_back_off_unit();
   const double near_unit = std::min(to_unit, homing->lead_unit - to_unit);
   const bool is_near = near_unit < doing->options().reach_sigmas * homing->sigma_unit;
   if (is_near) WarnOfReach(*homing, doing);

@@ -75,7 +75,7 @@ void MotorMotion::Poll() {
 
 void MotorMotion::Watch(std::size_t i, const RigDrive& drive) {
   AxisState& axis = axes_[i];
-  const double current_a = rig_->Current_a(i);
+  const double current_a = rig_->CurrentOf(i);
   axis.peak_a = std::max(axis.peak_a, current_a);
   const bool is_full =
       options_.is_servo[i] && current_a >= kAtLimit * options_.limit_a[i];

@@ -108,7 +108,6 @@ class MotorMotion {
   AxisState& axis(std::size_t i) { return axes_[i]; }
   const AxisState& axis(std::size_t i) const { return axes_[i]; }
   std::int64_t Count(std::size_t i) const { return rig_->Count(i); }
-  void SetLimit_a(std::size_t i, double limit_a) { options_.limit_a[i] = limit_a; }
 
  private:
   using Pins = std::array<std::array<bool, 2>, kNumMotorAxes>;

@@ -30,7 +30,7 @@ class MotorRig {
   /// Of a servo its encoder's counter since power-up, of a stepper the pulses sent.
   virtual std::int64_t Count(std::size_t axis) const = 0;
   /// What its drive feeds the motor now [A].
-  virtual double Current_a(std::size_t axis) const = 0;
+  virtual double CurrentOf(std::size_t axis) const = 0;
   /// The level at the expander's pin now.
   virtual bool IsPressed(std::size_t axis, SwitchEnd end) const = 0;
   /// Counts that the hardware latched at index pulses since the last call, in order.

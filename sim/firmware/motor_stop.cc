@@ -9,7 +9,8 @@ namespace {
 
 constexpr double kPatience_s = 0.5;
 constexpr double kAfterwards_s = 0.05;  // Counters are watched so long without power.
-constexpr double kStill_pulses = 1.5;   // A tick: slower counts as standing.
+constexpr double kStill_pulses = 1.5;   // A tick: slower counts as standing,
+constexpr double kHeld_s = 0.002;       // and is braked so long yet.
 
 }  // namespace
 
@@ -62,15 +63,16 @@ void MotorMotion::EmergencyStop() {
     axes_[i].peak_a = 0;
   }
   const double least_s = options_.stop_filter_s + options_.stepper_stop_s;
-  bool all_stand = false;
-  for (double t_s = 0; !all_stand && t_s < kPatience_s;) {
+  double stood_s = 0;
+  for (double t_s = 0; stood_s < kHeld_s && t_s < kPatience_s;) {
     Tick(Stopping(t_s, slowing));
     t_s += tick_s_;
-    all_stand = t_s > least_s;
+    bool all_stand = t_s > least_s;
     for (std::size_t i = 0; i < kNumMotorAxes; ++i) {
       NoteStandstill(i, t_s, &slowing[i]);
       all_stand = all_stand && axes_[i].stop.is_done;
     }
+    if (all_stand) stood_s += tick_s_;
   }
   for (std::size_t i = 0; i < kNumMotorAxes; ++i) {
     axes_[i].stop.peak_a = axes_[i].peak_a;

@@ -66,6 +66,7 @@ void FastMotors::Servo(const BuiltMotor& motor,
   MotorState& state = now->state;
   const double most = d.largest_force();
   const double inertia = d.total_inertia() * d.si_per_unit() / kTick_s;
+  now->field_unit = drive.to_unit;
   if (drive.mode == MotorDrive::Mode::kOff) {
     Coast(motor, 0, now);
     return;
@@ -149,9 +150,17 @@ void FastMotors::Stepper(const BuiltMotor& motor,
                 .force = needed};
 }
 
+// Told to stay where it stands: nothing of it changes.
+bool FastMotors::IsResting(const AxisNow& now, const MotorDrive& drive) {
+  return drive.mode == MotorDrive::Mode::kFollow &&
+         drive.to_unit == now.state.motor_unit && drive.to_unit == now.field_unit &&
+         now.state.motor_unit_s == 0 && now.field_unit_s == 0 && now.state.force == 0;
+}
+
 void FastMotors::Tick(const MotorDrives& drives) {
   for (std::size_t i = 0; i < kNumMotorAxes; ++i) {
     const BuiltMotor& motor = motors_[i];
+    if (IsResting(axes_[i], drives[i])) continue;
     if (motor.drawing.is_servo) {
       Servo(motor, drives[i], &axes_[i]);
     } else {

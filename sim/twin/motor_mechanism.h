@@ -79,6 +79,7 @@ class FastMotors : public MotorMechanism {
     double lost_unit = 0;      ///< By which the rotor is behind its field for good.
     bool has_slipped = false;  ///< And has not caught it again.
   };
+  static bool IsResting(const AxisNow& now, const MotorDrive& drive);
   void Servo(const BuiltMotor& motor, const MotorDrive& drive, AxisNow* now) const;
   void Stepper(const BuiltMotor& motor, const MotorDrive& drive, AxisNow* now) const;
   void Slip(const BuiltMotor& motor, AxisNow* now) const;

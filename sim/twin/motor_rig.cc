@@ -131,6 +131,10 @@ void MotorStageRig::SenseAll(std::size_t i, const MotorState& before) {
   AxisNow& axis = axes_[i];
   const MotorAxisDrawing& d = built_.motors[i].drawing;
   const MotorState now = mechanism_->State(i);
+  const bool is_still = d.is_servo && now.motor_unit == before.motor_unit &&
+                        now.carriage_unit == axis.sensed_unit;
+  if (is_still) return;
+  axis.sensed_unit = now.carriage_unit;
   SenseSwitch(i, SwitchEnd::kMin, now.carriage_unit);
   SenseSwitch(i, SwitchEnd::kMax, now.carriage_unit);
   if (!d.is_servo) {
@@ -159,7 +163,7 @@ void MotorStageRig::Tick(const RigDrives& drives) {
   for (std::size_t i = 0; i < kNumMotorAxes; ++i) SenseAll(i, before[i]);
 }
 
-double MotorStageRig::Current_a(std::size_t axis) const {
+double MotorStageRig::CurrentOf(std::size_t axis) const {
   return std::abs(mechanism_->State(axis).force) /
          built_.motors[axis].drawing.force_per_amp;
 }

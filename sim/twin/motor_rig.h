@@ -47,7 +47,7 @@ class MotorStageRig : public MotorRig {
   double tick_s() const override { return MotorMechanism::kTick_s; }
   void Tick(const RigDrives& drives) override;
   std::int64_t Count(std::size_t axis) const override { return axes_[axis].count; }
-  double Current_a(std::size_t axis) const override;
+  double CurrentOf(std::size_t axis) const override;
   bool IsPressed(std::size_t axis, SwitchEnd end) const override;
   std::vector<std::int64_t> TakeIndexEdges(std::size_t axis) override;
 
@@ -67,6 +67,7 @@ class MotorStageRig : public MotorRig {
     double lost_pulses = 0;
     double rest_pulses = 0, rest_goal_pulses = 0;
     double last_told = 0;
+    std::optional<double> sensed_unit{};  ///< Where the carriage was looked at last.
     bool was_moving = false;
     std::vector<double> delayed{};  ///< Drives told and not yet obeyed, oldest first.
     std::array<Switch, 2> switches{};

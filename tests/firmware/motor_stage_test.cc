@@ -32,7 +32,7 @@ class IdealRig : public MotorRig {
     }
   }
   std::int64_t Count(std::size_t axis) const override { return counts[axis]; }
-  double Current_a(std::size_t axis) const override {
+  double CurrentOf(std::size_t axis) const override {
     return axis == 1 ? current_y_a : 1;
   }
   bool IsPressed(std::size_t axis, SwitchEnd end) const override {

@@ -35,14 +35,14 @@ class WatchedRig : public MotorRig {
       first_ = before;
     }
     *slowing_s_ += tick_s();
-    // A rotor that stands to 0.5 % of its speed stands.
-    const double still = 0.005 * first_;
+    // A hundredth of its speed is a standstill: its coupling rings a while yet.
+    const double still = 0.01 * first_;
     if (after > still) return;
     const double part = before > after ? (before - still) / (before - after) : 1;
     braked_s_ = *slowing_s_ - tick_s() * (1 - std::min(part, 1.0));
   }
   std::int64_t Count(std::size_t axis) const override { return inner_->Count(axis); }
-  double Current_a(std::size_t axis) const override { return inner_->Current_a(axis); }
+  double CurrentOf(std::size_t axis) const override { return inner_->CurrentOf(axis); }
   bool IsPressed(std::size_t axis, SwitchEnd end) const override {
     return inner_->IsPressed(axis, end);
   }
