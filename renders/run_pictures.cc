@@ -168,6 +168,7 @@ ReportPictures PicturesOf(const RunResult& result) {
     pictures.pictures.push_back(DeltaAsBuilt(scenario, result.seed));
     return pictures;
   }
+  if (scenario.motor) return pictures;     // Its axes are told by numbers.
   if (scenario.z_offset) return pictures;  // Nothing of it is in a model.
   if (scenario.triple_z) {
     pictures.pictures.push_back(TripleZAsBuilt(scenario, result.seed));

@@ -13,6 +13,7 @@
 #include "scenarios/interruptible_link.h"
 #include "scenarios/parameter_name.h"
 #include "scenarios/record.h"
+#include "scenarios/motor_runner.h"
 #include "scenarios/triple_z_runner.h"
 #include "scenarios/verdict.h"
 #include "scenarios/z_offset_runner.h"
@@ -212,6 +213,7 @@ double PositionErrorP95_mm(const Twin& twin) {
 RunResult RunScenario(const Scenario& scenario, const RunOptions& options) {
   if (scenario.delta) return RunDeltaScenario(scenario, options);
   if (scenario.triple_z) return RunTripleZScenario(scenario, options);
+  if (scenario.motor) return RunMotorScenario(scenario, options);
   if (scenario.z_offset) return RunZOffsetScenario(scenario, options);
   const std::clock_t start = std::clock();
   Twin twin(MakeTwinConfig(scenario, options));

@@ -23,7 +23,12 @@ void ReadMachineKey(YamlMap* map, const fs::path& folder, Scenario* scenario) {
   if (!machine) return;
   const std::string name = machine->Text();
   if (name.empty()) return;
-  scenario->machine = ReadAnyMachineFile(FindMachine(name, folder, machine->place()));
+  const fs::path file = FindMachine(name, folder, machine->place());
+  if (IsMotorStage(file)) {
+    scenario->motor = MotorScenario{.drawing = ReadMotorStage(file)};
+    return;
+  }
+  scenario->machine = ReadAnyMachineFile(file);
   scenario->effects = scenario->machine.effects;
 }
 
@@ -147,6 +152,12 @@ Scenario ReadScenarioText(const std::string& text, const fs::path& name) {
   scenario.fidelity = map.WordOr("fidelity", "physics", {"physics", "fast"}) == "fast"
                           ? Fidelity::kFast
                           : Fidelity::kPhysics;
+  if (scenario.motor) {
+    scenario.motor = ReadMotorScenario(&map, scenario.motor->drawing);
+    map.NoMoreKeys();
+    faults.ThrowIfAny();
+    return scenario;
+  }
   if (scenario.machine.machine.delta) {
     scenario.delta =
         ReadDeltaScenario(&map, scenario.machine.machine, scenario.machine.effects);

@@ -11,6 +11,7 @@
 #include "scenarios/expectation.h"
 #include "scenarios/external.h"
 #include "scenarios/machine_file.h"
+#include "scenarios/motor_scenario.h"
 #include "scenarios/triple_z_scenario.h"
 #include "scenarios/varied.h"
 #include "scenarios/z_offset_scenario.h"
@@ -49,6 +50,7 @@ struct Scenario {
   Expectation expect{};
   std::optional<DeltaScenario> delta{};       ///< In place of all from `effects` on.
   std::optional<TripleZScenario> triple_z{};  ///< Likewise.
+  std::optional<MotorScenario> motor{};       ///< Likewise; its machine is in it.
   std::optional<ZOffsetScenario> z_offset{};  ///< Likewise, where it has a `station`.
 };
 

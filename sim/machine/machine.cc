@@ -227,6 +227,13 @@ Machine ReadMachine(YamlMap* map) {
   map->IntegerOr("format", 1, 1, 1);
   machine.name = map->TextOr("name", machine.file.stem().string());
   if (const auto kinematics = map->Required("kinematics")) {
+    if (kinematics->is_scalar() && kinematics->Text() == "motor_stage") {
+      throw InputError(kinematics->place(),
+                       "kinematics = motor_stage: single motors, which have no tip to "
+                       "measure or to move",
+                       "`caltwin run` runs their scenarios, scenarios/motor_*.yaml; "
+                       "here a machine is cartesian, delta or triple_z");
+    }
     const std::string word = kinematics->Word({"cartesian", "delta", "triple_z"});
     if (word == "delta") {
       machine.kinematics = Kinematics::kDelta;

@@ -12,6 +12,7 @@
 #include "calibration/procedures/catalog.h"
 #include "scenarios/delta_words.h"
 #include "scenarios/keys.h"
+#include "scenarios/motor_effects.h"
 #include "scenarios/triple_z_words.h"
 #include "sim/effects/catalog.h"
 #include "sim/measure/plan_kinds.h"
@@ -139,6 +140,8 @@ std::string Explanation(const std::string& name) {
   add(DeltaEffectWords(), "effect of a delta");
   add(DeltaProcedureWords(), "procedure of a delta");
   add(TripleZProcedureWords(), "procedure of a triple-Z printer");
+  add(MotorEffectWords(), "effect of a motor axis");
+  add(MotorProcedureWords(), "procedure of a motor axis");
   for (const Effect* each : AllEffects()) {
     for (const Parameter& parameter : each->parameters) {
       if (parameter.name != name || effect) continue;
@@ -176,6 +179,8 @@ std::string ListText() {
   add_names("Effects of a delta", DeltaEffectWords());
   add_names("Procedures of a delta", DeltaProcedureWords());
   add_names("Procedures of a triple-Z printer", TripleZProcedureWords());
+  add_names("Effects of a motor axis", MotorEffectWords());
+  add_names("Procedures of a motor axis", MotorProcedureWords());
   return text;
 }
 
@@ -231,7 +236,9 @@ std::vector<std::string> AllNames() {
                            UnitWords(),
                            DeltaEffectWords(),
                            DeltaProcedureWords(),
-                           TripleZProcedureWords()}) {
+                           TripleZProcedureWords(),
+                           MotorEffectWords(),
+                           MotorProcedureWords()}) {
     for (const Word& word : words) names.emplace_back(word.name);
   }
   return names;

@@ -37,7 +37,15 @@ struct Options {
 /// the machine of a scenario with its effects and artefacts.
 TwinConfig ConfigOf(const fs::path& file) {
   const FileKind kind = KindOf(file);
-  if (kind == FileKind::kScenario) return MakeTwinConfig(ReadScenario(file));
+  if (kind == FileKind::kScenario) {
+    const Scenario scenario = ReadScenario(file);
+    if (scenario.motor) {
+      throw InputError({.file = file.string()},
+                       "a motor stage is not drawn",
+                       "any MuJoCo viewer opens models/motor_stage/model.xml");
+    }
+    return MakeTwinConfig(scenario);
+  }
   if (kind == FileKind::kMachine) {
     const MachineFile machine = ReadMachineFile(file);
     return {.machine = machine.machine,

@@ -13,6 +13,7 @@
 #include "scenarios/scenario.h"
 #include "scenarios/study/study.h"
 #include "sim/machine/machine.h"
+#include "sim/machine/motor_stage.h"
 #include "sim/measure/data_header.h"
 #include "sim/measure/plan.h"
 #include "sim/measure/rows.h"
@@ -54,7 +55,11 @@ void Check(const std::string& file, FileKind kind) {
       ReadScenario(file);
       return;
     case FileKind::kMachine:
-      ReadAnyMachineFile(file);
+      if (IsMotorStage(file)) {
+        ReadMotorStage(file);
+      } else {
+        ReadAnyMachineFile(file);
+      }
       return;
     case FileKind::kTruth:
       ReadTruth(file);

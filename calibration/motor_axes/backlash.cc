@@ -1,0 +1,195 @@
+#include <algorithm>
+#include <cmath>
+
+#include "calibration/motor_axes/doing.h"
+#include "sim/base/mutant.h"
+
+namespace caltwin {
+namespace {
+
+constexpr double kGentle = 0.5;  // Of the friction: so a carriage does not coast.
+constexpr double kWorseBy = 3;   // Standard uncertainties that a check may be off.
+
+/// A gap with its standard uncertainty [mm, deg].
+struct Gap {
+  double value_unit = 0;
+  double sd_unit = 0;
+  double left_unit = 0;  ///< What the commanded place still differs by.
+};
+
+// One approach to `at_unit` from `from_unit`: gauge less counter, and gauge.
+struct Approach {
+  double beyond_counter_unit = 0;
+  double gauge_unit = 0;
+};
+
+std::optional<Approach> ReadApproach(double from_unit,
+                                     double at_unit,
+                                     double speed_unit_s,
+                                     MotorDoing* doing) {
+  MotorAxes& axes = doing->axes();
+  const std::size_t axis = doing->options().axes.front();
+  if (!doing->Did(axes.MoveTo(axis, from_unit, speed_unit_s)) ||
+      !doing->Did(axes.MoveTo(axis, at_unit, speed_unit_s))) {
+    return std::nullopt;
+  }
+  const auto count = doing->Got(axes.Count(axis));
+  const auto pulses = doing->Got(axes.Field(92, axis));
+  const auto gauge_unit =
+      doing->Got(axes.bench().gauge->Read_mm("laser." + MotorAxisName(axis)));
+  if (!count || !pulses || !gauge_unit) return std::nullopt;
+  const double counter_unit = static_cast<double>(*count) / *pulses;
+  return Approach{*gauge_unit - counter_unit, *gauge_unit};
+}
+
+// Moving in + the carriage lags the counter, moving in - it leads.
+std::optional<Gap> MeasureGap(double speed_unit_s, MotorDoing* doing) {
+  const MotorOptions& o = doing->options();
+  const double at_unit = 2 * o.distance_unit;
+  Gap gap;
+  for (int i = 0; i < o.repeats; ++i) {
+    const auto plus = ReadApproach(at_unit - o.distance_unit, at_unit, speed_unit_s, doing);
+    const auto minus =
+        ReadApproach(Mutant("motor_backlash_one_side",
+                            at_unit + o.distance_unit,
+                            at_unit - o.distance_unit),
+                     at_unit,
+                     speed_unit_s,
+                     doing);
+    if (!plus || !minus) return std::nullopt;
+    gap.value_unit += (minus->beyond_counter_unit - plus->beyond_counter_unit) / o.repeats;
+    gap.left_unit += (minus->gauge_unit - plus->gauge_unit) / o.repeats;
+  }
+  const auto pulses = doing->Got(doing->axes().Field(92, o.axes.front()));
+  if (!pulses) return std::nullopt;
+  const double rounding_unit = 1 / *pulses / std::sqrt(12.0);
+  gap.sd_unit = std::hypot(doing->axes().bench().gauge_sigma_unit, rounding_unit) *
+                std::sqrt(2.0 / o.repeats);
+  return gap;
+}
+
+// Slow enough at the end that rail friction stops the carriage with its motor.
+bool Gently(MotorDoing* doing, double* before_unit_s2) {
+  MotorAxes& axes = doing->axes();
+  const std::size_t axis = doing->options().axes.front();
+  const MotorAxisDrawing& d = axes.drawing(axis);
+  const auto before = doing->Got(axes.Field(201, axis));
+  if (!before) return false;
+  *before_unit_s2 = *before;
+  const double friction_unit_s2 = d.friction / d.load_inertia / d.si_per_unit();
+  return doing->Did(
+      axes.SetField(201, axis, std::min(*before, kGentle * friction_unit_s2)));
+}
+
+MotorResult AsPublished(MotorDoing doing) {
+  const MotorOptions& o = doing.options();
+  MotorAxes& axes = doing.axes();
+  const std::size_t axis = o.axes.front();
+  const double speed_unit_s = o.medium * axes.drawing(axis).max_velocity_unit_s;
+  const auto pulses = doing.Got(axes.Field(92, axis));
+  if (!pulses) return doing.Take();
+  std::vector<std::int64_t> read;
+  for (const double by_unit : {o.distance_unit, -2 * o.distance_unit, o.distance_unit}) {
+    if (!doing.Did(axes.MoveBy(axis, by_unit, speed_unit_s))) return doing.Take();
+    const auto count = doing.Got(axes.Count(axis));
+    if (!count) return doing.Take();
+    read.push_back(*count);
+  }
+  const double backlash_unit = static_cast<double>(std::abs(read[2] - read[0])) / *pulses;
+  const std::string name = "backlash." + MotorAxisName(axis);
+  if (!doing.Did(axes.SetField(425, axis, backlash_unit)) ||
+      !doing.Did(axes.Store(axis))) {
+    return doing.Take();
+  }
+  doing.Step(name, 0, backlash_unit, Verdict::kApplied, "abs(P2 - P1) of the counter");
+  doing.Found(name, axes.drawing(axis).unit(), backlash_unit, 1 / *pulses);
+  return doing.Take();
+}
+
+// Measured again at half the speed; still beyond: the operator's.
+std::optional<Gap> WithinTolerance(MotorDoing* doing) {
+  const MotorOptions& o = doing->options();
+  const std::size_t axis = o.axes.front();
+  const MotorAxisDrawing& d = doing->axes().drawing(axis);
+  double speed_unit_s = o.medium * d.max_velocity_unit_s;
+  std::string words;
+  for (int attempt = 0; attempt <= o.retries; ++attempt, speed_unit_s /= 2) {
+    const auto gap = MeasureGap(speed_unit_s, doing);
+    if (!gap || gap->value_unit <= o.tolerance_unit) return gap;
+    words = fmt::format("backlash of {} is {:.4f} +- {:.4f} {}, beyond the mechanical "
+                        "tolerance of {:g}",
+                        MotorAxisName(axis),
+                        gap->value_unit,
+                        gap->sd_unit,
+                        d.unit(),
+                        o.tolerance_unit);
+    doing->Log(axis, words);
+    if (attempt < o.retries) ++doing->done().found.retries;
+    if (attempt == o.retries) {
+      doing->Found("backlash." + MotorAxisName(axis), d.unit(), gap->value_unit, gap->sd_unit);
+    }
+  }
+  doing->Alert(axis, words + ": not compensated");
+  doing->SafeSlow(axis);
+  return std::nullopt;
+}
+
+// Compensates, looks whether both senses meet now, and keeps it or takes it back.
+void ApplyGap(const Gap& gap, MotorDoing* doing) {
+  MotorAxes& axes = doing->axes();
+  const MotorOptions& o = doing->options();
+  const std::size_t axis = o.axes.front();
+  const std::string name = "backlash." + MotorAxisName(axis);
+  const auto before = doing->Got(axes.Field(425, axis));
+  if (!before || !doing->Did(axes.SetField(425, axis, gap.value_unit))) return;
+  const auto check =
+      MeasureGap(o.medium * axes.drawing(axis).max_velocity_unit_s, doing);
+  if (!check) return;
+  const bool is_better =
+      std::abs(check->left_unit) <=
+      std::max(std::abs(gap.left_unit), kWorseBy * std::hypot(gap.sd_unit, check->sd_unit));
+  if (!is_better) {
+    doing->Did(axes.SetField(425, axis, *before));
+    doing->Step(name, *before, *before, Verdict::kRolledBack, "the check was worse");
+    return;
+  }
+  doing->Say(fmt::format("compensated, the two senses differ by {:+.4f} {}",
+                         check->left_unit,
+                         axes.drawing(axis).unit()));
+  if (doing->Did(axes.Store(axis))) {
+    doing->Step(name, *before, gap.value_unit, Verdict::kApplied, "opposite approaches, "
+                                                                  "read by the gauge");
+  }
+}
+
+}  // namespace
+
+MotorResult RunMotorBacklash(MotorAxes* axes, const MotorOptions& options) {
+  MotorDoing doing("motor_backlash", options, axes);
+  const std::size_t axis = options.axes.front();
+  const std::string name = "backlash." + MotorAxisName(axis);
+  const auto says = doing.Got(axes->Drive(axis));
+  if (!says) return doing.Take();
+  if (!says->is_homed) {
+    doing.Fail({.reply = MotorAxisName(axis) + " is not homed: home it first"});
+    return doing.Take();
+  }
+  if (options.is_as_published) return AsPublished(std::move(doing));
+  if (axes->bench().gauge == nullptr) {
+    doing.Confess("the motor's own counter does not see what the carriage does: the "
+                  "backlash wants a gauge on the carriage",
+                  name);
+    return doing.Take();
+  }
+  double before_unit_s2 = 0;
+  if (!Gently(&doing, &before_unit_s2)) return doing.Take();
+  const auto gap = WithinTolerance(&doing);
+  if (gap) {
+    doing.Found(name, axes->drawing(axis).unit(), gap->value_unit, gap->sd_unit);
+    ApplyGap(*gap, &doing);
+  }
+  doing.Did(axes->SetField(201, axis, before_unit_s2));
+  return doing.Take();
+}
+
+}  // namespace caltwin

@@ -1,0 +1,122 @@
+#pragma once
+
+#include <string>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "calibration/motor_axes/procedures.h"
+
+namespace caltwin {
+
+/// A motor procedure on its way: what it said and did.
+class MotorDoing {
+ public:
+  MotorDoing(std::string name, const MotorOptions& options, MotorAxes* axes)
+      : name_(std::move(name)), options_(options), axes_(axes) {}
+
+  void Say(std::string text) { done_.result.messages.push_back(std::move(text)); }
+  void Warn(const std::string& text) {
+    ++done_.found.warnings;
+    Say("warning: " + text);
+  }
+  /// Logged in the controller, and said.
+  void Log(std::size_t axis, const std::string& text) {
+    Say("logged: " + text);
+    Did(axes_->Log(axis, text));
+  }
+  /// Logged, and the operator called; nothing more is done with the axis.
+  void Alert(std::size_t axis, const std::string& text) {
+    ++done_.found.alerts;
+    Log(axis, text);
+    Say("ALERT: operator wanted: " + text);
+    done_.result.ending = Ending::kRefused;
+  }
+  /// The axis without power.
+  void SafeOff(std::size_t axis) {
+    ++done_.found.safe_modes;
+    Did(axes_->Enable(axis, false));
+    Say(fmt::format("safe mode: {} is switched off", MotorAxisName(axis)));
+  }
+  /// The axis at a tenth of its highest speed from now on.
+  void SafeSlow(std::size_t axis) {
+    ++done_.found.safe_modes;
+    const double most_unit_s = axes_->drawing(axis).max_velocity_unit_s / 10;
+    Did(axes_->SetField(203, axis, most_unit_s));
+    Say(fmt::format("safe mode: {} moves at no more than {:g} {}/s",
+                    MotorAxisName(axis),
+                    most_unit_s,
+                    axes_->drawing(axis).unit()));
+  }
+  void Step(const std::string& quantity,
+            double before,
+            double after,
+            Verdict verdict,
+            const std::string& message) {
+    done_.result.steps.push_back(
+        {.procedure = name_,
+         .variant = options_.is_as_published ? "as_published" : "corrected",
+         .iteration = done_.found.retries + 1,
+         .name = quantity,
+         .before = before,
+         .after = after,
+         .verdict = verdict,
+         .message = message});
+  }
+  void Found(std::string name, std::string unit, double value, double sd) {
+    done_.result.estimates.push_back({.name = std::move(name),
+                                      .unit = std::move(unit),
+                                      .value = value,
+                                      .sd = sd,
+                                      .identifiable = true});
+  }
+  void Confess(const std::string& statement, const std::string& name) {
+    done_.result.observability.push_back({statement, {{name, 1.0}}});
+    done_.result.ending = Ending::kConfounded;
+  }
+  void Fail(const MachineFault& fault) {
+    done_.result.fault = fault.reply;
+    const auto kind = fault.kind;
+    done_.result.ending = kind == MachineFault::Kind::kNoTrigger  ? Ending::kNoTrigger
+                          : kind == MachineFault::Kind::kLinkLost ? Ending::kLinkLost
+                          : kind == MachineFault::Kind::kAlarm    ? Ending::kAlarm
+                                                                  : Ending::kRefused;
+    Say("the machine said: " + fault.reply);
+  }
+  template <typename T>
+  std::optional<T> Got(Expected<T> value) {
+    if (value) return *std::move(value);
+    Fail(value.error());
+    return std::nullopt;
+  }
+  bool Did(const Expected<void>& done) {
+    if (!done) Fail(done.error());
+    return done.has_value();
+  }
+
+  MotorResult& done() { return done_; }
+  const MotorOptions& options() const { return options_; }
+  MotorAxes& axes() { return *axes_; }
+  MotorResult Take() { return std::move(done_); }
+
+ private:
+  std::string name_;
+  const MotorOptions& options_;
+  MotorAxes* axes_;
+  MotorResult done_{};
+};
+
+/// Brings the axis to its MIN switch, or does what is to be done where that fails:
+///
+/// Where the axis is blocked on its way it goes to MAX: farther than the switches are
+/// apart, it stood beyond MIN, whose switch is dead then; else something is in the way.
+/// Each try is logged and the next at half the speed; then the operator is called and
+/// the axis switched off.
+/// @return the speed with which it was found
+std::optional<double> FindMinSwitch(std::size_t axis, MotorDoing* doing);
+
+/// Standard deviation of where an axis is seen to pass a switch at that speed [mm,
+/// deg]: the switch's own scatter, and the expander's, which looks once a period.
+double SwitchSigma(const MotorBench& bench, double speed_unit_s);
+
+}  // namespace caltwin

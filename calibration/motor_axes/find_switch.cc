@@ -1,0 +1,103 @@
+#include <cmath>
+
+#include "calibration/motor_axes/doing.h"
+
+namespace caltwin {
+namespace {
+
+constexpr double kReach = 1.2;  // Of the travel that is gone to look for a switch.
+
+double BetweenSwitches(const MotorAxisDrawing& drawing) {
+  return drawing.max_switch_unit - drawing.min_switch_unit;
+}
+
+// Why the axis was stopped on its way to MIN: from there to MAX is farther than the
+// switches are apart where it stood at its hard stop.
+std::string WhyBlocked(std::size_t axis, double speed_unit_s, MotorDoing* doing) {
+  constexpr double kClear_unit = 2;
+  MotorAxes& axes = doing->axes();
+  const MotorAxisDrawing& drawing = axes.drawing(axis);
+  const double apart_unit = BetweenSwitches(drawing);
+  const std::string name = MotorAxisName(axis);
+  const auto from = axes.Count(axis);
+  const auto pulses = axes.Field(92, axis);
+  const bool is_off = from && pulses && axes.MoveBy(axis, kClear_unit, speed_unit_s) &&
+                      axes.SeekSwitch(axis, kReach * apart_unit, speed_unit_s);
+  const auto to = axes.Count(axis);
+  if (!is_off || !to) {
+    return fmt::format("motion of {} is blocked both ways", name);
+  }
+  const double far_unit = static_cast<double>(*to - *from) / *pulses;
+  if (far_unit > apart_unit) {
+    return fmt::format("end switch MIN of {} not detected: it went on to its hard stop, "
+                       "{:.1f} {} from MAX, where the switches are {:.1f} apart",
+                       name,
+                       far_unit,
+                       drawing.unit(),
+                       apart_unit);
+  }
+  return fmt::format("motion of {} is blocked {:.1f} {} before MIN: something is in "
+                     "the way",
+                     name,
+                     apart_unit - far_unit,
+                     drawing.unit());
+}
+
+// Off a switch that is closed already.
+bool LeaveSwitch(std::size_t axis, double speed_unit_s, MotorDoing* doing) {
+  MotorAxes& axes = doing->axes();
+  const auto pressed = doing->Got(axes.IsPressed(axis, /*is_min=*/true));
+  if (!pressed) return false;
+  const double off_unit = axes.drawing(axis).stop_unit;
+  return !*pressed || doing->Did(axes.MoveBy(axis, off_unit, speed_unit_s));
+}
+
+std::string WordsOf(std::size_t axis,
+                    const MachineFault& fault,
+                    double speed_unit_s,
+                    MotorDoing* doing) {
+  if (TroubleOf(fault) == MotorTrouble::kBlocked) {
+    return WhyBlocked(axis, speed_unit_s, doing);
+  }
+  return fmt::format("end switch MIN of {} not detected within {:g} {}",
+                     MotorAxisName(axis),
+                     kReach * BetweenSwitches(doing->axes().drawing(axis)),
+                     doing->axes().drawing(axis).unit());
+}
+
+}  // namespace
+
+double SwitchSigma(const MotorBench& bench, double speed_unit_s) {
+  const double polled_unit = speed_unit_s * bench.drawing.poll_s / std::sqrt(12.0);
+  return std::hypot(bench.switch_sigma_unit, polled_unit);
+}
+
+std::optional<double> FindMinSwitch(std::size_t axis, MotorDoing* doing) {
+  MotorAxes& axes = doing->axes();
+  const MotorAxisDrawing& drawing = axes.drawing(axis);
+  double speed_unit_s = doing->options().slow * drawing.max_velocity_unit_s;
+  std::string words;
+  for (int attempt = 0; attempt <= doing->options().retries; ++attempt) {
+    if (!doing->Did(axes.Enable(axis, true))) return std::nullopt;
+    if (!LeaveSwitch(axis, speed_unit_s, doing)) return std::nullopt;
+    const auto found =
+        axes.SeekSwitch(axis, -kReach * BetweenSwitches(drawing), speed_unit_s);
+    if (found) return speed_unit_s;
+    if (TroubleOf(found.error()) == MotorTrouble::kOther) {
+      doing->Fail(found.error());
+      return std::nullopt;
+    }
+    words = WordsOf(axis, found.error(), speed_unit_s, doing);
+    doing->Log(axis, words);
+    if (attempt == doing->options().retries) break;
+    ++doing->done().found.retries;
+    speed_unit_s /= 2;
+    doing->Say(fmt::format(
+        "tried again at {:g} {}/s", speed_unit_s, axes.drawing(axis).unit()));
+  }
+  doing->Alert(axis, words);
+  doing->SafeOff(axis);
+  return std::nullopt;
+}
+
+}  // namespace caltwin

@@ -1,0 +1,233 @@
+#include "calibration/motor_axes/motor_axes.h"
+
+#include <cctype>
+#include <charconv>
+#include <chrono>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "sim/link/gcode.h"
+
+namespace caltwin {
+namespace {
+
+constexpr std::chrono::milliseconds kPatience{600'000};
+
+char LetterOf(std::size_t axis) {
+  return static_cast<char>(std::toupper(kMotorAxisLetters[axis]));
+}
+
+std::string Code(const std::string& code, std::size_t axis) {
+  return fmt::format("{} {}", code, LetterOf(axis));
+}
+
+std::string Code(const std::string& code, std::size_t axis, double value) {
+  return Code(code, axis) + GcodeNumber(value, 6);
+}
+
+MachineFault Unreadable(const std::string& command, const std::string& answer) {
+  return {.reply = fmt::format("Could not read '{}' to {}: is this a motor stage's "
+                               "controller?",
+                               answer,
+                               command)};
+}
+
+}  // namespace
+
+MotorTrouble TroubleOf(const MachineFault& fault) {
+  const auto says = [&](const char* words) {
+    return fault.reply.find(words) != std::string::npos;
+  };
+  if (says("switch not found")) return MotorTrouble::kSwitchMissing;
+  if (says("index not found")) return MotorTrouble::kIndexMissing;
+  if (says("is blocked")) return MotorTrouble::kBlocked;
+  return MotorTrouble::kOther;
+}
+
+std::optional<double> NumberBehind(const std::string& line, const std::string& key) {
+  const std::size_t at = line.find(" " + key + " ");
+  if (at == std::string::npos) return std::nullopt;
+  const char* from = line.data() + at + key.size() + 2;
+  double value = 0;
+  const auto read = std::from_chars(from, line.data() + line.size(), value);
+  if (read.ec != std::errc()) return std::nullopt;
+  return value;
+}
+
+Expected<std::vector<std::string>> MotorAxes::Say(const std::string& line) {
+  auto answer = bench_.link->Send(line, kPatience);
+  if (answer) return answer;
+  MachineFault fault = answer.error();
+  const MotorTrouble trouble = TroubleOf(fault);
+  if (trouble == MotorTrouble::kSwitchMissing ||
+      trouble == MotorTrouble::kIndexMissing) {
+    fault.kind = MachineFault::Kind::kNoTrigger;
+  }
+  if (trouble == MotorTrouble::kBlocked) fault.kind = MachineFault::Kind::kAlarm;
+  return tl::unexpected(fault);
+}
+
+Expected<void> MotorAxes::Do(const std::string& line) {
+  const auto answer = Say(line);
+  if (!answer) return tl::unexpected(answer.error());
+  return {};
+}
+
+// The line of the answer that begins with the axis' letter.
+Expected<std::string> MotorAxes::LineOf(const std::string& command, std::size_t axis) {
+  const auto answer = Say(command);
+  if (!answer) return tl::unexpected(answer.error());
+  for (const std::string& line : *answer) {
+    if (!line.empty() && std::toupper(line[0]) == LetterOf(axis)) return line;
+  }
+  return tl::unexpected(Unreadable(command, answer->empty() ? "" : answer->back()));
+}
+
+Expected<void> MotorAxes::MoveBy(std::size_t axis,
+                                 double by_unit,
+                                 double speed_unit_s) {
+  if (const auto done = Do("G91"); !done) return done;
+  const std::pair<char, double> word{LetterOf(axis), by_unit};
+  if (const auto done = Do(GcodeMove("G1", {word}, speed_unit_s)); !done) return done;
+  return WaitComplete();
+}
+
+Expected<void> MotorAxes::MoveTo(std::size_t axis,
+                                 double to_unit,
+                                 double speed_unit_s) {
+  if (const auto done = Do("G90"); !done) return done;
+  const std::pair<char, double> word{LetterOf(axis), to_unit};
+  if (const auto done = Do(GcodeMove("G1", {word}, speed_unit_s)); !done) return done;
+  return WaitComplete();
+}
+
+Expected<void> MotorAxes::MoveTogether(const std::vector<std::size_t>& axes,
+                                       double by_unit,
+                                       double speed_unit_s) {
+  if (const auto done = Do("G91"); !done) return done;
+  std::vector<std::pair<char, double>> words;
+  words.reserve(axes.size());
+  for (const std::size_t axis : axes) words.emplace_back(LetterOf(axis), by_unit);
+  return Do(GcodeMove("G1", words, speed_unit_s));
+}
+
+Expected<void> MotorAxes::SeekSwitch(std::size_t axis,
+                                     double by_unit,
+                                     double speed_unit_s) {
+  if (const auto done = Do("G91"); !done) return done;
+  return Do(GcodeMove("G1 H4", {{LetterOf(axis), by_unit}}, speed_unit_s));
+}
+
+Expected<void> MotorAxes::SeekIndex(std::size_t axis,
+                                    double by_unit,
+                                    double speed_unit_s) {
+  if (const auto done = Do("G91"); !done) return done;
+  return Do(GcodeMove("G1 H5", {{LetterOf(axis), by_unit}}, speed_unit_s));
+}
+
+Expected<void> MotorAxes::Enable(std::size_t axis, bool on) {
+  return Do(Code(on ? "M17" : "M18", axis));
+}
+
+Expected<bool> MotorAxes::IsPressed(std::size_t axis, bool is_min) {
+  const auto line = LineOf("M119", axis);
+  if (!line) return tl::unexpected(line.error());
+  const std::string pin =
+      fmt::format("{}_{}: TRIGGERED", kMotorAxisLetters[axis], is_min ? "min" : "max");
+  return line->find(pin) != std::string::npos;
+}
+
+Expected<std::int64_t> MotorAxes::Count(std::size_t axis) {
+  const auto line = LineOf("M114", axis);
+  if (!line) return tl::unexpected(line.error());
+  const auto count = NumberBehind(*line, "Count");
+  if (!count) return tl::unexpected(Unreadable("M114", *line));
+  return std::llround(*count);
+}
+
+Expected<DriveSays> MotorAxes::Drive(std::size_t axis) {
+  const auto line = LineOf(Code("M814", axis), axis);
+  if (!line) return tl::unexpected(line.error());
+  DriveSays says{
+      .index_edges = static_cast<int>(NumberBehind(*line, "edges").value_or(0)),
+      .peak_a = NumberBehind(*line, "peak_a").value_or(0),
+      .half_way_s = NumberBehind(*line, "half_way_s"),
+      .is_homed = NumberBehind(*line, "homed").value_or(0) == 1};
+  if (const auto index = NumberBehind(*line, "index")) {
+    says.index = std::llround(*index);
+  }
+  return says;
+}
+
+Expected<void> MotorAxes::ClearDrive(std::size_t axis) {
+  return Do(Code("M815", axis));
+}
+
+Expected<StopSays> MotorAxes::LastStop(std::size_t axis) {
+  const auto line = LineOf("M818", axis);
+  if (!line) return tl::unexpected(line.error());
+  const auto standstill_s = NumberBehind(*line, "standstill_s");
+  if (!standstill_s) return tl::unexpected(Unreadable("M818", *line));
+  return StopSays{.standstill_s = *standstill_s,
+                  .path_unit = NumberBehind(*line, "path").value_or(0),
+                  .peak_a = NumberBehind(*line, "peak_a").value_or(0),
+                  .stood = NumberBehind(*line, "stood").value_or(0) == 1,
+                  .is_disabled = NumberBehind(*line, "enabled").value_or(1) == 0};
+}
+
+Expected<void> MotorAxes::ArmRelay(double after_s) {
+  return Do("M817 S" + GcodeNumber(after_s, 6));
+}
+
+Expected<void> MotorAxes::Resume() {
+  if (const auto done = Do("M999"); !done) return done;
+  return Do("M17");
+}
+
+Expected<void> MotorAxes::SetZero(std::size_t axis, std::int64_t count) {
+  return Do(Code("M811", axis, static_cast<double>(count)));
+}
+
+Expected<double> MotorAxes::Field(int code, std::size_t axis) {
+  const std::string command = Code(fmt::format("M{}", code), axis);
+  const auto line = LineOf(command, axis);
+  if (!line) return tl::unexpected(line.error());
+  double value = 0;
+  const auto read =
+      std::from_chars(line->data() + 2, line->data() + line->size(), value);
+  if (line->size() < 3 || read.ec != std::errc()) {
+    return tl::unexpected(Unreadable(command, *line));
+  }
+  return value;
+}
+
+Expected<void> MotorAxes::SetField(int code, std::size_t axis, double value) {
+  return Do(Code(fmt::format("M{}", code), axis, value));
+}
+
+// Whichever way the new range lies, the ends never cross: the upper one far off first.
+Expected<void> MotorAxes::SetLimits(std::size_t axis,
+                                    double min_unit,
+                                    double max_unit) {
+  if (const auto wide = Do(Code("M208 S0", axis, 1e5)); !wide) return wide;
+  if (const auto low = Do(Code("M208 S1", axis, min_unit)); !low) return low;
+  return Do(Code("M208 S0", axis, max_unit));
+}
+
+Expected<void> MotorAxes::SetDelay_s(std::size_t axis, double delay_s) {
+  return Do(Code("M816", axis, delay_s));
+}
+
+Expected<void> MotorAxes::Store(std::size_t axis) {
+  return Do(Code("M500", axis));
+}
+
+Expected<void> MotorAxes::Log(std::size_t axis, const std::string& text) {
+  std::string quoted;
+  for (const char c : text) quoted += c == '"' ? '\'' : c;
+  return Do(Code("M505", axis) + fmt::format(" P\"{}\"", quoted));
+}
+
+}  // namespace caltwin

@@ -1,0 +1,185 @@
+#include <cmath>
+
+#include "calibration/motor_axes/doing.h"
+#include "sim/base/mutant.h"
+#include "sim/base/units.h"
+
+namespace caltwin {
+namespace {
+
+constexpr double kUsualBackOff_unit = 5;
+constexpr double kClear_unit = 0.3;  // Before a fine touch: beyond any hysteresis.
+constexpr double kGentle = 0.5;      // Of the acceleration, on the way to a switch.
+constexpr double kLostSigmas = 6;
+
+/// Where a switch was seen [pulses].
+struct Seen {
+  double pulses = 0;
+  double sd_unit = 0;
+};
+
+// So often from so near, so slowly: the mean.
+std::optional<Seen> TouchFinely(std::size_t axis, int sense, MotorDoing* doing) {
+  MotorAxes& axes = doing->axes();
+  const MotorOptions& o = doing->options();
+  Seen seen;
+  const int touches = Mutant("stepper_home_last_touch", o.touches, 1);
+  for (int i = 0; i < touches; ++i) {
+    const bool is_done =
+        doing->Did(axes.MoveBy(axis, -sense * kClear_unit, 10 * o.fine_unit_s)) &&
+        doing->Did(axes.SeekSwitch(axis, sense * 5 * kClear_unit, o.fine_unit_s)) &&
+        doing->Did(axes.WaitComplete());
+    if (!is_done) return std::nullopt;
+    const auto count = doing->Got(axes.Count(axis));
+    if (!count) return std::nullopt;
+    seen.pulses += static_cast<double>(*count) / touches;
+  }
+  seen.sd_unit = SwitchSigma(axes.bench(), o.fine_unit_s) / std::sqrt(touches);
+  return seen;
+}
+
+// The published second approach, at part of the speed.
+std::optional<Seen> SecondTouch(std::size_t axis, double slow_unit_s, MotorDoing* doing) {
+  MotorAxes& axes = doing->axes();
+  const MotorOptions& o = doing->options();
+  const double back_unit = o.back_off_unit.value_or(kUsualBackOff_unit);
+  const double speed_unit_s = o.second * slow_unit_s;
+  const bool is_done = doing->Did(axes.MoveBy(axis, back_unit, slow_unit_s)) &&
+                       doing->Did(axes.SeekSwitch(axis, -2 * back_unit, speed_unit_s)) &&
+                       doing->Did(axes.WaitComplete());
+  if (!is_done) return std::nullopt;
+  const auto count = doing->Got(axes.Count(axis));
+  if (!count) return std::nullopt;
+  return Seen{static_cast<double>(*count), SwitchSigma(axes.bench(), speed_unit_s)};
+}
+
+// Of an axis that was homed before: its switch is where it was, or steps were lost.
+void TellLostSteps(std::size_t axis, const Seen& seen, double pulses, MotorDoing* doing) {
+  const MotorAxisDrawing& d = doing->axes().drawing(axis);
+  const double off_unit = seen.pulses / pulses + doing->options().final_back_off_unit;
+  if (std::abs(off_unit) < kLostSigmas * std::sqrt(2.0) * seen.sd_unit) {
+    doing->Say(fmt::format("{} had lost no steps: {:+.1f} um from its home",
+                           MotorAxisName(axis),
+                           UmFromMm(off_unit)));
+    return;
+  }
+  const double cycles = off_unit * d.full_steps_per_rev / d.lead_unit / 4;
+  doing->Log(axis,
+             fmt::format("{} had lost {:.3f} {}, {:.1f} magnetic cycles of four full "
+                         "steps",
+                         MotorAxisName(axis),
+                         off_unit,
+                         d.unit(),
+                         cycles));
+}
+
+// Half the acceleration for as long as it lives.
+class GentleStart {
+ public:
+  GentleStart(std::size_t axis, MotorDoing* doing) : axis_(axis), doing_(doing) {
+    const auto usual = doing->Got(doing->axes().Field(201, axis));
+    if (!usual) return;
+    usual_unit_s2_ = *usual;
+    doing->Did(doing->axes().SetField(201, axis, kGentle * *usual));
+  }
+  bool End() {
+    return usual_unit_s2_ > 0 &&
+           doing_->Did(doing_->axes().SetField(201, axis_, usual_unit_s2_));
+  }
+
+ private:
+  std::size_t axis_;
+  MotorDoing* doing_;
+  double usual_unit_s2_ = 0;
+};
+
+}  // namespace
+
+MotorResult RunStepperHome(MotorAxes* axes, const MotorOptions& options) {
+  MotorDoing doing("stepper_home", options, axes);
+  const std::size_t axis = options.axes.front();
+  const MotorAxisDrawing& d = axes->drawing(axis);
+  const auto pulses = doing.Got(axes->Field(92, axis));
+  const auto says = doing.Got(axes->Drive(axis));
+  if (!pulses || !says) return doing.Take();
+  GentleStart gentle(axis, &doing);
+  const auto slow_unit_s = FindMinSwitch(axis, &doing);
+  std::optional<Seen> seen;
+  if (slow_unit_s) seen = SecondTouch(axis, *slow_unit_s, &doing);
+  if (!gentle.End() || !seen) return doing.Take();
+  if (!options.is_as_published) seen = TouchFinely(axis, -1, &doing);
+  if (!seen) return doing.Take();
+  if (says->is_homed) TellLostSteps(axis, *seen, *pulses, &doing);
+  const double zero = seen->pulses + options.final_back_off_unit * *pulses;
+  const double slow = *slow_unit_s;
+  const bool is_kept =
+      doing.Did(axes->SetZero(axis, std::llround(zero))) &&
+      doing.Did(axes->MoveTo(axis, 0, slow)) &&
+      doing.Did(
+          axes->MoveTo(axis, options.safe_unit - options.final_back_off_unit, slow)) &&
+      doing.Did(axes->SetField(206, axis, options.final_back_off_unit)) &&
+      doing.Did(axes->Store(axis));
+  if (!is_kept) return doing.Take();
+  const std::string name = "home_offset." + MotorAxisName(axis);
+  doing.Step(name,
+             0,
+             options.final_back_off_unit,
+             Verdict::kApplied,
+             fmt::format("zero stands {:g} {} from the switch, told to {:.1f} um",
+                         options.final_back_off_unit,
+                         d.unit(),
+                         UmFromMm(seen->sd_unit)));
+  doing.Found(name, d.unit(), options.final_back_off_unit, seen->sd_unit);
+  return doing.Take();
+}
+
+MotorResult RunTravelLimits(MotorAxes* axes, const MotorOptions& options) {
+  MotorDoing doing("travel_limits", options, axes);
+  const std::size_t axis = options.axes.front();
+  const MotorAxisDrawing& d = axes->drawing(axis);
+  const auto pulses = doing.Got(axes->Field(92, axis));
+  const auto offset_unit = doing.Got(axes->Field(206, axis));
+  const auto says = doing.Got(axes->Drive(axis));
+  if (!pulses || !offset_unit || !says) return doing.Take();
+  if (!says->is_homed) {
+    doing.Fail({.reply = MotorAxisName(axis) + " is not homed: home it first"});
+    return doing.Take();
+  }
+  const double speed_unit_s = options.slow * d.max_velocity_unit_s;
+  const double reach_unit = 1.2 * (d.max_switch_unit - d.min_switch_unit);
+  if (!doing.Did(axes->MoveTo(axis, 0, speed_unit_s))) return doing.Take();
+  const auto found = axes->SeekSwitch(axis, reach_unit, speed_unit_s);
+  if (!found) {
+    doing.Alert(axis,
+                fmt::format("end switch MAX of {} not detected ({})",
+                            MotorAxisName(axis),
+                            found.error().reply));
+    doing.SafeSlow(axis);
+    return doing.Take();
+  }
+  if (!doing.Did(axes->WaitComplete())) return doing.Take();
+  const auto count = doing.Got(axes->Count(axis));
+  if (!count) return doing.Take();
+  std::optional<Seen> seen{
+      {static_cast<double>(*count), SwitchSigma(axes->bench(), speed_unit_s)}};
+  if (!options.is_as_published) seen = TouchFinely(axis, +1, &doing);
+  if (!seen) return doing.Take();
+  const double travel_unit = seen->pulses / *pulses;
+  const double low_unit = std::min(0.0, options.margin_unit - *offset_unit);
+  const double high_unit = travel_unit - options.margin_unit;
+  const bool is_kept =
+      doing.Did(axes->SetLimits(axis, low_unit, high_unit)) &&
+      doing.Did(axes->MoveTo(axis, (low_unit + high_unit) / 2, speed_unit_s)) &&
+      doing.Did(axes->Store(axis));
+  if (!is_kept) return doing.Take();
+  const std::string name = "travel." + MotorAxisName(axis);
+  doing.Step(name,
+             d.max_unit,
+             travel_unit,
+             Verdict::kApplied,
+             fmt::format("working range {:.3f} .. {:.3f} {}", low_unit, high_unit, d.unit()));
+  doing.Found(name, d.unit(), travel_unit, seen->sd_unit);
+  return doing.Take();
+}
+
+}  // namespace caltwin

@@ -1,0 +1,305 @@
+#include "scenarios/motor_runner.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <ctime>
+#include <limits>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "scenarios/interrupt.h"
+#include "scenarios/interruptible_link.h"
+#include "scenarios/motor_link.h"
+#include "sim/base/units.h"
+#include "sim/link/transcript.h"
+
+namespace caltwin {
+namespace {
+
+constexpr double kHolds = 5;  // Standard uncertainties that an estimate may be off.
+
+/// A run on its way.
+class MotorRun {
+ public:
+  MotorRun(const Scenario& scenario, const RunOptions& options)
+      : scenario_(scenario),
+        motor_(*scenario.motor),
+        options_(options),
+        seed_(options.seed.value_or(scenario.seed)),
+        fidelity_(options.fidelity.value_or(scenario.fidelity)),
+        rig_(DrawMotorStage(motor_, seed_, options.sample),
+             fidelity_ == Fidelity::kPhysics,
+             seed_,
+             options.sample),
+        firmware_(MotorFirmwareOf(motor_.drawing), &rig_, &flash_),
+        wire_(&firmware_),
+        gauge_(&rig_, motor_.laser_sigma_unit.value_or(0), seed_, options.sample) {}
+
+  RunResult Perform() {
+    const std::clock_t start = std::clock();
+    RunResult result{.scenario = scenario_.file.string(),
+                     .about = scenario_.about,
+                     .verbatim = scenario_.verbatim,
+                     .machine = motor_.drawing.name,
+                     .fidelity = ToString(fidelity_),
+                     .seed = seed_};
+    InterruptibleLink link(&wire_);
+    std::unique_ptr<RecordingLink> recorder;
+    if (!options_.transcript.empty()) {
+      recorder = std::make_unique<RecordingLink>(&link, options_.transcript);
+    }
+    MotorBench bench{.link = recorder ? static_cast<Link*>(recorder.get()) : &link,
+                     .drawing = motor_.drawing};
+    if (motor_.laser_sigma_unit) {
+      bench.gauge = &gauge_;
+      bench.gauge_sigma_unit = *motor_.laser_sigma_unit;
+    }
+    MotorAxes axes(bench);
+    for (const auto& [code, field] : motor_.settings) {
+      axes.SetField(code, field.first, field.second);
+    }
+    for (const MotorStep& step : motor_.calibrate) {
+      options_.progress(step.name);
+      Take(step, &axes, bench.link, &result);
+      if (InterruptRequested()) result.interrupted = true;
+      const bool goes_on =
+          last_.ending == Ending::kDone || last_.ending == Ending::kConfounded;
+      if (!goes_on || result.interrupted) break;
+    }
+    const auto history = bench.link->Send("M504", std::chrono::milliseconds(1000));
+    if (history) history_ = history->size();
+    if (recorder) recorder->Save();
+    result.machine_time_s = firmware_.machine_time_s();
+    result.lost = last_.ending == Ending::kLinkLost;
+    Judge(&result);
+    result.cpu_s = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+    return result;
+  }
+
+ private:
+  static MotorResult Call(const std::string& name,
+                          const MotorOptions& o,
+                          MotorAxes* axes) {
+    if (name == "servo_home") return RunServoHome(axes, o);
+    if (name == "stepper_home") return RunStepperHome(axes, o);
+    if (name == "index_verify") return RunIndexVerify(axes, o);
+    if (name == "travel_limits") return RunTravelLimits(axes, o);
+    if (name == "axis_sync") return RunAxisSync(axes, o);
+    if (name == "emergency_stop") return RunEmergencyStop(axes, o);
+    return RunMotorBacklash(axes, o);
+  }
+
+  static MotorResult SendLines(const MotorStep& step, Link* link) {
+    MotorResult done;
+    for (const std::string& line : step.lines) {
+      const auto answer = link->Send(line, std::chrono::milliseconds(600'000));
+      if (answer) {
+        for (const std::string& said : *answer) done.result.messages.push_back(said);
+        continue;
+      }
+      done.result.messages.push_back("the machine said: " + answer.error().reply);
+      done.result.ending = answer.error().kind == MachineFault::Kind::kAlarm
+                               ? Ending::kAlarm
+                               : Ending::kRefused;
+      break;
+    }
+    return done;
+  }
+
+  void Take(const MotorStep& step, MotorAxes* axes, Link* link, RunResult* result) {
+    const MotorResult done = step.name == "gcode" ? SendLines(step, link)
+                                                  : Call(step.name, step.options, axes);
+    last_ = done.result;
+    confounded_ = confounded_ || last_.ending == Ending::kConfounded;
+    found_.alerts += done.found.alerts;
+    found_.retries += done.found.retries;
+    found_.warnings += done.found.warnings;
+    found_.safe_modes += done.found.safe_modes;
+    const auto keep = [](const auto& from, auto* to) {
+      if (from) *to = from;
+    };
+    keep(done.found.index_edges, &found_.index_edges);
+    keep(done.found.wrong_turn_probability, &found_.wrong_turn_probability);
+    keep(done.found.skew_s, &found_.skew_s);
+    keep(done.found.stop_feasible, &found_.stop_feasible);
+    keep(done.found.standstill_s, &found_.standstill_s);
+    const auto append = [](const auto& from, auto* to) {
+      to->insert(to->end(), from.begin(), from.end());
+    };
+    append(last_.steps, &result->steps);
+    append(last_.messages, &result->messages);
+    append(last_.observability, &result->observability);
+    AddEstimates(result);
+  }
+
+  // The built value of an estimate, at once: homes move. nullopt: not known here.
+  std::optional<double> BuiltOf(const std::string& name) const {
+    const std::size_t dot = name.find('.');
+    const auto axis = MotorAxisNamed(name.substr(dot + 1));
+    if (!axis) return std::nullopt;
+    const BuiltMotorStage& built = rig_.built();
+    const MotorAxisDrawing& d = built.motors[*axis].drawing;
+    const std::string what = name.substr(0, dot);
+    if (what == "backlash") return built.motors[*axis].gap_unit;
+    if (what == "home_offset") return TrueHome(firmware_, rig_, *axis);
+    if (what == "travel") {
+      return d.max_switch_unit - d.min_switch_unit - TrueHome(firmware_, rig_, *axis);
+    }
+    if (what != "start_lead") return std::nullopt;
+    double latest_s = 0;
+    for (const Estimate& other : last_.estimates) {
+      const auto named = MotorAxisNamed(other.name.substr(other.name.find('.') + 1));
+      latest_s = std::max(latest_s, built.faults[*named].start_delay_s);
+    }
+    return latest_s - built.faults[*axis].start_delay_s;
+  }
+
+  void AddEstimates(RunResult* result) const {
+    for (const Estimate& estimate : last_.estimates) {
+      const auto truth = BuiltOf(estimate.name);
+      if (!truth) continue;
+      std::erase_if(result->parameters, [&](const ParameterResult& had) {
+        return had.name == estimate.name;
+      });
+      result->parameters.push_back({.name = estimate.name,
+                                    .unit = estimate.unit,
+                                    .injected = *truth,
+                                    .recovered = estimate.value,
+                                    .sd = estimate.sd,
+                                    .error = estimate.value - *truth,
+                                    .identifiable = true});
+    }
+  }
+
+  bool MeetValues(RunResult* result) const {
+    bool all_met = true;
+    for (const DeltaExpectedValue& expected : motor_.values) {
+      const auto row =
+          std::ranges::find(result->parameters, expected.name, &ParameterResult::name);
+      if (row == result->parameters.end()) {
+        const bool wants_none = expected.identifiable == false;
+        result->checks.push_back({.name = expected.name,
+                                  .expected = wants_none ? "no value" : "a value",
+                                  .found = "not estimated",
+                                  .passed = wants_none});
+        all_met = all_met && wants_none;
+        continue;
+      }
+      bool passed = expected.identifiable.value_or(true);
+      if (expected.truth_within) {
+        row->tolerance = expected.truth_within;
+        passed = passed && std::abs(*row->error) <= *expected.truth_within;
+      }
+      row->passed = passed;
+      all_met = all_met && passed;
+    }
+    return all_met;
+  }
+
+  double FigureOf(const std::string& name, const RunResult& result) const {
+    constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+    if (name == "alerts") return found_.alerts;
+    if (name == "retries") return found_.retries;
+    if (name == "warnings") return found_.warnings;
+    if (name == "safe_modes") return found_.safe_modes;
+    if (name == "index_edges") return found_.index_edges.value_or(-1);
+    if (name == "wrong_turn_probability") {
+      return found_.wrong_turn_probability.value_or(kNone);
+    }
+    if (name == "skew_ms") return found_.skew_s.value_or(kNone) / SFromMs(1.0);
+    if (name == "standstill_ms") {
+      return found_.standstill_s.value_or(kNone) / SFromMs(1.0);
+    }
+    if (name == "stop_feasible") {
+      return found_.stop_feasible ? static_cast<double>(*found_.stop_feasible) : kNone;
+    }
+    if (name == "history_entries") return static_cast<double>(history_);
+    if (name == "machine_time_s") return result.machine_time_s;
+    const std::size_t axis = *MotorAxisNamed(name.substr(name.find('.') + 1));
+    if (name.starts_with("home.")) return TrueHome(firmware_, rig_, axis);
+    const AxisCalibration& record = firmware_.record(axis);
+    return record.backlash_pulses / record.pulses_per_unit;
+  }
+
+  void AddChecks(RunResult* result) const {
+    for (const auto& [name, within] : motor_.figures) {
+      const double found = FigureOf(name, *result);
+      std::string expected;
+      if (within.above) expected += fmt::format("above {:g}", *within.above);
+      if (within.below) {
+        expected +=
+            fmt::format("{}below {:g}", expected.empty() ? "" : ", ", *within.below);
+      }
+      result->checks.push_back({.name = name,
+                                .expected = expected,
+                                .found = fmt::format("{:.6g}", found),
+                                .passed = (!within.above || found > *within.above) &&
+                                          (!within.below || found < *within.below)});
+    }
+    for (const std::string& text : motor_.messages) {
+      const bool is_there =
+          std::ranges::any_of(result->messages, [&](const std::string& line) {
+            return line.find(text) != std::string::npos;
+          });
+      result->checks.push_back({.name = "message",
+                                .expected = text,
+                                .found = is_there ? "said" : "not said",
+                                .passed = is_there});
+    }
+  }
+
+  std::string OutcomeOf(bool all_met, const RunResult& result) const {
+    if (last_.ending == Ending::kAlarm) return "alarm";
+    if (last_.ending == Ending::kNoTrigger) return "no_trigger";
+    if (last_.ending == Ending::kRefused) return "refused";
+    if (confounded_) return "confounded";
+    const bool hold =
+        std::ranges::all_of(result.parameters, [](const ParameterResult& row) {
+          const double allowed = std::max(kHolds * *row.sd, row.tolerance.value_or(0));
+          return std::abs(*row.error) <= allowed;
+        });
+    return all_met && hold ? "recovers" : "misses";
+  }
+
+  void Judge(RunResult* result) {
+    const bool all_met = MeetValues(result);
+    AddChecks(result);
+    result->outcome = OutcomeOf(all_met, *result);
+    result->checks.insert(result->checks.begin(),
+                          {.name = "outcome",
+                           .expected = motor_.outcome,
+                           .found = result->outcome,
+                           .passed = result->outcome == motor_.outcome});
+    result->passed =
+        !result->interrupted &&
+        std::ranges::all_of(result->checks, &CheckResult::passed) &&
+        std::ranges::none_of(result->parameters, [](const ParameterResult& row) {
+          return row.passed == false;
+        });
+  }
+
+  const Scenario& scenario_;
+  const MotorScenario& motor_;
+  const RunOptions& options_;
+  std::uint64_t seed_;
+  Fidelity fidelity_;
+  MotorStageRig rig_;
+  Flash flash_{};
+  MotorStageFirmware firmware_;
+  MotorStageWire wire_;
+  MotorStageGauge gauge_;
+  ProcedureResult last_{};
+  MotorFindings found_{};
+  std::size_t history_ = 0;
+  bool confounded_ = false;
+};
+
+}  // namespace
+
+RunResult RunMotorScenario(const Scenario& scenario, const RunOptions& options) {
+  return MotorRun(scenario, options).Perform();
+}
+
+}  // namespace caltwin

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "calibration/motor_axes/procedures.h"
+#include "scenarios/delta_scenario.h"
+#include "sim/base/yaml.h"
+#include "sim/twin/motor_rig.h"
+
+namespace caltwin {
+
+/// One number of a motor axis that a scenario gives, perhaps still to be drawn.
+struct MotorEffectSpec {
+  std::string effect{};     ///< "backlash"
+  std::string parameter{};  ///< "gap", without its unit.
+  std::size_t axis = 0;
+  Distribution value = 0.0;  ///< As written: mm, deg, um, ms, kg, N, a fraction.
+  std::string unit{};        ///< Behind the parameter's name; empty: a plain number.
+};
+
+/// One entry of a motor stage's `calibrate:`.
+struct MotorStep {
+  std::string name{};  ///< servo_home, ..., gcode.
+  MotorOptions options{};
+  std::vector<std::string> lines{};  ///< Of gcode.
+};
+
+/// What a motor stage's scenario has of its own; about, machine, seed and fidelity are
+/// as in any scenario.
+struct MotorScenario {
+  MotorStageDrawing drawing{};
+  std::vector<MotorEffectSpec> effects{};
+  /// settings: {home_offset: {x: }, pulses_per_rev: {x: }, steps_per_mm: {x: }}, by
+  /// M-code.
+  std::vector<std::pair<int, std::pair<std::size_t, double>>> settings{};
+  std::optional<double> laser_sigma_unit{};  ///< instruments: {laser: {sigma_um: }}
+  std::vector<MotorStep> calibrate{};
+  std::string outcome = "recovers";
+  std::vector<DeltaExpectedValue> values{};
+  std::vector<std::pair<std::string, Within>> figures{};
+  std::vector<std::string> messages{};
+};
+
+/// Reads the keys of a motor stage's scenario that are its own.
+MotorScenario ReadMotorScenario(YamlMap* map, const MotorStageDrawing& drawing);
+
+/// The stage that the effects make, their numbers drawn.
+BuiltMotorStage DrawMotorStage(const MotorScenario& scenario,
+                               std::uint64_t seed,
+                               std::uint64_t sample);
+
+}  // namespace caltwin

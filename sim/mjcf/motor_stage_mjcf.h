@@ -1,0 +1,17 @@
+#pragma once
+
+#include <filesystem>
+
+#include "sim/machine/built_motor.h"
+#include "sim/mjcf/mjcf.h"
+
+namespace caltwin {
+
+/// The MuJoCo model of a motor stage with those motors, mm and deg outside. Names are
+/// those of models/motor_stage/model.xml: joints `x_motor` and `x`, body `x`, tendon
+/// `x_play`, equality `x_rigid` of every axis; throws InputError where one is missing.
+ModelPtr CompileMotorStage(const std::filesystem::path& file,
+                           const BuiltMotors& motors,
+                           double timestep_s);
+
+}  // namespace caltwin

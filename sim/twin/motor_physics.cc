@@ -1,0 +1,75 @@
+#include "sim/twin/motor_physics.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "sim/base/mutant.h"
+
+namespace caltwin {
+
+PhysicsMotors::PhysicsMotors(const std::filesystem::path& model,
+                             const BuiltMotors& motors)
+    : MotorMechanism(motors),
+      world_(CompileMotorStage(model, motors, kTick_s), motors) {}
+
+void PhysicsMotors::Place(std::size_t axis, double motor_unit) {
+  world_.Place(axis, motor_unit, motor_unit);
+  force_[axis] = 0;
+  field_unit_[axis] = motor_unit;
+}
+
+double PhysicsMotors::ServoForce(std::size_t axis, const MotorDrive& drive) const {
+  const MotorAxisDrawing& d = motors_[axis].drawing;
+  if (drive.mode == MotorDrive::Mode::kOff) return 0;
+  const double unit_s = world_.MotorSpeed_unit_s(axis);
+  const double off_unit =
+      drive.mode == MotorDrive::Mode::kBrake ? 0 : drive.to_unit - world_.MotorAt(axis);
+  // Across a gap the motor feels all of the load or none.
+  const bool has_gap = motors_[axis].gap_unit > 0;
+  const double inertia = d.motor_inertia + d.load_inertia * (has_gap ? 0.5 : 1);
+  const double force =
+      inertia * d.si_per_unit() * (off_unit - unit_s * kTick_s) / (kTick_s * kTick_s);
+  const double most =
+      Mutant("motor_physics_no_current_limit", 1.0, 1e6) * d.largest_force();
+  return std::clamp(force, -most, most);
+}
+
+double PhysicsMotors::StepperForce(std::size_t axis, const MotorDrive& drive) {
+  constexpr double kDamping = 0.3;  // Of the rotor about its field, of critical.
+  const MotorAxisDrawing& d = motors_[axis].drawing;
+  if (drive.mode == MotorDrive::Mode::kOff) return 0;
+  const double to_unit =
+      drive.mode == MotorDrive::Mode::kBrake ? field_unit_[axis] : drive.to_unit;
+  const double field_unit_s = (to_unit - field_unit_[axis]) / kTick_s;
+  field_unit_[axis] = to_unit;
+  const double si = d.si_per_unit();
+  const double turn = 2 * std::numbers::pi / MagneticCycle(d);
+  const double most = HoldingForce(d, field_unit_s);
+  const double stiffness = most * turn / si;
+  const double damping = 2 * kDamping * std::sqrt(stiffness * d.total_inertia());
+  // The field of the tick's end acts on the rotor where it would be then.
+  const double unit_s = world_.MotorSpeed_unit_s(axis);
+  const double ahead_unit = world_.MotorAt(axis) + unit_s * kTick_s;
+  const double force = -most * std::sin(turn * (ahead_unit - to_unit)) -
+                       damping * si * (unit_s - field_unit_s);
+  return std::clamp(force, -most, most);
+}
+
+void PhysicsMotors::Tick(const MotorDrives& drives) {
+  for (std::size_t i = 0; i < kNumMotorAxes; ++i) {
+    force_[i] = motors_[i].drawing.is_servo ? ServoForce(i, drives[i])
+                                            : StepperForce(i, drives[i]);
+    world_.SetForce(i, force_[i]);
+  }
+  world_.Step();
+}
+
+MotorState PhysicsMotors::State(std::size_t axis) const {
+  return {.motor_unit = world_.MotorAt(axis),
+          .motor_unit_s = world_.MotorSpeed_unit_s(axis),
+          .carriage_unit = world_.CarriageAt(axis),
+          .force = force_[axis]};
+}
+
+}  // namespace caltwin

@@ -1,0 +1,188 @@
+#include "sim/firmware/dialects/motor_stage.h"
+
+#include <array>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace caltwin {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+constexpr double kTick_s = 0.00025;
+
+/// Motors that are where they are told, a switch at -3000 pulses, an index a turn.
+class IdealRig : public MotorRig {
+ public:
+  double tick_s() const override { return kTick_s; }
+  void Tick(const RigDrives& drives) override {
+    for (std::size_t i = 0; i < kNumMotorAxes; ++i) {
+      if (drives[i].mode != RigDrive::Mode::kFollow) continue;
+      const auto to = static_cast<std::int64_t>(std::llround(drives[i].to_pulses));
+      const std::int64_t turn = 10'000;
+      const std::int64_t line = ((to + 100 * turn) / turn - 100) * turn;
+      if (counts[i] < line && line <= to) edges[i].push_back(line);
+      counts[i] = to;
+    }
+  }
+  std::int64_t Count(std::size_t axis) const override { return counts[axis]; }
+  double CurrentOf(std::size_t axis) const override {
+    return axis == 1 ? current_y_a : 1;
+  }
+  bool IsPressed(std::size_t axis, SwitchEnd end) const override {
+    return end == SwitchEnd::kMin && counts[axis] <= -3000;
+  }
+  std::vector<std::int64_t> TakeIndexEdges(std::size_t axis) override {
+    return std::exchange(edges[axis], {});
+  }
+
+  std::array<std::int64_t, kNumMotorAxes> counts{};
+  std::array<std::vector<std::int64_t>, kNumMotorAxes> edges{};
+  double current_y_a = 1;
+};
+
+MotorStageOptions Options() {
+  MotorStageOptions options;
+  for (std::size_t i = 0; i < kNumMotorAxes; ++i) {
+    options.motion.is_servo[i] = i < 4;
+    options.motion.limit_a[i] = 10;
+  }
+  return options;
+}
+
+class MotorStageFirmwareTest : public ::testing::Test {
+ protected:
+  std::vector<std::string> Say(const std::string& line) {
+    return firmware_.Execute(line).lines;
+  }
+  std::string LineOf(const std::string& command, char letter) {
+    for (const std::string& line : Say(command)) {
+      if (line.starts_with(letter)) return line;
+    }
+    return "";
+  }
+
+  IdealRig rig_;
+  Flash flash_;
+  MotorStageFirmware firmware_{Options(), &rig_, &flash_};
+};
+
+TEST(TrapezoidPath, GoesItsLengthAndNoFaster) {
+  const TrapezoidPath path(100, 50, 200);
+
+  EXPECT_DOUBLE_EQ(path.duration_s(), 100 / 50.0 + 50 / 200.0);
+  EXPECT_DOUBLE_EQ(path.At(path.duration_s()), 100);
+  EXPECT_DOUBLE_EQ(path.At(0.25), 200 * 0.25 * 0.25 / 2);
+  EXPECT_NEAR((path.At(1.001) - path.At(1)) / 0.001, 50, 1e-9);
+  // Too short to reach it: up to sqrt(length acceleration).
+  EXPECT_DOUBLE_EQ(TrapezoidPath(2, 50, 200).duration_s(), 2 * std::sqrt(2 / 200.0));
+}
+
+TEST(TrapezoidPath, StopsFromItsSpeedOnTheWay) {
+  TrapezoidPath path(100, 50, 200);
+  const double before = path.At(1);
+  path.StopFrom(1, 1000);
+
+  EXPECT_DOUBLE_EQ(path.duration_s(), 1.05);
+  EXPECT_DOUBLE_EQ(path.At(5), before + 50 * 50 / 2000.0);
+}
+
+TEST_F(MotorStageFirmwareTest, MovesByPulsesPerMm) {
+  EXPECT_THAT(Say("M92 X400.123"), IsEmpty());
+  EXPECT_THAT(Say("G90 G1 X10 F600"), IsEmpty());
+  EXPECT_THAT(Say("M400"), IsEmpty());
+
+  EXPECT_EQ(rig_.counts[0], 4001);
+  EXPECT_EQ(LineOf("M114", 'X'), "X:10.00000 Count 4001");
+}
+
+TEST_F(MotorStageFirmwareTest, SeesASwitchLateOverTheExpander) {
+  Say("G91");
+  EXPECT_THAT(Say("G1 H4 X-20 F600"), IsEmpty());  // 10 mm/s, 1000 pulses/mm
+
+  // At -3 mm; seen up to 5.4 ms and two ticks later; then v^2 / 2 a = 0.05 mm.
+  EXPECT_LE(rig_.counts[0], -3000 - 50);
+  EXPECT_GE(rig_.counts[0], -3000 - 50 - 10 * 6);
+  EXPECT_THAT(LineOf("M119", 'x'), "x_min: TRIGGERED x_max: open");
+  EXPECT_THAT(Say("G1 H4 X5 F600"),
+              ElementsAre("Error: G1: X MAX switch not found within 5"));
+}
+
+TEST_F(MotorStageFirmwareTest, LatchesTheCounterAtTheIndex) {
+  Say("G91");
+  EXPECT_THAT(Say("G1 H5 X12 F6000"), IsEmpty());
+
+  EXPECT_THAT(LineOf("M814 X", 'X'), HasSubstr("edges 1"));
+  EXPECT_THAT(LineOf("M814 X", 'X'), HasSubstr(" index 10000"));
+  Say("M811 X10000");
+  EXPECT_THAT(LineOf("M814 X", 'X'), HasSubstr("homed 1"));
+  EXPECT_THAT(LineOf("M814 X", 'X'), HasSubstr(" index 0"));
+  EXPECT_THAT(Say("G1 H5 X2 F6000"),
+              ElementsAre("Error: G1: X index not found within 2"));
+}
+
+TEST_F(MotorStageFirmwareTest, GoesFartherByTheBacklashMovingBack) {
+  Say("M425 X0.02");
+  Say("G90 G1 X10 F600");
+  EXPECT_EQ(rig_.counts[0], 10'000);
+  Say("G1 X5");
+  EXPECT_EQ(rig_.counts[0], 5000 - 20);
+  EXPECT_THAT(LineOf("M114", 'X'), HasSubstr("X:5.00000"));
+  Say("G1 X10");
+  EXPECT_EQ(rig_.counts[0], 10'000);
+}
+
+TEST_F(MotorStageFirmwareTest, StopsWhereTheCurrentStaysAtItsLimit) {
+  rig_.current_y_a = 10;
+
+  EXPECT_THAT(Say("G91 G1 Y20 F600"),
+              ElementsAre(HasSubstr("Error: Y is blocked at 0.0")));
+}
+
+TEST_F(MotorStageFirmwareTest, KeepsARecordOverAPowerCycle) {
+  Say("M92 X409.6");
+  Say("M425 X0.05");
+  EXPECT_THAT(Say("M500 X"), IsEmpty());
+
+  MotorStageFirmware later(Options(), &rig_, &flash_);
+  EXPECT_EQ(later.record(0).pulses_per_unit, 409.6);
+  EXPECT_EQ(later.record(0).backlash_pulses, 0.05 * 409.6);
+  EXPECT_EQ(later.record(1).pulses_per_unit, 1000);
+  EXPECT_THAT(later.Execute("M505 X P\"index missing\"").lines, IsEmpty());
+  EXPECT_THAT(later.Execute("M504").lines,
+              ElementsAre("1 2026-01-01T00:00:00Z x: calibrated",
+                          "2 2026-01-01T00:00:00Z x: index missing"));
+  EXPECT_THAT(later.Execute("M502").lines, IsEmpty());
+  EXPECT_EQ(later.record(0).pulses_per_unit, 1000);
+}
+
+TEST_F(MotorStageFirmwareTest, RefusesWhatNoRecordMayHold) {
+  EXPECT_THAT(Say("M92 X0"),
+              ElementsAre("Error: M92 X: pulses_per_unit = 0, allowed 0.001 to 1e+07"));
+  EXPECT_THAT(Say("M208 X2000 S1"),
+              ElementsAre(HasSubstr("allowed below max_position_pulses")));
+  EXPECT_THAT(Say("M208 X0:5"), ElementsAre(HasSubstr("Error: ")));
+  EXPECT_THAT(Say("M999999"), ElementsAre(HasSubstr("is not known to this machine")));
+  EXPECT_THAT(Say("G1 X1 Y1 H4"), ElementsAre("Error: H4 and H5 move one axis"));
+}
+
+TEST_F(MotorStageFirmwareTest, AnEmergencyStopHoldsUntilItIsCleared) {
+  Say("M817 S0.2");
+  EXPECT_THAT(Say("G91 G1 X20 F600"),
+              ElementsAre("Error: emergency stop during the move"));
+  EXPECT_THAT(Say("G1 X1"), ElementsAre("Error: emergency stop: M999 clears it"));
+  EXPECT_THAT(LineOf("M818", 'X'), HasSubstr("stood 1 enabled 0"));
+  Say("M999");
+  EXPECT_THAT(Say("G1 X1"), ElementsAre("Error: X is disabled: M17 enables it"));
+  Say("M17");
+  EXPECT_THAT(Say("G1 X1"), IsEmpty());
+}
+
+}  // namespace
+}  // namespace caltwin

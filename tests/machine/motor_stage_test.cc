@@ -1,0 +1,76 @@
+#include "sim/machine/motor_stage.h"
+
+#include <fstream>
+#include <numbers>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim/base/input_error.h"
+
+namespace caltwin {
+namespace {
+
+using ::testing::HasSubstr;
+
+const std::filesystem::path kFile =
+    CALTWIN_SOURCE_DIR "/models/motor_stage/machine.yaml";
+
+std::filesystem::path Written(const std::string& text) {
+  const auto file =
+      std::filesystem::path(::testing::TempDir()) / "motor_stage_test.yaml";
+  std::ofstream(file) << text;
+  return file;
+}
+
+std::string FaultOf(const std::string& text) {
+  try {
+    ReadMotorStage(Written(text));
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(MotorStage, HasFourServosOneOfThemRotaryAndTwoSteppers) {
+  const MotorStageDrawing stage = ReadMotorStage(kFile);
+
+  int servos = 0, rotary = 0;
+  for (const MotorAxisDrawing& axis : stage.axes) {
+    servos += axis.is_servo ? 1 : 0;
+    rotary += axis.is_rotary ? 1 : 0;
+  }
+  EXPECT_EQ(servos, 4);
+  EXPECT_EQ(rotary, 1);
+  EXPECT_TRUE(IsMotorStage(kFile));
+  EXPECT_FALSE(IsMotorStage(CALTWIN_SOURCE_DIR "/models/gantry_router/machine.yaml"));
+}
+
+TEST(MotorStage, CountsPulsesPerDegreeOfARotaryAxis) {
+  const MotorStageDrawing stage = ReadMotorStage(kFile);
+  const MotorAxisDrawing& a = stage.axes[*MotorAxisNamed("a")];
+
+  EXPECT_DOUBLE_EQ(a.pulses_per_unit(), 10'000.0 / 4);
+  EXPECT_DOUBLE_EQ(a.si_per_unit(), std::numbers::pi / 180);
+  EXPECT_STREQ(a.unit(), "deg");
+}
+
+TEST(MotorStage, RefusesLimitsBeyondTheSwitchesAndMillimetresOfARotaryAxis) {
+  EXPECT_THAT(
+      FaultOf("kinematics: motor_stage\nmodel: none.xml\n"
+              "axes: {x: {min_mm: -20}, a: {min_mm: 3}}\n"),
+      AllOf(HasSubstr("'none.xml': there is no such file"),
+            HasSubstr("axes.x: min_switch = -8, min = -20, max = 200, max_switch "
+                      "= 208 do not rise"),
+            HasSubstr("axes.a.min_mm")));
+}
+
+TEST(MotorStage, AxesHaveNamesOfOneLetter) {
+  EXPECT_EQ(MotorAxisNamed("v"), 5U);
+  EXPECT_FALSE(MotorAxisNamed("b"));
+  EXPECT_FALSE(MotorAxisNamed("xy"));
+  EXPECT_FALSE(MotorAxisNamed(""));
+}
+
+}  // namespace
+}  // namespace caltwin

@@ -1,0 +1,245 @@
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "calibration/motor_axes/procedures.h"
+#include "sim/base/units.h"
+#include "tests/scenarios/motor_bench.h"
+
+// The figures of docs/motor-axes.md; each test prints its own.
+
+namespace caltwin {
+namespace {
+
+constexpr std::size_t kX = 0, kU = 4;
+constexpr int kHomings = 1000;
+
+struct Spread {
+  double sd_um = 0, range_um = 0;
+};
+
+Spread SpreadOf(const std::vector<double>& values_mm) {
+  const auto count = static_cast<double>(values_mm.size());
+  double mean = 0, squares = 0;
+  for (const double value : values_mm) mean += value / count;
+  for (const double value : values_mm) squares += (value - mean) * (value - mean);
+  const auto [low, high] = std::ranges::minmax(values_mm);
+  return {UmFromMm(std::sqrt(squares / (count - 1))), UmFromMm(high - low)};
+}
+
+// So often, each time from another place and with nothing remembered.
+Spread HomeOften(std::size_t axis, bool is_as_published) {
+  BuiltMotorStage built = BuiltAsDrawn(DrawnMotorStage());
+  built.faults[axis].switch_scatter_unit = 0.010;
+  Rng from(1, 0, "by_hand");
+  std::vector<double> homes_mm;
+  for (int i = 0; i < kHomings; ++i) {
+    built.faults[axis].start_unit = -4 + 3 * from.Uniform();
+    MotorBenchInATest bench(built, /*is_physics=*/false, 1, i);
+    const MotorOptions options{.is_as_published = is_as_published, .axes = {axis}};
+    const MotorResult homed = axis == kX ? RunServoHome(&bench.axes, options)
+                                         : RunStepperHome(&bench.axes, options);
+    EXPECT_EQ(homed.result.ending, Ending::kDone) << homed.result.fault;
+    homes_mm.push_back(TrueHome(bench.firmware, bench.rig, axis));
+  }
+  return SpreadOf(homes_mm);
+}
+
+void Print(const std::string& text) {
+  fmt::print("[  FIGURE  ] {}\n", text);
+}
+
+TEST(MotorFigures, HomeByTheIndexRepeatsToOnePulse) {
+  const Spread published = HomeOften(kX, true), corrected = HomeOften(kX, false);
+
+  Print(fmt::format(
+      "home with index, 1000 homings: corrected sd {:.3f} um, range {:.3f}; "
+      "as published sd {:.3f}, range {:.3f}",
+      corrected.sd_um,
+      corrected.range_um,
+      published.sd_um,
+      published.range_um));
+  EXPECT_LE(corrected.range_um, 1.0001);  // A pulse is 1 um.
+}
+
+TEST(MotorFigures, HomeByTheSwitchRepeatsToHalfItsScatter) {
+  const Spread published = HomeOften(kU, true), corrected = HomeOften(kU, false);
+
+  Print(
+      fmt::format("home by switch, 1000 homings: corrected sd {:.2f} um; as published "
+                  "sd {:.2f}",
+                  corrected.sd_um,
+                  published.sd_um));
+  // The switch's 10 um, a look every 5 ms at 0.5 mm/s, a pulse of 2.5 um; five touches.
+  const double each_um = std::sqrt(100 + (2.5 * 2.5 + 2.5 * 2.5) / 12);
+  const double expected_um =
+      std::hypot(each_um / std::sqrt(5.0), 2.5 / std::sqrt(12.0));
+  EXPECT_NEAR(
+      corrected.sd_um, expected_um, 4 * expected_um / std::sqrt(2.0 * kHomings));
+  EXPECT_LT(corrected.sd_um, 5.0);
+}
+
+constexpr double kSlow = 0.04;  // 10 mm/s: 2.5 um a tick, 0.7 um rms.
+
+/// x with a switch of 10 um looked at every tick, so that nothing else scatters.
+BuiltMotorStage QuickSwitch() {
+  MotorStageDrawing drawing = DrawnMotorStage();
+  drawing.poll_s = 0.00025;
+  drawing.transfer_s = 0;
+  BuiltMotorStage built = BuiltAsDrawn(drawing);
+  built.faults[kX].start_unit = -6;
+  return built;
+}
+
+// The share of later homings that lie on another turn than the first, of `count`.
+double WrongTurns(BuiltMotorStage built, bool is_as_published, int count) {
+  built.faults[kX].switch_scatter_unit = 0.010;
+  const MotorOptions options{
+      .is_as_published = is_as_published, .axes = {kX}, .slow = kSlow};
+  MotorBenchInATest bench(built);
+  RunServoHome(&bench.axes, options);
+  std::vector<double> homes_mm;
+  for (int i = 0; i < count; ++i) {
+    bench.MoveByHand(kX, -7);
+    const MotorResult homed = RunServoHome(&bench.axes, options);
+    EXPECT_EQ(homed.result.ending, Ending::kDone) << homed.result.fault;
+    if (i == 0 && !is_as_published) {
+      EXPECT_EQ(homed.found.warnings, 1);
+    }
+    homes_mm.push_back(TrueHome(bench.firmware, bench.rig, kX));
+  }
+  std::vector<double> sorted = homes_mm;
+  std::ranges::nth_element(sorted, sorted.begin() + count / 2);
+  const double usual_mm = sorted[count / 2];
+  return static_cast<double>(std::ranges::count_if(
+             homes_mm,
+             [&](double home_mm) { return std::abs(home_mm - usual_mm) > 5; })) /
+         count;
+}
+
+// Where the back-off of a switch that does not scatter ends, beyond it; the mean over
+// when in a tick it is passed.
+double BackOffEnd_mm(BuiltMotorStage built, bool is_as_published) {
+  constexpr int kStarts = 50;
+  double sum_mm = 0;
+  for (int i = 0; i < kStarts; ++i) {
+    built.faults[kX].start_unit = -7 - 0.00031 * i;
+    MotorBenchInATest bench(built);
+    const MotorResult homed = RunServoHome(
+        &bench.axes, {.is_as_published = is_as_published, .axes = {kX}, .slow = kSlow});
+    const double offset_mm = homed.result.estimates.front().value;
+    sum_mm += TrueHome(bench.firmware, bench.rig, kX) - offset_mm + 2;
+  }
+  return sum_mm / kStarts;
+}
+
+TEST(MotorFigures, TheRemedyLeavesNoHomingATurnOff) {
+  constexpr int kTrials = 20'000, kAfterwards = 10'000;
+  constexpr double kExpected = 0.00135;  // Beyond 3 standard deviations, on one side.
+  const BuiltMotorStage built = QuickSwitch();
+  const auto three_away = [&](bool is_as_published) {
+    BuiltMotorStage near = built;
+    near.motors[kX].drawing.index_from_switch_unit =
+        BackOffEnd_mm(built, is_as_published) + 0.030;
+    return near;
+  };
+
+  const double before = WrongTurns(three_away(true), true, kTrials);
+  const double after = WrongTurns(three_away(false), false, kAfterwards);
+
+  Print(
+      fmt::format("wrong-turn homings, index 3 sigma away: as published {:.3f} % of "
+                  "{}, corrected {:.3f} % of {}",
+                  PercentFromFraction(before),
+                  kTrials,
+                  PercentFromFraction(after),
+                  kAfterwards));
+  EXPECT_NEAR(before, kExpected, 4 * std::sqrt(kExpected / kTrials));
+  EXPECT_EQ(after, 0);
+}
+
+// Any servo of a machine shop on x, stopped from a speed of its own.
+BuiltMotorStage RandomServo(Rng* rng, double* speed_mm_s) {
+  MotorStageDrawing drawing = DrawnMotorStage();
+  MotorAxisDrawing& x = drawing.axes[kX];
+  x.load_inertia = 2 * std::pow(30, rng->Uniform());
+  x.motor_inertia = x.load_inertia * (0.7 + 3 * rng->Uniform());
+  x.friction = 40 * rng->Uniform();
+  x.force_per_amp = 100 + 300 * rng->Uniform();
+  x.current_limit_a = 5 + 15 * rng->Uniform();
+  // Half of them stop within 5 ms: 0.4 to 2 times the speed that just does.
+  const double slow_mm_s2 =
+      MmFromM((x.largest_force() + x.friction) / x.total_inertia());
+  *speed_mm_s =
+      0.0045 * slow_mm_s2 * std::exp(std::log(0.4) + std::log(5) * rng->Uniform());
+  x.max_velocity_unit_s = *speed_mm_s;
+  x.acceleration_unit_s2 = std::min(0.3 * slow_mm_s2, *speed_mm_s * *speed_mm_s / 60);
+  x.max_unit = 400;
+  x.max_switch_unit = 408;
+  BuiltMotorStage built = BuiltAsDrawn(drawing);
+  // Already on an index: setting zero there is all the homing it wants.
+  built.faults[kX].start_unit = x.min_switch_unit + x.index_from_switch_unit + 20;
+  return built;
+}
+
+struct Verdicts {
+  int foretold_right = 0, measured_right = 0, feasible = 0, all = 0;
+  double largest_error_s = 0;
+};
+
+Verdicts StopMany(int machines, double load_sigma) {
+  Rng rng(1, 0, "stop_machines");
+  Verdicts verdicts;
+  for (int i = 0; i < machines; ++i) {
+    double speed_mm_s = 0;
+    BuiltMotorStage built = RandomServo(&rng, &speed_mm_s);
+    MotorAxisDrawing& built_x = built.motors[kX].drawing;
+    built_x.load_inertia *= 1 + load_sigma * rng.Normal();
+    MotorBenchInATest bench(built, /*is_physics=*/true, 1, i);
+    bench.axes.SetZero(kX, 0);
+    const MotorResult stopped =
+        RunEmergencyStop(&bench.axes, {.axes = {kX}, .medium = 1});
+    const auto braked_s = bench.watched.braked_s();
+    EXPECT_TRUE(braked_s && stopped.found.standstill_s) << i << stopped.result.fault;
+    if (!braked_s || !stopped.found.standstill_s) continue;
+    const double truth_s = 0.0005 + *braked_s;
+    const bool is_feasible = truth_s <= 0.005;
+    ++verdicts.all;
+    verdicts.feasible += is_feasible ? 1 : 0;
+    verdicts.foretold_right += stopped.found.stop_feasible == is_feasible ? 1 : 0;
+    verdicts.measured_right +=
+        (*stopped.found.standstill_s <= 0.005) == is_feasible ? 1 : 0;
+    verdicts.largest_error_s = std::max(
+        verdicts.largest_error_s, std::abs(*stopped.found.standstill_s - truth_s));
+  }
+  return verdicts;
+}
+
+TEST(MotorFigures, EmergencyStopVerdictsAreRight) {
+  const Verdicts known = StopMany(1000, 0);
+  const Verdicts unknown = StopMany(300, 0.03);
+
+  for (const auto& [name, v] : {std::pair("as drawn", known),
+                                std::pair("loads 3 % off their drawing", unknown)}) {
+    Print(
+        fmt::format("emergency stop, {} machines in MuJoCo, {}: foretold right {:.1f} "
+                    "%, measured right {:.1f} % ({} feasible; standstill measured to "
+                    "{:.2f} ms)",
+                    v.all,
+                    name,
+                    100.0 * v.foretold_right / v.all,
+                    100.0 * v.measured_right / v.all,
+                    v.feasible,
+                    v.largest_error_s / SFromMs(1.0)));
+  }
+  EXPECT_EQ(known.all, 1000);
+  EXPECT_GT(known.feasible, 300);
+  EXPECT_LT(known.feasible, 700);
+  EXPECT_GE(known.foretold_right, 990);
+}
+
+}  // namespace
+}  // namespace caltwin
