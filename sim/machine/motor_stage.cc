@@ -39,6 +39,7 @@ class AxisReader {
 
 constexpr Bounds kLength{-1e5, 1e5};
 constexpr Bounds kInertia{1e-6, 1e5};
+constexpr std::size_t kFirstStepper = 4;  // u, and v behind it.
 
 void RequireOrder(const MotorAxisDrawing& axis, YamlMap* map) {
   const bool is_ordered = axis.min_switch_unit < axis.min_unit &&
@@ -111,7 +112,7 @@ MotorAxisDrawing Usual(std::size_t index) {
             .max_switch_unit = 186,
             .index_from_switch_unit = 3.1};
   }
-  if (kMotorAxisLetters[index] >= 'u') {
+  if (index >= kFirstStepper) {
     axis = {.is_servo = false,
             .max_unit = 100,
             .lead_unit = 8,

@@ -141,8 +141,10 @@ TEST_F(MotorStageFirmwareTest, GoesFartherByTheBacklashMovingBack) {
 TEST_F(MotorStageFirmwareTest, StopsWhereTheCurrentStaysAtItsLimit) {
   rig_.current_y_a = 10;
 
+  // 30 ms at up to 10 mm/s, reached by 1000 mm/s2: v t - v^2 / 2 a = 0.25 mm.
   EXPECT_THAT(Say("G91 G1 Y20 F600"),
-              ElementsAre(HasSubstr("Error: Y is blocked at 0.0")));
+              ElementsAre("Error: Y is blocked at 0.250: at its current limit for 30 "
+                          "ms, stopped there"));
 }
 
 TEST_F(MotorStageFirmwareTest, KeepsARecordOverAPowerCycle) {

@@ -62,7 +62,7 @@ TEST(MotorStage, RefusesLimitsBeyondTheSwitchesAndMillimetresOfARotaryAxis) {
       AllOf(HasSubstr("'none.xml': there is no such file"),
             HasSubstr("axes.x: min_switch = -8, min = -20, max = 200, max_switch "
                       "= 208 do not rise"),
-            HasSubstr("axes.a.min_mm")));
+            HasSubstr("axes.a has no key 'min_mm'")));
 }
 
 TEST(MotorStage, AxesHaveNamesOfOneLetter) {
