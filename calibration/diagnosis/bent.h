@@ -16,9 +16,10 @@ struct Bent {
   Refined refined{};
 };
 
-/// The pivots and swapped motors of a bed on screws among the findings, fitted together
-/// by Gauss-Newton rounds on the exact prediction, the other findings and the baseline
-/// free. Their geometry has no freedom of form.
+/// The pivots and swapped motors of a bed on screws, and the parts of a delta's chain
+/// (IsRigid), among the findings, fitted together by Gauss-Newton rounds on the exact
+/// prediction, the other findings and the baseline free. Their geometry has no freedom
+/// of form.
 ///
 ///   change_k = f(v_1 .. v_k) - f(v_1 .. v_k-1)   [mm],  f reading predicted
 ///   column_kj = df/dv_kj + (change_k - sum_i v_ki df/dv_ki) v_kj / |v_k|^2

@@ -30,8 +30,8 @@ struct Candidate {
   double log_prior = 0;
   bool must_be_positive = false;
   std::vector<Variant> variants{};
-  Eigen::VectorXd free_prior{};          ///< Of a free form's terms.
-  std::vector<FreeTerm> free_terms{};    ///< The same terms.
+  Eigen::VectorXd free_prior{};        ///< Of a free form's terms.
+  std::vector<FreeTerm> free_terms{};  ///< The same terms.
 
   bool is_free() const { return effect < 0; }
   /// "cyclic_lead.x", "unknown.z{x,y}".

@@ -33,9 +33,9 @@ enum class Form {
 Form FormOf(const Candidate& candidate, const Machine& machine);
 
 /// A lack of fit that a name has no right to leave: beyond a standard deviation of
-/// noise, three tenths of what it explains (half of its height squared is a quarter), or
-/// 0.04. Where next to nothing is explained, a cause may be known by its size, not by
-/// its shape; geometry is not.
+/// noise, three tenths of what it explains, about half of its height; of what is close
+/// or exact 0.04, a fifth of its height. Where next to nothing is explained, a cause
+/// may be known by its size, not by its shape; geometry is not.
 bool LeavesTooMuch(const PlainFit& fit, Form form = Form::kLike);
 
 /// How much of a shape shows beside the rest: the root of its squares, in sigma, over

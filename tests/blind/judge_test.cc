@@ -158,5 +158,35 @@ TEST(Sets, HideEveryCauseOfTheCatalogue) {
   }
 }
 
+// What no row tells apart is told by a set that holds it; what rows do tell apart must
+// be named. Pairs of which the plan does not see one, or sees little, do not count.
+TEST(Judge, OfPairsWhatATwinImitatesIsToldByItsSet) {
+  json lean = HiddenCause("tower_lean", "a"), rod = HiddenCause("rod_mismatch", "c1");
+  const json answer = Answer(
+      "ambiguous",
+      json::array({Finding("tower_lean", "a"),
+                   Finding("rod_mismatch",
+                           "c2",
+                           json::array({Candidate("rod_mismatch", "c1", 0.3)}))}));
+  const auto told = [&] {
+    return Judge(TruthOf("pair", json::array({lean, rod})), answer, nullptr);
+  };
+  EXPECT_EQ(told().hidden_told, 1);
+  rod["separation"]["rod_mismatch c2"] = 8.0;
+  EXPECT_EQ(told().hidden_told, 2);
+  EXPECT_EQ(told().hidden_named, 1);
+
+  const auto both = [](const Judgement& judgement) {
+    return Figures({judgement})[6];
+  };
+  EXPECT_EQ(both(told()).hits, 1);
+  EXPECT_EQ(both(told()).cases, 1);
+  rod["sum_squares"] = 50.0;
+  EXPECT_EQ(both(told()).cases, 0);
+  rod["sum_squares"] = 500.0;
+  rod["peak_sigma"] = 1.5;
+  EXPECT_EQ(both(told()).cases, 0);
+}
+
 }  // namespace
 }  // namespace blind
