@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "sim/base/mutant.h"
 #include "sim/base/require.h"
 #include "sim/base/units.h"
 
@@ -28,7 +29,7 @@ DeltaModel<double> Changed(const DeltaModel<double>& start, const Changes& by) {
   for (std::size_t i = 0; i < kNumTowers; ++i) {
     model.radius_mm[i] += by[0];
     model.endstop_mm[i] += by[3 + i];
-    model.arm_mm[i] += by[6 + i];
+    model.arm_mm[i] += Mutant("klipper_arms_as_one", by[6 + i], by[6]);
   }
   model.angle_rad[0] += RadFromDeg(by[1]);
   model.angle_rad[1] += RadFromDeg(by[2]);

@@ -33,10 +33,10 @@ struct Judgement {
   int hidden = 0, hidden_named = 0;  ///< Causes there are, and those named first.
   /// Those named, or, where a twin imitates them under this plan, in a reported set.
   int hidden_told = 0;
-  bool first_right = false;          ///< The largest finding is a hidden cause.
-  bool set_holds = false;            ///< Each hidden cause is in some set.
-  double explained = -1;             ///< Share of the variance; below 0: not told.
-  int intervals = 0, covered = 0;    ///< 95 % intervals of parameters.
+  bool first_right = false;        ///< The largest finding is a hidden cause.
+  bool set_holds = false;          ///< Each hidden cause is in some set.
+  double explained = -1;           ///< Share of the variance; below 0: not told.
+  int intervals = 0, covered = 0;  ///< 95 % intervals of parameters.
   bool rediagnosed = false, idempotent = false;
   double seconds = 0;
 };

@@ -97,5 +97,36 @@ TEST(KlipperDescent, NineParametersDoAsMeasuredElsewhere) {
   EXPECT_NEAR(std::sqrt(square), 0.0076, 0.1 * 0.0076);
 }
 
+// Without noise its nine numbers find what six heights and twelve distances determine:
+// arms that differ from tower to tower.
+TEST(KlipperDescent, ItsNineNumbersTellThreeArmsApart) {
+  DeltaModel<double> built = MeasuredDeltaAsDrawn();
+  built.arm_mm = {250.6, 249.7, 250.2};
+  const DeltaModel<double> believed = MeasuredDeltaAsDrawn();
+  KlipperOptions options;
+  for (const KlipperRidge& ridge : KlipperPrint()) {
+    const auto motors_mm = [&](const Eigen::Vector2d& at) {
+      return DeltaMotors_mm<double>(believed, {at[0], at[1], 0});
+    };
+    const Vec3<double> from_mm = motors_mm(ridge.first_mm);
+    const Vec3<double> to_mm = motors_mm(ridge.second_mm);
+    const Vec3<double> way_mm =
+        DeltaNozzle_mm(built, to_mm) - DeltaNozzle_mm(built, from_mm);
+    options.distances.push_back(
+        {.length_mm = way_mm.norm(), .from_mm = from_mm, .to_mm = to_mm});
+  }
+  const DeltaProbe probe =
+      [&](const DeltaModel<double>& settings, double x_mm, double y_mm) {
+        return DeltaTouchMotors({.model = built}, {}, settings, x_mm, y_mm);
+      };
+
+  const DeltaModel<double> found = CalibrateKlipper(probe, believed, options).settings;
+
+  constexpr double kStopsShort_mm = 0.05;  // A descent one number at a time creeps.
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_NEAR(found.arm_mm[i], built.arm_mm[i], kStopsShort_mm);
+  }
+}
+
 }  // namespace
 }  // namespace caltwin

@@ -127,7 +127,8 @@ TEST(OwnShape, WhatIsExactLeavesAFifthOfItsHeightAtMost) {
   EXPECT_TRUE(LeavesTooMuch(some, Form::kExact));
   EXPECT_TRUE(LeavesTooMuch(some, Form::kClose));
   EXPECT_FALSE(LeavesTooMuch(some, Form::kLike));
-  EXPECT_FALSE(LeavesTooMuch({.explained = 600, .left = 40, .doubt = 20}, Form::kExact));
+  EXPECT_FALSE(
+      LeavesTooMuch({.explained = 600, .left = 40, .doubt = 20}, Form::kExact));
 }
 
 TEST(OwnShape, GeometryIsNotKnownByItsSizeAlone) {
@@ -145,8 +146,7 @@ TEST(OwnShape, WhatTheOffsetTakesUpDoesNotShow) {
   constexpr double kNeglected = 1e-5;  // The offset's prior: (sigma / sd)^2.
 
   EXPECT_NEAR(ShownPart(observed, Offset(), half), std::sqrt(0.5), kNeglected);
-  EXPECT_NEAR(
-      ShownPart(observed, Offset(), Eigen::VectorXd::Ones(kRows)), 0, 1e-3);
+  EXPECT_NEAR(ShownPart(observed, Offset(), Eigen::VectorXd::Ones(kRows)), 0, 1e-3);
   EXPECT_EQ(ShownPart(observed, Offset(), Eigen::VectorXd::Zero(kRows)), 0);
 }
 
