@@ -85,9 +85,10 @@ void SayOpenLoop(MotorDoing* doing) {
     if (doing->axes().drawing(axis).is_servo) continue;
     const std::string name = MotorAxisName(axis);
     doing->done().result.observability.push_back(
-        {fmt::format("{} is open-loop: its controller knows when it sent pulses, not when "
-                     "the axis moved",
-                     name),
+        {fmt::format(
+             "{} is open-loop: its controller knows when it sent pulses, not when "
+             "the axis moved",
+             name),
          {{"start_delay." + name, 1.0}}});
   }
 }
@@ -109,16 +110,17 @@ MotorResult RunAxisSync(MotorAxes* axes, const MotorOptions& options) {
         1 / axes->drawing(axis).pulses_per_unit() / speed_unit_s / options.repeats;
     const double early_s = latest_s - at_s;
     doing.Found("start_lead." + MotorAxisName(axis), "s", early_s, sd_s);
-    doing.Step("start_lead." + MotorAxisName(axis),
-               early_s,
-               options.is_as_published ? early_s : 0,
-               options.is_as_published ? Verdict::kMeasured : Verdict::kApplied,
-               fmt::format("{:.3f} ms before the latest axis: {:.1f} um off the path at "
-                           "{:g} {}/s; a delay of as much (M816) aligns it",
-                           early_s / SFromMs(1.0),
-                           UmFromMm(early_s * speed_unit_s),
-                           speed_unit_s,
-                           axes->drawing(axis).unit()));
+    doing.Step(
+        "start_lead." + MotorAxisName(axis),
+        early_s,
+        options.is_as_published ? early_s : 0,
+        options.is_as_published ? Verdict::kMeasured : Verdict::kApplied,
+        fmt::format("{:.3f} ms before the latest axis: {:.1f} um off the path at "
+                    "{:g} {}/s; a delay of as much (M816) aligns it",
+                    early_s / SFromMs(1.0),
+                    UmFromMm(early_s * speed_unit_s),
+                    speed_unit_s,
+                    axes->drawing(axis).unit()));
     const double delay_s = Mutant("sync_delays_the_latest", early_s, -early_s);
     if (!options.is_as_published && !doing.Did(axes->SetDelay_s(axis, delay_s))) {
       return doing.Take();

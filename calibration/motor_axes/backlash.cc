@@ -48,16 +48,17 @@ std::optional<Gap> MeasureGap(double speed_unit_s, MotorDoing* doing) {
   const double at_unit = 2 * o.distance_unit;
   Gap gap;
   for (int i = 0; i < o.repeats; ++i) {
-    const auto plus = ReadApproach(at_unit - o.distance_unit, at_unit, speed_unit_s, doing);
-    const auto minus =
-        ReadApproach(Mutant("motor_backlash_one_side",
-                            at_unit + o.distance_unit,
-                            at_unit - o.distance_unit),
-                     at_unit,
-                     speed_unit_s,
-                     doing);
+    const auto plus =
+        ReadApproach(at_unit - o.distance_unit, at_unit, speed_unit_s, doing);
+    const auto minus = ReadApproach(Mutant("motor_backlash_one_side",
+                                           at_unit + o.distance_unit,
+                                           at_unit - o.distance_unit),
+                                    at_unit,
+                                    speed_unit_s,
+                                    doing);
     if (!plus || !minus) return std::nullopt;
-    gap.value_unit += (minus->beyond_counter_unit - plus->beyond_counter_unit) / o.repeats;
+    gap.value_unit +=
+        (minus->beyond_counter_unit - plus->beyond_counter_unit) / o.repeats;
     gap.left_unit += (minus->gauge_unit - plus->gauge_unit) / o.repeats;
   }
   const auto pulses = doing->Got(doing->axes().Field(92, o.axes.front()));
@@ -89,13 +90,15 @@ MotorResult AsPublished(MotorDoing doing) {
   const auto pulses = doing.Got(axes.Field(92, axis));
   if (!pulses) return doing.Take();
   std::vector<std::int64_t> read;
-  for (const double by_unit : {o.distance_unit, -2 * o.distance_unit, o.distance_unit}) {
+  for (const double by_unit :
+       {o.distance_unit, -2 * o.distance_unit, o.distance_unit}) {
     if (!doing.Did(axes.MoveBy(axis, by_unit, speed_unit_s))) return doing.Take();
     const auto count = doing.Got(axes.Count(axis));
     if (!count) return doing.Take();
     read.push_back(*count);
   }
-  const double backlash_unit = static_cast<double>(std::abs(read[2] - read[0])) / *pulses;
+  const double backlash_unit =
+      static_cast<double>(std::abs(read[2] - read[0])) / *pulses;
   const std::string name = "backlash." + MotorAxisName(axis);
   if (!doing.Did(axes.SetField(425, axis, backlash_unit)) ||
       !doing.Did(axes.Store(axis))) {
@@ -116,17 +119,19 @@ std::optional<Gap> WithinTolerance(MotorDoing* doing) {
   for (int attempt = 0; attempt <= o.retries; ++attempt, speed_unit_s /= 2) {
     const auto gap = MeasureGap(speed_unit_s, doing);
     if (!gap || gap->value_unit <= o.tolerance_unit) return gap;
-    words = fmt::format("backlash of {} is {:.4f} +- {:.4f} {}, beyond the mechanical "
-                        "tolerance of {:g}",
-                        MotorAxisName(axis),
-                        gap->value_unit,
-                        gap->sd_unit,
-                        d.unit(),
-                        o.tolerance_unit);
+    words = fmt::format(
+        "backlash of {} is {:.4f} +- {:.4f} {}, beyond the mechanical "
+        "tolerance of {:g}",
+        MotorAxisName(axis),
+        gap->value_unit,
+        gap->sd_unit,
+        d.unit(),
+        o.tolerance_unit);
     doing->Log(axis, words);
     if (attempt < o.retries) ++doing->done().found.retries;
     if (attempt == o.retries) {
-      doing->Found("backlash." + MotorAxisName(axis), d.unit(), gap->value_unit, gap->sd_unit);
+      doing->Found(
+          "backlash." + MotorAxisName(axis), d.unit(), gap->value_unit, gap->sd_unit);
     }
   }
   doing->Alert(axis, words + ": not compensated");
@@ -145,9 +150,9 @@ void ApplyGap(const Gap& gap, MotorDoing* doing) {
   const auto check =
       MeasureGap(o.medium * axes.drawing(axis).max_velocity_unit_s, doing);
   if (!check) return;
-  const bool is_better =
-      std::abs(check->left_unit) <=
-      std::max(std::abs(gap.left_unit), kWorseBy * std::hypot(gap.sd_unit, check->sd_unit));
+  const bool is_better = std::abs(check->left_unit) <=
+                         std::max(std::abs(gap.left_unit),
+                                  kWorseBy * std::hypot(gap.sd_unit, check->sd_unit));
   if (!is_better) {
     doing->Did(axes.SetField(425, axis, *before));
     doing->Step(name, *before, *before, Verdict::kRolledBack, "the check was worse");
@@ -157,8 +162,12 @@ void ApplyGap(const Gap& gap, MotorDoing* doing) {
                          check->left_unit,
                          axes.drawing(axis).unit()));
   if (doing->Did(axes.Store(axis))) {
-    doing->Step(name, *before, gap.value_unit, Verdict::kApplied, "opposite approaches, "
-                                                                  "read by the gauge");
+    doing->Step(name,
+                *before,
+                gap.value_unit,
+                Verdict::kApplied,
+                "opposite approaches, "
+                "read by the gauge");
   }
 }
 
@@ -176,9 +185,10 @@ MotorResult RunMotorBacklash(MotorAxes* axes, const MotorOptions& options) {
   }
   if (options.is_as_published) return AsPublished(std::move(doing));
   if (axes->bench().gauge == nullptr) {
-    doing.Confess("the motor's own counter does not see what the carriage does: the "
-                  "backlash wants a gauge on the carriage",
-                  name);
+    doing.Confess(
+        "the motor's own counter does not see what the carriage does: the "
+        "backlash wants a gauge on the carriage",
+        name);
     return doing.Take();
   }
   double before_unit_s2 = 0;

@@ -27,7 +27,8 @@ void Foretell(double speed_unit_s, MotorDoing* doing) {
     const bool is_feasible = f.standstill_s <= o.within_s && f.holds;
     all = all && is_feasible;
     std::string words = fmt::format(
-        "{} at {:g} {}/s: stands after {:.2f} +- {:.2f} ms and {:.3f} {}; {} within {:g} "
+        "{} at {:g} {}/s: stands after {:.2f} +- {:.2f} ms and {:.3f} {}; {} within "
+        "{:g} "
         "ms",
         MotorAxisName(axis),
         speed_unit_s,
@@ -86,18 +87,17 @@ bool ReadStops(MotorDoing* doing) {
     const bool is_servo = doing->axes().drawing(axis).is_servo;
     if (is_servo) slowest_s = std::max(slowest_s, says->standstill_s);
     const std::string name = MotorAxisName(axis);
-    doing->Step(
-        "standstill_ms." + name,
-        o.within_s / SFromMs(1.0),
-        says->standstill_s / SFromMs(1.0),
-        Verdict::kMeasured,
-        fmt::format("{} after {:.3f} {}, at most {:.1f} A, {}{}",
-                    says->stood ? "stood" : "still moving",
-                    says->path_unit,
-                    doing->axes().drawing(axis).unit(),
-                    says->peak_a,
-                    says->is_disabled ? "drive off" : "DRIVE STILL ON",
-                    is_servo ? "" : "; open-loop: when its pulses ended"));
+    doing->Step("standstill_ms." + name,
+                o.within_s / SFromMs(1.0),
+                says->standstill_s / SFromMs(1.0),
+                Verdict::kMeasured,
+                fmt::format("{} after {:.3f} {}, at most {:.1f} A, {}{}",
+                            says->stood ? "stood" : "still moving",
+                            says->path_unit,
+                            doing->axes().drawing(axis).unit(),
+                            says->peak_a,
+                            says->is_disabled ? "drive off" : "DRIVE STILL ON",
+                            is_servo ? "" : "; open-loop: when its pulses ended"));
     if (is_servo) {
       constexpr double kSeen_ms = 0.1;  // Between two ticks, by how it slowed.
       doing->Found(
@@ -142,8 +142,8 @@ bool GoOn(std::size_t axis, MotorDoing* doing) {
   } else {
     doing->Say(name + ": open-loop, its position is not certain: homed again");
   }
-  const MotorResult homed =
-      axes.drawing(axis).is_servo ? RunServoHome(&axes, home) : RunStepperHome(&axes, home);
+  const MotorResult homed = axes.drawing(axis).is_servo ? RunServoHome(&axes, home)
+                                                        : RunStepperHome(&axes, home);
   for (const std::string& line : homed.result.messages) doing->Say(line);
   if (homed.result.ending == Ending::kDone) return true;
   doing->done().result.ending = homed.result.ending;

@@ -29,18 +29,20 @@ std::string WhyBlocked(std::size_t axis, double speed_unit_s, MotorDoing* doing)
   }
   const double far_unit = static_cast<double>(*to - *from) / *pulses;
   if (far_unit > apart_unit) {
-    return fmt::format("end switch MIN of {} not detected: it went on to its hard stop, "
-                       "{:.1f} {} from MAX, where the switches are {:.1f} apart",
-                       name,
-                       far_unit,
-                       drawing.unit(),
-                       apart_unit);
+    return fmt::format(
+        "end switch MIN of {} not detected: it went on to its hard stop, "
+        "{:.1f} {} from MAX, where the switches are {:.1f} apart",
+        name,
+        far_unit,
+        drawing.unit(),
+        apart_unit);
   }
-  return fmt::format("motion of {} is blocked {:.1f} {} before MIN: something is in "
-                     "the way",
-                     name,
-                     apart_unit - far_unit,
-                     drawing.unit());
+  return fmt::format(
+      "motion of {} is blocked {:.1f} {} before MIN: something is in "
+      "the way",
+      name,
+      apart_unit - far_unit,
+      drawing.unit());
 }
 
 // Off a switch that is closed already.

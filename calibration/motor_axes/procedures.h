@@ -20,15 +20,15 @@ struct MotorOptions {
   double second = 0.5;                    ///< Speed of a stepper's second approach.
   double final_back_off_unit = 1;         ///< Of a stepper, to its zero.
   double safe_unit = 10;                  ///< And from its switch to rest there.
-  double distance_unit = 10;     ///< Of the backlash, and of moves together.
-  int repeats = 3;               ///< Approaches from each side; moves together.
-  int touches = 5;               ///< Fine approaches that a switch is told by.
-  double fine_unit_s = 0.5;      ///< Their speed.
-  double margin_unit = 2;        ///< Of the working range, at each end.
-  double threshold_pulses = 3;   ///< Counter against index.
-  double tolerance_unit = 0.2;   ///< Mechanical, of a backlash.
-  int retries = 2;               ///< Each at half the speed.
-  double within_s = 0.005;       ///< An emergency stop.
+  double distance_unit = 10;              ///< Of the backlash, and of moves together.
+  int repeats = 3;              ///< Approaches from each side; moves together.
+  int touches = 5;              ///< Fine approaches that a switch is told by.
+  double fine_unit_s = 0.5;     ///< Their speed.
+  double margin_unit = 2;       ///< Of the working range, at each end.
+  double threshold_pulses = 3;  ///< Counter against index.
+  double tolerance_unit = 0.2;  ///< Mechanical, of a backlash.
+  int retries = 2;              ///< Each at half the speed.
+  double within_s = 0.005;      ///< An emergency stop.
   double reach_sigmas = 6;  ///< An index nearer than this to a turn's end is warned of.
 };
 

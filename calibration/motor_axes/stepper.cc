@@ -39,14 +39,17 @@ std::optional<Seen> TouchFinely(std::size_t axis, int sense, MotorDoing* doing) 
 }
 
 // The published second approach, at part of the speed.
-std::optional<Seen> SecondTouch(std::size_t axis, double slow_unit_s, MotorDoing* doing) {
+std::optional<Seen> SecondTouch(std::size_t axis,
+                                double slow_unit_s,
+                                MotorDoing* doing) {
   MotorAxes& axes = doing->axes();
   const MotorOptions& o = doing->options();
   const double back_unit = o.back_off_unit.value_or(kUsualBackOff_unit);
   const double speed_unit_s = o.second * slow_unit_s;
-  const bool is_done = doing->Did(axes.MoveBy(axis, back_unit, slow_unit_s)) &&
-                       doing->Did(axes.SeekSwitch(axis, -2 * back_unit, speed_unit_s)) &&
-                       doing->Did(axes.WaitComplete());
+  const bool is_done =
+      doing->Did(axes.MoveBy(axis, back_unit, slow_unit_s)) &&
+      doing->Did(axes.SeekSwitch(axis, -2 * back_unit, speed_unit_s)) &&
+      doing->Did(axes.WaitComplete());
   if (!is_done) return std::nullopt;
   const auto count = doing->Got(axes.Count(axis));
   if (!count) return std::nullopt;
@@ -54,7 +57,10 @@ std::optional<Seen> SecondTouch(std::size_t axis, double slow_unit_s, MotorDoing
 }
 
 // Of an axis that was homed before: its switch is where it was, or steps were lost.
-void TellLostSteps(std::size_t axis, const Seen& seen, double pulses, MotorDoing* doing) {
+void TellLostSteps(std::size_t axis,
+                   const Seen& seen,
+                   double pulses,
+                   MotorDoing* doing) {
   const MotorAxisDrawing& d = doing->axes().drawing(axis);
   const double off_unit = seen.pulses / pulses + doing->options().final_back_off_unit;
   if (std::abs(off_unit) < kLostSigmas * std::sqrt(2.0) * seen.sd_unit) {
@@ -173,11 +179,12 @@ MotorResult RunTravelLimits(MotorAxes* axes, const MotorOptions& options) {
       doing.Did(axes->Store(axis));
   if (!is_kept) return doing.Take();
   const std::string name = "travel." + MotorAxisName(axis);
-  doing.Step(name,
-             d.max_unit,
-             travel_unit,
-             Verdict::kApplied,
-             fmt::format("working range {:.3f} .. {:.3f} {}", low_unit, high_unit, d.unit()));
+  doing.Step(
+      name,
+      d.max_unit,
+      travel_unit,
+      Verdict::kApplied,
+      fmt::format("working range {:.3f} .. {:.3f} {}", low_unit, high_unit, d.unit()));
   doing.Found(name, d.unit(), travel_unit, seen->sd_unit);
   return doing.Take();
 }

@@ -96,14 +96,13 @@ void PlanTzGrid(const PlannedCampaign& campaign, MeasuringSession* session) {
   const auto points_mm = BedPoints_mm(campaign, *session);
   const auto& offsets_mm = campaign.options.Numbers("probe_offset_mm");
   for (const double offset_mm : offsets_mm) {
+    const bool is_told = offsets_mm.size() > 1 || offset_mm != 0;
     std::vector<Row> rows;
     for (int rep = 1; rep <= campaign.options.Count("repeats"); ++rep) {
       for (const Vec3<double>& at_mm : points_mm) {
         rows.push_back(TouchOf("bed", "bed.top", at_mm, Unit(Axis::kZ)));
         rows.back().rep = rep;
-        if (offsets_mm.size() > 1 || offset_mm != 0) {
-          rows.back().probe_off_mm = {0, offset_mm, 0};
-        }
+        if (is_told) rows.back().probe_off_mm = {0, offset_mm, 0};
       }
     }
     TouchAll(rows, campaign.options.Numbers("feeds_mm_s"), session);

@@ -184,7 +184,8 @@ std::optional<Vec3<double>> TouchInPhysics(DeltaWorld* world,
       (motors_at(start_mm - step_mm) - motors_at(start_mm)) / world->timestep_s();
   world->Place(motors_at(start_mm), *pose, speed, -options.feed_mm_s * Unit(Axis::kZ));
   std::optional<double> before_mm;
-  for (double above_mm = start_mm; above_mm > -options.most_mm; above_mm -= step_mm) {
+  double above_mm = start_mm;
+  while (above_mm > -options.most_mm) {
     world->Step(motors_at(above_mm - step_mm));
     // A contact is found where the step began; a deflection is that of its end.
     const auto left_mm =
@@ -196,6 +197,7 @@ std::optional<Vec3<double>> TouchInPhysics(DeltaWorld* world,
       return motors_at(read_at_mm + step_mm * (1 - part));
     }
     before_mm = left_mm;
+    above_mm -= step_mm;
   }
   return std::nullopt;
 }

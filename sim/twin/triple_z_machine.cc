@@ -167,7 +167,7 @@ double TripleZMachine::Touch_mm(const Row& row, const At& nominal) {
   double above_mm = expected_mm + kStart_mm;
   world_->Place(Nuts_mm(at_mm(above_mm)), step_mm / world_->timestep_s());
   std::optional<double> before_mm;
-  for (; above_mm > expected_mm - kMostTravel_mm; above_mm -= step_mm) {
+  while (above_mm > expected_mm - kMostTravel_mm) {
     world_->Step(Nuts_mm(at_mm(above_mm - step_mm)));
     // A contact is found where the step began.
     const auto left_mm = world_->Clearance_mm();
@@ -178,6 +178,7 @@ double TripleZMachine::Touch_mm(const Row& row, const At& nominal) {
       return AfterContact_mm(nominal, contact_mm, give_mm) - late_mm;
     }
     before_mm = left_mm;
+    above_mm -= step_mm;
   }
   throw InputError(
       row.place,

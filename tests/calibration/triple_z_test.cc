@@ -66,7 +66,8 @@ TEST(PlaneVerdicts, SayThatThreePointsFitAnyPlane) {
 TEST(PlaneVerdicts, NameTheRemediesOfAHighResidual) {
   std::vector<BedTouch> touches;
   for (int i = 0; i < 9; ++i) {
-    touches.push_back({{20.0 + 90 * (i % 3), 20.0 + 90 * (i / 3)}, i == 4 ? -0.9 : 0});
+    const int across = i % 3, up = i / 3;
+    touches.push_back({{20.0 + 90 * across, 20.0 + 90 * up}, i == 4 ? -0.9 : 0});
   }
 
   EXPECT_THAT(PlaneVerdicts(FitBedPlane(touches, 0.01)),
@@ -98,7 +99,8 @@ struct ToyBed {
     }
     std::vector<BedTouch> touches;
     for (int i = 0; i < 9; ++i) {
-      const Eigen::Vector2d at_mm(20 + 97.5 * (i % 3), 20 + 97.5 * (i / 3));
+      const int across = i % 3, up = i / 3;
+      const Eigen::Vector2d at_mm(20 + 97.5 * across, 20 + 97.5 * up);
       const double height_mm =
           0.004 * at_mm[0] - 0.7 + 2e-6 * at_mm.squaredNorm() +
           ScrewWeights<double>(standing_mm, at_mm[0], at_mm[1]).dot(screws_mm) +

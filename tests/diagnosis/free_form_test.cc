@@ -95,7 +95,8 @@ Observed Touched(Kinematics kinematics) {
   RowTable table;
   for (int i = 0; i < kSide * kSide; ++i) {
     Row row{.row = i + 1, .campaign = "grid", .kind = RowKind::kTouch};
-    row.cmd_mm = {25.0 * (i % kSide), 25.0 * std::floor(i / kSide), 0};
+    const int across = i % kSide, up = i / kSide;
+    row.cmd_mm = {25.0 * across, 25.0 * up, 0};
     row.n = {0, 0, 1};
     row.feature = "bed.top";
     table.rows.push_back(row);

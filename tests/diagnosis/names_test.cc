@@ -71,7 +71,8 @@ RowTable WaveOnABend(double wave_mm, double bend_mm) {
   Rng rng(23, 0, "names_test");
   RowTable table;
   for (int i = 0; i < 2 * kPlaces; ++i) {
-    const double u = std::fmod(0.5 + 0.61803398875 * (i / 2), 1.0);
+    const int place = i / 2;
+    const double u = std::fmod(0.5 + 0.61803398875 * place, 1.0);
     Row row{.row = i + 1, .campaign = "laser"};
     row.t_s = 10 * i;
     row.rep = 1 + i % 2;

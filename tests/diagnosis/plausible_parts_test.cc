@@ -36,7 +36,8 @@ RowTable Gauged(int num) {
     Row row{.row = i + 1, .campaign = "laser"};
     row.n = {1, 0, 0};
     row.dir = {i % 2 == 0 ? 1.0 : -1.0, 0, 0};
-    row.cmd_mm = {10 + 7.3 * (i / 2), 0, 0};
+    const int place = i / 2;
+    row.cmd_mm = {10 + 7.3 * place, 0, 0};
     row.value_mm = 0.001 * Scatter(i);
     table.rows.push_back(row);
   }

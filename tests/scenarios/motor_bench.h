@@ -35,11 +35,10 @@ class WatchedRig : public MotorRig {
       first_ = before;
     }
     *slowing_s_ += tick_s();
-    // A hundredth of its speed is a standstill: its coupling rings a while yet.
-    const double still = 0.01 * first_;
-    if (after > still) return;
-    const double part = before > after ? (before - still) / (before - after) : 1;
-    braked_s_ = *slowing_s_ - tick_s() * (1 - std::min(part, 1.0));
+    // At a hundredth of its speed its coupling begins to ring: when it stands follows
+    // from how it slowed.
+    if (after > 0.01 * first_) return;
+    braked_s_ = *slowing_s_ + tick_s() * (before / (before - after) - 1);
   }
   std::int64_t Count(std::size_t axis) const override { return inner_->Count(axis); }
   double CurrentOf(std::size_t axis) const override { return inner_->CurrentOf(axis); }

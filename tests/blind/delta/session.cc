@@ -132,8 +132,9 @@ void AddDeltaXy(const DeltaPaper& paper,
       random->Chance(0.5) ? std::vector<double>{2} : std::vector<double>{2, 60};
   for (const double z_mm : heights_mm) {
     for (int i = 0; i < side * side; ++i) {
-      const double u = 2.0 * (i % side) / (side - 1) - 1;
-      const double v = 2.0 * (i / side) / (side - 1) - 1;
+      const int across = i % side, up = i / side;
+      const double u = 2.0 * across / (side - 1) - 1;
+      const double v = 2.0 * up / (side - 1) - 1;
       const double half_mm = 0.7 * paper.bed_radius_mm;
       DeltaStop stop{.campaign = "delta_xy",
                      .setup = fmt::format("plate{}", z_mm > 30 ? 2 : 1),
