@@ -198,15 +198,14 @@ MotorResult RunServoHome(MotorAxes* axes, const MotorOptions& options) {
   homing.lead_unit = *per_rev / *pulses;
   if (!ToSwitch(&homing, &doing) || !HuntIndex(&homing, &doing)) return doing.Take();
   doing.done().found.wrong_turn_probability = WrongTurns(homing);
-  std::int64_t zero = homing.index;
-  if (options.is_as_published) {
-    const auto stands = doing.Got(axes->Count(axis));
-    if (!stands) return doing.Take();
-    zero = *stands;
-  } else {
-    if (!Correct(*stored_unit, &homing, &doing)) return doing.Take();
-    zero = Mutant("home_where_it_stopped", homing.index, homing.index + 40);
+  const auto stands = doing.Got(axes->Count(axis));
+  if (!stands) return doing.Take();
+  if (!options.is_as_published && !Correct(*stored_unit, &homing, &doing)) {
+    return doing.Take();
   }
+  const std::int64_t latched =
+      Mutant("home_where_it_stopped", homing.index, homing.index + 40);
+  const std::int64_t zero = options.is_as_published ? *stands : latched;
   const double offset_unit = static_cast<double>(zero - homing.at_switch) / *pulses;
   const bool is_kept = doing.Did(axes->SetZero(axis, zero)) &&
                        doing.Did(axes->SetField(206, axis, offset_unit)) &&

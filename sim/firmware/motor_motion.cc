@@ -198,7 +198,8 @@ MotorArrival MotorMotion::Perform(const MotorMove& move) {
 
 std::optional<std::size_t> MotorMotion::WaitInPosition(double patience_s) {
   std::optional<std::size_t> late;
-  for (double waited_s = 0; waited_s <= patience_s; waited_s += tick_s_) {
+  double waited_s = 0;
+  while (waited_s <= patience_s) {
     late.reset();
     for (std::size_t i = 0; i < kNumMotorAxes; ++i) {
       if (!options_.is_servo[i] || !axes_[i].is_enabled) continue;
@@ -208,12 +209,17 @@ std::optional<std::size_t> MotorMotion::WaitInPosition(double patience_s) {
     }
     if (!late) return std::nullopt;
     Tick(Holding());
+    waited_s += tick_s_;
   }
   return late;
 }
 
 void MotorMotion::Wait(double seconds) {
-  for (double waited_s = 0; waited_s < seconds; waited_s += tick_s_) Tick(Holding());
+  double waited_s = 0;
+  while (waited_s < seconds) {
+    Tick(Holding());
+    waited_s += tick_s_;
+  }
 }
 
 void MotorMotion::Enable(std::size_t axis, bool on) {

@@ -9,8 +9,6 @@
 namespace caltwin {
 namespace {
 
-constexpr double kTick_s = MotorMechanism::kTick_s;
-
 double Sign(double value) {
   return value > 0 ? 1.0 : value < 0 ? -1.0 : 0.0;
 }

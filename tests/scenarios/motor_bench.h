@@ -19,26 +19,22 @@ inline BuiltMotorStage BuiltAsDrawn(const MotorStageDrawing& drawing) {
   return built;
 }
 
-/// Passes everything on, and notes when x truly stood after its drive braked.
+/// Passes everything on, and notes when x truly stood after its drive braked: when the
+/// momentum of motor and carriage was gone. Each alone swings about it in the coupling.
 class WatchedRig : public MotorRig {
  public:
-  explicit WatchedRig(MotorStageRig* inner) : inner_(inner) {}
+  WatchedRig(MotorStageRig* inner, const MotorAxisDrawing& built)
+      : inner_(inner), built_(built) {}
 
   double tick_s() const override { return inner_->tick_s(); }
   void Tick(const RigDrives& drives) override {
-    const double before = std::abs(inner_->State(0).motor_unit_s);
+    const double carriage_unit = inner_->State(0).carriage_unit;
     inner_->Tick(drives);
-    const double after = std::abs(inner_->State(0).motor_unit_s);
-    if (drives[0].mode != RigDrive::Mode::kBrake || braked_s_) return;
-    if (!slowing_s_) {
-      slowing_s_ = 0;
-      first_ = before;
-    }
-    *slowing_s_ += tick_s();
-    // At a hundredth of its speed its coupling begins to ring: when it stands follows
-    // from how it slowed.
-    if (after > 0.01 * first_) return;
-    braked_s_ = *slowing_s_ + tick_s() * (before / (before - after) - 1);
+    const MotorState state = inner_->State(0);
+    const double speed_unit_s = (state.carriage_unit - carriage_unit) / tick_s();
+    Note(drives[0].mode == RigDrive::Mode::kBrake,
+         std::abs(built_.motor_inertia * state.motor_unit_s +
+                  built_.load_inertia * speed_unit_s));
   }
   std::int64_t Count(std::size_t axis) const override { return inner_->Count(axis); }
   double CurrentOf(std::size_t axis) const override { return inner_->CurrentOf(axis); }
@@ -53,9 +49,26 @@ class WatchedRig : public MotorRig {
   std::optional<double> braked_s() const { return braked_s_; }
 
  private:
+  // A drive holds its force for a tick: within the last one it stood when the force of
+  // the tick before would have ended its momentum.
+  void Note(bool brakes, double momentum) {
+    constexpr double kGone = 0.01;
+    if (brakes && !braked_s_) {
+      if (slowing_s_ == 0) first_ = before_;
+      slowing_s_ += tick_s();
+      const double full = std::max(earlier_ - before_, before_ - momentum);
+      if (momentum < kGone * first_) {
+        braked_s_ = slowing_s_ + tick_s() * (std::min(before_ / full, 1.0) - 1);
+      }
+    }
+    earlier_ = before_;
+    before_ = momentum;
+  }
+
   MotorStageRig* inner_;
-  std::optional<double> slowing_s_{}, braked_s_{};
-  double first_ = 0;
+  MotorAxisDrawing built_;
+  double earlier_ = 0, before_ = 0, first_ = 0, slowing_s_ = 0;
+  std::optional<double> braked_s_{};
 };
 
 /// A simulated stage with its controller, and what calibration has of it.
@@ -65,7 +78,7 @@ struct MotorBenchInATest {
                              std::uint64_t seed = 1,
                              std::uint64_t sample = 0)
       : rig(built, is_physics, seed, sample),
-        watched(&rig),
+        watched(&rig, built.motors[0].drawing),
         firmware(MotorFirmwareOf(built.drawing), &watched, &flash),
         wire(&firmware),
         gauge(&rig, 0.0005, seed, sample),
