@@ -121,9 +121,14 @@ std::string ChecksText(const RunResult& result, bool colour) {
             ? Painted(check.found, true, colour) + ", as expected"
             : Painted(check.found, false, colour) + ", expected " + check.expected));
   }
-  lines.push_back(fmt::format("position error (p95): {:.4f} mm before, {:.4f} mm after",
-                              result.position_error_before_p95_mm,
-                              result.position_error_after_p95_mm));
+  const double before_mm = result.position_error_before_p95_mm;
+  const double after_mm = result.position_error_after_p95_mm;
+  if (before_mm != 0 || after_mm != 0) {  // Motors and offsets have none.
+    lines.push_back(
+        fmt::format("position error (p95): {:.4f} mm before, {:.4f} mm after",
+                    before_mm,
+                    after_mm));
+  }
   return ListText("Checks", lines);
 }
 

@@ -59,6 +59,15 @@ std::vector<int> OrdersBeside(const Covariate& covariate, TermsOfTwo which) {
   return orders;
 }
 
+// Whether the first word makes, where the second does not vary, the axis' lost motion:
+// that is the baseline's, and no form's.
+bool IsLostMotion(const Observed& observed,
+                  const std::string& channel,
+                  const std::vector<std::string>& words) {
+  return observed.machine().kinematics == Kinematics::kCartesian && words.size() == 2 &&
+         AxisNamed(channel) && words[0] == "dir_" + channel;
+}
+
 }  // namespace
 
 std::vector<FreeTerm> TermsOf(const std::vector<Covariate>& covariates,
@@ -110,6 +119,9 @@ FreeForm FreeFormOf(const Observed& observed,
     covariates.push_back(std::move(*covariate));
   }
   std::vector<FreeTerm> terms = TermsOf(covariates, which);
+  if (IsLostMotion(observed, channel, words)) {
+    std::erase_if(terms, [](const FreeTerm& term) { return term.second == 0; });
+  }
   if (static_cast<int>(terms.size()) > most_terms) {
     terms.resize(static_cast<std::size_t>(most_terms));
   }
