@@ -100,8 +100,8 @@ TEST(DeltaJointLengths, RodLengthsScatterAsStated) {
     options.prior_sd.assign(kNumDeltaKnobs, std::numeric_limits<double>::infinity());
     DeltaBuild<double> drawn = kDrawn;  // All but what is fitted is known.
     drawn.model.angle_rad = Built().model.angle_rad;
-    const DeltaEstimate& arm =
-        Of(FitDeltaJointly(drawn, readings, options), "arm_length");
+    const DeltaJointFit fit = FitDeltaJointly(drawn, readings, options);
+    const DeltaEstimate& arm = Of(fit, "arm_length");
     square += arm.value * arm.value / kDraws;
     stated += arm.sd * arm.sd / kDraws;
   }
