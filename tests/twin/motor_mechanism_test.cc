@@ -97,10 +97,11 @@ TEST_P(EitherFidelity, BrakingTakesAsLongAsInertiaAndCurrentHaveIt) {
   mechanism->Place(kX, 0);
   MotorDrives drives{};
   double to_unit = 0, unit_s = 0;
-  for (; unit_s < 250; unit_s += 2500 * kTick_s) {
+  while (unit_s < 250) {
     to_unit += unit_s * kTick_s;
     drives[kX] = {MotorDrive::Mode::kFollow, to_unit};
     mechanism->Tick(drives);
+    unit_s += 2500 * kTick_s;
   }
   const double start_unit_s = mechanism->State(kX).motor_unit_s;
   const double before_unit = mechanism->State(kX).motor_unit;
