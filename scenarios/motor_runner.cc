@@ -11,6 +11,7 @@
 
 #include "scenarios/interrupt.h"
 #include "scenarios/interruptible_link.h"
+#include "scenarios/judging.h"
 #include "scenarios/motor_link.h"
 #include "sim/base/units.h"
 #include "sim/link/transcript.h"
@@ -238,16 +239,7 @@ class MotorRun {
                                 .passed = (!within.above || found > *within.above) &&
                                           (!within.below || found < *within.below)});
     }
-    for (const std::string& text : motor_.messages) {
-      const bool is_there =
-          std::ranges::any_of(result->messages, [&](const std::string& line) {
-            return line.find(text) != std::string::npos;
-          });
-      result->checks.push_back({.name = "message",
-                                .expected = text,
-                                .found = is_there ? "said" : "not said",
-                                .passed = is_there});
-    }
+    CheckMessages(motor_.messages, result);
   }
 
   std::string OutcomeOf(bool all_met, const RunResult& result) const {
@@ -267,11 +259,7 @@ class MotorRun {
     const bool all_met = MeetValues(result);
     AddChecks(result);
     result->outcome = OutcomeOf(all_met, *result);
-    result->checks.insert(result->checks.begin(),
-                          {.name = "outcome",
-                           .expected = motor_.outcome,
-                           .found = result->outcome,
-                           .passed = result->outcome == motor_.outcome});
+    CheckOutcome(motor_.outcome, result);
     result->passed =
         !result->interrupted &&
         std::ranges::all_of(result->checks, &CheckResult::passed) &&

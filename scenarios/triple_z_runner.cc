@@ -10,6 +10,7 @@
 
 #include "scenarios/interrupt.h"
 #include "scenarios/interruptible_link.h"
+#include "scenarios/judging.h"
 #include "scenarios/triple_z_link.h"
 #include "sim/base/units.h"
 #include "sim/link/transcript.h"
@@ -188,16 +189,7 @@ class TripleZRun {
                                 .passed = (!within.above || found > *within.above) &&
                                           (!within.below || found < *within.below)});
     }
-    for (const std::string& text : triple_z_.messages) {
-      const bool is_there =
-          std::ranges::any_of(result->messages, [&](const std::string& line) {
-            return line.find(text) != std::string::npos;
-          });
-      result->checks.push_back({.name = "message",
-                                .expected = text,
-                                .found = is_there ? "said" : "not said",
-                                .passed = is_there});
-    }
+    CheckMessages(triple_z_.messages, result);
   }
 
   std::string OutcomeOf(bool all_met,
@@ -227,11 +219,7 @@ class TripleZRun {
                     UmFromMm(before.flat_rms_mm)));
     AddChecks(after, result);
     result->outcome = OutcomeOf(all_met, before, after);
-    result->checks.insert(result->checks.begin(),
-                          {.name = "outcome",
-                           .expected = triple_z_.outcome,
-                           .found = result->outcome,
-                           .passed = result->outcome == triple_z_.outcome});
+    CheckOutcome(triple_z_.outcome, result);
     result->passed =
         !result->interrupted &&
         std::ranges::all_of(result->checks, &CheckResult::passed) &&

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "calibration/z_offset/procedures.h"
+#include "scenarios/judging.h"
 #include "sim/base/units.h"
 #include "sim/link/transcript.h"
 
@@ -221,25 +222,12 @@ class ZOffsetRun {
            .passed = (!within.above || found > *within.above) &&
                      (!within.below || found < *within.below)});
     }
-    for (const std::string& text : z_.messages) {
-      const bool is_there =
-          std::ranges::any_of(result->messages, [&](const std::string& line) {
-            return line.find(text) != std::string::npos;
-          });
-      result->checks.push_back({.name = "message",
-                                .expected = text,
-                                .found = is_there ? "said" : "not said",
-                                .passed = is_there});
-    }
+    CheckMessages(z_.messages, result);
     result->outcome = ending_ == Ending::kNoTrigger           ? "no_trigger"
                       : ending_ != Ending::kDone              ? "refused"
                       : std::abs(Error_mm()) <= kRecovered_mm ? "recovers"
                                                               : "misses";
-    result->checks.insert(result->checks.begin(),
-                          {.name = "outcome",
-                           .expected = z_.outcome,
-                           .found = result->outcome,
-                           .passed = result->outcome == z_.outcome});
+    CheckOutcome(z_.outcome, result);
     result->passed = std::ranges::all_of(result->checks, &CheckResult::passed);
   }
 

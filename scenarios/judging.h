@@ -1,0 +1,16 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "scenarios/result.h"
+
+namespace caltwin {
+
+/// A check for each text: whether some message of the run holds it.
+void CheckMessages(const std::vector<std::string>& texts, RunResult* result);
+
+/// A check, before all others, of how the run ended.
+void CheckOutcome(const std::string& expected, RunResult* result);
+
+}  // namespace caltwin
