@@ -3,9 +3,16 @@
 #include <string>
 #include <vector>
 
+#include "scenarios/delta_scenario.h"
 #include "scenarios/result.h"
 
 namespace caltwin {
+
+/// A check of a figure against what it must be above and below.
+void CheckFigure(const std::string& name,
+                 const Within& within,
+                 double found,
+                 RunResult* result);
 
 /// A check for each text: whether some message of the run holds it.
 void CheckMessages(const std::vector<std::string>& texts, RunResult* result);

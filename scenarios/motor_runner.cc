@@ -226,18 +226,7 @@ class MotorRun {
 
   void AddChecks(RunResult* result) const {
     for (const auto& [name, within] : motor_.figures) {
-      const double found = FigureOf(name, *result);
-      std::string expected;
-      if (within.above) expected += fmt::format("above {:g}", *within.above);
-      if (within.below) {
-        expected +=
-            fmt::format("{}below {:g}", expected.empty() ? "" : ", ", *within.below);
-      }
-      result->checks.push_back({.name = name,
-                                .expected = expected,
-                                .found = fmt::format("{:.6g}", found),
-                                .passed = (!within.above || found > *within.above) &&
-                                          (!within.below || found < *within.below)});
+      CheckFigure(name, within, FigureOf(name, *result), result);
     }
     CheckMessages(motor_.messages, result);
   }

@@ -176,18 +176,7 @@ class TripleZRun {
 
   void AddChecks(const TrueLevel& after, RunResult* result) const {
     for (const auto& [name, within] : triple_z_.figures) {
-      const double found = FigureOf(name, after, *result);
-      std::string expected;
-      if (within.above) expected += fmt::format("above {:g}", *within.above);
-      if (within.below) {
-        expected +=
-            fmt::format("{}below {:g}", expected.empty() ? "" : ", ", *within.below);
-      }
-      result->checks.push_back({.name = name,
-                                .expected = expected,
-                                .found = fmt::format("{:.5g}", found),
-                                .passed = (!within.above || found > *within.above) &&
-                                          (!within.below || found < *within.below)});
+      CheckFigure(name, within, FigureOf(name, after, *result), result);
     }
     CheckMessages(triple_z_.messages, result);
   }

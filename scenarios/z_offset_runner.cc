@@ -211,16 +211,7 @@ class ZOffsetRun {
         "commanded to 0 the clean nozzle stands {:+.4f} mm over the print surface",
         Error_mm()));
     for (const auto& [name, within] : z_.figures) {
-      const double found = FigureOf(name, *result);
-      result->checks.push_back(
-          {.name = name,
-           .expected = fmt::format(
-               "{}{}",
-               within.above ? fmt::format("above {:g} ", *within.above) : "",
-               within.below ? fmt::format("below {:g}", *within.below) : ""),
-           .found = fmt::format("{:.5g}", found),
-           .passed = (!within.above || found > *within.above) &&
-                     (!within.below || found < *within.below)});
+      CheckFigure(name, within, FigureOf(name, *result), result);
     }
     CheckMessages(z_.messages, result);
     result->outcome = ending_ == Ending::kNoTrigger           ? "no_trigger"
