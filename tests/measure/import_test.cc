@@ -82,6 +82,11 @@ TEST(ImportProbeAccuracy, BatchesOfKlipperAndMarlin) {
   EXPECT_EQ(table.rows[3].value_mm, 0.012);
 }
 
+TEST(ImportProbeAccuracy, ATouchWithoutPlaceIsRefused) {
+  EXPECT_THAT(ImportFault("probe-accuracy", "M48 P2 X9\n1 of 2: z: 0.011\n"),
+              HasSubstr("f:2:1: nothing before this touch of M48 says where it lies"));
+}
+
 TEST(ImportProbeAccuracy, AHeightThatRunsAwayIsRefused) {
   std::string text;
   for (const char* z : {"0.145", "0.302", "0.452", "0.692", "0.927"}) {
@@ -118,6 +123,21 @@ TEST(ImportMarlinLog, TouchesOfEveryKind) {
   EXPECT_EQ(table.rows[3].cmd_mm[1], 25);
   EXPECT_EQ(table.rows[4].value_mm, 0.012);
   EXPECT_EQ(table.rows[5].settings, "m503");
+}
+
+// An M48 without X and Y stands where the last move went; found by the fuzzer: without
+// any, its rows had no place and were not read again.
+TEST(ImportMarlinLog, M48TouchesWhereTheLastMoveWent) {
+  const RowTable table = RowsOf("marlin-log",
+                                "G28\nG1 X30 Y40 F3000\nG91\nG0 X-10\nG90\n"
+                                "M48\n1 of 2: z: 0.011\n2 of 2: z: 0.012\n");
+  ASSERT_THAT(table.rows, SizeIs(2));
+  EXPECT_EQ(table.rows[1].cmd_mm[0], 20);
+  EXPECT_EQ(table.rows[1].cmd_mm[1], 40);
+
+  EXPECT_THAT(ImportFault("marlin-log", "G1 X30 Y40\nG28\nM48 X9\n1 of 2: z: 0.011\n"),
+              HasSubstr("f:4:1: nothing before this touch of M48 says where it lies\n"
+                        "  'M48 P10 X100 Y80', or a move"));
 }
 
 TEST(ImportMarlinLog, ADeltaMakesAMachineFile) {

@@ -94,14 +94,21 @@ class LogReader {
     const std::string_view text = said.text;
     if (IsCommand(text, "G28")) {
       ++homings_;
+      to_x_mm_ = to_y_mm_ = kUnknown;
+    } else if (IsCommand(text, "G91")) {
+      is_relative_ = true;
+    } else if (IsCommand(text, "G90")) {
+      is_relative_ = false;
+    } else if (IsCommand(text, "G0") || IsCommand(text, "G1")) {
+      ReadMove(text);
     } else if (IsCommand(text, "G29")) {
       Begin("g29");
     } else if (IsCommand(text, "G30")) {
       if (kind_ != "g30") Begin("g30");
     } else if (IsCommand(text, "M48")) {
       Begin("m48");
-      x_mm_ = NumberAfter(text, " X").value_or(kUnknown);
-      y_mm_ = NumberAfter(text, " Y").value_or(kUnknown);
+      x_mm_ = NumberAfter(text, " X").value_or(to_x_mm_);
+      y_mm_ = NumberAfter(text, " Y").value_or(to_y_mm_);
     } else if (text.starts_with("Bed X:")) {
       ReadBed(line, said);
     } else if (IsRepeat(text)) {
@@ -110,6 +117,15 @@ class LogReader {
       if (grid_line_ == 0) grid_line_ = line.line;
     } else {
       ReadSetting(line, text);
+    }
+  }
+
+  // An M48 without X and Y touches where the last move went.
+  void ReadMove(std::string_view text) {
+    for (const auto& [word, to_mm] :
+         {std::pair{" X", &to_x_mm_}, std::pair{" Y", &to_y_mm_}}) {
+      const auto value_mm = NumberAfter(text, word);
+      if (value_mm) *to_mm = is_relative_ ? *to_mm + *value_mm : *value_mm;
     }
   }
 
@@ -146,6 +162,12 @@ class LogReader {
       return;
     }
     if (kind_ != "m48") Begin("m48");
+    if (!Known(x_mm_) || !Known(y_mm_)) {
+      faults_.Add(Here(line),
+                  "nothing before this touch of M48 says where it lies",
+                  "'M48 P10 X100 Y80', or a move to X and Y before it");
+      return;
+    }
     Add(line, *z_mm, said.t_s);
   }
 
@@ -305,6 +327,8 @@ class LogReader {
   int homings_ = 0;
   int grid_line_ = 0;
   double x_mm_ = kUnknown, y_mm_ = kUnknown, first_s_ = kUnknown;
+  double to_x_mm_ = kUnknown, to_y_mm_ = kUnknown;  ///< Where the last move went.
+  bool is_relative_ = false;                        ///< G91.
   std::vector<double> heights_mm_;
   Place first_;
 };

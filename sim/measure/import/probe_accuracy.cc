@@ -92,6 +92,12 @@ class LogReader {
     const auto z_mm = NumberAfter(line.text, "z:");
     if (!z_mm) return Refuse(line);
     if (num_batches_ == 0) Begin();
+    if (!Known(x_mm_) || !Known(y_mm_)) {
+      faults_.Add(PlaceOf(line.words.front(), name_),
+                  "nothing before this touch of M48 says where it lies",
+                  "'M48 P10 X100 Y80': its X and Y");
+      return;
+    }
     Add(line, *z_mm, kUnknown);
   }
 
