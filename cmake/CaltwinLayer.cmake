@@ -1,10 +1,11 @@
-# caltwin_layer(NAME DIR folder USES layers NEEDS libraries)
+# caltwin_layer(NAME DIR folder [ONCE] USES layers NEEDS libraries)
 #
 # One layer is one library of all sources in its folder (a folder that is itself a layer
 # excepted), and USES is the whole of what it may include: the layers below it. A layer
 # that reaches upwards fails to link, or fails layers_test where the leak is header-only.
+# ONCE: what reads, writes and directs runs once a run; at -O3 it costs seconds a file.
 function(caltwin_layer name)
-  cmake_parse_arguments(ARG "" "DIR" "USES;NEEDS" ${ARGN})
+  cmake_parse_arguments(ARG "ONCE" "DIR" "USES;NEEDS" ${ARGN})
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/${ARG_DIR}/*.cc")
   list(FILTER sources EXCLUDE REGEX "_main\\.cc$")
   foreach(inner sim/effects/acts calibration/diagnosis)
@@ -20,7 +21,12 @@ function(caltwin_layer name)
     target_compile_definitions(caltwin_${name} PRIVATE
       CALTWIN_SOURCE_DIR="${PROJECT_SOURCE_DIR}" CALTWIN_VERSION="${PROJECT_VERSION}"
       $<$<BOOL:${CALTWIN_MUTANTS}>:CALTWIN_MUTANTS>)
-    caltwin_precompile(caltwin_${name} layers)
+    if(ARG_ONCE)
+      target_compile_options(caltwin_${name} PRIVATE ${caltwin_optimise_once})
+      caltwin_precompile(caltwin_${name} once)
+    else()
+      caltwin_precompile(caltwin_${name} layers)
+    endif()
   else()
     add_library(caltwin_${name} INTERFACE)
     set(scope INTERFACE)

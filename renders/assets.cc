@@ -22,23 +22,23 @@ CALTWIN_ASSET(caltwin_report_css, "report.css");
 namespace caltwin {
 namespace {
 
-std::string_view Between(const char* begin, const char* end) {
+std::string_view PartBetween(const char* begin, const char* end) {
   return {begin, static_cast<std::size_t>(end - begin)};
 }
 
 }  // namespace
 
 std::string_view PlotLibrary() {
-  return Between(caltwin_uplot_js_begin, caltwin_uplot_js_end);
+  return PartBetween(caltwin_uplot_js_begin, caltwin_uplot_js_end);
 }
 std::string_view PlotLibraryCss() {
-  return Between(caltwin_uplot_css_begin, caltwin_uplot_css_end);
+  return PartBetween(caltwin_uplot_css_begin, caltwin_uplot_css_end);
 }
 std::string_view ReportScript() {
-  return Between(caltwin_report_js_begin, caltwin_report_js_end);
+  return PartBetween(caltwin_report_js_begin, caltwin_report_js_end);
 }
 std::string_view ReportCss() {
-  return Between(caltwin_report_css_begin, caltwin_report_css_end);
+  return PartBetween(caltwin_report_css_begin, caltwin_report_css_end);
 }
 
 }  // namespace caltwin

@@ -71,7 +71,7 @@ struct Trial {
   double touches = 0, mean_um = 0, worst_um = 0, machine_s = 0;
 };
 
-BuiltTripleZ Built(const Machine& machine, std::uint64_t seed, int number) {
+BuiltTripleZ BuiltNumber(const Machine& machine, std::uint64_t seed, int number) {
   return {.machine = machine,
           .effects = RandomTripleZ(seed, number),
           .scatter_mm = kLevellingSigma_mm};
@@ -213,7 +213,7 @@ LevellingComparison CompareLevelling(int machines,
   std::vector<double> off_mm;
   for (int number = 0; number < machines && !InterruptRequested(); ++number) {
     progress(number);
-    const BuiltTripleZ built = Built(machine, seed, number);
+    const BuiltTripleZ built = BuiltNumber(machine, seed, number);
     std::vector<TripleZResult> results(kRivals.size());
     for (std::size_t k = 0; k < kRivals.size(); ++k) {
       trials[k].push_back(Try(kRivals[k], built, seed, number, &results[k]));

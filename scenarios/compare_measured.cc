@@ -314,7 +314,7 @@ MeasuredTask Perform(const Task& task, int draws, std::uint64_t seed) {
 }
 
 // With one digit more than was measured there.
-std::string Shown(double value, double last_digit, int more) {
+std::string ShownFigure(double value, double last_digit, int more) {
   const int digits =
       std::max(0, static_cast<int>(std::lround(-std::log10(last_digit))) + more);
   return fmt::format("{:.{}f}", value, digits);
@@ -360,8 +360,8 @@ std::string MeasuredDeltaText(const std::vector<MeasuredTask>& tasks) {
                           is_first ? task.task : "",
                           is_first ? fmt::format("{}", task.draws) : "",
                           figure.name,
-                          Shown(figure.there, figure.last_digit, 0),
-                          Shown(figure.here, figure.last_digit, 1),
+                          ShownFigure(figure.there, figure.last_digit, 0),
+                          ShownFigure(figure.here, figure.last_digit, 1),
                           figure.is_met ? "yes" : "NO");
       is_first = false;
     }

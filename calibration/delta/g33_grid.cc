@@ -39,7 +39,7 @@ Layout LayoutOf(int points, G33Variant variant) {
   return layout;
 }
 
-G33Touch At(double radius_mm, double angle_deg) {
+G33Touch TouchAt(double radius_mm, double angle_deg) {
   const double angle_rad = RadFromDeg(angle_deg);
   return {.x_mm = radius_mm * std::cos(angle_rad),
           .y_mm = radius_mm * std::sin(angle_rad)};
@@ -48,12 +48,12 @@ G33Touch At(double radius_mm, double angle_deg) {
 // The centre and what stands around it, which share alike.
 std::vector<G33Touch> CentreTouches(const Layout& layout, double radius_mm) {
   std::vector<G33Touch> touches;
-  if (layout.has_centre) touches.push_back(At(0, 0));
+  if (layout.has_centre) touches.push_back(TouchAt(0, 0));
   const int num = layout.num_around_centre;
   // From the tower at 90 deg clockwise; nine begin 20 deg past 150 deg.
   const double first_deg = num == 3 ? 90 : num == 6 ? 150 : 170;
   for (int i = 0; i < num; ++i) {
-    touches.push_back(At(kCentreCircle * radius_mm, first_deg - 360.0 / num * i));
+    touches.push_back(TouchAt(kCentreCircle * radius_mm, first_deg - 360.0 / num * i));
   }
   for (G33Touch& touch : touches) {
     touch.share[0] = 1 / static_cast<double>(touches.size());
@@ -75,7 +75,7 @@ std::vector<G33Touch> RadiusTouches(int step,
     // Outward and inward in turn: the shortest way.
     const int circle = step % 2 == 0 ? circles - 1 - i : i;
     G33Touch touch =
-        At(radius_mm * (1 - kBetweenCircles * circle), 210 + 60.0 * step / per_sixth);
+        TouchAt(radius_mm * (1 - kBetweenCircles * circle), 210 + 60.0 * step / per_sixth);
     touch.share[1 + near] = std::pow(std::cos(turn_rad), 2) / (per_sixth * circles);
     touch.share[1 + far] += std::pow(std::sin(turn_rad), 2) / (per_sixth * circles);
     touches.push_back(touch);
@@ -94,7 +94,7 @@ std::vector<G33Touch> G33Grid(int points,
   std::vector<G33Touch> touches = CentreTouches(layout, radius_mm);
   if (points == 2) {
     for (int i = opposite ? 1 : 0; i < kNumRing; i += 2) {
-      touches.push_back(At(radius_mm, 210 + 60.0 * i));
+      touches.push_back(TouchAt(radius_mm, 210 + 60.0 * i));
       touches.back().share[1 + i] = 1;
     }
   }

@@ -328,9 +328,13 @@ Diagnosis Diagnose(const Observed& as_read, const DiagnoseOptions& options) {
   WeighWhereFound(observed, options.search, &candidates, &search);
   say("refining what was found");
   const std::string remark = Scrutinise(observed, candidates, &search);
+  std::erase_if(search.found, [&](const Found& found) {
+    return UmFromMm(Peak_mm(found.variant.columns_mm * found.sizes_mm)) <
+           options.min_effect_um;
+  });
   Diagnosis diagnosis = Reporter(observed, candidates, search).Make();
   if (!remark.empty()) diagnosis.remarks.push_back(remark);
-  diagnosis.min_effect_um = options.search.min_effect_um;
+  diagnosis.min_effect_um = options.min_effect_um;
   DoubtNone(RemainsOf(observed, search), &diagnosis);
   return diagnosis;
 }

@@ -121,6 +121,9 @@ struct Diagnosis {
 
 struct DiagnoseOptions {
   SearchOptions search{};
+  /// Findings with a smaller peak are not reported; 0: all of them. They are found all
+  /// the same, or something larger would stand in for them.
+  double min_effect_um = 0;
   /// Told of progress in words; may be empty.
   std::function<void(const std::string&)> progress{};
 };

@@ -5,6 +5,9 @@
 #include <cstdint>
 #include <map>
 
+#include "calibration/diagnosis/noise.h"
+#include "calibration/diagnosis/remains.h"
+
 namespace caltwin {
 namespace {
 
@@ -275,27 +278,20 @@ std::vector<double> Shares(const Gainer& gainer, double floor_mm2) {
   return shares;
 }
 
-// From replicates where there are enough, else from the richest model.
+// Of all rows that count.
 double NoiseFloor_mm(const Observed& o,
                      const SearchResult& search,
                      bool* from_replicates) {
-  constexpr int kEnough = 10;
-  const PureError pure = PureErrorOf(o, kEnough);
+  const std::vector<Floor> floors = FloorsOf(o, search);
   double sum = 0;
   int rows = 0;
   *from_replicates = true;
   for (Eigen::Index i = 0; i < o.num_rows(); ++i) {
     if (search.circumstances.left_out[static_cast<std::size_t>(i)]) continue;
-    const auto c =
-        static_cast<std::size_t>(o.campaign_of()[static_cast<std::size_t>(i)]);
-    double sigma_mm = search.richest.sigma_mm[c];
-    // Drift between replicates and outliers among them would raise the floor.
-    if (Known(pure.sigma_mm[c]) && pure.sigma_mm[c] < 1.3 * sigma_mm) {
-      sigma_mm = pure.sigma_mm[c];
-    } else {
-      *from_replicates = false;
-    }
-    sum += sigma_mm * sigma_mm;
+    const Floor& floor =
+        floors[static_cast<std::size_t>(o.campaign_of()[static_cast<std::size_t>(i)])];
+    sum += floor.sigma_mm * floor.sigma_mm;
+    *from_replicates &= floor.from_replicates;
     ++rows;
   }
   return std::sqrt(sum / std::max(rows, 1));

@@ -16,7 +16,7 @@ namespace {
 
 /// The gap that a campaign's gauge shows along an axis.
 struct Gap {
-  std::string campaign{};
+  std::string campaign{}, settings{};
   int axis = 0;
   double half_mm = 0, sd_mm = 0;
 };
@@ -49,6 +49,42 @@ void CompareGaps(const std::vector<Gap>& gaps, std::vector<Doubt>* doubts) {
   }
 }
 
+// Lost motion lags, and compensation that does too much leads in every campaign: under
+// one setting no gap can do both.
+void CompareSenses(const std::vector<Gap>& gaps, std::vector<Doubt>* doubts) {
+  constexpr double kSure = 5, kAlike = 3;
+  const auto is_sure = [&](const Gap& gap) {
+    return std::abs(gap.half_mm) > kSure * gap.sd_mm;
+  };
+  for (const Gap& lagging : gaps) {
+    for (const Gap& leading : gaps) {
+      const bool contradict = lagging.half_mm < 0 && leading.half_mm > 0 &&
+                              lagging.axis == leading.axis &&
+                              lagging.settings == leading.settings;
+      if (!contradict || !is_sure(lagging) || !is_sure(leading)) continue;
+      const double ratio = -lagging.half_mm / leading.half_mm;
+      if (ratio > kAlike || ratio < 1 / kAlike) continue;
+      doubts->push_back(
+          {.kind = "reversed_sign",
+           .message = fmt::format(
+               "{0} lags by {1:.3g} um at its reversals in campaign {2} and leads by "
+               "{3:.3g} um in campaign {4}",
+               "xyz"[lagging.axis],
+               UmFromMm(-2 * lagging.half_mm),
+               lagging.campaign,
+               UmFromMm(2 * leading.half_mm),
+               leading.campaign),
+           .hint =
+               fmt::format("one gap cannot do both: in one of them value_mm or dir_{} "
+                           "has the other sign, most likely in {}",
+                           "xyz"[lagging.axis],
+                           leading.campaign),
+           .refuse = true});
+      return;
+    }
+  }
+}
+
 }  // namespace
 
 void DoubtGaps(const std::vector<RowSeries>& all, std::vector<Doubt>* doubts) {
@@ -64,11 +100,13 @@ void DoubtGaps(const std::vector<RowSeries>& all, std::vector<Doubt>* doubts) {
     const auto along = std::ranges::max_element(
         n, {}, [](double part) { return Known(part) ? std::abs(part) : 0; });
     gaps.push_back({series.first->campaign,
+                    series.first->settings,
                     static_cast<int>(along - n.begin()),
                     fit.half_gap_mm,
                     fit.half_gap_sd_mm});
   }
   CompareGaps(gaps, doubts);
+  CompareSenses(gaps, doubts);
 }
 
 }  // namespace caltwin

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <string>
 #include <vector>
 
+#include "calibration/diagnosis/noise.h"
 #include "calibration/diagnosis/weighing.h"
 #include "calibration/estimate/f_test.h"
 
@@ -60,10 +62,70 @@ bool IsTimePlace(const Observed& observed) {
   });
 }
 
+// Whether what is left comes back where the same is measured again: scatter of the
+// means over that of the repeats, Fisher's F. A wander of the machine does not.
+bool ComesBack(const Observed& observed,
+               const Eigen::VectorXd& residual_mm,
+               const std::vector<bool>& left_out) {
+  constexpr double kFewest = 6, kMostChance = 1e-4;
+  struct Cell {
+    double sum = 0, sum2 = 0, num = 0;
+  };
+  std::map<std::string, Cell> cells;
+  for (Eigen::Index i = 0; i < observed.num_rows(); ++i) {
+    if (left_out[static_cast<std::size_t>(i)]) continue;
+    Cell& cell = cells[ReplicateKey(observed, i)];
+    cell.sum += residual_mm[i];
+    cell.sum2 += residual_mm[i] * residual_mm[i];
+    cell.num += 1;
+  }
+  double between2 = 0, within2 = 0, between = 0, within = 0;
+  for (const auto& [key, cell] : cells) {
+    if (cell.num < 2) continue;
+    between2 += cell.sum * cell.sum / cell.num;
+    within2 += cell.sum2 - cell.sum * cell.sum / cell.num;
+    between += 1;
+    within += cell.num - 1;
+  }
+  if (between < kFewest || within < kFewest) return false;
+  const double f = between2 / between * within / std::max(within2, 1e-300);
+  return FUpperTail(f, between, within) < kMostChance;
+}
+
+// What may be a slow wander of the machine, and not an error that stays where it is.
+double Wander_mm2_per_s(const Observed& observed, const SearchResult& search) {
+  if (search.wander_mm2_per_s <= 0 || IsTimePlace(observed)) return 0;
+  const Circumstances& circumstances = search.circumstances;
+  const Evidence still(observed,
+                       {circumstances.sigma_mm, 0},
+                       circumstances.nuisances,
+                       circumstances.left_out);
+  const bool comes_back =
+      ComesBack(observed, still.FitNuisances().residual_mm, circumstances.left_out);
+  return comes_back ? 0 : search.wander_mm2_per_s;
+}
+
 }  // namespace
 
+std::vector<Floor> FloorsOf(const Observed& observed, const SearchResult& search) {
+  constexpr int kEnough = 10;
+  // Drift between replicates and outliers among them would raise the floor.
+  constexpr double kAlike = 1.3;
+  const PureError pure = PureErrorOf(observed, kEnough);
+  std::vector<Floor> floors;
+  for (std::size_t c = 0; c < pure.sigma_mm.size(); ++c) {
+    const double richest_mm = search.richest.sigma_mm[c];
+    const bool is_pure =
+        Known(pure.sigma_mm[c]) && pure.sigma_mm[c] < kAlike * richest_mm;
+    floors.push_back({is_pure ? pure.sigma_mm[c] : richest_mm,
+                      is_pure ? pure.dof[c] : search.richest.dof[c],
+                      is_pure});
+  }
+  return floors;
+}
+
 bool Remains::IsThere() const {
-  constexpr double kLeastTimes = 3;
+  constexpr double kLeastTimes = 2;
   constexpr double kMostChance = 1e-4;
   return rms_mm > kLeastTimes * floor_mm && chance < kMostChance;
 }
@@ -74,23 +136,23 @@ Remains RemainsOf(const Observed& observed, const SearchResult& search) {
   // degrees of freedom.
   constexpr double kStatedDof = 4;
   const Eigen::VectorXd& sigma_mm = search.circumstances.sigma_mm;
-  const Evidence evidence(
-      observed,
-      {sigma_mm, IsTimePlace(observed) ? 0 : search.wander_mm2_per_s},
-      search.circumstances.nuisances,
-      search.circumstances.left_out);
+  const Evidence evidence(observed,
+                          {sigma_mm, Wander_mm2_per_s(observed, search)},
+                          search.circumstances.nuisances,
+                          search.circumstances.left_out);
   double floor2 = 0, sigma2 = 0, rows = 0, floor_dof = 0;
-  for (const double dof : search.richest.dof) {
-    if (dof >= kEnoughDof) floor_dof += dof;
+  const std::vector<Floor> floors = FloorsOf(observed, search);
+  for (const Floor& floor : floors) {
+    if (floor.dof >= kEnoughDof) floor_dof += floor.dof;
   }
   for (Eigen::Index i = 0; i < sigma_mm.size(); ++i) {
     if (search.circumstances.left_out[static_cast<std::size_t>(i)]) continue;
     const auto c =
         static_cast<std::size_t>(observed.campaign_of()[static_cast<std::size_t>(i)]);
-    const bool is_known = search.richest.dof[c] >= kEnoughDof;
+    const bool is_known = floors[c].dof >= kEnoughDof;
     const double used2 = sigma_mm[i] * sigma_mm[i];
     sigma2 += used2;
-    floor2 += is_known ? std::pow(search.richest.sigma_mm[c], 2) : used2;
+    floor2 += is_known ? std::pow(floors[c].sigma_mm, 2) : used2;
     rows += 1;
   }
   rows = std::max(rows, 1.0);

@@ -1,17 +1,29 @@
 #pragma once
 
+#include <vector>
+
 #include "calibration/diagnosis/search.h"
 
 namespace caltwin {
 
+/// The noise of one reading of a campaign.
+struct Floor {
+  double sigma_mm = 0;
+  double dof = 0;
+  bool from_replicates = false;
+};
+
+/// By campaign: from replicates where there are ten degrees of freedom and no drift
+/// between them raises it, else what the richest model leaves.
+std::vector<Floor> FloorsOf(const Observed& observed, const SearchResult& search);
+
 /// What the baseline alone leaves, against the noise there is.
 struct Remains {
-  double rms_mm = 0;  ///< With slow wander taken for noise, if it can be told.
-  double floor_mm =
-      0;              ///< Of the richest model; where it has no rows to spare, stated.
-  double chance = 1;  ///< That noise alone leaves so much more: Fisher's F.
+  double rms_mm = 0;    ///< With slow wander taken for noise, if it can be told.
+  double floor_mm = 0;  ///< As FloorsOf; where that has no rows to spare, stated.
+  double chance = 1;    ///< That noise alone leaves so much more: Fisher's F.
 
-  /// Far more than noise: three times the floor, and no chance of one in ten thousand.
+  /// Far more than noise: twice the floor, and no chance of one in ten thousand.
   /// Then "nothing but noise" would be untrue, named or not.
   bool IsThere() const;
 };

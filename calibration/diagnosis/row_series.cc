@@ -16,7 +16,7 @@ namespace {
 constexpr double kOutlying = 5;
 constexpr int kNumTerms = 5;  // Offset, x, y, z, sense.
 using Terms = Eigen::Matrix<double, kNumTerms, 1>;
-using Normal = Eigen::Matrix<double, kNumTerms, kNumTerms>;
+using NormalMatrix = Eigen::Matrix<double, kNumTerms, kNumTerms>;
 
 long Thousandths(double number) {
   return Known(number) ? std::lround(1000 * number) : 0;
@@ -77,7 +77,7 @@ SeriesFit FitSeries(const RowSeries& series) {
   std::vector<bool> is_used(series.rows.size(), true);
   std::vector<double> sizes_mm(series.rows.size());
   for (int pass = 0; pass < 2; ++pass) {
-    Normal normal = Normal::Zero();
+    NormalMatrix normal = NormalMatrix::Zero();
     Terms right = Terms::Zero();
     for (std::size_t i = 0; i < series.rows.size(); ++i) {
       if (!is_used[i]) continue;
@@ -89,7 +89,7 @@ SeriesFit FitSeries(const RowSeries& series) {
     // that repeat another, get nothing.
     const Terms ridge = 1e-9 * normal.diagonal().array() + 1e-12;
     normal.diagonal() += ridge;
-    const Eigen::LDLT<Normal> solver{normal};
+    const Eigen::LDLT<NormalMatrix> solver{normal};
     const Terms terms = solver.solve(right);
     for (std::size_t i = 0; i < series.rows.size(); ++i) {
       sizes_mm[i] = std::abs(series.rows[i]->value_mm -

@@ -11,8 +11,10 @@
 
 #include "calibration/diagnosis/diagnosis_words.h"
 #include "calibration/diagnosis/gain.h"
+#include "calibration/diagnosis/noise.h"
 #include "calibration/diagnosis/own_shape.h"
 #include "calibration/diagnosis/refit.h"
+#include "calibration/diagnosis/remains.h"
 #include "sim/base/require.h"
 #include "sim/base/units.h"
 
@@ -118,7 +120,8 @@ class Scrutiny {
     });
     if (found().empty() || has_name) return "";
     const GainFigures gain = Gain();
-    if (gain.explained_fraction >= kOfUse) return "";
+    const bool is_of_use = gain.explained_fraction >= kOfUse;
+    if (is_of_use && !MayBeWander()) return "";
     std::vector<std::string> names;
     for (const Found& found : found()) {
       names.push_back(candidates_[found.candidate].Name());
@@ -134,7 +137,10 @@ class Scrutiny {
         fmt::join(names, ", "),
         TwoDigits(after_um),
         TwoDigits(before_um),
-        after_um < before_um ? "less than a third of what can be" : "no better");
+        is_of_use ? "but no row has a time or is measured again, and a slow "
+                    "wander of the machine would look like that"
+        : after_um < before_um ? "less than a third of what can be"
+                               : "no better");
   }
 
  private:
@@ -146,6 +152,16 @@ class Scrutiny {
                   search_,
                   Refit(observed_, candidates_, search_),
                   GainDepth::kBlocks);
+  }
+
+  // Without times and without repeats nothing tells a place from a time: what is not
+  // far more than noise may be a wander.
+  bool MayBeWander() const {
+    constexpr int kFewestRepeats = 6;
+    const std::vector<int> repeats = PureErrorOf(observed_, 1).dof;
+    return !observed_.has_times() &&
+           std::accumulate(repeats.begin(), repeats.end(), 0) < kFewestRepeats &&
+           !RemainsOf(observed_, search_).IsThere();
   }
 
   // With all that was found but one in the baseline.

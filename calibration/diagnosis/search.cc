@@ -91,13 +91,10 @@ class Searcher {
     for (int round = 0; round < kNoiseRounds; ++round) JudgeNoise(Under({}));
   }
 
-  // Half a sigma of the rows it reaches, or the user's figure.
+  // Half a sigma of the rows it reaches.
   bool IsPractical(const Candidate& candidate, const Weighed& weighed) const {
     const Eigen::VectorXd change_mm =
         candidate.variants[weighed.variant].columns_mm * weighed.sizes_mm;
-    if (options_.min_effect_um > 0) {
-      return UmFromMm(Peak_mm(change_mm)) >= options_.min_effect_um;
-    }
     return Peak_mm(change_mm.cwiseQuotient(sigma_mm_)) >= kPracticalSize_sigma;
   }
 

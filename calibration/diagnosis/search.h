@@ -11,7 +11,6 @@
 namespace caltwin {
 
 struct SearchOptions {
-  double min_effect_um = 0;  ///< Smaller is not of practical size; 0: half a sigma.
   int most_findings = 4;
   std::uint64_t seed = 1;
 };

@@ -312,17 +312,17 @@ bool MeasuresAlong(const Row& row, Axis axis) {
 }
 
 std::vector<Iso230Choice> Iso230Choices(const RowTable& table) {
-  struct Candidate {
+  struct Choice {
     Iso230Choice choice{};
     double first_mm = 0;
     bool moves = false;
   };
-  std::vector<Candidate> candidates;
+  std::vector<Choice> candidates;
   for (const Row& row : table.rows) {
     for (const Axis axis : kAxes) {
       if (!MeasuresAlong(row, axis)) continue;
       const double target_mm = row.cmd_mm[Index(axis)];
-      auto found = std::ranges::find_if(candidates, [&](const Candidate& c) {
+      auto found = std::ranges::find_if(candidates, [&](const Choice& c) {
         return c.choice.axis == axis && c.choice.campaign == row.campaign;
       });
       if (found == candidates.end()) {
@@ -333,7 +333,7 @@ std::vector<Iso230Choice> Iso230Choices(const RowTable& table) {
     }
   }
   std::vector<Iso230Choice> choices;
-  for (const Candidate& candidate : candidates) {
+  for (const Choice& candidate : candidates) {
     if (candidate.moves) choices.push_back(candidate.choice);
   }
   return choices;

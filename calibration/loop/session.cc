@@ -12,7 +12,7 @@
 namespace caltwin {
 namespace {
 
-std::size_t At(Axis axis) {
+std::size_t IndexOf(Axis axis) {
   return static_cast<std::size_t>(Index(axis));
 }
 
@@ -39,14 +39,14 @@ std::string UnitOf(Setting setting) {
 double ValueOf(const Settings& settings, Setting setting, Axis axis) {
   switch (setting) {
     case Setting::kStepsPerMm:
-      return settings.steps_per_mm[At(axis)];
+      return settings.steps_per_mm[IndexOf(axis)];
     case Setting::kBacklash:
-      return settings.backlash_mm[At(axis)];
+      return settings.backlash_mm[IndexOf(axis)];
     case Setting::kDeflection:
     case Setting::kSingleDeflection:
       break;
   }
-  return settings.probe_deflection_mm[At(axis)];
+  return settings.probe_deflection_mm[IndexOf(axis)];
 }
 
 Ending EndingOfFault(const MachineFault& fault) {

@@ -30,13 +30,13 @@ Vec3<double> OnCircle(double radius_mm, double turns) {
       Rounded(radius_mm * std::cos(angle)), Rounded(radius_mm * std::sin(angle)), 0};
 }
 
-Row BedTouch(const PlannedCampaign&, const Vec3<double>& at_mm, int rep) {
+Row BedTouchRow(const PlannedCampaign&, const Vec3<double>& at_mm, int rep) {
   Row row = TouchOf("bed", "bed.top", at_mm, {0, 0, 1});
   row.rep = rep;
   return row;
 }
 
-Row Gauge(const std::string& setup, const std::string& feature, Axis along) {
+Row GaugeRow(const std::string& setup, const std::string& feature, Axis along) {
   Row row{.kind = RowKind::kPosition, .setup = setup};
   row.n = {0, 0, 0};
   row.n[static_cast<std::size_t>(Index(along))] = 1;
@@ -54,7 +54,7 @@ void PlanDeltaGrid(const PlannedCampaign& campaign, MeasuringSession* session) {
   for (int rep = 1; rep <= campaign.options.Count("repeats"); ++rep) {
     for (int i = 0; i < points; ++i) {
       const double out_mm = radius_mm * std::sqrt(i / (points - 1.0));
-      rows.push_back(BedTouch(campaign, OnCircle(out_mm, golden_turns * i), rep));
+      rows.push_back(BedTouchRow(campaign, OnCircle(out_mm, golden_turns * i), rep));
     }
   }
   TouchAll(rows, campaign.options.Numbers("feeds_mm_s"), session);
@@ -73,7 +73,7 @@ void PlanDeltaRing(const PlannedCampaign& campaign, MeasuringSession* session) {
     for (const double share : {1.0 / 3, 2.0 / 3, 1.0}) {
       for (int i = 0; i < points; ++i) {
         const auto turns = static_cast<double>(i) / points;
-        rows.push_back(BedTouch(campaign, OnCircle(share * radius_mm, turns), rep));
+        rows.push_back(BedTouchRow(campaign, OnCircle(share * radius_mm, turns), rep));
       }
     }
   }
@@ -101,7 +101,7 @@ void PlanDeltaXy(const PlannedCampaign& campaign, MeasuringSession* session) {
       session->Rapid(mark_mm + OnCircle(kSideways_mm, session->rng()->Uniform()));
       session->MoveTo(mark_mm, kMoveFeed_mm_s);
       for (const Axis along : {Axis::kX, Axis::kY}) {
-        session->ReadGauge(Gauge(setup, "plate.marks", along), kDwell_s);
+        session->ReadGauge(GaugeRow(setup, "plate.marks", along), kDwell_s);
       }
     }
   }
@@ -131,7 +131,7 @@ void PlanZColumns(const PlannedCampaign& campaign, MeasuringSession* session) {
       for (const double from_mm : {kLift_mm, -kLift_mm}) {
         session->Rapid(at_mm + Vec3<double>(0, 0, from_mm));
         session->MoveTo(at_mm, kMoveFeed_mm_s);
-        session->ReadGauge(Gauge(setup, "", Axis::kZ), kDwell_s);
+        session->ReadGauge(GaugeRow(setup, "", Axis::kZ), kDwell_s);
       }
     }
   }

@@ -14,7 +14,7 @@ TEST(Place, LeavesOutWhatIsUnknown) {
   EXPECT_EQ(ToString({.file = "f.csv", .line = 3, .column = 7}), "f.csv:3:7");
   EXPECT_EQ(ToString({.file = "f.csv", .line = 3}), "f.csv:3");
   EXPECT_EQ(ToString({.file = "f.csv"}), "f.csv");
-  EXPECT_EQ(ToString({}), "");
+  EXPECT_EQ(ToString(Place{}), "");
 }
 
 TEST(Faults, AreThrownTogetherInTheirOrder) {

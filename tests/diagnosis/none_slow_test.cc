@@ -37,7 +37,7 @@ Diagnosis DiagnosisOf(int places,
     table.rows.push_back(row);
   }
   return Diagnose(Observed(table, {}, machine, {}),
-                  {.search = {.min_effect_um = min_effect_um}});
+                  {.min_effect_um = min_effect_um});
 }
 
 double BentAndWavy(double q_mm) {

@@ -124,7 +124,8 @@ Judged Judge(const Data& data, const Believed& believed, const Options& options)
                                      DrawEffects(believed.effects, options.seed, 0))};
   judged.diagnosis = Diagnose(
       judged.observed,
-      {.search = {.min_effect_um = options.min_effect_um, .seed = options.seed},
+      {.search = {.seed = options.seed},
+       .min_effect_um = options.min_effect_um,
        .progress = [&](const std::string& text) {
          progress.Show(text);
        }});
@@ -161,8 +162,8 @@ Judged JudgeInLoop(const MachineUnderTest& tested,
       tested.measure,
       {.seed = options.seed,
        .settings = tested.settings,
-       .diagnose = {.search = {.min_effect_um = options.min_effect_um,
-                               .seed = options.seed},
+       .diagnose = {.search = {.seed = options.seed},
+                    .min_effect_um = options.min_effect_um,
                     .progress =
                         [&](const std::string& text) {
                           progress.Show(text);

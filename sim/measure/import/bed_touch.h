@@ -8,7 +8,7 @@ namespace caltwin {
 
 /// A touch of the bed from above, as printers report it: nominal height 0, normal + z,
 /// approached downwards; the value is the height reported.
-inline Row BedTouch(std::string campaign,
+inline Row BedTouchRow(std::string campaign,
                     double x_mm,
                     double y_mm,
                     double height_mm,

@@ -186,7 +186,7 @@ class LogReader {
 
   void Add(const TextLine& line, double z_mm, double t_s) {
     if (Known(t_s) && !Known(first_s_)) first_s_ = t_s;
-    Row row = BedTouch(Campaign(), x_mm_, y_mm_, z_mm, Here(line));
+    Row row = BedTouchRow(Campaign(), x_mm_, y_mm_, z_mm, Here(line));
     row.t_s = t_s - first_s_;
     if (homings_ > 0) row.home = std::to_string(homings_);
     if (heights_mm_.empty()) first_ = row.place;

@@ -108,7 +108,7 @@ class LogReader {
   }
 
   void Add(const TextLine& line, double z_mm, double time_s) {
-    Row row = BedTouch(fmt::format("probe_accuracy_{}", num_batches_),
+    Row row = BedTouchRow(fmt::format("probe_accuracy_{}", num_batches_),
                        x_mm_,
                        y_mm_,
                        z_mm,

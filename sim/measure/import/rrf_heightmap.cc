@@ -150,7 +150,7 @@ class MapReader {
       return;
     }
     imported_.table.rows.push_back(
-        BedTouch(options.campaign.empty() ? "heightmap" : options.campaign,
+        BedTouchRow(options.campaign.empty() ? "heightmap" : options.campaign,
                  grid_.min_mm[0] + grid_.spacing_mm[0] * static_cast<double>(x),
                  grid_.min_mm[1] + grid_.spacing_mm[1] * static_cast<double>(y),
                  NumberIn(height, "a height", name_, &faults_),
