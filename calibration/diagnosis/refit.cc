@@ -164,7 +164,11 @@ class Final {
         const SearchResult& search)
       : observed_(observed), candidates_(candidates), search_(search) {}
 
-  Refined Of(std::size_t index, const std::vector<double>& forms) const {
+  // `together_mm`: its sizes in the fit of all findings together; empty: it shows
+  // nothing at these forms.
+  Refined Of(std::size_t index,
+             const std::vector<double>& forms,
+             const Eigen::VectorXd& together_mm) const {
     const Found& found = search_.found[index];
     const Candidate& candidate = candidates_[found.candidate];
     Refined refined{.variant =
@@ -174,10 +178,13 @@ class Final {
         EvidenceWithout(index, refined.variant, /*is_free=*/!IsRigid(candidate));
     const Eigen::Index num_sizes = refined.variant.columns_mm.cols();
     Eigen::MatrixXd columns = refined.variant.columns_mm;
-    // The effect acts without its freedom of form, so it is fitted without; how sure
-    // its size is, the freedom decides.
-    const Evidence plain = EvidenceWithout(index, refined.variant, /*is_free=*/false);
-    refined.sizes_mm = SolveSizes(plain, plain.Whiten(columns));
+    // The effects act without their freedom of form, so they are fitted without; how
+    // sure a size is, the freedom decides.
+    refined.sizes_mm = together_mm;
+    if (together_mm.size() != num_sizes) {
+      const Evidence plain = EvidenceWithout(index, refined.variant, /*is_free=*/false);
+      refined.sizes_mm = SolveSizes(plain, plain.Whiten(columns));
+    }
     const std::size_t num_forms = refined.variant.forms.size();
     columns.conservativeResize(Eigen::NoChange,
                                num_sizes + static_cast<Eigen::Index>(num_forms));
@@ -307,9 +314,19 @@ std::vector<Refined> Refit(const Observed& observed,
   RefineForms(evidence, observed.num_rows(), &findings);
   std::vector<Refined> refined(search.found.size(), {.effect = {.effect = -1}});
   const Final final(observed, candidates, search);
+  Eigen::VectorXd together_mm;
+  const auto columns = findings.ColumnsAt(findings.forms().data());
+  if (columns && columns->cols() > 0) {
+    together_mm = SolveSizes(evidence, evidence.Whiten(*columns));
+  }
+  Eigen::Index at = 0;
   for (std::size_t k = 0; k < findings.named().size(); ++k) {
-    refined[findings.named()[k]] =
-        final.Of(findings.named()[k], findings.FormsOf(k, findings.forms().data()));
+    const Eigen::Index num = findings.found(k).variant.columns_mm.cols();
+    Eigen::VectorXd own_mm;
+    if (together_mm.size() > 0) own_mm = together_mm.segment(at, num);
+    refined[findings.named()[k]] = final.Of(
+        findings.named()[k], findings.FormsOf(k, findings.forms().data()), own_mm);
+    at += num;
   }
   for (Bent& bent : Bend(observed, candidates, search)) {
     refined[bent.finding] = std::move(bent.refined);

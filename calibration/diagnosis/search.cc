@@ -330,12 +330,17 @@ class Searcher {
         observed_, {sigma_mm_, wander_mm2_per_s_}, BaselineAnd(found_, i), left_out_);
     const Eigen::VectorXd effect =
         evidence.Whiten(found.variant.columns_mm * found.sizes_mm);
+    // Beside the freedom of form of the others little may be visible; an imitation
+    // shows half of that at least.
+    constexpr double kMostLeft = 0.5;
+    const Eigen::VectorXd left = evidence.Left(effect);
+    const double visible = effect.dot(left) / (evidence.chi2() / evidence.dof());
     for (std::size_t c = 0; c < candidates_.size(); ++c) {
       const bool is_found = std::ranges::any_of(
           found_, [&](const Found& other) { return other.candidate == c; });
       if (is_found || candidates_[c].is_free()) continue;
       const double separation = Separation(evidence, effect, candidates_[c]);
-      if (separation >= kImitates) continue;
+      if (separation >= kImitates || separation > kMostLeft * visible) continue;
       auto known = std::ranges::find(found.rivals, c, &Rival::candidate);
       if (known == found.rivals.end()) {
         known = found.rivals.insert(found.rivals.end(), {.candidate = c});
