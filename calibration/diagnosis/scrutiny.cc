@@ -132,15 +132,16 @@ class Scrutiny {
     return fmt::format(
         "{} without a name ({}) would foretell rows left out to {} um, the baseline "
         "alone "
-        "to {}: {}, and no finding",
+        "to {}: {}",
         names.size() == 1 ? "a table" : "tables",
         fmt::join(names, ", "),
         TwoDigits(after_um),
         TwoDigits(before_um),
-        is_of_use ? "but no row has a time or is measured again, and a slow "
-                    "wander of the machine would look like that"
-        : after_um < before_um ? "less than a third of what can be"
-                               : "no better");
+        is_of_use
+            ? "no finding, for no row has a time or is measured again, and a slow "
+              "wander of the machine would look like that"
+        : after_um < before_um ? "less than a third of what can be, and no finding"
+                               : "no better, and no finding");
   }
 
  private:

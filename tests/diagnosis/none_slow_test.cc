@@ -17,7 +17,8 @@ namespace {
 Diagnosis DiagnosisOf(int places,
                       int runs,
                       const std::function<double(double)>& error_um,
-                      double min_effect_um = 0) {
+                      double min_effect_um = 0,
+                      bool has_times = true) {
   Machine machine;
   for (const Axis axis : kAxes) {
     machine.settings.steps_per_mm[Index(axis)] = machine.axis(axis).steps_per_mm();
@@ -27,8 +28,8 @@ Diagnosis DiagnosisOf(int places,
   for (int i = 0; i < places * runs; ++i) {
     const double q_mm = 10 + 280.0 * (i % places) / (places - 1) + 0.37 * (i % 3);
     Row row{.row = i + 1, .campaign = "laser", .kind = RowKind::kPosition};
-    row.t_s = 12.0 * i;
-    row.rep = 1 + i / places;
+    if (has_times) row.t_s = 12.0 * i;
+    if (has_times) row.rep = 1 + i / places;
     row.n = {1, 0, 0};
     row.cmd_mm = {q_mm, 150, 50};
     row.dir = {1, 0, 0};
@@ -36,8 +37,7 @@ Diagnosis DiagnosisOf(int places,
     row.sigma_mm = 0.0005;
     table.rows.push_back(row);
   }
-  return Diagnose(Observed(table, {}, machine, {}),
-                  {.min_effect_um = min_effect_um});
+  return Diagnose(Observed(table, {}, machine, {}), {.min_effect_um = min_effect_um});
 }
 
 double BentAndWavy(double q_mm) {
@@ -63,6 +63,41 @@ TEST(None, IsSaidOfNoise) {
               DiagnosisVerdict::kNone)
         << places;
   }
+}
+
+// A wave too fine for a table's terms and of no part's period: repeats show that it is
+// no wander, so "nothing but noise" would be untrue.
+TEST(None, IsNotSaidOfWhatComesBackWhereTheSameIsMeasuredAgain) {
+  const auto wave = [](double q_mm) {
+    return 6 * std::sin(2 * std::numbers::pi * q_mm / 31.7);
+  };
+  EXPECT_NE(DiagnosisOf(21, 6, wave).verdict, DiagnosisVerdict::kNone);
+}
+
+// Neither times nor repeats: what is within twice the noise may be a wander; what is
+// far beyond it is not called noise.
+TEST(None, WithoutTimesATableMayBeWander) {
+  const auto smooth_um = [](double height_um) {
+    return [height_um](double q_mm) {
+      return height_um * std::sin(2 * std::numbers::pi * std::pow(q_mm / 300, 2) * 2);
+    };
+  };
+  const auto verdict = [&](double height_um, int runs) {
+    return DiagnosisOf(80, runs, smooth_um(height_um), 0, /*has_times=*/false).verdict;
+  };
+  EXPECT_EQ(verdict(0.9, 1), DiagnosisVerdict::kNone);
+  EXPECT_NE(verdict(0.9, 2), DiagnosisVerdict::kNone);
+  EXPECT_NE(verdict(8, 1), DiagnosisVerdict::kNone);
+}
+
+// A wave of 4 um that is not asked for may not come back as a table of 15.
+TEST(None, WhatIsTooSmallToReportHidesNothing) {
+  const auto wave = [](double q_mm) {
+    return 4 * std::sin(2 * std::numbers::pi * q_mm / 4);
+  };
+  ASSERT_EQ(DiagnosisOf(60, 2, wave).verdict, DiagnosisVerdict::kNamed);
+  EXPECT_EQ(DiagnosisOf(60, 2, wave, /*min_effect_um=*/5).verdict,
+            DiagnosisVerdict::kNone);
 }
 
 TEST(None, BelowTheSizeAskedForIsSaid) {

@@ -246,6 +246,31 @@ TEST(Plausible, OneAxisHasOneGap) {
   EXPECT_THAT(kinds(25.4), Contains("units_differ!"));
 }
 
+// Rows along x at other places than the first's; the second campaign with its sign, or
+// its senses, turned about.
+TEST(Plausible, OneGapCannotLagAndLead) {
+  const auto kinds = [](double value_sign, double sense_sign, const char* settings) {
+    RowTable table;
+    for (int i = 0; i < 64; ++i) {
+      const bool is_second = i >= 32;
+      const double sense = i % 2 == 0 ? 1 : -1;
+      Row row{.row = i + 1, .campaign = is_second ? "second" : "first"};
+      row.n = {1, 0, 0};
+      row.dir = {sense * (is_second ? sense_sign : 1), 0, 0};
+      row.cmd_mm = {10 + 17.3 * (i / 2 % 16) + (is_second ? 3.1 : 0), 0, 0};
+      row.value_mm =
+          (0.001 * ((i * 7) % 5) - 0.005 * sense) * (is_second ? value_sign : 1);
+      if (is_second) row.settings = settings;
+      table.rows.push_back(row);
+    }
+    return KindsOf(table);
+  };
+  EXPECT_THAT(kinds(1, 1, ""), Not(Contains("reversed_sign!")));
+  EXPECT_THAT(kinds(-1, 1, ""), Contains("reversed_sign!"));
+  EXPECT_THAT(kinds(1, -1, ""), Contains("reversed_sign!"));
+  EXPECT_THAT(kinds(1, -1, "overcompensated"), Not(Contains("reversed_sign!")));
+}
+
 /// A pass along x and y that says what it travelled.
 RowTable Passes() {
   RowTable table;
