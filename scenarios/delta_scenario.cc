@@ -161,6 +161,7 @@ void ReadDeltaExpectation(YamlMap map, DeltaScenario* scenario) {
   for (const char* figure : {"height_error_mm.rms",
                              "height_error_mm.most",
                              "height_drift_mm",
+                             "height_reversal_mm",
                              "position_error_mm.p95",
                              "xy_scale_um_per_mm",
                              "said_mm"}) {
@@ -211,8 +212,9 @@ void ReadProbeOffset(const YamlValue& value, Vec3<double>* offset_mm) {
 void RequireBuildable(const InjectedSpec& spec, Faults* faults) {
   const Effect& effect = EffectAt(spec.effect);
   const std::vector<double> any(effect.parameters.size(), 1);
-  if (!TurnsOf({.effect = spec.effect, .axis = spec.axis, .values = any}).empty())
-    return;
+  const bool is_part =
+      !TurnsOf({.effect = spec.effect, .axis = spec.axis, .values = any}).empty();
+  if (is_part || spec.effect == EffectIndex<CarriageBacklash>()) return;
   faults->Add(spec.place,
               fmt::format("'{}' is no part of a delta that firmware can calibrate here",
                           effect.name),
@@ -266,7 +268,8 @@ BuiltDelta DrawDelta(const DeltaScenario& scenario,
                      const Machine& machine,
                      std::uint64_t seed,
                      std::uint64_t sample) {
-  BuiltDelta built = DrawDelta(scenario.effects, machine, seed, sample).built;
+  auto [built, others] = DrawDelta(scenario.effects, machine, seed, sample);
+  BuildPlayIn(&others, &built);
   built.scatter_mm = std::hypot(built.scatter_mm, scenario.probe_sigma_mm);
   return built;
 }

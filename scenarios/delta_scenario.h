@@ -59,14 +59,15 @@ struct DeltaScenario {
   std::string outcome = "recovers";
   std::vector<DeltaExpectedValue> values{};
   /// `height_error_mm.rms`, `.most`, `height_drift_mm` (from the first step to the
-  /// last), `position_error_mm.p95`, `xy_scale_um_per_mm`, `said_mm`.
+  /// last), `height_reversal_mm` (down against up, at most), `position_error_mm.p95`, `xy_scale_um_per_mm`, `said_mm`.
   std::vector<std::pair<std::string, Within>> figures{};
   std::vector<std::string> messages{};
 };
 
 /// Reads the keys of a delta's scenario that are its own. `machine_effects`: what an
 /// extended machine file adds to the drawing. The twin that firmware drives has parts
-/// and a bed: effects of drives, heat and probe are faults.
+/// and a bed, carriages with play among them: other effects of drives, heat and probe
+/// are faults.
 DeltaScenario ReadDeltaScenario(YamlMap* map,
                                 const Machine& machine,
                                 const std::vector<InjectedSpec>& machine_effects);

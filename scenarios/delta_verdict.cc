@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "scenarios/delta_link.h"
 #include "sim/base/rng.h"
 #include "sim/base/units.h"
 
@@ -158,6 +159,7 @@ void CheckFigures(const DeltaTrial& trial,
                   RunResult* result) {
   for (const auto& [name, within] : trial.scenario.figures) {
     const double found = name == "height_error_mm.rms"    ? after.z_rms_mm
+                         : name == "height_reversal_mm"   ? DeltaReversal_mm(trial)
                          : name == "height_error_mm.most" ? after.z_most_mm
                          : name == "height_drift_mm"      ? Drift_mm(trial)
                          : name == "said_mm"              ? trial.said_mm
@@ -190,7 +192,7 @@ double DeltaPositionP95_mm(const DeltaTrial& trial,
                            const DeltaMesh& mesh) {
   constexpr int kPoses = 1000;
   const double radius_mm = trial.machine.delta->print_radius_mm;
-  Rng rng(1, 0, "position_error_mm");
+  Rng rng(1, 0, "position_error_mm"), senses(1, 0, "position_error_mm.senses");
   std::vector<Vec3<double>> errors_mm;
   Vec3<double> mean_mm = Vec3<double>::Zero();
   for (int i = 0; i < kPoses; ++i) {
@@ -199,9 +201,12 @@ double DeltaPositionP95_mm(const DeltaTrial& trial,
     const Vec3<double> sent(
         out_mm * std::cos(angle), out_mm * std::sin(angle), radius_mm * rng.Uniform());
     const Vec3<double> lifted = sent + mesh.Lift_mm(sent[0], sent[1]) * Unit(Axis::kZ);
-    const auto pose = DeltaPoseOf(trial.built.build, DeltaMotors_mm(settings, lifted));
-    if (!pose) return std::numeric_limits<double>::infinity();
-    errors_mm.push_back(pose->nozzle_mm - sent);
+    Vec3<double> motor_dir = Vec3<double>::Zero();
+    for (double& dir : motor_dir) dir = senses.Uniform() < 0.5 ? -1 : 1;
+    const auto nozzle_mm = NozzleOfDelta(
+        trial.machine, trial.built, DeltaMotors_mm(settings, lifted), motor_dir);
+    if (!nozzle_mm) return std::numeric_limits<double>::infinity();
+    errors_mm.push_back(*nozzle_mm - sent);
     mean_mm += errors_mm.back() / kPoses;
   }
   std::vector<double> sizes_mm;
@@ -213,9 +218,34 @@ double DeltaPositionP95_mm(const DeltaTrial& trial,
   return *p95;
 }
 
+double DeltaReversal_mm(const DeltaTrial& trial) {
+  constexpr int kPoints = 200;
+  double most_mm = 0;
+  for (const Eigen::Vector2d& at :
+       DiscPoints(kPoints, trial.machine.delta->print_radius_mm)) {
+    const Vec3<double> motors_mm =
+        DeltaMotors_mm<double>(trial.after, Vec3<double>(at[0], at[1], 0));
+    const auto after = [&](double sense) {
+      return NozzleOfDelta(trial.machine,
+                           trial.built,
+                           motors_mm,
+                           Vec3<double>(sense * Vec3<double>::Ones()));
+    };
+    const auto down_mm = after(1), up_mm = after(-1);
+    if (!down_mm || !up_mm) return std::numeric_limits<double>::infinity();
+    most_mm = std::max(most_mm, std::abs((*down_mm)[2] - (*up_mm)[2]));
+  }
+  return most_mm;
+}
+
 void JudgeDelta(const DeltaTrial& trial, RunResult* result) {
+  // Heights as touches find them: every carriage has come down.
+  const auto nozzle_of = [&](const Vec3<double>& motors_mm) {
+    return NozzleOfDelta(
+        trial.machine, trial.built, motors_mm, Vec3<double>(Vec3<double>::Ones()));
+  };
   const auto accuracy = [&](const DeltaModel<double>& settings, const DeltaMesh& mesh) {
-    return DeltaAccuracyOf(trial.built.build,
+    return DeltaAccuracyOf(nozzle_of,
                            trial.built.bed,
                            settings,
                            trial.machine.delta->print_radius_mm,
@@ -237,6 +267,12 @@ void JudgeDelta(const DeltaTrial& trial, RunResult* result) {
       UmFromMm(before.z_rms_mm),
       UmFromMm(after.xy_scale),
       trial.said_mm));
+  if (HasPlay(trial.built.play_mm)) {
+    result->messages.push_back(fmt::format(
+        "carriages have play: up to {:.1f} um lie between the nozzle's height after a "
+        "move down, as every touch comes, and after a move up",
+        UmFromMm(DeltaReversal_mm(trial))));
+  }
   CheckFigures(trial, after, result);
   CheckMessages(trial, result);
   result->outcome = trial.has_fault                        ? "alarm"

@@ -40,11 +40,16 @@ struct DeltaTrial {
 };
 
 /// The largest of 95 % of the nozzle's errors at 1000 seeded poses over the bed, up to
-/// as high as it is wide; the mean error is left out. Infinite where the machine does
-/// not reach.
+/// as high as it is wide, carriages with play having come down or up by chance; the
+/// mean error is left out. Infinite where the machine does not reach.
 double DeltaPositionP95_mm(const DeltaTrial& trial,
                            const DeltaModel<double>& settings,
                            const DeltaMesh& mesh);
+
+/// By how much the nozzle's height over the bed differs at most between moves down and
+/// moves up to the same place: what is lost in the play of carriages. 0: none is, or
+/// all hang. Infinite where the machine does not reach.
+double DeltaReversal_mm(const DeltaTrial& trial);
 
 /// Fills in the table, the outcome and the checks.
 void JudgeDelta(const DeltaTrial& trial, RunResult* result);

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <string_view>
 
+#include <fmt/format.h>
+
+#include "calibration/diagnosis/nuisances.h"
 #include "sim/base/units.h"
 #include "sim/effects/catalog.h"
 #include "sim/effects/injected.h"
@@ -125,6 +128,33 @@ AsFound AsFoundBy(const Observed& observed,
     }
   }
   return as_found;
+}
+
+namespace {
+
+// Of the first touch; the places of others are their own.
+std::string TouchedSetup(const Observed& observed) {
+  for (const Row& row : observed.table().rows) {
+    if (row.kind != RowKind::kTouch) continue;
+    return row.setup.empty() ? std::string(ArtefactOf(row)) : row.setup;
+  }
+  return "";
+}
+
+}  // namespace
+
+FoundDelta DeltaWithBaseline(const Observed& observed,
+                             const std::vector<BaselineLine>& lines) {
+  FoundDelta found{.build = observed.machine().delta->Build()};
+  const std::string bed_line = fmt::format("placement.{}.z", TouchedSetup(observed));
+  for (const BaselineLine& line : lines) {
+    for (const auto& [knob, by] : KnobsOfLine(line.name, line.value)) {
+      const double inside = by * kDeltaKnobs[static_cast<std::size_t>(knob)].per_unit;
+      TurnKnob(knob, inside, &found.build, &found.bed);
+    }
+    if (line.name == bed_line) found.bed.height_mm = line.value;
+  }
+  return found;
 }
 
 }  // namespace caltwin

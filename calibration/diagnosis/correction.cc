@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "calibration/diagnosis/delta_correction.h"
 #include "sim/base/input_error.h"
 #include "sim/base/units.h"
 #include "sim/effects/predict.h"
@@ -38,14 +39,6 @@ std::string Upper(Axis axis) {
   return std::string(1, static_cast<char>(std::toupper(Letter(axis))));
 }
 
-// The settings that the rows were measured with: the only ones the header states, or
-// the machine's.
-Settings SettingsOf(const Observed& o) {
-  const auto& stated = o.header().settings;
-  return InForce(
-      o.header(), o.machine(), stated.size() == 1 ? stated.begin()->first : "");
-}
-
 class Writer {
  public:
   Writer(ControllerKind controller,
@@ -56,12 +49,11 @@ class Writer {
         name_(std::move(name)),
         diagnosis_(diagnosis),
         observed_(observed),
-        is_gcode_(controller == ControllerKind::kRrf ||
-                  controller == ControllerKind::kMarlin) {}
+        is_gcode_(IsSetByGcode(controller)) {}
 
   std::vector<CorrectionFile> Make() {
     Comment(fmt::format("Correction for {}, by `caltwin diagnose`.",
-                        kControllers[static_cast<std::size_t>(controller_)].full));
+                        FullName(controller_)));
     for (const Axis axis : kAxes) AddAxis(axis);
     AddSquareness();
     if (controller_ == ControllerKind::kKlipper) AddTwist();
@@ -128,7 +120,7 @@ class Writer {
     if (!IsToBeWritten(scale)) return;
     const auto i = static_cast<std::size_t>(Index(axis));
     const AxisDrawing& drawing = observed_.machine().axis(axis);
-    const double set = SettingsOf(observed_).steps_per_mm[i];
+    const double set = SettingsOfRows(observed_).steps_per_mm[i];
     const double old = set > 0 ? set : drawing.steps_per_mm();
     const double steps_per_mm = old / (1 + scale.value * 1e-6);
     const std::string source = fmt::format("was {:.6g}: scale.{} {:+.1f} +- {:.1f} ppm",
@@ -356,7 +348,7 @@ class Writer {
                       finding.cause,
                       finding.axis.empty() ? "" : ".",
                       finding.axis,
-                      kControllers[static_cast<std::size_t>(controller_)].full,
+                      FullName(controller_),
                       effect ? EffectAt(*effect).words.action : std::string_view{}));
     }
   }
@@ -373,6 +365,21 @@ class Writer {
 
 }  // namespace
 
+Settings SettingsOfRows(const Observed& observed) {
+  const auto& stated = observed.header().settings;
+  return InForce(observed.header(),
+                 observed.machine(),
+                 stated.size() == 1 ? stated.begin()->first : "");
+}
+
+std::string_view FullName(ControllerKind controller) {
+  return kControllers[static_cast<std::size_t>(controller)].full;
+}
+
+bool IsSetByGcode(ControllerKind controller) {
+  return controller == ControllerKind::kRrf || controller == ControllerKind::kMarlin;
+}
+
 ControllerKind ControllerNamed(std::string_view word) {
   const auto found = std::ranges::find(kControllers, word, &Named::word);
   if (found != kControllers.end()) return found->controller;
@@ -385,6 +392,9 @@ std::vector<CorrectionFile> CorrectionFor(ControllerKind controller,
                                           const Diagnosis& diagnosis,
                                           const Observed& observed,
                                           const std::string& name) {
+  if (observed.machine().delta) {
+    return {{.text = DeltaCorrectionText(controller, diagnosis, observed)}};
+  }
   return Writer(controller, diagnosis, observed, name).Make();
 }
 

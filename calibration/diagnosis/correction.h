@@ -13,6 +13,15 @@ enum class ControllerKind { kRrf, kKlipper, kMarlin, kLinuxCnc };
 /// Throws InputError where the word is none of rrf, klipper, marlin, linuxcnc.
 ControllerKind ControllerNamed(std::string_view word);
 
+/// "Marlin".
+std::string_view FullName(ControllerKind controller);
+/// Whether its settings are G-code; else lines of a configuration file.
+bool IsSetByGcode(ControllerKind controller);
+
+/// The settings that the rows were measured with: the only ones their header states,
+/// or the machine's.
+Settings SettingsOfRows(const Observed& observed);
+
 /// One file of a correction; the first has no suffix and says what it needs of the
 /// others.
 struct CorrectionFile {
@@ -33,6 +42,7 @@ struct CorrectionFile {
 ///            takes the place of BACKLASH
 /// `name` is what the user calls the first file, by which it names the others.
 /// Squareness is small: products of two angles are neglected (1e-6 of the travel).
+/// Of a delta see delta_correction.h.
 std::vector<CorrectionFile> CorrectionFor(ControllerKind controller,
                                           const Diagnosis& diagnosis,
                                           const Observed& observed,

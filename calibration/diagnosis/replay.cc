@@ -207,15 +207,6 @@ class Replayer {
                    observed_.table().rows);
   }
 
-  // Of the first touch; the places of others are fitted to what the twin leaves.
-  std::string TouchedSetup() const {
-    for (const Row& row : observed_.table().rows) {
-      if (row.kind != RowKind::kTouch) continue;
-      return row.setup.empty() ? std::string(ArtefactOf(row)) : row.setup;
-    }
-    return "";
-  }
-
   // The baseline is built in; the findings act.
   DeltaPerformConfig DeltaTwinOf(const Extended& twin, Fidelity fidelity) const {
     DeltaPerformConfig config{.machine = observed_.machine(),
@@ -224,16 +215,9 @@ class Replayer {
                               .fidelity = fidelity,
                               .is_noisy = false,
                               .interrupted = options_.interrupted};
-    config.built.build = observed_.machine().delta->Build();
-    const std::string bed_line = fmt::format("placement.{}.z", TouchedSetup());
-    for (const BaselineLine& line : twin.lines) {
-      for (const auto& [knob, by] : KnobsOfLine(line.name, line.value)) {
-        const double inside = by * kDeltaKnobs[static_cast<std::size_t>(knob)].per_unit;
-        TurnKnob(knob, inside, &config.built.build, &config.built.bed);
-      }
-      // Touches end where the bed is: it stands as high as it was found.
-      if (line.name == bed_line) config.built.bed.height_mm = line.value;
-    }
+    const FoundDelta found = DeltaWithBaseline(observed_, twin.lines);
+    config.built.build = found.build;
+    config.built.bed = found.bed;
     return config;
   }
 

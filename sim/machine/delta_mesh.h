@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <functional>
+#include <optional>
 #include <vector>
 
 #include "sim/machine/delta_touch.h"
@@ -38,6 +40,17 @@ struct DeltaMesh {
            (1 - s) * t * At(i, j + 1) + s * t * At(i + 1, j + 1);
   }
 };
+
+/// Where a machine's nozzle is at these commanded travels; nullopt: out of reach.
+using NozzleOfMotors =
+    std::function<std::optional<Vec3<double>>(const Vec3<double>& motors_mm)>;
+
+/// DeltaAccuracyOf of a machine that is more than a chain (its carriages have play).
+DeltaAccuracy DeltaAccuracyOf(const NozzleOfMotors& nozzle_of,
+                              const DeltaBed<double>& bed,
+                              const DeltaModel<double>& settings,
+                              double radius_mm,
+                              const DeltaMesh& mesh);
 
 /// DeltaAccuracyOf of a firmware that lifts by a mesh beside its settings.
 DeltaAccuracy DeltaAccuracyOf(const DeltaBuild<double>& build,

@@ -88,6 +88,20 @@ DeltaAccuracy DeltaAccuracyOf(const DeltaBuild<double>& build,
                               const DeltaModel<double>& settings,
                               double radius_mm,
                               const DeltaMesh& mesh) {
+  const auto nozzle_of =
+      [&](const Vec3<double>& motors_mm) -> std::optional<Vec3<double>> {
+    const auto pose = DeltaPoseOf(build, motors_mm);
+    if (!pose) return std::nullopt;
+    return pose->nozzle_mm;
+  };
+  return DeltaAccuracyOf(nozzle_of, bed, settings, radius_mm, mesh);
+}
+
+DeltaAccuracy DeltaAccuracyOf(const NozzleOfMotors& nozzle_of,
+                              const DeltaBed<double>& bed,
+                              const DeltaModel<double>& settings,
+                              double radius_mm,
+                              const DeltaMesh& mesh) {
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   const std::vector<Vec3<double>> commanded = OnDisc(radius_mm);
   std::vector<Vec3<double>> moved;
@@ -96,9 +110,9 @@ DeltaAccuracy DeltaAccuracyOf(const DeltaBuild<double>& build,
   const auto num = static_cast<double>(commanded.size());
   for (const Vec3<double>& at : commanded) {
     const Vec3<double> lifted = at + mesh.Lift_mm(at[0], at[1]) * Unit(Axis::kZ);
-    const auto pose = DeltaPoseOf(build, DeltaMotors_mm(settings, lifted));
-    if (!pose) return {kNaN, kNaN, kNaN, kNaN, kNaN};
-    moved.push_back(pose->nozzle_mm);
+    const auto nozzle_mm = nozzle_of(DeltaMotors_mm(settings, lifted));
+    if (!nozzle_mm) return {kNaN, kNaN, kNaN, kNaN, kNaN};
+    moved.push_back(*nozzle_mm);
     const double above_mm =
         moved.back()[2] - bed.Height_mm(moved.back()[0], moved.back()[1]);
     accuracy.z_most_mm = std::max(accuracy.z_most_mm, std::abs(above_mm));

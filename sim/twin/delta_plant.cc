@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "sim/base/require.h"
+#include "sim/effects/catalog.h"
+#include "sim/effects/drive.h"
 
 namespace caltwin {
 
@@ -35,13 +37,35 @@ DeltaWorld WorldOfDelta(const Machine& machine, const BuiltDelta& built) {
                    .carriage_kg = machine.axes[tower].moving_mass_kg});
   }
   constexpr double kWithPlay_s = 0.0002;  // Flanks are met to 0.01 um.
-  const bool has_play = std::ranges::max(built.play_mm) > 0;
+  const bool has_play = HasPlay(built.play_mm);
   model.SetTimestep_s(has_play ? kWithPlay_s : TouchTimestep_s(built.tip));
   model.SetBed(built.bed);
   return {model.Compile(/*with_looks=*/false), built.build};
 }
 
+void BuildPlayIn(std::vector<Injected>* effects, BuiltDelta* built) {
+  std::erase_if(*effects, [&](const Injected& effect) {
+    if (effect.effect != EffectIndex<CarriageBacklash>()) return false;
+    const auto tower = static_cast<std::size_t>(DriveNamed(effect.axis)->index);
+    built->play_mm[tower] += effect.values[0];
+    return true;
+  });
+}
+
+std::optional<Vec3<double>> NozzleOfDelta(const Machine& machine,
+                                          const BuiltDelta& built,
+                                          const Vec3<double>& motors_mm,
+                                          const Vec3<double>& motor_dir) {
+  const auto taken =
+      WithPlayTaken(built.build, machine, built.play_mm, motors_mm, motor_dir);
+  if (!taken) return std::nullopt;
+  const auto pose = DeltaPoseOf(*taken, motors_mm);
+  if (!pose) return std::nullopt;
+  return pose->nozzle_mm;
+}
+
 std::optional<Vec3<double>> TouchOfDelta(DeltaWorld* world,
+                                         const Machine& machine,
                                          const BuiltDelta& built,
                                          const DeltaModel<double>& settings,
                                          const Eigen::Vector2d& at_mm) {
@@ -49,8 +73,15 @@ std::optional<Vec3<double>> TouchOfDelta(DeltaWorld* world,
     return TouchInPhysics(
         world, built.build, built.bed, settings, at_mm, {.tip = built.tip});
   }
-  return DeltaTouchMotors(
-      built.build, built.bed, settings, at_mm[0], at_mm[1], built.tip);
+  const auto touched = [&](const DeltaBuild<double>& build) {
+    return DeltaTouchMotors(build, built.bed, settings, at_mm[0], at_mm[1], built.tip);
+  };
+  const auto motors_mm = touched(built.build);
+  if (!motors_mm || !HasPlay(built.play_mm)) return motors_mm;
+  // Straight down go all carriages.
+  const auto taken = WithPlayTaken(
+      built.build, machine, built.play_mm, *motors_mm, Vec3<double>::Ones());
+  return taken ? touched(*taken) : std::nullopt;
 }
 
 DeltaTwinPlant::DeltaTwinPlant(const Machine& machine,
@@ -58,7 +89,8 @@ DeltaTwinPlant::DeltaTwinPlant(const Machine& machine,
                                bool is_physics,
                                std::uint64_t seed,
                                std::uint64_t sample)
-    : built_(built),
+    : machine_(machine),
+      built_(built),
       steps_per_mm_(TowerStepsPerMm(machine)),
       scatter_(seed, sample, "trigger_scatter") {
   Require(machine.delta.has_value(), "the machine is a delta");
@@ -70,7 +102,7 @@ DeltaTwinPlant::DeltaTwinPlant(const Machine& machine,
 std::optional<Vec3<double>> DeltaTwinPlant::Touch(const DeltaModel<double>& settings,
                                                   double x_mm,
                                                   double y_mm) {
-  const auto motors_mm = TouchOfDelta(world_.get(), built_, settings, {x_mm, y_mm});
+  const auto motors_mm = TouchOfDelta(world_.get(), machine_, built_, settings, {x_mm, y_mm});
   if (!motors_mm) return std::nullopt;
   Vec3<double> at = DeltaNozzle_mm(settings, *motors_mm);
   if (built_.scatter_mm > 0) at[2] += built_.scatter_mm * scatter_.Normal();

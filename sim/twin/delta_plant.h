@@ -1,9 +1,12 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include "sim/base/rng.h"
 #include "sim/firmware/dialects/marlin_delta.h"
+#include "sim/effects/effect.h"
+#include "sim/machine/delta_play.h"
 #include "sim/machine/delta_touch.h"
 #include "sim/machine/machine.h"
 #include "sim/physics/delta_world.h"
@@ -16,8 +19,11 @@ struct BuiltDelta {
   DeltaBed<double> bed{};
   double scatter_mm = 0;  ///< Of the trigger, along z.
   DeltaTip tip{};
-  std::array<double, 3> play_mm{};  ///< Of each carriage in its drive; physics alone.
+  CarriageGaps_mm play_mm{};
 };
+
+/// Moves what `effects` say of play (carriage_backlash) into `built`.
+void BuildPlayIn(std::vector<Injected>* effects, BuiltDelta* built);
 
 /// A simulated delta that can be touched: closed form or MuJoCo. What it answers is a
 /// count of whole motor steps, as a controller has it.
@@ -37,6 +43,7 @@ class DeltaTwinPlant : public DeltaPlant {
   const BuiltDelta& built() const { return built_; }
 
  private:
+  Machine machine_;
   BuiltDelta built_;
   std::array<double, 3> steps_per_mm_{};
   std::unique_ptr<DeltaWorld> world_{};
@@ -44,12 +51,21 @@ class DeltaTwinPlant : public DeltaPlant {
 };
 
 /// Where a delta built so touches its bed on the way straight down at (x, y) by these
-/// settings: found by MuJoCo in `world`, or, without one, in closed form. The motors'
-/// commanded travels; nullopt: out of reach.
+/// settings: found by MuJoCo in `world`, or, without one, in closed form (a sprung
+/// probe's force, 0.5 N, is not taken off what hangs on loose carriages there). The
+/// motors' commanded travels; nullopt: out of reach.
 std::optional<Vec3<double>> TouchOfDelta(DeltaWorld* world,
+                                         const Machine& machine,
                                          const BuiltDelta& built,
                                          const DeltaModel<double>& settings,
                                          const Eigen::Vector2d& at_mm);
+
+/// Where its nozzle rests, in closed form, every motor having come to its commanded
+/// travel in its sense (+1: down, -1: up). nullopt: out of reach.
+std::optional<Vec3<double>> NozzleOfDelta(const Machine& machine,
+                                          const BuiltDelta& built,
+                                          const Vec3<double>& motors_mm,
+                                          const Vec3<double>& motor_dir);
 
 /// MuJoCo's world of a delta as it is built, with what it touches with.
 DeltaWorld WorldOfDelta(const Machine& machine, const BuiltDelta& built);

@@ -56,8 +56,8 @@ class DeltaReader {
  private:
   // Of the build alone, above the nominal point.
   double Contact_mm(const Row& row, const Vec3<double>& sent_mm) {
-    const auto motors_mm =
-        TouchOfDelta(world_.get(), config_.built, settings_, sent_mm.head<2>());
+    const auto motors_mm = TouchOfDelta(
+        world_.get(), config_.machine, config_.built, settings_, sent_mm.head<2>());
     if (!motors_mm) FailReach(row);
     return DeltaNozzle_mm(settings_, *motors_mm)[2] - sent_mm[2];
   }
@@ -82,14 +82,21 @@ class DeltaReader {
   std::unique_ptr<DeltaWorld> world_{};
 };
 
-// What physics has parts for: it acts there, not in closed form.
-void BuildIn(DeltaPerformConfig* config) {
-  std::erase_if(config->effects, [&](const Injected& effect) {
-    if (effect.effect != EffectIndex<CarriageBacklash>()) return false;
-    const auto tower = static_cast<std::size_t>(DriveNamed(effect.axis)->index);
-    config->built.play_mm[tower] += effect.values[0];
-    return true;
-  });
+double Reading_mm(const DeltaPerformConfig& config,
+                  const Row& row,
+                  Readings* readings,
+                  DeltaReader* reader) {
+  At at = readings->AtFor(row);
+  if (row.kind == RowKind::kTouch) {
+    return readings->Shown_mm(
+        row, at, reader->Touch_mm(row, at), config.built.scatter_mm);
+  }
+  const Vec3<double> told_mm = at.q_mm;
+  if (config.is_noisy) {
+    at.q_mm = readings->Reachable_mm(told_mm, readings->SettingsFor(row));
+  }
+  const double off_mm = (at.q_mm - told_mm).dot(at.n);
+  return readings->Shown_mm(row, at, off_mm + reader->Gauge_mm(row, at), 0);
 }
 
 }  // namespace
@@ -97,7 +104,9 @@ void BuildIn(DeltaPerformConfig* config) {
 RowTable PerformDelta(const DeltaPerformConfig& as_given, std::vector<Row> planned) {
   DeltaPerformConfig config = as_given;
   config.effects = TurnBuild(as_given.effects, &config.built.build);
-  if (config.fidelity == Fidelity::kPhysics) BuildIn(&config);
+  if (config.fidelity == Fidelity::kPhysics) {
+    BuildPlayIn(&config.effects, &config.built);
+  }
   // The heights of a bed's shapes are those of the outermost touch.
   const double rim_mm = RimOf_mm(planned);
   if (rim_mm > 0) config.built.bed.radius_mm = rim_mm;
@@ -110,18 +119,9 @@ RowTable PerformDelta(const DeltaPerformConfig& as_given, std::vector<Row> plann
   DeltaReader reader(config);
   RowTable table;
   for (Row& row : planned) {
-    if (config.interrupted && config.interrupted()) break;
-    At at = readings.AtFor(row);
-    if (row.kind == RowKind::kTouch) {
-      row.value_mm =
-          readings.Shown_mm(row, at, reader.Touch_mm(row, at), config.built.scatter_mm);
-    } else {
-      const Vec3<double> told_mm = at.q_mm;
-      if (config.is_noisy) {
-        at.q_mm = readings.Reachable_mm(told_mm, readings.SettingsFor(row));
-      }
-      const double off_mm = (at.q_mm - told_mm).dot(at.n);
-      row.value_mm = readings.Shown_mm(row, at, off_mm + reader.Gauge_mm(row, at), 0);
+    if (table.rows.size() >= config.already_read) {
+      if (config.interrupted && config.interrupted()) break;
+      row.value_mm = Reading_mm(config, row, &readings, &reader);
     }
     table.rows.push_back(std::move(row));
   }

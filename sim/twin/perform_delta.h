@@ -15,7 +15,7 @@ namespace caltwin {
 /// A delta that measures.
 struct DeltaPerformConfig {
   Machine machine{};
-  BuiltDelta built{};
+  BuiltDelta built{};  ///< Play among the effects, not here.
   /// More of it: those that turn the build are built in, play of carriages too in
   /// physics; the others (drives, probe, temperatures) act in closed form.
   std::vector<Injected> effects{};
@@ -23,6 +23,7 @@ struct DeltaPerformConfig {
   Fidelity fidelity = Fidelity::kPhysics;
   std::uint64_t seed = 1;
   bool is_noisy = true;  ///< As PerformConfig.
+  std::size_t already_read = 0;  ///< As PerformConfig.
   std::function<bool()> interrupted{};
 };
 

@@ -85,11 +85,16 @@ TEST(DeltaScenario, TheEffectsOfAMachineFileAct) {
   EXPECT_DOUBLE_EQ(built.build.rod_error_mm[0], 0.2);
 
   write("  carriage_backlash.c: {gap_mm: 0.06}\n");
+  const Scenario loose = ReadScenarioText(text, "extended.yaml");
+  EXPECT_EQ(DrawDelta(*loose.delta, loose.machine.machine, 1, 0).play_mm,
+            (CarriageGaps_mm{0, 0, 0.06}));
+
+  write("  trigger_latency: {latency_ms: 1}\n");
   try {
     ReadScenarioText(text, "extended.yaml");
     FAIL();
   } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("'carriage_backlash' is no part of a delta"));
+    EXPECT_THAT(error.what(), HasSubstr("'trigger_latency' is no part of a delta"));
   }
 }
 

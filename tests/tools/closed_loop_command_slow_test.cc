@@ -83,5 +83,30 @@ TEST_F(ClosedLoopCommand, DoesNotRecordOverTheTruth) {
               HasSubstr("the header would be written over"));
 }
 
+// Touches alone leave a leaning tower among rods and other towers; marks along x and y
+// are what the diagnosis asks for, and they tell. With steps of a micrometre.
+TEST_F(ClosedLoopCommand, OfADeltaMeasuresWhatHeightsCannotTell) {
+  std::string machine = ReadTextFile("models/delta_printer/machine.yaml", kMostBytes);
+  const std::string coarse = "microsteps: 16", model = "model: model.xml\n";
+  for (std::size_t at = 0; (at = machine.find(coarse, at)) != std::string::npos;) {
+    machine.replace(at, coarse.size(), "microsteps: 256");
+  }
+  machine.replace(machine.find(model), model.size(), "");
+  WriteTextFile(File("delta.yaml"), machine);
+  WriteTextFile(File("truth.yaml"),
+                "effects:\n  tower_lean.b: {radial_mrad: 4, tangential_mrad: -3}\n");
+
+  const std::string text = Diagnose(
+      {"--closed-loop",
+       "twin:" + File("delta.yaml") + "?fidelity=fast&truth=" + File("truth.yaml"),
+       "--replay",
+       "none"});
+
+  EXPECT_THAT(text, HasSubstr("Round 1: delta_grid, "));
+  EXPECT_THAT(text, HasSubstr("rows in all: ambiguous (tower_lean.b"));
+  EXPECT_THAT(text, HasSubstr("Round 2: delta_xy, "));
+  EXPECT_THAT(text, HasSubstr("rows in all: named (tower_lean.b)"));
+}
+
 }  // namespace
 }  // namespace caltwin

@@ -38,11 +38,31 @@ void RequireTwin(const std::string& url) {
                    "need be");
 }
 
+MachineUnderTest DeltaUnderTest(const TwinOptions& options, const MachineFile& file) {
+  const auto twin =
+      std::make_shared<const DeltaPerformConfig>(MakeDeltaConfig(file, options));
+  const Measurer measure = [twin](const MeasuredSession& session,
+                                  std::size_t already_read) {
+    DeltaPerformConfig now = *twin;
+    now.header = session.header;
+    now.seed += already_read;
+    now.already_read = already_read;
+    now.interrupted = InterruptRequested;
+    return PerformDelta(now, session.table.rows);
+  };
+  return {.machine = options.machine,
+          .settings = AsHeader(file.machine.settings),
+          .measure = measure};
+}
+
 }  // namespace
 
 MachineUnderTest MachineAt(const std::string& url) {
   RequireTwin(url);
   const TwinOptions options = TwinOptionsOf(url);
+  const MachineFile file =
+      ReadAnyMachineFile(FindMachine(options.machine, "", {.file = options.machine}));
+  if (file.machine.delta) return DeltaUnderTest(options, file);
   const auto twin = std::make_shared<const TwinConfig>(
       MakeTwinConfig(options, /*only_measures=*/true));
   Machine machine = twin->machine;

@@ -11,7 +11,7 @@
 
 #include "calibration/diagnosis/changes_json.h"
 #include "calibration/diagnosis/closed_loop.h"
-#include "calibration/diagnosis/correction.h"
+#include "calibration/diagnosis/delta_correction.h"
 #include "calibration/diagnosis/diagnosis.h"
 #include "calibration/diagnosis/diagnosis_json.h"
 #include "calibration/diagnosis/diagnosis_text.h"
@@ -91,13 +91,13 @@ Believed BelievedMachine(const Options& options, Data* data) {
     believed.effects = std::move(read.effects);
     data->notes.insert(data->notes.end(), read.notes.begin(), read.notes.end());
   }
-  const bool is_printer = believed.machine.delta || believed.machine.triple_z;
-  if (is_printer && !options.correction.empty()) {
+  if (believed.machine.triple_z && !options.correction.empty()) {
     throw InputError({.file = "--correction"},
-                     fmt::format("no correction of a {} machine is written yet",
-                                 ToString(believed.machine.kinematics)),
-                     "`caltwin run` finds settings: delta_joint M665, M666 and "
-                     "printer.cfg, pivots_and_wiring M671");
+                     "no correction of a triple_z machine is written yet",
+                     "`caltwin run` finds settings: pivots_and_wiring M671");
+  }
+  if (believed.machine.delta && !options.correction.empty()) {
+    RequireDeltaGeometry(ControllerNamed(options.controller));
   }
   NoteMissingMotors(believed.machine, data);
   believed.machine = WithTransmission(std::move(believed.machine), data->header);

@@ -9,7 +9,6 @@
 
 #include <fmt/format.h>
 
-#include "scenarios/delta_effects.h"
 #include "scenarios/file_kind.h"
 #include "scenarios/interrupt.h"
 #include "scenarios/machine_file.h"
@@ -20,6 +19,7 @@
 #include "sim/twin/perform_delta.h"
 #include "tools/commands/command.h"
 #include "tools/commands/progress.h"
+#include "tools/commands/twin_options.h"
 
 namespace caltwin {
 
@@ -107,21 +107,6 @@ PerformConfig ConfigOf(const Options& options,
   return config;
 }
 
-// The same of a delta.
-DeltaPerformConfig DeltaConfigOf(const Options& options,
-                                 const MachineFile& file,
-                                 std::uint64_t seed) {
-  DeltaEffects truth;
-  if (!options.truth.empty()) truth = ReadDeltaTruthFile(options.truth, file.machine);
-  truth.effects.insert(truth.effects.end(), file.effects.begin(), file.effects.end());
-  DrawnDelta drawn = DrawDelta(truth, file.machine, seed, /*sample=*/0);
-  return {.machine = file.machine,
-          .built = drawn.built,
-          .effects = std::move(drawn.others),
-          .fidelity = options.fidelity == "fast" ? Fidelity::kFast : Fidelity::kPhysics,
-          .seed = seed};
-}
-
 void CheckOut(const std::string& out) {
   if (fs::path(out).extension() == ".csv") return;
   throw InputError({.file = "--out"},
@@ -156,7 +141,9 @@ int Simulate(const Options& options) {
   };
   RowTable table;
   if (is_delta) {
-    DeltaPerformConfig delta = DeltaConfigOf(options, file, seed);
+    DeltaPerformConfig delta = MakeDeltaConfig(
+        file,
+        {.truth = options.truth, .fidelity = options.fidelity, .seed = seed});
     delta.header = config.header;
     delta.interrupted = config.interrupted;
     table = PerformDelta(delta, std::move(session.rows));

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "scenarios/delta_effects.h"
 #include "scenarios/machine_file.h"
 
 namespace caltwin {
@@ -57,6 +58,19 @@ TwinConfig MakeTwinConfig(const TwinOptions& options, bool only_measures) {
           .artefacts = options.artefacts.empty() ? UsualArtefacts(read.machine)
                                                  : options.artefacts,
           .instruments = options.instruments,
+          .fidelity = options.fidelity == "fast" ? Fidelity::kFast : Fidelity::kPhysics,
+          .seed = options.seed};
+}
+
+DeltaPerformConfig MakeDeltaConfig(const MachineFile& file,
+                                   const TwinOptions& options) {
+  DeltaEffects truth;
+  if (!options.truth.empty()) truth = ReadDeltaTruthFile(options.truth, file.machine);
+  truth.effects.insert(truth.effects.end(), file.effects.begin(), file.effects.end());
+  DrawnDelta drawn = DrawDelta(truth, file.machine, options.seed, /*sample=*/0);
+  return {.machine = file.machine,
+          .built = drawn.built,
+          .effects = std::move(drawn.others),
           .fidelity = options.fidelity == "fast" ? Fidelity::kFast : Fidelity::kPhysics,
           .seed = options.seed};
 }

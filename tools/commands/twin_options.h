@@ -4,7 +4,9 @@
 #include <string>
 #include <vector>
 
+#include "scenarios/machine_file.h"
 #include "sim/machine/artefact.h"
+#include "sim/twin/perform_delta.h"
 #include "sim/twin/twin.h"
 
 namespace caltwin {
@@ -22,6 +24,10 @@ struct TwinOptions {
 /// Reads the files. Throws InputError, of printers too: those that measure rows but
 /// speak no G-code here only `only_measures` takes.
 TwinConfig MakeTwinConfig(const TwinOptions& options, bool only_measures = false);
+
+/// A delta that measures, as `file` and the truth file have it; `options.machine` is not
+/// read.
+DeltaPerformConfig MakeDeltaConfig(const MachineFile& file, const TwinOptions& options);
 
 /// Reads `twin:M.yaml?truth=T.yaml&fidelity=fast&seed=7`. Throws InputError.
 TwinOptions TwinOptionsOf(const std::string& url);

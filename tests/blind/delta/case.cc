@@ -2,16 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <functional>
 #include <numbers>
 #include <numeric>
 #include <set>
 #include <stdexcept>
 
-#include <fmt/format.h>
-
+#include "tests/blind/delta/rivals.h"
 #include "tests/blind/visible.h"
 
 namespace blind {
@@ -180,18 +177,23 @@ nlohmann::json TwinsOf(const DeltaCase& made,
                        const Hiding& hidden,
                        const Column& effect,
                        const std::vector<Column>& baseline) {
-  constexpr double kNear = 25;
   nlohmann::json twins = nlohmann::json::object();
+  const auto add = [&](const std::string& name, std::vector<Column> columns) {
+    constexpr double kNear = 25;
+    columns.insert(columns.end(), baseline.begin(), baseline.end());
+    const double left = SumSquares(Projector(columns).Rest(effect));
+    const double least = twins.value(name, kNear);
+    if (left < least) twins[name] = left;
+  };
+  for (const DeltaRival& rival : DeltaRivals(made.stops, made.sigma_mm)) {
+    for (const Column& form : rival.forms) add(rival.name, {form});
+  }
   for (const DeltaCause& cause : DeltaCauses()) {
     if (cause.is_outside) continue;
     for (const std::string& other : cause.axes) {
       if (cause.name == hidden.cause.name && other == hidden.axis) continue;
-      std::vector<Column> columns = baseline;
-      for (Column& column : CauseColumns(made, truth, cause, other, hidden.second)) {
-        columns.push_back(std::move(column));
-      }
-      const double left = SumSquares(Projector(columns).Rest(effect));
-      if (left < kNear) twins[cause.name + " " + other] = left;
+      add(cause.name + " " + other,
+          CauseColumns(made, truth, cause, other, hidden.second));
     }
   }
   return twins;
@@ -288,74 +290,6 @@ void AddWander(DeltaCase* made) {
   }
 }
 
-void WriteText(const std::filesystem::path& file, const std::string& text) {
-  std::ofstream stream(file, std::ios::binary);
-  stream << text;
-  if (!stream) throw std::runtime_error("cannot write " + file.string());
-}
-
-std::string DataCsv(const DeltaCase& made) {
-  std::string text =
-      "row,campaign,kind,setup,home,t_s,temp_screw_c,temp_frame_c,temp_bed_c,cmd_x_mm,"
-      "cmd_y_mm,cmd_z_mm,motor_a_mm,motor_b_mm,motor_c_mm,dir_a,dir_b,dir_c,feed_mm_s,"
-      "nx,ny,nz,feature,value_mm,sigma_mm\n";
-  for (std::size_t i = 0; i < made.stops.size(); ++i) {
-    const DeltaStop& stop = made.stops[i];
-    const Vec travel = TravelFor(made.paper, stop.at_mm);
-    const ByTower sense = SensesOf(made.paper, stop);
-    text += fmt::format(
-        "{},{},{},{},h1,{:.1f},{:.2f},{:.2f},{:.2f},{:.4f},{:.4f},{:.4f},{:.5f},{:.5f},"
-        "{:.5f},{:.0f},{:.0f},{:.0f},{:.1f},{:.6f},{:.6f},{:.6f},{},{:.6f},{:.6f}\n",
-        i + 1,
-        stop.campaign,
-        stop.is_touch ? "touch" : "position",
-        stop.setup,
-        stop.t_s,
-        22 + stop.screw_k,
-        22 + stop.frame_k,
-        22 + stop.bed_k,
-        stop.at_mm.x(),
-        stop.at_mm.y(),
-        stop.at_mm.z(),
-        travel[0],
-        travel[1],
-        travel[2],
-        sense[0],
-        sense[1],
-        sense[2],
-        stop.feed_mm_s,
-        stop.n.x(),
-        stop.n.y(),
-        stop.n.z(),
-        stop.feature,
-        made.values_mm[i],
-        made.stated * made.sigma_mm);
-  }
-  return text;
-}
-
-std::string MachineYaml(const DeltaPaper& paper) {
-  std::string text = fmt::format(
-      "format: 1\nname: blind_delta\nkinematics: delta\n"
-      "towers: {{a: {{angle_deg: 210}}, b: {{angle_deg: 330}}, c: {{angle_deg: 90}}}}\n"
-      "delta_radius_mm: {}\narm_length_mm: {}\nendstop_mm: {}\nrod_spacing_mm: {}\n"
-      "effector_radius_mm: {}\njoint_height_mm: {}\nprint_radius_mm: {}\naxes:\n",
-      paper.radius_mm,
-      paper.arm_mm,
-      paper.endstop_mm,
-      paper.rod_spacing_mm,
-      paper.effector_radius_mm,
-      paper.joint_height_mm,
-      paper.bed_radius_mm);
-  for (const char tower : {'a', 'b', 'c'}) {
-    text += fmt::format("  {}: {{min_mm: 0, max_mm: {:.1f}, pulley_mm_per_rev: {}}}\n",
-                        tower,
-                        paper.endstop_mm + 100,
-                        paper.pulley_mm);
-  }
-  return text;
-}
-
 }  // namespace
 
 DeltaCase MakeDeltaCase(const DeltaRequest& request) {
@@ -388,14 +322,6 @@ DeltaCase MakeDeltaCase(const DeltaRequest& request) {
                   {"belt", truth.made.belt},
                   {"bed_slopes", {truth.bed.slope_x, truth.bed.slope_y}}}}};
   return made;
-}
-
-void WriteDeltaCase(const DeltaCase& made, const std::string& folder) {
-  const std::filesystem::path path(folder);
-  std::filesystem::create_directories(path);
-  WriteText(path / "DATA.csv", DataCsv(made));
-  WriteText(path / "machine.yaml", MachineYaml(made.paper));
-  WriteText(path / "TRUTH.json", made.truth.dump(1) + "\n");
 }
 
 }  // namespace blind

@@ -1,0 +1,83 @@
+#include "sim/twin/delta_plant.h"
+
+#include <gtest/gtest.h>
+
+#include "sim/effects/catalog.h"
+
+namespace caltwin {
+namespace {
+
+Machine Delta(double rail_friction_n) {
+  Machine machine{.kinematics = Kinematics::kDelta, .delta = DeltaDrawing{}};
+  for (AxisDrawing& tower : machine.axes) {
+    tower = {.max_mm = 400,
+             .lead_mm = 40,
+             .is_belt = true,
+             .full_steps_per_rev = 200,
+             .microsteps = 256,
+             .moving_mass_kg = 0.15,
+             .rail_friction_n = rail_friction_n};
+  }
+  return machine;
+}
+
+BuiltDelta Loose(const Machine& machine, const CarriageGaps_mm& gaps_mm) {
+  BuiltDelta built{.build = machine.delta->Build(), .play_mm = gaps_mm};
+  built.build.model.endstop_mm = {300.2, 299.9, 300.1};
+  built.build.model.radius_mm.fill(130.3);
+  built.bed.slope_x = 1e-3;
+  return built;
+}
+
+// Rails that hold more than ever hangs on them, less, and some of both: MuJoCo decides
+// by friction and weight, the closed form by what it says of them.
+class LooseDelta : public ::testing::TestWithParam<double> {};
+
+TEST_P(LooseDelta, IsTouchedInMujocoWhereTheClosedFormSays) {
+  constexpr double kMust_mm = 1e-4;
+  const Machine machine = Delta(GetParam());
+  const BuiltDelta built = Loose(machine, {0, 0.03, 0.06});
+  const DeltaModel<double>& settings = machine.delta->settings;
+  DeltaWorld world = WorldOfDelta(machine, built);
+
+  for (const auto& [x, y] : {std::pair(0, 0), {0, 80}, {60, -40}}) {
+    const auto exact = TouchOfDelta(nullptr, machine, built, settings, {x, y});
+    const auto touched = TouchOfDelta(&world, machine, built, settings, {x, y});
+    ASSERT_TRUE(exact && touched) << x << " " << y;
+    EXPECT_LT((*touched - *exact).cwiseAbs().maxCoeff(), kMust_mm) << x << " " << y;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Friction_n, LooseDelta, ::testing::Values(0.5, 2.75, 6.0));
+
+// A touch comes down: it is that of a machine whose endstop stands half a gap higher.
+TEST(TouchOfDelta, ATouchCannotTellPlayFromAnEndstop) {
+  constexpr double kSolved_mm = 1e-9;
+  const Machine machine = Delta(6);
+  BuiltDelta as_endstop = Loose(machine, {});
+  as_endstop.build.model.endstop_mm[2] += 0.03;
+
+  for (const auto& [x, y] : {std::pair(0, 0), {0, 80}, {60, -40}}) {
+    const auto touch = [&](const BuiltDelta& built) {
+      return *TouchOfDelta(nullptr, machine, built, machine.delta->settings, {x, y});
+    };
+    EXPECT_LT((touch(Loose(machine, {0, 0, 0.06})) - touch(as_endstop)).norm(),
+              kSolved_mm);
+  }
+}
+
+TEST(BuildPlayIn, PlayAmongTheEffectsIsBuiltInAndTheRestLeft) {
+  std::vector<Injected> effects = {
+      {.effect = EffectIndex<CarriageBacklash>(), .axis = "b", .values = {0.05}},
+      {.effect = EffectIndex<TriggerLatency>(), .axis = "", .values = {1}}};
+  BuiltDelta built;
+
+  BuildPlayIn(&effects, &built);
+
+  EXPECT_EQ(built.play_mm, (CarriageGaps_mm{0, 0.05, 0}));
+  ASSERT_EQ(effects.size(), 1U);
+  EXPECT_EQ(effects[0].effect, EffectIndex<TriggerLatency>());
+}
+
+}  // namespace
+}  // namespace caltwin
