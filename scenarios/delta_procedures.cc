@@ -27,24 +27,44 @@ struct Performed {
   std::optional<DeltaJointFit> fit{};
 };
 
+// A touch scatters, and each tower counts it in whole steps of its own:
+//
+//   sigma^2 = probe^2 + sum (dz / d(motor_i) step_i)^2 / 12
+//
+// The slopes add up to 1, so rounding weighs a third where all towers pull alike and
+// the whole of it under one tower.
+double TouchSigma_mm(const DeltaScenario& scenario,
+                     const Machine& machine,
+                     const DeltaModel<double>& settings,
+                     const Vec3<double>& motors_mm) {
+  constexpr double kMove_mm = 1e-3;
+  const DeltaBuild<double> build{.model = settings};
+  const auto steps_per_mm = TowerStepsPerMm(machine);
+  const auto here = DeltaPoseOf(build, motors_mm);
+  double variance_mm2 = std::pow(scenario.probe_sigma_mm, 2);
+  for (int i = 0; i < 3; ++i) {
+    const Vec3<double> moved_mm = motors_mm + kMove_mm * Vec3<double>::Unit(i);
+    const auto there = DeltaPoseOf(build, moved_mm);
+    const double slope =
+        here && there ? (there->nozzle_mm - here->nozzle_mm)[2] / kMove_mm : 1;
+    variance_mm2 += std::pow(slope / steps_per_mm[static_cast<std::size_t>(i)], 2) / 12;
+  }
+  return std::max(std::sqrt(variance_mm2), kBest_mm);
+}
+
 DeltaReadings TouchAll(const DeltaProbe& probe,
+                       const DeltaScenario& scenario,
+                       const Machine& machine,
                        const DeltaModel<double>& settings,
-                       const std::vector<Eigen::Vector2d>& points,
-                       double sigma_mm) {
+                       const std::vector<Eigen::Vector2d>& points) {
   DeltaReadings readings;
   for (const Eigen::Vector2d& at : points) {
     if (const auto motors = probe(settings, at[0], at[1])) {
-      readings.touches.push_back({*motors, 0, sigma_mm});
+      readings.touches.push_back(
+          {*motors, 0, TouchSigma_mm(scenario, machine, settings, *motors)});
     }
   }
   return readings;
-}
-
-// A touch is counted in whole steps: as uniform as its scatter is normal.
-double TouchSigma_mm(const DeltaScenario& scenario, const Machine& machine) {
-  const double step_mm = 1 / TowerStepsPerMm(machine)[0];
-  return std::max(std::hypot(scenario.probe_sigma_mm, step_mm / std::sqrt(12.0)),
-                  kBest_mm);
 }
 
 // Every line of a firmware's settings that is not blank, behind whose they are.
@@ -82,9 +102,10 @@ DeltaReadings ReadAll(const DeltaStep& step,
                       const DeltaModel<double>& start) {
   DeltaReadings readings =
       TouchAll(doors.probe,
+               scenario,
+               machine,
                start,
-               DiscPoints(step.points, machine.delta->print_radius_mm),
-               TouchSigma_mm(scenario, machine));
+               DiscPoints(step.points, machine.delta->print_radius_mm));
   if (step.reads_print) readings.distances = ReadPrint(doors.calliper, start);
   for (int rod = 0; step.reads_rods && rod < kNumRods; ++rod) {
     readings.rods.push_back({.rod = rod,

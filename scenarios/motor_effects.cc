@@ -138,20 +138,10 @@ std::string KeyOf(const MotorParameter& parameter, bool is_rotary) {
   return fmt::format("{}_{}", parameter.name, unit);
 }
 
-std::vector<std::string> EffectNames() {
-  std::vector<std::string> names;
-  for (const MotorParameter& parameter : kParameters) {
-    if (names.empty() || names.back() != parameter.effect) {
-      names.emplace_back(parameter.effect);
-    }
-  }
-  return names;
-}
-
 std::string Suggestion(const std::string& effect) {
-  const std::string nearest = NearestWord(effect, EffectNames());
+  const std::string nearest = NearestWord(effect, MotorEffectNames());
   return (nearest.empty() ? "" : fmt::format("did you mean '{}'? ", nearest)) +
-         "there are " + fmt::format("{}", fmt::join(EffectNames(), ", ")) +
+         "there are " + fmt::format("{}", fmt::join(MotorEffectNames(), ", ")) +
          ", each followed by a dot and an axis of x y z a u v";
 }
 
@@ -201,6 +191,16 @@ void ReadEffect(const std::string& key,
 }
 
 }  // namespace
+
+std::vector<std::string> MotorEffectNames() {
+  std::vector<std::string> names;
+  for (const MotorParameter& parameter : kParameters) {
+    if (names.empty() || names.back() != parameter.effect) {
+      names.emplace_back(parameter.effect);
+    }
+  }
+  return names;
+}
 
 std::vector<MotorEffectSpec> ReadMotorEffects(YamlMap map,
                                               const MotorStageDrawing& drawing) {

@@ -14,6 +14,9 @@ namespace caltwin {
 std::vector<MotorEffectSpec> ReadMotorEffects(YamlMap map,
                                               const MotorStageDrawing& drawing);
 
+/// Every effect of a motor stage's axes, for messages.
+std::vector<std::string> MotorEffectNames();
+
 /// Builds that number into the stage.
 void ApplyMotorEffect(const MotorEffectSpec& spec,
                       double value,

@@ -39,7 +39,8 @@ TripleZBench BenchOf(const Machine& machine, Link* link, double sigma_mm) {
       .drawn_mm = machine.triple_z->pivots_mm(),
       .top_mm = machine.triple_z->top_mm,
       .most_mm = Travel_mm(machine),
-      .sigma_mm = std::max(std::hypot(sigma_mm, step_mm / std::sqrt(12.0)), kBest_mm)};
+      .sigma_mm = std::max(std::hypot(sigma_mm, step_mm / std::sqrt(12.0)), kBest_mm),
+      .is_sigma_stated = sigma_mm > 0};
 }
 
 TrueLevel TrueLevelOf(const BuiltTripleZ& built,

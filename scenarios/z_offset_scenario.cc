@@ -31,6 +31,8 @@ constexpr std::array kKeys = {
 constexpr std::array<std::string_view, 5> kSteps = {
     "z_calibration", "probe_accuracy", "switch_offset", "gcode", "change"};
 
+}  // namespace
+
 std::vector<StationSpec> ReadStation(YamlMap map) {
   std::vector<StationSpec> specs;
   for (const StationKey& key : kKeys) {
@@ -41,6 +43,8 @@ std::vector<StationSpec> ReadStation(YamlMap map) {
   map.NoMoreKeys();
   return specs;
 }
+
+namespace {
 
 ZCalibrationConfig ReadConfig(YamlMap map) {
   ZCalibrationConfig c;

@@ -41,6 +41,9 @@ struct ZOffsetScenario {
 /// Reads `station:`, `settings:`, `calibrate:`, `expect:`.
 ZOffsetScenario ReadZOffsetScenario(YamlMap* map);
 
+/// Reads `station: {KEY: number or distribution}`.
+std::vector<StationSpec> ReadStation(YamlMap map);
+
 /// Sets what the specs say, each drawn from its own stream.
 void SetStation(const std::vector<StationSpec>& specs,
                 std::uint64_t seed,

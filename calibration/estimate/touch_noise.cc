@@ -103,6 +103,32 @@ double SmallSampleFactor(int dof) {
   return high / kNormal95;
 }
 
+double ScatterSdFactor(int dof) {
+  Require(dof > 0, "a scatter has degrees of freedom");
+  // P(chi2 / dof < x) as of a normal variable.
+  const auto below = [dof](double x) {
+    const double spread = 2 / (9.0 * dof);
+    const double z = (std::cbrt(x) - 1 + spread) / std::sqrt(spread);
+    return std::erfc(-z / std::numbers::sqrt2) / 2;
+  };
+  // sigma lies within (1 +- h) s where chi2 / dof lies within 1 / (1 +- h)^2.
+  const auto misses = [&](double h) {
+    const double too_small = below(1 / ((1 + h) * (1 + h)));
+    return h < 1 ? too_small + 1 - below(1 / ((1 - h) * (1 - h))) : too_small;
+  };
+  double low = 0, high = 100;
+  while (high - low > 1e-9) {
+    const double middle = (low + high) / 2;
+    (misses(middle) > 0.05 ? low : high) = middle;
+  }
+  return high / 1.959963984540054;
+}
+
+double ScatterFactor(double chi2_per_dof, int dof, bool is_stated) {
+  if (dof < 1 || (is_stated && chi2_per_dof <= LargestByChance(dof))) return 1;
+  return std::max(1.0, std::sqrt(chi2_per_dof) * SmallSampleFactor(dof));
+}
+
 TouchNoise NoiseSeen(const TouchNoise& stated,
                      std::span<const std::span<const double>> groups_mm) {
   const Pooled pooled = PooledOver(groups_mm);

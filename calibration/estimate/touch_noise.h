@@ -52,6 +52,20 @@ TouchNoise NoiseSeen(const TouchNoise& stated,
 /// multiplied by for an interval of +-1.96 to hold 95 %.
 double SmallSampleFactor(int dof);
 
+/// What a sample standard deviation is multiplied by for its own uncertainty, so that
+/// +-1.96 of it hold the true one 95 % of the time: near 1 / sqrt(2 dof), more in small
+/// samples, whose standard deviation is oftener too small than too large (chi2 by
+/// Wilson and Hilferty; normal readings).
+double ScatterSdFactor(int dof);
+
+/// What the standard deviations of a least-squares fit are to be multiplied by: 1,
+/// unless its residuals contradict the noise stated (chi2 per dof beyond what chance
+/// makes of so many degrees of freedom once in a thousand, as in NoiseSeen). Then
+/// sqrt(chi2_per_dof) t(dof) / 1.96: the residuals' own scatter, for intervals of
+/// +-1.96 sd. Where nobody stated a noise (`is_stated` false) the residuals are
+/// believed in any case, and what the fit was weighed with is the least of it.
+double ScatterFactor(double chi2_per_dof, int dof, bool is_stated = true);
+
 /// The trigger's own scatter as the readings show it: pooled over groups of repeats,
 /// each about its own mean, less the step's share. Not identifiable without repeats.
 Uncertain TriggerScatter_mm(std::span<const std::span<const double>> groups_mm,

@@ -7,8 +7,9 @@
 namespace caltwin {
 namespace {
 
-constexpr double kGentle = 0.5;  // Of the friction: so a carriage does not coast.
-constexpr double kWorseBy = 3;   // Standard uncertainties that a check may be off.
+constexpr double kGentle = 0.5;      // Of the friction: so a carriage does not coast.
+constexpr double kHunts_pulses = 1;  // To each side, of a servo at rest.
+constexpr double kWorseBy = 3;       // Standard uncertainties that a check may be off.
 
 /// A gap with its standard uncertainty [mm, deg].
 struct Gap {
@@ -64,8 +65,13 @@ std::optional<Gap> MeasureGap(double speed_unit_s, MotorDoing* doing) {
   const auto pulses = doing->Got(doing->axes().Field(92, o.axes.front()));
   if (!pulses) return std::nullopt;
   const double rounding_unit = 1 / *pulses / std::sqrt(12.0);
-  gap.sd_unit = std::hypot(doing->axes().bench().gauge_sigma_unit, rounding_unit) *
-                std::sqrt(2.0 / o.repeats);
+  const double readings_unit =
+      std::hypot(doing->axes().bench().gauge_sigma_unit, rounding_unit) *
+      std::sqrt(2.0 / o.repeats);
+  // A servo hunts about its place: the carriage stays where it was pushed farthest, the
+  // counter does not. Of all approaches alike, so repeats do not tell it.
+  const double hunting_unit = kHunts_pulses / *pulses / std::sqrt(3.0);
+  gap.sd_unit = std::hypot(readings_unit, hunting_unit);
   return gap;
 }
 

@@ -115,6 +115,17 @@ class MotorDoing {
 /// @return the speed with which it was found
 std::optional<double> FindMinSwitch(std::size_t axis, MotorDoing* doing);
 
+/// How far beyond a switch an axis stands that was stopped by it, in the mean [mm,
+/// deg]:
+///
+///   late = v (poll / 2 + transfer) + v^2 / (2 a)
+///
+/// the expander's period and bus, and the way to a standstill with the acceleration in
+/// force. Neglects the servo's lag (less than a millisecond of v).
+std::optional<double> SeenLate_unit(std::size_t axis,
+                                    double speed_unit_s,
+                                    MotorDoing* doing);
+
 /// Standard deviation of where an axis is seen to pass a switch at that speed [mm,
 /// deg]: the switch's own scatter, and the expander's, which looks once a period.
 double SwitchSigma(const MotorBench& bench, double speed_unit_s);

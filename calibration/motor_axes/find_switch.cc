@@ -69,6 +69,17 @@ std::string WordsOf(std::size_t axis,
 
 }  // namespace
 
+std::optional<double> SeenLate_unit(std::size_t axis,
+                                    double speed_unit_s,
+                                    MotorDoing* doing) {
+  const auto acceleration_unit_s2 = doing->Got(doing->axes().Field(201, axis));
+  if (!acceleration_unit_s2) return std::nullopt;
+  const MotorStageDrawing& drawing = doing->axes().bench().drawing;
+  const double known_s = drawing.poll_s / 2 + drawing.transfer_s;
+  return speed_unit_s * known_s +
+         speed_unit_s * speed_unit_s / (2 * *acceleration_unit_s2);
+}
+
 double SwitchSigma(const MotorBench& bench, double speed_unit_s) {
   const double polled_unit = speed_unit_s * bench.drawing.poll_s / std::sqrt(12.0);
   return std::hypot(bench.switch_sigma_unit, polled_unit);

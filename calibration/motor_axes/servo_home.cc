@@ -171,6 +171,11 @@ bool ToSwitch(Homing* homing, MotorDoing* doing) {
   const auto backed_off = doing->Got(axes.Count(axis));
   if (!backed_off) return false;
   homing->at_switch = *at_switch;
+  if (!doing->options().is_as_published) {
+    const auto late_unit = SeenLate_unit(axis, kSecondLook * *speed_unit_s, doing);
+    if (!late_unit) return false;
+    homing->at_switch += std::llround(*late_unit * homing->pulses_per_unit);
+  }
   homing->backed_off = *backed_off;
   return true;
 }

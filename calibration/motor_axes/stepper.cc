@@ -19,9 +19,14 @@ struct Seen {
 };
 
 // So often from so near, so slowly: the mean.
-std::optional<Seen> TouchFinely(std::size_t axis, int sense, MotorDoing* doing) {
+std::optional<Seen> TouchFinely(std::size_t axis,
+                                int sense,
+                                double pulses_per_unit,
+                                MotorDoing* doing) {
   MotorAxes& axes = doing->axes();
   const MotorOptions& o = doing->options();
+  const auto late_unit = SeenLate_unit(axis, o.fine_unit_s, doing);
+  if (!late_unit) return std::nullopt;
   Seen seen;
   const int touches = Mutant("stepper_home_last_touch", o.touches, 1);
   for (int i = 0; i < touches; ++i) {
@@ -34,6 +39,7 @@ std::optional<Seen> TouchFinely(std::size_t axis, int sense, MotorDoing* doing) 
     if (!count) return std::nullopt;
     seen.pulses += static_cast<double>(*count) / touches;
   }
+  seen.pulses -= sense * *late_unit * pulses_per_unit;
   seen.sd_unit = SwitchSigma(axes.bench(), o.fine_unit_s) / std::sqrt(touches);
   return seen;
 }
@@ -113,7 +119,7 @@ MotorResult RunStepperHome(MotorAxes* axes, const MotorOptions& options) {
   std::optional<Seen> seen;
   if (slow_unit_s) seen = SecondTouch(axis, *slow_unit_s, &doing);
   if (!gentle.End() || !seen) return doing.Take();
-  if (!options.is_as_published) seen = TouchFinely(axis, -1, &doing);
+  if (!options.is_as_published) seen = TouchFinely(axis, -1, *pulses, &doing);
   if (!seen) return doing.Take();
   if (says->is_homed) TellLostSteps(axis, *seen, *pulses, &doing);
   const double zero = seen->pulses + options.final_back_off_unit * *pulses;
@@ -168,7 +174,7 @@ MotorResult RunTravelLimits(MotorAxes* axes, const MotorOptions& options) {
   if (!count) return doing.Take();
   std::optional<Seen> seen{
       {static_cast<double>(*count), SwitchSigma(axes->bench(), speed_unit_s)}};
-  if (!options.is_as_published) seen = TouchFinely(axis, +1, &doing);
+  if (!options.is_as_published) seen = TouchFinely(axis, +1, *pulses, &doing);
   if (!seen) return doing.Take();
   const double travel_unit = seen->pulses / *pulses;
   const double low_unit = std::min(0.0, options.margin_unit - *offset_unit);

@@ -6,7 +6,9 @@
 
 #include <fmt/format.h>
 
+#include "calibration/estimate/touch_noise.h"
 #include "calibration/procedures/plan_model.h"
+#include "calibration/procedures/scale_doubt.h"
 #include "calibration/procedures/span.h"
 #include "sim/base/mutant.h"
 #include "sim/base/units.h"
@@ -126,8 +128,26 @@ Expected<bool> ApplyAxis(Session* session,
   return false;
 }
 
+// Of an axis whose steps/mm are estimated here the fit itself knows how sure they are.
+double DoubtBeside(Session* session, const JointOptions& o, Axis axis) {
+  const bool is_estimated = std::ranges::find(o.axes, axis) != o.axes.end();
+  return is_estimated ? 0 : ScaleDoubt(session, axis);
+}
+
+// Slopes of the table, read in millimetres of axes that may not be among the unknowns.
+Uncertain TiltWithDoubt(Session* session,
+                        const JointOptions& o,
+                        const std::string& name,
+                        const Uncertain& slope) {
+  if (!name.starts_with("bed_tilt.slope_")) return slope;
+  const Axis along = name.starts_with("bed_tilt.slope_x") ? Axis::kX : Axis::kY;
+  return WithScaleDoubt(
+      slope, DoubtBeside(session, o, along), DoubtBeside(session, o, Axis::kZ));
+}
+
 // Everything that has no setting, and every setting's last word.
 void ConcludeAll(Session* session,
+                 const JointOptions& o,
                  const JointFit& fit,
                  const std::array<bool, 3>& applied) {
   for (const JointEstimate& estimate : fit.estimates) {
@@ -138,8 +158,27 @@ void ConcludeAll(Session* session,
                              estimate.name.starts_with("probe_pretravel.");
     const bool is_setting = has_setting && axis && estimate.identifiable &&
                             applied[static_cast<std::size_t>(Index(*axis))];
-    session->Conclude(estimate.name, estimate.unit, AsUncertain(estimate), is_setting);
+    session->Conclude(estimate.name,
+                      estimate.unit,
+                      TiltWithDoubt(session, o, estimate.name, AsUncertain(estimate)),
+                      is_setting);
   }
+}
+
+// Where the readings contradict the noise stated their own scatter takes its place, for
+// every unknown alike: a model that does not suit them spoils any of them.
+void BelieveScatter(Session* session, JointFit* fit) {
+  const double factor =
+      ScatterFactor(fit->chi2_per_dof, static_cast<int>(std::lround(fit->dof)));
+  if (factor <= 1) return;
+  for (JointEstimate& estimate : fit->estimates) estimate.sd *= factor;
+  fit->covariance *= factor * factor;
+  session->Tell(fmt::format(
+      "The readings do not fit as their noise allows (chi2 per dof {:.1f}): "
+      "every uncertainty is {:.1f} times as large. A touch on an edge, dirt, "
+      "or an error that the model does not have.",
+      fit->chi2_per_dof,
+      factor));
 }
 
 void Print(Session* session, const JointProblem& problem, const JointFit& fit) {
@@ -183,7 +222,8 @@ Expected<void> RunJoint(Session* session, const JointOptions& o) {
     return {};
   }
   const JointProblem problem = MakeJointProblem(session, o, rows);
-  const JointFit fit = FitJoint(problem);
+  JointFit fit = FitJoint(problem);
+  BelieveScatter(session, &fit);
   session->Explain(fit.observability);
   session->Tell(InWords(fit.observability));
   if (!fit.converged) {
@@ -203,7 +243,7 @@ Expected<void> RunJoint(Session* session, const JointOptions& o) {
     if (!kept) return tl::unexpected(kept.error());
     applied[static_cast<std::size_t>(Index(axis))] = *kept;
   }
-  ConcludeAll(session, fit, applied);
+  ConcludeAll(session, o, fit, applied);
   const bool any = std::ranges::find(applied, true) != applied.end();
   if (!any && session->rules().apply) session->End(Ending::kRefused);
   return {};

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "calibration/estimate/tilt_plane.h"
+#include "calibration/procedures/scale_doubt.h"
 #include "calibration/procedures/span.h"
 #include "sim/base/mutant.h"
 #include "sim/base/units.h"
@@ -81,15 +82,17 @@ Expected<void> RunPlaneTilt(Session* session, const PlaneTiltOptions& o) {
   }
   const double sigma_mm = MeanSd_mm(NoiseOf(session, Axis::kZ, touches), o.repeats);
   const TiltPlane plane = FitTiltPlane(points_mm, std::max(sigma_mm, 1e-9));
-  const auto conclude = [&](const std::string& which, Uncertain slope) {
+  const auto conclude = [&](const std::string& which, Axis along, Uncertain slope) {
+    slope = WithScaleDoubt(
+        slope, ScaleDoubt(session, along), ScaleDoubt(session, Axis::kZ));
     slope.value = MradFromRad(slope.value);
     slope.sd = MradFromRad(slope.sd);
     const std::string name = "bed_tilt." + which;
     session->Measured(name, slope.value, "Slope of the plane through the touches.");
     session->Conclude(name, "mrad", slope);
   };
-  conclude("slope_x_mrad", plane.slope_x);
-  conclude("slope_y_mrad", plane.slope_y);
+  conclude("slope_x_mrad", Axis::kX, plane.slope_x);
+  conclude("slope_y_mrad", Axis::kY, plane.slope_y);
   if (!plane.slope_x.identifiable) {
     session->Tell("A plane needs three touches that do not lie on one line.");
     session->End(Ending::kConfounded);

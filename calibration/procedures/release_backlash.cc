@@ -10,6 +10,7 @@
 #include "calibration/estimate/clusters.h"
 #include "calibration/procedures/gap_reading.h"
 #include "calibration/procedures/plan_model.h"
+#include "calibration/procedures/scale_doubt.h"
 #include "calibration/procedures/span.h"
 #include "sim/base/mutant.h"
 #include "sim/base/units.h"
@@ -18,7 +19,6 @@ namespace caltwin {
 namespace {
 
 constexpr double kHysteresisDoubt = 0.25;  // Of a hysteresis nobody has measured.
-constexpr double kScaleDoubt = 0.01;  // Of steps/mm nobody has: the catalogue's prior.
 
 // All that the releases of one run read, along the outward normals.
 struct Releases {
@@ -127,16 +127,6 @@ ReleaseFit Fit(Session* session, const Releases& all, const ReleaseOptions& o) {
   }
   const Given latency_s = feeds.size() == 1 ? Given{} : kNotGiven;
   return BacklashFromRelease(feeds, Hysteresis(session, o), latency_s);
-}
-
-// Commanded millimetres are taken for true ones: how far apart they may be, as a part
-// of one. What has been measured here counts as far as it is set.
-double ScaleDoubt(Session* session, Axis axis) {
-  const auto& known = session->bench().ledger.known;
-  const auto found = known.find(NameOf(Setting::kStepsPerMm, axis));
-  if (found == known.end()) return kScaleDoubt;
-  const double believed = session->Believed(Setting::kStepsPerMm, axis);
-  return std::hypot(found->second.sd, found->second.value - believed) / believed;
 }
 
 void ExplainPlan(Session* session, const ReleaseOptions& o) {

@@ -33,7 +33,8 @@ std::optional<BedPlane> ProbePlane(TripleZPrinter* printer,
   auto touched = doing->Got(printer->ProbeAll(PointsOf(*printer, o)));
   if (!touched) return std::nullopt;
   *touches = *std::move(touched);
-  const BedPlane plane = FitBedPlane(*touches, printer->bench().sigma_mm);
+  const BedPlane plane = FitBedPlane(
+      *touches, printer->bench().sigma_mm, printer->bench().is_sigma_stated);
   if (doing->done().plane) return plane;
   doing->done().plane = plane;
   auto& result = doing->done().result;

@@ -69,7 +69,7 @@ TripleZResult RunPivotsAndWiring(TripleZPrinter* printer,
                                           : TryScrews(printer, options, &doing);
   if (!stands) return doing.Take();
   const ScrewResponse response =
-      FitScrewResponse(*stands, bench.drawn_mm, bench.sigma_mm);
+      FitScrewResponse(*stands, bench.drawn_mm, bench.sigma_mm, bench.is_sigma_stated);
   doing.SayAll(WordsOfResponse(response, bench.drawn_mm));
   if (!response.is_told) {
     doing.Confess(

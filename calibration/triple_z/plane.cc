@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "calibration/estimate/touch_noise.h"
 #include "sim/base/mutant.h"
 #include "sim/base/units.h"
 
@@ -25,17 +26,17 @@ double BedPlane::Tilt_deg() const {
   return DegFromRad(std::atan(std::hypot(a(), b())));
 }
 
-BedPlane FitBedPlane(std::span<const BedTouch> touches, double sigma_mm) {
+BedPlane FitBedPlane(std::span<const BedTouch> touches,
+                     double sigma_mm,
+                     bool is_sigma_stated) {
   std::vector<Vec3<double>> points_mm;
   for (const BedTouch& touch : touches) {
     points_mm.emplace_back(touch.at_mm[0], touch.at_mm[1], touch.height_mm);
   }
-  // Where the touches scatter more than was said, they are believed.
-  constexpr int kTellScatter = 3;
   const TiltPlane first = FitTiltPlane(points_mm, sigma_mm);
-  const bool is_rough = first.dof >= kTellScatter && first.chi2_per_dof > 1;
-  const double rough_mm = sigma_mm * std::sqrt(std::max(first.chi2_per_dof, 1.0));
-  return {.fit = is_rough ? FitTiltPlane(points_mm, rough_mm) : first,
+  // Where the touches scatter more than was said, they are believed.
+  const double factor = ScatterFactor(first.chi2_per_dof, first.dof, is_sigma_stated);
+  return {.fit = factor > 1 ? FitTiltPlane(points_mm, factor * sigma_mm) : first,
           .points = static_cast<int>(touches.size())};
 }
 

@@ -26,9 +26,12 @@ struct BedPlane {
   double TiltY_deg() const;
   double Tilt_deg() const;
 };
-/// Least squares; of three points beyond a plane's three and more the uncertainty is
-/// that of their own scatter, where it is larger than `sigma_mm`.
-BedPlane FitBedPlane(std::span<const BedTouch> touches, double sigma_mm);
+/// Least squares; where the touches contradict `sigma_mm` the uncertainty is that of
+/// their own scatter, with Student's t for their few degrees of freedom
+/// (ScatterFactor).
+BedPlane FitBedPlane(std::span<const BedTouch> touches,
+                     double sigma_mm,
+                     bool is_sigma_stated = true);
 
 /// What to do with each screw, three ways of saying it.
 enum class OffsetRule {

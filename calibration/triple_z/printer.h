@@ -15,6 +15,8 @@ struct TripleZBench {
   double top_mm = 250;                ///< Heights of the screws go from 0 to this.
   Eigen::Vector2d most_mm{235, 235};  ///< Travel of x and y.
   double sigma_mm = 0.01;             ///< Standard uncertainty of one touch.
+  /// Whether somebody stated it; else touches are believed to scatter as they do.
+  bool is_sigma_stated = true;
 };
 
 /// Speaks to a triple-Z printer in RepRapFirmware's dialect: probes heights, and moves

@@ -20,7 +20,7 @@ bool Foretell(TripleZPrinter* printer,
   if (!stands) return false;
   const TripleZBench& bench = printer->bench();
   const ScrewResponse response =
-      FitScrewResponse(*stands, bench.drawn_mm, bench.sigma_mm);
+      FitScrewResponse(*stands, bench.drawn_mm, bench.sigma_mm, bench.is_sigma_stated);
   doing->SayAll(WordsOfResponse(response, bench.drawn_mm));
   if (!response.is_told) return true;
   doing->done().response = response;

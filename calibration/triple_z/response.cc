@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "calibration/estimate/linear_fit.h"
+#include "calibration/estimate/touch_noise.h"
 #include "sim/base/mutant.h"
 
 namespace caltwin {
@@ -54,11 +55,11 @@ void MatchDrivers(const Pivots<double>& drawn_mm, ScrewResponse* response) {
 }
 
 // Uncertainty of where the screws stand: by small changes of the unknowns.
-void PropagateSds(const LinearFit& fit, ScrewResponse* response) {
+void PropagateSds(const LinearFit& fit, bool is_sigma_stated, ScrewResponse* response) {
   constexpr double kStep = 1e-5;
   const Eigen::Index n = fit.x.size();
   // Where the touches scatter more than was said, they are believed.
-  const double rough = std::sqrt(std::max(fit.chi2_per_dof, 1.0));
+  const double rough = ScatterFactor(fit.chi2_per_dof, fit.dof, is_sigma_stated);
   for (int driver = 0; driver < kNumScrews; ++driver) {
     Eigen::MatrixX2d slopes = Eigen::MatrixX2d::Zero(n, 2);
     const auto at = static_cast<std::size_t>(driver);
@@ -80,7 +81,8 @@ void PropagateSds(const LinearFit& fit, ScrewResponse* response) {
 
 ScrewResponse FitScrewResponse(std::span<const RaisedTouches> stands,
                                const Pivots<double>& drawn_mm,
-                               double sigma_mm) {
+                               double sigma_mm,
+                               bool is_sigma_stated) {
   Eigen::Index rows = 0;
   for (const RaisedTouches& stand : stands) rows += std::ssize(stand.touches);
   Eigen::MatrixXd a(rows, kColumns);
@@ -113,7 +115,7 @@ ScrewResponse FitScrewResponse(std::span<const RaisedTouches> stands,
     if (!place_mm) return response;
     response.at_mm[static_cast<std::size_t>(driver)] = *place_mm;
   }
-  PropagateSds(fit, &response);
+  PropagateSds(fit, is_sigma_stated, &response);
   // Known worse than this, a place is of no use to a firmware.
   constexpr double kLargestSd_mm = 10;
   for (const Eigen::Vector2d& sd_mm : response.at_sd_mm) {

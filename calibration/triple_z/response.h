@@ -40,10 +40,12 @@ struct ScrewResponse {
 /// other; single screws one by one are best, the corrections of two levelling rounds
 /// do. Then matches drivers to the drawn screws by the least sum of squared distances.
 ///
-/// @param sigma_mm  standard uncertainty of one touch
+/// @param sigma_mm  standard uncertainty of one touch, stated by somebody or not
+///                  (ScatterFactor)
 ScrewResponse FitScrewResponse(std::span<const RaisedTouches> stands,
                                const Pivots<double>& drawn_mm,
-                               double sigma_mm);
+                               double sigma_mm,
+                               bool is_sigma_stated = true);
 
 /// What a levelling round leaves of the heights over the screws as the firmware
 /// believes them: G = I - A, A(k, j) = R_j(believed k). Each round multiplies by it;

@@ -1,5 +1,6 @@
 #include "calibration/z_offset/procedures.h"
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cmath>
@@ -7,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "calibration/estimate/touch_noise.h"
 #include "sim/base/units.h"
 
 namespace caltwin {
@@ -132,11 +134,13 @@ ProcedureResult RunProbeAccuracy(ZOffsetClient* client, bool is_endstop, int sam
     return result;
   }
   result.messages.push_back(answer->back());
-  // A standard deviation of n normal numbers is uncertain by 1 / sqrt(2 n).
+  // Klipper divides by n; of n normal numbers n - 1 tell the scatter.
+  const int dof = std::max(samples - 1, 1);
+  const double scatter_um = UmFromMm(*sd_mm) * std::sqrt(1 + 1.0 / dof);
   result.estimates.push_back({.name = is_endstop ? "endstop_scatter" : "probe_scatter",
                               .unit = "um",
-                              .value = UmFromMm(*sd_mm),
-                              .sd = UmFromMm(*sd_mm) / std::sqrt(2.0 * samples),
+                              .value = scatter_um,
+                              .sd = scatter_um * ScatterSdFactor(dof),
                               .identifiable = samples > 2});
   result.messages.push_back(
       *sd_mm > kWorn_mm

@@ -78,8 +78,8 @@ std::vector<StudyCase> CasesOf(const std::vector<Scenario>& scenarios,
       cases.push_back({.scenario = scenario});
       continue;
     }
-    if (scenario.delta || scenario.triple_z) {
-      compare->Fail("is not known of a printer",
+    if (scenario.delta || scenario.triple_z || scenario.motor || scenario.z_offset) {
+      compare->Fail("is known of a gantry alone",
                     "name two scenarios, each with its own `calibrate:`");
       continue;
     }

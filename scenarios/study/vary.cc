@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "scenarios/motor_effects.h"
 #include "sim/effects/catalog.h"
 
 namespace caltwin {
@@ -40,6 +41,8 @@ void Replace(const InjectedSpec& varied,
 // Every effect that the scenario's machine may have.
 std::vector<std::string> NamesFor(const Scenario& scenario) {
   if (scenario.delta) return DeltaEffectNames();
+  if (scenario.motor) return MotorEffectNames();
+  if (scenario.z_offset) return {"station"};
   std::vector<std::string> names;
   for (const Effect* effect : AllEffects()) names.emplace_back(effect->name);
   return names;
@@ -59,6 +62,47 @@ void VaryDelta(const DeltaEffects& varied,
   }
 }
 
+void VaryMotor(const std::vector<MotorEffectSpec>& varied, MotorScenario* scenario) {
+  for (const MotorEffectSpec& spec : varied) {
+    std::erase_if(scenario->effects, [&](const MotorEffectSpec& had) {
+      return had.effect == spec.effect && had.parameter == spec.parameter &&
+             had.axis == spec.axis;
+    });
+    scenario->effects.push_back(spec);
+  }
+}
+
+void VaryStation(const std::vector<StationSpec>& varied, ZOffsetScenario* scenario) {
+  for (const StationSpec& spec : varied) {
+    std::erase_if(scenario->station,
+                  [&](const StationSpec& had) { return had.key == spec.key; });
+    scenario->station.push_back(spec);
+  }
+}
+
+// `effect` of a printer, a motor stage or a station; false: of a gantry.
+bool VaryOther(const std::string& effect,
+               const std::string& parameter,
+               const YamlValue& value,
+               Scenario* scenario) {
+  const Machine& machine = scenario->machine.machine;
+  const YamlMap nested = value.Within(effect, parameter);
+  if (scenario->delta) {
+    VaryDelta(ReadDeltaEffects(nested, machine), parameter, &scenario->delta->effects);
+  } else if (scenario->motor) {
+    VaryMotor(ReadMotorEffects(nested, scenario->motor->drawing), &*scenario->motor);
+  } else if (scenario->z_offset) {
+    VaryStation(ReadStation(value.Within(parameter)), &*scenario->z_offset);
+  } else {
+    return false;
+  }
+  return true;
+}
+
+bool IsPrinterOrStage(const Scenario& scenario) {
+  return scenario.delta || scenario.triple_z || scenario.motor || scenario.z_offset;
+}
+
 void VarySetting(const SettingSpec& varied, std::vector<SettingSpec>* settings) {
   std::erase_if(*settings, [&](const SettingSpec& had) {
     return had.key == varied.key && had.axis == varied.axis;
@@ -67,8 +111,8 @@ void VarySetting(const SettingSpec& varied, std::vector<SettingSpec>* settings) 
 }
 
 void VaryNumber(const std::string& name, const YamlValue& value, Scenario* scenario) {
-  if (scenario->delta) {
-    value.Fail("is not known of a delta", "vary its effects");
+  if (IsPrinterOrStage(*scenario)) {
+    value.Fail("is not known of this machine", "vary its effects");
     return;
   }
   scenario->varied.push_back(ReadVariedNumber(name, value, scenario->instruments));
@@ -79,8 +123,8 @@ void VaryNumber(const std::string& name, const YamlValue& value, Scenario* scena
 void Vary(YamlMap vary, Scenario* scenario) {
   for (const auto& [name, value] : vary.Entries()) {
     if (name.starts_with(kOfSettings)) {
-      if (scenario->delta || scenario->triple_z) {
-        value.Fail("is not known of a printer", "vary its effects");
+      if (IsPrinterOrStage(*scenario)) {
+        value.Fail("is not known of this machine", "vary its effects");
         continue;
       }
       const std::string key = name.substr(kOfSettings.size());
@@ -109,17 +153,12 @@ void Vary(YamlMap vary, Scenario* scenario) {
                      "`caltwin explain` lists them all");
       continue;
     }
-    const Machine& machine = scenario->machine.machine;
+    if (VaryOther(effect, parameter, value, scenario)) continue;
+    auto& effects =
+        scenario->triple_z ? scenario->triple_z->effects : scenario->effects;
     const YamlMap nested = value.Within(effect, parameter);
-    if (scenario->delta) {
-      VaryDelta(
-          ReadDeltaEffects(nested, machine), parameter, &scenario->delta->effects);
-    } else {
-      auto& effects =
-          scenario->triple_z ? scenario->triple_z->effects : scenario->effects;
-      for (const InjectedSpec& spec : ReadEffects(nested, machine)) {
-        Replace(spec, parameter, &effects);
-      }
+    for (const InjectedSpec& spec : ReadEffects(nested, scenario->machine.machine)) {
+      Replace(spec, parameter, &effects);
     }
   }
 }

@@ -35,9 +35,11 @@ MotorStageRig::MotorStageRig(const BuiltMotorStage& built,
   }
   for (std::size_t i = 0; i < kNumMotorAxes; ++i) {
     const double tick_s = MotorMechanism::kTick_s;
-    const auto ticks =
-        static_cast<std::size_t>(std::lround(built.faults[i].start_delay_s / tick_s));
-    axes_[i].delayed.assign(ticks, 0);
+    const double ticks = built.faults[i].start_delay_s / tick_s;
+    axes_[i].delay_part = ticks - std::floor(ticks);
+    // The place told so many ticks ago, and the one before it.
+    const auto whole = static_cast<std::size_t>(ticks);
+    axes_[i].delayed.assign(ticks > 0 ? whole + 1 : 0, 0);
     for (Switch& each : axes_[i].switches) {
       each.scatter_unit =
           built.faults[i].switch_scatter_unit * switch_scatter_.Normal();
@@ -70,8 +72,10 @@ MotorDrive MotorStageRig::DriveOf(std::size_t i, const RigDrive& told) {
   const MotorAxisDrawing& d = built_.motors[i].drawing;
   double pulses = told.to_pulses;
   if (!axis.delayed.empty()) {
+    // Between ticks in proportion.
     axis.delayed.push_back(pulses);
-    pulses = axis.delayed.front();
+    pulses = (1 - axis.delay_part) * axis.delayed[1] +
+             axis.delay_part * axis.delayed.front();
     axis.delayed.erase(axis.delayed.begin());
   }
   if (d.is_servo) Rest(i, pulses);

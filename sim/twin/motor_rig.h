@@ -70,6 +70,7 @@ class MotorStageRig : public MotorRig {
     std::optional<double> sensed_unit{};  ///< Where the carriage was looked at last.
     bool was_moving = false;
     std::vector<double> delayed{};  ///< Drives told and not yet obeyed, oldest first.
+    double delay_part = 0;          ///< Of a tick, beyond whole ones.
     std::array<Switch, 2> switches{};
     std::vector<std::int64_t> edges{};
   };

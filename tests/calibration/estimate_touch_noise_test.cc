@@ -148,5 +148,35 @@ TEST(NoiseSeen, IntervalsHoldWithoutAStatement) {
   EXPECT_NEAR(held, 0.95 * kTrials, 5 * std::sqrt(0.95 * 0.05 * kTrials));
 }
 
+// +-1.96 of its own sd about a sample standard deviation hold the true one.
+TEST(ScatterSdFactor, IntervalsHoldTheTrueScatter) {
+  constexpr int kTrials = 10'000;
+  for (const int count : {5, 20}) {
+    Rng rng(4, 0, "scatter_sd");
+    int held = 0;
+    for (int trial = 0; trial < kTrials; ++trial) {
+      std::vector<double> readings(static_cast<std::size_t>(count));
+      for (double& reading : readings) reading = rng.Normal();
+      const double seen = Scatter(readings);
+      held += std::abs(seen - 1) <= 1.96 * ScatterSdFactor(count - 1) * seen ? 1 : 0;
+    }
+    // Wilson and Hilferty's chi2 is right to 0.3 % there.
+    const double chance = 5 * std::sqrt(0.95 * 0.05 * kTrials);
+    EXPECT_NEAR(held, 0.95 * kTrials, chance + 0.003 * kTrials) << count;
+  }
+}
+
+TEST(ScatterSdFactor, OfManyReadingsIsTheUsualOne) {
+  EXPECT_NEAR(ScatterSdFactor(20'000), 1 / std::sqrt(2.0 * 20'000), 1e-5);
+}
+
+TEST(ScatterFactor, OnlyContradictionTakesThePlaceOfWhatWasStated) {
+  EXPECT_EQ(ScatterFactor(2, 6), 1);
+  EXPECT_NEAR(ScatterFactor(9, 6), 3 * SmallSampleFactor(6), 1e-12);
+  EXPECT_EQ(ScatterFactor(9, 0), 1);
+  EXPECT_NEAR(ScatterFactor(2, 6, false), std::sqrt(2) * SmallSampleFactor(6), 1e-12);
+  EXPECT_EQ(ScatterFactor(0.01, 6, false), 1);
+}
+
 }  // namespace
 }  // namespace caltwin

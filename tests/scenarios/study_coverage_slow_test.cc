@@ -21,9 +21,11 @@ namespace fs = std::filesystem;
 constexpr std::int64_t kMachines = 600;
 constexpr double kOneInSoMany = 1e-5;  // That an honest estimator fails here.
 
-StudySummary SummaryOfNext() {
-  Study study = ReadStudy(fs::path(CALTWIN_SOURCE_DIR) / "scenarios/studies/next.yaml");
-  study.trials = kMachines;
+const fs::path kStudies = fs::path(CALTWIN_SOURCE_DIR) / "scenarios/studies";
+
+StudySummary SummaryOfSome(const fs::path& file, std::int64_t machines) {
+  Study study = ReadStudy(file);
+  study.trials = machines;
   const fs::path folder =
       fs::path(::testing::TempDir()) / ("study_coverage" + std::to_string(getpid()));
   fs::remove_all(folder);
@@ -127,9 +129,27 @@ void AddKnown(Fisher* fisher) {
   }
 }
 
+// How many quantities state an uncertainty; each must hold the truth as often as it
+// says.
+int ExpectHonest(const CaseSummary& summary) {
+  int estimators = 0;
+  for (const ParameterSummary& one : summary.parameters) {
+    const std::int64_t hits = one.coverage95.hits, of = one.coverage95.cases;
+    if (of == 0) continue;
+    ++estimators;
+    EXPECT_GT(BinomialLowerTail(hits, of, 0.95), kOneInSoMany / 2)
+        << summary.name << " " << one.name << " " << hits << " of " << of;
+    EXPECT_GT(BinomialLowerTail(of - hits, of, 0.05), kOneInSoMany / 2)
+        << summary.name << " " << one.name << " " << hits << " of " << of;
+  }
+  return estimators;
+}
+
 class NextCoverage : public ::testing::Test {
  protected:
-  static void SetUpTestSuite() { summary_ = new StudySummary(SummaryOfNext()); }
+  static void SetUpTestSuite() {
+    summary_ = new StudySummary(SummaryOfSome(kStudies / "next.yaml", kMachines));
+  }
   static void TearDownTestSuite() { delete summary_; }
 
   static const ParameterSummary& Of(const std::string& name) {
@@ -146,17 +166,12 @@ class NextCoverage : public ::testing::Test {
 StudySummary* NextCoverage::summary_ = nullptr;
 
 TEST_F(NextCoverage, IntervalsOf95PercentHoldThatOften) {
-  int estimators = 0;
-  for (const ParameterSummary& one : summary().cases.at(0).parameters) {
+  const CaseSummary& next = summary().cases.at(0);
+  for (const ParameterSummary& one : next.parameters) {
     if (one.coverage95.cases == 0) continue;
-    ++estimators;
-    const std::int64_t hits = one.coverage95.hits, of = one.coverage95.cases;
-    EXPECT_GE(of, kMachines * 99 / 100) << one.name;
-    EXPECT_GT(BinomialLowerTail(hits, of, 0.95), kOneInSoMany / 2) << one.name << hits;
-    EXPECT_GT(BinomialLowerTail(of - hits, of, 0.05), kOneInSoMany / 2)
-        << one.name << hits;
+    EXPECT_GE(one.coverage95.cases, kMachines * 99 / 100) << one.name;
   }
-  EXPECT_EQ(estimators, 11);
+  EXPECT_EQ(ExpectHonest(next), 11);
 }
 
 TEST_F(NextCoverage, ScatterIsTheCramerRaoBound) {
@@ -181,6 +196,32 @@ TEST_F(NextCoverage, ScatterIsTheCramerRaoBound) {
     }
   }
 }
+
+class EveryCoverage : public ::testing::TestWithParam<std::string> {};
+
+// The studies whose tables stand in docs/coverage.md, with fewer machines.
+TEST_P(EveryCoverage, IntervalsOf95PercentHoldThatOften) {
+  constexpr std::int64_t kFew = 200;
+  const StudySummary summary =
+      SummaryOfSome(kStudies / "coverage" / (GetParam() + ".yaml"), kFew);
+
+  for (const CaseSummary& one : summary.cases) {
+    EXPECT_GT(ExpectHonest(one), 0) << one.name;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(,
+                         EveryCoverage,
+                         ::testing::Values("gantry",
+                                           "deflection",
+                                           "joint",
+                                           "delta",
+                                           "triple_z",
+                                           "motor_home",
+                                           "motor_sync",
+                                           "station",
+                                           "feeler"),
+                         [](const auto& test) { return test.param; });
 
 }  // namespace
 }  // namespace caltwin

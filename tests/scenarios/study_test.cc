@@ -138,6 +138,44 @@ TEST_F(StudyTest, VariesNoiseAndTheHysteresisAsBuilt) {
               HasSubstr("built.probe.hysteresis_mm"));
 }
 
+TEST_F(StudyTest, VariesTheAxesOfAMotorStage) {
+  constexpr std::size_t kU = 4;
+  Write("gap.yaml",
+        "machine: motor_stage\n"
+        "effects: {switch_scatter.u: {sd_um: 5}}\n"
+        "calibrate:\n  - stepper_home: {axis: u}\n");
+  const Study study = Read(
+      "  vary: {switch_scatter.u.sd_um: 10,\n"
+      "         start.u.at_mm: {uniform: {min: 30, max: 40}}}\n"
+      "  trials: 2\n");
+  const MotorScenario& motor = *study.cases.at(0).scenario.motor;
+  const MotorFaults first = DrawMotorStage(motor, 1, 0).faults[kU];
+  const MotorFaults second = DrawMotorStage(motor, 1, 1).faults[kU];
+
+  EXPECT_DOUBLE_EQ(first.switch_scatter_unit, 0.01);
+  EXPECT_NE(first.start_unit, second.start_unit);
+  EXPECT_NEAR(first.start_unit, 35, 5);
+  EXPECT_THAT(FaultOf("  vary: {switch_scater.u.sd_um: 1}\n  trials: 1\n"),
+              AllOf(HasSubstr("study.yaml:3:33"), HasSubstr("'switch_scatter'")));
+  EXPECT_THAT(FaultOf("  vary: {settings.steps_per_mm.x: 1}\n  trials: 1\n"),
+              HasSubstr("is not known of this machine"));
+}
+
+TEST_F(StudyTest, VariesAStationForANozzlesHeight) {
+  Write("gap.yaml",
+        "machine: triple_z_printer\nfidelity: fast\n"
+        "station: {plate_mm: 0.8, trigger_mm: 0.4}\n"
+        "calibrate:\n  - z_calibration\n");
+  const Study study = Read("  vary: {station.trigger_mm: 0.6}\n  trials: 1\n");
+  ZStation station;
+  SetStation(study.cases.at(0).scenario.z_offset->station, 1, 0, &station);
+
+  EXPECT_EQ(station.trigger_mm, 0.6);
+  EXPECT_EQ(station.plate_mm, 0.8);
+  EXPECT_THAT(FaultOf("  vary: {station.colour_mm: 1}\n  trials: 1\n"),
+              HasSubstr("colour_mm"));
+}
+
 TEST_F(StudyTest, ContendersMeetTheSameMachines) {
   const Study study = Read(
       "  compare:\n"

@@ -1,0 +1,19 @@
+#pragma once
+
+#include "calibration/estimate/uncertain.h"
+#include "calibration/loop/session.h"
+#include "sim/machine/axis.h"
+
+namespace caltwin {
+
+/// Commanded millimetres are taken for true ones: the standard uncertainty of their
+/// ratio. 0.01, the catalogue's prior, of steps/mm that nobody has measured; of those
+/// that were, what was found counts as far as it is set.
+double ScaleDoubt(Session* session, Axis axis);
+
+/// A slope dz/d(along) read in commanded millimetres, its uncertainty widened by what
+/// both axes' steps/mm may be off:  slope_true = slope k_z / k_along, so
+/// u = |slope| hypot(u_z, u_along).
+Uncertain WithScaleDoubt(const Uncertain& slope, double along_doubt, double z_doubt);
+
+}  // namespace caltwin
