@@ -223,7 +223,7 @@ class Writer {
     }
     const int points = NumPoints(axis, effects);
     if (gap) sources.push_back("backlash." + Name(axis));
-    const std::string suffix = fmt::format(".{}.comp", Name(axis));
+    const std::string suffix = ScrewTableSuffix(axis);
     files_.push_back({suffix, TableText(axis, effects, gap ? gap->value : 0, points)});
     text_ += "COMP_FILE_TYPE = 0\n";
     Line(fmt::format("COMP_FILE = {}{}", name_, suffix),
@@ -300,7 +300,8 @@ class Writer {
     } else if (controller_ == ControllerKind::kMarlin) {
       Line(fmt::format("M852 I{:.7f} J{:.7f} K{:.7f}", xy, xz, yz), "mm/mm, " + source);
     } else {
-      text_ += "[skew_correction caltwin]\n";
+      // The first has the module loaded, the second is a profile of it.
+      text_ += "[skew_correction]\n[skew_correction caltwin]\n";
       Line(fmt::format("xy_skew: {:.7f}\nxz_skew: {:.7f}\nyz_skew: {:.7f}", xy, xz, yz),
            "mm/mm, load with SKEW_PROFILE LOAD=caltwin; " + source);
     }
@@ -344,7 +345,7 @@ class Writer {
       if (carried_.contains(&finding)) continue;
       const auto effect = FindEffect(finding.cause);
       Comment(
-          fmt::format("{}{}{}: no setting of {} carries this. {}",
+          fmt::format("{}{}{}: no line for {} is written for this. {}",
                       finding.cause,
                       finding.axis.empty() ? "" : ".",
                       finding.axis,
@@ -386,6 +387,10 @@ ControllerKind ControllerNamed(std::string_view word) {
   throw InputError({.file = "--for"},
                    fmt::format("'{}' is no controller known here", word),
                    "rrf, klipper, marlin or linuxcnc");
+}
+
+std::string ScrewTableSuffix(Axis axis) {
+  return fmt::format(".{}.comp", Name(axis));
 }
 
 std::vector<CorrectionFile> CorrectionFor(ControllerKind controller,

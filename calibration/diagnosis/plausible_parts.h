@@ -26,6 +26,10 @@ void DoubtSizes(const RowTable& table,
                 const DataHeader& header,
                 std::vector<Doubt>* doubts);
 
+/// Campaigns that measured the same places held alike, against each other: the
+/// opposite, or in another unit.
+void DoubtCampaigns(const RowTable& table, std::vector<Doubt>* doubts);
+
 /// Commands against the travel since the last reversal, in the order measured.
 void DoubtMoves(const std::vector<const Row*>& rows, std::vector<Doubt>* doubts);
 

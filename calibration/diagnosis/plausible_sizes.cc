@@ -3,7 +3,6 @@
 #include <cmath>
 #include <map>
 #include <set>
-#include <tuple>
 
 #include <fmt/format.h>
 
@@ -102,124 +101,6 @@ void DoubtGap(const RowSeries& series,
                               UmFromMm(2 * fit.half_gap_mm)),
        .hint = "lost motion lags, it never leads: backlash compensation that does too "
                "much, or the sign of value_mm or of dir_ is reversed"});
-}
-
-/// Mean reading at each pose and sense of a campaign, as motion (touches reversed).
-using Profile = std::map<std::tuple<long, long, long, int>, double>;
-
-Profile ProfileOf(const std::vector<const Row*>& rows) {
-  std::map<std::tuple<long, long, long, int>, std::pair<double, int>> sums;
-  for (const Row* row : rows) {
-    const auto microns = [](double number_mm) {
-      return Known(number_mm) ? std::lround(UmFromMm(number_mm)) : 0;
-    };
-    auto& [sum, count] = sums[{microns(row->cmd_mm[0]),
-                               microns(row->cmd_mm[1]),
-                               microns(row->cmd_mm[2]),
-                               static_cast<int>(SenseAlongNormal(*row))}];
-    sum += row->value_mm * (IsGauged(*row) ? 1 : -1);
-    count += 1;
-  }
-  Profile profile;
-  for (const auto& [pose, sum] : sums) profile[pose] = sum.first / sum.second;
-  return profile;
-}
-
-/// How one campaign's readings follow another's where both measured.
-struct Likeness {
-  std::size_t num_common = 0;
-  double correlation = 0;
-  double ratio = 0;  ///< Of the second's sizes to the first's.
-};
-
-Likeness Compare(const Profile& one, const Profile& other) {
-  std::vector<std::pair<double, double>> pairs;
-  double mean_a = 0, mean_b = 0;
-  for (const auto& [pose, value] : one) {
-    const auto found = other.find(pose);
-    if (found == other.end()) continue;
-    pairs.emplace_back(value, found->second);
-    mean_a += value;
-    mean_b += found->second;
-  }
-  Likeness likeness{.num_common = pairs.size()};
-  if (pairs.empty()) return likeness;
-  const double count = static_cast<double>(pairs.size());
-  double aa = 0, bb = 0, ab = 0;
-  for (const auto& [a, b] : pairs) {
-    const double da = a - mean_a / count;
-    const double db = b - mean_b / count;
-    aa += da * da;
-    bb += db * db;
-    ab += da * db;
-  }
-  if (aa <= 0 || bb <= 0) return likeness;
-  likeness.correlation = ab / std::sqrt(aa * bb);
-  likeness.ratio = std::sqrt(bb / aa);
-  return likeness;
-}
-
-void DoubtLikeness(const std::string& one,
-                   const std::string& other,
-                   const Likeness& likeness,
-                   std::vector<Doubt>* doubts) {
-  constexpr std::size_t kFewestCommon = 8;
-  constexpr double kAlike = 0.9;
-  if (likeness.num_common < kFewestCommon) return;
-  const double r = likeness.correlation;
-  const double larger = std::max(likeness.ratio, 1 / likeness.ratio);
-  const auto is_about = [&](double what) {
-    return std::abs(larger / what - 1) < 0.15;
-  };
-  if (std::abs(r) > kAlike && (is_about(kInch_mm) || is_about(kThousand))) {
-    doubts->push_back(
-        {.kind = "units_differ",
-         .message =
-             fmt::format("campaigns {} and {} read alike at the same places, but "
-                         "{:.4g} times as much",
-                         one,
-                         other,
-                         larger),
-         .hint = is_about(kInch_mm) ? "that is an inch: one of them is in inches"
-                                    : "that is 1000: one of them is in micrometres",
-         .refuse = true});
-  } else if (r < -kAlike && larger < 2) {
-    doubts->push_back(
-        {.kind = "reversed_sign",
-         .message =
-             fmt::format("campaigns {} and {} read the opposite of each other at "
-                         "the same {} places (correlation {:.2f})",
-                         one,
-                         other,
-                         likeness.num_common,
-                         r),
-         .hint = "one of them is commanded minus actual: value_mm is actual minus "
-                 "commanded, of a touch reported minus nominal",
-         .refuse = true});
-  }
-}
-
-// Campaigns under the same settings that measured along the same normal.
-void DoubtCampaigns(const RowTable& table, std::vector<Doubt>* doubts) {
-  using Key = std::tuple<std::array<long, 3>, std::string>;
-  std::map<Key, std::map<std::string, std::vector<const Row*>>> groups;
-  for (const Row& row : table.rows) {
-    std::array<long, 3> n{};
-    for (int axis = 0; axis < 3; ++axis) {
-      n[axis] = Known(row.n[axis]) ? std::lround(1000 * row.n[axis]) : 0;
-    }
-    groups[{n, row.settings}][row.campaign].push_back(&row);
-  }
-  for (const auto& [key, campaigns] : groups) {
-    for (auto one = campaigns.begin(); one != campaigns.end(); ++one) {
-      for (auto other = std::next(one); other != campaigns.end(); ++other) {
-        DoubtLikeness(one->first,
-                      other->first,
-                      Compare(ProfileOf(one->second), ProfileOf(other->second)),
-                      doubts);
-      }
-    }
-  }
 }
 
 // How many different remainders positions leave, those that are round leaving none.

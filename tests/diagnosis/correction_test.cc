@@ -169,7 +169,7 @@ TEST(Correction, SaysWhatItCannotCarryAndWhatToDo) {
   const Diagnosis diagnosis{.findings = {Named("gantry_sag", "", {30})}};
 
   EXPECT_THAT(First(ControllerKind::kMarlin, diagnosis),
-              HasSubstr("; gantry_sag: no setting of Marlin carries this. "));
+              HasSubstr("; gantry_sag: no line for Marlin is written for this. "));
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "calibration/diagnosis/plausible.h"
+#include "sim/base/units.h"
 #include "sim/machine/machine.h"
 
 namespace caltwin {
@@ -145,6 +146,59 @@ TEST(PlausibleFaces, OneCampaignOfTouchesReversed) {
 TEST(PlausibleFaces, AWrongBlockIsNoReversedSign) {
   EXPECT_THAT(RefusalsOf(Touched(0.02, 0, /*size_error_mm=*/0.03)), IsEmpty());
   EXPECT_THAT(RefusalsOf(Touched(0.02, 0, /*size_error_mm=*/-0.03)), IsEmpty());
+}
+
+/// A plate touched 7 x 7 by "plate" and again by "again", turned by `turn_deg`; the
+/// second reads `times` the twist that the first read.
+RowTable PlateTouchedTwice(double turn_deg, double times, double lean_um_per_mm) {
+  RowTable table;
+  for (int i = 0; i < 98; ++i) {
+    const bool is_second = i >= 49;
+    const double x_mm = 40 * (i % 7 - 3), y_mm = 40 * (i / 7 % 7 - 3);
+    Row row{.row = i + 1, .campaign = is_second ? "again" : "plate"};
+    row.kind = RowKind::kTouch;
+    row.n = {0, 0, 1};
+    row.cmd_mm = {150 + x_mm, 150 + y_mm, 0};
+    row.artefact_turn_deg = is_second ? turn_deg : 0;
+    const double twist_mm = 1e-6 * x_mm * y_mm;
+    const double lean_mm = MmFromUm(lean_um_per_mm) * x_mm;
+    row.value_mm = (is_second ? times : 1) * twist_mm + (is_second ? -1 : 1) * lean_mm +
+                   0.001 * Scatter(i);
+    table.rows.push_back(row);
+  }
+  return table;
+}
+
+// xy of a plate turned by a quarter is -xy: a twisted bed under it stays as it is.
+TEST(PlausibleCampaigns, APlateTurnedReadsTheOppositeByRight) {
+  EXPECT_THAT(RefusalsOf(PlateTouchedTwice(90, -1, 0)), IsEmpty());
+  EXPECT_THAT(RefusalsOf(PlateTouchedTwice(0, -1, 0)), ElementsAre("reversed_sign"));
+}
+
+// How a plate leans is how it was laid; what is left of it is judged.
+TEST(PlausibleCampaigns, APlateLaidLeaningIsNoReversedSign) {
+  EXPECT_THAT(RefusalsOf(PlateTouchedTwice(0, 1, 0.5)), IsEmpty());
+  EXPECT_THAT(RefusalsOf(PlateTouchedTwice(0, -1, 0.5)), ElementsAre("reversed_sign"));
+}
+
+// Below and above the temperature at which it is true, a screw is short and long.
+TEST(PlausibleCampaigns, AColdScrewAndAWarmOneAreOpposite) {
+  RowTable table = Gauged(40);
+  for (Row row : Gauged(40).rows) {
+    row.campaign = "warm";
+    table.rows.push_back(row);
+  }
+  const auto refusals = [&](double cold_c, double warm_c) {
+    for (std::size_t i = 0; i < table.rows.size(); ++i) {
+      const bool is_warm = i >= 40;
+      table.rows[i].row = static_cast<std::int64_t>(i + 1);
+      table.rows[i].temp_screw_c = is_warm ? warm_c : cold_c;
+      table.rows[i].value_mm = (is_warm ? 6e-5 : -6e-5) * table.rows[i].cmd_mm[0];
+    }
+    return RefusalsOf(table);
+  };
+  EXPECT_THAT(refusals(15, 25), IsEmpty());
+  EXPECT_THAT(refusals(20, 20), ElementsAre("reversed_sign"));
 }
 
 }  // namespace

@@ -77,6 +77,48 @@ TEST(Extension, IsReadBackAsTheEffectsFound) {
   EXPECT_THAT(read.notes, IsEmpty()) << "the base is the one that was extended";
 }
 
+// What the two tables say together is what the one written says, between knots too.
+TEST(Extension, TwoTablesOfOneNameAreWrittenAsTheirSum) {
+  Finding other = Table();
+  other.map->knots = {{-50, 100, 250}, {25, 100}};
+  other.map->values_um = {10, -20, 5, 7, -3, 12};
+
+  const MachineFile read =
+      ReadMachineFile(Extended("twice.ext.yaml", "gantry_router", {Table(), other}));
+
+  const auto effects = DrawEffects(read.effects, 1, 0);
+  ASSERT_THAT(effects, SizeIs(1));
+  const MapWords words = WordsOf("z{x,t}");
+  const auto value = [&](const std::vector<double>& flat, double x_mm, double t_s) {
+    At at{.t_s = t_s};
+    at.q_mm.x() = x_mm;
+    return MapValue<double>(flat, words, at);
+  };
+  const auto one = FlatMap(Table().map->values_um, Table().map->knots);
+  const auto two = FlatMap(other.map->values_um, other.map->knots);
+  for (const double x_mm : {-80.0, -20.0, 40.0, 130.0, 280.0, 320.0}) {
+    for (const double t_s : {-10.0, 10.0, 40.0, 70.0, 130.0}) {
+      EXPECT_NEAR(value(effects[0].values, x_mm, t_s),
+                  value(one, x_mm, t_s) + value(two, x_mm, t_s),
+                  1e-6)
+          << x_mm << " " << t_s;
+    }
+  }
+}
+
+TEST(Extension, OneNameTwiceWithoutATableIsReadBack) {
+  Finding none = Table();
+  none.map->knots.clear();
+
+  EXPECT_THAT(
+      ReadMachineFile(Extended("none.ext.yaml", "gantry_router", {none, none})).effects,
+      IsEmpty());
+  EXPECT_THAT(
+      ReadMachineFile(Extended("wave.ext.yaml", "gantry_router", {Wave(), Wave()}))
+          .effects,
+      SizeIs(1));
+}
+
 TEST(Extension, OfAnExtensionKeepsTheEarlierEffects) {
   Extended("first.ext.yaml", "gantry_router", {Wave()});
 

@@ -80,7 +80,7 @@ TEST_F(ClosedLoopCommand, DoesNotRecordOverTheTruth) {
                        "twin:gantry_router?truth=" + File("data.yaml"),
                        "--record",
                        File("data.csv")}),
-              HasSubstr("the header would be written over"));
+              HasSubstr("which is read: it would be written over"));
 }
 
 // Touches alone leave a leaning tower among rods and other towers; marks along x and y

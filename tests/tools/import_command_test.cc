@@ -92,7 +92,8 @@ TEST_F(ImportCommand, TheFileReadIsNeverWrittenOver) {
       RunImport({"csv", sheet, "--map", "cmd_x_mm=1,value_mm=2[um]", "--out", sheet});
 
   EXPECT_EQ(answer.exit_code, kBadInput);
-  EXPECT_THAT(answer.fault, HasSubstr("this is the file that is read"));
+  EXPECT_THAT(answer.fault,
+              HasSubstr("is the file, which is read: it would be written over"));
 }
 
 TEST_F(ImportCommand, AMachineIsNotInventedWhereTheFileKnowsNone) {

@@ -20,6 +20,7 @@
 #include "sim/measure/rows.h"
 #include "tools/commands/command.h"
 #include "tools/commands/progress.h"
+#include "tools/commands/spare_files.h"
 #include "tools/commands/terminal.h"
 #include "tools/commands/twin_options.h"
 
@@ -222,6 +223,11 @@ std::vector<ProcedureResult> Perform(const std::vector<CalibrationStep>& steps,
 
 int Calibrate(const Options& options) {
   const std::vector<CalibrationStep> steps = StepsOf(options);
+  RefuseOverwriting(
+      Together({LinkFiles(options.link),
+                MachineFiles(options.machine),
+                {{"the bench file", options.bench}}}),
+      {{"--record", options.record}, {"--transcript", options.transcript}});
   AtHand at_hand = Take(options);
   InterruptibleLink interruptible(at_hand.link);
   std::unique_ptr<RecordingLink> recorder;

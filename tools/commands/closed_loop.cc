@@ -100,16 +100,6 @@ void CheckLoop(const std::string& data,
                      "rows are written there, and what explains them beside it, in a "
                      ".yaml of the same name");
   }
-  const fs::path header = fs::path(record).replace_extension(".yaml");
-  const TwinOptions twin = TwinOptionsOf(url);
-  for (const std::string& read : {twin.machine, twin.truth}) {
-    if (read.empty() || fs::weakly_canonical(read) != fs::weakly_canonical(header)) {
-      continue;
-    }
-    throw InputError({.file = "--record"},
-                     fmt::format("the header would be written over {}", read),
-                     "give the rows another name");
-  }
 }
 
 DataHeader WithUsualInstruments(DataHeader header) {

@@ -21,14 +21,14 @@
 #include "calibration/diagnosis/volumetric.h"
 #include "renders/diagnosis_report.h"
 #include "scenarios/interrupt.h"
-#include "scenarios/machine_file.h"
 #include "sim/base/sha256.h"
 #include "sim/base/text_file.h"
-#include "tools/commands/assumed_machine.h"
+#include "tools/commands/believed_machine.h"
 #include "tools/commands/closed_loop.h"
 #include "tools/commands/command.h"
 #include "tools/commands/measured_data.h"
 #include "tools/commands/progress.h"
+#include "tools/commands/spare_files.h"
 
 namespace caltwin {
 namespace {
@@ -55,58 +55,6 @@ struct Options {
   std::uint64_t seed = 1;
 };
 
-// The machine that the rows are held against, and what its file adds to the drawing.
-struct Believed {
-  Machine machine{};
-  std::vector<InjectedSpec> effects{};
-  fs::path file{};  // Empty: assumed from the rows.
-};
-
-// --machine, else the header's `machine:` (relative to the header), else assumed.
-Believed BelievedMachine(const Options& options, Data* data) {
-  const fs::path header_file = fs::path(options.file).replace_extension(".yaml");
-  Believed believed;
-  if (!options.machine.empty()) {
-    believed.file = FindMachine(options.machine, "", {.file = "--machine"});
-  } else if (!data->header.machine.empty()) {
-    believed.file = FindMachine(data->header.machine,
-                                header_file.parent_path(),
-                                {.file = header_file.string()});
-  }
-  if (believed.file.empty()) {
-    const bool has_motors = std::ranges::any_of(data->table.rows, [](const Row& row) {
-      return Known(row.motor_mm[0]) && Known(row.motor_mm[1]) && Known(row.motor_mm[2]);
-    });
-    if (has_motors) {
-      throw InputError(
-          {.file = options.file},
-          "the rows have motor_ columns: the machine is not cartesian, and "
-          "none is named",
-          "say --machine FILE, or `machine:` in the header beside them");
-    }
-    believed.machine = AssumedMachine(data->table, &data->notes);
-  } else {
-    MachineFile read = ReadAnyMachineFile(believed.file);
-    believed.machine = std::move(read.machine);
-    believed.effects = std::move(read.effects);
-    data->notes.insert(data->notes.end(), read.notes.begin(), read.notes.end());
-  }
-  if (believed.machine.triple_z && !options.correction.empty()) {
-    throw InputError({.file = "--correction"},
-                     "no correction of a triple_z machine is written yet",
-                     "`caltwin run` finds settings: pivots_and_wiring M671");
-  }
-  if (believed.machine.delta && !options.correction.empty()) {
-    RequireDeltaGeometry(ControllerNamed(options.controller));
-  }
-  NoteMissingMotors(believed.machine, data);
-  believed.machine = WithTransmission(std::move(believed.machine), data->header);
-  if (believed.file.empty()) {
-    believed.machine = WithStepsAsSet(std::move(believed.machine), data->header);
-  }
-  return believed;
-}
-
 // Rows held against a machine, and the answer.
 struct Judged {
   Observed observed;
@@ -122,13 +70,12 @@ Judged Judge(const Data& data, const Believed& believed, const Options& options)
                                      data.header,
                                      believed.machine,
                                      DrawEffects(believed.effects, options.seed, 0))};
-  judged.diagnosis = Diagnose(
-      judged.observed,
-      {.search = {.seed = options.seed},
-       .min_effect_um = options.min_effect_um,
-       .progress = [&](const std::string& text) {
-         progress.Show(text);
-       }});
+  judged.diagnosis = Diagnose(judged.observed,
+                              {.search = {.seed = options.seed},
+                               .min_effect_um = options.min_effect_um,
+                               .progress = [&](const std::string& text) {
+                                 progress.Show(text);
+                               }});
   return judged;
 }
 
@@ -155,20 +102,20 @@ Judged JudgeInLoop(const MachineUnderTest& tested,
     progress.Clear();
     if (options.json != "-") std::cout << RoundText(round) << std::endl;
   };
-  ClosedLoop loop = MeasureUntilSettled(
-      {data->table, WithUsualInstruments(data->header)},
-      believed.machine,
-      DrawEffects(believed.effects, options.seed, 0),
-      tested.measure,
-      {.seed = options.seed,
-       .settings = tested.settings,
-       .diagnose = {.search = {.seed = options.seed},
-                    .min_effect_um = options.min_effect_um,
-                    .progress =
-                        [&](const std::string& text) {
-                          progress.Show(text);
-                        }},
-       .told = tell});
+  ClosedLoop loop =
+      MeasureUntilSettled({data->table, WithUsualInstruments(data->header)},
+                          believed.machine,
+                          DrawEffects(believed.effects, options.seed, 0),
+                          tested.measure,
+                          {.seed = options.seed,
+                           .settings = tested.settings,
+                           .diagnose = {.search = {.seed = options.seed},
+                                        .min_effect_um = options.min_effect_um,
+                                        .progress =
+                                            [&](const std::string& text) {
+                                              progress.Show(text);
+                                            }},
+                           .told = tell});
   progress.Clear();
   if (options.json != "-") std::cout << "\n";
   if (!options.record.empty()) Record(options.record, believed.file, loop.session);
@@ -300,12 +247,41 @@ std::optional<MachineUnderTest> Tested(Options* options, const Data& data) {
   return tested;
 }
 
+void RefusePrinter(const Options& options, const Machine& machine) {
+  if (options.correction.empty()) return;
+  if (machine.delta) RequireDeltaGeometry(ControllerNamed(options.controller));
+  if (!machine.triple_z) return;
+  throw InputError({.file = "--correction"},
+                   "no correction of a triple_z machine is written yet",
+                   "`caltwin run` finds settings: pivots_and_wiring M671");
+}
+
+void CheckSpares(const Options& options, const Believed& believed) {
+  std::vector<NamedFile> corrections = {{"--correction", options.correction}};
+  for (const Axis axis : kAxes) {
+    if (options.correction.empty()) continue;
+    corrections.push_back(
+        {"--correction", options.correction + ScrewTableSuffix(axis)});
+  }
+  RefuseOverwriting(Together({RowsAndHeader("the data", options.file),
+                              RowsAndHeader("the earlier data", options.before),
+                              FilesOf(believed.machine),
+                              LinkFiles(options.closed_loop)}),
+                    Together({{{"--extend", options.extend},
+                               {"--json", options.json},
+                               {"--report", options.report, /*is_folder=*/true}},
+                              corrections,
+                              RowsAndHeader("--record", options.record)}));
+}
+
 int Run(Options options) {
   CheckLoop(options.file, options.closed_loop, options.record);
   Data data;
   if (!options.file.empty()) data = ReadData(options.file);
   const auto tested = Tested(&options, data);
-  const Believed believed = BelievedMachine(options, &data);
+  const Believed believed = BelievedMachine(options.file, options.machine, &data);
+  RefusePrinter(options, believed.machine);
+  CheckSpares(options, believed);
   if (!options.file.empty()) {
     JudgeData(options.file, believed.file.empty() ? nullptr : &believed.machine, &data);
   }

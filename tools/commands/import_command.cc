@@ -12,6 +12,7 @@
 #include "sim/measure/rows.h"
 #include "tools/commands/command.h"
 #include "tools/commands/import_account.h"
+#include "tools/commands/spare_files.h"
 
 namespace caltwin {
 
@@ -86,15 +87,6 @@ void RefuseMissing(const Options& options, const Imported& imported) {
   }
 }
 
-/// Refuses to write over what is read.
-void RefuseSame(const fs::path& out, const std::string& file) {
-  std::error_code error;
-  if (!fs::equivalent(out, file, error)) return;
-  throw InputError({.file = out.string()},
-                   "this is the file that is read: it would be written over",
-                   "give another name");
-}
-
 void PrintFound(const Imported& imported) {
   Print("recognised", imported.recognised);
   Print("assumed", imported.assumed);
@@ -113,24 +105,11 @@ void WriteMachineAlone(const Options& options, const Imported& imported) {
   PrintFound(imported);
 }
 
-/// Of a header of rows that would be written over by the machine.
-void RefuseSameHeader(const fs::path& machine_out, const fs::path& header) {
-  const auto plain = [](const fs::path& file) {
-    return fs::absolute(file).lexically_normal();
-  };
-  if (machine_out.empty() || plain(machine_out) != plain(header)) return;
-  throw InputError({.file = "--machine-out"},
-                   fmt::format("{} is the header of the rows", header.string()),
-                   "give the machine another name");
-}
-
 /// Rows and their header where `--out` names them, the machine where `--machine-out`
 /// does; what is not asked for is not written.
 void WriteAskedFor(const Options& options, const Imported& imported) {
   const fs::path header = fs::path(options.out).replace_extension(".yaml");
   if (!options.out.empty()) {
-    RefuseSame(options.out, options.file);
-    RefuseSameHeader(options.machine_out, header);
     WriteDataHeader(header, imported.header);
   }
   if (!options.machine_out.empty()) {
@@ -142,9 +121,11 @@ void WriteAskedFor(const Options& options, const Imported& imported) {
 int RunImport(const Options& options) {
   ImportOptions import = options.import;
   if (options.step_mm > 0) import.step_mm = options.step_mm;
+  RefuseOverwriting({{"the file", options.file}},
+                    Together({RowsAndHeader("--out", options.out),
+                              {{"--machine-out", options.machine_out}}}));
   const Imported imported = Import(options.kind, options.file, import);
   RefuseMissing(options, imported);
-  if (!options.machine_out.empty()) RefuseSame(options.machine_out, options.file);
   if (imported.table.rows.empty()) {
     WriteMachineAlone(options, imported);
     return kPassed;

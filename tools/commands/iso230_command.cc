@@ -11,6 +11,7 @@
 #include "sim/measure/rows.h"
 #include "tools/commands/command.h"
 #include "tools/commands/iso230_text.h"
+#include "tools/commands/spare_files.h"
 
 namespace caltwin {
 namespace {
@@ -58,6 +59,8 @@ Iso230Choice Choose(const RowTable& table, const Options& options) {
 }
 
 int Run(const Options& options) {
+  RefuseOverwriting(RowsAndHeader("the data", options.file),
+                    {{"--json", options.json}});
   const RowTable table = ReadRows(options.file);
   const DataHeader header = HeaderOf(options.file);
   const Iso230Choice choice = Choose(table, options);

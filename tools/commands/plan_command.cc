@@ -11,6 +11,7 @@
 #include "sim/measure/plan.h"
 #include "tools/commands/command.h"
 #include "tools/commands/plan_text.h"
+#include "tools/commands/spare_files.h"
 
 namespace caltwin {
 namespace {
@@ -42,6 +43,8 @@ MachineFile MachineOf(const Options& options, const Plan& plan) {
 int Run(const Options& options) {
   const Plan plan = ReadPlan(options.plan);
   const MachineFile file = MachineOf(options, plan);
+  RefuseOverwriting(Together({{{"the plan", options.plan}}, FilesOf(file.machine)}),
+                    {{"--json", options.json}});
   const std::uint64_t seed = options.seed.value_or(plan.seed);
   const PlanAtlas result =
       AtlasOfPlan(plan, file.machine, DrawEffects(file.effects, seed, 0), seed);

@@ -14,6 +14,7 @@
 #include "scenarios/machine_file.h"
 #include "scenarios/runner.h"
 #include "tools/commands/command.h"
+#include "tools/commands/spare_files.h"
 
 namespace caltwin {
 
@@ -122,6 +123,7 @@ int Render(const Options& options) {
                      fmt::format("'{}' does not end in .png", options.out),
                      "pictures are PNG files");
   }
+  RefuseOverwriting({{"the file", options.file}}, {{"--out", options.out}});
   if (const auto delta = DeltaOf(options)) {
     Draw(options, delta->model(), delta->data());
     return kPassed;

@@ -22,6 +22,7 @@
 #include "sim/measure/rows.h"
 #include "tools/commands/command.h"
 #include "tools/commands/progress.h"
+#include "tools/commands/spare_files.h"
 
 namespace caltwin {
 
@@ -167,11 +168,26 @@ int ExitCodeOf(const std::vector<RunResult>& results) {
   return std::ranges::all_of(results, &RunResult::passed) ? kPassed : kCheckFailed;
 }
 
+void CheckSpares(const Options& options, const std::vector<Scenario>& scenarios) {
+  std::vector<NamedFile> read;
+  for (const Scenario& scenario : scenarios) {
+    read.push_back({"a scenario", scenario.file});
+    read = Together({read, FilesOf(scenario.machine.machine)});
+  }
+  RefuseOverwriting(read,
+                    Together({RowsAndHeader("--record", options.record),
+                              {{"--transcript", options.transcript},
+                               {"--json", options.json},
+                               {"--junit", options.junit},
+                               {"--report", options.report, /*is_folder=*/true}}}));
+}
+
 int Run(const Options& options) {
   const std::vector<fs::path> files = FindScenarios(options.files);
   const bool is_many = IsMany(options, files);
   if (is_many) RefuseForMany(options);
   const std::vector<Scenario> scenarios = ReadAll(files);
+  CheckSpares(options, scenarios);
   const std::vector<RunResult> results = RunAll(options, scenarios, is_many);
   if (!options.json_alone()) {
     if (is_many) {

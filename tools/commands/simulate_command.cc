@@ -19,6 +19,7 @@
 #include "sim/twin/perform_delta.h"
 #include "tools/commands/command.h"
 #include "tools/commands/progress.h"
+#include "tools/commands/spare_files.h"
 #include "tools/commands/twin_options.h"
 
 namespace caltwin {
@@ -63,19 +64,6 @@ std::string WrittenFrom(const Options& options,
   return fs::proximate(fs::absolute(machine), folder).generic_string();
 }
 
-// The header is written beside the rows, under their name: not over what was read.
-void CheckSpares(const Options& options) {
-  const fs::path header = fs::path(options.out).replace_extension(".yaml");
-  for (const std::string& read : {options.plan, options.machine, options.truth}) {
-    if (read.empty() || fs::weakly_canonical(read) != fs::weakly_canonical(header)) {
-      continue;
-    }
-    throw InputError({.file = options.out},
-                     fmt::format("its header would be written over {}", read),
-                     "give the rows another name");
-  }
-}
-
 Plan PlanOf(const Options& options) {
   if (const FileKind kind = KindOf(options.plan); kind != FileKind::kPlan) {
     throw InputError(
@@ -117,11 +105,14 @@ void CheckOut(const std::string& out) {
 
 int Simulate(const Options& options) {
   CheckOut(options.out);
-  CheckSpares(options);
   const Plan plan = PlanOf(options);
   const std::uint64_t seed = options.seed.value_or(plan.seed);
   const fs::path machine = MachineFileOf(options, plan);
   const MachineFile file = ReadAnyMachineFile(machine);
+  RefuseOverwriting(
+      Together({{{"the plan", options.plan}, {"the truth", options.truth}},
+                FilesOf(file.machine)}),
+      RowsAndHeader("--out", options.out));
   const bool is_delta = file.machine.delta.has_value();
   PerformConfig config =
       is_delta ? PerformConfig{.machine = file.machine} : ConfigOf(options, file, seed);
@@ -142,8 +133,7 @@ int Simulate(const Options& options) {
   RowTable table;
   if (is_delta) {
     DeltaPerformConfig delta = MakeDeltaConfig(
-        file,
-        {.truth = options.truth, .fidelity = options.fidelity, .seed = seed});
+        file, {.truth = options.truth, .fidelity = options.fidelity, .seed = seed});
     delta.header = config.header;
     delta.interrupted = config.interrupted;
     table = PerformDelta(delta, std::move(session.rows));

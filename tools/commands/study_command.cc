@@ -26,6 +26,7 @@
 #include "sim/base/text_file.h"
 #include "tools/commands/command.h"
 #include "tools/commands/progress.h"
+#include "tools/commands/spare_files.h"
 
 namespace caltwin {
 
@@ -232,8 +233,24 @@ int Merge(const Study& study, const Options& options) {
   return SumUp(study, options, whole, "");
 }
 
+void CheckSpares(const Study& study, const Options& options) {
+  std::vector<NamedFile> read = {{"the study", study.file}};
+  for (const auto& one : study.cases) {
+    read.push_back({"a scenario", one.scenario.file});
+    read = Together({read, FilesOf(one.scenario.machine.machine)});
+  }
+  const fs::path folder = FolderOf(options);
+  RefuseOverwriting(read, {{"--out", folder, /*is_folder=*/true}});
+  RefuseOverwriting(read,
+                    {{"--out", folder / "summary.json"},
+                     {"--out", folder / "trials.csv"},
+                     {"--out", folder / "study.sqlite"},
+                     {"--report", options.report, /*is_folder=*/true}});
+}
+
 int Run(const Options& options) {
   Study study = ReadStudy(options.study);
+  CheckSpares(study, options);
   if (options.trial) return ReplayTrial(study, *options.trial);
   if (!options.merge.empty()) return Merge(study, options);
   if (study.adaptive_digits > 0 && !options.shard.empty()) {

@@ -1,0 +1,204 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Core>
+#include <fmt/format.h>
+
+#include "calibration/diagnosis/plausible_parts.h"
+#include "sim/base/units.h"
+
+namespace caltwin {
+namespace {
+
+constexpr double kInch_mm = MmFromInch(1.0);
+constexpr double kThousand = UmFromMm(1.0);
+
+/// Mean reading at each pose and sense of a campaign, as motion (touches reversed).
+using Profile = std::map<std::tuple<long, long, long, int>, double>;
+
+bool IsGauged(const Row& row) {
+  return row.kind != RowKind::kTouch;
+}
+
+Profile ProfileOf(const std::vector<const Row*>& rows) {
+  std::map<std::tuple<long, long, long, int>, std::pair<double, int>> sums;
+  for (const Row* row : rows) {
+    const auto microns = [](double number_mm) {
+      return Known(number_mm) ? std::lround(UmFromMm(number_mm)) : 0;
+    };
+    auto& [sum, count] = sums[{microns(row->cmd_mm[0]),
+                               microns(row->cmd_mm[1]),
+                               microns(row->cmd_mm[2]),
+                               static_cast<int>(SenseAlongNormal(*row))}];
+    sum += row->value_mm * (IsGauged(*row) ? 1 : -1);
+    count += 1;
+  }
+  Profile profile;
+  for (const auto& [pose, sum] : sums) profile[pose] = sum.first / sum.second;
+  return profile;
+}
+
+// Takes out of `values` what the columns of `shapes` can make, which are made
+// perpendicular to each other on the way (Gram and Schmidt).
+void TakeOut(Eigen::MatrixXd* shapes, Eigen::VectorXd* values) {
+  constexpr double kNothingLeft = 1e-9;
+  for (Eigen::Index k = 0; k < shapes->cols(); ++k) {
+    Eigen::VectorXd shape = shapes->col(k);
+    const double before = shape.norm();
+    for (Eigen::Index j = 0; j < k; ++j) {
+      shape -= shapes->col(j).dot(shape) * shapes->col(j);
+    }
+    const double left = shape.norm();
+    shape = left > kNothingLeft * before ? Eigen::VectorXd(shape / left)
+                                         : Eigen::VectorXd::Zero(shape.size());
+    shapes->col(k) = shape;
+    *values -= shape.dot(*values) * shape;
+  }
+}
+
+/// How one campaign's readings follow another's where both measured.
+struct Likeness {
+  std::size_t num_common = 0;
+  double correlation = 0;
+  double ratio = 0;  ///< Of the second's sizes to the first's.
+};
+
+// Offsets are each campaign's own. So is how whatever was set up leans across the axes
+// in `leans`: that is taken out too.
+Likeness Compare(const Profile& one,
+                 const Profile& other,
+                 const std::array<bool, 3>& leans) {
+  std::vector<std::pair<Profile::key_type, std::pair<double, double>>> pairs;
+  for (const auto& [pose, value] : one) {
+    const auto found = other.find(pose);
+    if (found != other.end()) pairs.push_back({pose, {value, found->second}});
+  }
+  Likeness likeness{.num_common = pairs.size()};
+  if (pairs.empty()) return likeness;
+  const auto count = static_cast<Eigen::Index>(pairs.size());
+  Eigen::MatrixXd stood(count, 4);
+  Eigen::VectorXd a(count), b(count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const auto& [pose, values] = pairs[static_cast<std::size_t>(i)];
+    const auto along = [&](int axis, long at) {
+      return leans[axis] ? static_cast<double>(at) : 0;
+    };
+    stood.row(i) << 1, along(0, std::get<0>(pose)), along(1, std::get<1>(pose)),
+        along(2, std::get<2>(pose));
+    a[i] = values.first;
+    b[i] = values.second;
+  }
+  TakeOut(&stood, &a);
+  TakeOut(&stood, &b);
+  const double aa = a.squaredNorm(), bb = b.squaredNorm(), ab = a.dot(b);
+  if (aa <= 0 || bb <= 0) return likeness;
+  likeness.correlation = ab / std::sqrt(aa * bb);
+  likeness.ratio = std::sqrt(bb / aa);
+  return likeness;
+}
+
+constexpr std::size_t kFewestCommon = 8;
+constexpr double kAlike = 0.9;
+
+/// Two campaigns by name.
+struct Pair {
+  std::string one{}, other{};
+};
+
+// True where it found them in different units.
+bool DoubtUnits(const Pair& pair,
+                const Likeness& likeness,
+                std::vector<Doubt>* doubts) {
+  if (likeness.num_common < kFewestCommon) return false;
+  const double larger = std::max(likeness.ratio, 1 / likeness.ratio);
+  const auto is_about = [&](double what) {
+    return std::abs(larger / what - 1) < 0.15;
+  };
+  const bool is_unit = is_about(kInch_mm) || is_about(kThousand);
+  if (std::abs(likeness.correlation) < kAlike || !is_unit) return false;
+  doubts->push_back(
+      {.kind = "units_differ",
+       .message = fmt::format("campaigns {} and {} read alike at the same places, but "
+                              "{:.4g} times as much",
+                              pair.one,
+                              pair.other,
+                              larger),
+       .hint = is_about(kInch_mm) ? "that is an inch: one of them is in inches"
+                                  : "that is 1000: one of them is in micrometres",
+       .refuse = true});
+  return true;
+}
+
+void DoubtSign(const Pair& pair, const Likeness& likeness, std::vector<Doubt>* doubts) {
+  const double larger = std::max(likeness.ratio, 1 / likeness.ratio);
+  if (likeness.num_common < kFewestCommon || likeness.correlation > -kAlike ||
+      larger > 2) {
+    return;
+  }
+  doubts->push_back(
+      {.kind = "reversed_sign",
+       .message = fmt::format("campaigns {} and {} read the opposite of each other at "
+                              "the same {} places (correlation {:.2f})",
+                              pair.one,
+                              pair.other,
+                              likeness.num_common,
+                              likeness.correlation),
+       .hint = "one of them is commanded minus actual: value_mm is actual minus "
+               "commanded, of a touch reported minus nominal",
+       .refuse = true});
+}
+
+// What turns the sign of an error that stays: an artefact turned about (a bed_twist, a
+// square), a probe held at the other side (Abbe) or turned in the spindle, a screw on
+// the other side of its reference temperature. Campaigns that differ in one of these
+// may well read the opposite.
+std::array<long, 9> HeldAs(const Row& row) {
+  constexpr double kPerStep_k = 0.2;  // Steps of 5 K.
+  const auto steps = [](double number, double per_step) {
+    return Known(number) ? std::lround(number * per_step) : 0;
+  };
+  return {steps(row.artefact_turn_deg, 1),
+          steps(row.probe_angle_deg, 1),
+          steps(row.probe_off_mm[0], 1),
+          steps(row.probe_off_mm[1], 1),
+          steps(row.probe_off_mm[2], 1),
+          steps(row.temp_screw_c, kPerStep_k),
+          steps(row.temp_frame_c, kPerStep_k),
+          steps(row.temp_bed_c, kPerStep_k),
+          steps(row.temp_ambient_c, kPerStep_k)};
+}
+
+}  // namespace
+
+// Campaigns under the same settings that measured along the same normal, held alike.
+void DoubtCampaigns(const RowTable& table, std::vector<Doubt>* doubts) {
+  using Key = std::tuple<std::array<long, 3>, std::string, std::array<long, 9>>;
+  std::map<Key, std::map<std::string, std::vector<const Row*>>> groups;
+  for (const Row& row : table.rows) {
+    std::array<long, 3> n{};
+    for (int axis = 0; axis < 3; ++axis) {
+      n[axis] = Known(row.n[axis]) ? std::lround(1000 * row.n[axis]) : 0;
+    }
+    groups[{n, row.settings, HeldAs(row)}][row.campaign].push_back(&row);
+  }
+  for (const auto& [key, campaigns] : groups) {
+    for (auto one = campaigns.begin(); one != campaigns.end(); ++one) {
+      for (auto other = std::next(one); other != campaigns.end(); ++other) {
+        const Pair pair{one->first, other->first};
+        const Profile first = ProfileOf(one->second), second = ProfileOf(other->second);
+        if (DoubtUnits(pair, Compare(first, second, {}), doubts)) continue;
+        const std::array<long, 3>& n = std::get<0>(key);
+        DoubtSign(
+            pair, Compare(first, second, {n[0] == 0, n[1] == 0, n[2] == 0}), doubts);
+      }
+    }
+  }
+}
+
+}  // namespace caltwin
