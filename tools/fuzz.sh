@@ -1,11 +1,19 @@
 #!/usr/bin/env bash
-# Fuzzes the readers: fuzz.sh [SECONDS], shared among the targets of tests/fuzz. A
-# finding is written to build-fuzz/findings and fails; run it alone with
-# build-fuzz/NAME_fuzz FILE.
+# Fuzzes the readers, every target of tests/fuzz. A finding is written to
+# build-fuzz/findings and fails; run it alone with build-fuzz/NAME_fuzz FILE.
+#
+#   tools/fuzz.sh [SECONDS]     searches on from where it was, SECONDS (60) for all targets
+#   tools/fuzz.sh --runs N      N inputs a target, the same every time: whether something
+#                               lands does not hang on chance (CI)
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-seconds=${1:-60}
+seconds=60 runs=0
+if [[ ${1:-} == --runs ]]; then
+  runs=$2
+else
+  seconds=${1:-$seconds}
+fi
 options=(-DCMAKE_CXX_COMPILER=clang++-16)
 command -v ccache >/dev/null && options+=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
 log=$(mktemp)
@@ -18,16 +26,24 @@ fi
 
 targets=(tests/fuzz/*_fuzz.cc)
 each=$(((seconds + ${#targets[@]} - 1) / ${#targets[@]}))
+budget=(-max_total_time="$each")
+corpus=build-fuzz/corpus
+if [[ $runs -gt 0 ]]; then
+  budget=(-runs="$runs" -seed=1)
+  corpus=$(mktemp -d)
+  trap 'rm -rf "$log" "$corpus"' EXIT
+fi
 mkdir -p build-fuzz/findings
 failed=0
 for source in "${targets[@]}"; do
   name=$(basename "$source" _fuzz.cc)
-  mkdir -p "build-fuzz/corpus/$name"
-  if "build-fuzz/${name}_fuzz" -max_total_time="$each" -timeout=10 -rss_limit_mb=2048 \
+  mkdir -p "$corpus/$name"
+  start=$SECONDS
+  if "build-fuzz/${name}_fuzz" "${budget[@]}" -timeout=10 -rss_limit_mb=2048 \
     -max_len=8192 -print_final_stats=1 -artifact_prefix=build-fuzz/findings/ \
-    "build-fuzz/corpus/$name" "tests/fuzz/corpus/$name" >"$log" 2>&1; then
-    runs=$(sed -n 's/^stat::number_of_executed_units: *//p' "$log")
-    echo "fuzz: $name: $runs inputs in $each s, nothing found"
+    "$corpus/$name" "tests/fuzz/corpus/$name" >"$log" 2>&1; then
+    inputs=$(sed -n 's/^stat::number_of_executed_units: *//p' "$log")
+    echo "fuzz: $name: $inputs inputs in $((SECONDS - start)) s, nothing found"
   else
     failed=$((failed + 1))
     tail -n 60 "$log" >&2
