@@ -59,7 +59,8 @@ struct DeltaScenario {
   std::string outcome = "recovers";
   std::vector<DeltaExpectedValue> values{};
   /// `height_error_mm.rms`, `.most`, `height_drift_mm` (from the first step to the
-  /// last), `height_reversal_mm` (down against up, at most), `position_error_mm.p95`, `xy_scale_um_per_mm`, `said_mm`.
+  /// last), `height_reversal_mm` (down against up, at most), `position_error_mm.p95`,
+  /// `xy_scale_um_per_mm`, `said_mm`.
   std::vector<std::pair<std::string, Within>> figures{};
   std::vector<std::string> messages{};
 };

@@ -74,8 +74,8 @@ std::vector<G33Touch> RadiusTouches(int step,
   for (int i = 0; i < circles; ++i) {
     // Outward and inward in turn: the shortest way.
     const int circle = step % 2 == 0 ? circles - 1 - i : i;
-    G33Touch touch =
-        TouchAt(radius_mm * (1 - kBetweenCircles * circle), 210 + 60.0 * step / per_sixth);
+    G33Touch touch = TouchAt(radius_mm * (1 - kBetweenCircles * circle),
+                             210 + 60.0 * step / per_sixth);
     touch.share[1 + near] = std::pow(std::cos(turn_rad), 2) / (per_sixth * circles);
     touch.share[1 + far] += std::pow(std::sin(turn_rad), 2) / (per_sixth * circles);
     touches.push_back(touch);

@@ -102,7 +102,8 @@ DeltaTwinPlant::DeltaTwinPlant(const Machine& machine,
 std::optional<Vec3<double>> DeltaTwinPlant::Touch(const DeltaModel<double>& settings,
                                                   double x_mm,
                                                   double y_mm) {
-  const auto motors_mm = TouchOfDelta(world_.get(), machine_, built_, settings, {x_mm, y_mm});
+  const auto motors_mm =
+      TouchOfDelta(world_.get(), machine_, built_, settings, {x_mm, y_mm});
   if (!motors_mm) return std::nullopt;
   Vec3<double> at = DeltaNozzle_mm(settings, *motors_mm);
   if (built_.scatter_mm > 0) at[2] += built_.scatter_mm * scatter_.Normal();

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "sim/base/rng.h"
-#include "sim/firmware/dialects/marlin_delta.h"
 #include "sim/effects/effect.h"
+#include "sim/firmware/dialects/marlin_delta.h"
 #include "sim/machine/delta_play.h"
 #include "sim/machine/delta_touch.h"
 #include "sim/machine/machine.h"

@@ -22,7 +22,7 @@ struct DeltaPerformConfig {
   DataHeader header{};
   Fidelity fidelity = Fidelity::kPhysics;
   std::uint64_t seed = 1;
-  bool is_noisy = true;  ///< As PerformConfig.
+  bool is_noisy = true;          ///< As PerformConfig.
   std::size_t already_read = 0;  ///< As PerformConfig.
   std::function<bool()> interrupted{};
 };

@@ -25,8 +25,8 @@ struct TwinOptions {
 /// speak no G-code here only `only_measures` takes.
 TwinConfig MakeTwinConfig(const TwinOptions& options, bool only_measures = false);
 
-/// A delta that measures, as `file` and the truth file have it; `options.machine` is not
-/// read.
+/// A delta that measures, as `file` and the truth file have it; `options.machine` is
+/// not read.
 DeltaPerformConfig MakeDeltaConfig(const MachineFile& file, const TwinOptions& options);
 
 /// Reads `twin:M.yaml?truth=T.yaml&fidelity=fast&seed=7`. Throws InputError.

@@ -9,10 +9,10 @@ namespace caltwin {
 /// A touch of the bed from above, as printers report it: nominal height 0, normal + z,
 /// approached downwards; the value is the height reported.
 inline Row BedTouchRow(std::string campaign,
-                    double x_mm,
-                    double y_mm,
-                    double height_mm,
-                    const Place& place) {
+                       double x_mm,
+                       double y_mm,
+                       double height_mm,
+                       const Place& place) {
   Row row{.campaign = std::move(campaign),
           .kind = RowKind::kTouch,
           .setup = "bed",

@@ -109,10 +109,10 @@ class LogReader {
 
   void Add(const TextLine& line, double z_mm, double time_s) {
     Row row = BedTouchRow(fmt::format("probe_accuracy_{}", num_batches_),
-                       x_mm_,
-                       y_mm_,
-                       z_mm,
-                       PlaceOf(line.words.front(), name_));
+                          x_mm_,
+                          y_mm_,
+                          z_mm,
+                          PlaceOf(line.words.front(), name_));
     row.rep = ++rep_;
     row.t_s = time_s;
     row.feed_mm_s = feed_mm_s_;

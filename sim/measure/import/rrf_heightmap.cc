@@ -151,10 +151,10 @@ class MapReader {
     }
     imported_.table.rows.push_back(
         BedTouchRow(options.campaign.empty() ? "heightmap" : options.campaign,
-                 grid_.min_mm[0] + grid_.spacing_mm[0] * static_cast<double>(x),
-                 grid_.min_mm[1] + grid_.spacing_mm[1] * static_cast<double>(y),
-                 NumberIn(height, "a height", name_, &faults_),
-                 PlaceOf(height, name_)));
+                    grid_.min_mm[0] + grid_.spacing_mm[0] * static_cast<double>(x),
+                    grid_.min_mm[1] + grid_.spacing_mm[1] * static_cast<double>(y),
+                    NumberIn(height, "a height", name_, &faults_),
+                    PlaceOf(height, name_)));
   }
 
   std::string name_;
