@@ -20,13 +20,13 @@ constexpr double kInch_mm = MmFromInch(1.0);
 constexpr double kThousand = UmFromMm(1.0);
 
 /// Mean reading at each pose and sense of a campaign, as motion (touches reversed).
-using Profile = std::map<std::tuple<long, long, long, int>, double>;
+using ReadingsByPlace = std::map<std::tuple<long, long, long, int>, double>;
 
 bool IsGauged(const Row& row) {
   return row.kind != RowKind::kTouch;
 }
 
-Profile ProfileOf(const std::vector<const Row*>& rows) {
+ReadingsByPlace ProfileOf(const std::vector<const Row*>& rows) {
   std::map<std::tuple<long, long, long, int>, std::pair<double, int>> sums;
   for (const Row* row : rows) {
     const auto microns = [](double number_mm) {
@@ -39,7 +39,7 @@ Profile ProfileOf(const std::vector<const Row*>& rows) {
     sum += row->value_mm * (IsGauged(*row) ? 1 : -1);
     count += 1;
   }
-  Profile profile;
+  ReadingsByPlace profile;
   for (const auto& [pose, sum] : sums) profile[pose] = sum.first / sum.second;
   return profile;
 }
@@ -71,10 +71,10 @@ struct Likeness {
 
 // Offsets are each campaign's own. So is how whatever was set up leans across the axes
 // in `leans`: that is taken out too.
-Likeness Compare(const Profile& one,
-                 const Profile& other,
+Likeness Compare(const ReadingsByPlace& one,
+                 const ReadingsByPlace& other,
                  const std::array<bool, 3>& leans) {
-  std::vector<std::pair<Profile::key_type, std::pair<double, double>>> pairs;
+  std::vector<std::pair<ReadingsByPlace::key_type, std::pair<double, double>>> pairs;
   for (const auto& [pose, value] : one) {
     const auto found = other.find(pose);
     if (found != other.end()) pairs.push_back({pose, {value, found->second}});
@@ -191,7 +191,8 @@ void DoubtCampaigns(const RowTable& table, std::vector<Doubt>* doubts) {
     for (auto one = campaigns.begin(); one != campaigns.end(); ++one) {
       for (auto other = std::next(one); other != campaigns.end(); ++other) {
         const Pair pair{one->first, other->first};
-        const Profile first = ProfileOf(one->second), second = ProfileOf(other->second);
+        const ReadingsByPlace first = ProfileOf(one->second),
+                              second = ProfileOf(other->second);
         if (DoubtUnits(pair, Compare(first, second, {}), doubts)) continue;
         const std::array<long, 3>& n = std::get<0>(key);
         DoubtSign(

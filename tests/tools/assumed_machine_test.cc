@@ -19,6 +19,23 @@ RowTable RowsAlongX() {
   return table;
 }
 
+// Moved too far by the setting over what was drawn, whoever set it.
+TEST(AssumedMachine, RowsAreHeldAgainstTheSettingsTheyWereMeasuredUnder) {
+  DataHeader header;
+  header.settings["one"].steps_per_mm["x"] = 808;
+  header.settings["two"].steps_per_mm["x"] = 808;
+  header.settings["one"].steps_per_mm["y"] = 801;
+  header.settings["two"].steps_per_mm["y"] = 802;
+  Machine machine;
+  machine.settings.steps_per_mm = {800, 800, 800};
+
+  const Machine held = WithSettingsOf(machine, header);
+
+  EXPECT_EQ(held.settings.steps_per_mm[0], 808);
+  EXPECT_EQ(held.settings.steps_per_mm[1], 800);
+  EXPECT_EQ(held.axis(Axis::kX).steps_per_mm(), machine.axis(Axis::kX).steps_per_mm());
+}
+
 TEST(AssumedMachine, TravelsAsFarAsTheRowsGoAndSaysSo) {
   std::vector<std::string> notes;
   const Machine machine = AssumedMachine(RowsAlongX(), &notes);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -49,16 +50,35 @@ Machine AssumedMachine(const RowTable& table, std::vector<std::string>* notes) {
   return machine;
 }
 
+namespace {
+
+// The steps per mm that all settings agree on.
+std::optional<double> StepsStated(const DataHeader& header, Axis axis) {
+  std::set<double> stated;
+  for (const auto& [id, settings] : header.settings) {
+    const auto found = settings.steps_per_mm.find(Name(axis));
+    if (found != settings.steps_per_mm.end()) stated.insert(found->second);
+  }
+  if (stated.size() != 1) return std::nullopt;
+  return *stated.begin();
+}
+
+}  // namespace
+
+Machine WithSettingsOf(Machine machine, const DataHeader& header) {
+  for (const Axis axis : kAxes) {
+    const auto stated = StepsStated(header, axis);
+    if (stated) machine.settings.steps_per_mm[Index(axis)] = *stated;
+  }
+  return machine;
+}
+
 Machine WithStepsAsSet(Machine machine, const DataHeader& header) {
   for (const Axis axis : kAxes) {
-    std::set<double> stated;
-    for (const auto& [id, settings] : header.settings) {
-      const auto found = settings.steps_per_mm.find(Name(axis));
-      if (found != settings.steps_per_mm.end()) stated.insert(found->second);
-    }
-    if (stated.size() != 1) continue;
+    const auto stated = StepsStated(header, axis);
+    if (!stated) continue;
     AxisDrawing& drawing = machine.axes[Index(axis)];
-    drawing.microsteps = *stated.begin() * drawing.lead_mm / drawing.full_steps_per_rev;
+    drawing.microsteps = *stated * drawing.lead_mm / drawing.full_steps_per_rev;
     machine.settings.steps_per_mm[Index(axis)] = drawing.steps_per_mm();
   }
   return machine;

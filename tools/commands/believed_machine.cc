@@ -44,6 +44,8 @@ Believed BelievedMachine(const std::string& data_file,
   believed.machine = WithTransmission(std::move(believed.machine), data->header);
   if (believed.file.empty()) {
     believed.machine = WithStepsAsSet(std::move(believed.machine), data->header);
+  } else if (believed.machine.kinematics == Kinematics::kCartesian) {
+    believed.machine = WithSettingsOf(std::move(believed.machine), data->header);
   }
   return believed;
 }
