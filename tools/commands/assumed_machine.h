@@ -18,8 +18,8 @@ Machine AssumedMachine(const RowTable& table, std::vector<std::string>* notes);
 /// steps per mm follow where the machine's were as drawn.
 Machine WithTransmission(Machine machine, const DataHeader& header);
 
-/// The machine of a file with the steps per mm that all of the header's settings agree on as
-/// its settings: the rows were measured under them, whatever it was drawn with.
+/// The machine of a file with the steps per mm that all of the header's settings agree
+/// on as its settings: the rows were measured under them, whatever it was drawn with.
 Machine WithSettingsOf(Machine machine, const DataHeader& header);
 
 /// The machine of nobody's drawing with the steps per mm that all of the header's
