@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "scenarios/delta_link.h"
+#include "scenarios/judging.h"
 #include "sim/base/rng.h"
 #include "sim/base/units.h"
 
@@ -89,24 +90,6 @@ void AddEstimates(const DeltaTrial& trial, RunResult* result) {
   }
 }
 
-void AddCheck(const std::string& name,
-              double found,
-              const Within& within,
-              RunResult* result) {
-  const bool is_above = !within.above || found > *within.above;
-  const bool is_below = !within.below || found < *within.below;
-  std::string expected;
-  if (within.above) expected += fmt::format("above {:g}", *within.above);
-  if (within.below) {
-    expected +=
-        fmt::format("{}below {:g}", expected.empty() ? "" : ", ", *within.below);
-  }
-  result->checks.push_back({.name = name,
-                            .expected = expected,
-                            .found = fmt::format("{:.5g}", found),
-                            .passed = is_above && is_below});
-}
-
 // Whether every value that was expected came out.
 bool MeetValues(const DeltaTrial& trial, RunResult* result) {
   bool all_met = true;
@@ -166,7 +149,7 @@ void CheckFigures(const DeltaTrial& trial,
                          : name == "xy_scale_um_per_mm"
                              ? UmFromMm(after.xy_scale)
                              : result->position_error_after_p95_mm;
-    AddCheck(name, found, within, result);
+    CheckFigure(name, within, found, result);
   }
 }
 

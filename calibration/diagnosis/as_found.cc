@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "calibration/diagnosis/nuisances.h"
+#include "calibration/diagnosis/delta_lines.h"
 #include "sim/base/units.h"
 #include "sim/effects/catalog.h"
 #include "sim/effects/injected.h"

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "calibration/diagnosis/delta_lines.h"
 #include "calibration/diagnosis/evidence.h"
 #include "calibration/diagnosis/nuisances.h"
 #include "sim/base/median.h"

@@ -15,20 +15,9 @@
 #include "sim/base/input_error.h"
 #include "sim/base/units.h"
 #include "sim/effects/predict.h"
-#include "sim/measure/in_force.h"
 
 namespace caltwin {
 namespace {
-
-struct Named {
-  std::string_view word, full;
-  ControllerKind controller;
-};
-constexpr std::array kControllers = {
-    Named{"rrf", "RepRapFirmware", ControllerKind::kRrf},
-    Named{"klipper", "Klipper", ControllerKind::kKlipper},
-    Named{"marlin", "Marlin", ControllerKind::kMarlin},
-    Named{"linuxcnc", "LinuxCNC", ControllerKind::kLinuxCnc}};
 
 // Controllers take no more points of a screw than this (LinuxCNC, EMCMOT_COMP_SIZE).
 constexpr int kMostPoints = 256;
@@ -365,29 +354,6 @@ class Writer {
 };
 
 }  // namespace
-
-Settings SettingsOfRows(const Observed& observed) {
-  const auto& stated = observed.header().settings;
-  return InForce(observed.header(),
-                 observed.machine(),
-                 stated.size() == 1 ? stated.begin()->first : "");
-}
-
-std::string_view FullName(ControllerKind controller) {
-  return kControllers[static_cast<std::size_t>(controller)].full;
-}
-
-bool IsSetByGcode(ControllerKind controller) {
-  return controller == ControllerKind::kRrf || controller == ControllerKind::kMarlin;
-}
-
-ControllerKind ControllerNamed(std::string_view word) {
-  const auto found = std::ranges::find(kControllers, word, &Named::word);
-  if (found != kControllers.end()) return found->controller;
-  throw InputError({.file = "--for"},
-                   fmt::format("'{}' is no controller known here", word),
-                   "rrf, klipper, marlin or linuxcnc");
-}
 
 std::string ScrewTableSuffix(Axis axis) {
   return fmt::format(".{}.comp", Name(axis));

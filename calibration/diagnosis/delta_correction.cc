@@ -7,7 +7,7 @@
 
 #include "calibration/delta/settings.h"
 #include "calibration/diagnosis/as_found.h"
-#include "calibration/diagnosis/nuisances.h"
+#include "calibration/diagnosis/delta_lines.h"
 #include "sim/base/input_error.h"
 #include "sim/base/units.h"
 #include "sim/effects/catalog.h"

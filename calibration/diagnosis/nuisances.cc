@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "calibration/diagnosis/candidates.h"
+#include "calibration/diagnosis/delta_lines.h"
 #include "calibration/diagnosis/free_form.h"
 #include "sim/base/units.h"
 #include "sim/effects/drive.h"
@@ -384,18 +385,6 @@ std::vector<Nuisance> BaselineOf(const Observed& observed) {
   });
   AddFreedoms(observed, &builder);
   return builder.Take();
-}
-
-std::vector<KnobTurn<double>> KnobsOfLine(std::string_view name, double value) {
-  if (name == "bed_plane.slope_x") return {{kBedKnob, value}};
-  if (name == "bed_plane.slope_y") return {{kBedKnob + 1, value}};
-  if (name == "scale") {
-    return {{kBeltKnob, value}, {kBeltKnob + 1, value}, {kBeltKnob + 2, value}};
-  }
-  const auto knob = DeltaKnobNamed(name);
-  if (!knob) return {};
-  if (*knob >= kRadiusKnob) return {{*knob, value}};
-  return {{*knob, value}, {kEndstopKnob + 2, -value}};
 }
 
 }  // namespace caltwin

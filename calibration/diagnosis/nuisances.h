@@ -20,10 +20,6 @@ struct Nuisance {
   bool reported = true;
 };
 
-/// What a line of a delta's baseline turns, by index of kDeltaKnobs and in the knob's
-/// unit: its endstops sum to nought, its scale is all three belts'. Empty: nothing.
-std::vector<KnobTurn<double>> KnobsOfLine(std::string_view name, double value);
-
 /// The baseline of a gantry (docs/diagnosis.md): scale and backlash of each axis,
 /// pre-travels, the bed's plane, the place of everything, the ball-bar's length, sizes
 /// of artefacts within their stated uncertainty, and the freedom of form of the effects

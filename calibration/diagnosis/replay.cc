@@ -11,6 +11,7 @@
 
 #include "calibration/diagnosis/as_found.h"
 #include "calibration/diagnosis/baseline_fit.h"
+#include "calibration/diagnosis/delta_lines.h"
 #include "calibration/diagnosis/nuisances.h"
 #include "calibration/estimate/linear_fit.h"
 #include "sim/base/input_error.h"

@@ -15,8 +15,6 @@ namespace caltwin {
 namespace {
 
 constexpr std::size_t kLargestFile_bytes = 1'000'000;
-constexpr int kMostOpenBrackets = 64;
-constexpr std::size_t kLongestLine_bytes = 10'000;
 
 Place PlaceOf(const std::string& file, const YAML::Node& node) {
   return YamlPlace(file, node.Mark());
@@ -52,35 +50,6 @@ std::optional<double> ParseNumber(const YAML::Node& node) {
   if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
   if (!std::isfinite(value)) return std::nullopt;
   return value;
-}
-
-// Flow nesting and line length are bounded before yaml-cpp sees the text: both cost it
-// time beyond reason. Comments do not count.
-void CheckShape(const std::string& text, const std::string& name) {
-  int flow_depth = 0;
-  int line = 1;
-  std::size_t line_start = 0;
-  bool in_comment = false;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const char c = text[i];
-    if (c == '\n') {
-      ++line;
-      line_start = i + 1;
-      in_comment = false;
-      continue;
-    }
-    if (c == '#' && (i == line_start || text[i - 1] == ' ')) in_comment = true;
-    if (in_comment) continue;
-    if (c == '[' || c == '{') ++flow_depth;
-    if (c == ']' || c == '}') flow_depth = std::max(0, flow_depth - 1);
-    if (flow_depth > kMostOpenBrackets || i - line_start > kLongestLine_bytes) {
-      throw InputError(
-          {.file = name, .line = line, .column = static_cast<int>(i - line_start) + 1},
-          flow_depth > kMostOpenBrackets
-              ? fmt::format("more than {} brackets open at once", kMostOpenBrackets)
-              : fmt::format("a line longer than {} characters", kLongestLine_bytes));
-    }
-  }
 }
 
 }  // namespace
@@ -396,7 +365,7 @@ YamlMap ReadYamlText(const std::string& text, const std::string& name, Faults* f
                     kLargestFile_bytes));
   }
   RequireText(text, name);
-  CheckShape(text, name);
+  CheckYamlShape(text, name);
   YAML::Node root;
   try {
     CheckYamlEvents(text, name);

@@ -1,5 +1,6 @@
 #include "sim/base/yaml_check.h"
 
+#include <algorithm>
 #include <set>
 #include <sstream>
 
@@ -10,6 +11,8 @@ namespace caltwin {
 namespace {
 
 constexpr int kDeepest = 32;
+constexpr int kMostOpenBrackets = 64;
+constexpr std::size_t kLongestLine_bytes = 10'000;
 
 class Checker : public YAML::EventHandler {
  public:
@@ -76,6 +79,33 @@ class Checker : public YAML::EventHandler {
 };
 
 }  // namespace
+
+void CheckYamlShape(const std::string& text, const std::string& name) {
+  int flow_depth = 0;
+  int line = 1;
+  std::size_t line_start = 0;
+  bool in_comment = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (c == '\n') {
+      ++line;
+      line_start = i + 1;
+      in_comment = false;
+      continue;
+    }
+    if (c == '#' && (i == line_start || text[i - 1] == ' ')) in_comment = true;
+    if (in_comment) continue;
+    if (c == '[' || c == '{') ++flow_depth;
+    if (c == ']' || c == '}') flow_depth = std::max(0, flow_depth - 1);
+    if (flow_depth > kMostOpenBrackets || i - line_start > kLongestLine_bytes) {
+      throw InputError(
+          {.file = name, .line = line, .column = static_cast<int>(i - line_start) + 1},
+          flow_depth > kMostOpenBrackets
+              ? fmt::format("more than {} brackets open at once", kMostOpenBrackets)
+              : fmt::format("a line longer than {} characters", kLongestLine_bytes));
+    }
+  }
+}
 
 Place YamlPlace(const std::string& name, const YAML::Mark& mark) {
   if (mark.is_null()) return {.file = name};

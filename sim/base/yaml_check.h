@@ -8,6 +8,10 @@
 
 namespace caltwin {
 
+/// Refuses flow nesting beyond 64 brackets and lines beyond 10 000 characters, by which
+/// yaml-cpp takes time beyond reason: before it sees the text. Comments do not count.
+void CheckYamlShape(const std::string& text, const std::string& name);
+
 /// Refuses, before a tree is built of it, what this project's files may not hold and
 /// yaml-cpp would take in silence: anchors and aliases (which unfold to any size),
 /// tags, a second document, nesting beyond 32 levels. The first such fault is thrown

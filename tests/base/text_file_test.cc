@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/base/input_error.h"
+#include "tests/base/temp_folder.h"
 
 namespace caltwin {
 namespace {
@@ -15,9 +16,6 @@ namespace fs = std::filesystem;
 
 class TextFile : public ::testing::Test {
  protected:
-  TextFile() { fs::create_directories(folder_); }
-  ~TextFile() override { fs::remove_all(folder_); }
-
   static std::string MessageOf(const std::function<void()>& act) {
     try {
       act();
@@ -27,10 +25,7 @@ class TextFile : public ::testing::Test {
     return "";
   }
 
-  const fs::path folder_ =
-      fs::path(::testing::TempDir()) /
-      (std::string("caltwin_") +
-       ::testing::UnitTest::GetInstance()->current_test_info()->name());
+  TempFolder folder_{};
 };
 
 TEST_F(TextFile, WhatWasWrittenIsReadBack) {
@@ -45,8 +40,9 @@ TEST_F(TextFile, NothingIsLeftBesideTheFile) {
   WriteTextFile(folder_ / "f.txt", "old");
   WriteTextFile(folder_ / "f.txt", "new");
 
-  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()),
-            1);
+  EXPECT_EQ(
+      std::distance(fs::directory_iterator(folder_.path()), fs::directory_iterator()),
+      1);
   EXPECT_EQ(ReadTextFile(folder_ / "f.txt", 100), "new");
 }
 
@@ -57,7 +53,7 @@ TEST_F(TextFile, ADeviceIsWrittenInPlace) {
 }
 
 TEST_F(TextFile, WhatCannotBeReadIsSaid) {
-  const std::string folder = folder_.string();
+  const std::string folder = folder_.path().string();
 
   EXPECT_EQ(MessageOf([&] { ReadTextFile(folder + "/none", 9); }),
             folder + "/none: there is no such file");
@@ -77,9 +73,9 @@ TEST_F(TextFile, TheSizeLimitIsInclusive) {
 }
 
 TEST_F(TextFile, AFolderIsNotOverwritten) {
-  EXPECT_EQ(MessageOf([&] { WriteTextFile(folder_, "x"); }),
-            folder_.string() + ": this file cannot be written");
-  EXPECT_TRUE(fs::is_empty(folder_));
+  EXPECT_EQ(MessageOf([&] { WriteTextFile(folder_.path(), "x"); }),
+            folder_.path().string() + ": this file cannot be written");
+  EXPECT_TRUE(fs::is_empty(folder_.path()));
 }
 
 // RFC 3629 section 3 and its tables: the first and last of each length, and what lies

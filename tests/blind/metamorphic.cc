@@ -9,6 +9,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "tests/blind/text_file.h"
+
 namespace blind {
 namespace {
 
@@ -18,10 +20,6 @@ using nlohmann::json;
 std::string ReadText(const fs::path& file) {
   std::ifstream stream(file, std::ios::binary);
   return {std::istreambuf_iterator<char>(stream), {}};
-}
-
-void WriteText(const fs::path& file, const std::string& text) {
-  std::ofstream(file, std::ios::binary) << text;
 }
 
 /// Keys x and y exchanged wherever machine file and header write axes: "  x: {" at the

@@ -13,6 +13,7 @@
 #include "tests/blind/physics_rows.h"
 #include "tests/blind/program.h"
 #include "tests/blind/separation.h"
+#include "tests/blind/text_file.h"
 
 namespace blind {
 namespace {
@@ -27,12 +28,6 @@ std::string ReadText(const fs::path& file) {
   std::ifstream stream(file, std::ios::binary);
   if (!stream) throw std::runtime_error("cannot read " + file.string());
   return {std::istreambuf_iterator<char>(stream), {}};
-}
-
-void WriteText(const fs::path& file, const std::string& text) {
-  std::ofstream stream(file, std::ios::binary);
-  stream << text;
-  if (!stream) throw std::runtime_error("cannot write " + file.string());
 }
 
 /// The model with the faults that every machine has.

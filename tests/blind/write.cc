@@ -2,14 +2,13 @@
 
 #include <cmath>
 #include <filesystem>
-#include <fstream>
-#include <stdexcept>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include "tests/blind/case.h"
+#include "tests/blind/text_file.h"
 
 namespace blind {
 namespace {
@@ -208,12 +207,6 @@ std::string DataYaml(const Case& made) {
   }
   text += fmt::format("tip_radius_mm: {}\n", made.drawing.tip_radius_cfg_mm);
   return text;
-}
-
-void WriteText(const std::filesystem::path& file, const std::string& text) {
-  std::ofstream stream(file, std::ios::binary);
-  stream << text;
-  if (!stream) throw std::runtime_error("cannot write " + file.string());
 }
 
 }  // namespace

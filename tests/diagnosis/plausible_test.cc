@@ -223,22 +223,28 @@ TEST(Plausible, AGapThatLeadsIsTold) {
               ElementsAre("negative_gap"));
 }
 
+// Two campaigns along x at other places, both senses; `turn` changes those of the
+// second.
+std::vector<std::string> KindsOfTwo(double half_gap_mm,
+                                    const std::function<void(Row*)>& turn) {
+  RowTable table;
+  for (int i = 0; i < 64; ++i) {
+    const bool is_second = i >= 32;
+    const double sense = i % 2 == 0 ? 1 : -1;
+    Row row{.row = i + 1, .campaign = is_second ? "second" : "first"};
+    row.n = {1, 0, 0};
+    row.dir = {sense, 0, 0};
+    row.cmd_mm = {10 + 17.3 * (i / 2 % 16) + (is_second ? 3.1 : 0), 0, 0};
+    row.value_mm = 0.001 * ((i * 7) % 5) - half_gap_mm * sense;
+    if (is_second) turn(&row);
+    table.rows.push_back(row);
+  }
+  return KindsOf(table);
+}
+
 TEST(Plausible, OneAxisHasOneGap) {
-  // Two campaigns along x at other places, both senses; the readings of the second
-  // that many times the first's.
   const auto kinds = [](double times) {
-    RowTable table;
-    for (int i = 0; i < 64; ++i) {
-      const bool is_second = i >= 32;
-      const double sense = i % 2 == 0 ? 1 : -1;
-      Row row{.row = i + 1, .campaign = is_second ? "second" : "first"};
-      row.n = {1, 0, 0};
-      row.dir = {sense, 0, 0};
-      row.cmd_mm = {10 + 17.3 * (i / 2 % 16) + (is_second ? 3.1 : 0), 0, 0};
-      row.value_mm = (0.001 * ((i * 7) % 5) - 0.02 * sense) * (is_second ? times : 1);
-      table.rows.push_back(row);
-    }
-    return KindsOf(table);
+    return KindsOfTwo(0.02, [&](Row* row) { row->value_mm *= times; });
   };
   EXPECT_THAT(kinds(1), Not(Contains("units_differ!")));
   EXPECT_THAT(kinds(3), Not(Contains("units_differ!")));
@@ -246,24 +252,13 @@ TEST(Plausible, OneAxisHasOneGap) {
   EXPECT_THAT(kinds(25.4), Contains("units_differ!"));
 }
 
-// Rows along x at other places than the first's; the second campaign with its sign, or
-// its senses, turned about.
 TEST(Plausible, OneGapCannotLagAndLead) {
   const auto kinds = [](double value_sign, double sense_sign, const char* settings) {
-    RowTable table;
-    for (int i = 0; i < 64; ++i) {
-      const bool is_second = i >= 32;
-      const double sense = i % 2 == 0 ? 1 : -1;
-      Row row{.row = i + 1, .campaign = is_second ? "second" : "first"};
-      row.n = {1, 0, 0};
-      row.dir = {sense * (is_second ? sense_sign : 1), 0, 0};
-      row.cmd_mm = {10 + 17.3 * (i / 2 % 16) + (is_second ? 3.1 : 0), 0, 0};
-      row.value_mm =
-          (0.001 * ((i * 7) % 5) - 0.005 * sense) * (is_second ? value_sign : 1);
-      if (is_second) row.settings = settings;
-      table.rows.push_back(row);
-    }
-    return KindsOf(table);
+    return KindsOfTwo(0.005, [&](Row* row) {
+      row->value_mm *= value_sign;
+      row->dir[0] *= sense_sign;
+      row->settings = settings;
+    });
   };
   EXPECT_THAT(kinds(1, 1, ""), Not(Contains("reversed_sign!")));
   EXPECT_THAT(kinds(-1, 1, ""), Contains("reversed_sign!"));

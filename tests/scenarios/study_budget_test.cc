@@ -12,6 +12,7 @@
 #include "scenarios/study/budget.h"
 #include "scenarios/study/summary.h"
 #include "sim/base/rng.h"
+#include "tests/base/temp_folder.h"
 
 namespace caltwin {
 namespace {
@@ -88,17 +89,13 @@ TEST(ValidationOf, HoldsWhereTheStatedIntervalIsTheOneSeen) {
 
 class StudyBudgetTest : public ::testing::Test {
  protected:
-  StudyBudgetTest()
-      : folder_(fs::path(::testing::TempDir()) /
-                ::testing::UnitTest::GetInstance()->current_test_info()->name()) {
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
+  StudyBudgetTest() {
     std::ofstream(folder_ / "gap.yaml")
         << "machine: gantry_router\nfidelity: fast\ncalibrate: [next_all]\n";
     std::ofstream(folder_ / "study.yaml")
         << "study:\n  scenarios: [gap.yaml]\n  trials: 400\n";
   }
-  fs::path folder_;
+  TempFolder folder_{};
 };
 
 // error = 2 (x - mean) + noise: with u(x) = 0.3 and noise of 0.8 the shares are 36 and

@@ -9,6 +9,7 @@
 #include "scenarios/study/run.h"
 #include "scenarios/study/study.h"
 #include "scenarios/study/trials_csv.h"
+#include "tests/base/temp_folder.h"
 
 namespace caltwin {
 
@@ -16,11 +17,7 @@ namespace caltwin {
 /// beginning.
 class StudyTest : public ::testing::Test {
  protected:
-  StudyTest()
-      : folder_(std::filesystem::path(::testing::TempDir()) /
-                ::testing::UnitTest::GetInstance()->current_test_info()->name()) {
-    std::filesystem::remove_all(folder_);
-    std::filesystem::create_directories(folder_);
+  StudyTest() {
     Write("gap.yaml",
           "machine: gantry_router\n"
           "fidelity: fast\n"
@@ -46,10 +43,10 @@ class StudyTest : public ::testing::Test {
     }
     return "";
   }
-  const std::filesystem::path& folder() const { return folder_; }
+  const std::filesystem::path& folder() const { return folder_.path(); }
 
  private:
-  std::filesystem::path folder_;
+  TempFolder folder_{};
 };
 
 inline constexpr const char* kVaried =

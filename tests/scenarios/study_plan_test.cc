@@ -11,6 +11,7 @@
 
 #include "scenarios/study/aggregate.h"
 #include "scenarios/study/linear.h"
+#include "tests/base/temp_folder.h"
 
 namespace caltwin {
 namespace {
@@ -21,11 +22,7 @@ using ::testing::HasSubstr;
 
 class StudyPlanTest : public ::testing::Test {
  protected:
-  StudyPlanTest()
-      : folder_(fs::path(::testing::TempDir()) /
-                ::testing::UnitTest::GetInstance()->current_test_info()->name()) {
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
+  StudyPlanTest() {
     Write("plan.yaml",
           "format: 1\nmachine: gantry_router\n"
           "instruments: {laser: {kind: laser, sigma_um: 1}}\n"
@@ -49,7 +46,7 @@ class StudyPlanTest : public ::testing::Test {
   }
 
  private:
-  fs::path folder_;
+  TempFolder folder_{};
 };
 
 constexpr const char* kStraight =

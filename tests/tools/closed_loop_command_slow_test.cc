@@ -9,6 +9,7 @@
 
 #include "sim/base/text_file.h"
 #include "sim/measure/rows.h"
+#include "tests/base/temp_folder.h"
 #include "tests/tools/run_command.h"
 #include "tools/commands/command.h"
 
@@ -22,9 +23,6 @@ constexpr std::size_t kMostBytes = 1 << 22;
 
 class ClosedLoopCommand : public ::testing::Test {
  protected:
-  ClosedLoopCommand() { fs::create_directories(folder_); }
-  ~ClosedLoopCommand() override { fs::remove_all(folder_); }
-
   std::string File(const std::string& name) const { return (folder_ / name).string(); }
 
   /// `caltwin diagnose WORDS...`: what it prints.
@@ -36,9 +34,7 @@ class ClosedLoopCommand : public ::testing::Test {
   }
 
  private:
-  fs::path folder_ = fs::temp_directory_path() /
-                     (std::string("closed_loop_") +
-                      ::testing::UnitTest::GetInstance()->current_test_info()->name());
+  TempFolder folder_{};
 };
 
 TEST_F(ClosedLoopCommand, MeasuresByItselfAndRecordsEveryRow) {

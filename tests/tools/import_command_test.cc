@@ -8,6 +8,7 @@
 #include "sim/base/text_file.h"
 #include "sim/measure/data_header.h"
 #include "sim/measure/rows.h"
+#include "tests/base/temp_folder.h"
 #include "tests/tools/run_command.h"
 #include "tools/commands/command.h"
 
@@ -26,8 +27,6 @@ Answer RunImport(const std::vector<std::string>& words) {
 
 class ImportCommand : public ::testing::Test {
  protected:
-  ~ImportCommand() override { fs::remove_all(folder_); }
-
   std::string Written(const std::string& name, const std::string& text) const {
     WriteTextFile(folder_ / name, text);
     return (folder_ / name).string();
@@ -38,10 +37,7 @@ class ImportCommand : public ::testing::Test {
     return std::string(CALTWIN_SOURCE_DIR) + "/tests/data/imports/" + name;
   }
 
-  const fs::path folder_ =
-      fs::path(::testing::TempDir()) /
-      (std::string("caltwin_import_") +
-       ::testing::UnitTest::GetInstance()->current_test_info()->name());
+  TempFolder folder_{};
 };
 
 TEST_F(ImportCommand, WritesRowsAndHeaderAndSaysWhatItTookThemFor) {
@@ -145,9 +141,8 @@ TEST_F(ImportCommand, AStepGivenByHandMayBeWhatDoesNotBelong) {
 }
 
 TEST_F(ImportCommand, WritesNothingThatWasNotAskedFor) {
-  fs::create_directories(folder_);
   const fs::path was = fs::current_path();
-  fs::current_path(folder_);
+  fs::current_path(folder_.path());
   const Answer answer = RunImport({"klipper-delta", Data("delta_super_racer.cfg")});
   fs::current_path(was);
 
@@ -156,7 +151,7 @@ TEST_F(ImportCommand, WritesNothingThatWasNotAskedFor) {
   EXPECT_THAT(answer.out,
               HasSubstr("next:      nothing was written; the same with --out DATA.csv "
                         "--machine-out M.yaml writes the rows\n"));
-  EXPECT_TRUE(fs::is_empty(folder_));
+  EXPECT_TRUE(fs::is_empty(folder_.path()));
 }
 
 // Counts stand beside the rows for people; nobody misspelt them.

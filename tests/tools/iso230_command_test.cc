@@ -10,6 +10,7 @@
 #include "sim/base/text_file.h"
 #include "sim/base/units.h"
 #include "sim/measure/rows.h"
+#include "tests/base/temp_folder.h"
 #include "tests/tools/run_command.h"
 #include "tools/commands/command.h"
 #include "tools/commands/iso230_text.h"
@@ -33,17 +34,12 @@ std::string RealAxis(const std::string& name) {
 
 class Iso230Command : public ::testing::Test {
  protected:
-  ~Iso230Command() override { fs::remove_all(folder_); }
-
   std::string Written(const std::string& name, const std::string& text) const {
     WriteTextFile(folder_ / name, text);
     return (folder_ / name).string();
   }
 
-  const fs::path folder_ =
-      fs::path(::testing::TempDir()) /
-      (std::string("caltwin_iso230_") +
-       ::testing::UnitTest::GetInstance()->current_test_info()->name());
+  TempFolder folder_{};
 };
 
 constexpr const char* kTwoAxes =

@@ -8,6 +8,7 @@
 #include "sim/base/text_file.h"
 #include "sim/measure/data_header.h"
 #include "sim/measure/rows.h"
+#include "tests/base/temp_folder.h"
 #include "tests/tools/run_command.h"
 #include "tools/commands/command.h"
 
@@ -22,14 +23,12 @@ constexpr std::size_t kMostBytes = 1 << 20;
 class SimulateCommand : public ::testing::Test {
  protected:
   SimulateCommand() {
-    fs::create_directories(folder_);
     Write("plan.yaml",
           "machine: gantry_router\nseed: 4\n"
           "instruments: {laser: {sigma_um: 0.5}}\n"
           "campaigns:\n  - iso230: {axis: x, positions: 3, runs: 1}\n"
           "  - plate: {grid: [2, 2], repeats: 1}\n");
   }
-  ~SimulateCommand() override { fs::remove_all(folder_); }
 
   std::string File(const std::string& name) const { return (folder_ / name).string(); }
   void Write(const std::string& name, const std::string& text) const {
@@ -48,9 +47,7 @@ class SimulateCommand : public ::testing::Test {
   }
 
  private:
-  fs::path folder_ = fs::temp_directory_path() /
-                     (std::string("simulate_") +
-                      ::testing::UnitTest::GetInstance()->current_test_info()->name());
+  TempFolder folder_{};
 };
 
 TEST_F(SimulateCommand, WritesRowsAndTheHeaderThatExplainsThem) {

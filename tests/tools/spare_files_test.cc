@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/base/text_file.h"
+#include "tests/base/temp_folder.h"
 #include "tests/tools/run_command.h"
 
 namespace caltwin {
@@ -21,9 +22,6 @@ constexpr std::size_t kMostBytes = 1 << 20;
 
 class SpareFiles : public ::testing::Test {
  protected:
-  SpareFiles() { fs::create_directories(folder_); }
-  ~SpareFiles() override { fs::remove_all(folder_); }
-
   std::string File(const std::string& name) const { return (folder_ / name).string(); }
   std::string Written(const std::string& name, const std::string& text) const {
     WriteTextFile(folder_ / name, text);
@@ -41,9 +39,7 @@ class SpareFiles : public ::testing::Test {
     EXPECT_EQ(answer.out, "");
   }
 
-  fs::path folder_ = fs::temp_directory_path() /
-                     (std::string("spare_") +
-                      ::testing::UnitTest::GetInstance()->current_test_info()->name());
+  TempFolder folder_{};
 };
 
 TEST_F(SpareFiles, AFileIsTheSameOverLinksAndDots) {

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/base/text_file.h"
+#include "tests/base/temp_folder.h"
 #include "tests/tools/run_command.h"
 #include "tools/commands/command.h"
 
@@ -22,11 +23,7 @@ constexpr std::size_t kMost_bytes = 1'000'000;
 
 class StudyCommandTest : public ::testing::Test {
  protected:
-  StudyCommandTest()
-      : folder_(fs::path(::testing::TempDir()) /
-                ::testing::UnitTest::GetInstance()->current_test_info()->name()) {
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
+  StudyCommandTest() {
     std::ofstream(folder_ / "plan.yaml")
         << "format: 1\nmachine: gantry_router\n"
            "instruments: {laser: {kind: laser, sigma_um: 1}}\n"
@@ -47,7 +44,7 @@ class StudyCommandTest : public ::testing::Test {
   }
 
  private:
-  fs::path folder_;
+  TempFolder folder_{};
 };
 
 TEST_F(StudyCommandTest, PartsMergeIntoTheWhole) {

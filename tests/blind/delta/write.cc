@@ -1,21 +1,14 @@
 // A case as files: rows, drawing, truth.
 
 #include <filesystem>
-#include <fstream>
-#include <stdexcept>
 
 #include <fmt/format.h>
 
 #include "tests/blind/delta/case.h"
+#include "tests/blind/text_file.h"
 
 namespace blind {
 namespace {
-
-void WriteText(const std::filesystem::path& file, const std::string& text) {
-  std::ofstream stream(file, std::ios::binary);
-  stream << text;
-  if (!stream) throw std::runtime_error("cannot write " + file.string());
-}
 
 std::string DataCsv(const DeltaCase& made) {
   std::string text =

@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <functional>
 #include <set>
 #include <stdexcept>
 
 #include <fmt/format.h>
 
+#include "tests/blind/text_file.h"
 #include "tests/blind/visible.h"
 
 namespace blind {
@@ -209,12 +209,6 @@ nlohmann::json Hide(const TzCause& cause, TzCase* made, TzTruth* truth) {
           {"separation", twins},
           {"acceptable", nlohmann::json::array()},
           {"covariates", cause.covariates}};
-}
-
-void WriteText(const std::filesystem::path& file, const std::string& text) {
-  std::ofstream stream(file, std::ios::binary);
-  stream << text;
-  if (!stream) throw std::runtime_error("cannot write " + file.string());
 }
 
 std::string DataCsv(const TzCase& made) {

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <string_view>
+
+#include "calibration/diagnosis/observed.h"
+
+namespace caltwin {
+
+/// The controllers that a correction can be written for.
+enum class ControllerKind { kRrf, kKlipper, kMarlin, kLinuxCnc };
+/// Throws InputError where the word is none of rrf, klipper, marlin, linuxcnc.
+ControllerKind ControllerNamed(std::string_view word);
+
+/// "Marlin".
+std::string_view FullName(ControllerKind controller);
+/// Whether its settings are G-code; else lines of a configuration file.
+bool IsSetByGcode(ControllerKind controller);
+
+/// The settings that the rows were measured with: the only ones their header states,
+/// or the machine's.
+Settings SettingsOfRows(const Observed& observed);
+
+}  // namespace caltwin
