@@ -13,6 +13,7 @@
 #include "calibration/diagnosis/pitch_map.h"
 #include "calibration/diagnosis/remains.h"
 #include "calibration/diagnosis/scrutiny.h"
+#include "calibration/diagnosis/whole_tables.h"
 #include "sim/base/units.h"
 
 namespace caltwin {
@@ -218,19 +219,14 @@ class Reporter {
     diagnosis->residual_after_mm = with.residual_mm;
     diagnosis->residual_before_mm =
         Evidence(observed_, noise, baseline, out).FitNuisances().residual_mm;
-    // What leaves a row open by so much is not known, whatever number comes out.
-    constexpr double kOpen_mm = 0.05;
-    constexpr double kKnown = 0.5;  // Of what was known of it before.
     for (std::size_t k = 0; k < baseline.size(); ++k) {
       if (!baseline[k].reported) continue;
       const auto at = static_cast<Eigen::Index>(k);
-      const double open_mm = with.sds[at] * baseline[k].column_mm.cwiseAbs().maxCoeff();
-      diagnosis->baseline.push_back(
-          {baseline[k].name,
-           baseline[k].unit,
-           baseline[k].offset + with.values[at],
-           with.sds[at],
-           open_mm < kOpen_mm && with.sds[at] < kKnown * baseline[k].prior_sd});
+      diagnosis->baseline.push_back({baseline[k].name,
+                                     baseline[k].unit,
+                                     baseline[k].offset + with.values[at],
+                                     with.sds[at],
+                                     IsDetermined(baseline[k], with.sds[at])});
       if (baseline[k].name == "endstop.b") AddLastEndstop(with, at, diagnosis);
     }
   }
@@ -332,6 +328,7 @@ Diagnosis Diagnose(const Observed& as_read, const DiagnoseOptions& options) {
     return UmFromMm(Peak_mm(found.variant.columns_mm * found.sizes_mm)) <
            options.min_effect_um;
   });
+  CompleteTables(observed, candidates, &search);
   Diagnosis diagnosis = Reporter(observed, candidates, search).Make();
   if (!remark.empty()) diagnosis.remarks.push_back(remark);
   diagnosis.min_effect_um = options.min_effect_um;

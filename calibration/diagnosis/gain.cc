@@ -6,7 +6,6 @@
 #include <map>
 
 #include "calibration/diagnosis/noise.h"
-#include "calibration/diagnosis/remains.h"
 
 namespace caltwin {
 namespace {
@@ -279,19 +278,31 @@ std::vector<double> Shares(const Gainer& gainer, double floor_mm2) {
 }
 
 // Of all rows that count.
+// The pure error of replicates, what was found taken out: a drift that has a name is no
+// noise. A campaign without replicates has what the richest model leaves.
 double NoiseFloor_mm(const Observed& o,
                      const SearchResult& search,
+                     const std::vector<Refined>& refined,
                      bool* from_replicates) {
-  const std::vector<Floor> floors = FloorsOf(o, search);
+  constexpr int kEnough = 5;
+  Eigen::VectorXd left_mm = o.residual_mm();
+  for (std::size_t i = 0; i < search.found.size(); ++i) {
+    const bool is_refined = refined[i].effect.effect >= 0;
+    const Found& found = search.found[i];
+    left_mm -= is_refined ? refined[i].variant.columns_mm * refined[i].sizes_mm
+                          : found.variant.columns_mm * found.sizes_mm;
+  }
+  const std::vector<bool>& out = search.circumstances.left_out;
+  const PureError pure = PureErrorOf(o, left_mm, out, kEnough);
   double sum = 0;
   int rows = 0;
   *from_replicates = true;
-  for (Eigen::Index i = 0; i < o.num_rows(); ++i) {
-    if (search.circumstances.left_out[static_cast<std::size_t>(i)]) continue;
-    const Floor& floor =
-        floors[static_cast<std::size_t>(o.campaign_of()[static_cast<std::size_t>(i)])];
-    sum += floor.sigma_mm * floor.sigma_mm;
-    *from_replicates &= floor.from_replicates;
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    if (out[i]) continue;
+    const auto c = static_cast<std::size_t>(o.campaign_of()[i]);
+    const bool is_pure = Known(pure.sigma_mm[c]);
+    sum += std::pow(is_pure ? pure.sigma_mm[c] : search.richest.sigma_mm[c], 2);
+    *from_replicates &= is_pure;
     ++rows;
   }
   return std::sqrt(sum / std::max(rows, 1));
@@ -313,7 +324,8 @@ GainFigures GainOf(const Observed& observed,
   const double strict_score = strict.Score(strict.All(), blocks);
   const Gainer& gainer = free_score >= strict_score ? free : strict;
   GainFigures gain;
-  gain.noise_floor_mm = NoiseFloor_mm(observed, search, &gain.floor_from_replicates);
+  gain.noise_floor_mm =
+      NoiseFloor_mm(observed, search, refined, &gain.floor_from_replicates);
   gain.blocks = gainer.LeaveOut(blocks);
   if (depth == GainDepth::kAll && !search.found.empty()) {
     gain.runs = gainer.LeaveOut(GroupsBy(observed, RunOf, kMostPositionFolds));

@@ -90,8 +90,17 @@ Eigen::MatrixXd Whitener::operator()(const Eigen::MatrixXd& columns_mm) const {
 }
 
 PureError PureErrorOf(const Observed& observed, int least_dof) {
+  const std::vector<bool> none(static_cast<std::size_t>(observed.num_rows()), false);
+  return PureErrorOf(observed, observed.residual_mm(), none, least_dof);
+}
+
+PureError PureErrorOf(const Observed& observed,
+                      const Eigen::VectorXd& left_mm,
+                      const std::vector<bool>& left_out,
+                      int least_dof) {
   std::map<std::string, std::vector<Eigen::Index>> groups;
   for (Eigen::Index i = 0; i < observed.num_rows(); ++i) {
+    if (left_out[static_cast<std::size_t>(i)]) continue;
     groups[ReplicateKey(observed, i)].push_back(i);
   }
   const std::size_t num_campaigns = observed.campaigns().size();
@@ -101,12 +110,12 @@ PureError PureErrorOf(const Observed& observed, int least_dof) {
   for (const auto& [key, members] : groups) {
     if (members.size() < 2) continue;
     double mean = 0;
-    for (const Eigen::Index i : members) mean += observed.residual_mm()[i];
+    for (const Eigen::Index i : members) mean += left_mm[i];
     mean /= static_cast<double>(members.size());
     const auto c = static_cast<std::size_t>(
         observed.campaign_of()[static_cast<std::size_t>(members.front())]);
     for (const Eigen::Index i : members) {
-      sum[c] += std::pow(observed.residual_mm()[i] - mean, 2);
+      sum[c] += std::pow(left_mm[i] - mean, 2);
     }
     pure.dof[c] += static_cast<int>(members.size()) - 1;
   }

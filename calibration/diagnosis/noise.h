@@ -43,6 +43,11 @@ struct PureError {
   std::vector<int> dof{};
 };
 PureError PureErrorOf(const Observed& observed, int least_dof);
+/// The same of what is left of the rows, those left out aside.
+PureError PureErrorOf(const Observed& observed,
+                      const Eigen::VectorXd& left_mm,
+                      const std::vector<bool>& left_out,
+                      int least_dof);
 
 /// The same of rows that are replicates of each other, as in PureErrorOf.
 std::string ReplicateKey(const Observed& observed, Eigen::Index i);

@@ -118,8 +118,7 @@ std::vector<Floor> FloorsOf(const Observed& observed, const SearchResult& search
     const bool is_pure =
         Known(pure.sigma_mm[c]) && pure.sigma_mm[c] < kAlike * richest_mm;
     floors.push_back({is_pure ? pure.sigma_mm[c] : richest_mm,
-                      is_pure ? pure.dof[c] : search.richest.dof[c],
-                      is_pure});
+                      is_pure ? pure.dof[c] : search.richest.dof[c]});
   }
   return floors;
 }

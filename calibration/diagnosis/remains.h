@@ -10,7 +10,6 @@ namespace caltwin {
 struct Floor {
   double sigma_mm = 0;
   double dof = 0;
-  bool from_replicates = false;
 };
 
 /// By campaign: from replicates where there are ten degrees of freedom and no drift

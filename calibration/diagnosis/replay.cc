@@ -13,6 +13,7 @@
 #include "calibration/diagnosis/baseline_fit.h"
 #include "calibration/diagnosis/delta_lines.h"
 #include "calibration/diagnosis/nuisances.h"
+#include "calibration/diagnosis/whole_tables.h"
 #include "calibration/estimate/linear_fit.h"
 #include "sim/base/input_error.h"
 #include "sim/base/units.h"
@@ -91,11 +92,6 @@ struct Extended {
   std::vector<BaselineLine> lines{};  ///< Of the baseline, as fitted.
   std::vector<Nuisance> not_built{};  ///< Columns of the baseline that it lacks.
 };
-
-// Where things lie is nobody's error: always fitted, however badly it is known.
-bool IsPlace(const std::string& name) {
-  return name.starts_with("placement.") || name == "bed_plane.height";
-}
 
 // A line that the rows do not determine is left as drawn: whatever number came out is
 // none, and left free it would take up what the finding leaves.

@@ -1,0 +1,72 @@
+#include "calibration/diagnosis/whole_tables.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "calibration/diagnosis/evidence.h"
+
+namespace caltwin {
+namespace {
+
+// The baseline's lines first, then the columns of all that was found.
+Evidence::Fit FitTogether(const Observed& observed,
+                          const SearchResult& search,
+                          std::vector<Nuisance> lines,
+                          const std::vector<Nuisance>& found) {
+  lines.insert(lines.end(), found.begin(), found.end());
+  return Evidence(observed,
+                  {search.circumstances.sigma_mm, search.wander_mm2_per_s},
+                  lines,
+                  search.circumstances.left_out)
+      .FitNuisances();
+}
+
+}  // namespace
+
+bool IsPlace(std::string_view line) {
+  return line.starts_with("placement.") || line == "bed_plane.height";
+}
+
+bool IsDetermined(const Nuisance& line, double sd) {
+  constexpr double kOpen_mm = 0.05;
+  constexpr double kKnown = 0.5;
+  return sd * line.column_mm.cwiseAbs().maxCoeff() < kOpen_mm &&
+         sd < kKnown * line.prior_sd;
+}
+
+void CompleteTables(const Observed& observed,
+                    const std::vector<Candidate>& candidates,
+                    SearchResult* search) {
+  std::vector<Nuisance> found, named;
+  std::vector<std::pair<std::size_t, Eigen::Index>> tables;  // And the first column.
+  for (std::size_t i = 0; i < search->found.size(); ++i) {
+    const Found& one = search->found[i];
+    const Candidate& candidate = candidates[one.candidate];
+    const auto columns = NuisancesOf(observed, candidate, one);
+    const bool is_table = candidate.is_free() && !one.lost_its_name;
+    if (is_table) tables.emplace_back(i, static_cast<Eigen::Index>(found.size()));
+    if (!is_table) named.insert(named.end(), columns.begin(), columns.end());
+    found.insert(found.end(), columns.begin(), columns.end());
+  }
+  if (tables.empty()) return;
+  const std::vector<Nuisance>& lines = search->circumstances.nuisances;
+  const Evidence::Fit beside = FitTogether(observed, *search, lines, found);
+  const Evidence::Fit alone = FitTogether(observed, *search, lines, named);
+  std::vector<Nuisance> kept;
+  for (std::size_t k = 0; k < lines.size(); ++k) {
+    const auto at = static_cast<Eigen::Index>(k);
+    const bool is_shared = lines[k].reported && !IsPlace(lines[k].name) &&
+                           !IsDetermined(lines[k], beside.sds[at]) &&
+                           IsDetermined(lines[k], alone.sds[at]);
+    if (!is_shared) kept.push_back(lines[k]);
+  }
+  if (kept.size() == lines.size()) return;
+  const Evidence::Fit fit = FitTogether(observed, *search, kept, found);
+  for (const auto& [i, first] : tables) {
+    Eigen::VectorXd& sizes_mm = search->found[i].sizes_mm;
+    sizes_mm = fit.values.segment(static_cast<Eigen::Index>(kept.size()) + first,
+                                  sizes_mm.size());
+  }
+}
+
+}  // namespace caltwin
