@@ -113,6 +113,7 @@ class Judge {
       found += more;
       ridge_ = FitRidge(columns_, white_, keep_);
     }
+    TakeBack();
   }
 
   Richest Take(const Eigen::VectorXd& sigma_mm) const {
@@ -183,6 +184,22 @@ class Judge {
                                std::max(1, static_cast<int>(far.size() / 2))});
     for (int k = 0; k < take; ++k) keep_[far[static_cast<std::size_t>(k)].second] = 0;
     return take;
+  }
+
+  // A far row drags others along while it takes part: rows that agree with all that is
+  // left were left out for its sake.
+  void TakeBack() {
+    const std::vector<double> spreads = Spreads();
+    bool is_any_back = false;
+    for (Eigen::Index i = 0; i < keep_.size(); ++i) {
+      if (keep_[i] > 0) continue;
+      const double size =
+          std::abs(Deleted(ridge_, keep_, i)) / std::max(spreads[CampaignOf(i)], 1e-9);
+      if (size > kOutlier_sigma) continue;
+      keep_[i] = 1;
+      is_any_back = true;
+    }
+    if (is_any_back) ridge_ = FitRidge(columns_, white_, keep_);
   }
 
   const Observed& observed_;

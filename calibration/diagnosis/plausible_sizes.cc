@@ -116,42 +116,51 @@ std::size_t NumRemainders(const std::set<double>& positions, double step) {
   return remainders.size();
 }
 
-// Targets are round numbers in the unit they were chosen in. One odd position, and
-// those a round number away from it, may be round in inches by chance; so may a grid of
-// equal steps, which is why positions further out than any bench goes are none.
-void DoubtPositions(const RowTable& table, std::vector<Doubt>* doubts) {
+// Whether positions are round numbers of mm once they are taken as inches, and are not as
+// they stand. One odd position, and those a round number away from it, may be round in
+// inches by chance; so may a grid of equal steps, which is why positions further out
+// than any bench goes are none.
+bool AreInches(const std::set<double>& positions) {
   constexpr double kRound_mm = 0.5;
   constexpr double kFarthest_mm = 4000;
+  const auto all_round = [&](double scale, double step, double tolerance) {
+    return std::ranges::all_of(positions, [&](double position) {
+      const double steps = position * scale / step;
+      return std::abs(steps - std::round(steps)) * step < tolerance;
+    });
+  };
+  const bool is_too_far = std::ranges::any_of(positions, [](double position) {
+    return MmFromInch(std::abs(position)) > kFarthest_mm;
+  });
+  return !is_too_far && !all_round(1, 0.01, 1e-4) &&
+         NumRemainders(positions, kRound_mm) >= 4 &&
+         all_round(kInch_mm, kRound_mm, 0.01);
+}
+
+// Targets are round numbers in the unit they were chosen in, each campaign's in its
+// own.
+void DoubtPositions(const RowTable& table, std::vector<Doubt>* doubts) {
   for (const int axis : {0, 1, 2}) {
-    std::set<double> positions;
+    std::map<std::string, std::set<double>> positions;
     for (const Row& row : table.rows) {
       if (Known(row.cmd_mm[axis]) && row.cmd_mm[axis] != 0) {
-        positions.insert(row.cmd_mm[axis]);
+        positions[row.campaign].insert(row.cmd_mm[axis]);
       }
     }
-    const auto all_round = [&](double scale, double step, double tolerance) {
-      return std::ranges::all_of(positions, [&](double position) {
-        const double steps = position * scale / step;
-        return std::abs(steps - std::round(steps)) * step < tolerance;
-      });
-    };
-    const bool is_too_far = std::ranges::any_of(positions, [](double position) {
-      return MmFromInch(std::abs(position)) > kFarthest_mm;
-    });
-    if (is_too_far || all_round(1, 0.01, 1e-4) ||
-        NumRemainders(positions, kRound_mm) < 4 ||
-        !all_round(kInch_mm, kRound_mm, 0.01)) {
-      continue;
+    for (const auto& [campaign, of_campaign] : positions) {
+      if (!AreInches(of_campaign)) continue;
+      doubts->push_back({.kind = "position_unit",
+                         .message = fmt::format(
+                             "the positions along {} of campaign {} are round numbers "
+                             "of mm if taken as inches: {:.5g} is {:.4g} mm",
+                             "xyz"[axis],
+                             campaign,
+                             *of_campaign.rbegin(),
+                             MmFromInch(*of_campaign.rbegin())),
+                         .hint = fmt::format("cmd_{}_mm is in mm", "xyz"[axis]),
+                         .refuse = true});
+      break;
     }
-    doubts->push_back({.kind = "position_unit",
-                       .message = fmt::format(
-                           "the positions along {} are round numbers of mm if taken "
-                           "as inches: {:.5g} is {:.4g} mm",
-                           "xyz"[axis],
-                           *positions.rbegin(),
-                           MmFromInch(*positions.rbegin())),
-                       .hint = fmt::format("cmd_{}_mm is in mm", "xyz"[axis]),
-                       .refuse = true});
   }
 }
 

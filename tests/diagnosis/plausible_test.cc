@@ -100,6 +100,17 @@ TEST(Plausible, PositionsInInchesAreRefused) {
               Contains("position_unit!"));
 }
 
+TEST(Plausible, OneCampaignInInchesIsRefused) {
+  RowTable table = X();
+  for (Row row : X().rows) {
+    row.row += 1000;
+    row.campaign = "in_inches";
+    row.cmd_mm[0] /= MmFromInch(1.0);
+    table.rows.push_back(row);
+  }
+  EXPECT_THAT(KindsOf(table), Contains("position_unit!"));
+}
+
 TEST(Plausible, TheGaugeInInchesTheCommandInMillimetres) {
   const auto actual_in_inches = [](Row* row) {
     const double actual_mm = row->cmd_mm[0] + row->value_mm;
