@@ -13,6 +13,7 @@ namespace caltwin {
 namespace {
 
 constexpr int kFewRows = 3;
+constexpr double kKept = 0.3;  // Of its size, without them.
 
 }  // namespace
 
@@ -41,8 +42,12 @@ Support SupportOf(const Observed& observed,
   // The same variant: another one might live on other outliers.
   Candidate only = candidate;
   only.variants = {candidate.variants[weighed.variant]};
-  Support support{.is_by_many =
-                      Weigh(observed, {only}, without).ranked[0].log_odds > 0};
+  const Weighed fewer = Weigh(observed, {only}, without).ranked[0];
+  // Freedom of form may explain other rows, and speak for a cause that is gone.
+  const Eigen::VectorXd still =
+      evidence.Left(evidence.Whiten(only.variants[0].columns_mm * fewer.sizes_mm));
+  Support support{.is_by_many = fewer.log_odds > 0 &&
+                                shown.dot(still) > kKept * shown.squaredNorm()};
   const auto first = static_cast<Eigen::Index>(order[0]);
   const double left_sigma = evidence.Left(evidence.white_residual())(first);
   if (speaks[first] > 0.5 * speaks.cwiseMax(0).sum() &&

@@ -13,7 +13,8 @@ namespace caltwin {
 
 /// Which rows a candidate owes its evidence to.
 struct Support {
-  /// It stands without the three rows that speak most for it.
+  /// It stands without the three rows that speak most for it: likelier than not, and
+  /// three tenths of its size at least.
   bool is_by_many = false;
   /// A row beyond 4.2 sigma that speaks for it louder than all others together.
   std::optional<std::size_t> loudest{};

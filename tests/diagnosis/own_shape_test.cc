@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "calibration/diagnosis/gates.h"
 #include "sim/base/rng.h"
 #include "sim/effects/catalog.h"
 
@@ -76,6 +77,27 @@ TEST(OwnShape, ARampIsGradual) {
   const Observed observed =
       Datum([](double i) { return 8 * std::clamp((i - 30) / 30, 0.0, 1.0); });
   EXPECT_TRUE(IsGradual(observed, Offset(), LostSteps(observed)));
+}
+
+// One row stands before it; what goes on behind it, freedom of form takes up.
+TEST(OwnShape, AJumpBesideOneRowIsNotByMany) {
+  const Observed observed =
+      Datum([](double i) { return i < 1 ? 27 : 8 * std::sin(0.1 * i); });
+  Candidate jump = LostSteps(observed);
+  jump.variants = {JumpBefore(jump, 1)};
+  const Weighed weighed = Weigh(observed, {jump}, Offset()).ranked[0];
+
+  ASSERT_GT(weighed.log_odds, 0);
+  EXPECT_FALSE(SupportOf(observed, Offset(), 0, jump, weighed).is_by_many);
+}
+
+TEST(OwnShape, AJumpAmongManyRowsIsByMany) {
+  const Observed observed = Datum([](double i) { return i < kMiddle ? 0.0 : 27.0; });
+  Candidate jump = LostSteps(observed);
+  jump.variants = {JumpBefore(jump, kMiddle)};
+  const Weighed weighed = Weigh(observed, {jump}, Offset()).ranked[0];
+
+  EXPECT_TRUE(SupportOf(observed, Offset(), 0, jump, weighed).is_by_many);
 }
 
 TEST(OwnShape, OnlyJumpsCanBeGradual) {
