@@ -69,7 +69,9 @@ class Rater {
         candidates_(candidates),
         search_(search),
         found_(found),
-        rivals_(std::move(rivals)) {}
+        rivals_(std::move(rivals)) {
+    if (!rivals_.empty()) now_sigma_ = SeparationIn(observed).separation_sigma;
+  }
 
   Rated Rate(const CampaignChoice& choice, std::uint64_t seed) const {
     const Plan plan{.instruments = observed_.header().instruments,
@@ -81,25 +83,33 @@ class Rater {
     for (const auto& [option, word] : choice.changed) {
       rated.next.options[option] = word;
     }
-    std::vector<bool> left_out = search_.circumstances.left_out;
-    left_out.resize(static_cast<std::size_t>(both.num_rows()), false);
-    const Evidence evidence(both,
-                            {SigmaOf(both, search_.circumstances.sigma_mm), 0},
-                            BaselineOf(both),
-                            left_out);
     if (rivals_.empty()) {
-      rated.rate = InformationGained(both, evidence) / minutes;
+      rated.rate = InformationGained(both, EvidenceOf(both)) / minutes;
       rated.next.separates = {"unknown"};
       rated.resolves = true;
-    } else {
-      AddSeparation(both, evidence, &rated);
-      rated.rate = std::min(rated.next.separation_sigma, kEnough_sigma) / minutes;
-      rated.resolves = rated.next.separation_sigma >= kResolved_sigma;
+      return rated;
     }
+    const NextCampaign then = SeparationIn(both);
+    rated.next.separates = then.separates;
+    rated.next.separation_sigma = then.separation_sigma;
+    // What the rows at hand do already is no merit of the campaign.
+    rated.rate = (std::min(then.separation_sigma, kEnough_sigma) -
+                  std::min(now_sigma_, kEnough_sigma)) /
+                 minutes;
+    rated.resolves = then.separation_sigma >= kResolved_sigma;
     return rated;
   }
 
  private:
+  Evidence EvidenceOf(const Observed& both) const {
+    std::vector<bool> left_out = search_.circumstances.left_out;
+    left_out.resize(static_cast<std::size_t>(both.num_rows()), false);
+    return {both,
+            {SigmaOf(both, search_.circumstances.sigma_mm), 0},
+            BaselineOf(both),
+            left_out};
+  }
+
   // What becomes known of the shape, and of the causes that could hide in it (waves
   // between the positions): 1/2 log|I + D A|.
   double InformationGained(const Observed& both, const Evidence& evidence) const {
@@ -129,28 +139,29 @@ class Rater {
     return lower.diagonal().array().log().sum();
   }
 
-  void AddSeparation(const Observed& both,
-                     const Evidence& evidence,
-                     Rated* rated) const {
+  // How far the nearest rival is from the finding in these rows, and which are apart.
+  NextCampaign SeparationIn(const Observed& both) const {
     const Candidate& own = candidates_[found_.candidate];
+    NextCampaign told{.separates = {own.cause}};
     const Variant mine = VariantOf(both, own.effect, own.axis, found_.variant.forms);
-    if (mine.columns_mm.cols() != found_.sizes_mm.size()) return;
+    if (mine.columns_mm.cols() != found_.sizes_mm.size()) return told;
+    const Evidence evidence = EvidenceOf(both);
     const Eigen::VectorXd effect =
         evidence.Whiten(mine.columns_mm * found_.sizes_mm *
                         (found_.variant.size_per_mm / mine.size_per_mm));
     const Eigen::MatrixXd whole = evidence.Project(effect).gram;
     double least = whole(0, 0);
-    rated->next.separates = {own.cause};
     for (const std::size_t r : rivals_) {
       const double lambda = LambdaTo(both, evidence, effect, whole, candidates_[r]);
       least = std::min(least, lambda);
       const std::string& cause = candidates_[r].cause;
-      auto& names = rated->next.separates;
+      auto& names = told.separates;
       if (lambda >= kApart && std::ranges::find(names, cause) == names.end()) {
         names.push_back(cause);
       }
     }
-    rated->next.separation_sigma = std::sqrt(std::max(least, 0.0));
+    told.separation_sigma = std::sqrt(std::max(least, 0.0));
+    return told;
   }
 
   static double LambdaTo(const Observed& both,
@@ -177,6 +188,7 @@ class Rater {
   const SearchResult& search_;
   const Found& found_;
   std::vector<std::size_t> rivals_;
+  double now_sigma_ = 0;  ///< Between it and the nearest rival, in the rows at hand.
 };
 
 // Named rivals that keep a finding from being sure.
