@@ -45,9 +45,9 @@ std::array<double, 3> GaugedScales(const std::vector<RowSeries>& all) {
 }
 
 /// Values of touches, linear in what opposite faces tell apart: scale of each axis, and
-/// of each setup the mean and the place of its artefact.
+/// of each setup the mean, the place of its artefact and its turn about the vertical.
 ///
-///   value = mean + place . n - sum over axes of scale q n
+///   value = mean + (place + turn z x q) . n - sum over axes of scale q n
 class FaceFit {
  public:
   /// `reversed`: the campaign whose readings are taken with the other sign.
@@ -80,7 +80,7 @@ class FaceFit {
   }
 
  private:
-  static constexpr Eigen::Index kPerSetup = 4;
+  static constexpr Eigen::Index kPerSetup = 5;
   static constexpr std::size_t kMostSetups = 60;      ///< Beyond: not looked at.
   static constexpr double kSigma_mm = MmFromUm(5.0);  ///< Scatter and crooked faces.
 
@@ -99,6 +99,7 @@ class FaceFit {
 
   void AddPriors(const std::array<double, 3>& scales) {
     constexpr double kGauged = 1e-5, kWide = 0.02, kMean_mm = 1, kPlace_mm = 10;
+    constexpr double kTurn_rad = 0.02;
     for (std::size_t k = 0; k < 3; ++k) {
       const bool is_gauged = Known(scales[k]);
       AddPrior(static_cast<Eigen::Index>(k),
@@ -107,7 +108,8 @@ class FaceFit {
     }
     for (const auto& [setup, at] : at_) {
       AddPrior(at, 0, kMean_mm);
-      for (Eigen::Index k = 1; k < kPerSetup; ++k) AddPrior(at + k, 0, kPlace_mm);
+      for (Eigen::Index k = 1; k <= 3; ++k) AddPrior(at + k, 0, kPlace_mm);
+      AddPrior(at + 4, 0, kTurn_rad);
     }
   }
 
@@ -115,12 +117,15 @@ class FaceFit {
     const Eigen::Index at = Place(row);
     Eigen::VectorXd terms = Eigen::VectorXd::Zero(Size());
     terms[at] = 1;
+    Eigen::Vector3d n = Eigen::Vector3d::Zero(), q_mm = Eigen::Vector3d::Zero();
     for (std::size_t k = 0; k < 3; ++k) {
-      const double n = Known(row.n[k]) ? row.n[k] : 0;
-      const double q_mm = Known(row.cmd_mm[k]) ? row.cmd_mm[k] : 0;
-      terms[at + 1 + static_cast<Eigen::Index>(k)] = n;
-      terms[static_cast<Eigen::Index>(k)] = -q_mm * n;
+      const auto i = static_cast<Eigen::Index>(k);
+      if (Known(row.n[k])) n[i] = row.n[k];
+      if (Known(row.cmd_mm[k])) q_mm[i] = row.cmd_mm[k];
     }
+    terms.segment<3>(at + 1) = n;
+    terms[at + 4] = n[1] * q_mm[0] - n[0] * q_mm[1];
+    terms.head<3>() = -q_mm.cwiseProduct(n);
     constexpr double kWeight = 1 / (kSigma_mm * kSigma_mm);
     normal_ += kWeight * terms * terms.transpose();
     right_ += kWeight * value_mm * terms;

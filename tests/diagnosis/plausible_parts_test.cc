@@ -148,6 +148,19 @@ TEST(PlausibleFaces, AWrongBlockIsNoReversedSign) {
   EXPECT_THAT(RefusalsOf(Touched(0.02, 0, /*size_error_mm=*/-0.03)), IsEmpty());
 }
 
+// Faces touched off their middle read its turn; no other sign makes up for that.
+TEST(PlausibleFaces, ATurnedBlockIsNoReversedSign) {
+  constexpr double kTurn_rad = 0.004, kOff_mm = 20;
+  RowTable table = Touched(0.02, 0, 0);
+  for (Row& row : table.rows) {
+    if (row.campaign != "block") continue;
+    row.cmd_mm[0] += kOff_mm * row.n[1];
+    row.value_mm += kTurn_rad * ((row.cmd_mm[0] - 150) * row.n[1] -
+                                 (row.cmd_mm[1] - 150) * row.n[0]);
+  }
+  EXPECT_THAT(RefusalsOf(table), IsEmpty());
+}
+
 /// A plate touched 7 x 7 by "plate" and again by "again", turned by `turn_deg`; the
 /// second reads `times` the twist that the first read.
 RowTable PlateTouchedTwice(double turn_deg, double times, double lean_um_per_mm) {
