@@ -29,6 +29,7 @@
 #include "tools/commands/measured_data.h"
 #include "tools/commands/progress.h"
 #include "tools/commands/spare_files.h"
+#include "tools/commands/starter.h"
 
 namespace caltwin {
 namespace {
@@ -170,15 +171,35 @@ std::string ExtendsOf(const Options& options, const fs::path& machine) {
   return fs::absolute(machine).lexically_normal().lexically_proximate(folder).string();
 }
 
+// Where the machine goes that nobody described and that is to be extended: beside the
+// extension, "x.machine.yaml" of "x.ext.yaml".
+fs::path FileOfAssumed(const Options& options) {
+  if (options.extend.empty()) return {};
+  fs::path stem = fs::path(options.extend).replace_extension();
+  if (stem.extension() == ".ext") stem.replace_extension();
+  return stem += ".machine.yaml";
+}
+
 // Writes the extended machine where something was found; the name of what was written.
 std::string WriteExtension(const Options& options,
                            const Believed& believed,
                            const Diagnosis& diagnosis) {
   if (options.extend.empty() || diagnosis.findings.empty()) return "";
+  fs::path machine = believed.file;
+  if (machine.empty()) {
+    machine = FileOfAssumed(options);
+    WriteTextFile(machine, StarterText(believed.machine, "assumed"));
+    if (options.json != "-") {
+      std::cout << fmt::format(
+          "{} extends {}, the machine as it was assumed: put in your own sizes.\n",
+          options.extend,
+          machine.string());
+    }
+  }
   WriteTextFile(options.extend,
                 ExtensionText(diagnosis,
-                              {.extends = ExtendsOf(options, believed.file),
-                               .extends_sha256 = Sha256OfFile(believed.file),
+                              {.extends = ExtendsOf(options, machine),
+                               .extends_sha256 = Sha256OfFile(machine),
                                .data_sha256 = Sha256OfFile(options.file)}));
   return options.extend;
 }
@@ -263,15 +284,17 @@ void CheckSpares(const Options& options, const Believed& believed) {
     corrections.push_back(
         {"--correction", options.correction + ScrewTableSuffix(axis)});
   }
-  RefuseOverwriting(Together({RowsAndHeader("the data", options.file),
-                              RowsAndHeader("the earlier data", options.before),
-                              FilesOf(believed.machine),
-                              LinkFiles(options.closed_loop)}),
-                    Together({{{"--extend", options.extend},
-                               {"--json", options.json},
-                               {"--report", options.report, /*is_folder=*/true}},
-                              corrections,
-                              RowsAndHeader("--record", options.record)}));
+  RefuseOverwriting(
+      Together({RowsAndHeader("the data", options.file),
+                RowsAndHeader("the earlier data", options.before),
+                FilesOf(believed.machine),
+                LinkFiles(options.closed_loop)}),
+      Together({{{"--extend", options.extend},
+                 {"--extend", believed.file.empty() ? FileOfAssumed(options) : ""},
+                 {"--json", options.json},
+                 {"--report", options.report, /*is_folder=*/true}},
+                corrections,
+                RowsAndHeader("--record", options.record)}));
 }
 
 int Run(Options options) {
@@ -284,11 +307,6 @@ int Run(Options options) {
   CheckSpares(options, believed);
   if (!options.file.empty()) {
     JudgeData(options.file, believed.file.empty() ? nullptr : &believed.machine, &data);
-  }
-  if (!options.extend.empty() && believed.file.empty()) {
-    throw InputError({.file = "--extend"},
-                     "needs a machine file to extend, and the machine was assumed",
-                     "give --machine; `caltwin new machine NAME` makes one");
   }
   Judged judged = tested ? JudgeInLoop(*tested, believed, options, &data)
                          : Judge(data, believed, options);

@@ -1,0 +1,46 @@
+// `caltwin diagnose` of rows whose machine nobody described.
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "scenarios/machine_file.h"
+#include "tests/base/temp_folder.h"
+#include "tests/tools/run_command.h"
+#include "tools/commands/command.h"
+
+namespace caltwin {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+TEST(DiagnoseCommand, ExtendsTheMachineThatItAssumed) {
+  const TempFolder folder;
+  const std::string rows = "tests/data/iso230/ess_target_y_2022-04.csv";
+  const std::string extension = (folder / "axis.ext.yaml").string();
+
+  EXPECT_THAT(Printed(DeclareDiagnose, {rows, "--extend", extension}),
+              HasSubstr("axis.machine.yaml, the machine as it was assumed: put in your "
+                        "own sizes"));
+  EXPECT_EQ(
+      ReadAnyMachineFile(folder / "axis.machine.yaml").machine.axis(Axis::kY).min_mm,
+      -20);
+  EXPECT_THAT(Printed(DeclareDiagnose, {rows, "--machine", extension}),
+              StartsWith("Verdict: none."));
+}
+
+TEST(DiagnoseCommand, DoesNotPutTheAssumedMachineOverTheData) {
+  const Answer answer = RunCommand(DeclareDiagnose,
+                                   {"tests/data/iso230/ess_target_y_2022-04.csv",
+                                    "--extend",
+                                    "x.ext.yaml",
+                                    "--json",
+                                    "x.machine.yaml"});
+
+  EXPECT_EQ(answer.exit_code, kBadInput);
+  EXPECT_THAT(answer.fault, HasSubstr("x.machine.yaml"));
+}
+
+}  // namespace
+}  // namespace caltwin
