@@ -2,11 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <utility>
 
-#include "calibration/diagnosis/candidates.h"
-#include "calibration/diagnosis/evidence.h"
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "calibration/diagnosis/as_found.h"
+#include "calibration/diagnosis/baseline_fit.h"
+#include "calibration/diagnosis/time_noise.h"
 #include "sim/base/units.h"
 
 namespace caltwin {
@@ -14,14 +19,15 @@ namespace {
 
 constexpr double kChanceOfAny = 0.01;
 constexpr double kWide = 1e3;  // In times the finding itself: free.
-constexpr double kLeastSigma_mm = 1e-6;
-
-struct Size {
-  double value = 0, sd = 0;
-};
+constexpr double kSecondsPerHour = 3600;
+// What leaves a row open by so much, or by half of what was known before, is not told.
+constexpr double kOpen_mm = 0.05, kKnown = 0.5;
 
 std::string NameOf(const Finding& finding) {
-  return finding.axis.empty() ? finding.cause : finding.cause + "." + finding.axis;
+  std::string name = finding.cause;
+  if (!finding.axis.empty()) name += "." + finding.axis;
+  if (finding.effect) return name;
+  return fmt::format("{}{{{}}}", name, fmt::join(finding.covariates, ","));
 }
 
 // Each row takes its place anew in every campaign.
@@ -29,67 +35,99 @@ bool IsPlaced(const std::string& name) {
   return name.starts_with("placement.");
 }
 
-// How often a finding's shape stands in rows, as a multiple of itself: 1 in its own.
-Size TimesIn(const Diagnosed& rows, const Finding& finding) {
-  const Eigen::VectorXd shape_mm = rows.observed.Change_mm(*finding.effect);
-  const double sigma_mm = std::max(rows.diagnosis.gain.noise_floor_mm, kLeastSigma_mm);
-  std::vector<Nuisance> nuisances = BaselineOf(rows.observed);
-  for (const Finding& other : rows.diagnosis.findings) {
-    if (other.change_mm.size() != shape_mm.size() || NameOf(other) == NameOf(finding)) {
-      continue;
+// What one finding does to rows that may not be those it was found in; empty: no model
+// of it can be made for other rows.
+Eigen::VectorXd ShapeIn(const Observed& rows, const Finding& finding) {
+  if (const auto effect = EffectOf(finding)) return rows.Change_mm(*effect);
+  const bool is_home = finding.change_mm.size() == rows.num_rows();
+  return is_home ? finding.change_mm : Eigen::VectorXd{};
+}
+
+// Findings of both, each name once: of two the later one's shape.
+std::vector<const Finding*> AllFindings(const Diagnosed& before, const Diagnosed& now) {
+  std::vector<const Finding*> all;
+  for (const Diagnosed* home : {&now, &before}) {
+    for (const Finding& finding : home->diagnosis.findings) {
+      const bool is_told = std::ranges::any_of(
+          all, [&](const Finding* other) { return NameOf(*other) == NameOf(finding); });
+      if (!is_told) all.push_back(&finding);
     }
-    nuisances.push_back({.name = NameOf(other),
-                         .column_mm = other.change_mm,
-                         .prior_sd = kWide,
-                         .reported = false});
   }
-  nuisances.push_back(
-      {.name = NameOf(finding), .column_mm = shape_mm, .prior_sd = kWide});
-  std::vector<bool> left_out(static_cast<std::size_t>(rows.observed.num_rows()));
+  return all;
+}
+
+std::vector<Nuisance> ShapesIn(const Observed& rows,
+                               const std::vector<const Finding*>& findings) {
+  std::vector<Nuisance> shapes;
+  for (const Finding* finding : findings) {
+    const Eigen::VectorXd shape_mm = ShapeIn(rows, *finding);
+    if (shape_mm.size() == 0) continue;
+    shapes.push_back(
+        {.name = NameOf(*finding), .column_mm = shape_mm, .prior_sd = kWide});
+  }
+  return shapes;
+}
+
+struct Size {
+  double value = 0, sd = 0;
+  bool is_determined = false;
+};
+
+/// One campaign's figures, by name: of the baseline in their units, of findings as
+/// multiples of themselves.
+using Sizes = std::map<std::string, Size>;
+
+// Everything fitted together; how sure, from the scatter of the rows, and from how what
+// is left hangs together in time.
+Sizes SizesIn(const Diagnosed& of, const std::vector<const Finding*>& findings) {
+  const Observed rows = AtBaseline(of.observed, ShapesIn(of.observed, findings));
+  std::vector<Nuisance> all = BaselineOf(rows);
+  const auto more = ShapesIn(rows, findings);
+  all.insert(all.end(), more.begin(), more.end());
+  std::vector<bool> left_out(static_cast<std::size_t>(rows.num_rows()));
   for (std::size_t i = 0; i < left_out.size(); ++i) {
-    const auto number = rows.observed.row(static_cast<Eigen::Index>(i)).row;
-    left_out[i] = std::ranges::find(rows.diagnosis.outlier_rows, number) !=
-                  rows.diagnosis.outlier_rows.end();
+    const auto number = rows.row(static_cast<Eigen::Index>(i)).row;
+    left_out[i] = std::ranges::find(of.diagnosis.outlier_rows, number) !=
+                  of.diagnosis.outlier_rows.end();
   }
-  const Eigen::VectorXd sigmas_mm =
-      Eigen::VectorXd::Constant(rows.observed.num_rows(), sigma_mm);
-  const Evidence::Fit fit =
-      Evidence(rows.observed, {sigmas_mm, 0}, nuisances, left_out).FitNuisances();
-  return {fit.values[fit.values.size() - 1], fit.sds[fit.sds.size() - 1]};
+  const double wander_mm = MmFromUm(of.diagnosis.wander_um_per_sqrt_h);
+  const Noise noise{of.diagnosis.sigma_mm, wander_mm * wander_mm / kSecondsPerHour};
+  const Evidence::Fit fit = Evidence(rows, noise, all, left_out).FitNuisances();
+  const TimeNoise time(rows, noise, all, left_out);
+  Sizes sizes;
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    const auto at = static_cast<Eigen::Index>(k);
+    const double sd = fit.sds[at] * time.of_nuisances()[at];
+    const double open_mm = sd * all[k].column_mm.cwiseAbs().maxCoeff();
+    sizes[all[k].name] = {
+        .value = all[k].offset + fit.values[at],
+        .sd = sd,
+        .is_determined = open_mm < kOpen_mm && sd < kKnown * all[k].prior_sd};
+  }
+  return sizes;
+}
+
+Size SizeOf(const Sizes& sizes, const std::string& name, double unit) {
+  const auto found = sizes.find(name);
+  if (found == sizes.end()) return {};
+  Size size = found->second;
+  size.value *= unit;
+  size.sd *= unit;
+  return size;
 }
 
 Change Of(std::string name, std::string unit, const Size& before, const Size& now) {
   const double sd = std::hypot(before.sd, now.sd);
+  const bool is_told = before.is_determined && now.is_determined && sd > 0;
   return {.name = std::move(name),
           .unit = std::move(unit),
           .before = before.value,
           .before_sd = before.sd,
           .now = now.value,
           .now_sd = now.sd,
-          .sigmas = sd > 0 ? std::abs(now.value - before.value) / sd : 0};
-}
-
-void AddBaselines(const Diagnosis& before,
-                  const Diagnosis& now,
-                  std::vector<Change>* changes) {
-  for (const BaselineLine& line : now.baseline) {
-    const auto earlier =
-        std::ranges::find(before.baseline, line.name, &BaselineLine::name);
-    if (IsPlaced(line.name) || earlier == before.baseline.end()) continue;
-    changes->push_back(
-        Of(line.name, line.unit, {earlier->value, earlier->sd}, {line.value, line.sd}));
-  }
-}
-
-// A finding of `home` in both; in peak micrometres.
-Change OfFinding(const Finding& finding,
-                 const Diagnosed& before,
-                 const Diagnosed& now) {
-  const auto peak = [&](const Diagnosed& rows) {
-    const Size times = TimesIn(rows, finding);
-    return Size{times.value * finding.peak_um, times.sd * finding.peak_um};
-  };
-  return Of(NameOf(finding), "um", peak(before), peak(now));
+          .sigmas = is_told ? std::abs(now.value - before.value) / sd : 0,
+          .before_is_determined = before.is_determined,
+          .now_is_determined = now.is_determined};
 }
 
 // Normal deviate exceeded in size once in 1 / chance times, by bisection.
@@ -105,19 +143,26 @@ double TwoSidedQuantile(double chance) {
 }  // namespace
 
 std::vector<Change> ChangesSince(const Diagnosed& before, const Diagnosed& now) {
+  const std::vector<const Finding*> findings = AllFindings(before, now);
+  const Sizes earlier = SizesIn(before, findings), later = SizesIn(now, findings);
   std::vector<Change> changes;
-  AddBaselines(before.diagnosis, now.diagnosis, &changes);
-  std::vector<std::string> told;
-  for (const Diagnosed* home : {&now, &before}) {
-    for (const Finding& finding : home->diagnosis.findings) {
-      const bool is_told = std::ranges::find(told, NameOf(finding)) != told.end();
-      if (is_told || !finding.effect || finding.effect->effect < 0) continue;
-      told.push_back(NameOf(finding));
-      changes.push_back(OfFinding(finding, before, now));
-    }
+  for (const BaselineLine& line : now.diagnosis.baseline) {
+    if (IsPlaced(line.name) || !earlier.contains(line.name)) continue;
+    changes.push_back(Of(line.name,
+                         line.unit,
+                         SizeOf(earlier, line.name, 1),
+                         SizeOf(later, line.name, 1)));
   }
-  const auto count = static_cast<double>(std::max<std::size_t>(changes.size(), 1));
-  const double limit = TwoSidedQuantile(kChanceOfAny / count);
+  for (const Finding* finding : findings) {
+    const std::string name = NameOf(*finding);
+    changes.push_back(Of(name,
+                         "um",
+                         SizeOf(earlier, name, finding->peak_um),
+                         SizeOf(later, name, finding->peak_um)));
+  }
+  const auto count = std::ranges::count_if(changes, &Change::IsCompared);
+  const double comparisons = std::max(static_cast<double>(count), 1.0);
+  const double limit = TwoSidedQuantile(kChanceOfAny / comparisons);
   for (Change& change : changes) change.is_more_than_noise = change.sigmas > limit;
   return changes;
 }

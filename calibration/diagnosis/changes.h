@@ -15,6 +15,11 @@ struct Change {
   double now = 0, now_sd = 0;
   double sigmas = 0;  ///< |now - before| over both uncertainties together.
   bool is_more_than_noise = false;
+  /// Whether the rows tell it beside all else that was fitted to them; where not, its
+  /// value and uncertainty are its prior's.
+  bool before_is_determined = true, now_is_determined = true;
+
+  bool IsCompared() const { return before_is_determined && now_is_determined; }
 };
 
 /// A campaign and what was made of it.
@@ -27,9 +32,11 @@ struct Diagnosed {
 /// both have (the places of things excepted: they are put anew each time), and every
 /// finding of either, its peak compared.
 ///
-/// A finding that one campaign has and the other has not is looked for there: its shape
-/// as refined is fitted to the other's rows beside baseline and findings, so that a
-/// campaign that could not have shown it has a large uncertainty and no change.
+/// Each campaign's figures are those of one fit: its baseline and the findings of both
+/// campaigns, each in the shape that was refined (the later one's, where both have it).
+/// So a figure means the same in both, and a campaign that could not have shown a
+/// finding does not tell it. Uncertainties are from the scatter of the rows and allow
+/// for what hangs together in time (TimeNoise). The shape of a finding counts as known.
 ///
 /// More than noise: beyond what the largest of that many comparisons of noise exceeds
 /// once in a hundred times (Bonferroni).

@@ -7,8 +7,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json NumberOrNull(double value) {
-  return std::isfinite(value) ? Json(value) : Json(nullptr);
+Json NumberOrNull(double value, bool is_determined) {
+  return std::isfinite(value) && is_determined ? Json(value) : Json(nullptr);
 }
 
 }  // namespace
@@ -16,14 +16,15 @@ Json NumberOrNull(double value) {
 Json ChangesJson(const std::vector<Change>& changes) {
   Json list = Json::array();
   for (const Change& change : changes) {
-    list.push_back({{"name", change.name},
-                    {"unit", change.unit},
-                    {"before", NumberOrNull(change.before)},
-                    {"before_sd", NumberOrNull(change.before_sd)},
-                    {"now", NumberOrNull(change.now)},
-                    {"now_sd", NumberOrNull(change.now_sd)},
-                    {"sigmas", NumberOrNull(change.sigmas)},
-                    {"more_than_noise", change.is_more_than_noise}});
+    list.push_back(
+        {{"name", change.name},
+         {"unit", change.unit},
+         {"before", NumberOrNull(change.before, change.before_is_determined)},
+         {"before_sd", NumberOrNull(change.before_sd, change.before_is_determined)},
+         {"now", NumberOrNull(change.now, change.now_is_determined)},
+         {"now_sd", NumberOrNull(change.now_sd, change.now_is_determined)},
+         {"sigmas", NumberOrNull(change.sigmas, change.IsCompared())},
+         {"more_than_noise", change.is_more_than_noise}});
   }
   return list;
 }

@@ -13,6 +13,7 @@
 #include "calibration/diagnosis/pitch_map.h"
 #include "calibration/diagnosis/remains.h"
 #include "calibration/diagnosis/scrutiny.h"
+#include "calibration/diagnosis/time_noise.h"
 #include "calibration/diagnosis/whole_tables.h"
 #include "sim/base/units.h"
 
@@ -27,7 +28,8 @@ constexpr double kSecondsPerHour = 3600;
 // A free form's values on a grid of knots.
 FreeMap MapOf(const Observed& observed,
               const Candidate& candidate,
-              const Found& found) {
+              const Found& found,
+              const Eigen::VectorXd& sizes_mm) {
   FreeMap map{.channel = candidate.shown.channel,
               .covariates = candidate.shown.covariates};
   if (!candidate.is_free()) return map;
@@ -45,14 +47,14 @@ FreeMap MapOf(const Observed& observed,
     }
     map.knots.push_back(knots);
   }
-  map.terms = static_cast<int>(found.sizes_mm.size());
+  map.terms = static_cast<int>(sizes_mm.size());
   map.prior_size_um = UmFromMm(found.scale_mm);
   const std::vector<FreeTerm>& terms = candidate.free_terms;
   const auto value = [&](const std::vector<double>& at) {
     double sum_mm = 0;
-    for (Eigen::Index k = 0; k < found.sizes_mm.size(); ++k) {
-      sum_mm += found.sizes_mm[k] *
-                ProductAt(terms[static_cast<std::size_t>(k)], covariates, at);
+    for (Eigen::Index k = 0; k < sizes_mm.size(); ++k) {
+      sum_mm +=
+          sizes_mm[k] * ProductAt(terms[static_cast<std::size_t>(k)], covariates, at);
     }
     return sum_mm;
   };
@@ -73,10 +75,14 @@ class Reporter {
   Reporter(const Observed& observed,
            const std::vector<Candidate>& candidates,
            const SearchResult& search)
-      : observed_(observed), candidates_(candidates), search_(search) {}
+      : observed_(observed),
+        candidates_(candidates),
+        search_(search),
+        noise_{search.circumstances.sigma_mm, search.wander_mm2_per_s} {}
 
   Diagnosis Make() {
     refined_ = Refit(observed_, candidates_, search_);
+    FitAll();
     Diagnosis diagnosis{.gain = GainOf(observed_, candidates_, search_, refined_)};
     AddEvidence(&diagnosis);
     for (std::size_t i = 0; i < search_.found.size(); ++i) {
@@ -108,6 +114,29 @@ class Reporter {
   }
 
  private:
+  // Baseline and findings together, and how much less sure each is because what they
+  // leave hangs together in time.
+  void FitAll() {
+    all_ = search_.circumstances.nuisances;
+    std::vector<std::size_t> first;
+    for (std::size_t i = 0; i < search_.found.size(); ++i) {
+      Found found = search_.found[i];
+      if (refined_[i].effect.effect >= 0) found.variant = refined_[i].variant;
+      first.push_back(all_.size());
+      const auto more = NuisancesOf(observed_, candidates_[found.candidate], found);
+      all_.insert(all_.end(), more.begin(), more.end());
+    }
+    spread_ = TimeNoise(observed_, noise_, all_, search_.circumstances.left_out)
+                  .of_nuisances();
+    for (std::size_t i = 0; i < first.size(); ++i) {
+      const Eigen::Index num = refined_[i].variant.columns_mm.cols();
+      if (num == 0) continue;
+      const double spread =
+          spread_.segment(static_cast<Eigen::Index>(first[i]), num).maxCoeff();
+      for (double& sd : refined_[i].sds) sd *= spread;
+    }
+  }
+
   Finding FindingOf(std::size_t i, const GainFigures& gain) const {
     const Found& found = search_.found[i];
     const Candidate& candidate = candidates_[found.candidate];
@@ -123,8 +152,10 @@ class Reporter {
                     .covariates = candidate.shown.covariates,
                     .rows = found.num_rows};
     if (is_free) {
-      finding.change_mm = found.variant.columns_mm * found.sizes_mm;
-      finding.map = MapOf(observed_, candidate, found);
+      const Eigen::VectorXd& sizes_mm =
+          candidate.is_free() ? refined_[i].sizes_mm : found.sizes_mm;
+      finding.change_mm = found.variant.columns_mm * sizes_mm;
+      finding.map = MapOf(observed_, candidate, found, sizes_mm);
     } else {
       const Refined& refined = refined_[i];
       finding.effect = refined.effect;
@@ -205,20 +236,13 @@ class Reporter {
   }
 
   void AddBaseline(Diagnosis* diagnosis) const {
-    const Noise noise{search_.circumstances.sigma_mm, search_.wander_mm2_per_s};
     const std::vector<Nuisance>& baseline = search_.circumstances.nuisances;
-    std::vector<Found> refound = search_.found;
-    for (std::size_t i = 0; i < refound.size(); ++i) {
-      if (refined_[i].effect.effect >= 0) refound[i].variant = refined_[i].variant;
-    }
-    std::vector<Nuisance> all = baseline;
-    const auto more = NuisancesOfAll(observed_, candidates_, refound);
-    all.insert(all.end(), more.begin(), more.end());
     const auto& out = search_.circumstances.left_out;
-    const Evidence::Fit with = Evidence(observed_, noise, all, out).FitNuisances();
+    Evidence::Fit with = Evidence(observed_, noise_, all_, out).FitNuisances();
+    with.sds.array() *= spread_.array();
     diagnosis->residual_after_mm = with.residual_mm;
     diagnosis->residual_before_mm =
-        Evidence(observed_, noise, baseline, out).FitNuisances().residual_mm;
+        Evidence(observed_, noise_, baseline, out).FitNuisances().residual_mm;
     for (std::size_t k = 0; k < baseline.size(); ++k) {
       if (!baseline[k].reported) continue;
       const auto at = static_cast<Eigen::Index>(k);
@@ -250,7 +274,10 @@ class Reporter {
   const Observed& observed_;
   const std::vector<Candidate>& candidates_;
   const SearchResult& search_;
+  Noise noise_;
   std::vector<Refined> refined_{};
+  std::vector<Nuisance> all_{};
+  Eigen::VectorXd spread_{};  ///< Of each of `all_`.
 };
 
 // Where nothing was found, but far more than noise is there: these rows cannot say
@@ -328,7 +355,6 @@ Diagnosis Diagnose(const Observed& as_read, const DiagnoseOptions& options) {
     return UmFromMm(Peak_mm(found.variant.columns_mm * found.sizes_mm)) <
            options.min_effect_um;
   });
-  CompleteTables(observed, candidates, &search);
   Diagnosis diagnosis = Reporter(observed, candidates, search).Make();
   if (!remark.empty()) diagnosis.remarks.push_back(remark);
   diagnosis.min_effect_um = options.min_effect_um;

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "calibration/diagnosis/unseen_rows.h"
 #include "sim/base/units.h"
 
 namespace caltwin {
@@ -13,7 +14,7 @@ Json NumberOrNull(double value) {
   return std::isfinite(value) ? Json(value) : Json(nullptr);
 }
 
-Json FindingJson(const Finding& finding) {
+Json FindingJson(const Finding& finding, const GainFigures& gain) {
   Json candidates = Json::array();
   for (const FindingCandidate& candidate : finding.candidates) {
     candidates.push_back({{"cause", candidate.cause},
@@ -36,7 +37,8 @@ Json FindingJson(const Finding& finding) {
                {"share", finding.share},
                {"covariates", finding.covariates},
                {"rows", finding.rows},
-               {"peak_um", finding.peak_um}};
+               {"peak_um", finding.peak_um},
+               {"recommended", WhatUnseenRowsSay(finding, gain).is_recommended}};
   if (finding.map) {
     json["knots"] = {{"channel", finding.map->channel},
                      {"covariates", finding.map->covariates},
@@ -80,7 +82,7 @@ Json ToJson(const Diagnosis& diagnosis,
             const Provenance& provenance) {
   Json findings = Json::array(), absorbed = Json::array(), baseline = Json::array();
   for (const Finding& finding : diagnosis.findings) {
-    findings.push_back(FindingJson(finding));
+    findings.push_back(FindingJson(finding, diagnosis.gain));
   }
   for (const Absorbed& one : diagnosis.absorbed) {
     absorbed.push_back({{"what", one.what}, {"into", one.into}});

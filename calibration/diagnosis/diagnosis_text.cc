@@ -12,6 +12,7 @@
 #include <fmt/ranges.h>
 
 #include "calibration/diagnosis/diagnosis_words.h"
+#include "calibration/diagnosis/unseen_rows.h"
 #include "sim/base/units.h"
 #include "sim/effects/catalog.h"
 
@@ -250,6 +251,10 @@ void AddCannotTell(const Diagnosis& diagnosis, std::string* text) {
 void AddChanges(const TextNotes& notes, std::string* text) {
   if (!notes.has_before) return;
   std::vector<Change> changed = notes.changes;
+  const auto open = std::ranges::stable_partition(changed, &Change::IsCompared);
+  std::vector<std::string> not_told;
+  for (const Change& change : open) not_told.push_back(change.name);
+  changed.erase(open.begin(), open.end());
   const auto same = std::ranges::stable_partition(changed, &Change::is_more_than_noise);
   const auto count = changed.size() - same.size();
   if (notes.changes.empty()) {
@@ -271,6 +276,10 @@ void AddChanges(const TextNotes& notes, std::string* text) {
                     change.is_more_than_noise
                         ? fmt::format("changed ({:.1f} sigma)", change.sigmas)
                         : fmt::format("within noise ({:.1f} sigma)", change.sigmas));
+  }
+  if (!not_told.empty()) {
+    *text += fmt::format("  not told by one of the two, so not compared: {}\n",
+                         fmt::join(not_told, ", "));
   }
 }
 
@@ -363,7 +372,9 @@ std::string DiagnosisText(const Diagnosis& diagnosis, const TextNotes& notes) {
     text += "\n" + FindingText(finding, diagnosis, notes.measured) + "\n";
     AddRivals(finding, &text);
     AddKernel(finding, &text);
-    const std::string action = WhatToDo(finding);
+    const UnseenRows unseen = WhatUnseenRowsSay(finding, diagnosis.gain);
+    if (!unseen.worse.empty()) text += "  " + unseen.worse + "\n";
+    const std::string action = unseen.is_recommended ? WhatToDo(finding) : "";
     if (!action.empty()) text += "  What to do: " + action + "\n";
   }
   text += "\n";

@@ -6,9 +6,26 @@
 #include <Eigen/Cholesky>
 #include <Eigen/QR>
 
+#include "calibration/estimate/inner_products.h"
 #include "sim/base/require.h"
 
 namespace caltwin {
+namespace {
+
+using Block = Eigen::Ref<const Eigen::MatrixXd>;
+
+ColumnsView ViewOf(const Block& columns) {
+  return {columns.data(), columns.rows(), columns.cols(), columns.outerStride()};
+}
+
+// a' b
+Eigen::MatrixXd Products(const Block& a, const Block& b) {
+  Eigen::MatrixXd products(a.cols(), b.cols());
+  InnerProducts(ViewOf(a), ViewOf(b), products.data());
+  return products;
+}
+
+}  // namespace
 
 Evidence::Evidence(const Observed& observed,
                    const Noise& noise,
@@ -67,8 +84,7 @@ Eigen::MatrixXd Evidence::Whiten(const Eigen::MatrixXd& columns_mm) const {
 Projected Evidence::ProjectPart(const Eigen::Ref<const Eigen::MatrixXd>& white,
                                 const Eigen::Ref<const Eigen::MatrixXd>& along) const {
   Projected projected;
-  projected.gram = white.transpose() * white;
-  projected.gram -= along.transpose() * along;
+  projected.gram = Products(white, white) - Products(along, along);
   projected.match = white.transpose() * white_residual_;
   projected.match -= along.transpose() * taken_;
   // What the baseline takes all but a billionth of is not there: rounding would be
@@ -79,7 +95,7 @@ Projected Evidence::ProjectPart(const Eigen::Ref<const Eigen::MatrixXd>& white,
 }
 
 Projected Evidence::Project(const Eigen::MatrixXd& white) const {
-  return ProjectPart(white, Q().transpose() * white);
+  return ProjectPart(white, Products(Q(), white));
 }
 
 std::vector<Projected> Evidence::ProjectEach(
@@ -99,7 +115,7 @@ std::vector<Projected> Evidence::ProjectEach(
       at += sets_mm[k]->cols();
     }
     const Eigen::MatrixXd white = Whiten(columns_mm);
-    const Eigen::MatrixXd along = Q().transpose() * white;
+    const Eigen::MatrixXd along = Products(Q(), white);
     at = 0;
     for (std::size_t k = first; k < next; ++k) {
       const Eigen::Index own = sets_mm[k]->cols();
@@ -111,7 +127,7 @@ std::vector<Projected> Evidence::ProjectEach(
 }
 
 Eigen::MatrixXd Evidence::Left(const Eigen::MatrixXd& white) const {
-  return white - Q() * (Q().transpose() * white);
+  return white - Q() * Products(Q(), white);
 }
 
 Eigen::MatrixXd Evidence::ProjectedReadings(

@@ -287,10 +287,10 @@ double NoiseFloor_mm(const Observed& o,
   constexpr int kEnough = 5;
   Eigen::VectorXd left_mm = o.residual_mm();
   for (std::size_t i = 0; i < search.found.size(); ++i) {
-    const bool is_refined = refined[i].effect.effect >= 0;
-    const Found& found = search.found[i];
-    left_mm -= is_refined ? refined[i].variant.columns_mm * refined[i].sizes_mm
-                          : found.variant.columns_mm * found.sizes_mm;
+    const bool is_named = refined[i].effect.effect >= 0;
+    const Variant& variant = is_named ? refined[i].variant : search.found[i].variant;
+    if (refined[i].sizes_mm.size() != variant.columns_mm.cols()) continue;
+    left_mm -= variant.columns_mm * refined[i].sizes_mm;
   }
   const std::vector<bool>& out = search.circumstances.left_out;
   const PureError pure = PureErrorOf(o, left_mm, out, kEnough);

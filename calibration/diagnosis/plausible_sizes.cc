@@ -116,9 +116,9 @@ std::size_t NumRemainders(const std::set<double>& positions, double step) {
   return remainders.size();
 }
 
-// Whether positions are round numbers of mm once they are taken as inches, and are not as
-// they stand. One odd position, and those a round number away from it, may be round in
-// inches by chance; so may a grid of equal steps, which is why positions further out
+// Whether positions are round numbers of mm once they are taken as inches, and are not
+// as they stand. One odd position, and those a round number away from it, may be round
+// in inches by chance; so may a grid of equal steps, which is why positions further out
 // than any bench goes are none.
 bool AreInches(const std::set<double>& positions) {
   constexpr double kRound_mm = 0.5;

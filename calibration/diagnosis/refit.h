@@ -21,8 +21,9 @@ struct Refined {
 /// projected residual (sizes and baseline are solved exactly for every trial), then
 /// sizes, phases and forms with their covariance from the linearised problem, freedom
 /// of form included. What is not straight in its sizes is fitted to the exact
-/// prediction (Bend). Free forms stay as they are. One entry per finding; a free one
-/// has no effect (index -1).
+/// prediction (Bend). Free forms keep their columns; their sizes are fitted beside the
+/// names, with the freedom by which their gain is stated. One entry per finding; a free
+/// one has no effect (index -1) and no variant.
 std::vector<Refined> Refit(const Observed& observed,
                            const std::vector<Candidate>& candidates,
                            const SearchResult& search);

@@ -30,7 +30,10 @@ class Searcher {
   Searcher(const Observed& observed,
            const std::vector<Candidate>& candidates,
            const SearchOptions& options)
-      : observed_(observed), candidates_(candidates), options_(options) {}
+      : observed_(observed),
+        candidates_(candidates),
+        options_(options),
+        tolerances_(observed, candidates) {}
 
   SearchResult Run() {
     SettleNoise();
@@ -65,9 +68,13 @@ class Searcher {
     return {sigma_mm_, BaselineAnd(found, except), left_out_};
   }
 
+  Weighing WeighAll(const Circumstances& circumstances) const {
+    return Weigh(observed_, candidates_, circumstances, &tolerances_);
+  }
+
   // Sigma of each campaign and outliers, both against the richest model.
   void JudgeNoise(const Circumstances& circumstances) {
-    const Weighing weighing = Weigh(observed_, candidates_, circumstances);
+    const Weighing weighing = WeighAll(circumstances);
     richest_ = JudgeRows(observed_, candidates_, weighing, circumstances);
     left_out_ = richest_.is_outlier;
     for (std::size_t i = 0; i < suspects_.size(); ++i) {
@@ -137,7 +144,7 @@ class Searcher {
   // be replaced.
   std::optional<Found> Best(std::optional<std::size_t> except) {
     Circumstances circumstances = Under(found_, except);
-    Weighing weighing = Weigh(observed_, candidates_, circumstances);
+    Weighing weighing = WeighAll(circumstances);
     while (!weighing.ranked.empty() && weighing.log_odds_any > kNamingOdds) {
       const Weighed& top = weighing.ranked.front();
       const Candidate& candidate = candidates_[top.candidate];
@@ -150,7 +157,7 @@ class Searcher {
       }
       if (!support.is_by_many && Suspect(support.loudest)) {
         circumstances = Under(found_, except);
-        weighing = Weigh(observed_, candidates_, circumstances);
+        weighing = WeighAll(circumstances);
         continue;
       }
       if (support.is_by_many) {
@@ -160,7 +167,7 @@ class Searcher {
         const bool is_finer = IsFinerThanAStep(observed_, candidates_, found);
         if (!is_finer && !IsFound(found.candidate, except)) return found;
       }
-      DropTop(&weighing);
+      DropLikeliest(&weighing);
     }
     return std::nullopt;
   }
@@ -224,7 +231,7 @@ class Searcher {
     found.push_back(FoundFrom(Under(found), weighing, name));
     if (found.back().lost_its_name) return false;
     const double margin = MarginOver(candidates_[name.candidate], free);
-    for (const Weighed& next : Weigh(observed_, candidates_, Under(found)).ranked) {
+    for (const Weighed& next : WeighAll(Under(found)).ranked) {
       const Candidate& candidate = candidates_[next.candidate];
       if (name.log_odds + next.log_odds < form.log_odds + margin) break;
       const bool is_another = next.candidate != name.candidate && !candidate.is_free();
@@ -242,17 +249,6 @@ class Searcher {
       if (i != except && found_[i].candidate == candidate) return true;
     }
     return false;
-  }
-
-  static void DropTop(Weighing* weighing) {
-    weighing->ranked.erase(weighing->ranked.begin());
-    std::vector<double> logs = {-1e300};
-    for (const Weighed& weighed : weighing->ranked) logs.push_back(weighed.log_odds);
-    weighing->log_odds_any = LogSum(logs);
-    const double total = LogSum({weighing->log_odds_any, 0.0});
-    for (Weighed& weighed : weighing->ranked) {
-      weighed.probability = std::exp(weighed.log_odds - total);
-    }
   }
 
   bool IsBeyondChance(const Circumstances& circumstances,
@@ -381,6 +377,7 @@ class Searcher {
   const Observed& observed_;
   const std::vector<Candidate>& candidates_;
   SearchOptions options_;
+  mutable Tolerances tolerances_;
   std::vector<Nuisance> baseline_{};
   Eigen::VectorXd sigma_mm_{};
   std::vector<bool> left_out_{};

@@ -158,13 +158,12 @@ struct InFull {
   Eigen::VectorXd deviation_mm{};
 };
 
-InFull WithFreedom(const Observed& observed,
-                   const NoiseWorld& world,
+InFull WithFreedom(const NoiseWorld& world,
                    const Candidate& candidate,
-                   const Variant& variant) {
-  const Tolerance tolerance = ToleranceOf(observed, candidate, variant);
+                   const Variant& variant,
+                   const Tolerance& tolerance) {
   const Eigen::Index k = variant.columns_mm.cols(), m = tolerance.columns_mm.cols();
-  Eigen::MatrixXd columns(observed.num_rows(), k + m);
+  Eigen::MatrixXd columns(variant.columns_mm.rows(), k + m);
   columns << variant.columns_mm, tolerance.columns_mm;
   Eigen::VectorXd relative(k + m);
   relative << PriorOf(candidate, variant), tolerance.prior;
@@ -190,14 +189,16 @@ InFull WithFreedom(const Observed& observed,
 }
 
 // One variant in full; remembers it where it is the best so far.
-double Refine(const Observed& observed,
-              const NoiseWorld& world,
+double Refine(const NoiseWorld& world,
               const Candidate& candidate,
               std::size_t variant,
+              Tolerances* tolerances,
               double* best,
               Weighed* weighed) {
-  const InFull full =
-      WithFreedom(observed, world, candidate, candidate.variants[variant]);
+  const InFull full = WithFreedom(world,
+                                  candidate,
+                                  candidate.variants[variant],
+                                  tolerances->Of(weighed->candidate, variant));
   if (full.log_bayes + world.log_none > *best) {
     *best = full.log_bayes + world.log_none;
     weighed->variant = variant;
@@ -209,11 +210,11 @@ double Refine(const Observed& observed,
 }
 
 // A candidate in all worlds: log of the sum over worlds of likelihood.
-Weighed WeighOne(const Observed& observed,
-                 const std::vector<NoiseWorld>& worlds,
+Weighed WeighOne(const std::vector<NoiseWorld>& worlds,
                  double log_none,
                  const Candidate& candidate,
-                 std::size_t index) {
+                 std::size_t index,
+                 Tolerances* tolerances) {
   Weighed weighed{.candidate = index};
   const double per_variant = -std::log(static_cast<double>(candidate.variants.size()));
   std::vector<double> logs;
@@ -226,7 +227,7 @@ Weighed WeighOne(const Observed& observed,
       const bool is_close = scores[s].log_bayes > scores[0].log_bayes - kHopeless_nats;
       if (s < kVariantsInFull && is_close) {
         scores[s].log_bayes =
-            Refine(observed, world, candidate, scores[s].variant, &best, &weighed);
+            Refine(world, candidate, scores[s].variant, tolerances, &best, &weighed);
       }
       of_variants.push_back(scores[s].log_bayes + per_variant);
     }
@@ -234,6 +235,15 @@ Weighed WeighOne(const Observed& observed,
   }
   weighed.log_odds = LogSum(logs) - log_none + candidate.log_prior;
   return weighed;
+}
+
+// Among all candidates and none.
+void ShareProbability(double log_odds_any, Weighing* weighing) {
+  weighing->log_odds_any = log_odds_any;
+  const double total = LogSum({log_odds_any, 0.0});
+  for (Weighed& weighed : weighing->ranked) {
+    weighed.probability = std::exp(weighed.log_odds - total);
+  }
 }
 
 // What every draw says of one variant, added to its list.
@@ -299,9 +309,28 @@ double LikeliestScale_mm(const Evidence& evidence,
   return scale_mm;
 }
 
+void DropLikeliest(Weighing* weighing) {
+  weighing->ranked.erase(weighing->ranked.begin());
+  std::vector<double> logs = {-1e300};
+  for (const Weighed& weighed : weighing->ranked) logs.push_back(weighed.log_odds);
+  ShareProbability(LogSum(logs), weighing);
+}
+
+const Tolerance& Tolerances::Of(std::size_t candidate, std::size_t variant) {
+  const auto [at, is_new] = made_.try_emplace({candidate, variant});
+  if (is_new) {
+    const Candidate& of = candidates_[candidate];
+    at->second = ToleranceOf(observed_, of, of.variants[variant]);
+  }
+  return at->second;
+}
+
 Weighing Weigh(const Observed& observed,
                const std::vector<Candidate>& candidates,
-               const Circumstances& circumstances) {
+               const Circumstances& circumstances,
+               Tolerances* tolerances) {
+  Tolerances own(observed, candidates);
+  if (tolerances == nullptr) tolerances = &own;
   std::vector<NoiseWorld> worlds = WorldsOf(observed, circumstances);
   std::vector<double> none;
   for (const NoiseWorld& world : worlds) none.push_back(world.log_none);
@@ -312,15 +341,11 @@ Weighing Weigh(const Observed& observed,
   DropUnlikely(&worlds);
   std::vector<double> all;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
-    weighing.ranked.push_back(WeighOne(observed, worlds, log_none, candidates[i], i));
+    weighing.ranked.push_back(WeighOne(worlds, log_none, candidates[i], i, tolerances));
     all.push_back(weighing.ranked.back().log_odds);
   }
   if (all.empty()) return weighing;
-  weighing.log_odds_any = LogSum(all);
-  const double total = LogSum({weighing.log_odds_any, 0.0});
-  for (Weighed& weighed : weighing.ranked) {
-    weighed.probability = std::exp(weighed.log_odds - total);
-  }
+  ShareProbability(LogSum(all), &weighing);
   std::ranges::stable_sort(weighing.ranked, std::ranges::greater{}, &Weighed::log_odds);
   return weighing;
 }

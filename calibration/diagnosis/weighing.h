@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstddef>
+#include <map>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -37,11 +39,33 @@ struct Circumstances {
   std::vector<bool> left_out{};
 };
 
+/// Freedom of form of the variants of one list of candidates, each made when it is
+/// first asked for: it depends on the rows' places alone, and many weighings ask for
+/// the same.
+class Tolerances {
+ public:
+  /// Both must outlive this.
+  Tolerances(const Observed& observed, const std::vector<Candidate>& candidates)
+      : observed_(observed), candidates_(candidates) {}
+
+  const Tolerance& Of(std::size_t candidate, std::size_t variant);
+
+ private:
+  const Observed& observed_;
+  const std::vector<Candidate>& candidates_;
+  std::map<std::pair<std::size_t, std::size_t>, Tolerance> made_{};
+};
+
 /// Weighs every candidate: averaged over its variants, over a grid of sizes, over the
 /// rates of wander that the rows allow; with freedom of form for the best variants.
+/// @param tolerances  of the same rows and candidates; null: made for this weighing
 Weighing Weigh(const Observed& observed,
                const std::vector<Candidate>& candidates,
-               const Circumstances& circumstances);
+               const Circumstances& circumstances,
+               Tolerances* tolerances = nullptr);
+
+/// The same without its likeliest candidate.
+void DropLikeliest(Weighing* weighing);
 
 /// The prior size of a variant that is most likely under this evidence, of those that a
 /// weighing averages over.

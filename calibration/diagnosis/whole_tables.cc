@@ -1,6 +1,5 @@
 #include "calibration/diagnosis/whole_tables.h"
 
-#include <algorithm>
 #include <vector>
 
 #include "calibration/diagnosis/evidence.h"
@@ -34,24 +33,22 @@ bool IsDetermined(const Nuisance& line, double sd) {
          sd < kKnown * line.prior_sd;
 }
 
-void CompleteTables(const Observed& observed,
-                    const std::vector<Candidate>& candidates,
-                    SearchResult* search) {
+std::vector<Nuisance> LinesBesideTables(const Observed& observed,
+                                        const std::vector<Candidate>& candidates,
+                                        const SearchResult& search) {
+  const std::vector<Nuisance>& lines = search.circumstances.nuisances;
   std::vector<Nuisance> found, named;
-  std::vector<std::pair<std::size_t, Eigen::Index>> tables;  // And the first column.
-  for (std::size_t i = 0; i < search->found.size(); ++i) {
-    const Found& one = search->found[i];
+  bool has_table = false;
+  for (const Found& one : search.found) {
     const Candidate& candidate = candidates[one.candidate];
     const auto columns = NuisancesOf(observed, candidate, one);
-    const bool is_table = candidate.is_free() && !one.lost_its_name;
-    if (is_table) tables.emplace_back(i, static_cast<Eigen::Index>(found.size()));
-    if (!is_table) named.insert(named.end(), columns.begin(), columns.end());
     found.insert(found.end(), columns.begin(), columns.end());
+    has_table |= candidate.is_free();
+    if (!candidate.is_free()) named.insert(named.end(), columns.begin(), columns.end());
   }
-  if (tables.empty()) return;
-  const std::vector<Nuisance>& lines = search->circumstances.nuisances;
-  const Evidence::Fit beside = FitTogether(observed, *search, lines, found);
-  const Evidence::Fit alone = FitTogether(observed, *search, lines, named);
+  if (!has_table) return lines;
+  const Evidence::Fit beside = FitTogether(observed, search, lines, found);
+  const Evidence::Fit alone = FitTogether(observed, search, lines, named);
   std::vector<Nuisance> kept;
   for (std::size_t k = 0; k < lines.size(); ++k) {
     const auto at = static_cast<Eigen::Index>(k);
@@ -60,13 +57,7 @@ void CompleteTables(const Observed& observed,
                            IsDetermined(lines[k], alone.sds[at]);
     if (!is_shared) kept.push_back(lines[k]);
   }
-  if (kept.size() == lines.size()) return;
-  const Evidence::Fit fit = FitTogether(observed, *search, kept, found);
-  for (const auto& [i, first] : tables) {
-    Eigen::VectorXd& sizes_mm = search->found[i].sizes_mm;
-    sizes_mm = fit.values.segment(static_cast<Eigen::Index>(kept.size()) + first,
-                                  sizes_mm.size());
-  }
+  return kept;
 }
 
 }  // namespace caltwin

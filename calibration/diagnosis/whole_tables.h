@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string_view>
+#include <vector>
 
 #include "calibration/diagnosis/search.h"
 
@@ -13,14 +14,14 @@ bool IsPlace(std::string_view line);
 /// half of what was known of it before is gone. `sd` in the line's unit.
 bool IsDetermined(const Nuisance& line, double sd);
 
-/// What a baseline and the tables found beside it share, rows give to neither: a slope
-/// along x is scale.x or part of a table over x. Where a table leaves a line of the
-/// baseline undetermined, which the rows would tell without it, the line stays as drawn
-/// and the table is fitted without it: then table and drawing together are what was
-/// measured, in the extended machine and in a correction. Where things lie
-/// (placements, the bed's height) stays the baseline's.
-void CompleteTables(const Observed& observed,
-                    const std::vector<Candidate>& candidates,
-                    SearchResult* search);
+/// The baseline that tables are fitted beside. What both share, rows give to neither: a
+/// slope along x is scale.x or part of a table over x. A line that a table leaves
+/// undetermined, which the rows would tell without it, is not among them: it stays as
+/// drawn and the table has it all, so that table and drawing together are what was
+/// measured, in the extended machine and in a correction. Where things lie (placements,
+/// the bed's height) stays the baseline's.
+std::vector<Nuisance> LinesBesideTables(const Observed& observed,
+                                        const std::vector<Candidate>& candidates,
+                                        const SearchResult& search);
 
 }  // namespace caltwin

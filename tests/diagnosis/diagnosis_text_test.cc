@@ -165,6 +165,47 @@ TEST(DiagnosisText, TellsRowsLeftOutAndChanges) {
   EXPECT_THAT(text, HasSubstr("0.020 +- 0.001 mm -> 0.050 +- 0.001 mm"));
 }
 
+TEST(DiagnosisText, DoesNotCompareWhatIsNotTold) {
+  const TextNotes notes{.changes = {{.name = "scale.z",
+                                     .unit = "ppm",
+                                     .now = 0,
+                                     .now_sd = 23631,
+                                     .now_is_determined = false}},
+                        .has_before = true};
+
+  const std::string text = DiagnosisText({}, notes);
+
+  EXPECT_THAT(text,
+              HasSubstr("not told by one of the two, so not compared: scale.z\n"));
+  EXPECT_THAT(text, Not(HasSubstr("23631")));
+}
+
+// The three cases of a table: of use, of use between its ends, of no use.
+TEST(DiagnosisText, DoesNotRecommendWhatMakesUnseenRowsWorse) {
+  Diagnosis diagnosis = TwoFindings();
+  diagnosis.findings = {{.cause = "pitch_map",
+                         .axis = "x",
+                         .share = 0.9,
+                         .covariates = {"x"},
+                         .map = FreeMap{.channel = "x", .covariates = {"x"}}}};
+  HeldOut better{.before_mm = 0.0306, .after_mm = 0.0215, .rows = 20, .groups = 2};
+  HeldOut worse{.before_mm = 0.0306, .after_mm = 0.0357, .rows = 20, .groups = 2};
+  diagnosis.gain.positions = diagnosis.gain.ends = better;
+  EXPECT_THAT(DiagnosisText(diagnosis, {}), Not(HasSubstr("worse")));
+
+  diagnosis.gain.ends = worse;
+  const std::string between = DiagnosisText(diagnosis, {});
+  EXPECT_THAT(between,
+              HasSubstr("beyond them it makes rows worse that it has not seen (31 um "
+                        "rms without what was found, 36 with it)."));
+  EXPECT_THAT(between, HasSubstr("What to do: Enter it"));
+
+  diagnosis.gain.positions = worse;
+  const std::string useless = DiagnosisText(diagnosis, {});
+  EXPECT_THAT(useless, HasSubstr("Do not correct by it: between the positions"));
+  EXPECT_THAT(useless, Not(HasSubstr("What to do: Enter it")));
+}
+
 TEST(WhatRowsMeasure, IsAnAxisOnlyWhereAllRowsLieAlongIt) {
   EXPECT_EQ(WhatRowsMeasure({.rows = {Along(1, 0), Along(-1, 0)}}), "X");
   EXPECT_EQ(WhatRowsMeasure({.rows = {Along(1, 0), Along(0, 1)}}), "the rows");
