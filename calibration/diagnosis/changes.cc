@@ -116,6 +116,15 @@ Size SizeOf(const Sizes& sizes, const std::string& name, double unit) {
   return size;
 }
 
+// A line of the baseline, no surer than its diagnosis states it beside the freedom of
+// form of what was found there.
+Size LineOf(const Diagnosis& diagnosis, const Sizes& sizes, const std::string& name) {
+  Size size = SizeOf(sizes, name, 1);
+  const auto line = std::ranges::find(diagnosis.baseline, name, &BaselineLine::name);
+  if (line != diagnosis.baseline.end()) size.sd = std::max(size.sd, line->sd);
+  return size;
+}
+
 Change Of(std::string name, std::string unit, const Size& before, const Size& now) {
   const double sd = std::hypot(before.sd, now.sd);
   const bool is_told = before.is_determined && now.is_determined && sd > 0;
@@ -150,8 +159,8 @@ std::vector<Change> ChangesSince(const Diagnosed& before, const Diagnosed& now) 
     if (IsPlaced(line.name) || !earlier.contains(line.name)) continue;
     changes.push_back(Of(line.name,
                          line.unit,
-                         SizeOf(earlier, line.name, 1),
-                         SizeOf(later, line.name, 1)));
+                         LineOf(before.diagnosis, earlier, line.name),
+                         LineOf(now.diagnosis, later, line.name)));
   }
   for (const Finding* finding : findings) {
     const std::string name = NameOf(*finding);
