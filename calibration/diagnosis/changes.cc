@@ -116,6 +116,28 @@ Size SizeOf(const Sizes& sizes, const std::string& name, double unit) {
   return size;
 }
 
+// A line of the baseline, no surer than its diagnosis states it beside the freedom of
+// form of what was found there.
+Size LineOf(const Diagnosis& diagnosis, const Sizes& sizes, const std::string& name) {
+  Size size = SizeOf(sizes, name, 1);
+  const auto line = std::ranges::find(diagnosis.baseline, name, &BaselineLine::name);
+  if (line != diagnosis.baseline.end()) size.sd = std::max(size.sd, line->sd);
+  return size;
+}
+
+// A finding's peak, relatively no surer than its size was stated where it was found.
+Size PeakOf(const Sizes& sizes, const Finding& finding) {
+  Size size = SizeOf(sizes, NameOf(finding), finding.peak_um);
+  if (!finding.effect) return size;
+  const auto parameters = EffectAt(finding.effect->effect).parameters;
+  for (std::size_t p = 0; p < std::min(parameters.size(), finding.sds.size()); ++p) {
+    const double value = std::abs(finding.effect->values[p]);
+    if (parameters[p].role != Role::kSize || value == 0) continue;
+    size.sd = std::max(size.sd, std::abs(size.value) * finding.sds[p] / value);
+  }
+  return size;
+}
+
 Change Of(std::string name, std::string unit, const Size& before, const Size& now) {
   const double sd = std::hypot(before.sd, now.sd);
   const bool is_told = before.is_determined && now.is_determined && sd > 0;
@@ -150,15 +172,13 @@ std::vector<Change> ChangesSince(const Diagnosed& before, const Diagnosed& now) 
     if (IsPlaced(line.name) || !earlier.contains(line.name)) continue;
     changes.push_back(Of(line.name,
                          line.unit,
-                         SizeOf(earlier, line.name, 1),
-                         SizeOf(later, line.name, 1)));
+                         LineOf(before.diagnosis, earlier, line.name),
+                         LineOf(now.diagnosis, later, line.name)));
   }
   for (const Finding* finding : findings) {
     const std::string name = NameOf(*finding);
-    changes.push_back(Of(name,
-                         "um",
-                         SizeOf(earlier, name, finding->peak_um),
-                         SizeOf(later, name, finding->peak_um)));
+    changes.push_back(
+        Of(name, "um", PeakOf(earlier, *finding), PeakOf(later, *finding)));
   }
   const auto count = std::ranges::count_if(changes, &Change::IsCompared);
   const double comparisons = std::max(static_cast<double>(count), 1.0);
