@@ -223,13 +223,19 @@ class Scrutiny {
   }
 
   // Plates are no parabolas: where baseline and other findings take up nearly all of a
-  // bend, what is left of it is what its form differs by, and may be anything's.
+  // bend, what is left of it may be what its form differs by, and may be anything's. It
+  // is a residue unless the rows prove the shape; beside a table that could be it, they
+  // cannot.
   bool IsResidue(std::size_t i, const Refined& refined) const {
     constexpr double kLeastShown = 0.1;
     const Candidate& candidate = candidates_[search_.found[i].candidate];
     if (FormOf(candidate, observed_.machine()) != Form::kClose) return false;
-    const Eigen::VectorXd change_mm = refined.variant.columns_mm * refined.sizes_mm;
-    return ShownPart(observed_, CircumstancesBut(i), change_mm) < kLeastShown;
+    const Eigen::MatrixXd& columns_mm = refined.variant.columns_mm;
+    const Eigen::VectorXd change_mm = columns_mm * refined.sizes_mm;
+    const Circumstances beside = CircumstancesBut(i);
+    if (ShownPart(observed_, beside, change_mm) >= kLeastShown) return false;
+    if (ShownPart(observed_, NamedBut(i), change_mm) >= kLeastShown) return true;
+    return !IsProven(FitPlain(observed_, beside, columns_mm, refined.sizes_mm));
   }
 
   // What unseen rows can say nothing of: homings scatter anew each time, and some
