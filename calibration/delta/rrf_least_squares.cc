@@ -70,8 +70,7 @@ void KeepCarriages(DeltaModel<double>* model, const Change& change) {
     };
     const double before_mm = rise_mm();
     change(i);
-    model->endstop_mm[i] +=
-        Mutant("rrf_carriages_sink", 1.0, -1.0) * (before_mm - rise_mm());
+    model->endstop_mm[i] += before_mm - rise_mm();
   }
 }
 
