@@ -14,7 +14,8 @@
 namespace caltwin {
 namespace {
 
-constexpr std::chrono::milliseconds kPatience{60'000};
+// A G33 touches hundreds of times.
+constexpr std::chrono::milliseconds kPatience{60'000}, kPatienceG33{3'600'000};
 
 bool AreSame(const DeltaModel<double>& one, const DeltaModel<double>& other) {
   return one.endstop_mm == other.endstop_mm && one.radius_mm == other.radius_mm &&
@@ -63,9 +64,13 @@ void DeltaLinkProbe::Set(const DeltaMesh& mesh) {
 }
 
 std::vector<std::string> DeltaLinkProbe::Say(const std::string& line) {
-  const auto answer = link_->Send(line, kPatience);
+  const auto answer =
+      link_->Send(line, line.starts_with("G33") ? kPatienceG33 : kPatience);
   if (answer) return *answer;
-  if (!fault_) fault_ = fmt::format("{}: {}", line, answer.error().reply);
+  if (!fault_) {
+    fault_ = fmt::format("{}: {}", line, answer.error().reply);
+    fault_kind_ = answer.error().kind;
+  }
   return {answer.error().reply};
 }
 

@@ -45,6 +45,10 @@ class DeltaLinkProbe {
   bool was_out_of_reach() const { return was_out_of_reach_; }
   /// "G28: Error:..." of the first line that was refused.
   const std::optional<std::string>& fault() const { return fault_; }
+  /// The same with its kind.
+  std::optional<MachineFault> fault_itself() const {
+    return fault_ ? std::optional(MachineFault{fault_kind_, *fault_}) : std::nullopt;
+  }
 
  private:
   std::optional<Vec3<double>> Touch(const DeltaModel<double>& settings,
@@ -57,6 +61,7 @@ class DeltaLinkProbe {
   bool is_homed_ = false;
   bool was_out_of_reach_ = false;
   std::optional<std::string> fault_{};
+  MachineFault::Kind fault_kind_ = MachineFault::Kind::kRefused;
 };
 
 /// Points that cover a disc evenly, the outermost on its rim.

@@ -108,8 +108,10 @@ DeltaReadings ReadAll(const DeltaStep& step,
                DiscPoints(step.points, machine.delta->print_radius_mm));
   if (step.reads_print) readings.distances = ReadPrint(doors.calliper, start);
   for (int rod = 0; step.reads_rods && rod < kNumRods; ++rod) {
+    const auto length_mm = doors.calliper.rod_mm(rod);
+    if (!length_mm) continue;
     readings.rods.push_back({.rod = rod,
-                             .length_mm = doors.calliper.rod_mm(rod),
+                             .length_mm = *length_mm,
                              .sigma_mm = std::max(doors.calliper.sigma_mm, kBest_mm)});
   }
   return readings;
@@ -228,6 +230,11 @@ DeltaOutcome WithTiltTold(DeltaOutcome outcome) {
 }
 
 }  // namespace
+
+G33Variant VariantOf(const DeltaStep& step) {
+  return step.variant == "as_published" ? G33Variant::kAsPublished
+                                        : G33Variant::kCorrected;
+}
 
 std::optional<Observability> BlindnessOfG33(int points) {
   constexpr int kAngles = 3;  // From this grid on.

@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "calibration/delta/bench.h"
+#include "calibration/delta/g33.h"
 #include "calibration/delta/joint.h"
 #include "calibration/loop/outcome.h"
 #include "scenarios/delta_scenario.h"
@@ -23,6 +24,9 @@ DeltaOutcome PerformDeltaStep(const DeltaStep& step,
                               const DeltaDoors& doors,
                               const DeltaModel<double>& start,
                               std::optional<DeltaJointFit>* fit);
+
+/// Which G33 a step asks for.
+G33Variant VariantOf(const DeltaStep& step);
 
 /// What a grid of G33's cannot tell, whatever deviation it prints; none where it tells
 /// endstops, radius and angles.

@@ -12,14 +12,11 @@ namespace caltwin {
 RecordingDeltaPlant::RecordingDeltaPlant(DeltaPlant* plant,
                                          const Machine& machine,
                                          double sigma_mm,
-                                         RunResult* result)
-    : plant_(plant), machine_(machine), result_(result) {
-  DataHeader& header = result->header;
+                                         DeltaRecord* record)
+    : plant_(plant), machine_(machine), record_(record) {
+  DataHeader& header = record->header;
   header.machine = machine.name;
-  const auto steps_per_mm = TowerStepsPerMm(machine);
-  header.instruments["probe"] = {.kind = "probe",
-                                 .sigma_um = UmFromMm(sigma_mm),
-                                 .resolution_um = UmFromMm(1 / steps_per_mm[0])};
+  header.instruments["probe"] = {.kind = "probe", .sigma_um = UmFromMm(sigma_mm)};
   for (int i = 0; i < kNumTowers; ++i) {
     const AxisDrawing& drawing = machine.axis(static_cast<Axis>(i));
     Transmission& transmission = header.transmission[TowerName(i)];
@@ -31,7 +28,7 @@ RecordingDeltaPlant::RecordingDeltaPlant(DeltaPlant* plant,
 
 void RecordingDeltaPlant::Begin(const std::string& campaign) {
   campaign_ = campaign;
-  result_->header.campaigns[campaign].instrument = "probe";
+  record_->header.campaigns[campaign].instrument = "probe";
 }
 
 std::string RecordingDeltaPlant::IdOf(const DeltaModel<double>& settings) {
@@ -46,7 +43,7 @@ std::string RecordingDeltaPlant::IdOf(const DeltaModel<double>& settings) {
   seen_.push_back(settings);
   const auto steps_per_mm = TowerStepsPerMm(machine_);
   for (int i = 0; i < kNumTowers; ++i) {
-    result_->header.settings[id].steps_per_mm[TowerName(i)] =
+    record_->header.settings[id].steps_per_mm[TowerName(i)] =
         steps_per_mm[static_cast<std::size_t>(i)];
   }
   return id;
@@ -60,7 +57,7 @@ std::optional<Vec3<double>> RecordingDeltaPlant::Touch(
   // Where the nozzle would be with the tip, as the firmware has it, on the nominal bed.
   const Vec3<double> nominal_mm(nozzle_mm[0], nozzle_mm[1], -offset_mm_[2]);
   const Vec3<double> motors_mm = DeltaMotors_mm(settings, nominal_mm);
-  Row row{.row = static_cast<std::int64_t>(result_->rows.rows.size()) + 1,
+  Row row{.row = static_cast<std::int64_t>(record_->rows.rows.size()) + 1,
           .campaign = campaign_,
           .kind = RowKind::kTouch,
           .setup = "bed",
@@ -75,7 +72,7 @@ std::optional<Vec3<double>> RecordingDeltaPlant::Touch(
   }
   row.value_mm = nozzle_mm[2] - nominal_mm[2];
   row.motor_dir = {1, 1, 1};  // The nozzle came straight down, so did all carriages.
-  result_->rows.rows.push_back(std::move(row));
+  record_->rows.rows.push_back(std::move(row));
   return counted_mm;
 }
 

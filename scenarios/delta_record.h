@@ -3,22 +3,29 @@
 #include <functional>
 #include <string>
 
-#include "scenarios/result.h"
 #include "sim/firmware/dialects/marlin_delta.h"
 #include "sim/machine/machine.h"
+#include "sim/measure/data_header.h"
+#include "sim/measure/row.h"
 
 namespace caltwin {
+
+/// Rows, and what explains them.
+struct DeltaRecord {
+  DataHeader header{};
+  RowTable rows{};
+};
 
 /// A delta's plant that writes down every touch as a measured row (`--record`): of the
 /// bed, from counts of whole motor steps, by the settings in force.
 class RecordingDeltaPlant : public DeltaPlant {
  public:
-  /// @param plant  touched in its place; borrowed, as `result` is
+  /// @param plant  touched in its place; borrowed, as `record` is
   /// @param sigma_mm  of the trigger, for the header
   RecordingDeltaPlant(DeltaPlant* plant,
                       const Machine& machine,
                       double sigma_mm,
-                      RunResult* result);
+                      DeltaRecord* record);
 
   std::optional<Vec3<double>> Touch(const DeltaModel<double>& settings,
                                     double x_mm,
@@ -34,7 +41,7 @@ class RecordingDeltaPlant : public DeltaPlant {
 
   DeltaPlant* plant_;
   const Machine& machine_;
-  RunResult* result_;
+  DeltaRecord* record_;
   std::string campaign_{};
   Vec3<double> offset_mm_ = Vec3<double>::Zero();
   std::vector<DeltaModel<double>> seen_{};

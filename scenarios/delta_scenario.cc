@@ -145,16 +145,6 @@ DeltaStep ReadDeltaStep(const std::string& name, const YamlValue& options) {
   return step;
 }
 
-std::vector<DeltaStep> ReadDeltaSteps(const YamlValue& list) {
-  constexpr std::array<std::string_view, 4> kNames = {
-      "g33", "rrf_least_squares", "klipper_descent", "delta_joint"};
-  std::vector<DeltaStep> steps;
-  for (const NamedStep& step : ReadNamedSteps(list, kNames, "procedure of a delta")) {
-    steps.push_back(ReadDeltaStep(step.name, step.options));
-  }
-  return steps;
-}
-
 void ReadDeltaExpectation(YamlMap map, DeltaScenario* scenario) {
   scenario->outcome = map.WordOr(
       "outcome", "recovers", {"recovers", "misses", "diverges", "no_trigger"});
@@ -223,6 +213,20 @@ void RequireBuildable(const InjectedSpec& spec, Faults* faults) {
 
 }  // namespace
 
+std::vector<DeltaStep> ReadDeltaSteps(const YamlValue& list) {
+  constexpr std::array<std::string_view, 4> kNames = {
+      "g33", "rrf_least_squares", "klipper_descent", "delta_joint"};
+  std::vector<DeltaStep> steps;
+  for (const NamedStep& step : ReadNamedSteps(list, kNames, "procedure of a delta")) {
+    steps.push_back(ReadDeltaStep(step.name, step.options));
+  }
+  return steps;
+}
+
+void RequireDeltaParts(const DeltaEffects& effects, Faults* faults) {
+  for (const InjectedSpec& effect : effects.effects) RequireBuildable(effect, faults);
+}
+
 DeltaScenario ReadDeltaScenario(YamlMap* map,
                                 const Machine& machine,
                                 const std::vector<InjectedSpec>& machine_effects) {
@@ -232,7 +236,7 @@ DeltaScenario ReadDeltaScenario(YamlMap* map,
   }
   std::vector<InjectedSpec>& all = scenario.effects.effects;
   all.insert(all.end(), machine_effects.begin(), machine_effects.end());
-  for (const InjectedSpec& effect : all) RequireBuildable(effect, map->faults());
+  RequireDeltaParts(scenario.effects, map->faults());
   if (const auto settings = map->Optional("settings")) {
     YamlMap keys = settings->Map();
     ReadDeltaSettings(&keys, machine.delta->model, &scenario.settings);

@@ -73,6 +73,12 @@ DeltaScenario ReadDeltaScenario(YamlMap* map,
                                 const Machine& machine,
                                 const std::vector<InjectedSpec>& machine_effects);
 
+/// Entries of a delta's `calibrate:`.
+std::vector<DeltaStep> ReadDeltaSteps(const YamlValue& list);
+
+/// What is no part of the twin that firmware drives, as faults.
+void RequireDeltaParts(const DeltaEffects& effects, Faults* faults);
+
 /// The machine that the effects make, their numbers drawn.
 BuiltDelta DrawDelta(const DeltaScenario& scenario,
                      const Machine& machine,

@@ -159,10 +159,9 @@ MachineFile ReadMachineFile(const fs::path& file) {
   if (read.machine.delta) {
     throw InputError(
         {.file = file.string()},
-        "this machine is a delta, which serve, calibrate and closed loops do not know",
-        "run, compare delta, simulate, plan, diagnose of measured rows, validate, "
-        "render "
-        "and import klipper-delta know deltas");
+        "this machine is a delta, which this command does not know",
+        "run, calibrate, serve, compare delta, simulate, plan, diagnose (closed loops "
+        "too), validate, render and import klipper-delta know deltas");
   }
   return read;
 }

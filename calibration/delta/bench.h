@@ -34,10 +34,11 @@ struct DeltaRodLength {
 
 /// A person with a calliper. Without functions there is none.
 struct DeltaCalliper {
-  /// The length of a rod.
-  std::function<double(int rod)> rod_mm{};
+  /// The length of a rod. nullopt: nobody read it.
+  std::function<std::optional<double>(int rod)> rod_mm{};
   /// The distance of two features of a print, drawn where the nozzle stood with the
-  /// motors at these travels. nullopt: the machine does not reach there.
+  /// motors at these travels. nullopt: the machine does not reach there, or nobody
+  /// read.
   std::function<std::optional<double>(const Vec3<double>& from_mm,
                                       const Vec3<double>& to_mm)>
       between_mm{};

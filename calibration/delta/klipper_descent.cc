@@ -70,7 +70,8 @@ bool Step(const DeltaModel<double>& start,
           const Changes& all,
           double* best_mm2) {
   const double before = *parameter;
-  for (const double to : {before + step, before - step}) {
+  for (const double to :
+       {before + step, before - Mutant("klipper_only_up", step, -step)}) {
     *parameter = to;
     const double error_mm2 = data.Error_mm2(Changed(start, all));
     if (error_mm2 < *best_mm2) {

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "calibration/diagnosis/noise.h"
+#include "calibration/diagnosis/rounding.h"
 
 namespace caltwin {
 namespace {
@@ -279,7 +280,8 @@ std::vector<double> Shares(const Gainer& gainer, double floor_mm2) {
 
 // Of all rows that count.
 // The pure error of replicates, what was found taken out: a drift that has a name is no
-// noise. A campaign without replicates has what the richest model leaves.
+// noise. Repeats that count the same whole steps do not show what these leave open. A
+// campaign without replicates has what the richest model leaves.
 double NoiseFloor_mm(const Observed& o,
                      const SearchResult& search,
                      const std::vector<Refined>& refined,
@@ -301,7 +303,10 @@ double NoiseFloor_mm(const Observed& o,
     if (out[i]) continue;
     const auto c = static_cast<std::size_t>(o.campaign_of()[i]);
     const bool is_pure = Known(pure.sigma_mm[c]);
-    sum += std::pow(is_pure ? pure.sigma_mm[c] : search.richest.sigma_mm[c], 2);
+    const double rounding_mm = RoundingSigma_mm(o, static_cast<Eigen::Index>(i));
+    sum += std::pow(is_pure ? std::max(pure.sigma_mm[c], rounding_mm)
+                            : search.richest.sigma_mm[c],
+                    2);
     *from_replicates &= is_pure;
     ++rows;
   }

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "calibration/diagnosis/rounding.h"
 #include "sim/base/median.h"
 #include "sim/base/units.h"
 #include "sim/effects/delta_at.h"
@@ -236,7 +237,9 @@ double Observed::StatedSigma_mm(Eigen::Index i) const {
   if (instrument == header_->instruments.end()) return kUnknown;
   const Instrument& stated = instrument->second;
   // A reading rounded to a step is uncertain by the step over sqrt(12).
-  const double sigma_um = std::hypot(stated.sigma_um, stated.resolution_um / 3.4641);
+  const double sigma_um = std::hypot(stated.sigma_um,
+                                     stated.resolution_um / 3.4641,
+                                     UmFromMm(RoundingSigma_mm(*this, i)));
   return sigma_um > 0 ? MmFromUm(sigma_um) : kUnknown;
 }
 

@@ -8,6 +8,8 @@ namespace {
 
 constexpr const char* kJump = "missed_steps";
 constexpr double kFree_mm = 30;
+constexpr double kMostClose =
+    0.04;  // Left of what is explained: a fifth of its height.
 
 // The mean of the jumps from one place of their grid on, each with its weight: what is
 // reached little by little.
@@ -97,10 +99,14 @@ Form FormOf(const Candidate& candidate, const Machine& machine) {
 
 bool LeavesTooMuch(const PlainFit& fit, Form form) {
   constexpr double kVisible = 9;
-  constexpr double kMostLike = 0.3, kMostClose = 0.04;
+  constexpr double kMostLike = 0.3;
   if (fit.explained < kVisible) return form == Form::kExact;
   const double most = form == Form::kLike ? kMostLike : kMostClose;
   return fit.left - fit.doubt > most * fit.explained;
+}
+
+bool IsProven(const PlainFit& fit) {
+  return fit.left + fit.doubt < kMostClose * fit.explained;
 }
 
 double ShownPart(const Observed& observed,

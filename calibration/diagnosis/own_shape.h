@@ -38,6 +38,11 @@ Form FormOf(const Candidate& candidate, const Machine& machine);
 /// may be known by its size, not by its shape; geometry is not.
 bool LeavesTooMuch(const PlainFit& fit, Form form = Form::kLike);
 
+/// Whether the rows prove a shape of which the rest takes up nearly all: what it leaves
+/// is less than 0.04 of what it explains, a fifth of its height, even where noise hides
+/// a standard deviation of it.
+bool IsProven(const PlainFit& fit);
+
 /// How much of a shape shows beside the rest: the root of its squares, in sigma, over
 /// those of all of it. 1: all; 0: the rest takes it up whole.
 double ShownPart(const Observed& observed,

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "calibration/diagnosis/noise.h"
+#include "calibration/diagnosis/rounding.h"
 #include "calibration/diagnosis/weighing.h"
 #include "calibration/estimate/f_test.h"
 
@@ -105,6 +106,20 @@ double Wander_mm2_per_s(const Observed& observed, const SearchResult& search) {
   return comes_back ? 0 : search.wander_mm2_per_s;
 }
 
+// By campaign: what whole steps leave open, which repeats that count the same steps do
+// not show.
+std::vector<double> RoundingOf_mm(const Observed& observed) {
+  std::vector<double> sum(observed.campaigns().size(), 0), rows = sum;
+  for (Eigen::Index i = 0; i < observed.num_rows(); ++i) {
+    const auto c =
+        static_cast<std::size_t>(observed.campaign_of()[static_cast<std::size_t>(i)]);
+    sum[c] += std::pow(RoundingSigma_mm(observed, i), 2);
+    rows[c] += 1;
+  }
+  for (std::size_t c = 0; c < sum.size(); ++c) sum[c] = std::sqrt(sum[c] / rows[c]);
+  return sum;
+}
+
 }  // namespace
 
 std::vector<Floor> FloorsOf(const Observed& observed, const SearchResult& search) {
@@ -112,12 +127,13 @@ std::vector<Floor> FloorsOf(const Observed& observed, const SearchResult& search
   // Drift between replicates and outliers among them would raise the floor.
   constexpr double kAlike = 1.3;
   const PureError pure = PureErrorOf(observed, kEnough);
+  const std::vector<double> rounding_mm = RoundingOf_mm(observed);
   std::vector<Floor> floors;
   for (std::size_t c = 0; c < pure.sigma_mm.size(); ++c) {
     const double richest_mm = search.richest.sigma_mm[c];
     const bool is_pure =
         Known(pure.sigma_mm[c]) && pure.sigma_mm[c] < kAlike * richest_mm;
-    floors.push_back({is_pure ? pure.sigma_mm[c] : richest_mm,
+    floors.push_back({is_pure ? std::max(pure.sigma_mm[c], rounding_mm[c]) : richest_mm,
                       is_pure ? pure.dof[c] : search.richest.dof[c]});
   }
   return floors;

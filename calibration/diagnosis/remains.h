@@ -13,7 +13,8 @@ struct Floor {
 };
 
 /// By campaign: from replicates where there are ten degrees of freedom and no drift
-/// between them raises it, else what the richest model leaves.
+/// between them raises it (not less than what whole motor steps leave open), else what
+/// the richest model leaves.
 std::vector<Floor> FloorsOf(const Observed& observed, const SearchResult& search);
 
 /// What the baseline alone leaves, against the noise there is.

@@ -222,14 +222,31 @@ class Scrutiny {
            !IsGradual(observed_, NamedBut(i), candidate);
   }
 
+  // Root sum of squares, in sigma, of what shows of columns beside the rest.
+  double ShownOf(const Eigen::MatrixXd& columns_mm, const Circumstances& beside) const {
+    const Evidence evidence(
+        observed_, {beside.sigma_mm, 0}, beside.nuisances, beside.left_out);
+    return evidence.Left(evidence.Whiten(columns_mm)).norm();
+  }
+
   // Plates are no parabolas: where baseline and other findings take up nearly all of a
-  // bend, what is left of it is what its form differs by, and may be anything's.
+  // bend, what is left of it may be what its form differs by, and may be anything's. It
+  // is a residue unless more of it shows than of what its form may differ by, and the
+  // rows prove the shape; beside a table that could be it, they cannot.
   bool IsResidue(std::size_t i, const Refined& refined) const {
     constexpr double kLeastShown = 0.1;
     const Candidate& candidate = candidates_[search_.found[i].candidate];
     if (FormOf(candidate, observed_.machine()) != Form::kClose) return false;
-    const Eigen::VectorXd change_mm = refined.variant.columns_mm * refined.sizes_mm;
-    return ShownPart(observed_, CircumstancesBut(i), change_mm) < kLeastShown;
+    const Eigen::MatrixXd& columns_mm = refined.variant.columns_mm;
+    const Eigen::VectorXd change_mm = columns_mm * refined.sizes_mm;
+    const Circumstances beside = CircumstancesBut(i);
+    if (ShownPart(observed_, beside, change_mm) >= kLeastShown) return false;
+    if (ShownPart(observed_, NamedBut(i), change_mm) >= kLeastShown) return true;
+    const Tolerance free = ToleranceOf(observed_, candidate, refined.variant);
+    const Eigen::MatrixXd differs_mm =
+        free.columns_mm * free.prior.cwiseSqrt().asDiagonal() * refined.sizes_mm.norm();
+    if (ShownOf(change_mm, beside) < ShownOf(differs_mm, beside)) return true;
+    return !IsProven(FitPlain(observed_, beside, columns_mm, refined.sizes_mm));
   }
 
   // What unseen rows can say nothing of: homings scatter anew each time, and some

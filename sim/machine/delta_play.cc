@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "sim/base/mutant.h"
 #include "sim/base/require.h"
 #include "sim/machine/delta_slopes.h"
 
@@ -22,14 +23,14 @@ std::optional<DeltaBuild<double>> WithPlayTaken(const DeltaBuild<double>& build,
   if (!closed) return std::nullopt;
   const auto rises = closed->Slopes(Unit(Axis::kZ));
   DeltaBuild<double> taken = build;
-  for (int i = 0; i < kNumTowers; ++i) {
-    const auto tower = static_cast<std::size_t>(i);
-    const double rise = rises[tower + kEndstopKnob];
-    const AxisDrawing& drawing = machine.axes[tower];
-    const bool is_held =
-        TowerLoad_n(drawing, *machine.delta, rise) < drawing.rail_friction_n;
-    const double sense = is_held ? motor_dir[i] : -1;
-    taken.model.endstop_mm[tower] += sense * gaps_mm[tower] / 2;
+  for (std::size_t i = 0; i < kNumTowers; ++i) {
+    const AxisDrawing& drawing = machine.axes[i];
+    const bool is_held = TowerLoad_n(drawing, *machine.delta, rises[i + kEndstopKnob]) <
+                         drawing.rail_friction_n;
+    const double sense = is_held ? motor_dir[static_cast<Eigen::Index>(i)]
+                                 : Mutant("delta_play_hangs_on_top", -1.0, 1.0);
+    taken.model.endstop_mm[i] +=
+        sense * gaps_mm[i] / Mutant("delta_play_whole_gap", 2.0, 1.0);
   }
   return taken;
 }

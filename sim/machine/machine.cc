@@ -63,13 +63,19 @@ AxisDrawing ReadAxis(Axis axis, YamlMap map, AxisDrawing drawing, bool needs_lea
   return drawing;
 }
 
-ProbeDrawing ReadProbe(YamlMap map) {
-  ProbeDrawing probe;
+// A delta touches with its nozzle, unless a probe is stated. It does not give way; a
+// nanometre keeps the quotients of Pretravel_mm finite.
+ProbeDrawing NozzleAsProbe() {
+  constexpr double kRigid_mm = 1e-6;
+  return {.pretravel_mm = kRigid_mm, .hysteresis_mm = 0};
+}
+
+ProbeDrawing ReadProbe(YamlMap map, ProbeDrawing probe) {
   probe.tip_radius_mm = map.NumberOr(
       "tip_radius_mm", 1, {0.05, 20}, "the radius of the ball, not its diameter");
-  probe.pretravel_mm = map.NumberOr("pretravel_mm", 0.02, {0.001, 2});
-  probe.hysteresis_mm = map.NumberOr("hysteresis_mm", 0.002, {0, 2});
-  if (probe.hysteresis_mm >= probe.pretravel_mm) {
+  probe.pretravel_mm = map.NumberOr("pretravel_mm", probe.pretravel_mm, {0.001, 2});
+  probe.hysteresis_mm = map.NumberOr("hysteresis_mm", probe.hysteresis_mm, {0, 2});
+  if (probe.hysteresis_mm > 0 && probe.hysteresis_mm >= probe.pretravel_mm) {
     map.faults()->Add(map.place(),
                       map.path() + ": hysteresis_mm is not below pretravel_mm",
                       "the switch must release before the stylus is back at rest");
@@ -252,8 +258,9 @@ Machine ReadMachine(YamlMap* map) {
     }
   }
   ReadAxes(map, &machine);
+  if (machine.delta) machine.probe = NozzleAsProbe();
   if (const auto probe = map->Optional("probe"))
-    machine.probe = ReadProbe(probe->Map());
+    machine.probe = ReadProbe(probe->Map(), machine.probe);
   const bool is_printer = machine.delta || machine.triple_z;
   if (is_printer) machine.probe.tip_radius_mm = 0;  // Its nozzle is its tip.
   machine.settings.tip_radius_mm = machine.probe.tip_radius_mm;

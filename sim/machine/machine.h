@@ -65,7 +65,7 @@ double TowerLoad_n(const AxisDrawing& tower,
 struct ProbeDrawing {
   double tip_radius_mm = 1.0;
   double pretravel_mm =
-      0.02;  ///< Deflection of the stylus at the trigger, any direction.
+      0.02;  ///< Deflection at the trigger, any direction; a delta's nozzle: none.
   double hysteresis_mm =
       0.002;  ///< Deflection lost before the release, below pretravel.
   std::vector<double> speeds_mm_s = {5, 1};  ///< Approach, then measuring touch.

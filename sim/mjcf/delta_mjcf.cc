@@ -7,6 +7,7 @@
 
 #include "sim/base/input_error.h"
 #include "sim/base/require.h"
+#include "sim/machine/sprung_probe.h"
 
 namespace caltwin {
 namespace {
@@ -174,23 +175,21 @@ void DeltaMjcf::SetBed(const DeltaBed<double>& bed) {
 }
 
 void DeltaMjcf::AddProbe(const Vec3<double>& off_mm) {
-  constexpr double kMass_kg = 0.003;
-  constexpr double kStiffness_n_per_m = 50;
-  constexpr double kPreload_m = 0.01;
+  constexpr double kStiffness_n_per_m = kProbeStiffness_n_per_mm / kMPerMm;
   constexpr double kTravel_m = 0.006;
   mjsGeom* nozzle = mjs_asGeom(FindElement(spec_.get(), mjOBJ_GEOM, "nozzle"));
   mjsBody* probe = mjs_addBody(Body(spec_.get(), "effector"), nullptr);
   mjs_setName(probe->element, kProbe);
   SetPosition(off_mm, probe->pos);
   probe->explicitinertial = 1;
-  probe->mass = kMass_kg;
-  for (double& inertia : probe->inertia) inertia = kMass_kg * 1e-5;
+  probe->mass = kProbeMass_kg;
+  for (double& inertia : probe->inertia) inertia = kProbeMass_kg * 1e-5;
   mjsJoint* joint = mjs_addJoint(probe, nullptr);
   mjs_setName(joint->element, kProbe);
   joint->type = mjJNT_SLIDE;
   std::copy_n(Unit(Axis::kZ).data(), 3, joint->axis);
   joint->stiffness[0] = kStiffness_n_per_m;
-  joint->springref = -kPreload_m;
+  joint->springref = -kProbePreload_n / kStiffness_n_per_m;
   joint->limited = mjLIMITED_TRUE;
   joint->range[0] = 0;
   joint->range[1] = kTravel_m;

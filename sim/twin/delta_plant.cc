@@ -6,6 +6,7 @@
 #include "sim/base/require.h"
 #include "sim/effects/catalog.h"
 #include "sim/effects/drive.h"
+#include "sim/machine/sprung_probe.h"
 
 namespace caltwin {
 
@@ -79,8 +80,12 @@ std::optional<Vec3<double>> TouchOfDelta(DeltaWorld* world,
   const auto motors_mm = touched(built.build);
   if (!motors_mm || !HasPlay(built.play_mm)) return motors_mm;
   // Straight down go all carriages.
-  const auto taken = WithPlayTaken(
-      built.build, machine, built.play_mm, *motors_mm, Vec3<double>::Ones());
+  const auto taken =
+      built.tip.pretravel_mm > 0
+          ? WithPlayTakenByProbe(
+                built.build, machine, built.play_mm, *motors_mm, built.tip.pretravel_mm)
+          : WithPlayTaken(
+                built.build, machine, built.play_mm, *motors_mm, Vec3<double>::Ones());
   return taken ? touched(*taken) : std::nullopt;
 }
 

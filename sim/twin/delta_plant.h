@@ -51,9 +51,9 @@ class DeltaTwinPlant : public DeltaPlant {
 };
 
 /// Where a delta built so touches its bed on the way straight down at (x, y) by these
-/// settings: found by MuJoCo in `world`, or, without one, in closed form (a sprung
-/// probe's force, 0.5 N, is not taken off what hangs on loose carriages there). The
-/// motors' commanded travels; nullopt: out of reach.
+/// settings: found by MuJoCo in `world`, or, without one, in closed form, which
+/// throws InputError where a sprung probe triggers while a loose carriage crosses its
+/// gap (sprung_probe.h). The motors' commanded travels; nullopt: out of reach.
 std::optional<Vec3<double>> TouchOfDelta(DeltaWorld* world,
                                          const Machine& machine,
                                          const BuiltDelta& built,

@@ -153,6 +153,14 @@ TEST(OwnShape, WhatIsExactLeavesAFifthOfItsHeightAtMost) {
       LeavesTooMuch({.explained = 600, .left = 40, .doubt = 20}, Form::kExact));
 }
 
+// Of what hardly shows the rows bear the proof: what noise may hide counts against it.
+TEST(OwnShape, WhatIsProvenLeavesLessThanAFifthOfItsHeightWhateverNoiseHides) {
+  EXPECT_TRUE(IsProven({.explained = 1400, .left = 35, .doubt = 14}));
+  EXPECT_FALSE(IsProven({.explained = 1400, .left = 45, .doubt = 14}));
+  EXPECT_FALSE(IsProven({.explained = 300, .left = 0, .doubt = 14}));
+  EXPECT_FALSE(IsProven({}));
+}
+
 TEST(OwnShape, GeometryIsNotKnownByItsSizeAlone) {
   const PlainFit nothing{.explained = 1, .left = 0, .doubt = 20};
   EXPECT_TRUE(LeavesTooMuch(nothing, Form::kExact));

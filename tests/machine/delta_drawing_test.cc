@@ -36,6 +36,14 @@ TEST(DeltaDrawing, OfKinematicsAloneIsTheUsualOne) {
   EXPECT_DOUBLE_EQ(machine.axes[0].steps_per_mm(), 80);
 }
 
+// Else every bed would be told to lie higher by what gives way.
+TEST(DeltaDrawing, ANozzleDoesNotGiveWayUnlessAProbeIsStated) {
+  const std::string delta = "kinematics: delta\n";
+
+  EXPECT_LT(ReadDelta(delta).probe.pretravel_mm, 1e-5);
+  EXPECT_EQ(ReadDelta(delta + "probe: {pretravel_mm: 0.3}\n").probe.pretravel_mm, 0.3);
+}
+
 TEST(DeltaDrawing, TakesANumberOrOneATower) {
   const Machine machine = ReadDelta(
       "kinematics: delta\n"

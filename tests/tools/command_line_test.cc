@@ -343,6 +343,33 @@ TEST(Calibrate, TalksToATwin) {
   EXPECT_THAT(run.out, HasSubstr("X: 808.000"));
 }
 
+TEST(Calibrate, KnowsDeltas) {
+  const std::string truth =
+      Written("delta.yaml",
+              "effects: {endstop.a: {error_mm: 0.3}, delta_radius: {error_mm: 0.5}}\n");
+  const std::string link = fmt::format(
+      "calibrate --link 'twin:delta_printer?fidelity=fast&truth={}' ", truth);
+
+  const Finished asked = Caltwin(link + "--procedure delta_joint");
+  const Finished applied = Caltwin(link + "--procedure delta_joint --apply");
+  const Finished typo = Caltwin(link + "--procedure delta_jiont");
+
+  EXPECT_THAT(asked.code, Eq(0));
+  EXPECT_THAT(asked.out, HasSubstr("Nothing was applied: --apply does that."));
+  EXPECT_THAT(applied.code, Eq(0));
+  EXPECT_THAT(applied.out, HasSubstr("delta_radius 130 -> 130.5"));
+  EXPECT_THAT(applied.out, HasSubstr(", applied"));
+  EXPECT_THAT(typo.code, Eq(2));
+  EXPECT_THAT(typo.err, HasSubstr("there are g33, rrf_least_squares, "));
+}
+
+TEST(Serve, SpeaksADeltasDialectAndNoOther) {
+  const Finished run = Caltwin("serve --machine delta_printer --tcp 0 --dialect rrf");
+
+  EXPECT_THAT(run.code, Eq(2));
+  EXPECT_THAT(run.err, HasSubstr("it speaks marlin: leave the option away"));
+}
+
 TEST(Calibrate, ATwinThatIsMisspeltIsBadInput) {
   const Finished run =
       Caltwin("calibrate --link 'twin:gantry_router?speed=fast' --procedure next_all");

@@ -10,6 +10,9 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include "scenarios/delta_calibration.h"
+#include "scenarios/delta_twin.h"
+#include "scenarios/machine_file.h"
 #include "sim/base/input_error.h"
 #include "sim/link/open_link.h"
 #include "tools/commands/serve/serve.h"
@@ -123,6 +126,45 @@ TEST(ServePty, TerminalMayBeOpenedTwice) {
   stop = true;
   server.join();
   EXPECT_FALSE(std::filesystem::exists(std::filesystem::symlink_status(path)));
+}
+
+// What a user does: one program serves the printer, another calibrates it over the
+// port.
+TEST(ServeTcp, ADeltaIsCalibratedOverThePortAsBesideIt) {
+  class Nobody : public Operator {
+    Expected<void> Do(const Act&) override {
+      return tl::unexpected(MachineFault{.reply = "nobody"});
+    }
+  } nobody;
+  const MachineFile file = ReadAnyMachineFile("models/delta_printer/machine.yaml");
+  DeltaTwinConfig config{.machine = file.machine,
+                         .settings = file.machine.delta->settings,
+                         .fidelity = Fidelity::kFast};
+  config.built.build = file.machine.delta->Build();
+  config.built.build.model.endstop_mm[0] += 0.3;
+  DeltaTwin served(config), beside(config);
+  const DeltaStep step{.name = "klipper_descent"};
+  std::atomic<bool> stop = false;
+  std::promise<int> port;
+  std::thread server([&] {
+    ServeTcp(&served.link(), 0, &stop, [&port](int number) { port.set_value(number); });
+  });
+
+  const auto link =
+      OpenLink("tcp:127.0.0.1:" + std::to_string(port.get_future().get()));
+  const auto over_port = CalibrateDelta(
+      step, {.link = link.get(), .person = &nobody, .machine = file.machine});
+  const auto direct = CalibrateDelta(
+      step, {.link = &beside.link(), .person = &nobody, .machine = file.machine});
+
+  stop = true;
+  server.join();
+  EXPECT_EQ(over_port.touches, 7);
+  ASSERT_EQ(over_port.steps.size(), direct.steps.size());
+  ASSERT_FALSE(direct.steps.empty());
+  for (std::size_t i = 0; i < direct.steps.size(); ++i) {
+    EXPECT_EQ(over_port.steps[i].after, direct.steps[i].after) << direct.steps[i].name;
+  }
 }
 
 TEST(SharedLink, TwoThreadsTakeTurns) {

@@ -1,7 +1,9 @@
 #include "sim/twin/delta_plant.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "sim/base/input_error.h"
 #include "sim/effects/catalog.h"
 
 namespace caltwin {
@@ -49,6 +51,52 @@ TEST_P(LooseDelta, IsTouchedInMujocoWhereTheClosedFormSays) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Friction_n, LooseDelta, ::testing::Values(0.5, 2.75, 6.0));
+
+// A probe's half newton takes off the effector's share: near tower c a rail of 4.2 N
+// holds what it would not without.
+struct ProbeOnPlay {
+  double friction_n = 0, pretravel_mm = 0, gap_mm = 0;
+};
+class LooseDeltaWithAProbe : public ::testing::TestWithParam<ProbeOnPlay> {};
+
+TEST_P(LooseDeltaWithAProbe, IsTouchedInMujocoWhereTheClosedFormSays) {
+  constexpr double kMust_mm = 1e-4;
+  const ProbeOnPlay& param = GetParam();
+  const Machine machine = Delta(param.friction_n);
+  BuiltDelta built = Loose(machine, {0, 0, param.gap_mm});
+  built.tip.pretravel_mm = param.pretravel_mm;
+  const DeltaModel<double>& settings = machine.delta->settings;
+  DeltaWorld world = WorldOfDelta(machine, built);
+
+  for (const auto& [x, y] : {std::pair(0, 80), {60, -40}}) {
+    const auto exact = TouchOfDelta(nullptr, machine, built, settings, {x, y});
+    const auto touched = TouchOfDelta(&world, machine, built, settings, {x, y});
+    ASSERT_TRUE(exact && touched) << x << " " << y;
+    EXPECT_LT((*touched - *exact).cwiseAbs().maxCoeff(), kMust_mm) << x << " " << y;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Machines,
+                         LooseDeltaWithAProbe,
+                         ::testing::Values(ProbeOnPlay{0.5, 0.3, 0.06},
+                                           ProbeOnPlay{4.2, 0.3, 0.06},
+                                           ProbeOnPlay{4.2, 0.1, 0.06},
+                                           ProbeOnPlay{6.0, 0.3, 0.06}));
+
+// The carriage needs a hundredth of a millimetre to stop, and the nozzle comes down by
+// a fifth of what the drives do: MuJoCo's trigger is 0.08 mm from that of a standstill.
+TEST(TouchOfDelta, RefusesATriggerThatSpeedDecides) {
+  const Machine machine = Delta(4.2);
+  BuiltDelta built = Loose(machine, {0, 0, 0.3});
+  built.tip.pretravel_mm = 0.02;
+
+  try {
+    TouchOfDelta(nullptr, machine, built, machine.delta->settings, {0, 80});
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), ::testing::HasSubstr("carriage c stops in its play"));
+  }
+}
 
 // A touch comes down: it is that of a machine whose endstop stands half a gap higher.
 TEST(TouchOfDelta, ATouchCannotTellPlayFromAnEndstop) {

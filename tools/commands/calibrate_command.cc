@@ -1,45 +1,26 @@
-#include <algorithm>
-#include <charconv>
-#include <filesystem>
 #include <iostream>
-#include <map>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
-
-#include <fmt/format.h>
 
 #include "calibration/loop/bench.h"
 #include "scenarios/interruptible_link.h"
 #include "scenarios/machine_file.h"
-#include "scenarios/result_text.h"
 #include "scenarios/scenario.h"
 #include "sim/link/open_link.h"
 #include "sim/link/transcript.h"
 #include "sim/measure/rows.h"
+#include "tools/commands/calibrate.h"
+#include "tools/commands/calibrate_delta.h"
 #include "tools/commands/command.h"
 #include "tools/commands/progress.h"
-#include "tools/commands/spare_files.h"
 #include "tools/commands/terminal.h"
 #include "tools/commands/twin_options.h"
 
 namespace caltwin {
 namespace {
 
-struct Options {
-  std::string link{};
-  std::vector<std::string> procedures{};
-  std::string axis{};
-  std::string variant{};
-  std::string machine{};
-  std::string bench{};
-  std::vector<std::string> readings{};
-  std::string record{};
-  std::string transcript{};
-  bool apply = false;
-  bool yes = false;
-};
+using Options = CalibrateOptions;
 
 // The machine at hand: a twin or a wire, with hands and gauges that suit it.
 struct AtHand {
@@ -51,23 +32,9 @@ struct AtHand {
   Bench bench{};
 };
 
-// `next_dual_dimension`, or `next_dual_dimension: {touches: 5}`, as in a scenario;
-// --axis and --variant go to each that does not say its own.
 std::vector<CalibrationStep> StepsOf(const Options& options) {
-  std::string text = "calibrate:\n";
-  for (const std::string& procedure : options.procedures) {
-    const bool is_plain = procedure.find(':') == std::string::npos;
-    std::string keys;
-    if (is_plain && !options.axis.empty())
-      keys += fmt::format("axis: {}", options.axis);
-    if (is_plain && !options.variant.empty()) {
-      keys += fmt::format("{}variant: {}", keys.empty() ? "" : ", ", options.variant);
-    }
-    text += is_plain ? fmt::format("  - {}: {{{}}}\n", procedure, keys)
-                     : fmt::format("  - {}\n", procedure);
-  }
   Faults faults;
-  YamlMap map = ReadYamlText(text, "--procedure", &faults);
+  YamlMap map = ReadYamlText(ProceduresText(options), "--procedure", &faults);
   const auto steps = ReadCalibrationSteps(*map.Required("calibrate"));
   faults.ThrowIfAny();
   for (const CalibrationStep& step : steps) {
@@ -78,25 +45,6 @@ std::vector<CalibrationStep> StepsOf(const Options& options) {
     }
   }
   return steps;
-}
-
-std::map<std::string, double> ReadingsOf(const std::vector<std::string>& given) {
-  std::map<std::string, double> readings;
-  for (const std::string& text : given) {
-    const std::size_t equals = text.find('=');
-    const std::string number =
-        equals == std::string::npos ? "" : text.substr(equals + 1);
-    double value_mm = 0;
-    const auto [end, error] =
-        std::from_chars(number.data(), number.data() + number.size(), value_mm);
-    if (error != std::errc() || end != number.data() + number.size()) {
-      throw InputError({.file = "--reading"},
-                       fmt::format("'{}' is not ID=MILLIMETRES", text),
-                       "such as --reading calliper.block.x=76.198");
-    }
-    readings[text.substr(0, equals)] = value_mm;
-  }
-  return readings;
 }
 
 void TakeTwin(const Options& options, TwinOptions twin_options, AtHand* at_hand) {
@@ -123,11 +71,7 @@ void TakeTwin(const Options& options, TwinOptions twin_options, AtHand* at_hand)
 void TakeWire(const Options& options, const TwinOptions& papers, AtHand* at_hand) {
   const std::string machine =
       options.machine.empty() ? TwinOptions{}.machine : options.machine;
-  if (options.apply && !options.yes && !CanAsk()) {
-    throw InputError({},
-                     "--apply asks before each change, and stdin is no terminal",
-                     "add --yes to change the machine's settings without being asked");
-  }
+  RequireAnswers(options);
   at_hand->bench.machine =
       ReadMachineFile(FindMachine(machine, "", {.file = "--machine"})).machine;
   at_hand->bench.artefacts = papers.artefacts.empty()
@@ -140,48 +84,6 @@ void TakeWire(const Options& options, const TwinOptions& papers, AtHand* at_hand
       TerminalOperator::Options{.apply = options.apply, .yes = options.yes});
   at_hand->gauge = std::make_unique<TerminalGauge>(ReadingsOf(options.readings));
   at_hand->bench.gauge = at_hand->gauge.get();
-}
-
-void Print(const ProcedureResult& result) {
-  for (const Estimate& estimate : result.estimates) {
-    std::cout << (estimate.identifiable
-                      ? fmt::format("  {} = {} +- {} {}\n",
-                                    estimate.name,
-                                    Sensible(estimate.value, estimate.sd),
-                                    Sensible(estimate.sd, estimate.sd),
-                                    estimate.unit)
-                      : fmt::format("  {} cannot be told\n", estimate.name));
-  }
-  for (const Step& step : result.steps) {
-    std::cout << fmt::format("  {} {:.7g} -> {:.7g}, {}. {}\n",
-                             step.name,
-                             step.before,
-                             step.after,
-                             ToString(step.verdict),
-                             step.message);
-  }
-  for (const Observability& o : result.observability) {
-    std::cout << "  " << o.statement << "\n";
-  }
-  for (const std::string& message : result.messages) {
-    std::cout << "  " << message << "\n";
-  }
-  if (!result.fault.empty())
-    std::cout << "  the machine said: " << result.fault << "\n";
-}
-
-int WorstOf(const Options& options, const std::vector<ProcedureResult>& results) {
-  const auto any = [&](Ending ending) {
-    return std::ranges::find(results, ending, &ProcedureResult::ending) !=
-           results.end();
-  };
-  if (InterruptRequested()) return kInterrupted;
-  if (any(Ending::kLinkLost)) return kLost;
-  const bool all_done = std::ranges::all_of(results, [&](const ProcedureResult& r) {
-    return r.ending == Ending::kDone ||
-           (r.ending == Ending::kRefused && !options.apply && r.fault.empty());
-  });
-  return all_done ? kPassed : kCheckFailed;
 }
 
 AtHand Take(const Options& options) {
@@ -207,14 +109,8 @@ std::vector<ProcedureResult> Perform(const std::vector<CalibrationStep>& steps,
   for (const CalibrationStep& step : steps) {
     results.push_back(step.procedure(bench));
     progress.Clear();
-    std::cout << step.name << "\n";
-    Print(results.back());
-    const Ending ending = results.back().ending;
-    if (ending == Ending::kAlarm || ending == Ending::kCollision ||
-        ending == Ending::kNoTrigger || ending == Ending::kLinkLost ||
-        InterruptRequested()) {
-      break;
-    }
+    PrintResult(step.name, results.back());
+    if (StopsTheRest(results.back())) break;
   }
   bench->say = [](const std::string&) {
   };
@@ -222,12 +118,11 @@ std::vector<ProcedureResult> Perform(const std::vector<CalibrationStep>& steps,
 }
 
 int Calibrate(const Options& options) {
+  if (const auto delta = DeltaToCalibrate(options)) {
+    return CalibrateDeltaAtHand(options, *delta);
+  }
   const std::vector<CalibrationStep> steps = StepsOf(options);
-  RefuseOverwriting(
-      Together({LinkFiles(options.link),
-                MachineFiles(options.machine),
-                {{"the bench file", options.bench}}}),
-      {{"--record", options.record}, {"--transcript", options.transcript}});
+  RefuseOverwritten(options);
   AtHand at_hand = Take(options);
   InterruptibleLink interruptible(at_hand.link);
   std::unique_ptr<RecordingLink> recorder;

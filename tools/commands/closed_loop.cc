@@ -50,9 +50,12 @@ MachineUnderTest DeltaUnderTest(const TwinOptions& options, const MachineFile& f
     now.interrupted = InterruptRequested;
     return PerformDelta(now, session.table.rows);
   };
-  return {.machine = options.machine,
-          .settings = AsHeader(file.machine.settings),
-          .measure = measure};
+  SettingsInForce settings;
+  for (int i = 0; i < kNumTowers; ++i) {
+    settings.steps_per_mm[TowerName(i)] =
+        file.machine.settings.steps_per_mm[static_cast<std::size_t>(i)];
+  }
+  return {.machine = options.machine, .settings = settings, .measure = measure};
 }
 
 }  // namespace

@@ -197,8 +197,9 @@ std::string DeltaText() {
   std::string text = "delta (a kind of machine)\n";
   text += Folded(
       "Three carriages on towers a, b and c (210, 330 and 90 deg), six rods in pairs, "
-      "an effector that hangs on them. `caltwin run` calibrates one by G-code, "
-      "`simulate`, `diagnose` and `plan` measure one, `compare delta` sets rival "
+      "an effector that hangs on them. `caltwin run` and `calibrate` calibrate one "
+      "by G-code, `serve` is one, `simulate`, `diagnose` and `plan` measure one, "
+      "`compare delta` sets rival "
       "procedures beside each other, `import klipper-delta` reads a real one. Each "
       "name below is explained by `caltwin explain NAME`.",
       2);

@@ -22,7 +22,7 @@ struct Options {
   std::string bench{};
   std::optional<int> port{};
   std::string pty{};
-  std::string dialect = "rrf";
+  std::string dialect{};  ///< Empty: as the machine's controller speaks.
 };
 
 void Announce(const std::string& text) {
@@ -64,6 +64,39 @@ void OnBoth(const Options& options, Link* link) {
   if (fault) std::rethrow_exception(fault);
 }
 
+void RequireDialect(const Options& options, const std::string& spoken) {
+  if (options.dialect.empty() || options.dialect == spoken) return;
+  throw InputError(
+      {.file = "--dialect"},
+      fmt::format("'{}' is not what this machine's controller speaks", options.dialect),
+      fmt::format("it speaks {}: leave the option away", spoken));
+}
+
+int Listen(const Options& options, Link* link) {
+  if (options.port && !options.pty.empty()) {
+    OnBoth(options, link);
+  } else if (options.port) {
+    OnPort(options, link);
+  } else {
+    OnPty(options, link);
+  }
+  return InterruptRequested() ? kInterrupted : kPassed;
+}
+
+int ServeDelta(const Options& options, const MachineFile& file) {
+  RequireDialect(options, "marlin");
+  if (!options.twin.artefacts.empty()) {
+    throw InputError({.file = options.bench},
+                     "a delta's bench has no artefacts",
+                     "it knows instruments: probe and calliper");
+  }
+  DeltaTwin twin(MakeDeltaTwinConfig(file, options.twin));
+  Announce(fmt::format("{}, {}, Marlin's dialect; Ctrl-C ends",
+                       file.machine.name,
+                       ToString(twin.config().fidelity)));
+  return Listen(options, &twin.link());
+}
+
 int Serve(Options options) {
   if (!options.port && options.pty.empty()) {
     throw InputError({},
@@ -71,18 +104,15 @@ int Serve(Options options) {
                      "--tcp PORT (0: any free one), --pty PATH, or both");
   }
   if (!options.bench.empty()) ReadBenchFile(options.bench, &options.twin);
+  const MachineFile file = ReadAnyMachineFile(
+      FindMachine(options.twin.machine, "", {.file = options.twin.machine}));
+  if (file.machine.delta) return ServeDelta(options, file);
+  RequireDialect(options, "rrf");
   Twin twin(MakeTwinConfig(options.twin));
   Announce(fmt::format("{}, {}, RepRapFirmware's dialect; Ctrl-C ends",
                        twin.config().machine.name,
                        ToString(twin.config().fidelity)));
-  if (options.port && !options.pty.empty()) {
-    OnBoth(options, &twin.link());
-  } else if (options.port) {
-    OnPort(options, &twin.link());
-  } else {
-    OnPty(options, &twin.link());
-  }
-  return InterruptRequested() ? kInterrupted : kPassed;
+  return Listen(options, &twin.link());
 }
 
 }  // namespace
@@ -104,9 +134,10 @@ Action DeclareServe(CLI::App* app) {
       ->check(CLI::IsMember({"physics", "fast"}))
       ->capture_default_str();
   app->add_option("--seed", options->twin.seed, "of all chance")->capture_default_str();
-  app->add_option("--dialect", options->dialect, "the controller's: rrf")
-      ->check(CLI::IsMember({"rrf"}))
-      ->capture_default_str();
+  app->add_option("--dialect",
+                  options->dialect,
+                  "the controller's: rrf of a gantry, marlin of a delta")
+      ->check(CLI::IsMember({"rrf", "marlin"}));
   app->footer(
       "A terminal program or G-code sender connects as to a real machine. Only this "
       "computer can. Ctrl-C ends it.");

@@ -7,7 +7,9 @@
 #include <fmt/format.h>
 
 #include "scenarios/delta_effects.h"
+#include "scenarios/delta_scenario.h"
 #include "scenarios/machine_file.h"
+#include "sim/base/units.h"
 
 namespace caltwin {
 namespace {
@@ -73,6 +75,37 @@ DeltaPerformConfig MakeDeltaConfig(const MachineFile& file,
           .effects = std::move(drawn.others),
           .fidelity = options.fidelity == "fast" ? Fidelity::kFast : Fidelity::kPhysics,
           .seed = options.seed};
+}
+
+DeltaTwinConfig MakeDeltaTwinConfig(const MachineFile& file,
+                                    const TwinOptions& options) {
+  DeltaScenario scenario{.settings = file.machine.delta->settings,
+                         .probe_sigma_mm = ProbeSigma_mm(options.instruments)};
+  if (!options.truth.empty()) {
+    scenario.effects = ReadDeltaTruthFile(options.truth, file.machine);
+  }
+  std::vector<InjectedSpec>& all = scenario.effects.effects;
+  all.insert(all.end(), file.effects.begin(), file.effects.end());
+  Faults faults;
+  RequireDeltaParts(scenario.effects, &faults);
+  faults.ThrowIfAny();
+  return {.machine = file.machine,
+          .built = DrawDelta(scenario, file.machine, options.seed, /*sample=*/0),
+          .settings = scenario.settings,
+          .calliper_sigma_mm = CalliperSigma_mm(options.instruments),
+          .fidelity = options.fidelity == "fast" ? Fidelity::kFast : Fidelity::kPhysics,
+          .seed = options.seed};
+}
+
+double ProbeSigma_mm(const Instruments& instruments) {
+  const auto probe = instruments.find("probe");
+  return probe == instruments.end() ? 0 : MmFromUm(probe->second.sigma_um);
+}
+
+double CalliperSigma_mm(const Instruments& instruments) {
+  const auto calliper = instruments.find("calliper");
+  return calliper == instruments.end() ? DeltaTwinConfig{}.calliper_sigma_mm
+                                       : MmFromUm(calliper->second.sigma_um);
 }
 
 TwinOptions TwinOptionsOf(const std::string& url) {

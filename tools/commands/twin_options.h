@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "scenarios/delta_twin.h"
 #include "scenarios/machine_file.h"
 #include "sim/machine/artefact.h"
 #include "sim/twin/perform_delta.h"
@@ -28,6 +29,15 @@ TwinConfig MakeTwinConfig(const TwinOptions& options, bool only_measures = false
 /// A delta that measures, as `file` and the truth file have it; `options.machine` is
 /// not read.
 DeltaPerformConfig MakeDeltaConfig(const MachineFile& file, const TwinOptions& options);
+
+/// A delta that G-code drives; likewise. Throws InputError where the truth holds what
+/// is no part of it.
+DeltaTwinConfig MakeDeltaTwinConfig(const MachineFile& file,
+                                    const TwinOptions& options);
+
+/// @name Of a delta's instruments: what one reading scatters by [mm]
+double ProbeSigma_mm(const Instruments& instruments);     ///< 0 where none is stated.
+double CalliperSigma_mm(const Instruments& instruments);  ///< 0.02 likewise.
 
 /// Reads `twin:M.yaml?truth=T.yaml&fidelity=fast&seed=7`. Throws InputError.
 TwinOptions TwinOptionsOf(const std::string& url);

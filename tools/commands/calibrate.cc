@@ -1,0 +1,119 @@
+#include "tools/commands/calibrate.h"
+
+#include <algorithm>
+#include <charconv>
+#include <iostream>
+
+#include <fmt/format.h>
+
+#include "scenarios/interrupt.h"
+#include "scenarios/result_text.h"
+#include "sim/base/input_error.h"
+#include "tools/commands/command.h"
+#include "tools/commands/spare_files.h"
+#include "tools/commands/terminal.h"
+
+namespace caltwin {
+
+std::string ProceduresText(const CalibrateOptions& options) {
+  std::string text = "calibrate:\n";
+  for (const std::string& procedure : options.procedures) {
+    const bool is_plain = procedure.find(':') == std::string::npos;
+    std::string keys;
+    if (is_plain && !options.axis.empty())
+      keys += fmt::format("axis: {}", options.axis);
+    if (is_plain && !options.variant.empty()) {
+      keys += fmt::format("{}variant: {}", keys.empty() ? "" : ", ", options.variant);
+    }
+    text += is_plain ? fmt::format("  - {}: {{{}}}\n", procedure, keys)
+                     : fmt::format("  - {}\n", procedure);
+  }
+  return text;
+}
+
+std::map<std::string, double> ReadingsOf(const std::vector<std::string>& given) {
+  std::map<std::string, double> readings;
+  for (const std::string& text : given) {
+    const std::size_t equals = text.find('=');
+    const std::string number =
+        equals == std::string::npos ? "" : text.substr(equals + 1);
+    double value_mm = 0;
+    const auto [end, error] =
+        std::from_chars(number.data(), number.data() + number.size(), value_mm);
+    if (error != std::errc() || end != number.data() + number.size()) {
+      throw InputError({.file = "--reading"},
+                       fmt::format("'{}' is not ID=MILLIMETRES", text),
+                       "such as --reading calliper.block.x=76.198");
+    }
+    readings[text.substr(0, equals)] = value_mm;
+  }
+  return readings;
+}
+
+void RefuseOverwritten(const CalibrateOptions& options) {
+  RefuseOverwriting(
+      Together({LinkFiles(options.link),
+                MachineFiles(options.machine),
+                {{"the bench file", options.bench}}}),
+      {{"--record", options.record}, {"--transcript", options.transcript}});
+}
+
+void RequireAnswers(const CalibrateOptions& options) {
+  if (!options.apply || options.yes || CanAsk()) return;
+  throw InputError({},
+                   "--apply asks before each change, and stdin is no terminal",
+                   "add --yes to change the machine's settings without being asked");
+}
+
+void PrintResult(const std::string& name, const ProcedureResult& result) {
+  std::cout << name << "\n";
+  for (const Estimate& estimate : result.estimates) {
+    std::cout << (estimate.identifiable
+                      ? fmt::format("  {} = {} +- {} {}\n",
+                                    estimate.name,
+                                    Sensible(estimate.value, estimate.sd),
+                                    Sensible(estimate.sd, estimate.sd),
+                                    estimate.unit)
+                      : fmt::format("  {} cannot be told\n", estimate.name));
+  }
+  for (const Step& step : result.steps) {
+    std::cout << fmt::format("  {} {:.7g} -> {:.7g}, {}. {}\n",
+                             step.name,
+                             step.before,
+                             step.after,
+                             ToString(step.verdict),
+                             step.message);
+  }
+  for (const Observability& o : result.observability) {
+    std::cout << "  " << o.statement << "\n";
+  }
+  for (const std::string& message : result.messages) {
+    std::cout << "  " << message << "\n";
+  }
+  if (!result.fault.empty())
+    std::cout << "  the machine said: " << result.fault << "\n";
+}
+
+bool StopsTheRest(const ProcedureResult& result) {
+  const Ending ending = result.ending;
+  return ending == Ending::kAlarm || ending == Ending::kCollision ||
+         ending == Ending::kNoTrigger || ending == Ending::kLinkLost ||
+         InterruptRequested();
+}
+
+int WorstOf(const CalibrateOptions& options,
+            const std::vector<ProcedureResult>& results) {
+  const auto any = [&](Ending ending) {
+    return std::ranges::find(results, ending, &ProcedureResult::ending) !=
+           results.end();
+  };
+  if (InterruptRequested()) return kInterrupted;
+  if (any(Ending::kLinkLost)) return kLost;
+  const bool all_done = std::ranges::all_of(results, [&](const ProcedureResult& r) {
+    return r.ending == Ending::kDone ||
+           (r.ending == Ending::kRefused && !options.apply && r.fault.empty());
+  });
+  return all_done ? kPassed : kCheckFailed;
+}
+
+}  // namespace caltwin

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "calibration/loop/outcome.h"
+
+namespace caltwin {
+
+/// What `caltwin calibrate` is asked.
+struct CalibrateOptions {
+  std::string link{};
+  std::vector<std::string> procedures{};
+  std::string axis{};
+  std::string variant{};
+  std::string machine{};
+  std::string bench{};
+  std::vector<std::string> readings{};
+  std::string record{};
+  std::string transcript{};
+  bool apply = false;
+  bool yes = false;
+};
+
+/// `calibrate:` of a scenario with these procedures: `next_dual_dimension`, or
+/// `next_dual_dimension: {touches: 5}`; --axis and --variant go to each that does not
+/// say its own.
+std::string ProceduresText(const CalibrateOptions& options);
+
+/// --reading ID=MILLIMETRES by id. Throws InputError.
+std::map<std::string, double> ReadingsOf(const std::vector<std::string>& given);
+
+/// Throws InputError where a file to be written is one that is read.
+void RefuseOverwritten(const CalibrateOptions& options);
+
+/// Throws InputError where --apply would ask and nobody is there.
+void RequireAnswers(const CalibrateOptions& options);
+
+/// Prints what a procedure found, did and says.
+void PrintResult(const std::string& name, const ProcedureResult& result);
+
+/// Whether the machine stopped, or a person did: nothing more is performed.
+bool StopsTheRest(const ProcedureResult& result);
+
+/// The exit code of all of them together.
+int WorstOf(const CalibrateOptions& options,
+            const std::vector<ProcedureResult>& results);
+
+}  // namespace caltwin
