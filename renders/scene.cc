@@ -1,8 +1,10 @@
 #include "renders/scene.h"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 
 #include <GL/osmesa.h>
 #include <mujoco/mujoco.h>
@@ -125,16 +127,32 @@ mjvOption Surfaces() {
   return option;
 }
 
-/// OpenGL's rows start at the bottom, a picture's at the top.
-Picture Upright(const std::vector<std::uint8_t>& rgb, int width, int height) {
-  Picture picture{.width = width, .height = height, .rgb = {}};
-  picture.rgb.reserve(rgb.size());
+/// OpenGL's rows start at the bottom, a picture's at the top. Turned over where it is:
+/// a second copy would be the peak of a report's memory.
+Picture Upright(std::vector<std::uint8_t> rgb, int width, int height) {
   const std::ptrdiff_t stride = std::ptrdiff_t{3} * width;
-  for (int row = height - 1; row >= 0; --row) {
-    const auto start = rgb.begin() + row * stride;
-    picture.rgb.insert(picture.rgb.end(), start, start + stride);
+  for (int row = 0; row < height / 2; ++row) {
+    const auto low = rgb.begin() + row * stride;
+    const auto high = rgb.begin() + (height - 1 - row) * stride;
+    std::swap_ranges(low, low + stride, high);
   }
-  return picture;
+  return {.width = width, .height = height, .rgb = std::move(rgb)};
+}
+
+// A picture is drawn from top to bottom in as many strips, so that the large buffers of
+// an oversampled one never exist at once: a quarter of the memory.
+int StripsOf(const PictureOptions& options) {
+  constexpr int kStrips = 4;
+  return options.height % kStrips == 0 ? kStrips : 1;
+}
+
+// The part of the view that strip `index` of `count` shows, 0 the topmost.
+mjvGLCamera Strip(mjvGLCamera camera, int index, int count) {
+  const float height =
+      (camera.frustum_top - camera.frustum_bottom) / static_cast<float>(count);
+  camera.frustum_top -= static_cast<float>(index) * height;
+  camera.frustum_bottom = camera.frustum_top - height;
+  return camera;
 }
 
 }  // namespace
@@ -151,15 +169,17 @@ struct Painter::Parts {
 };
 
 Painter::Painter(const mjModel* model, const PictureOptions& options)
-    : parts_(std::make_unique<Parts>(model,
-                                     options.width * options.oversampling,
-                                     options.height * options.oversampling)) {}
+    : parts_(std::make_unique<Parts>(
+          model,
+          options.width * options.oversampling,
+          options.height * options.oversampling / StripsOf(options))) {}
 
 Painter::~Painter() = default;
 
 Picture Painter::Draw(mjData* data, const PictureOptions& options) {
+  const int strips = StripsOf(options);
   const int width = options.width * options.oversampling;
-  const int height = options.height * options.oversampling;
+  const int height = options.height * options.oversampling / strips;
   mjrContext* context = parts_->renderer.context();
   Require(width <= context->offWidth && height <= context->offHeight,
           "a picture is no larger than its painter was made for");
@@ -173,10 +193,20 @@ Picture Painter::Draw(mjData* data, const PictureOptions& options) {
   for (const Marker& marker : options.markers) AddMarker(marker, &shapes);
 
   const mjrRect viewport{0, 0, width, height};
-  mjr_render(viewport, scene, context);
-  std::vector<std::uint8_t> rgb(std::size_t{3} * width * height);
-  mjr_readPixels(rgb.data(), nullptr, viewport, context);
-  return Shrunk(Upright(rgb, width, height), options.oversampling);
+  const std::array<mjvGLCamera, 2> whole{scene->camera[0], scene->camera[1]};
+  Picture picture{.width = options.width, .height = options.height, .rgb = {}};
+  for (int strip = 0; strip < strips; ++strip) {
+    for (std::size_t eye = 0; eye < whole.size(); ++eye) {
+      scene->camera[eye] = Strip(whole[eye], strip, strips);
+    }
+    mjr_render(viewport, scene, context);
+    std::vector<std::uint8_t> rgb(std::size_t{3} * width * height);
+    mjr_readPixels(rgb.data(), nullptr, viewport, context);
+    const Picture part =
+        Shrunk(Upright(std::move(rgb), width, height), options.oversampling);
+    picture.rgb.insert(picture.rgb.end(), part.rgb.begin(), part.rgb.end());
+  }
+  return picture;
 }
 
 std::vector<std::string> CameraNames(const mjModel* model) {

@@ -104,6 +104,36 @@ constexpr std::array kOutcomeWords = {
         "misses",
         "All was done, but an expected truth was missed or the machine became worse."}};
 
+constexpr std::array kUncertaintyWords = {
+    Word{"u",
+         "Combined standard uncertainty of a result: the root of the sum of squares of "
+         "what its inputs add (docs/uncertainty.md)."},
+    Word{
+        "k",
+        "Coverage factor: U = k u holds 95 %. Student's t for the effective degrees of "
+        "freedom; 1.65 where one rounding is all there is."},
+    Word{"U", "Expanded uncertainty k u: value +- U holds the truth 95 % of the time."},
+    Word{"dof",
+         "Effective degrees of freedom of u by Welch and Satterthwaite; none written: "
+         "so many that u itself is known."},
+    Word{"sd",
+         "U / 1.96: the standard uncertainty where degrees of freedom are many. What "
+         "tables and studies count +-1.96 of."},
+    Word{
+        "budget",
+        "What each input adds to u, and its share of u squared: readings, sizes of the "
+        "block, the ball's radius, priors."},
+    Word{"share", "Of an input: its part of u squared; all together are 1."},
+    Word{
+        "scatter",
+        "Of joint_estimate: what uncertainties rest on: stated (the noise, unless the "
+        "residuals contradict it), rows (each row's residual, HC3) or faces (residuals "
+        "of a face's touches together, CR3)."},
+    Word{"profile",
+         "Of joint_estimate: true adds the 95 % interval by profile likelihood, all "
+         "else "
+         "fitted anew at each value."}};
+
 constexpr std::array kUnitWords = {
     Word{"mm", "Millimetres: all lengths, unless the name ends in another unit."},
     Word{"um", "Micrometres: sigmas, amplitudes."},
@@ -133,6 +163,10 @@ std::span<const Word> OutcomeWords() {
 
 std::span<const Word> UnitWords() {
   return kUnitWords;
+}
+
+std::span<const Word> UncertaintyWords() {
+  return kUncertaintyWords;
 }
 
 }  // namespace caltwin

@@ -16,5 +16,6 @@ std::span<const Word> ScenarioKeys();  ///< Dotted, as they nest.
 std::span<const Word> StudyKeys();     ///< Of study files.
 std::span<const Word> OutcomeWords();
 std::span<const Word> UnitWords();
+std::span<const Word> UncertaintyWords();  ///< How sure a result is (JCGM 100).
 
 }  // namespace caltwin

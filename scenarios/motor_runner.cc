@@ -168,9 +168,9 @@ class MotorRun {
                                     .unit = estimate.unit,
                                     .injected = *truth,
                                     .recovered = estimate.value,
-                                    .sd = estimate.sd,
                                     .error = estimate.value - *truth,
                                     .identifiable = true});
+      SetUncertainty(estimate, &result->parameters.back());
     }
   }
 
@@ -238,7 +238,8 @@ class MotorRun {
     if (confounded_) return "confounded";
     const bool hold =
         std::ranges::all_of(result.parameters, [](const ParameterResult& row) {
-          const double allowed = std::max(kHolds * *row.sd, row.tolerance.value_or(0));
+          const double allowed =
+              std::max(kHolds * row.sd.value_or(0), row.tolerance.value_or(0));
           return std::abs(*row.error) <= allowed;
         });
     return all_met && hold ? "recovers" : "misses";

@@ -14,12 +14,45 @@ Json OrNull(const std::optional<T>& value) {
   return value ? Json(*value) : Json(nullptr);
 }
 
+Json FiniteOrNull(double value) {
+  return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
+
+// Share of the variance that an input has.
+double ShareOf(const Contribution& input, const Expanded& of) {
+  return input.u * input.u / (of.u * of.u);
+}
+
+Json BudgetJson(const ParameterResult& p, const Expanded& expanded) {
+  Json lines = Json::array();
+  for (const Contribution& input : p.budget) {
+    lines.push_back({{"input", input.input},
+                     {"u", input.u},
+                     {"dof", FiniteOrNull(input.dof)},
+                     {"distribution", input.is_rectangular ? "rectangular" : "normal"},
+                     {"share", expanded.u > 0 ? ShareOf(input, expanded) : 0}});
+  }
+  return lines;
+}
+
+// u, k, U and degrees of freedom (null: infinite) behind a stated sd.
+Json UncertaintyJson(const ParameterResult& p) {
+  const auto expanded = ExpandedOf(p);
+  if (!expanded) return nullptr;
+  return {{"u", expanded->u},
+          {"k", expanded->k},
+          {"U", expanded->U},
+          {"dof", FiniteOrNull(expanded->dof)},
+          {"budget", BudgetJson(p, *expanded)}};
+}
+
 Json ParameterJson(const ParameterResult& p) {
   return {{"name", p.name},
           {"unit", p.unit},
           {"injected", p.injected},
           {"recovered", OrNull(p.recovered)},
           {"sd", OrNull(p.sd)},
+          {"uncertainty", UncertaintyJson(p)},
           {"error", OrNull(p.error)},
           {"tolerance", OrNull(p.tolerance)},
           {"passed", OrNull(p.passed)},
@@ -53,6 +86,18 @@ Json ListJson(const List& list, Convert convert) {
 }
 
 }  // namespace
+
+void SetUncertainty(const Estimate& estimate, ParameterResult* row) {
+  row->budget = estimate.budget;
+  row->sd.reset();
+  if (estimate.sd > 0) row->sd = estimate.sd;
+}
+
+std::optional<Expanded> ExpandedOf(const ParameterResult& row) {
+  if (!row.sd) return std::nullopt;
+  if (!row.budget.empty()) return Expand(row.budget);
+  return Expand(std::vector<Contribution>{{.input = "as stated", .u = *row.sd}});
+}
 
 nlohmann::ordered_json ToJson(const RunResult& result) {
   return {{"format", 1},

@@ -9,6 +9,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "calibration/estimate/expanded.h"
 #include "calibration/loop/outcome.h"
 #include "sim/machine/machine.h"
 #include "sim/measure/data_header.h"
@@ -23,12 +24,20 @@ struct ParameterResult {
   double injected = 0;                ///< The built, absolute value.
   std::optional<double> recovered{};  ///< None where not identifiable.
   std::optional<double> sd{};
-  std::optional<double> error{};      ///< recovered - injected.
-  std::optional<double> tolerance{};  ///< What was expected; none: nothing.
+  std::vector<Contribution> budget{};  ///< What sd is made of; empty: not taken apart.
+  std::optional<double> error{};       ///< recovered - injected.
+  std::optional<double> tolerance{};   ///< What was expected; none: nothing.
   std::optional<bool> passed{};
   bool identifiable = false;
   bool is_setting = false;
 };
+
+/// sd and budget of an estimate; none where it was told without error (a sd of 0).
+void SetUncertainty(const Estimate& estimate, ParameterResult* row);
+
+/// u, k, U and effective degrees of freedom of what a run states: of its budget, else
+/// of its sd as normal. nullopt where it states none.
+std::optional<Expanded> ExpandedOf(const ParameterResult& row);
 
 /// A check that is no parameter's: "outcome", "position_error_mm.p95".
 struct CheckResult {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <vector>
 
 #include <fmt/format.h>
@@ -111,6 +112,40 @@ std::string ListText(const std::string& title, const std::vector<std::string>& l
   return text;
 }
 
+// "backlash.x: 0.0213 +- 0.0014 mm, k = 1.96: hysteresis 58 %, readings 42 %".
+std::string BudgetText(const ParameterResult& row, const Expanded& expanded) {
+  const auto resolution = ResolutionOf(row);
+  const std::string dof =
+      std::isfinite(expanded.dof) ? fmt::format(" ({:.0f} dof)", expanded.dof) : "";
+  std::string text = fmt::format("{}: {} +- {} {}, k = {:.2f}{}",
+                                 row.name,
+                                 Sensible(*row.recovered, resolution),
+                                 Sensible(expanded.U, resolution),
+                                 row.unit,
+                                 expanded.k,
+                                 dof);
+  std::vector<Contribution> budget = row.budget;
+  std::ranges::stable_sort(budget, std::greater{}, &Contribution::u);
+  std::vector<std::string> shares;
+  for (const Contribution& input : budget) {
+    const double share = std::pow(input.u / expanded.u, 2);
+    shares.push_back(
+        fmt::format("{} {:.0f} %", input.input, PercentFromFraction(share)));
+  }
+  return shares.empty() ? text : fmt::format("{}: {}", text, fmt::join(shares, ", "));
+}
+
+// What U = k u each result has, and what it is made of.
+std::string BudgetsText(const RunResult& result) {
+  std::vector<std::string> lines;
+  for (const ParameterResult& row : result.parameters) {
+    const auto expanded = ExpandedOf(row);
+    if (!expanded || !row.recovered || !(expanded->u > 0)) continue;
+    lines.push_back(BudgetText(row, *expanded));
+  }
+  return ListText("How sure: 95 % intervals, and what makes them", lines);
+}
+
 std::string ChecksText(const RunResult& result, bool colour) {
   std::vector<std::string> lines;
   for (const CheckResult& check : result.checks) {
@@ -165,6 +200,7 @@ std::string ResultText(const RunResult& result, bool colour) {
   text += fmt::format(
       "\nmachine {}, {}, seed {}\n\n", result.machine, result.fidelity, result.seed);
   if (!result.parameters.empty()) text += TableText(result, colour);
+  text += BudgetsText(result);
   std::vector<std::string> steps;
   for (const Step& step : result.steps) {
     steps.push_back(fmt::format("{:>2}  {}", steps.size() + 1, StepText(step)));

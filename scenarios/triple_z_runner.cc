@@ -130,7 +130,7 @@ class TripleZRun {
                           .identifiable = estimate.identifiable};
       if (estimate.identifiable) {
         row.recovered = estimate.value;
-        row.sd = estimate.sd;
+        SetUncertainty(estimate, &row);
         row.error = estimate.value - row.injected;
       }
       result->parameters.push_back(row);

@@ -104,7 +104,10 @@ ParameterResult MakeRow(const Trial& trial,
   if (row.is_setting && setting != nullptr) estimate = setting;
   if (estimate != nullptr) {
     row.identifiable = estimate->identifiable;
-    if (row.identifiable) row.sd = estimate->sd;
+    if (row.identifiable) {
+      row.sd = estimate->sd;
+      row.budget = estimate->budget;
+    }
     if (row.identifiable) row.recovered = row.is_setting ? *after : estimate->value;
   } else if (after && *before != *after) {
     row.identifiable = true;

@@ -179,8 +179,8 @@ class ZOffsetRun {
                           .unit = estimate.unit,
                           .injected = BuiltOf(estimate.name),
                           .recovered = estimate.value,
-                          .sd = estimate.sd,
                           .identifiable = estimate.identifiable};
+      SetUncertainty(estimate, &row);
       row.error = estimate.value - row.injected;
       result->parameters.push_back(row);
     }

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "calibration/estimate/expanded.h"
 #include "calibration/estimate/linear_fit.h"
 #include "sim/base/mutant.h"
 #include "sim/base/require.h"
@@ -18,6 +19,28 @@ Uncertain Component(const LinearFit& fit, const Eigen::VectorXd& weights) {
   return {.value = weights.dot(fit.x),
           .sd = SdOf(weights, fit.covariance),
           .identifiable = told && fit.rank > 0};
+}
+
+// The same with its budget: x = C A^T r, so that each row, whitened, adds its own gain.
+Uncertain Component(const LinearFit& fit,
+                    const Eigen::MatrixXd& a,
+                    const Eigen::VectorXd& weights,
+                    std::span<const TriggerRelease> feeds) {
+  Uncertain component = Component(fit, weights);
+  if (!component.identifiable) return component;
+  const Eigen::VectorXd gain = a * (fit.covariance * weights);
+  std::vector<Contribution> budget;
+  std::vector<Contribution> readings;
+  for (Eigen::Index row = 0; const TriggerRelease& feed : feeds) {
+    readings.push_back(
+        InputOf("readings", gain[row++], {.sd = 1, .dof = feed.difference_mm.dof}));
+  }
+  const auto count = static_cast<Eigen::Index>(feeds.size());
+  budget.push_back(
+      {.input = "readings", .u = Expand(readings).u, .dof = EffectiveDof(readings)});
+  budget.push_back({.input = "hysteresis", .u = std::abs(gain[count])});
+  budget.push_back({.input = "latency", .u = std::abs(gain[count + 1])});
+  return WithBudget(component.value, std::move(budget));
 }
 
 // A row of A and its right-hand side, divided by its standard deviation.
@@ -68,9 +91,9 @@ ReleaseFit BacklashFromRelease(std::span<const TriggerRelease> feeds,
   Uncertain latency = Component(fit, Eigen::Vector3d(0, 0, 1));
   latency.value *= kLatencyUnit_s;
   latency.sd *= kLatencyUnit_s;
-  return {.backlash_mm = Component(fit, Eigen::Vector3d(1, 0, 0)),
+  return {.backlash_mm = Component(fit, a, Eigen::Vector3d(1, 0, 0), feeds),
           .latency_s = latency,
-          .combination_mm = Component(fit, Eigen::Vector3d(1, 1, 0)),
+          .combination_mm = Component(fit, a, Eigen::Vector3d(1, 1, 0), feeds),
           .chi2_per_dof = fit.chi2_per_dof};
 }
 

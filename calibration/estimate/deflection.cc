@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "calibration/estimate/expanded.h"
 #include "sim/base/mutant.h"
 
 namespace caltwin {
@@ -15,23 +16,19 @@ Deflection DeflectionFromSpan(const DeflectionSpan& span) {
       g * Mutant("deflection_radius_for_diameter", 2.0, 1.0) * span.tip_radius_cfg_mm;
   const double k = span.mm_per_commanded_mm.value;
   const double combination_mm = g * (span.size_mm.value - k * centres_mm) / 2;
-  const double combination_sd_mm =
-      std::hypot(std::hypot(span.size_mm.sd, k * span.span_mm.sd),
-                 centres_mm * span.mm_per_commanded_mm.sd) /
-      2;
+  std::vector<Contribution> budget{
+      InputOf("readings", k / 2, span.span_mm),
+      InputOf("sizes", 0.5, span.size_mm),
+      InputOf("steps/mm", centres_mm / 2, span.mm_per_commanded_mm)};
 
   Deflection deflection;
-  deflection.combination_mm = {.value = combination_mm,
-                               .sd = combination_sd_mm,
-                               .identifiable = std::isfinite(combination_sd_mm)};
+  deflection.combination_mm = WithBudget(combination_mm, budget);
   const double half_backlash_mm =
       Mutant("deflection_drops_half_backlash", span.backlash_mm.value / 2, 0.0);
-  const double sd_mm = std::hypot(std::hypot(combination_sd_mm, span.tip_radius_mm.sd),
-                                  span.backlash_mm.sd / 2);
-  deflection.pretravel_mm = {
-      .value = span.tip_radius_mm.value - half_backlash_mm + combination_mm,
-      .sd = sd_mm,
-      .identifiable = std::isfinite(sd_mm)};
+  budget.push_back(InputOf("tip radius", 1, span.tip_radius_mm));
+  budget.push_back(InputOf("gap left", 0.5, span.backlash_mm));
+  deflection.pretravel_mm = WithBudget(
+      span.tip_radius_mm.value - half_backlash_mm + combination_mm, std::move(budget));
   return deflection;
 }
 

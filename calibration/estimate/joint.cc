@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "calibration/estimate/joint_model.h"
+#include "calibration/estimate/joint_robust.h"
 #include "calibration/estimate/linear_fit.h"
 #include "sim/base/mutant.h"
 
@@ -255,6 +256,49 @@ void AddResiduals(const JointModel& model,
   if (fit->dof > 0.5) fit->chi2_per_dof = residuals.squaredNorm() / fit->dof;
 }
 
+// What each row of knowledge, whitened, adds to unknown i: |C_ij w_j|, in its unit.
+void AddBudgets(const JointModel& model,
+                const Eigen::MatrixXd& covariance,
+                const Eigen::MatrixXd& readings,
+                JointFit* fit) {
+  constexpr double kLittle = 1e-3;  // Of the variance.
+  const Knowledge beliefs = KnowledgeOf(model, Of::kBeliefs, 1);
+  const Knowledge measured = KnowledgeOf(model, Of::kMeasured, 1);
+  const Eigen::MatrixXd gain = readings * covariance;
+  for (Eigen::Index i = 0; i < model.size(); ++i) {
+    const double scale = model.unknowns()[static_cast<std::size_t>(i)].scale;
+    std::vector<Contribution> budget{
+        {.input = "readings", .u = gain.col(i).norm() * scale}};
+    double little = 0;
+    for (Eigen::Index j = 0; j < model.size(); ++j) {
+      const std::string& name = model.unknowns()[static_cast<std::size_t>(j)].name;
+      const auto add = [&](const Knowledge& knowledge, const std::string& input) {
+        const double u = std::abs(covariance(i, j) * knowledge.rows(j, j)) * scale;
+        if (u * u < kLittle * covariance(i, i) * scale * scale) {
+          little = std::hypot(little, u);
+        } else {
+          budget.push_back({.input = input, .u = u});
+        }
+      };
+      add(beliefs, "prior of " + name);
+      add(measured, name + " as measured");
+    }
+    if (little > 0) budget.push_back({.input = "other priors", .u = little});
+    fit->estimates[static_cast<std::size_t>(i)].budget = std::move(budget);
+  }
+}
+
+double ObjectiveOf(const JointModel& model,
+                   const Eigen::VectorXd& u,
+                   const Eigen::VectorXd& residuals) {
+  double objective = residuals.squaredNorm();
+  for (const Of what : {Of::kBeliefs, Of::kMeasured}) {
+    const Knowledge knowledge = KnowledgeOf(model, what, 1);
+    objective += (knowledge.rows * u - knowledge.targets).squaredNorm();
+  }
+  return objective;
+}
+
 void WarnOfBounds(const JointModel& model, const Eigen::VectorXd& u, JointFit* fit) {
   const Eigen::VectorXd values = model.Values(u);
   for (Eigen::Index i = 0; i < model.size(); ++i) {
@@ -308,6 +352,16 @@ JointFit FitJoint(const JointProblem& problem) {
   AddEstimates(model, u, covariance, without_beliefs, &fit);
   AddCovariance(model, covariance, &fit);
   AddResiduals(model, residuals, jacobian, covariance, &fit);
+  AddBudgets(model, covariance, effective, &fit);
+  fit.objective = ObjectiveOf(model, u, residuals);
+  if (problem.with_robust) {
+    AddRobust(model,
+              problem,
+              {.rows = jacobian,
+               .residuals = residuals,
+               .known = Stacked({&beliefs, &measured})},
+              &fit);
+  }
   return fit;
 }
 

@@ -50,6 +50,7 @@ struct JointProblem {
   /// What is known of nuisances ("probe_hysteresis"); those not in it are free.
   std::map<std::string, Given> nuisances{};
   Loss loss = Loss::kSquares;
+  bool with_robust = false;  ///< Fill in the two robust covariances too.
 };
 
 /// What came out for one unknown.
@@ -64,6 +65,9 @@ struct JointEstimate {
   bool identifiable = false;
   double prior_sd = 0;  ///< Infinite where there was none.
   bool is_nuisance = false;
+  /// What sd is made of: the readings, and each belief or other measurement by name
+  /// ("prior of tip_size"); what adds less than a thousandth of the variance together.
+  std::vector<Contribution> budget{};
 };
 
 struct JointFit {
@@ -79,6 +83,14 @@ struct JointFit {
   /// Observations less the unknowns they paid for, trace of the hat matrix.
   double dof = 0;
   double chi2_per_dof = 0;  ///< Near 1 if sigmas are honest and the model suffices.
+  /// What was minimised, with beliefs and (squares alone) without Huber's loss: -2 log
+  /// of the posterior but for a constant.
+  double objective = 0;
+  /// Of the estimates as `covariance`, from the residuals themselves instead of the
+  /// stated noise (robust.h): by rows (HC3), and by groups of observations (CR3).
+  Eigen::MatrixXd hc3_covariance{};
+  Eigen::MatrixXd group_covariance{};
+  int num_groups = 0;
 
   /// By name; null where it was not free.
   const JointEstimate* Find(std::string_view name) const;

@@ -145,7 +145,8 @@ TouchNoise NoiseSeen(const TouchNoise& stated,
   const double sigma_mm = std::sqrt(std::max(0.0, pooled.variance_mm2 - rounding_mm2));
   return {
       .sigma_mm = std::max(stated.sigma_mm, sigma_mm * SmallSampleFactor(pooled.dof)),
-      .step_mm = stated.step_mm};
+      .step_mm = stated.step_mm,
+      .dof = static_cast<double>(pooled.dof)};
 }
 
 Uncertain TriggerScatter_mm(std::span<const std::span<const double>> groups_mm,

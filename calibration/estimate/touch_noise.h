@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <span>
 
 #include "calibration/estimate/uncertain.h"
@@ -11,6 +12,9 @@ namespace caltwin {
 struct TouchNoise {
   double sigma_mm = 0;  ///< Of the trigger itself, before rounding.
   double step_mm = 0;   ///< Travel of one motor step; 0: not rounded.
+  /// What sigma was told by: repeats (NoiseSeen, which widens it by t / 1.96), or
+  /// somebody's statement.
+  double dof = std::numeric_limits<double>::infinity();
 };
 
 /// Standard deviation of one touch: sqrt(sigma^2 + step^2 / 12).

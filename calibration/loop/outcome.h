@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "calibration/estimate/uncertain.h"
 #include "sim/base/yaml.h"
 
 namespace caltwin {
@@ -15,9 +16,10 @@ struct Estimate {
   std::string name{};
   std::string unit{};
   double value = 0;
-  double sd = 0;              ///< Standard uncertainty, steps and noise included.
+  double sd = 0;              ///< U / 1.96, steps and noise included (Uncertain).
   bool identifiable = false;  ///< false: value and sd mean nothing.
   bool is_setting = false;  ///< What the firmware now believes; else it has no setting.
+  std::vector<Contribution> budget{};  ///< What sd is made of; empty: not taken apart.
 };
 
 enum class Verdict { kMeasured, kApplied, kRefused, kRolledBack };

@@ -246,7 +246,8 @@ void Session::Conclude(const std::string& name,
                                .value = estimate.value,
                                .sd = estimate.sd,
                                .identifiable = estimate.identifiable,
-                               .is_setting = is_setting});
+                               .is_setting = is_setting,
+                               .budget = estimate.budget});
   if (estimate.identifiable) bench_->ledger.known[name] = estimate;
 }
 

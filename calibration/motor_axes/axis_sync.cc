@@ -1,7 +1,9 @@
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <map>
 
+#include "calibration/estimate/expanded.h"
 #include "calibration/motor_axes/doing.h"
 #include "sim/base/mutant.h"
 #include "sim/base/units.h"
@@ -68,10 +70,36 @@ std::optional<Moments> MoveAndTime(double speed_unit_s, MotorDoing* doing) {
   return moments;
 }
 
+// Of the mean moment at which a counter is half way. A counter shows whole pulses:
+// where it set out from (1/12), and at the two ticks between which it is interpolated
+// (1/12 each, together 2/3 of it in the mean over where between them half the way
+// lies).
+double HalfWaySd_s(std::size_t axis, double speed_unit_s, const MotorDoing& doing) {
+  const double pulse_s =
+      1 / doing.axes().drawing(axis).pulses_per_unit() / speed_unit_s;
+  return pulse_s * std::sqrt((1 + 2.0 / 3) / 12 / doing.options().repeats);
+}
+
 double Latest(const Moments& moments) {
   double latest_s = 0;
   for (const auto& [axis, at_s] : moments) latest_s = std::max(latest_s, at_s);
   return latest_s;
+}
+
+// How much earlier an axis is than the latest: of that one nothing, exactly.
+Uncertain LeadOf(std::size_t axis,
+                 const Moments& moments,
+                 double speed_unit_s,
+                 const MotorDoing& doing) {
+  const double latest_s = Latest(moments);
+  const auto latest =
+      std::ranges::find(moments, latest_s, &Moments::value_type::second);
+  if (axis == latest->first) return {.identifiable = true};
+  return WithBudget(
+      latest_s - moments.at(axis),
+      {{.input = "its own counter", .u = HalfWaySd_s(axis, speed_unit_s, doing)},
+       {.input = "the latest axis' counter",
+        .u = HalfWaySd_s(latest->first, speed_unit_s, doing)}});
 }
 
 double Skew_s(const Moments& moments) {
@@ -104,12 +132,11 @@ MotorResult RunAxisSync(MotorAxes* axes, const MotorOptions& options) {
   if (!before) return doing.Take();
   doing.done().found.skew_s = Skew_s(*before);
   const double latest_s = Latest(*before);
-  // A counter's last place, at this speed, both axes.
   for (const auto& [axis, at_s] : *before) {
-    const double sd_s =
-        1 / axes->drawing(axis).pulses_per_unit() / speed_unit_s / options.repeats;
     const double early_s = latest_s - at_s;
-    doing.Found("start_lead." + MotorAxisName(axis), "s", early_s, sd_s);
+    doing.Found("start_lead." + MotorAxisName(axis),
+                "s",
+                LeadOf(axis, *before, speed_unit_s, doing));
     doing.Step(
         "start_lead." + MotorAxisName(axis),
         early_s,

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "calibration/estimate/expanded.h"
 #include "calibration/motor_axes/doing.h"
 #include "sim/base/mutant.h"
 
@@ -8,13 +9,14 @@ namespace caltwin {
 namespace {
 
 constexpr double kGentle = 0.5;      // Of the friction: so a carriage does not coast.
-constexpr double kHunts_pulses = 1;  // To each side, of a servo at rest.
+constexpr double kHunts_pulses = 1;  // Of a servo at rest, farthest to nearest.
 constexpr double kWorseBy = 3;       // Standard uncertainties that a check may be off.
 
 /// A gap with its standard uncertainty [mm, deg].
 struct Gap {
   double value_unit = 0;
   double sd_unit = 0;
+  std::vector<Contribution> budget{};
   double left_unit = 0;  ///< What the commanded place still differs by.
 };
 
@@ -69,9 +71,13 @@ std::optional<Gap> MeasureGap(double speed_unit_s, MotorDoing* doing) {
       std::hypot(doing->axes().bench().gauge_sigma_unit, rounding_unit) *
       std::sqrt(2.0 / o.repeats);
   // A servo hunts about its place: the carriage stays where it was pushed farthest, the
-  // counter does not. Of all approaches alike, so repeats do not tell it.
-  const double hunting_unit = kHunts_pulses / *pulses / std::sqrt(3.0);
+  // counter does not, so that the gap reads too small by anything from none to a pulse.
+  // In the mean of all approaches alike, so repeats do not tell it.
+  gap.value_unit += kHunts_pulses / 2 / *pulses;
+  const double hunting_unit = kHunts_pulses / *pulses / std::sqrt(12.0);
   gap.sd_unit = std::hypot(readings_unit, hunting_unit);
+  gap.budget = {{.input = "readings", .u = readings_unit},
+                {.input = "a servo's hunting", .u = hunting_unit}};
   return gap;
 }
 
@@ -177,6 +183,23 @@ void ApplyGap(const Gap& gap, MotorDoing* doing) {
   }
 }
 
+// Home was found by a switch that is met from one side: now its half of the gap is
+// known.
+void TellHomeAgain(const Gap& gap, MotorDoing* doing) {
+  MotorAxes& axes = doing->axes();
+  const std::size_t axis = doing->options().axes.front();
+  const auto offset_unit = doing->Got(axes.Field(206, axis));
+  if (!offset_unit || *offset_unit == 0) return;
+  const double seen_unit_s =
+      kSecondLook * doing->options().slow * axes.drawing(axis).max_velocity_unit_s;
+  doing->Found(
+      "home_offset." + MotorAxisName(axis),
+      axes.drawing(axis).unit(),
+      OfCarriage(*offset_unit,
+                 {.value = gap.value_unit, .sd = gap.sd_unit, .identifiable = true},
+                 SwitchBudget(axes.bench(), seen_unit_s)));
+}
+
 }  // namespace
 
 MotorResult RunMotorBacklash(MotorAxes* axes, const MotorOptions& options) {
@@ -201,7 +224,9 @@ MotorResult RunMotorBacklash(MotorAxes* axes, const MotorOptions& options) {
   if (!Gently(&doing, &before_unit_s2)) return doing.Take();
   const auto gap = WithinTolerance(&doing);
   if (gap) {
-    doing.Found(name, axes->drawing(axis).unit(), gap->value_unit, gap->sd_unit);
+    doing.Found(
+        name, axes->drawing(axis).unit(), WithBudget(gap->value_unit, gap->budget));
+    TellHomeAgain(*gap, &doing);
     ApplyGap(*gap, &doing);
   }
   doing.Did(axes->SetField(201, axis, before_unit_s2));

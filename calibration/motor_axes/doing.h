@@ -9,6 +9,9 @@
 
 namespace caltwin {
 
+/// Part of the slow speed with which a corrected homing looks at its switch again.
+inline constexpr double kSecondLook = 0.1;
+
 /// A motor procedure on its way: what it said and did.
 class MotorDoing {
  public:
@@ -70,6 +73,14 @@ class MotorDoing {
                                       .sd = sd,
                                       .identifiable = true});
   }
+  void Found(std::string name, std::string unit, const Uncertain& estimate) {
+    done_.result.estimates.push_back({.name = std::move(name),
+                                      .unit = std::move(unit),
+                                      .value = estimate.value,
+                                      .sd = estimate.sd,
+                                      .identifiable = estimate.identifiable,
+                                      .budget = estimate.budget});
+  }
   void Confess(const std::string& statement, const std::string& name) {
     done_.result.observability.push_back({statement, {{name, 1.0}}});
     done_.result.ending = Ending::kConfounded;
@@ -97,6 +108,7 @@ class MotorDoing {
   MotorResult& done() { return done_; }
   const MotorOptions& options() const { return options_; }
   MotorAxes& axes() { return *axes_; }
+  const MotorAxes& axes() const { return *axes_; }
   MotorResult Take() { return std::move(done_); }
 
  private:
@@ -129,5 +141,29 @@ std::optional<double> SeenLate_unit(std::size_t axis,
 /// Standard deviation of where an axis is seen to pass a switch at that speed [mm,
 /// deg]: the switch's own scatter, and the expander's, which looks once a period.
 double SwitchSigma(const MotorBench& bench, double speed_unit_s);
+
+/// The same, taken apart, of the mean of `touches`.
+std::vector<Contribution> SwitchBudget(const MotorBench& bench,
+                                       double speed_unit_s,
+                                       int touches = 1);
+
+/// A way by the counter, from or to where a switch closed, as the carriage's own in the
+/// middle of its gap [mm, deg]:
+///
+///   way - b / 2
+///
+/// Towards MIN (home_offset, from there to zero) the carriage leads its motor by half
+/// the gap b, towards MAX (travel, from zero) it lags: either way the counter says
+/// more.
+/// @param gap_unit  not identifiable (nobody measured one): nothing is taken off
+Uncertain OfCarriage(double way_unit,
+                     const Uncertain& gap_unit,
+                     std::vector<Contribution> budget);
+
+/// The gap that the controller compensates (M425), known to a pulse; not identifiable
+/// where that is 0: then the procedure says that half of one would come in here.
+std::optional<Uncertain> CompensatedGap(std::size_t axis,
+                                        const std::string& quantity,
+                                        MotorDoing* doing);
 
 }  // namespace caltwin

@@ -1,6 +1,8 @@
 #include <cmath>
 
+#include "calibration/estimate/expanded.h"
 #include "calibration/motor_axes/doing.h"
+#include "sim/base/mutant.h"
 
 namespace caltwin {
 namespace {
@@ -83,6 +85,45 @@ std::optional<double> SeenLate_unit(std::size_t axis,
 double SwitchSigma(const MotorBench& bench, double speed_unit_s) {
   const double polled_unit = speed_unit_s * bench.drawing.poll_s / std::sqrt(12.0);
   return std::hypot(bench.switch_sigma_unit, polled_unit);
+}
+
+std::vector<Contribution> SwitchBudget(const MotorBench& bench,
+                                       double speed_unit_s,
+                                       int touches) {
+  const double root = std::sqrt(touches);
+  return {{.input = "switch", .u = bench.switch_sigma_unit / root},
+          {.input = "expander's period",
+           .u = speed_unit_s * bench.drawing.poll_s / std::sqrt(12.0) / root}};
+}
+
+Uncertain OfCarriage(double way_unit,
+                     const Uncertain& gap_unit,
+                     std::vector<Contribution> budget) {
+  if (gap_unit.identifiable) {
+    way_unit -= Mutant("motor_home_ignores_gap", gap_unit.value / 2, 0.0);
+    budget.push_back({.input = "half the gap", .u = gap_unit.sd / 2});
+  }
+  return WithBudget(way_unit, std::move(budget));
+}
+
+std::optional<Uncertain> CompensatedGap(std::size_t axis,
+                                        const std::string& quantity,
+                                        MotorDoing* doing) {
+  const auto gap_unit = doing->Got(doing->axes().Field(425, axis));
+  const auto pulses = doing->Got(doing->axes().Field(92, axis));
+  if (!gap_unit || !pulses) return std::nullopt;
+  if (*gap_unit > 0) {
+    return Uncertain{.value = *gap_unit, .sd = 1 / *pulses, .identifiable = true};
+  }
+  const std::string name = MotorAxisName(axis);
+  doing->done().result.observability.push_back(
+      {fmt::format("a switch does not tell {0}.{1} from half a gap behind the motor; "
+                   "motor_backlash with a gauge on the carriage does",
+                   quantity,
+                   name),
+       {{quantity + "." + name, std::sqrt(0.8)},
+        {"backlash." + name, -std::sqrt(0.2)}}});
+  return Uncertain{};
 }
 
 std::optional<double> FindMinSwitch(std::size_t axis, MotorDoing* doing) {

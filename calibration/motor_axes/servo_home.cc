@@ -9,9 +9,8 @@ namespace caltwin {
 namespace {
 
 constexpr double kUsualBackOff_unit = 2;
-constexpr double kHunt = 1.2;        // Turns that are gone to look for an index.
-constexpr double kSecondLook = 0.1;  // Of the slow speed: the corrected one's.
-constexpr double kTwoSided = 4;      // |offset| beyond a turn's 1/4: not this switch.
+constexpr double kHunt = 1.2;    // Turns that are gone to look for an index.
+constexpr double kTwoSided = 4;  // |offset| beyond a turn's 1/4: not this switch.
 
 /// What one homing has in hand; counts from the axis' old zero.
 struct Homing {
@@ -19,7 +18,8 @@ struct Homing {
   double pulses_per_unit = 1;
   double lead_unit = 1;
   double slow_unit_s = 1;
-  double sigma_unit = 0;  ///< Of where it was seen at the switch.
+  double seen_unit_s = 0;  ///< Speed with which it was seen at the switch,
+  double sigma_unit = 0;   ///< and how sure the place is.
   std::int64_t at_switch = 0;
   std::int64_t backed_off = 0;
   std::int64_t index = 0;
@@ -84,6 +84,7 @@ bool HuntIndex(Homing* homing, MotorDoing* doing) {
 bool LookAgain(double back_off_unit, Homing* homing, MotorDoing* doing) {
   MotorAxes& axes = doing->axes();
   const double fine_unit_s = kSecondLook * homing->slow_unit_s;
+  homing->seen_unit_s = fine_unit_s;
   homing->sigma_unit = SwitchSigma(axes.bench(), fine_unit_s);
   return doing->Did(axes.MoveBy(homing->axis, back_off_unit, homing->slow_unit_s)) &&
          doing->Did(axes.SeekSwitch(homing->axis, -2 * back_off_unit, fine_unit_s));
@@ -160,6 +161,7 @@ bool ToSwitch(Homing* homing, MotorDoing* doing) {
   const auto speed_unit_s = FindMinSwitch(axis, doing);
   if (!speed_unit_s) return false;
   homing->slow_unit_s = *speed_unit_s;
+  homing->seen_unit_s = *speed_unit_s;
   homing->sigma_unit = SwitchSigma(axes.bench(), *speed_unit_s);
   if (!doing->options().is_as_published && !LookAgain(back_off_unit, homing, doing)) {
     return false;
@@ -223,7 +225,13 @@ MotorResult RunServoHome(MotorAxes* axes, const MotorOptions& options) {
              Verdict::kApplied,
              options.is_as_published ? "zero is where the axis stood after the index"
                                      : "zero is the index itself, as latched");
-  doing.Found(name, axes->drawing(axis).unit(), offset_unit, homing.sigma_unit);
+  const auto gap_unit = CompensatedGap(axis, "home_offset", &doing);
+  if (!gap_unit) return doing.Take();
+  doing.Found(
+      name,
+      axes->drawing(axis).unit(),
+      OfCarriage(
+          offset_unit, *gap_unit, SwitchBudget(axes->bench(), homing.seen_unit_s)));
   return doing.Take();
 }
 

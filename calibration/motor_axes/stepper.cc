@@ -16,31 +16,46 @@ constexpr double kLostSigmas = 6;
 struct Seen {
   double pulses = 0;
   double sd_unit = 0;
+  std::vector<Contribution> budget{};
+};
+
+/// Which switch, and how fast the axis came to stand beyond it.
+struct AtSwitch {
+  int sense = -1;  ///< Of the way to it.
+  double came_unit_s = 0;
 };
 
 // So often from so near, so slowly: the mean.
 std::optional<Seen> TouchFinely(std::size_t axis,
-                                int sense,
+                                const AtSwitch& at,
                                 double pulses_per_unit,
                                 MotorDoing* doing) {
   MotorAxes& axes = doing->axes();
   const MotorOptions& o = doing->options();
   const auto late_unit = SeenLate_unit(axis, o.fine_unit_s, doing);
-  if (!late_unit) return std::nullopt;
+  const auto came_late_unit = SeenLate_unit(axis, at.came_unit_s, doing);
+  if (!late_unit || !came_late_unit) return std::nullopt;
+  // It may stand farther beyond by half the expander's period. From too near the switch
+  // would not have opened, and would be seen at once.
+  const double beyond_unit =
+      *came_late_unit + at.came_unit_s * axes.bench().drawing.poll_s / 2;
   Seen seen;
   const int touches = Mutant("stepper_home_last_touch", o.touches, 1);
   for (int i = 0; i < touches; ++i) {
+    const double back_unit = kClear_unit + (i == 0 ? beyond_unit : 0);
+    const double to_unit = 5 * kClear_unit + back_unit;
     const bool is_done =
-        doing->Did(axes.MoveBy(axis, -sense * kClear_unit, 10 * o.fine_unit_s)) &&
-        doing->Did(axes.SeekSwitch(axis, sense * 5 * kClear_unit, o.fine_unit_s)) &&
+        doing->Did(axes.MoveBy(axis, -at.sense * back_unit, 10 * o.fine_unit_s)) &&
+        doing->Did(axes.SeekSwitch(axis, at.sense * to_unit, o.fine_unit_s)) &&
         doing->Did(axes.WaitComplete());
     if (!is_done) return std::nullopt;
     const auto count = doing->Got(axes.Count(axis));
     if (!count) return std::nullopt;
     seen.pulses += static_cast<double>(*count) / touches;
   }
-  seen.pulses -= sense * *late_unit * pulses_per_unit;
+  seen.pulses -= at.sense * *late_unit * pulses_per_unit;
   seen.sd_unit = SwitchSigma(axes.bench(), o.fine_unit_s) / std::sqrt(touches);
+  seen.budget = SwitchBudget(axes.bench(), o.fine_unit_s, touches);
   return seen;
 }
 
@@ -59,7 +74,9 @@ std::optional<Seen> SecondTouch(std::size_t axis,
   if (!is_done) return std::nullopt;
   const auto count = doing->Got(axes.Count(axis));
   if (!count) return std::nullopt;
-  return Seen{static_cast<double>(*count), SwitchSigma(axes.bench(), speed_unit_s)};
+  return Seen{static_cast<double>(*count),
+              SwitchSigma(axes.bench(), speed_unit_s),
+              SwitchBudget(axes.bench(), speed_unit_s)};
 }
 
 // Of an axis that was homed before: its switch is where it was, or steps were lost.
@@ -119,7 +136,12 @@ MotorResult RunStepperHome(MotorAxes* axes, const MotorOptions& options) {
   std::optional<Seen> seen;
   if (slow_unit_s) seen = SecondTouch(axis, *slow_unit_s, &doing);
   if (!gentle.End() || !seen) return doing.Take();
-  if (!options.is_as_published) seen = TouchFinely(axis, -1, *pulses, &doing);
+  if (!options.is_as_published) {
+    seen = TouchFinely(axis,
+                       {.sense = -1, .came_unit_s = options.second * *slow_unit_s},
+                       *pulses,
+                       &doing);
+  }
   if (!seen) return doing.Take();
   if (says->is_homed) TellLostSteps(axis, *seen, *pulses, &doing);
   const double zero = seen->pulses + options.final_back_off_unit * *pulses;
@@ -141,7 +163,10 @@ MotorResult RunStepperHome(MotorAxes* axes, const MotorOptions& options) {
                          options.final_back_off_unit,
                          d.unit(),
                          UmFromMm(seen->sd_unit)));
-  doing.Found(name, d.unit(), options.final_back_off_unit, seen->sd_unit);
+  const auto gap_unit = CompensatedGap(axis, "home_offset", &doing);
+  if (!gap_unit) return doing.Take();
+  doing.Found(
+      name, d.unit(), OfCarriage(options.final_back_off_unit, *gap_unit, seen->budget));
   return doing.Take();
 }
 
@@ -172,9 +197,13 @@ MotorResult RunTravelLimits(MotorAxes* axes, const MotorOptions& options) {
   if (!doing.Did(axes->WaitComplete())) return doing.Take();
   const auto count = doing.Got(axes->Count(axis));
   if (!count) return doing.Take();
-  std::optional<Seen> seen{
-      {static_cast<double>(*count), SwitchSigma(axes->bench(), speed_unit_s)}};
-  if (!options.is_as_published) seen = TouchFinely(axis, +1, *pulses, &doing);
+  std::optional<Seen> seen{{static_cast<double>(*count),
+                            SwitchSigma(axes->bench(), speed_unit_s),
+                            SwitchBudget(axes->bench(), speed_unit_s)}};
+  if (!options.is_as_published) {
+    seen =
+        TouchFinely(axis, {.sense = +1, .came_unit_s = speed_unit_s}, *pulses, &doing);
+  }
   if (!seen) return doing.Take();
   const double travel_unit = seen->pulses / *pulses;
   const double low_unit = std::min(0.0, options.margin_unit - *offset_unit);
@@ -191,7 +220,9 @@ MotorResult RunTravelLimits(MotorAxes* axes, const MotorOptions& options) {
       travel_unit,
       Verdict::kApplied,
       fmt::format("working range {:.3f} .. {:.3f} {}", low_unit, high_unit, d.unit()));
-  doing.Found(name, d.unit(), travel_unit, seen->sd_unit);
+  const auto gap_unit = CompensatedGap(axis, "travel", &doing);
+  if (!gap_unit) return doing.Take();
+  doing.Found(name, d.unit(), OfCarriage(travel_unit, *gap_unit, seen->budget));
   return doing.Take();
 }
 

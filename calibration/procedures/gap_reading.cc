@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "calibration/estimate/backlash.h"
+#include "calibration/estimate/expanded.h"
 #include "sim/base/mutant.h"
 #include "sim/base/units.h"
 
@@ -58,11 +59,14 @@ Expected<Uncertain> ReadGapLeft(Session* session,
   const std::span<const double> group_mm(each_mm);
   const TouchNoise seen = NoiseSeen({.sigma_mm = sd_mm}, std::span(&group_mm, 1));
   Uncertain left_mm = BacklashFromDial(readings_mm, +1, seen.sigma_mm);
+  left_mm.budget = {InputOf("readings", 1, {.sd = left_mm.sd, .dof = seen.dof})};
   // Both approaches stop at the same count, but for what is compensated: that is
   // rounded to whole steps, in each sense by itself and in every repeat alike.
   if (session->Believed(Setting::kBacklash, axis) != 0) {
     const double step_mm = session->probing().Noise(axis).step_mm;
-    left_mm.sd = std::hypot(left_mm.sd, step_mm * std::sqrt(2 / 12.0));
+    left_mm = WithInput(std::move(left_mm),
+                        {.input = "whole steps of the compensation",
+                         .u = step_mm * std::sqrt(2 / 12.0)});
   }
   return left_mm;
 }

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "calibration/estimate/expanded.h"
+#include "calibration/estimate/profile.h"
 #include "calibration/estimate/touch_noise.h"
 #include "calibration/procedures/plan_model.h"
 #include "calibration/procedures/scale_doubt.h"
@@ -43,7 +45,8 @@ Expected<void> MeasureWithoutCompensation(Session* session, const JointOptions& 
 Uncertain AsUncertain(const JointEstimate& estimate) {
   return {.value = estimate.value,
           .sd = estimate.sd,
-          .identifiable = estimate.identifiable};
+          .identifiable = estimate.identifiable,
+          .budget = estimate.budget};
 }
 
 // What the joint estimate says of the settings of one axis, where it says anything.
@@ -131,7 +134,7 @@ Expected<bool> ApplyAxis(Session* session,
 // Of an axis whose steps/mm are estimated here the fit itself knows how sure they are.
 double DoubtBeside(Session* session, const JointOptions& o, Axis axis) {
   const bool is_estimated = std::ranges::find(o.axes, axis) != o.axes.end();
-  return is_estimated ? 0 : ScaleDoubt(session, axis);
+  return is_estimated ? 0 : ScaleDoubt(session, axis, o.steps_doubt);
 }
 
 // Slopes of the table, read in millimetres of axes that may not be among the unknowns.
@@ -171,7 +174,13 @@ void BelieveScatter(Session* session, JointFit* fit) {
   const double factor =
       ScatterFactor(fit->chi2_per_dof, static_cast<int>(std::lround(fit->dof)));
   if (factor <= 1) return;
-  for (JointEstimate& estimate : fit->estimates) estimate.sd *= factor;
+  const int dof = static_cast<int>(std::lround(fit->dof));
+  for (JointEstimate& estimate : fit->estimates) {
+    estimate.sd *= factor;
+    estimate.budget = {InputOf("the readings' own scatter",
+                               1,
+                               {.sd = estimate.sd, .dof = static_cast<double>(dof)})};
+  }
   fit->covariance *= factor * factor;
   session->Tell(fmt::format(
       "The readings do not fit as their noise allows (chi2 per dof {:.1f}): "
@@ -179,6 +188,48 @@ void BelieveScatter(Session* session, JointFit* fit) {
       "or an error that the model does not have.",
       fit->chi2_per_dof,
       factor));
+}
+
+// Uncertainties from the residuals themselves, row by row or face by face.
+void TakeRobust(Session* session, JointOptions::Scatter scatter, JointFit* fit) {
+  const bool by_rows = scatter == JointOptions::Scatter::kRows;
+  const Eigen::MatrixXd& robust = by_rows ? fit->hc3_covariance : fit->group_covariance;
+  const double dof = by_rows ? fit->dof : fit->num_groups - 1;
+  for (std::size_t i = 0; i < fit->estimates.size(); ++i) {
+    JointEstimate& estimate = fit->estimates[i];
+    const auto at = static_cast<Eigen::Index>(i);
+    const Uncertain told =
+        WithBudget(estimate.value,
+                   {{.input = by_rows ? "rows' own residuals" : "faces' own residuals",
+                     .u = std::sqrt(robust(at, at)),
+                     .dof = std::max(1.0, dof)}});
+    estimate.sd = told.sd;
+    estimate.budget = told.budget;
+  }
+  fit->covariance = robust;
+  session->Tell(fmt::format(
+      "Uncertainties are those of the residuals, {} (robust covariance, {:.0f} degrees "
+      "of freedom), not of the noise stated.",
+      by_rows ? "row by row" : "face by face",
+      dof));
+}
+
+void PrintProfiles(Session* session, const JointProblem& problem, const JointFit& fit) {
+  for (std::size_t i = 0; i < problem.free.size(); ++i) {
+    const JointEstimate& estimate = fit.estimates[i];
+    if (!estimate.identifiable) continue;
+    const ProfileInterval interval = ProfileJoint(problem, fit, i);
+    session->Tell(fmt::format(
+        "{}: 95 % by profile likelihood {:+.3g} .. {:+.3g} {} about {:.6g}, by 1.96 sd "
+        "+-{:.3g}{}.",
+        estimate.name,
+        interval.low - estimate.value,
+        interval.high - estimate.value,
+        estimate.unit,
+        estimate.value,
+        1.96 * estimate.sd,
+        interval.is_closed ? "" : "; open beyond 20 sd"));
+  }
 }
 
 void Print(Session* session, const JointProblem& problem, const JointFit& fit) {
@@ -221,9 +272,15 @@ Expected<void> RunJoint(Session* session, const JointOptions& o) {
     session->End(Ending::kRefused);
     return {};
   }
-  const JointProblem problem = MakeJointProblem(session, o, rows);
+  JointProblem problem = MakeJointProblem(session, o, rows);
+  problem.with_robust = o.scatter != JointOptions::Scatter::kStated;
   JointFit fit = FitJoint(problem);
-  BelieveScatter(session, &fit);
+  if (o.profile && fit.converged) PrintProfiles(session, problem, fit);
+  if (problem.with_robust) {
+    TakeRobust(session, o.scatter, &fit);
+  } else {
+    BelieveScatter(session, &fit);
+  }
   session->Explain(fit.observability);
   session->Tell(InWords(fit.observability));
   if (!fit.converged) {
@@ -264,6 +321,15 @@ PreparedProcedure Prepare(YamlMap map) {
   o.tilt = map.FlagOr("tilt", true);
   o.squareness = map.FlagOr("squareness", false);
   o.robust = map.FlagOr("robust", false);
+  o.profile = map.FlagOr("profile", false);
+  const std::string scatter =
+      map.WordOr("scatter", "stated", {"stated", "rows", "faces"});
+  o.scatter = scatter == "rows"    ? JointOptions::Scatter::kRows
+              : scatter == "faces" ? JointOptions::Scatter::kGroups
+                                   : JointOptions::Scatter::kStated;
+  const double hundred = PercentFromFraction(1.0);
+  o.steps_doubt =
+      map.NumberOr("steps_u_percent", hundred * kScaleDoubt, {1e-4, 20}) / hundred;
   o.verify = map.FlagOr("verify", true);
   if (map.Has("hysteresis_mm")) {
     o.hysteresis_mm = Given{.value = map.Number("hysteresis_mm", {0, 1}),

@@ -7,10 +7,18 @@
 #include "calibration/estimate/joint.h"
 #include "calibration/procedures/catalog.h"
 #include "calibration/procedures/options.h"
+#include "calibration/procedures/scale_doubt.h"
 
 namespace caltwin {
 
 struct JointOptions {
+  /// What uncertainties rest on.
+  enum class Scatter {
+    kStated,  ///< The noise stated, unless the residuals contradict it.
+    kRows,    ///< Each row's own residual (HC3).
+    kGroups   ///< Residuals of a face's touches together (CR3).
+  };
+
   std::vector<Axis> axes{kAxes.begin(), kAxes.end()};
   std::string artefact{};
   std::vector<double> sizes_mm{25.4, 76.2};
@@ -20,6 +28,11 @@ struct JointOptions {
   bool tilt = true;           ///< Touch the plate or the table on a grid.
   bool squareness = false;    ///< Touch side faces at two places each.
   bool robust = false;        ///< Huber's loss.
+  bool profile = false;       ///< Intervals by profile likelihood too.
+  Scatter scatter = Scatter::kStated;
+  /// Standard uncertainty of steps/mm, as a fraction, of axes that are not among `axes`
+  /// and that nobody has measured.
+  double steps_doubt = kScaleDoubt;
   bool verify = true;
   std::optional<Given> hysteresis_mm{};
   std::optional<Given> tip_radius_mm{};

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "calibration/estimate/expanded.h"
 #include "calibration/estimate/tilt_plane.h"
 #include "calibration/procedures/scale_doubt.h"
 #include "calibration/procedures/span.h"
@@ -85,8 +86,7 @@ Expected<void> RunPlaneTilt(Session* session, const PlaneTiltOptions& o) {
   const auto conclude = [&](const std::string& which, Axis along, Uncertain slope) {
     slope = WithScaleDoubt(
         slope, ScaleDoubt(session, along), ScaleDoubt(session, Axis::kZ));
-    slope.value = MradFromRad(slope.value);
-    slope.sd = MradFromRad(slope.sd);
+    slope = Scaled(std::move(slope), MradFromRad(1.0));
     const std::string name = "bed_tilt." + which;
     session->Measured(name, slope.value, "Slope of the plane through the touches.");
     session->Conclude(name, "mrad", slope);

@@ -8,6 +8,7 @@
 
 #include "calibration/estimate/backlash.h"
 #include "calibration/estimate/clusters.h"
+#include "calibration/estimate/expanded.h"
 #include "calibration/procedures/gap_reading.h"
 #include "calibration/procedures/plan_model.h"
 #include "calibration/procedures/scale_doubt.h"
@@ -122,8 +123,10 @@ ReleaseFit Fit(Session* session, const Releases& all, const ReleaseOptions& o) {
         NoiseSeen(session->probing().Noise(o.common.axis), std::span(&group_mm, 1));
     const double sd_mm =
         TriggerReleaseSd_mm(noise, static_cast<int>(differences_mm.size()));
-    feeds.push_back({.feed_mm_s = feed_mm_s,
-                     .difference_mm = {.value = Mean(differences_mm), .sd = sd_mm}});
+    feeds.push_back(
+        {.feed_mm_s = feed_mm_s,
+         .difference_mm = {
+             .value = Mean(differences_mm), .sd = sd_mm, .dof = noise.dof}});
   }
   const Given latency_s = feeds.size() == 1 ? Given{} : kNotGiven;
   return BacklashFromRelease(feeds, Hysteresis(session, o), latency_s);
@@ -280,7 +283,9 @@ Expected<void> RunRelease(Session* session, const ReleaseOptions& o) {
   // As published, the reading is added to what is set.
   if (c.as_published) gap_mm.value += before_mm;
   if (!c.as_published) {
-    gap_mm.sd = std::hypot(gap_mm.sd, gap_mm.value * ScaleDoubt(session, c.axis));
+    gap_mm = WithInput(std::move(gap_mm),
+                       {.input = "steps/mm",
+                        .u = std::abs(gap_mm.value) * ScaleDoubt(session, c.axis)});
   }
   const Proposal proposal{
       .setting = Setting::kBacklash,

@@ -2,25 +2,22 @@
 
 #include <cmath>
 
+#include "calibration/estimate/expanded.h"
+
 namespace caltwin {
-namespace {
-
-constexpr double kScaleDoubt = 0.01;  // Of steps/mm nobody has: the catalogue's prior.
-
-}  // namespace
-
-double ScaleDoubt(Session* session, Axis axis) {
+double ScaleDoubt(Session* session, Axis axis, double unmeasured) {
   const auto& known = session->bench().ledger.known;
   const auto found = known.find(NameOf(Setting::kStepsPerMm, axis));
-  if (found == known.end()) return kScaleDoubt;
+  if (found == known.end()) return unmeasured;
   const double believed = session->Believed(Setting::kStepsPerMm, axis);
   return std::hypot(found->second.sd, found->second.value - believed) / believed;
 }
 
 Uncertain WithScaleDoubt(const Uncertain& slope, double along_doubt, double z_doubt) {
-  Uncertain widened = slope;
-  widened.sd = std::hypot(slope.sd, slope.value * along_doubt, slope.value * z_doubt);
-  return widened;
+  const double size = std::abs(slope.value);
+  Uncertain widened =
+      WithInput(slope, {.input = "steps/mm along", .u = size * along_doubt});
+  return WithInput(std::move(widened), {.input = "steps/mm of z", .u = size * z_doubt});
 }
 
 }  // namespace caltwin

@@ -6,10 +6,14 @@
 
 namespace caltwin {
 
+/// Standard uncertainty of steps/mm nobody has measured, as a fraction: the catalogue's
+/// prior.
+inline constexpr double kScaleDoubt = 0.01;
+
 /// Commanded millimetres are taken for true ones: the standard uncertainty of their
-/// ratio. 0.01, the catalogue's prior, of steps/mm that nobody has measured; of those
+/// ratio. `unmeasured` of steps/mm that nobody has measured; of those
 /// that were, what was found counts as far as it is set.
-double ScaleDoubt(Session* session, Axis axis);
+double ScaleDoubt(Session* session, Axis axis, double unmeasured = kScaleDoubt);
 
 /// A slope dz/d(along) read in commanded millimetres, its uncertainty widened by what
 /// both axes' steps/mm may be off:  slope_true = slope k_z / k_along, so

@@ -99,7 +99,8 @@ Expected<SpanReading> MeasureSpan(Session* session,
   const double sign = reading.kind == SpanKind::kExternal ? 1 : -1;
   reading.span_mm = {
       .value = reading.size_mm.value + Mutant("bore_as_block", sign, 1.0) * outward_mm,
-      .sd = std::sqrt(variance_mm2)};
+      .sd = std::sqrt(variance_mm2),
+      .dof = noise.dof};
   reading.scatter_mm = Pooled_mm(reading.faces);
   WarnOfScatter(session, artefact.id, reading.scatter_mm);
   return reading;

@@ -4,17 +4,20 @@
 
 #include <fmt/format.h>
 
+#include "calibration/estimate/expanded.h"
 #include "sim/base/units.h"
 
 namespace caltwin {
 namespace {
 
 Estimate SlopeEstimate(const std::string& name, const Uncertain& slope) {
+  const Uncertain in_mrad = Scaled(slope, MradFromRad(1.0));
   return {.name = name,
           .unit = "mrad",
-          .value = MradFromRad(slope.value),
-          .sd = MradFromRad(slope.sd),
-          .identifiable = slope.identifiable};
+          .value = in_mrad.value,
+          .sd = in_mrad.sd,
+          .identifiable = in_mrad.identifiable,
+          .budget = in_mrad.budget};
 }
 
 }  // namespace

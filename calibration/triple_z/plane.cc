@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "calibration/estimate/expanded.h"
 #include "calibration/estimate/touch_noise.h"
 #include "sim/base/mutant.h"
 #include "sim/base/units.h"
@@ -36,8 +37,14 @@ BedPlane FitBedPlane(std::span<const BedTouch> touches,
   const TiltPlane first = FitTiltPlane(points_mm, sigma_mm);
   // Where the touches scatter more than was said, they are believed.
   const double factor = ScatterFactor(first.chi2_per_dof, first.dof, is_sigma_stated);
-  return {.fit = factor > 1 ? FitTiltPlane(points_mm, factor * sigma_mm) : first,
-          .points = static_cast<int>(touches.size())};
+  BedPlane plane{.fit = factor > 1 ? FitTiltPlane(points_mm, factor * sigma_mm) : first,
+                 .points = static_cast<int>(touches.size())};
+  for (Uncertain* slope : {&plane.fit.slope_x, &plane.fit.slope_y}) {
+    Given readings{.sd = slope->sd};
+    if (factor > 1) readings.dof = first.dof;
+    slope->budget = {InputOf("touches", 1, readings)};
+  }
+  return plane;
 }
 
 Vec3<double> ScrewOffsets_mm(const BedPlane& plane,

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "calibration/estimate/expanded.h"
 #include "calibration/estimate/touch_noise.h"
 #include "sim/base/units.h"
 
@@ -16,6 +17,10 @@ namespace {
 
 constexpr std::chrono::milliseconds kPatience{120'000};
 constexpr double kPrinted_mm = 0.0011;  // Three decimals, three of them.
+constexpr double kFeelerStep_mm = 0.01;
+// Of an offset: three means of five touches that scatter by 1 um each (0.77 um), and a
+// step's rounding. Nobody tells this procedure of a switch that scatters more.
+constexpr double kMachine_mm = 0.001;
 
 std::optional<double> After(const std::string& line, const std::string& key) {
   const std::size_t at = line.find(key);
@@ -178,11 +183,19 @@ ProcedureResult RunSwitchOffset(ZOffsetClient* client,
     if (height_mm + off_mm < kTooNear_mm + height_mm / 2) break;
   }
   // A nozzle that hangs too high needs a greater switch_offset.
+  // One reading in whole leaves, however often it is taken: heights are multiples too.
+  const Uncertain told =
+      WithBudget(switch_offset_mm + off_mm,
+                 {{.input = "touches and steps of the machine", .u = kMachine_mm},
+                  {.input = "feeler gauge's step",
+                   .u = kFeelerStep_mm / std::sqrt(12.0),
+                   .is_rectangular = true}});
   result.estimates.push_back({.name = "switch_offset",
                               .unit = "mm",
-                              .value = switch_offset_mm + off_mm,
-                              .sd = 0.005,
-                              .identifiable = true});
+                              .value = told.value,
+                              .sd = told.sd,
+                              .identifiable = true,
+                              .budget = told.budget});
   result.messages.push_back(fmt::format("switch_offset {:.3f} should be {:.3f}",
                                         switch_offset_mm,
                                         switch_offset_mm + off_mm));

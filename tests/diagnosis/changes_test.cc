@@ -12,6 +12,7 @@
 
 #include "sim/base/rng.h"
 #include "sim/base/units.h"
+#include "sim/effects/predict.h"
 
 namespace caltwin {
 namespace {

@@ -137,6 +137,7 @@ std::string Explanation(const std::string& name) {
   add(StudyKeys(), "key of a study");
   add(OutcomeWords(), "outcome");
   add(UnitWords(), "unit");
+  add(UncertaintyWords(), "uncertainty");
   add(DeltaEffectWords(), "effect of a delta");
   add(DeltaProcedureWords(), "procedure of a delta");
   add(TripleZProcedureWords(), "procedure of a triple-Z printer");
@@ -176,6 +177,7 @@ std::string ListText() {
   add_names("Keys of a study (`caltwin explain study` says them all)", StudyKeys());
   add_names("Outcomes", OutcomeWords());
   add_names("Units", UnitWords());
+  add_names("Uncertainty", UncertaintyWords());
   add_names("Effects of a delta", DeltaEffectWords());
   add_names("Procedures of a delta", DeltaProcedureWords());
   add_names("Procedures of a triple-Z printer", TripleZProcedureWords());
@@ -235,6 +237,7 @@ std::vector<std::string> AllNames() {
                            StudyKeys(),
                            OutcomeWords(),
                            UnitWords(),
+                           UncertaintyWords(),
                            DeltaEffectWords(),
                            DeltaProcedureWords(),
                            TripleZProcedureWords(),
