@@ -304,9 +304,9 @@ double NoiseFloor_mm(const Observed& o,
     const auto c = static_cast<std::size_t>(o.campaign_of()[i]);
     const bool is_pure = Known(pure.sigma_mm[c]);
     const double rounding_mm = RoundingSigma_mm(o, static_cast<Eigen::Index>(i));
-    sum += std::pow(is_pure ? std::max(pure.sigma_mm[c], rounding_mm)
-                            : search.richest.sigma_mm[c],
-                    2);
+    sum += std::pow(
+        is_pure ? std::max(pure.sigma_mm[c], rounding_mm) : search.richest.sigma_mm[c],
+        2);
     *from_replicates &= is_pure;
     ++rows;
   }
