@@ -243,14 +243,19 @@ class Reporter {
     diagnosis->residual_after_mm = with.residual_mm;
     diagnosis->residual_before_mm =
         Evidence(observed_, noise_, baseline, out).FitNuisances().residual_mm;
+    const std::vector<Nuisance> kept =
+        LinesBesideTables(observed_, candidates_, search_);
     for (std::size_t k = 0; k < baseline.size(); ++k) {
       if (!baseline[k].reported) continue;
       const auto at = static_cast<Eigen::Index>(k);
-      diagnosis->baseline.push_back({baseline[k].name,
-                                     baseline[k].unit,
-                                     baseline[k].offset + with.values[at],
-                                     with.sds[at],
-                                     IsDetermined(baseline[k], with.sds[at])});
+      const bool is_kept =
+          std::ranges::find(kept, baseline[k].name, &Nuisance::name) != kept.end();
+      diagnosis->baseline.push_back(
+          {baseline[k].name,
+           baseline[k].unit,
+           baseline[k].offset + with.values[at],
+           with.sds[at],
+           is_kept && IsDetermined(baseline[k], with.sds[at])});
       if (baseline[k].name == "endstop.b") AddLastEndstop(with, at, diagnosis);
     }
   }
@@ -357,6 +362,12 @@ Diagnosis Diagnose(const Observed& as_read, const DiagnoseOptions& options) {
   });
   Diagnosis diagnosis = Reporter(observed, candidates, search).Make();
   if (!remark.empty()) diagnosis.remarks.push_back(remark);
+  if (static_cast<int>(search.found.size()) >= options.search.most_findings) {
+    diagnosis.remarks.push_back(fmt::format(
+        "the search stops at {} findings: there may be more. Extend the machine with "
+        "these (--extend) and diagnose the same rows again",
+        options.search.most_findings));
+  }
   diagnosis.min_effect_um = options.min_effect_um;
   DoubtNone(RemainsOf(observed, search), &diagnosis);
   return diagnosis;

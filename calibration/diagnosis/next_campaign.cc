@@ -18,9 +18,12 @@ namespace {
 
 constexpr double kPause_s = 600;
 constexpr double kSecondsPerMinute = 60;
-constexpr double kApart = 9;
+constexpr double kApart_sigma = 3;
 constexpr double kResolved_sigma = 5;
-constexpr double kEnough_sigma = 10;
+// Real shapes differ from their formulas by a fifth: what is apart by less in formulas
+// may still be one in rows.
+constexpr double kEnough_sigma = 30;
+constexpr double kLeastGain_sigma = 0.025;  // Weighted: 0.5 of the least likely.
 constexpr double kAmbiguousAbove = 0.05;
 constexpr int kMostTerms = 12;
 
@@ -55,6 +58,7 @@ struct Rated {
   NextCampaign next{};
   double rate = 0;
   bool resolves = false;
+  bool is_of_use = false;  ///< It separates what the rows at hand do not.
 };
 
 // One finding against one campaign more.
@@ -70,7 +74,7 @@ class Rater {
         search_(search),
         found_(found),
         rivals_(std::move(rivals)) {
-    if (!rivals_.empty()) now_sigma_ = SeparationIn(observed).separation_sigma;
+    if (!rivals_.empty()) now_sigma_ = SeparationsIn(observed);
   }
 
   Rated Rate(const CampaignChoice& choice, std::uint64_t seed) const {
@@ -86,17 +90,29 @@ class Rater {
     if (rivals_.empty()) {
       rated.rate = InformationGained(both, EvidenceOf(both)) / minutes;
       rated.next.separates = {"unknown"};
-      rated.resolves = true;
+      rated.resolves = rated.is_of_use = true;
       return rated;
     }
-    const NextCampaign then = SeparationIn(both);
-    rated.next.separates = then.separates;
-    rated.next.separation_sigma = then.separation_sigma;
-    // What the rows at hand do already is no merit of the campaign.
-    rated.rate = (std::min(then.separation_sigma, kEnough_sigma) -
-                  std::min(now_sigma_, kEnough_sigma)) /
-                 minutes;
-    rated.resolves = then.separation_sigma >= kResolved_sigma;
+    const std::vector<double> then_sigma = SeparationsIn(both);
+    double gained_sigma = 0, least_sigma = INFINITY;
+    rated.next.separates = {candidates_[found_.candidate].cause};
+    for (std::size_t r = 0; r < rivals_.size(); ++r) {
+      // What the rows at hand do already is no merit of the campaign.
+      gained_sigma += Weight(rivals_[r]) * (std::min(then_sigma[r], kEnough_sigma) -
+                                            std::min(now_sigma_[r], kEnough_sigma));
+      least_sigma = std::min(least_sigma, then_sigma[r]);
+      const std::string& cause = candidates_[rivals_[r]].cause;
+      auto& names = rated.next.separates;
+      if (then_sigma[r] >= kApart_sigma &&
+          std::ranges::find(names, cause) == names.end()) {
+        names.push_back(cause);
+      }
+    }
+    rated.next.separation_sigma = least_sigma;
+    rated.rate = gained_sigma / minutes;
+    rated.is_of_use =
+        gained_sigma > kLeastGain_sigma && rated.next.separates.size() > 1;
+    rated.resolves = least_sigma >= kResolved_sigma;
     return rated;
   }
 
@@ -104,10 +120,40 @@ class Rater {
   Evidence EvidenceOf(const Observed& both) const {
     std::vector<bool> left_out = search_.circumstances.left_out;
     left_out.resize(static_cast<std::size_t>(both.num_rows()), false);
+    std::vector<Nuisance> baseline = BaselineOf(both);
+    for (const Found& other : search_.found) {
+      if (&other != &found_) AddOther(both, other, &baseline);
+    }
     return {both,
-            {SigmaOf(both, search_.circumstances.sigma_mm), 0},
-            BaselineOf(both),
+            {SigmaOf(both, search_.circumstances.sigma_mm), search_.wander_mm2_per_s},
+            baseline,
             left_out};
+  }
+
+  // What else was found is there as well, and its sizes are open.
+  void AddOther(const Observed& both,
+                const Found& other,
+                std::vector<Nuisance>* baseline) const {
+    constexpr double kFree = 30;  // Times what was found.
+    const Candidate& candidate = candidates_[other.candidate];
+    const double size_mm = std::max(other.scale_mm, other.sizes_mm.norm());
+    if (candidate.is_free()) {
+      const FreeForm form = FreeFormOf(
+          both, candidate.shown.channel, candidate.shown.covariates, kMostTerms);
+      for (Eigen::Index k = 0; k < form.columns_mm.cols(); ++k) {
+        baseline->push_back({.column_mm = form.columns_mm.col(k),
+                             .prior_sd = size_mm * std::sqrt(form.prior[k]),
+                             .reported = false});
+      }
+      return;
+    }
+    const Variant its =
+        VariantOf(both, candidate.effect, candidate.axis, other.variant.forms);
+    for (Eigen::Index k = 0; k < its.columns_mm.cols(); ++k) {
+      baseline->push_back({.column_mm = its.columns_mm.col(k),
+                           .prior_sd = kFree * size_mm,
+                           .reported = false});
+    }
   }
 
   // What becomes known of the shape, and of the causes that could hide in it (waves
@@ -139,29 +185,30 @@ class Rater {
     return lower.diagonal().array().log().sum();
   }
 
-  // How far the nearest rival is from the finding in these rows, and which are apart.
-  NextCampaign SeparationIn(const Observed& both) const {
+  // The likelier a rival, the more it is worth to be rid of it.
+  double Weight(std::size_t rival) const {
+    constexpr double kLeast = 0.05;
+    const auto known = std::ranges::find(found_.rivals, rival, &Rival::candidate);
+    return std::max(kLeast, known == found_.rivals.end() ? 0 : known->probability);
+  }
+
+  // How far each rival is from the finding in these rows.
+  std::vector<double> SeparationsIn(const Observed& both) const {
     const Candidate& own = candidates_[found_.candidate];
-    NextCampaign told{.separates = {own.cause}};
+    std::vector<double> sigmas(rivals_.size(), 0);
     const Variant mine = VariantOf(both, own.effect, own.axis, found_.variant.forms);
-    if (mine.columns_mm.cols() != found_.sizes_mm.size()) return told;
+    if (mine.columns_mm.cols() != found_.sizes_mm.size()) return sigmas;
     const Evidence evidence = EvidenceOf(both);
     const Eigen::VectorXd effect =
         evidence.Whiten(mine.columns_mm * found_.sizes_mm *
                         (found_.variant.size_per_mm / mine.size_per_mm));
     const Eigen::MatrixXd whole = evidence.Project(effect).gram;
-    double least = whole(0, 0);
-    for (const std::size_t r : rivals_) {
-      const double lambda = LambdaTo(both, evidence, effect, whole, candidates_[r]);
-      least = std::min(least, lambda);
-      const std::string& cause = candidates_[r].cause;
-      auto& names = told.separates;
-      if (lambda >= kApart && std::ranges::find(names, cause) == names.end()) {
-        names.push_back(cause);
-      }
+    for (std::size_t r = 0; r < rivals_.size(); ++r) {
+      const double lambda =
+          LambdaTo(both, evidence, effect, whole, candidates_[rivals_[r]]);
+      sigmas[r] = std::sqrt(std::max(lambda, 0.0));
     }
-    told.separation_sigma = std::sqrt(std::max(least, 0.0));
-    return told;
+    return sigmas;
   }
 
   static double LambdaTo(const Observed& both,
@@ -188,7 +235,7 @@ class Rater {
   const SearchResult& search_;
   const Found& found_;
   std::vector<std::size_t> rivals_;
-  double now_sigma_ = 0;  ///< Between it and the nearest rival, in the rows at hand.
+  std::vector<double> now_sigma_{};  ///< Of each rival, in the rows at hand.
 };
 
 // Named rivals that keep a finding from being sure.
@@ -202,6 +249,26 @@ std::vector<std::size_t> RivalsOf(const std::vector<Candidate>& candidates,
     }
   }
   return rivals;
+}
+
+// The best of all campaigns for one finding; none where none would add to what is
+// known.
+std::optional<NextCampaign> BestFor(const Rater& rater, std::uint64_t seed) {
+  std::optional<Rated> best;
+  for (const CampaignChoice& choice : CampaignChoices()) {
+    try {
+      Rated rated = rater.Rate(choice, seed);
+      if (!rated.is_of_use) continue;
+      if (!best || std::pair(rated.resolves, rated.rate) >
+                       std::pair(best->resolves, best->rate)) {
+        best = std::move(rated);
+      }
+    } catch (const InputError&) {
+      continue;  // It does not fit this machine's travel.
+    }
+  }
+  if (!best) return std::nullopt;
+  return best->next;
 }
 
 }  // namespace
@@ -233,36 +300,19 @@ std::optional<NextCampaign> BestNext(const Observed& observed,
                                      const std::vector<Candidate>& candidates,
                                      const SearchResult& search,
                                      std::uint64_t seed) {
-  const Found* open = nullptr;
   for (const Found& found : search.found) {
     const bool is_free = candidates[found.candidate].is_free();
-    if (!open && !is_free && !RivalsOf(candidates, found).empty()) open = &found;
-  }
-  for (const Found& found : search.found) {
-    if (!open && candidates[found.candidate].is_free()) open = &found;
-  }
-  if (!open) return std::nullopt;
-  const bool is_free = candidates[open->candidate].is_free();
-  const Rater rater(observed,
-                    candidates,
-                    search,
-                    *open,
-                    is_free ? std::vector<std::size_t>{} : RivalsOf(candidates, *open));
-  std::optional<Rated> best;
-  for (const CampaignChoice& choice : CampaignChoices()) {
-    try {
-      Rated rated = rater.Rate(choice, seed);
-      if (rated.next.separates.size() < 2 && !is_free) continue;
-      if (!best || std::pair(rated.resolves, rated.rate) >
-                       std::pair(best->resolves, best->rate)) {
-        best = std::move(rated);
-      }
-    } catch (const InputError&) {
-      continue;  // It does not fit this machine's travel.
+    const auto rivals = RivalsOf(candidates, found);
+    if (is_free || rivals.empty()) continue;
+    if (auto best = BestFor({observed, candidates, search, found, rivals}, seed)) {
+      return best;
     }
   }
-  if (!best) return std::nullopt;
-  return best->next;
+  for (const Found& found : search.found) {
+    if (!candidates[found.candidate].is_free()) continue;
+    return BestFor({observed, candidates, search, found, {}}, seed);
+  }
+  return std::nullopt;
 }
 
 }  // namespace caltwin

@@ -16,9 +16,10 @@ namespace caltwin {
 Observed Followed(const Observed& observed, PlannedSession session);
 
 /// The campaign, with its usual options along some axis, that would best settle what
-/// the search left open: for a finding with named rivals the largest separation between
-/// it and the nearest of them, per minute of machine time; for an unknown one the most
-/// that is learnt of its shape. None where nothing is open, or nothing would help.
+/// the search left open: for a finding with named rivals the most sigmas gained
+/// between it and each of them, per minute of machine time (first those that tell it
+/// from all); for an unknown one the most that is learnt of its shape. None where
+/// nothing is open, or nothing would help.
 std::optional<NextCampaign> BestNext(const Observed& observed,
                                      const std::vector<Candidate>& candidates,
                                      const SearchResult& search,

@@ -89,40 +89,88 @@ Eigen::MatrixXd Whitener::operator()(const Eigen::MatrixXd& columns_mm) const {
   return white;
 }
 
-PureError PureErrorOf(const Observed& observed, int least_dof) {
-  const std::vector<bool> none(static_cast<std::size_t>(observed.num_rows()), false);
-  return PureErrorOf(observed, observed.residual_mm(), none, least_dof);
-}
+namespace {
 
-PureError PureErrorOf(const Observed& observed,
-                      const Eigen::VectorXd& left_mm,
-                      const std::vector<bool>& left_out,
-                      int least_dof) {
-  std::map<std::string, std::vector<Eigen::Index>> groups;
+using Groups = std::map<std::string, std::vector<Eigen::Index>>;
+
+Groups ReplicatesOf(const Observed& observed, const std::vector<bool>& left_out) {
+  Groups groups;
   for (Eigen::Index i = 0; i < observed.num_rows(); ++i) {
     if (left_out[static_cast<std::size_t>(i)]) continue;
     groups[ReplicateKey(observed, i)].push_back(i);
   }
+  return groups;
+}
+
+// Squares that n readings of one true value add to n - 1 degrees of freedom.
+double AboutMean(const std::vector<Eigen::Index>& members,
+                 const Eigen::VectorXd& left) {
+  double mean = 0, sum = 0;
+  for (const Eigen::Index i : members) mean += left[i];
+  mean /= static_cast<double>(members.size());
+  for (const Eigen::Index i : members) sum += std::pow(left[i] - mean, 2);
+  return sum;
+}
+
+// The same from each reading to the next: a slow drift cancels.
+double AboutNext(const std::vector<Eigen::Index>& members,
+                 const Eigen::VectorXd& left) {
+  double sum = 0;
+  for (std::size_t k = 1; k < members.size(); ++k) {
+    sum += std::pow(left[members[k]] - left[members[k - 1]], 2) / 2;
+  }
+  return sum;
+}
+
+template <typename Squares>
+PureError Pooled(const Observed& observed,
+                 const Groups& groups,
+                 int least_dof,
+                 const Squares& squares) {
   const std::size_t num_campaigns = observed.campaigns().size();
   std::vector<double> sum(num_campaigns, 0);
   PureError pure{.sigma_mm = std::vector<double>(num_campaigns, kUnknown),
                  .dof = std::vector<int>(num_campaigns, 0)};
   for (const auto& [key, members] : groups) {
     if (members.size() < 2) continue;
-    double mean = 0;
-    for (const Eigen::Index i : members) mean += left_mm[i];
-    mean /= static_cast<double>(members.size());
     const auto c = static_cast<std::size_t>(
         observed.campaign_of()[static_cast<std::size_t>(members.front())]);
-    for (const Eigen::Index i : members) {
-      sum[c] += std::pow(left_mm[i] - mean, 2);
-    }
+    sum[c] += squares(members);
     pure.dof[c] += static_cast<int>(members.size()) - 1;
   }
   for (std::size_t c = 0; c < num_campaigns; ++c) {
     if (pure.dof[c] >= least_dof) pure.sigma_mm[c] = std::sqrt(sum[c] / pure.dof[c]);
   }
   return pure;
+}
+
+}  // namespace
+
+PureError PureErrorOf(const Observed& observed, int least_dof) {
+  const std::vector<bool> none(static_cast<std::size_t>(observed.num_rows()), false);
+  return Pooled(
+      observed, ReplicatesOf(observed, none), least_dof, [&](const auto& members) {
+        return AboutMean(members, observed.residual_mm());
+      });
+}
+
+PureError PureErrorOf(const Observed& observed,
+                      const Eigen::VectorXd& left_mm,
+                      const std::vector<bool>& left_out,
+                      int least_dof) {
+  Groups groups = ReplicatesOf(observed, left_out);
+  if (!observed.has_times()) {
+    return Pooled(observed, groups, least_dof, [&](const auto& members) {
+      return AboutMean(members, left_mm);
+    });
+  }
+  for (auto& [key, members] : groups) {
+    std::ranges::stable_sort(
+        members, {}, [&](Eigen::Index i) { return observed.at(i).t_s; });
+  }
+  return Pooled(observed, groups, least_dof, [&](const auto& members) {
+    return AboutNext(members, left_mm);
+  });
 }
 
 Eigen::VectorXd GuessSigma_mm(const Observed& observed,

@@ -43,7 +43,8 @@ struct PureError {
   std::vector<int> dof{};
 };
 PureError PureErrorOf(const Observed& observed, int least_dof);
-/// The same of what is left of the rows, those left out aside.
+/// The same of what is left of the rows, those left out aside; where rows have times
+/// from each replicate to the next, so that a slow drift between them is none of it.
 PureError PureErrorOf(const Observed& observed,
                       const Eigen::VectorXd& left_mm,
                       const std::vector<bool>& left_out,

@@ -168,6 +168,37 @@ bool IsReversed(const Two& as_read, const Two& turned) {
 
 }  // namespace
 
+// A probe comes upon a face against its normal, which points out of the material; it
+// leaves along it, but not without having come.
+void DoubtApproach(const RowTable& table, std::vector<Doubt>* doubts) {
+  constexpr int kFewest = 4;
+  struct Counted {
+    int known = 0, outward = 0;
+  };
+  std::map<std::string, Counted> campaigns;
+  for (const Row& row : table.rows) {
+    if (row.kind != RowKind::kTouch) continue;
+    const double sense = SenseAlongNormal(row);
+    if (std::abs(sense) < 0.5) continue;
+    Counted& counted = campaigns[row.campaign];
+    counted.known += 1;
+    counted.outward += sense > 0 ? 1 : 0;
+  }
+  for (const auto& [campaign, counted] : campaigns) {
+    if (counted.known < kFewest || counted.outward < counted.known) continue;
+    doubts->push_back(
+        {.kind = "reversed_sign",
+         .message =
+             fmt::format("all {} touches of campaign {} move along the normal of "
+                         "their face: out of the material",
+                         counted.known,
+                         campaign),
+         .hint = "nx ny nz point out of the material, dir_ is the way the axis moved: "
+                 "one of both has the other sign",
+         .refuse = true});
+  }
+}
+
 void DoubtFaces(const std::vector<RowSeries>& all, std::vector<Doubt>* doubts) {
   const std::array<double, 3> scales = GaugedScales(all);
   const std::vector<FaceMean> means = FaceFit(all, scales).Means();

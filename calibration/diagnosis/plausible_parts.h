@@ -42,6 +42,9 @@ void DoubtBlocks(const std::vector<const Row*>& rows, std::vector<Doubt>* doubts
 /// The mean over opposite faces in one campaign against another's.
 void DoubtFaces(const std::vector<RowSeries>& all, std::vector<Doubt>* doubts);
 
+/// Campaigns whose touches all come out of the material that they touch.
+void DoubtApproach(const RowTable& table, std::vector<Doubt>* doubts);
+
 /// Positions against the travel of the axes.
 void DoubtTravel(const RowTable& table,
                  const Machine& machine,

@@ -199,7 +199,11 @@ void DoubtSigmas(const RowTable& table,
   if (sigmas_mm.size() * 2 < table.rows.size() || !Known(repeat_mm)) return;
   const double sigma_mm = Median(sigmas_mm);
   const double ratio = sigma_mm / repeat_mm;
-  if (ratio < kTooFar && ratio > 1 / (10 * kTooFar)) return;
+  const auto is_inch = [](double times) {
+    return std::abs(times / kInch_mm - 1) < 0.2;
+  };
+  const bool is_usual = ratio < kTooFar && ratio > 1 / (10 * kTooFar);
+  if (is_usual && !is_inch(ratio) && !is_inch(1 / ratio)) return;
   doubts->push_back(
       {.kind = "sigma_unit",
        .message =
@@ -207,7 +211,9 @@ void DoubtSigmas(const RowTable& table,
                        "readings scatter by {:.3g} um",
                        UmFromMm(sigma_mm),
                        UmFromMm(repeat_mm)),
-       .hint = ratio > 1
+       .hint = is_inch(ratio) || is_inch(1 / ratio)
+                   ? "that is an inch: is one of them in inches or thousandths?"
+               : ratio > 1
                    ? "sigma_mm is in mm, sigma_um in micrometres; was one written "
                      "for the other?"
                    : "value_mm or the uncertainty is in another unit"});
@@ -279,6 +285,7 @@ void DoubtSizes(const RowTable& table,
   }
   DoubtGaps(all, doubts);
   DoubtFaces(all, doubts);
+  DoubtApproach(table, doubts);
   DoubtCampaigns(moved_alike, doubts);
   DoubtPositions(table, doubts);
   DoubtZeroSigmas(table, doubts);

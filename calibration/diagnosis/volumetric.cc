@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "calibration/diagnosis/as_found.h"
+#include "calibration/diagnosis/controller.h"
 #include "sim/base/rng.h"
 #include "sim/base/units.h"
 #include "sim/effects/catalog.h"
@@ -47,7 +48,10 @@ double Rms_mm(const Field& field) {
 
 class Volume {
  public:
-  Volume(const Observed& observed, std::uint64_t seed) : machine_(observed.machine()) {
+  /// `as_drawn`: where the firmware's steps/mm were those of the drawing.
+  Volume(const Observed& observed, std::uint64_t seed, bool as_drawn = false)
+      : machine_(observed.machine()) {
+    const Settings settings = SettingsOfRows(observed);
     Rng rng(seed, 0, "volumetric");
     const auto n = static_cast<double>(observed.num_rows());
     for (int k = 0; k < kPoses; ++k) {
@@ -65,8 +69,9 @@ class Volume {
         const auto i = static_cast<std::size_t>(Index(axis));
         at.q_mm[Index(axis)] = drawing.min_mm + rng.Uniform() * drawing.travel_mm();
         at.dir[Index(axis)] = rng.Uniform() < 1.0 / 2 ? -1 : 1;
-        at.steps_per_mm[Index(axis)] = machine_.settings.steps_per_mm[i];
-        at.compensation_mm[Index(axis)] = machine_.settings.backlash_mm[i];
+        at.steps_per_mm[Index(axis)] =
+            as_drawn ? drawing.steps_per_mm() : settings.steps_per_mm[i];
+        at.compensation_mm[Index(axis)] = settings.backlash_mm[i];
       }
       poses_.push_back(at);
     }
@@ -118,7 +123,7 @@ double Believed(const BaselineLine& line, const Observed& observed) {
   const auto axis = AxisNamed(name.substr(name.find('.') + 1));
   if (!axis) return 0;
   const double set =
-      observed.machine().settings.steps_per_mm[static_cast<std::size_t>(Index(*axis))];
+      SettingsOfRows(observed).steps_per_mm[static_cast<std::size_t>(Index(*axis))];
   return set > 0
              ? PpmFromFraction(set / observed.machine().axis(*axis).steps_per_mm() - 1)
              : 0;
@@ -211,12 +216,14 @@ std::optional<VolumetricGain> VolumetricGainOf(const Observed& observed,
       left.Add(moved);
     }
   }
-  return VolumetricGain{
-      .poses = kPoses,
-      .before_mm = Rms_mm(Centred(as_found - volume.Motion_mm(observed.effects()))),
-      .after_mm = left.rms_mm(),
-      .findings_mm = Rms_mm(found),
-      .findings_max_mm = found.colwise().norm().maxCoeff()};
+  // What the model holds already is no error of its own; wrong steps/mm are one.
+  const Field modelled =
+      Volume(observed, seed, /*as_drawn=*/true).Motion_mm(observed.effects());
+  return VolumetricGain{.poses = kPoses,
+                        .before_mm = Rms_mm(Centred(as_found - modelled)),
+                        .after_mm = left.rms_mm(),
+                        .findings_mm = Rms_mm(found),
+                        .findings_max_mm = found.colwise().norm().maxCoeff()};
 }
 
 nlohmann::ordered_json VolumetricJson(const std::optional<VolumetricGain>& gain) {

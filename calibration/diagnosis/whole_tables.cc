@@ -52,8 +52,11 @@ std::vector<Nuisance> LinesBesideTables(const Observed& observed,
   std::vector<Nuisance> kept;
   for (std::size_t k = 0; k < lines.size(); ++k) {
     const auto at = static_cast<Eigen::Index>(k);
-    const bool is_shared = lines[k].reported && !IsPlace(lines[k].name) &&
-                           !IsDetermined(lines[k], beside.sds[at]) &&
+    // Told ten times worse beside the table: what is known of it is the table's.
+    constexpr double kWorse = 10;
+    const bool is_lost = !IsDetermined(lines[k], beside.sds[at]) ||
+                         beside.sds[at] > kWorse * alone.sds[at];
+    const bool is_shared = lines[k].reported && !IsPlace(lines[k].name) && is_lost &&
                            IsDetermined(lines[k], alone.sds[at]);
     if (!is_shared) kept.push_back(lines[k]);
   }

@@ -15,11 +15,11 @@ bool IsPlace(std::string_view line);
 bool IsDetermined(const Nuisance& line, double sd);
 
 /// The baseline that tables are fitted beside. What both share, rows give to neither: a
-/// slope along x is scale.x or part of a table over x. A line that a table leaves
-/// undetermined, which the rows would tell without it, is not among them: it stays as
-/// drawn and the table has it all, so that table and drawing together are what was
-/// measured, in the extended machine and in a correction. Where things lie (placements,
-/// the bed's height) stays the baseline's.
+/// slope along x is scale.x or part of a table over x. A line that the rows would
+/// tell without a table, and with it not, or ten times worse, is not among them: it
+/// stays as drawn and the table has it all, so that table and drawing together are what
+/// was measured, in the extended machine and in a correction. Where things lie
+/// (placements, the bed's height) stays the baseline's.
 std::vector<Nuisance> LinesBesideTables(const Observed& observed,
                                         const std::vector<Candidate>& candidates,
                                         const SearchResult& search);

@@ -148,6 +148,21 @@ TEST(PlausibleFaces, AWrongBlockIsNoReversedSign) {
   EXPECT_THAT(RefusalsOf(Touched(0.02, 0, /*size_error_mm=*/-0.03)), IsEmpty());
 }
 
+// Out of the material no probe can come.
+TEST(PlausibleFaces, TouchesComeUponTheirFace) {
+  const auto refusals = [](double sense) {
+    RowTable table = Touched(0.02, 0, 0);
+    for (Row& row : table.rows) {
+      if (row.campaign == "block") {
+        row.dir = {sense * row.n[0], sense * row.n[1], 0};
+      }
+    }
+    return RefusalsOf(table);
+  };
+  EXPECT_THAT(refusals(-1), IsEmpty());
+  EXPECT_THAT(refusals(1), ElementsAre("reversed_sign"));
+}
+
 // Faces touched off their middle read its turn; no other sign makes up for that.
 TEST(PlausibleFaces, ATurnedBlockIsNoReversedSign) {
   constexpr double kTurn_rad = 0.004, kOff_mm = 20;

@@ -21,8 +21,8 @@ TEST(DiagnoseCommand, ExtendsTheMachineThatItAssumed) {
   const std::string extension = (folder / "axis.ext.yaml").string();
 
   EXPECT_THAT(Printed(DeclareDiagnose, {rows, "--extend", extension}),
-              HasSubstr("axis.machine.yaml, the machine as it was assumed: put in your "
-                        "own sizes"));
+              HasSubstr("axis.machine.yaml, the machine as it was assumed. Put your "
+                        "own sizes there"));
   EXPECT_EQ(
       ReadAnyMachineFile(folder / "axis.machine.yaml").machine.axis(Axis::kY).min_mm,
       -20);

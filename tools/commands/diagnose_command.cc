@@ -184,14 +184,22 @@ fs::path FileOfAssumed(const Options& options) {
 std::string WriteExtension(const Options& options,
                            const Believed& believed,
                            const Diagnosis& diagnosis) {
-  if (options.extend.empty() || diagnosis.findings.empty()) return "";
+  if (options.extend.empty()) return "";
+  if (diagnosis.findings.empty()) {
+    if (options.json != "-") {
+      std::cout << fmt::format("{}: not written, nothing was found to extend with.\n",
+                               options.extend);
+    }
+    return "";
+  }
   fs::path machine = believed.file;
   if (machine.empty()) {
     machine = FileOfAssumed(options);
     WriteTextFile(machine, StarterText(believed.machine, "assumed"));
     if (options.json != "-") {
       std::cout << fmt::format(
-          "{} extends {}, the machine as it was assumed: put in your own sizes.\n",
+          "{} extends {}, the machine as it was assumed. Put your own sizes there and "
+          "diagnose again with --machine.\n",
           options.extend,
           machine.string());
     }
@@ -278,6 +286,12 @@ void RefusePrinter(const Options& options, const Machine& machine) {
 }
 
 void CheckSpares(const Options& options, const Believed& believed) {
+  const fs::path assumed = FileOfAssumed(options);
+  if (believed.file.empty() && fs::exists(assumed)) {
+    throw InputError({.file = assumed.string()},
+                     "is there already: --extend would put the assumed machine there",
+                     "believe it (--machine), or give the extension another name");
+  }
   std::vector<NamedFile> corrections = {{"--correction", options.correction}};
   for (const Axis axis : kAxes) {
     if (options.correction.empty()) continue;
