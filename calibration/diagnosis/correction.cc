@@ -12,6 +12,7 @@
 #include <fmt/ranges.h>
 
 #include "calibration/diagnosis/delta_correction.h"
+#include "calibration/diagnosis/unseen_rows.h"
 #include "sim/base/input_error.h"
 #include "sim/base/units.h"
 #include "sim/effects/predict.h"
@@ -194,6 +195,9 @@ class Writer {
       if (ShapeAxis(finding) != axis) continue;
       const std::string name = fmt::format("{}.{}", finding.cause, finding.axis);
       carried_.insert(&finding);
+      const UnseenRows unseen = WhatUnseenRowsSay(finding, diagnosis_.gain);
+      if (!unseen.worse.empty()) Comment(fmt::format("{}: {}", name, unseen.worse));
+      if (!unseen.is_recommended) continue;
       if (NumPoints(axis, {EffectOf(finding)}) == 0) {
         Comment(
             fmt::format("{}: its wave needs more than the {} points that a screw "

@@ -77,6 +77,28 @@ TEST(Correction, OfScaleAndBacklashLeavesNoMotionError) {
       After(First(ControllerKind::kLinuxCnc, diagnosis), "SCALE = "), 792, 1e-3);
 }
 
+// What rows left out speak against is no correction; what holds between the ends is.
+TEST(Correction, ATableThatMakesUnseenRowsWorseIsNotWritten) {
+  Finding map{.cause = "pitch_map", .axis = "x", .covariates = {"x"}};
+  map.map = FreeMap{.channel = "x",
+                    .covariates = {"x"},
+                    .knots = {{0, 150, 300}},
+                    .values_um = {-10, 5, 10}};
+  Diagnosis diagnosis{.findings = {map}};
+  const auto files = [&] {
+    return CorrectionFor(ControllerKind::kLinuxCnc, diagnosis, SomeRows(), "c.txt");
+  };
+  EXPECT_THAT(files(), SizeIs(2));
+
+  diagnosis.gain.ends = {.before_mm = 0.01, .after_mm = 0.03, .groups = 2};
+  EXPECT_THAT(files(), SizeIs(2));
+  EXPECT_THAT(files()[0].text, HasSubstr("between the first and the last position"));
+
+  diagnosis.gain.positions = {.before_mm = 0.01, .after_mm = 0.02, .groups = 5};
+  EXPECT_THAT(files(), SizeIs(1));
+  EXPECT_THAT(files()[0].text, HasSubstr("pitch_map.x: Do not correct by it"));
+}
+
 TEST(Correction, OfSquarenessUndoesTheLean) {
   const Diagnosis diagnosis{.findings = {Named("squareness", "C0Y", {2}),
                                          Named("squareness", "B0Z", {-3}),
