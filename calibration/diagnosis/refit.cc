@@ -6,6 +6,7 @@
 #include <utility>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <ceres/dynamic_numeric_diff_cost_function.h>
 #include <ceres/problem.h>
 #include <ceres/solver.h>
@@ -254,6 +255,20 @@ class Final {
     return gram.ldlt().solve(identity) * (evidence.chi2() / evidence.dof());
   }
 
+  // Of the root mean square of n draws it is 1 / sqrt(2 n) of that. What all homings
+  // share, and those that stand alone in their setups, the placements take up: only
+  // what is told better than the draws scatter counts.
+  static double ScatterSd_mm(const Eigen::VectorXd& draws_mm,
+                             const Eigen::MatrixXd& covariance_mm2) {
+    const double rms_mm =
+        draws_mm.norm() / std::sqrt(static_cast<double>(draws_mm.size()));
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> modes(covariance_mm2,
+                                                               Eigen::EigenvaluesOnly);
+    const auto told = (modes.eigenvalues().array() < rms_mm * rms_mm).count();
+    return rms_mm /
+           std::sqrt(2.0 * static_cast<double>(std::max<Eigen::Index>(told, 1)));
+  }
+
   std::vector<double> SdsOf(const Candidate& candidate,
                             const Refined& refined,
                             const Eigen::MatrixXd& covariance) const {
@@ -269,6 +284,9 @@ class Final {
       if (parameters[i].role == Role::kSize && !has_one_size) {
         sds[i] = std::sqrt(covariance(size, size)) * refined.variant.size_per_mm;
         ++size;
+      } else if (candidate.effect == EffectIndex<HomingScatter>()) {
+        sds[i] = ScatterSd_mm(a, covariance.topLeftCorner(num_sizes, num_sizes)) *
+                 refined.variant.size_per_mm;
       } else if (parameters[i].role == Role::kSize) {
         const Eigen::VectorXd along = a / norm;
         const auto block = covariance.topLeftCorner(num_sizes, num_sizes);
