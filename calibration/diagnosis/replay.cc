@@ -155,6 +155,7 @@ class Replayer {
 
   Replay Make(const std::vector<Finding>& findings) {
     Replay replay{.is_generic_model = observed_.machine().model.empty(),
+                  .has_findings = !findings.empty(),
                   .rows = static_cast<int>((sigma_mm_.array() > 0).count())};
     const Extended with = ExtendedBy(observed_, findings, sigma_mm_, open_);
     const Eigen::VectorXd with_mm = Read_mm(with, Fidelity::kPhysics);
@@ -171,6 +172,9 @@ class Replayer {
     replay.before_mm = Rms_mm(replay.left_before_mm, sigma_mm_);
     replay.after_mm = Rms_mm(replay.left_after_mm, sigma_mm_);
     replay.floor_mm = floor_mm_;
+    for (const std::string& line : open_) {
+      if (!IsPlace(line)) replay.as_drawn.push_back(line);
+    }
     if (was_interrupted_) return {.why_not = "The replay was interrupted."};
     return replay;
   }
@@ -308,11 +312,17 @@ std::string ReplayText(const Replay& replay) {
   if (replay.floor_mm > 0 && replay.after_mm > kSmall_mm &&
       replay.after_mm > kFar * replay.floor_mm) {
     text += fmt::format(
-        "With the findings the twin still leaves {:.1f} times the noise floor of "
-        "{:.1f} "
-        "um: some cause is missing, or a value found is wrong.\n",
+        "The twin{} still leaves {:.1f} times the noise floor of {:.1f} um: some cause "
+        "is missing, or a value found is wrong{}.\n",
+        replay.has_findings ? " with the findings" : "",
         replay.after_mm / replay.floor_mm,
-        UmFromMm(replay.floor_mm));
+        UmFromMm(replay.floor_mm),
+        replay.as_drawn.empty()
+            ? ""
+            : fmt::format(
+                  ", or it is what these rows do not determine and the twin has "
+                  "as drawn ({})",
+                  fmt::join(replay.as_drawn, ", ")));
   }
   if (!replay.far_rows.empty()) text += FarText(replay);
   if (!replay.as_fitted.empty()) {

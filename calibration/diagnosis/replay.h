@@ -19,8 +19,9 @@ struct Replay {
   /// Why there is none, a sentence; empty: there is one.
   std::string why_not{};
   bool is_generic_model = false;  ///< The machine file names no model of its own.
-  double before_mm = 0;           ///< Baseline as well as it can be fitted alone.
-  double after_mm = 0;            ///< The findings act in the twin.
+  bool has_findings = false;
+  double before_mm = 0;  ///< Baseline as well as it can be fitted alone.
+  double after_mm = 0;   ///< The findings act in the twin.
   /// Reading in MuJoCo less that of the closed form, the findings acting in both.
   double form_rms_mm = 0, form_max_mm = 0;
   double floor_mm = 0;  ///< The diagnosis' noise floor.
@@ -29,6 +30,8 @@ struct Replay {
   std::vector<std::int64_t> far_rows{};
   /// Findings that no twin can be built with; they are taken as fitted.
   std::vector<std::string> as_fitted{};
+  /// Lines of the baseline that the rows do not determine: the twin has them as drawn.
+  std::vector<std::string> as_drawn{};
   Eigen::VectorXd left_before_mm{}, left_after_mm{};  ///< Of every row, for pictures.
 };
 
