@@ -128,6 +128,11 @@ std::string Headline(const Diagnosis& diagnosis) {
             "more; what is smaller was not asked for.",
             diagnosis.min_effect_um);
       }
+      if (IsOpen(diagnosis) && diagnosis.wander_um_per_sqrt_h > 0) {
+        return "Verdict: none. The machine drifted while these rows were taken, and "
+               "nothing that was tried foretells how; they determine not even the "
+               "baseline.";
+      }
       if (IsOpen(diagnosis)) {
         return "Verdict: none, but these rows are too few to tell anything: they "
                "determine not even the baseline.";

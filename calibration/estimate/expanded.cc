@@ -105,10 +105,8 @@ Uncertain WithBudget(double value, std::vector<Contribution> budget) {
     if (!std::isfinite(input.u)) return {};
   }
   std::erase_if(budget, [](const Contribution& input) { return input.u == 0; });
-  return {.value = value,
-          .sd = Expand(budget).U / kNormal95,
-          .identifiable = true,
-          .budget = std::move(budget)};
+  const double sd = Expand(budget).U / kNormal95;
+  return {.value = value, .sd = sd, .identifiable = true, .budget = std::move(budget)};
 }
 
 Uncertain Scaled(Uncertain estimate, double factor) {

@@ -256,33 +256,45 @@ void AddResiduals(const JointModel& model,
   if (fit->dof > 0.5) fit->chi2_per_dof = residuals.squaredNorm() / fit->dof;
 }
 
-// What each row of knowledge, whitened, adds to unknown i: |C_ij w_j|, in its unit.
+// Adds what each row of knowledge, whitened, gives to unknown i: |C_ij w_j|, in its
+// unit. Of what is below a thousandth of the variance, the root of the squares is
+// returned.
+double AddKnowledge(const JointModel& model,
+                    const Eigen::MatrixXd& covariance,
+                    Eigen::Index i,
+                    std::vector<Contribution>* budget) {
+  constexpr double kLittle = 1e-3;
+  const Knowledge beliefs = KnowledgeOf(model, Of::kBeliefs, 1);
+  const Knowledge measured = KnowledgeOf(model, Of::kMeasured, 1);
+  const double scale = model.unknowns()[static_cast<std::size_t>(i)].scale;
+  const double least = kLittle * covariance(i, i) * scale * scale;
+  double little = 0;
+  const auto add = [&](double weight, Eigen::Index j, const std::string& input) {
+    const double u = std::abs(covariance(i, j) * weight) * scale;
+    if (u * u >= least) {
+      budget->push_back({.input = input, .u = u});
+    } else {
+      little = std::hypot(little, u);
+    }
+  };
+  for (Eigen::Index j = 0; j < model.size(); ++j) {
+    const std::string& name = model.unknowns()[static_cast<std::size_t>(j)].name;
+    add(beliefs.rows(j, j), j, "prior of " + name);
+    add(measured.rows(j, j), j, name + " as measured");
+  }
+  return little;
+}
+
 void AddBudgets(const JointModel& model,
                 const Eigen::MatrixXd& covariance,
                 const Eigen::MatrixXd& readings,
                 JointFit* fit) {
-  constexpr double kLittle = 1e-3;  // Of the variance.
-  const Knowledge beliefs = KnowledgeOf(model, Of::kBeliefs, 1);
-  const Knowledge measured = KnowledgeOf(model, Of::kMeasured, 1);
   const Eigen::MatrixXd gain = readings * covariance;
   for (Eigen::Index i = 0; i < model.size(); ++i) {
     const double scale = model.unknowns()[static_cast<std::size_t>(i)].scale;
     std::vector<Contribution> budget{
         {.input = "readings", .u = gain.col(i).norm() * scale}};
-    double little = 0;
-    for (Eigen::Index j = 0; j < model.size(); ++j) {
-      const std::string& name = model.unknowns()[static_cast<std::size_t>(j)].name;
-      const auto add = [&](const Knowledge& knowledge, const std::string& input) {
-        const double u = std::abs(covariance(i, j) * knowledge.rows(j, j)) * scale;
-        if (u * u < kLittle * covariance(i, i) * scale * scale) {
-          little = std::hypot(little, u);
-        } else {
-          budget.push_back({.input = input, .u = u});
-        }
-      };
-      add(beliefs, "prior of " + name);
-      add(measured, name + " as measured");
-    }
+    const double little = AddKnowledge(model, covariance, i, &budget);
     if (little > 0) budget.push_back({.input = "other priors", .u = little});
     fit->estimates[static_cast<std::size_t>(i)].budget = std::move(budget);
   }

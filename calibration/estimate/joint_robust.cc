@@ -20,7 +20,7 @@ std::vector<int> GroupsOf(const JointProblem& problem) {
 }
 
 // From the unknowns' own scale to their units, both ways.
-Eigen::MatrixXd InUnits(const JointModel& model, Eigen::MatrixXd covariance) {
+Eigen::MatrixXd InUnits(const JointModel& model, const Eigen::MatrixXd& covariance) {
   Eigen::VectorXd scales(model.size());
   for (Eigen::Index i = 0; i < model.size(); ++i) {
     scales[i] = model.unknowns()[static_cast<std::size_t>(i)].scale;

@@ -16,7 +16,7 @@ constexpr double kHeld_sd = 1e-5;  // Of its sd: how firmly a parameter is held.
 
 // How far from the best, in standard deviations towards `sense`, the objective has
 // risen by kChi2Of95: outwards until it has, then by halves and secants.
-std::optional<double> RisenAt_sd(const std::function<double(double)>& rise) {
+std::optional<double> SdsUntilRisen(const std::function<double(double)>& rise) {
   double inside = 0;
   double outside = 1.96;
   while (rise(outside) < kChi2Of95) {
@@ -46,7 +46,7 @@ ProfileInterval ProfileOf(const std::function<double(double)>& objective,
   Require(sd > 0, "a standard deviation to begin with");
   const double least = objective(best);
   const auto towards = [&](double sense) {
-    return RisenAt_sd(
+    return SdsUntilRisen(
         [&](double by_sd) { return objective(best + sense * by_sd * sd) - least; });
   };
   const auto low = towards(-1);

@@ -106,6 +106,9 @@ TEST(DiagnosisText, NoneOfTooFewRowsSaysSo) {
   Diagnosis diagnosis;
   diagnosis.baseline = {{.name = "scale.x", .unit = "ppm", .is_determined = false}};
   EXPECT_THAT(DiagnosisText(diagnosis, {}), HasSubstr("too few to tell anything"));
+  diagnosis.wander_um_per_sqrt_h = 5;
+  EXPECT_THAT(DiagnosisText(diagnosis, {}), HasSubstr("The machine drifted"));
+  diagnosis.wander_um_per_sqrt_h = 0;
   diagnosis.baseline.push_back({.name = "backlash.x", .unit = "mm"});
   EXPECT_THAT(DiagnosisText(diagnosis, {}), HasSubstr("nothing but noise"));
 }

@@ -77,7 +77,8 @@ TEST(RoundingSigma, IsPartOfWhatIsStated) {
 TEST(NoiseFloor, IsNotBelowWholeSteps) {
   std::vector<Row> rows;
   for (int i = 0; i < 24; ++i) {
-    const double turn = i / 2;
+    const int place = i / 2;
+    const double turn = place;
     rows.push_back(Touch(60 * std::cos(turn), 60 * std::sin(turn), kStep_mm));
   }
   const Observed observed = Touched(rows, Stated(1));
