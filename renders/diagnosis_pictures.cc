@@ -302,8 +302,9 @@ DiagnosisPicture SharesPicture(const Diagnosis& diagnosis) {
         std::max(width, 1.0),
         kRow - 8,
         FillOf(is_rest ? Ink::kDim : Ink::kBefore));
-    svg += SvgText(
-        kLabels + width + 8, y + 17, fmt::format("{:.1f} %", shares[i]), "start");
+    const double shown = std::round(10 * shares[i]) / 10 + 0.0;  // No "-0.0".
+    svg +=
+        SvgText(kLabels + width + 8, y + 17, fmt::format("{:.1f} %", shown), "start");
   }
   picture.svg = svg + "</svg>\n";
   return picture;
