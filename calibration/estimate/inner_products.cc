@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstring>
 
 // Compiled for processors that have AVX (CMakeLists.txt), which MuJoCo asks for anyway.
 // So nothing of Eigen here: its inline functions would differ from those of other
@@ -12,16 +13,15 @@ namespace {
 
 constexpr std::ptrdiff_t kLanes = 4;
 using Lanes = double __attribute__((vector_size(kLanes * sizeof(double))));
-// The same wherever a double may lie.
-using LooseLanes =
-    double __attribute__((vector_size(kLanes * sizeof(double)), aligned(8), may_alias));
-
 constexpr std::ptrdiff_t kTileA = 3,
                          kTileB = 4;  // 12 sums, 3 + 1 readings: 16 registers.
 constexpr std::ptrdiff_t kRowsAtOnce = 256;
 
+// Wherever a double may lie: one unaligned load.
 Lanes LanesAt(const double* readings) {
-  return *reinterpret_cast<const LooseLanes*>(readings);
+  Lanes lanes;
+  std::memcpy(&lanes, readings, sizeof lanes);
+  return lanes;
 }
 
 // Adds the products of kA by kB columns over `rows` rows.
