@@ -6,12 +6,11 @@
 #include <numbers>
 #include <utility>
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
 #include "calibration/diagnosis/as_found.h"
 #include "calibration/diagnosis/baseline_fit.h"
+#include "calibration/diagnosis/extension.h"
 #include "calibration/diagnosis/time_noise.h"
+#include "calibration/diagnosis/whole_tables.h"
 #include "sim/base/units.h"
 
 namespace caltwin {
@@ -20,15 +19,6 @@ namespace {
 constexpr double kChanceOfAny = 0.01;
 constexpr double kWide = 1e3;  // In times the finding itself: free.
 constexpr double kSecondsPerHour = 3600;
-// What leaves a row open by so much, or by half of what was known before, is not told.
-constexpr double kOpen_mm = 0.05, kKnown = 0.5;
-
-std::string NameOf(const Finding& finding) {
-  std::string name = finding.cause;
-  if (!finding.axis.empty()) name += "." + finding.axis;
-  if (finding.effect) return name;
-  return fmt::format("{}{{{}}}", name, fmt::join(finding.covariates, ","));
-}
 
 // Each row takes its place anew in every campaign.
 bool IsPlaced(const std::string& name) {
@@ -49,7 +39,7 @@ std::vector<const Finding*> AllFindings(const Diagnosed& before, const Diagnosed
   for (const Diagnosed* home : {&now, &before}) {
     for (const Finding& finding : home->diagnosis.findings) {
       const bool is_told = std::ranges::any_of(
-          all, [&](const Finding* other) { return NameOf(*other) == NameOf(finding); });
+          all, [&](const Finding* other) { return KeyOf(*other) == KeyOf(finding); });
       if (!is_told) all.push_back(&finding);
     }
   }
@@ -63,7 +53,7 @@ std::vector<Nuisance> ShapesIn(const Observed& rows,
     const Eigen::VectorXd shape_mm = ShapeIn(rows, *finding);
     if (shape_mm.size() == 0) continue;
     shapes.push_back(
-        {.name = NameOf(*finding), .column_mm = shape_mm, .prior_sd = kWide});
+        {.name = KeyOf(*finding), .column_mm = shape_mm, .prior_sd = kWide});
   }
   return shapes;
 }
@@ -98,11 +88,9 @@ Sizes SizesIn(const Diagnosed& of, const std::vector<const Finding*>& findings) 
   for (std::size_t k = 0; k < all.size(); ++k) {
     const auto at = static_cast<Eigen::Index>(k);
     const double sd = fit.sds[at] * time.of_nuisances()[at];
-    const double open_mm = sd * all[k].column_mm.cwiseAbs().maxCoeff();
-    sizes[all[k].name] = {
-        .value = all[k].offset + fit.values[at],
-        .sd = sd,
-        .is_determined = open_mm < kOpen_mm && sd < kKnown * all[k].prior_sd};
+    sizes[all[k].name] = {.value = all[k].offset + fit.values[at],
+                          .sd = sd,
+                          .is_determined = IsDetermined(all[k], sd)};
   }
   return sizes;
 }
@@ -127,7 +115,7 @@ Size LineOf(const Diagnosis& diagnosis, const Sizes& sizes, const std::string& n
 
 // A finding's peak, relatively no surer than its size was stated where it was found.
 Size PeakOf(const Sizes& sizes, const Finding& finding) {
-  Size size = SizeOf(sizes, NameOf(finding), finding.peak_um);
+  Size size = SizeOf(sizes, KeyOf(finding), finding.peak_um);
   if (!finding.effect) return size;
   const auto parameters = EffectAt(finding.effect->effect).parameters;
   for (std::size_t p = 0; p < std::min(parameters.size(), finding.sds.size()); ++p) {
@@ -176,7 +164,7 @@ std::vector<Change> ChangesSince(const Diagnosed& before, const Diagnosed& now) 
                          LineOf(now.diagnosis, later, line.name)));
   }
   for (const Finding* finding : findings) {
-    const std::string name = NameOf(*finding);
+    const std::string name = KeyOf(*finding);
     changes.push_back(
         Of(name, "um", PeakOf(earlier, *finding), PeakOf(later, *finding)));
   }

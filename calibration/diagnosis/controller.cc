@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include "sim/base/input_error.h"
-#include "sim/measure/in_force.h"
 
 namespace caltwin {
 namespace {
@@ -22,13 +21,6 @@ constexpr std::array kControllers = {
     Named{"linuxcnc", "LinuxCNC", ControllerKind::kLinuxCnc}};
 
 }  // namespace
-
-Settings SettingsOfRows(const Observed& observed) {
-  const auto& stated = observed.header().settings;
-  return InForce(observed.header(),
-                 observed.machine(),
-                 stated.size() == 1 ? stated.begin()->first : "");
-}
 
 std::string_view FullName(ControllerKind controller) {
   return kControllers[static_cast<std::size_t>(controller)].full;

@@ -2,8 +2,6 @@
 
 #include <string_view>
 
-#include "calibration/diagnosis/observed.h"
-
 namespace caltwin {
 
 /// The controllers that a correction can be written for.
@@ -15,9 +13,5 @@ ControllerKind ControllerNamed(std::string_view word);
 std::string_view FullName(ControllerKind controller);
 /// Whether its settings are G-code; else lines of a configuration file.
 bool IsSetByGcode(ControllerKind controller);
-
-/// The settings that the rows were measured with: the only ones their header states,
-/// or the machine's.
-Settings SettingsOfRows(const Observed& observed);
 
 }  // namespace caltwin

@@ -12,6 +12,7 @@
 #include <fmt/ranges.h>
 
 #include "calibration/diagnosis/delta_correction.h"
+#include "calibration/diagnosis/settings_of_rows.h"
 #include "calibration/diagnosis/unseen_rows.h"
 #include "sim/base/input_error.h"
 #include "sim/base/units.h"

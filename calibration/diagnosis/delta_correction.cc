@@ -8,6 +8,8 @@
 #include "calibration/delta/settings.h"
 #include "calibration/diagnosis/as_found.h"
 #include "calibration/diagnosis/delta_lines.h"
+#include "calibration/diagnosis/extension.h"
+#include "calibration/diagnosis/settings_of_rows.h"
 #include "sim/base/input_error.h"
 #include "sim/base/mutant.h"
 #include "sim/base/units.h"
@@ -20,10 +22,6 @@ constexpr double kSure_sds = 2;
 
 bool IsSure(const BaselineLine& line, double believed) {
   return line.is_determined && std::abs(line.value - believed) >= kSure_sds * line.sd;
-}
-
-std::string NameOf(const Finding& finding) {
-  return finding.axis.empty() ? finding.cause : finding.cause + "." + finding.axis;
 }
 
 class DeltaWriter {
@@ -170,7 +168,7 @@ class DeltaWriter {
   }
 
   void AddFinding(const Finding& finding) {
-    const std::string name = NameOf(finding);
+    const std::string name = KeyOf(finding);
     if (finding.cause == "belt_pitch") return;
     if (TurnsGeometry(finding)) {
       Comment(fmt::format(

@@ -17,13 +17,6 @@ std::string Name(const std::string& cause, const std::string& axis) {
   return axis.empty() ? cause : cause + "." + axis;
 }
 
-// Of a finding that is a table, the covariates tell one from another.
-std::string NameOf(const Finding& finding) {
-  if (finding.effect) return Name(finding.cause, finding.axis);
-  return fmt::format(
-      "{}.{}{{{}}}", finding.cause, finding.axis, fmt::join(finding.covariates, ","));
-}
-
 std::string ListOf(const std::vector<double>& numbers) {
   std::vector<std::string> words;
   for (const double number : numbers) words.push_back(fmt::format("{:.9g}", number));
@@ -74,7 +67,7 @@ std::string EvidenceText(const std::vector<Finding>& findings,
       fmt::format("evidence:\n  data_sha256: \"{}\"\n", base.data_sha256);
   text += "  log_odds:  # against none, natural logarithm\n";
   for (const Finding& finding : findings) {
-    text += fmt::format("    \"{}\": {:.6g}\n", NameOf(finding), finding.log_odds);
+    text += fmt::format("    \"{}\": {:.6g}\n", KeyOf(finding), finding.log_odds);
   }
   return text + fmt::format(
                     "  gain: {{rmse_before_um: {:.4g}, rmse_after_um: {:.4g}, "
@@ -165,19 +158,26 @@ OncePerName Merged(const std::vector<Finding>& findings) {
   OncePerName once;
   for (const Finding& finding : findings) {
     const auto earlier =
-        std::ranges::find(once.findings, NameOf(finding), [](const Finding& other) {
-          return NameOf(other);
+        std::ranges::find(once.findings, KeyOf(finding), [](const Finding& other) {
+          return KeyOf(other);
         });
     if (earlier == once.findings.end()) {
       once.findings.push_back(finding);
     } else if (!AddTo(&*earlier, finding)) {
-      once.left_out.push_back(NameOf(finding));
+      once.left_out.push_back(KeyOf(finding));
     }
   }
   return once;
 }
 
 }  // namespace
+
+std::string KeyOf(const Finding& finding) {
+  if (finding.effect) return Name(finding.cause, finding.axis);
+  return fmt::format("{}{{{}}}",
+                     Name(finding.cause, finding.axis),
+                     fmt::join(finding.covariates, ","));
+}
 
 std::string ExtensionText(const Diagnosis& diagnosis, const ExtensionBase& base) {
   std::string text =
@@ -196,7 +196,7 @@ std::string ExtensionText(const Diagnosis& diagnosis, const ExtensionBase& base)
     } else if (HasTable(finding)) {
       maps += MapText(finding);
     } else {
-      maps += fmt::format("  # {}: no table of it can be made\n", NameOf(finding));
+      maps += fmt::format("  # {}: no table of it can be made\n", KeyOf(finding));
     }
   }
   if (!effects.empty()) text += "effects:\n" + effects;

@@ -13,6 +13,10 @@ struct ExtensionBase {
   std::string data_sha256{};
 };
 
+/// What tells one finding from another: `cause.axis`, of a table with the covariates it
+/// stands over, `unknown.x{x,y}`.
+std::string KeyOf(const Finding& finding);
+
 /// The findings as a machine file (docs/machine-file.md, "Extensions"): named causes
 /// under `effects`, each with the standard deviation of every parameter, its
 /// probability and its rivals; tables under `unknown`; what it rests on under

@@ -30,6 +30,10 @@ void DoubtSizes(const RowTable& table,
 /// opposite, or in another unit.
 void DoubtCampaigns(const RowTable& table, std::vector<Doubt>* doubts);
 
+/// Positions of a campaign in inches, centimetres or metres among others in mm: gauged
+/// along the same axis, they read alike only where positions are multiplied.
+void DoubtPositionUnits(const RowTable& table, std::vector<Doubt>* doubts);
+
 /// Commands against the travel since the last reversal, in the order measured.
 void DoubtMoves(const std::vector<const Row*>& rows, std::vector<Doubt>* doubts);
 

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <map>
 #include <set>
+#include <string>
+#include <string_view>
 
 #include <fmt/format.h>
 
@@ -178,6 +180,21 @@ void DoubtZeroSigmas(const RowTable& table, std::vector<Doubt>* doubts) {
   doubts->push_back(std::move(doubt));
 }
 
+// What is in inches or their thousandths where a stated uncertainty is `ratio` times
+// the scatter of repeats; empty where no inch explains that.
+std::string_view InchesBy(double ratio) {
+  constexpr double kAlike = 0.2;  // What a scatter of some twenty repeats tells.
+  const auto is_about = [&](double times) {
+    return std::abs(ratio / times - 1) < kAlike;
+  };
+  if (is_about(kInch_mm)) return "that is an inch: is value_mm in inches?";
+  if (is_about(1 / kInch_mm)) return "that is an inch: is the uncertainty in inches?";
+  if (is_about(kInch_mm / 1000)) {
+    return "that is a thousandth of an inch: is value_mm in thousandths?";
+  }
+  return {};
+}
+
 void DoubtSigmas(const RowTable& table,
                  const DataHeader& header,
                  const std::vector<RowSeries>& all,
@@ -199,11 +216,9 @@ void DoubtSigmas(const RowTable& table,
   if (sigmas_mm.size() * 2 < table.rows.size() || !Known(repeat_mm)) return;
   const double sigma_mm = Median(sigmas_mm);
   const double ratio = sigma_mm / repeat_mm;
-  const auto is_inch = [](double times) {
-    return std::abs(times / kInch_mm - 1) < 0.2;
-  };
   const bool is_usual = ratio < kTooFar && ratio > 1 / (10 * kTooFar);
-  if (is_usual && !is_inch(ratio) && !is_inch(1 / ratio)) return;
+  const std::string_view inches = InchesBy(ratio);
+  if (is_usual && inches.empty()) return;
   doubts->push_back(
       {.kind = "sigma_unit",
        .message =
@@ -211,8 +226,7 @@ void DoubtSigmas(const RowTable& table,
                        "readings scatter by {:.3g} um",
                        UmFromMm(sigma_mm),
                        UmFromMm(repeat_mm)),
-       .hint = is_inch(ratio) || is_inch(1 / ratio)
-                   ? "that is an inch: is one of them in inches or thousandths?"
+       .hint = !inches.empty() ? std::string(inches)
                : ratio > 1
                    ? "sigma_mm is in mm, sigma_um in micrometres; was one written "
                      "for the other?"
@@ -287,6 +301,7 @@ void DoubtSizes(const RowTable& table,
   DoubtFaces(all, doubts);
   DoubtApproach(table, doubts);
   DoubtCampaigns(moved_alike, doubts);
+  DoubtPositionUnits(moved_alike, doubts);
   DoubtPositions(table, doubts);
   DoubtZeroSigmas(table, doubts);
   DoubtSigmas(table, header, all, doubts);

@@ -12,7 +12,7 @@
 #include <fmt/format.h>
 
 #include "calibration/diagnosis/as_found.h"
-#include "calibration/diagnosis/controller.h"
+#include "calibration/diagnosis/settings_of_rows.h"
 #include "sim/base/rng.h"
 #include "sim/base/units.h"
 #include "sim/effects/catalog.h"

@@ -8,6 +8,7 @@
 #include "sim/base/input_error.h"
 #include "sim/base/units.h"
 #include "sim/firmware/dialects/marlin_delta.h"
+#include "tests/diagnosis/drawn_delta.h"
 
 namespace caltwin {
 namespace {
@@ -19,14 +20,8 @@ constexpr double kRadius_mm = 100;
 constexpr double kPretravel_mm = 0.02;  // Readings are that much lower than the bed.
 
 Machine Drawn() {
-  Machine machine{.kinematics = Kinematics::kDelta, .delta = DeltaDrawing{}};
+  Machine machine = DrawnDelta();
   machine.probe.pretravel_mm = kPretravel_mm;
-  for (AxisDrawing& tower : machine.axes) {
-    tower.lead_mm = 40;
-    tower.is_belt = true;
-    tower.full_steps_per_rev = 200;
-    tower.microsteps = 16;
-  }
   return machine;
 }
 

@@ -65,6 +65,48 @@ TEST(PlausibleBlocks, AJumpIsNoUnit) {
   EXPECT_THAT(RefusalsOf(table), Not(Contains("units_differ")));
 }
 
+// Two campaigns at places of their own along an axis that errs by a slope and a wave;
+// the second's positions are written in a unit of `unit_mm`.
+RowTable TwoCampaigns(double unit_mm) {
+  RowTable table;
+  for (int i = 0; i < 80; ++i) {
+    const bool is_second = i >= 40;
+    const double at_mm = 400 * (0.5 + 0.5 * Scatter(3 * i + 1));
+    Row row{.row = i + 1, .campaign = is_second ? "again" : "laser"};
+    row.n = {1, 0, 0};
+    row.dir = {1, 0, 0};
+    row.cmd_mm = {is_second ? at_mm / unit_mm : at_mm, 0, 0};
+    row.value_mm = MmFromUm(0.05 * at_mm + 8 * std::sin(at_mm / 60) + Scatter(i));
+    table.rows.push_back(row);
+  }
+  return table;
+}
+
+TEST(PlausiblePositions, OneCampaignInAnotherUnitAtPlacesOfItsOwn) {
+  const auto hint_of = [](double unit_mm) {
+    for (const Doubt& doubt : Doubts(TwoCampaigns(unit_mm), {})) {
+      if (doubt.kind == "position_unit" && doubt.refuse) return doubt.hint;
+    }
+    return std::string();
+  };
+  EXPECT_THAT(hint_of(25.4), HasSubstr("in inches"));
+  EXPECT_THAT(hint_of(10), HasSubstr("in centimetres"));
+  EXPECT_THAT(hint_of(1000), HasSubstr("in metres"));
+  EXPECT_EQ(hint_of(1), "");
+}
+
+// A campaign over the first centimetres of the axis measures what the other does there.
+TEST(PlausiblePositions, AShortCampaignIsInMillimetres) {
+  RowTable table = TwoCampaigns(1);
+  for (Row& row : table.rows) {
+    if (row.campaign != "again") continue;
+    row.cmd_mm[0] /= 10;
+    row.value_mm = MmFromUm(0.05 * row.cmd_mm[0] + 8 * std::sin(row.cmd_mm[0] / 60) +
+                            Scatter(static_cast<int>(row.row)));
+  }
+  EXPECT_THAT(RefusalsOf(table), IsEmpty());
+}
+
 // An edge that lies askew: each touch ends 0.7 mm later than the one before, after a
 // retreat of 4 mm.
 TEST(PlausibleMoves, TouchesTurnRoundEachTime) {

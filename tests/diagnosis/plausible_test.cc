@@ -208,6 +208,23 @@ TEST(Plausible, StatedUncertaintiesInOtherUnits) {
   EXPECT_THAT(KindsOf(X(), header), ElementsAre("sigma_unit"));
 }
 
+// What is said of a stated uncertainty so many times the scatter of X's repeats.
+std::string HintOfSigma(double times) {
+  constexpr double kScatter_mm = 0.003165;
+  RowTable table = X();
+  for (Row& row : table.rows) row.sigma_mm = times * kScatter_mm;
+  const auto doubts = Doubts(table, {});
+  return doubts.size() == 1 && doubts[0].kind == "sigma_unit" ? doubts[0].hint : "";
+}
+
+TEST(Plausible, InchesShowBesideAStatedUncertainty) {
+  EXPECT_THAT(HintOfSigma(25.4), HasSubstr("is value_mm in inches"));
+  EXPECT_THAT(HintOfSigma(1 / 25.4), HasSubstr("is the uncertainty in inches"));
+  EXPECT_THAT(HintOfSigma(1 / 39.37), HasSubstr("is value_mm in thousandths"));
+  EXPECT_EQ(HintOfSigma(12), "");
+  EXPECT_EQ(HintOfSigma(1 / 12.0), "");
+}
+
 TEST(Plausible, CampaignsThatContradictEachOther) {
   EXPECT_THAT(KindsOf(WithSecondCampaign([](Row* row) { row->value_mm *= 1.1; })),
               IsEmpty());

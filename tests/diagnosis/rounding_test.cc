@@ -6,22 +6,12 @@
 
 #include "calibration/diagnosis/remains.h"
 #include "sim/base/units.h"
+#include "tests/diagnosis/drawn_delta.h"
 
 namespace caltwin {
 namespace {
 
 constexpr double kStep_mm = 0.0125;
-
-Machine Delta() {
-  Machine machine{.kinematics = Kinematics::kDelta, .delta = DeltaDrawing{}};
-  for (AxisDrawing& tower : machine.axes) {
-    tower.lead_mm = 40;
-    tower.is_belt = true;
-    tower.full_steps_per_rev = 200;
-    tower.microsteps = 16;
-  }
-  return machine;
-}
 
 DataHeader Stated(double sigma_um) {
   DataHeader header;
@@ -42,7 +32,7 @@ Row Touch(double x_mm, double y_mm, double value_mm) {
 }
 
 Observed Touched(const std::vector<Row>& rows, const DataHeader& header) {
-  return {{.rows = rows}, header, Delta(), {}};
+  return {{.rows = rows}, header, DrawnDelta(), {}};
 }
 
 // Each carriage counts for a third there: three thirds of a step, by chance.

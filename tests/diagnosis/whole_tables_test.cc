@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 
 #include <gtest/gtest.h>
 
@@ -45,6 +46,27 @@ Observed Zigzag() {
   return {table, {}, machine, {}};
 }
 
+// 21 places 4 mm apart, five times each, that err so.
+Observed Along(const std::function<double(double)>& error_um) {
+  constexpr int kPlaces = 21;
+  Machine machine;
+  for (const Axis axis : kAxes) {
+    machine.settings.steps_per_mm[Index(axis)] = machine.axis(axis).steps_per_mm();
+  }
+  RowTable table;
+  Rng rng(2, 0, "along");
+  for (int i = 0; i < kRuns * kPlaces; ++i) {
+    Row row{.row = i + 1, .campaign = "laser", .kind = RowKind::kPosition};
+    row.n = {1, 0, 0};
+    row.cmd_mm = {100.0 + 4 * (i % kPlaces), 150, 50};
+    row.dir = {1, 0, 0};
+    row.rep = i / kPlaces + 1;
+    row.value_mm = MmFromUm(error_um(row.cmd_mm[0]) + kNoise_um * rng.Normal());
+    table.rows.push_back(row);
+  }
+  return {table, {}, machine, {}};
+}
+
 TEST(WholeTables, TableAndDrawingTogetherAreWhatWasMeasured) {
   const Observed observed = Zigzag();
   const Diagnosis diagnosis = Diagnose(observed, {});
@@ -59,6 +81,28 @@ TEST(WholeTables, TableAndDrawingTogetherAreWhatWasMeasured) {
   for (const Finding& finding : diagnosis.findings) left_mm -= finding.change_mm;
   left_mm.array() -= left_mm.mean();  // Where the laser's nought lies.
   EXPECT_LT(UmFromMm(std::sqrt(left_mm.squaredNorm() / 45)), kDrift_um);
+}
+
+// A slope that a table of a kink can carry as well: the rows tell scale and table
+// together ten times worse than the scale alone, and the table takes it all.
+TEST(WholeTables, TheTableOfAKinkTakesTheSlope) {
+  constexpr double kSlope_um_per_mm = 0.1, kKink_um_per_mm = 0.2, kAt_mm = 140;
+  const Observed observed = Along([&](double x_mm) {
+    return kSlope_um_per_mm * x_mm + kKink_um_per_mm * std::max(x_mm - kAt_mm, 0.0);
+  });
+  const Diagnosis diagnosis = Diagnose(observed, {});
+
+  ASSERT_FALSE(diagnosis.findings.empty());
+  ASSERT_TRUE(diagnosis.findings[0].map);
+  const auto scale =
+      std::ranges::find(diagnosis.baseline, "scale.x", &BaselineLine::name);
+  ASSERT_NE(scale, diagnosis.baseline.end());
+  EXPECT_FALSE(scale->is_determined);
+  const FreeMap& map = *diagnosis.findings[0].map;
+  EXPECT_NEAR((map.values_um.back() - map.values_um.front()) /
+                  (map.knots[0].back() - map.knots[0].front()),
+              kSlope_um_per_mm + kKink_um_per_mm / 2,
+              0.02);
 }
 
 // Of five runs at 0 3 0 3 0 um about their mean: the variance is 2.7 um^2.

@@ -1,10 +1,13 @@
 // `caltwin diagnose` of rows whose machine nobody described.
+#include <filesystem>
+#include <fstream>
 #include <string>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "scenarios/machine_file.h"
+#include "sim/base/text_file.h"
 #include "tests/base/temp_folder.h"
 #include "tests/tools/run_command.h"
 #include "tools/commands/command.h"
@@ -30,7 +33,7 @@ TEST(DiagnoseCommand, ExtendsTheMachineThatItAssumed) {
               StartsWith("Verdict: none."));
 }
 
-TEST(DiagnoseCommand, DoesNotPutTheAssumedMachineOverTheData) {
+TEST(DiagnoseCommand, PutsNoOtherOutputOverTheAssumedMachine) {
   const Answer answer = RunCommand(DeclareDiagnose,
                                    {"tests/data/iso230/ess_target_y_2022-04.csv",
                                     "--extend",
@@ -40,6 +43,22 @@ TEST(DiagnoseCommand, DoesNotPutTheAssumedMachineOverTheData) {
 
   EXPECT_EQ(answer.exit_code, kBadInput);
   EXPECT_THAT(answer.fault, HasSubstr("x.machine.yaml"));
+}
+
+TEST(DiagnoseCommand, PutsTheAssumedMachineOverNoOther) {
+  const TempFolder folder;
+  const std::string mine = "# My own sizes.\n";
+  std::ofstream(folder / "axis.machine.yaml") << mine;
+
+  const Answer answer = RunCommand(DeclareDiagnose,
+                                   {"tests/data/iso230/ess_target_y_2022-04.csv",
+                                    "--extend",
+                                    (folder / "axis.ext.yaml").string()});
+
+  EXPECT_EQ(answer.exit_code, kBadInput);
+  EXPECT_THAT(answer.fault, HasSubstr("axis.machine.yaml"));
+  EXPECT_EQ(ReadTextFile(folder / "axis.machine.yaml", mine.size() + 1), mine);
+  EXPECT_FALSE(std::filesystem::exists(folder / "axis.ext.yaml"));
 }
 
 }  // namespace
