@@ -13,6 +13,7 @@
 #include "calibration/diagnosis/pitch_map.h"
 #include "calibration/diagnosis/remains.h"
 #include "calibration/diagnosis/scrutiny.h"
+#include "calibration/diagnosis/stated_noise.h"
 #include "calibration/diagnosis/time_noise.h"
 #include "calibration/diagnosis/whole_tables.h"
 #include "sim/base/units.h"
@@ -368,6 +369,8 @@ Diagnosis Diagnose(const Observed& as_read, const DiagnoseOptions& options) {
         "these (--extend) and diagnose the same rows again",
         options.search.most_findings));
   }
+  const std::string noise = RemarkOnStatedNoise(observed, search);
+  if (!noise.empty()) diagnosis.remarks.push_back(noise);
   diagnosis.min_effect_um = options.min_effect_um;
   DoubtNone(RemainsOf(observed, search), &diagnosis);
   return diagnosis;

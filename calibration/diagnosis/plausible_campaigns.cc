@@ -2,6 +2,8 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <optional>
+#include <set>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -11,6 +13,7 @@
 #include <fmt/format.h>
 
 #include "calibration/diagnosis/plausible_parts.h"
+#include "calibration/diagnosis/readings_on_a_line.h"
 #include "sim/base/units.h"
 
 namespace caltwin {
@@ -18,16 +21,21 @@ namespace {
 
 constexpr double kInch_mm = MmFromInch(1.0);
 constexpr double kThousand = UmFromMm(1.0);
+constexpr double kThousandths = kThousand / kInch_mm;  // Of an inch, in a mm.
+constexpr std::size_t kFewestCommon = 8;
+constexpr double kAlike = 0.9;
 
-/// Mean reading at each pose and sense of a campaign, as motion (touches reversed).
-using ReadingsByPlace = std::map<std::tuple<long, long, long, int>, double>;
+/// Where a campaign read [um], and coming in which sense.
+using Place = std::tuple<long, long, long, int>;
+/// Mean reading at each place of a campaign, as motion (touches reversed).
+using ReadingsByPlace = std::map<Place, double>;
 
 bool IsGauged(const Row& row) {
   return row.kind != RowKind::kTouch;
 }
 
 ReadingsByPlace ProfileOf(const std::vector<const Row*>& rows) {
-  std::map<std::tuple<long, long, long, int>, std::pair<double, int>> sums;
+  std::map<Place, std::pair<double, int>> sums;
   for (const Row* row : rows) {
     const auto microns = [](double number_mm) {
       return Known(number_mm) ? std::lround(UmFromMm(number_mm)) : 0;
@@ -42,6 +50,76 @@ ReadingsByPlace ProfileOf(const std::vector<const Row*>& rows) {
   ReadingsByPlace profile;
   for (const auto& [pose, sum] : sums) profile[pose] = sum.first / sum.second;
   return profile;
+}
+
+long Coordinate_um(const Place& place, int axis) {
+  return axis == 0 ? std::get<0>(place)
+                   : (axis == 1 ? std::get<1>(place) : std::get<2>(place));
+}
+
+// Whether two places lie on one line along `axis`, come to in one sense.
+bool AreInLine(const Place& one, const Place& other, int axis) {
+  constexpr long kBeside_um = 1000;
+  for (int across = 0; across < 3; ++across) {
+    const long apart_um = Coordinate_um(one, across) - Coordinate_um(other, across);
+    if (across != axis && std::abs(apart_um) > kBeside_um) return false;
+  }
+  return std::get<3>(one) == std::get<3>(other);
+}
+
+// The axis that alone moved in a campaign; none where none or several did.
+std::optional<int> OnlyMoved(const ReadingsByPlace& profile) {
+  std::optional<int> moved;
+  for (int axis = 0; axis < 3; ++axis) {
+    const bool is_still = std::ranges::all_of(profile, [&](const auto& one) {
+      return Coordinate_um(one.first, axis) ==
+             Coordinate_um(profile.begin()->first, axis);
+    });
+    if (is_still) continue;
+    if (moved) return std::nullopt;
+    moved = axis;
+  }
+  return moved;
+}
+
+struct PairOfReadings {
+  Place place{};
+  double one = 0, other = 0;
+};
+
+std::vector<PairOfReadings> AtCommonPlaces(const ReadingsByPlace& one,
+                                           const ReadingsByPlace& other) {
+  std::vector<PairOfReadings> pairs;
+  for (const auto& [place, value] : one) {
+    const auto found = other.find(place);
+    if (found != other.end()) pairs.push_back({place, value, found->second});
+  }
+  return pairs;
+}
+
+// Of campaigns along one line at places of their own: the other between its neighbours,
+// once for each pair of them, or one long straight would count as many places.
+std::vector<PairOfReadings> AlongCommonLine(const ReadingsByPlace& one,
+                                            const ReadingsByPlace& other) {
+  std::vector<PairOfReadings> pairs;
+  const std::optional<int> axis = OnlyMoved(one);
+  if (!axis || OnlyMoved(other) != axis) return pairs;
+  std::set<std::pair<int, double>> used;  // Sense, and the next place.
+  for (const auto& [place, value] : one) {
+    std::vector<Reading> line;  // Sorted: the other coordinates are all alike.
+    for (const auto& [there, reading] : other) {
+      if (!AreInLine(place, there, *axis)) continue;
+      line.push_back({static_cast<double>(Coordinate_um(there, *axis)), reading});
+    }
+    const auto at = static_cast<double>(Coordinate_um(place, *axis));
+    const auto between = Between(line, at);
+    if (!between) continue;
+    const double next = std::ranges::lower_bound(line, at, {}, &Reading::at_mm)->at_mm;
+    if (used.emplace(std::get<3>(place), next).second) {
+      pairs.push_back({place, value, *between});
+    }
+  }
+  return pairs;
 }
 
 // Takes out of `values` what the columns of `shapes` can make, which are made
@@ -74,25 +152,22 @@ struct Likeness {
 Likeness Compare(const ReadingsByPlace& one,
                  const ReadingsByPlace& other,
                  const std::array<bool, 3>& leans) {
-  std::vector<std::pair<ReadingsByPlace::key_type, std::pair<double, double>>> pairs;
-  for (const auto& [pose, value] : one) {
-    const auto found = other.find(pose);
-    if (found != other.end()) pairs.push_back({pose, {value, found->second}});
-  }
+  std::vector<PairOfReadings> pairs = AtCommonPlaces(one, other);
+  if (pairs.size() < kFewestCommon) pairs = AlongCommonLine(one, other);
   Likeness likeness{.num_common = pairs.size()};
   if (pairs.empty()) return likeness;
   const auto count = static_cast<Eigen::Index>(pairs.size());
   Eigen::MatrixXd stood(count, 4);
   Eigen::VectorXd a(count), b(count);
   for (Eigen::Index i = 0; i < count; ++i) {
-    const auto& [pose, values] = pairs[static_cast<std::size_t>(i)];
-    const auto along = [&](int axis, long at) {
-      return leans[axis] ? static_cast<double>(at) : 0;
-    };
-    stood.row(i) << 1, along(0, std::get<0>(pose)), along(1, std::get<1>(pose)),
-        along(2, std::get<2>(pose));
-    a[i] = values.first;
-    b[i] = values.second;
+    const PairOfReadings& pair = pairs[static_cast<std::size_t>(i)];
+    stood(i, 0) = 1;
+    for (int axis = 0; axis < 3; ++axis) {
+      stood(i, axis + 1) =
+          leans[axis] ? static_cast<double>(Coordinate_um(pair.place, axis)) : 0;
+    }
+    a[i] = pair.one;
+    b[i] = pair.other;
   }
   TakeOut(&stood, &a);
   TakeOut(&stood, &b);
@@ -102,9 +177,6 @@ Likeness Compare(const ReadingsByPlace& one,
   likeness.ratio = std::sqrt(bb / aa);
   return likeness;
 }
-
-constexpr std::size_t kFewestCommon = 8;
-constexpr double kAlike = 0.9;
 
 /// Two campaigns by name.
 struct Pair {
@@ -120,7 +192,8 @@ bool DoubtUnits(const Pair& pair,
   const auto is_about = [&](double what) {
     return std::abs(larger / what - 1) < 0.15;
   };
-  const bool is_unit = is_about(kInch_mm) || is_about(kThousand);
+  const bool is_unit =
+      is_about(kInch_mm) || is_about(kThousandths) || is_about(kThousand);
   if (std::abs(likeness.correlation) < kAlike || !is_unit) return false;
   doubts->push_back(
       {.kind = "units_differ",
@@ -130,7 +203,9 @@ bool DoubtUnits(const Pair& pair,
                               pair.other,
                               larger),
        .hint = is_about(kInch_mm) ? "that is an inch: one of them is in inches"
-                                  : "that is 1000: one of them is in micrometres",
+               : is_about(kThousandths)
+                   ? "that is a thousandth of an inch: one of them is in thousandths"
+                   : "that is 1000: one of them is in micrometres",
        .refuse = true});
   return true;
 }

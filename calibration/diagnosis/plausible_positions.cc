@@ -14,6 +14,7 @@
 #include <fmt/format.h>
 
 #include "calibration/diagnosis/plausible_parts.h"
+#include "calibration/diagnosis/readings_on_a_line.h"
 #include "sim/base/median.h"
 #include "sim/base/units.h"
 
@@ -35,31 +36,8 @@ constexpr std::array kUnits = {PositionUnit{MmFromInch(1.0), "inches"},
                                PositionUnit{10, "centimetres"},
                                PositionUnit{1000, "metres"}};
 
-struct Reading {
-  double at_mm = 0;
-  double value_mm = 0;
-};
-
 /// Readings of one campaign along an axis, by sense, in the order of their places.
 using BySense = std::map<int, std::vector<Reading>>;
-
-// Between the two neighbours, on the line through them; none beyond the ends.
-std::optional<double> Between(const std::vector<Reading>& readings, double at_mm) {
-  const auto above = std::ranges::lower_bound(readings, at_mm, {}, &Reading::at_mm);
-  if (above == readings.end()) return std::nullopt;
-  if (above->at_mm == at_mm) return above->value_mm;
-  if (above == readings.begin()) return std::nullopt;
-  const Reading& below = *std::prev(above);
-  const double part = (at_mm - below.at_mm) / (above->at_mm - below.at_mm);
-  return below.value_mm + part * (above->value_mm - below.value_mm);
-}
-
-// The reading at the nearest place that was measured.
-double Nearest(const std::vector<Reading>& readings, double at_mm) {
-  return Between(readings, at_mm)
-      .value_or(at_mm < readings.front().at_mm ? readings.front().value_mm
-                                               : readings.back().value_mm);
-}
 
 double Deviation(const std::vector<double>& numbers) {
   double mean = 0, squares = 0;

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "calibration/diagnosis/plausible_parts.h"
+#include "calibration/diagnosis/stated_noise.h"
 #include "sim/base/median.h"
 #include "sim/base/units.h"
 
@@ -178,21 +179,6 @@ void DoubtZeroSigmas(const RowTable& table, std::vector<Doubt>* doubts) {
                               doubt.rows.front());
   doubt.hint = "no reading is exact: taken as unknown; leave the column empty there";
   doubts->push_back(std::move(doubt));
-}
-
-// What is in inches or their thousandths where a stated uncertainty is `ratio` times
-// the scatter of repeats; empty where no inch explains that.
-std::string_view InchesBy(double ratio) {
-  constexpr double kAlike = 0.2;  // What a scatter of some twenty repeats tells.
-  const auto is_about = [&](double times) {
-    return std::abs(ratio / times - 1) < kAlike;
-  };
-  if (is_about(kInch_mm)) return "that is an inch: is value_mm in inches?";
-  if (is_about(1 / kInch_mm)) return "that is an inch: is the uncertainty in inches?";
-  if (is_about(kInch_mm / 1000)) {
-    return "that is a thousandth of an inch: is value_mm in thousandths?";
-  }
-  return {};
 }
 
 void DoubtSigmas(const RowTable& table,

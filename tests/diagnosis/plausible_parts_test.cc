@@ -95,6 +95,41 @@ TEST(PlausiblePositions, OneCampaignInAnotherUnitAtPlacesOfItsOwn) {
   EXPECT_EQ(hint_of(1), "");
 }
 
+TEST(PlausibleCampaigns, AnotherUnitOrSignAtPlacesOfItsOwn) {
+  const auto refusals_of = [](double times) {
+    RowTable table = TwoCampaigns(1);
+    for (Row& row : table.rows) {
+      if (row.campaign == "again") row.value_mm *= times;
+    }
+    return RefusalsOf(table);
+  };
+  EXPECT_THAT(refusals_of(1), IsEmpty());
+  EXPECT_THAT(refusals_of(2.5), IsEmpty());
+  EXPECT_THAT(refusals_of(1 / 25.4), Contains("units_differ"));
+  EXPECT_THAT(refusals_of(1000 / 25.4), Contains("units_differ"));
+  EXPECT_THAT(refusals_of(1000), Contains("units_differ"));
+  EXPECT_THAT(refusals_of(-1), Contains("reversed_sign"));
+}
+
+// A wave that the coarse campaign cannot follow: between two of its places it goes up,
+// where the fine one goes down.
+TEST(PlausibleCampaigns, FewCoarsePlacesContradictNothing) {
+  RowTable table;
+  const auto wave_mm = [](double at_mm) {
+    return 0.01 * std::sin(at_mm / 3);
+  };
+  for (int i = 0; i < 40; ++i) {
+    const bool is_fine = i >= 12;
+    Row row{.row = i + 1, .campaign = is_fine ? "fine" : "coarse"};
+    row.n = {1, 0, 0};
+    row.dir = {1, 0, 0};
+    row.cmd_mm = {is_fine ? 111 + 0.2 * (i - 12) : 12.7 * i, 0, 0};
+    row.value_mm = wave_mm(row.cmd_mm[0]) + MmFromUm(0.2 * Scatter(i));
+    table.rows.push_back(row);
+  }
+  EXPECT_THAT(RefusalsOf(table), IsEmpty());
+}
+
 // A campaign over the first centimetres of the axis measures what the other does there.
 TEST(PlausiblePositions, AShortCampaignIsInMillimetres) {
   RowTable table = TwoCampaigns(1);

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+namespace caltwin {
+
+struct Reading {
+  double at_mm = 0;
+  double value_mm = 0;
+};
+
+/// On the line through the two neighbours; none beyond the ends. `readings` in the
+/// order of their places.
+std::optional<double> Between(const std::vector<Reading>& readings, double at_mm);
+
+/// The same, beyond the ends the reading there. At least one reading.
+double Nearest(const std::vector<Reading>& readings, double at_mm);
+
+}  // namespace caltwin
