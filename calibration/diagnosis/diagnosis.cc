@@ -10,6 +10,7 @@
 #include "calibration/diagnosis/bent.h"
 #include "calibration/diagnosis/diagnosis_words.h"
 #include "calibration/diagnosis/next_campaign.h"
+#include "calibration/diagnosis/nothing_found.h"
 #include "calibration/diagnosis/pitch_map.h"
 #include "calibration/diagnosis/remains.h"
 #include "calibration/diagnosis/scrutiny.h"
@@ -286,27 +287,6 @@ class Reporter {
   Eigen::VectorXd spread_{};  ///< Of each of `all_`.
 };
 
-// Where nothing was found, but far more than noise is there: these rows cannot say
-// what. Not where small effects were not asked for.
-void DoubtNone(const Remains& left, Diagnosis* diagnosis) {
-  const bool is_none = diagnosis->verdict == DiagnosisVerdict::kNone;
-  if (!is_none || diagnosis->min_effect_um > 0 || !left.IsThere()) return;
-  diagnosis->verdict = DiagnosisVerdict::kUnknownStructure;
-  std::string remark = fmt::format(
-      "{} um rms remain beyond the baseline, where the noise is {} um: "
-      "something "
-      "is there, but nothing that was tried foretells rows left out",
-      TwoDigits(UmFromMm(left.rms_mm)),
-      TwoDigits(UmFromMm(left.floor_mm)));
-  if (!diagnosis->weighed.empty() && diagnosis->weighed[0].log_odds > 0) {
-    const EvidenceLine& best = diagnosis->weighed[0];
-    remark += fmt::format("; the likeliest would be {} (log odds {:.0f})",
-                          NameInWords(best.cause, best.axis),
-                          best.log_odds);
-  }
-  diagnosis->remarks.push_back(remark + ". Measure the same again, in both senses");
-}
-
 // Beside the drawing, what is not straight in its sizes leaves the rest of itself as a
 // finding or as noise: searched again with columns that lead to where it was found.
 void WeighWhereFound(const Observed& observed,
@@ -373,6 +353,7 @@ Diagnosis Diagnose(const Observed& as_read, const DiagnoseOptions& options) {
   if (!noise.empty()) diagnosis.remarks.push_back(noise);
   diagnosis.min_effect_um = options.min_effect_um;
   DoubtNone(RemainsOf(observed, search), &diagnosis);
+  NameTheLead(&diagnosis);
   return diagnosis;
 }
 
