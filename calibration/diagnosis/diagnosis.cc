@@ -9,6 +9,7 @@
 #include "calibration/diagnosis/baseline_fit.h"
 #include "calibration/diagnosis/bent.h"
 #include "calibration/diagnosis/diagnosis_words.h"
+#include "calibration/diagnosis/jump_size.h"
 #include "calibration/diagnosis/next_campaign.h"
 #include "calibration/diagnosis/nothing_found.h"
 #include "calibration/diagnosis/pitch_map.h"
@@ -348,6 +349,10 @@ Diagnosis Diagnose(const Observed& as_read, const DiagnoseOptions& options) {
         "the search stops at {} findings: there may be more. Extend the machine with "
         "these (--extend) and diagnose the same rows again",
         options.search.most_findings));
+  }
+  for (const Finding& finding : diagnosis.findings) {
+    const std::string jump = RemarkOnJump(observed.machine(), finding);
+    if (!jump.empty()) diagnosis.remarks.push_back(jump);
   }
   const std::string noise = RemarkOnStatedNoise(observed, search);
   if (!noise.empty()) diagnosis.remarks.push_back(noise);

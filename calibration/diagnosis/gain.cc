@@ -257,12 +257,13 @@ double Factorial(std::size_t n) {
   return n < 2 ? 1 : static_cast<double>(n) * Factorial(n - 1);
 }
 
-// Shapley's share of each finding in the variance explained.
+// Shapley's share of each finding in the variance explained. What rows leave below the
+// noise floor, by fitting it, is nobody's share.
 std::vector<double> Shares(const Gainer& gainer, double floor_mm2) {
   const std::size_t n = gainer.num_findings();
   std::vector<double> worth(1U << n);
   for (unsigned subset = 0; subset < worth.size(); ++subset) {
-    worth[subset] = gainer.MeanSquare(subset);
+    worth[subset] = std::max(gainer.MeanSquare(subset), floor_mm2);
   }
   const double explainable = std::max(worth[0] - floor_mm2, 1e-300);
   std::vector<double> shares(n, 0);
