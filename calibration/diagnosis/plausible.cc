@@ -172,6 +172,47 @@ void DoubtConstant(const RowTable& table, std::vector<Doubt>* doubts) {
        .refuse = true});
 }
 
+// One sense written 0, which says that the axis did not move: places read with and
+// without a sense, never with the other, though no other axis moved either.
+void DoubtSenseOfNought(const RowTable& table, int axis, std::vector<Doubt>* doubts) {
+  constexpr int kFewestPlaces = 4;
+  struct Senses {
+    bool none = false;
+    std::set<double> some{};
+  };
+  std::map<std::string, std::map<double, Senses>> campaigns;
+  for (const Row& row : table.rows) {
+    if (row.kind != RowKind::kPosition || !(std::abs(row.n[axis]) > 0.99)) continue;
+    Senses& here = campaigns[row.campaign][row.cmd_mm[axis]];
+    const bool is_any = std::ranges::any_of(
+        row.dir, [](double sense) { return Known(sense) && sense != 0; });
+    if (!is_any) here.none |= row.dir[axis] == 0;
+    if (Known(row.dir[axis]) && row.dir[axis] != 0) here.some.insert(row.dir[axis]);
+  }
+  for (const auto& [name, places] : campaigns) {
+    std::set<double> all;
+    for (const auto& [at_mm, senses] : places) {
+      all.insert(senses.some.begin(), senses.some.end());
+    }
+    const auto both = std::ranges::count_if(places, [](const auto& place) {
+      return place.second.none && !place.second.some.empty();
+    });
+    if (all.size() != 1 || both < kFewestPlaces) continue;
+    doubts->push_back(
+        {.kind = "sense_of_nought",
+         .message = fmt::format("campaign {}: {} places are read with dir_{} {:+g} and "
+                                "with 0, none with {:+g}",
+                                name,
+                                both,
+                                "xyz"[axis],
+                                *all.begin(),
+                                -*all.begin()),
+         .hint = "senses are 1 and -1; 0 says that the axis did not move, and would "
+                 "double the gap",
+         .refuse = true});
+  }
+}
+
 void DoubtSenses(const RowTable& table, std::vector<Doubt>* doubts) {
   for (const int axis : {0, 1, 2}) {
     std::set<double> senses;
@@ -214,6 +255,7 @@ void DoubtRows(const RowTable& table, std::vector<Doubt>* doubts) {
   DoubtTimes(rows, doubts);
   DoubtTemperatures(rows, doubts);
   DoubtSenses(table, doubts);
+  for (const int axis : {0, 1, 2}) DoubtSenseOfNought(table, axis, doubts);
   DoubtMoves(rows, doubts);
 }
 

@@ -189,6 +189,17 @@ TEST(Plausible, OneSenseAndNoSenseAreTold) {
               ElementsAre("direction_unknown"));
 }
 
+TEST(Plausible, ASenseWrittenNoughtIsRefused) {
+  EXPECT_THAT(KindsAfter([](Row* row) { row->dir[0] = row->dir[0] > 0 ? 1 : 0; }),
+              Contains("sense_of_nought!"));
+  // Another axis moved last, and this one stood.
+  EXPECT_THAT(KindsAfter([](Row* row) {
+                row->dir = row->dir[0] > 0 ? std::array<double, 3>{1, 0, 0}
+                                           : std::array<double, 3>{0, 1, 0};
+              }),
+              Not(Contains("sense_of_nought!")));
+}
+
 TEST(Plausible, TemperaturesInOtherUnits) {
   EXPECT_THAT(KindsAfter([](Row* row) { row->temp_frame_c = 28; }), IsEmpty());
   EXPECT_THAT(KindsAfter([](Row* row) { row->temp_frame_c = 301; }),
