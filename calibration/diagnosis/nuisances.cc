@@ -12,6 +12,7 @@
 #include "calibration/diagnosis/candidates.h"
 #include "calibration/diagnosis/delta_lines.h"
 #include "calibration/diagnosis/free_form.h"
+#include "calibration/diagnosis/rounding.h"
 #include "sim/base/units.h"
 #include "sim/effects/drive.h"
 
@@ -22,6 +23,7 @@ namespace {
 constexpr double kScaleSd_ppm = 3e4;
 constexpr double kBacklashSd_mm = 0.2;
 constexpr double kPretravelSd_mm = 0.1;
+constexpr double kWholeSteps = 1;  // 1: all of it; 0: a servo, or a finer microstep.
 constexpr double kSlopeSd_mrad = 30;
 constexpr double kArmSd_mm = 2;
 constexpr double kPlacementSd_mm = 100;
@@ -92,6 +94,14 @@ void AddAxes(const Observed& o, Builder* builder) {
     builder->Add("backlash." + Name(axis), "mm", kBacklashSd_mm, [&](Eigen::Index row) {
       return -motion(row) * o.at(row).dir[i] / 2;
     });
+    // Whether its controller stands at whole steps, the rows say.
+    builder->Add(
+        "whole_steps." + Name(axis),
+        "",
+        kWholeSteps,
+        [&](Eigen::Index row) { return motion(row) * RoundedBy_mm(o, row, axis); },
+        /*offset=*/0,
+        /*reported=*/false);
     builder->Add(
         "probe_pretravel." + Name(axis),
         "mm",

@@ -12,4 +12,9 @@ namespace caltwin {
 /// Repeats count the same steps, so they do not show it.
 double RoundingSigma_mm(const Observed& observed, Eigen::Index i);
 
+/// How far beyond its command an axis of a gantry stands that moves in whole motor
+/// steps, round(q s) / s - q, s the steps/mm that the header states for the row [mm]. 0
+/// of touches, which end anywhere, and where no steps are stated. Repeats share it.
+double RoundedBy_mm(const Observed& observed, Eigen::Index i, Axis axis);
+
 }  // namespace caltwin

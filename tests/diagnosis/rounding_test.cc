@@ -1,10 +1,13 @@
 #include "calibration/diagnosis/rounding.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
 
+#include "calibration/diagnosis/diagnosis.h"
 #include "calibration/diagnosis/remains.h"
+#include "sim/base/rng.h"
 #include "sim/base/units.h"
 #include "tests/diagnosis/drawn_delta.h"
 
@@ -82,6 +85,71 @@ TEST(NoiseFloor, IsNotBelowWholeSteps) {
   EXPECT_EQ(floors[0].dof, 12);  // Of the replicates, not of the richest model.
   EXPECT_GE(floors[0].sigma_mm, kStep_mm / 6);
   EXPECT_LE(floors[0].sigma_mm, kStep_mm / std::sqrt(12.0));
+}
+
+// A laser along an axis of 80 steps/mm whose controller stands at whole steps or, as a
+// servo does, where it is told; 15 places, four times each.
+Observed Axis80(bool at_steps, std::uint64_t seed) {
+  constexpr double kSteps_per_mm = 80;
+  constexpr int kPlaces = 15, kRuns = 4;
+  Machine machine{.name = "test"};
+  for (AxisDrawing& drawing : machine.axes) {
+    drawing.lead_mm = 40;
+    drawing.full_steps_per_rev = 200;
+    drawing.microsteps = 16;
+  }
+  machine.settings.steps_per_mm = {kSteps_per_mm, kSteps_per_mm, kSteps_per_mm};
+  DataHeader header;
+  header.settings["1"].steps_per_mm["x"] = kSteps_per_mm;
+  RowTable table;
+  Rng rng(seed, 0, "whole steps");
+  std::vector<double> places_mm;
+  for (int i = 0; i < kPlaces; ++i) places_mm.push_back(300 * rng.Uniform());
+  for (int i = 0; i < kPlaces * kRuns; ++i) {
+    const double at_mm = places_mm[static_cast<std::size_t>(i % kPlaces)];
+    Row row{.row = i + 1,
+            .campaign = "laser",
+            .kind = RowKind::kPosition,
+            .settings = "1",
+            .rep = i / kPlaces + 1};
+    row.cmd_mm = {at_mm, 0, 0};
+    row.dir = {1, 0, 0};
+    row.n = {1, 0, 0};
+    const double stands_mm =
+        at_steps ? std::round(at_mm * kSteps_per_mm) / kSteps_per_mm : at_mm;
+    row.value_mm = stands_mm - at_mm + MmFromUm(rng.Normal());
+    table.rows.push_back(row);
+  }
+  return {table, header, machine, {}};
+}
+
+TEST(RoundedBy, IsWhatTheNearestStepIsBeyondTheCommand) {
+  const Observed observed = Axis80(true, 1);
+  const double command_mm = observed.row(3).cmd_mm[0];
+
+  EXPECT_NEAR(RoundedBy_mm(observed, 3, Axis::kX),
+              std::round(command_mm / kStep_mm) * kStep_mm - command_mm,
+              1e-9);
+  EXPECT_EQ(RoundedBy_mm(observed, 3, Axis::kY), 0);  // Nothing is stated of it.
+}
+
+// Repeats share what a step leaves, so it is no noise: taken for noise, it would make
+// the scale look twice as sure as it is.
+TEST(RoundedBy, ScalesAreAsSureAsTheyAreSaidToBe) {
+  constexpr int kMachines = 60;
+  for (const bool at_steps : {false, true}) {
+    double sum2 = 0;
+    for (int seed = 1; seed <= kMachines; ++seed) {
+      const Diagnosis diagnosis =
+          Diagnose(Axis80(at_steps, static_cast<std::uint64_t>(seed)), {});
+      const auto scale =
+          std::ranges::find(diagnosis.baseline, "scale.x", &BaselineLine::name);
+      ASSERT_NE(scale, diagnosis.baseline.end());
+      EXPECT_LT(scale->sd, 3);  // ppm; by 3.6 um of steps it would be 10.
+      sum2 += std::pow(scale->value / scale->sd, 2);
+    }
+    EXPECT_NEAR(std::sqrt(sum2 / kMachines), 1, 0.35) << "at steps: " << at_steps;
+  }
 }
 
 }  // namespace
