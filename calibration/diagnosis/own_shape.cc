@@ -119,6 +119,17 @@ double ShownPart(const Observed& observed,
   return whole > 0 ? evidence.Left(white).norm() / whole : 0;
 }
 
+bool IsBorrowed(const Observed& observed,
+                const Circumstances& beside,
+                const Candidate& candidate,
+                const Weighed& weighed) {
+  constexpr double kMostOfUsual = 10, kLeastShown = 0.05;
+  const Variant& variant = candidate.variants[weighed.variant];
+  const Eigen::VectorXd& sizes_mm = weighed.sizes_mm;
+  return !candidate.is_free() && sizes_mm.norm() > kMostOfUsual * variant.usual_mm &&
+         ShownPart(observed, beside, variant.columns_mm * sizes_mm) < kLeastShown;
+}
+
 bool IsGradual(const Observed& observed,
                const Circumstances& beside,
                const Candidate& candidate) {

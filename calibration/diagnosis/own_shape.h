@@ -49,6 +49,15 @@ double ShownPart(const Observed& observed,
                  const Circumstances& beside,
                  const Eigen::VectorXd& change_mm);
 
+/// Whether a shape is borrowed from a cause far larger than any: more than ten times
+/// its usual size, of which less than a twentieth shows. So a wave of 0.8 mm, of which
+/// plates touched within 0.1 mm of one height show but the curve, is a bowl. False for
+/// free forms.
+bool IsBorrowed(const Observed& observed,
+                const Circumstances& beside,
+                const Candidate& candidate,
+                const Weighed& weighed);
+
 /// Whether a jump is told no better than a gradual change of the same rows: a ramp over
 /// several of them, or a creep that slows down. The rows next to a jump tell both
 /// apart. False for causes that do not jump.

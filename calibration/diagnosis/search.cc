@@ -149,7 +149,8 @@ class Searcher {
       const Weighed& top = weighing.ranked.front();
       const Candidate& candidate = candidates_[top.candidate];
       if (top.log_odds < 0) return std::nullopt;
-      const bool is_new = !IsFound(top.candidate, except);
+      const bool is_new = !IsFound(top.candidate, except) &&
+                          !IsBorrowed(observed_, circumstances, candidate, top);
       Support support;
       if (is_new && IsPractical(candidate, top)) {
         support =

@@ -191,5 +191,26 @@ TEST(OwnShape, RowsFullOfOutliersShowNoJump) {
   EXPECT_FALSE(IsAmongOutliers(observed, out, jump, JumpBefore(jump, 80)));
 }
 
+// A wave that rows within `span_rad` of its phase see.
+Candidate Wave(double span_rad) {
+  Variant variant{.columns_mm = Eigen::MatrixXd(kRows, 1), .usual_mm = 0.01};
+  for (Eigen::Index i = 0; i < kRows; ++i) {
+    variant.columns_mm(i, 0) = std::cos(span_rad * static_cast<double>(i) / kRows);
+  }
+  return {.effect = 0, .cause = "wave", .variants = {variant}};
+}
+
+Weighed Sized(double size_mm) {
+  return {.sizes_mm = Eigen::VectorXd::Constant(1, size_mm)};
+}
+
+TEST(IsBorrowed, OfAHugeWaveOnlyTheCurveShows) {
+  const Observed observed = Datum([](double) { return 0.0; });
+
+  EXPECT_TRUE(IsBorrowed(observed, Offset(), Wave(0.1), Sized(0.8)));
+  EXPECT_FALSE(IsBorrowed(observed, Offset(), Wave(0.1), Sized(0.05)));  // Usual.
+  EXPECT_FALSE(IsBorrowed(observed, Offset(), Wave(6), Sized(0.8)));     // It shows.
+}
+
 }  // namespace
 }  // namespace caltwin
