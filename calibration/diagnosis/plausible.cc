@@ -279,7 +279,7 @@ std::vector<Doubt> Doubts(const RowTable& table,
   const RowTable alike = may_have_screws ? WithoutLoneScrews(table) : table;
   DoubtRows(table, &doubts);
   DoubtBlocks(InOrder(alike), &doubts);
-  DoubtSizes(table, alike, header, &doubts);
+  DoubtSizes(table, alike, header, machine, &doubts);
   if (machine != nullptr) {
     DoubtTravel(table, *machine, &doubts);
     DoubtDrives(header, *machine, &doubts);

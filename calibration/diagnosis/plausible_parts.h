@@ -20,10 +20,12 @@ RowTable WithoutLoneScrews(const RowTable& table);
 
 /// Sizes against each other and against what a machine can do: units, signs, positions
 /// in place of deviations, stated sigmas.
-/// `moved_alike`: those of `table` whose readings follow what is commanded.
+/// `moved_alike`: those of `table` whose readings follow what is commanded. `machine`
+/// may be null.
 void DoubtSizes(const RowTable& table,
                 const RowTable& moved_alike,
                 const DataHeader& header,
+                const Machine* machine,
                 std::vector<Doubt>* doubts);
 
 /// Campaigns that measured the same places held alike, against each other: the
@@ -48,6 +50,10 @@ void DoubtFaces(const std::vector<RowSeries>& all, std::vector<Doubt>* doubts);
 
 /// Campaigns whose touches all come out of the material that they touch.
 void DoubtApproach(const RowTable& table, std::vector<Doubt>* doubts);
+
+/// Whether an axis may stand at a position: within its travel and a twentieth of it; of
+/// a delta, where its rods reach, the other two at 0. Null: within 4 m of 0.
+bool CanStandAt(const Machine* machine, int axis, double position_mm);
 
 /// Positions against the travel of the axes.
 void DoubtTravel(const RowTable& table,

@@ -121,19 +121,18 @@ std::size_t NumRemainders(const std::set<double>& positions, double step) {
 
 // Whether positions are round numbers of mm once they are taken as inches, and are not
 // as they stand. One odd position, and those a round number away from it, may be round
-// in inches by chance; so may a grid of equal steps, which is why positions further out
-// than any bench goes are none.
-bool AreInches(const std::set<double>& positions) {
+// in inches by chance; so may a grid of equal steps, which is why positions where the
+// machine cannot go are none.
+bool AreInches(const std::set<double>& positions, int axis, const Machine* machine) {
   constexpr double kRound_mm = 0.5;
-  constexpr double kFarthest_mm = 4000;
   const auto all_round = [&](double scale, double step, double tolerance) {
     return std::ranges::all_of(positions, [&](double position) {
       const double steps = position * scale / step;
       return std::abs(steps - std::round(steps)) * step < tolerance;
     });
   };
-  const bool is_too_far = std::ranges::any_of(positions, [](double position) {
-    return MmFromInch(std::abs(position)) > kFarthest_mm;
+  const bool is_too_far = std::ranges::any_of(positions, [&](double position) {
+    return !CanStandAt(machine, axis, MmFromInch(position));
   });
   return !is_too_far && !all_round(1, 0.01, 1e-4) &&
          NumRemainders(positions, kRound_mm) >= 4 &&
@@ -142,7 +141,9 @@ bool AreInches(const std::set<double>& positions) {
 
 // Targets are round numbers in the unit they were chosen in, each campaign's in its
 // own.
-void DoubtPositions(const RowTable& table, std::vector<Doubt>* doubts) {
+void DoubtPositions(const RowTable& table,
+                    const Machine* machine,
+                    std::vector<Doubt>* doubts) {
   for (const int axis : {0, 1, 2}) {
     std::map<std::string, std::set<double>> positions;
     for (const Row& row : table.rows) {
@@ -151,7 +152,7 @@ void DoubtPositions(const RowTable& table, std::vector<Doubt>* doubts) {
       }
     }
     for (const auto& [campaign, of_campaign] : positions) {
-      if (!AreInches(of_campaign)) continue;
+      if (!AreInches(of_campaign, axis, machine)) continue;
       doubts->push_back({.kind = "position_unit",
                          .message = fmt::format(
                              "the positions along {} of campaign {} are round numbers "
@@ -272,6 +273,7 @@ RowTable WithoutLoneScrews(const RowTable& table) {
 void DoubtSizes(const RowTable& table,
                 const RowTable& moved_alike,
                 const DataHeader& header,
+                const Machine* machine,
                 std::vector<Doubt>* doubts) {
   const std::vector<RowSeries> all = SeriesOf(table);
   for (const RowSeries& series : SeriesOf(moved_alike)) {
@@ -288,7 +290,7 @@ void DoubtSizes(const RowTable& table,
   DoubtApproach(table, doubts);
   DoubtCampaigns(moved_alike, doubts);
   DoubtPositionUnits(moved_alike, doubts);
-  DoubtPositions(table, doubts);
+  DoubtPositions(table, machine, doubts);
   DoubtZeroSigmas(table, doubts);
   DoubtSigmas(table, header, all, doubts);
   DoubtSteps(table, all, doubts);

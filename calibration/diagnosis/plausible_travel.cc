@@ -1,5 +1,6 @@
 // Whether rows are commanded where the machine can go.
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -8,6 +9,8 @@
 
 namespace caltwin {
 namespace {
+
+constexpr double kBeyondTravel = 0.05;  // Of it: files are not that exact.
 
 // Of a delta: poses that its rods do not reach.
 void DoubtReach(const RowTable& table,
@@ -32,10 +35,26 @@ void DoubtReach(const RowTable& table,
 
 }  // namespace
 
+bool CanStandAt(const Machine* machine, int axis, double position_mm) {
+  constexpr double kFarthest_mm = 4000;  // No bench is longer.
+  if (machine == nullptr) return std::abs(position_mm) <= kFarthest_mm;
+  if (machine->delta) {
+    const DeltaModel<double>& settings = machine->delta->settings;
+    Vec3<double> pose_mm = Vec3<double>::Zero();
+    pose_mm[axis] = position_mm;
+    const double highest_mm = *std::ranges::max_element(settings.endstop_mm);
+    return DeltaMotors_mm(settings, pose_mm).allFinite() &&
+           std::abs(pose_mm.z()) <= (1 + kBeyondTravel) * highest_mm;
+  }
+  const AxisDrawing& travel = machine->axes[static_cast<std::size_t>(axis)];
+  const double beyond_mm = kBeyondTravel * (travel.max_mm - travel.min_mm);
+  return position_mm >= travel.min_mm - beyond_mm &&
+         position_mm <= travel.max_mm + beyond_mm;
+}
+
 void DoubtTravel(const RowTable& table,
                  const Machine& machine,
                  std::vector<Doubt>* doubts) {
-  constexpr double kSlack = 0.05;
   if (machine.delta) {
     DoubtReach(table, *machine.delta, doubts);
     return;
@@ -44,11 +63,10 @@ void DoubtTravel(const RowTable& table,
     const int index = Index(axis);
     const double min_mm = machine.axes[index].min_mm;
     const double max_mm = machine.axes[index].max_mm;
-    const double slack_mm = kSlack * (max_mm - min_mm);
     Doubt doubt{.kind = "outside_travel", .refuse = true};
     for (const Row& row : table.rows) {
       const double position_mm = row.cmd_mm[index];
-      if (position_mm < min_mm - slack_mm || position_mm > max_mm + slack_mm) {
+      if (Known(position_mm) && !CanStandAt(&machine, index, position_mm)) {
         doubt.rows.push_back(row.row);
       }
     }

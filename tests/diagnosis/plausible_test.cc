@@ -31,9 +31,11 @@ RowTable X() {
 }
 
 /// Kinds of doubt about the rows, those that refuse them with an exclamation mark.
-std::vector<std::string> KindsOf(const RowTable& table, const DataHeader& header = {}) {
+std::vector<std::string> KindsOf(const RowTable& table,
+                                 const DataHeader& header = {},
+                                 const Machine* machine = nullptr) {
   std::vector<std::string> kinds;
-  for (const Doubt& doubt : Doubts(table, header)) {
+  for (const Doubt& doubt : Doubts(table, header, machine)) {
     kinds.push_back(doubt.kind + (doubt.refuse ? "!" : ""));
   }
   return kinds;
@@ -334,6 +336,27 @@ TEST(Plausible, AGridOfEqualStepsIsNotInInches) {
   }
 
   EXPECT_THAT(KindsOf(table), Not(Contains("position_unit!")));
+}
+
+// Six places at equal steps of 20.315 mm, too: no printer of this size goes to 1290 mm.
+// The same on one that large is refused.
+TEST(Plausible, WhereTheMachineCannotGoNothingIsInInches) {
+  RowTable table = Passes();
+  for (std::size_t i = 0; i < table.rows.size(); ++i) {
+    table.rows[i].cmd_mm[0] = 10.1575 * (2 * static_cast<double>(i % 6) - 5);
+    table.rows[i].since_rev_mm = {kUnknown, kUnknown, kUnknown};
+  }
+  Machine small;
+  for (AxisDrawing& axis : small.axes) axis.min_mm = -300, axis.max_mm = 300;
+  Machine large = small;
+  large.axes[0] = {.min_mm = -1400, .max_mm = 1400};
+  Machine delta = small;
+  delta.kinematics = Kinematics::kDelta;
+  delta.delta = DeltaDrawing{};
+
+  EXPECT_THAT(KindsOf(table, {}, &small), Not(Contains("position_unit!")));
+  EXPECT_THAT(KindsOf(table, {}, &delta), Not(Contains("position_unit!")));
+  EXPECT_THAT(KindsOf(table, {}, &large), Contains("position_unit!"));
 }
 
 TEST(Plausible, TravelsMustBeThoseOfTheCommands) {
