@@ -160,6 +160,18 @@ Candidate FreeCandidate(FreeForm form) {
   return candidate;
 }
 
+// Whether nothing but senses and axes that stood still could show it.
+bool VariesWithSlivers(const Observed& observed, const Candidate& candidate) {
+  const auto& words = candidate.shown.covariates;
+  const auto is_still = [&](const std::string& word) {
+    return word.starts_with("dir_") || IsSliver(observed, word);
+  };
+  const auto is_sliver = [&](const std::string& word) {
+    return IsSliver(observed, word);
+  };
+  return std::ranges::any_of(words, is_sliver) && std::ranges::all_of(words, is_still);
+}
+
 }  // namespace
 
 std::string Candidate::Name() const {
@@ -226,9 +238,9 @@ std::vector<Candidate> AllCandidates(const Observed& observed) {
     if (!effect.sight) continue;
     std::vector<Candidate> family;
     for (const std::string& axis : AxesOf(observed, effect)) {
-      if (auto candidate = CandidateOf(observed, index, axis, extent)) {
-        family.push_back(std::move(*candidate));
-      }
+      auto candidate = CandidateOf(observed, index, axis, extent);
+      if (!candidate || VariesWithSlivers(observed, *candidate)) continue;
+      family.push_back(std::move(*candidate));
     }
     if (family.empty()) continue;
     ++num_families;

@@ -135,15 +135,19 @@ class Writer {
     if (!IsToBeWritten(gap)) return;
     const std::string source = fmt::format(
         "mm, backlash.{} {:.4f} +- {:.4f} mm", Name(axis), gap.value, gap.sd);
-    const double gap_mm = std::max(gap.value, 0.0);
     if (controller_ == ControllerKind::kKlipper) {
       Comment(source + ": Klipper has no backlash compensation; mend the drive");
+    } else if (gap.value < 0) {
+      Comment(source +
+              ": a gap that leads is none; is a sign or a sense reversed, or "
+              "is there compensation already?");
     } else if (controller_ == ControllerKind::kLinuxCnc) {
-      Line(fmt::format("BACKLASH = {:.4f}", gap_mm), source);
+      Line(fmt::format("BACKLASH = {:.4f}", gap.value), source);
     } else {
       // Marlin corrects by the fraction F, 0 unless it is given.
       const bool is_marlin = controller_ == ControllerKind::kMarlin;
-      Line(fmt::format("M425 {}{}{:.4f}", is_marlin ? "F1 " : "", Upper(axis), gap_mm),
+      Line(fmt::format(
+               "M425 {}{}{:.4f}", is_marlin ? "F1 " : "", Upper(axis), gap.value),
            source);
     }
   }

@@ -5,6 +5,7 @@
 #include <set>
 #include <string>
 
+#include "calibration/diagnosis/free_form.h"
 #include "sim/effects/drive.h"
 
 namespace caltwin {
@@ -20,7 +21,8 @@ Found FreeInstead(const Observed& observed,
                   const Circumstances& circumstances,
                   const Found& found) {
   const Shown& shown = candidates[found.candidate].shown;
-  const std::set<std::string> words(shown.covariates.begin(), shown.covariates.end());
+  std::set<std::string> words(shown.covariates.begin(), shown.covariates.end());
+  std::erase_if(words, [&](const auto& word) { return IsSliver(observed, word); });
   for (std::size_t c = 0; c < candidates.size(); ++c) {
     const Candidate& free = candidates[c];
     if (!free.is_free() || free.shown.channel != shown.channel) continue;

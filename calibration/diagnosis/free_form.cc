@@ -146,17 +146,38 @@ FreeForm FreeFormOf(const Observed& observed,
   return form;
 }
 
+bool IsSliver(const Observed& observed, const std::string& word) {
+  constexpr double kLeast_mm = 1;
+  const auto axis = AxisNamed(word);
+  if (!axis || observed.machine().kinematics != Kinematics::kCartesian) return false;
+  double low_mm = HUGE_VAL, high_mm = -HUGE_VAL;
+  for (Eigen::Index i = 0; i < observed.num_rows(); ++i) {
+    const double command_mm =
+        observed.row(i).cmd_mm[static_cast<std::size_t>(Index(*axis))];
+    if (!Known(command_mm)) continue;
+    low_mm = std::min(low_mm, command_mm);
+    high_mm = std::max(high_mm, command_mm);
+  }
+  return high_mm - low_mm < kLeast_mm;
+}
+
 std::vector<FreeForm> AllFreeForms(const Observed& observed) {
   constexpr int kMostTerms = 20;
   std::vector<FreeForm> forms;
   const bool is_printer = observed.machine().kinematics != Kinematics::kCartesian;
   const std::vector<std::string> place = {"x", "y"};
+  std::vector<std::string> slivers = {"x", "y", "z"};
+  std::erase_if(slivers, [&](const auto& word) { return !IsSliver(observed, word); });
   const auto add = [&](const std::string& channel,
                        const std::vector<std::string>& words) {
     const bool is_height = channel == "bed" || channel == "z";
     const TermsOfTwo which = is_printer && is_height && words == place
                                  ? TermsOfTwo::kAll
                                  : TermsOfTwo::kProducts;
+    const bool is_sliver = std::ranges::any_of(words, [&](const std::string& word) {
+      return std::ranges::find(slivers, word) != slivers.end();
+    });
+    if (is_sliver) return;
     FreeForm form = FreeFormOf(observed, channel, words, kMostTerms, which);
     if (form.columns_mm.cols() > 0) forms.push_back(std::move(form));
   };

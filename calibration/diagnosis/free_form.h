@@ -51,6 +51,12 @@ FreeForm FreeFormOf(const Observed& observed,
                     int most_terms,
                     TermsOfTwo which = TermsOfTwo::kProducts);
 
+/// Whether a covariate is an axis of a gantry that no row commands a millimetre from
+/// another. Touches of what stands at one height still end at heights a little apart:
+/// those are the readings, and no position that could explain them. False for what is
+/// no axis.
+bool IsSliver(const Observed& observed, const std::string& word);
+
 /// The blocks worth asking of a table: every channel that shows, with the covariates
 /// that could rule it, direction x time and direction x temperature among them.
 ///

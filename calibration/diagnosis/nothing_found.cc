@@ -30,18 +30,27 @@ std::string Likeliest(const Diagnosis& diagnosis) {
 
 void DoubtNone(const Remains& left, Diagnosis* diagnosis) {
   const bool is_none = diagnosis->verdict == DiagnosisVerdict::kNone;
-  if (!is_none || diagnosis->min_effect_um > 0 || !left.IsThere()) return;
+  const bool is_doubtful = left.IsThere() || left.wanders_most;
+  if (!is_none || diagnosis->min_effect_um > 0 || !is_doubtful) return;
   diagnosis->verdict = DiagnosisVerdict::kUnknownStructure;
-  std::string remark = fmt::format(
-      "{} um rms remain beyond the baseline, where the noise is {} um: "
-      "something "
-      "is there, but nothing that was tried foretells rows left out",
-      TwoDigits(UmFromMm(left.rms_mm)),
-      TwoDigits(UmFromMm(left.floor_mm)));
+  std::string remark =
+      left.IsThere()
+          ? fmt::format(
+                "{} um rms remain beyond the baseline, where the noise is {} um",
+                TwoDigits(UmFromMm(left.rms_mm)),
+                TwoDigits(UmFromMm(left.floor_mm)))
+          : fmt::format(
+                "To read so the machine would have to wander by {} um per root "
+                "hour or more, the most that is tried",
+                TwoDigits(diagnosis->wander_um_per_sqrt_h));
+  remark += ": something is there, but nothing that was tried foretells rows left out";
   if (!diagnosis->weighed.empty() && diagnosis->weighed[0].log_odds > 0) {
     remark += "; the likeliest would be " + Likeliest(*diagnosis);
   }
-  diagnosis->remarks.push_back(remark + ". Measure the same again, in both senses");
+  diagnosis->remarks.push_back(
+      remark +
+      ". Measure the same again, in both senses, with temperatures beside it, and see "
+      "whether all runs were written down alike");
 }
 
 void NameTheLead(Diagnosis* diagnosis) {

@@ -159,6 +159,41 @@ void DoubtTemperatures(const std::vector<const Row*>& rows,
   }
 }
 
+// Two units in one column: a step up or down, from one row to the next, by what
+// Fahrenheit makes of the same temperature. Beds and probes may be that quick.
+void DoubtMixedTemperatures(const std::vector<const Row*>& rows,
+                            std::vector<Doubt>* doubts) {
+  constexpr double kAlike_k = 5, kLeastStep_k = 20;
+  for (const SensorColumn& sensor : kSensors) {
+    if (sensor.name == "temp_bed_c" || sensor.name == "temp_probe_c") continue;
+    const Row* before = nullptr;
+    for (const Row* row : rows) {
+      const double now_c = row->*sensor.member;
+      if (!Known(now_c)) continue;
+      const double then_c = before == nullptr ? now_c : before->*sensor.member;
+      const double high_c = std::max(now_c, then_c), low_c = std::min(now_c, then_c);
+      before = row;
+      if (high_c - low_c < kLeastStep_k ||
+          std::abs(CelsiusFromFahrenheit(high_c) - low_c) > kAlike_k) {
+        continue;
+      }
+      doubts->push_back(
+          {.kind = "temperature_unit",
+           .message =
+               fmt::format("{} goes from {:.1f} to {:.1f} degrees from one row to "
+                           "the next (row {})",
+                           sensor.name,
+                           then_c,
+                           now_c,
+                           row->row),
+           .hint = "that is the same temperature in Celsius and in Fahrenheit; columns "
+                   "that end in _c are in degrees Celsius",
+           .refuse = true});
+      break;
+    }
+  }
+}
+
 void DoubtConstant(const RowTable& table, std::vector<Doubt>* doubts) {
   const double first_mm = table.rows.front().value_mm;
   const bool is_constant = std::ranges::all_of(
@@ -254,6 +289,7 @@ void DoubtRows(const RowTable& table, std::vector<Doubt>* doubts) {
   DoubtDuplicates(rows, doubts);
   DoubtTimes(rows, doubts);
   DoubtTemperatures(rows, doubts);
+  DoubtMixedTemperatures(rows, doubts);
   DoubtSenses(table, doubts);
   for (const int axis : {0, 1, 2}) DoubtSenseOfNought(table, axis, doubts);
   DoubtMoves(rows, doubts);
@@ -282,6 +318,7 @@ std::vector<Doubt> Doubts(const RowTable& table,
   DoubtSizes(table, alike, header, machine, &doubts);
   if (machine != nullptr) {
     DoubtTravel(table, *machine, &doubts);
+    DoubtReachInInches(table, *machine, &doubts);
     DoubtDrives(header, *machine, &doubts);
   }
   std::ranges::stable_sort(doubts, std::greater(), &Doubt::refuse);

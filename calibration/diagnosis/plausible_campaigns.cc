@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <set>
@@ -249,7 +250,89 @@ std::array<long, 9> HeldAs(const Row& row) {
           steps(row.temp_ambient_c, kPerStep_k)};
 }
 
+/// How the runs of one campaign follow each other: 1 alike, -1 the opposite, 0 neither.
+class RunsAlike {
+ public:
+  RunsAlike(const std::vector<ReadingsByPlace>& runs, const std::array<bool, 3>& leans)
+      : num_(runs.size()), all_(num_ * num_) {
+    for (std::size_t i = 0; i < num_; ++i) {
+      for (std::size_t k = 0; k < num_; ++k) {
+        all_[i * num_ + k] = Compare(runs[i], runs[k], leans);
+      }
+    }
+  }
+  const Likeness& operator()(std::size_t i, std::size_t k) const {
+    return all_[i * num_ + k];
+  }
+  // The run that most others follow; none where fewer than two others do.
+  std::optional<std::size_t> Usual() const {
+    std::optional<std::size_t> usual;
+    std::size_t most = 2;  // Itself and one more are no majority of three.
+    for (std::size_t i = 0; i < num_; ++i) {
+      std::size_t followers = 0;
+      for (std::size_t k = 0; k < num_; ++k) {
+        const Likeness& like = (*this)(i, k);
+        followers += like.num_common >= kFewestCommon && like.correlation > kAlike &&
+                             std::abs(std::log(like.ratio)) < std::log(2.0)
+                         ? 1
+                         : 0;
+      }
+      if (followers < most || 2 * followers <= num_) continue;
+      most = followers + 1;
+      usual = i;
+    }
+    return usual;
+  }
+
+ private:
+  std::size_t num_;
+  std::vector<Likeness> all_;
+};
+
+// Of the runs of a campaign most are alike, and some the opposite or in another unit.
+void DoubtRunsOf(const std::string& campaign,
+                 const std::map<std::int64_t, std::vector<const Row*>>& by_run,
+                 const std::array<bool, 3>& leans,
+                 std::vector<Doubt>* doubts) {
+  std::vector<std::string> names;
+  std::vector<ReadingsByPlace> runs;
+  for (const auto& [run, rows] : by_run) {
+    names.push_back(fmt::format("{} (run {})", campaign, run));
+    runs.push_back(ProfileOf(rows));
+  }
+  const RunsAlike alike(runs, leans);
+  const auto usual = alike.Usual();
+  if (!usual) return;
+  for (std::size_t k = 0; k < runs.size(); ++k) {
+    const std::size_t before = doubts->size();
+    const Pair pair{names[*usual], names[k]};
+    if (!DoubtUnits(pair, alike(*usual, k), doubts)) {
+      DoubtSign(pair, alike(*usual, k), doubts);
+    }
+    if (doubts->size() > before) return;
+  }
+}
+
 }  // namespace
+
+void DoubtRuns(const RowTable& table, std::vector<Doubt>* doubts) {
+  constexpr std::size_t kFewestRuns = 3;
+  using Key = std::tuple<std::string, std::string, std::array<long, 3>>;
+  std::map<Key, std::map<std::int64_t, std::vector<const Row*>>> campaigns;
+  for (const Row& row : table.rows) {
+    if (row.rep <= 0) continue;
+    std::array<long, 3> n{};
+    for (int axis = 0; axis < 3; ++axis) {
+      n[axis] = Known(row.n[axis]) ? std::lround(1000 * row.n[axis]) : 0;
+    }
+    campaigns[{row.campaign, row.settings, n}][row.rep].push_back(&row);
+  }
+  for (const auto& [key, by_run] : campaigns) {
+    const std::array<long, 3>& n = std::get<2>(key);
+    if (by_run.size() < kFewestRuns) continue;
+    DoubtRunsOf(std::get<0>(key), by_run, {n[0] == 0, n[1] == 0, n[2] == 0}, doubts);
+  }
+}
 
 // Campaigns under the same settings that measured along the same normal, held alike.
 void DoubtCampaigns(const RowTable& table, std::vector<Doubt>* doubts) {

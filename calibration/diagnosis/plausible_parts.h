@@ -32,6 +32,10 @@ void DoubtSizes(const RowTable& table,
 /// opposite, or in another unit.
 void DoubtCampaigns(const RowTable& table, std::vector<Doubt>* doubts);
 
+/// Runs of one campaign against the run that most others follow: the opposite, or in
+/// another unit.
+void DoubtRuns(const RowTable& table, std::vector<Doubt>* doubts);
+
 /// Positions of a campaign in inches, centimetres or metres among others in mm: gauged
 /// along the same axis, they read alike only where positions are multiplied.
 void DoubtPositionUnits(const RowTable& table, std::vector<Doubt>* doubts);
@@ -59,6 +63,12 @@ bool CanStandAt(const Machine* machine, int axis, double position_mm);
 void DoubtTravel(const RowTable& table,
                  const Machine& machine,
                  std::vector<Doubt>* doubts);
+
+/// Gauged positions that in inches would be most of an axis' travel, and are a small
+/// part of it as they stand.
+void DoubtReachInInches(const RowTable& table,
+                        const Machine& machine,
+                        std::vector<Doubt>* doubts);
 
 /// Steps/mm that were in force against those that the machine file's drives take.
 void DoubtDrives(const DataHeader& header,

@@ -250,6 +250,15 @@ void DoubtSteps(const RowTable& table,
                            UmFromMm(step_mm / std::sqrt(12.0)))});
 }
 
+// Every numbered run a campaign of its own.
+RowTable RunsAsCampaigns(const RowTable& table) {
+  RowTable by_run = table;
+  for (Row& row : by_run.rows) {
+    if (row.rep > 0) row.campaign += fmt::format(" (run {})", row.rep);
+  }
+  return by_run;
+}
+
 }  // namespace
 
 RowTable WithoutLoneScrews(const RowTable& table) {
@@ -286,9 +295,12 @@ void DoubtSizes(const RowTable& table,
     DoubtGap(series, fit, doubts);
   }
   DoubtGaps(all, doubts);
+  const RowTable by_run = RunsAsCampaigns(moved_alike);
+  DoubtGaps(SeriesOf(by_run), doubts);
   DoubtFaces(all, doubts);
   DoubtApproach(table, doubts);
   DoubtCampaigns(moved_alike, doubts);
+  DoubtRuns(moved_alike, doubts);
   DoubtPositionUnits(moved_alike, doubts);
   DoubtPositions(table, machine, doubts);
   DoubtZeroSigmas(table, doubts);

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include <fmt/format.h>
 
 #include "calibration/diagnosis/plausible_parts.h"
+#include "sim/base/units.h"
 
 namespace caltwin {
 namespace {
@@ -81,6 +83,46 @@ void DoubtTravel(const RowTable& table,
         doubt.rows.front());
     doubt.hint = "the wrong machine file, or another unit or zero of the positions";
     doubts->push_back(std::move(doubt));
+  }
+}
+
+void DoubtReachInInches(const RowTable& table,
+                        const Machine& machine,
+                        std::vector<Doubt>* doubts) {
+  constexpr double kInch_mm = MmFromInch(1.0);
+  constexpr double kMostOfTravel = 0.6;
+  constexpr std::size_t kFewest = 5;
+  if (machine.delta) return;
+  for (const Axis axis : kAxes) {
+    const int index = Index(axis);
+    const auto at = static_cast<std::size_t>(index);
+    std::set<double> positions_mm;
+    for (const Row& row : table.rows) {
+      const bool is_along =
+          row.kind == RowKind::kPosition && std::abs(row.n[at]) > 0.99;
+      if (is_along && Known(row.cmd_mm[at])) positions_mm.insert(row.cmd_mm[at]);
+    }
+    if (positions_mm.size() < kFewest) continue;
+    const double low_mm = *positions_mm.begin(), high_mm = *positions_mm.rbegin();
+    const double travel_mm = machine.axis(axis).travel_mm();
+    const bool would_fill = kInch_mm * (high_mm - low_mm) > kMostOfTravel * travel_mm &&
+                            CanStandAt(&machine, index, kInch_mm * low_mm) &&
+                            CanStandAt(&machine, index, kInch_mm * high_mm);
+    if (!would_fill) continue;
+    doubts->push_back(
+        {.kind = "position_unit",
+         .message =
+             fmt::format("every position along {} lies within {:.4g} .. {:.4g} mm "
+                         "of a travel of {:g} mm",
+                         Name(axis),
+                         low_mm,
+                         high_mm,
+                         travel_mm),
+         .hint = fmt::format("in inches that would be {:.4g} .. {:.4g} mm, most of the "
+                             "travel; if it is, every figure per length is wrong by "
+                             "25.4",
+                             kInch_mm * low_mm,
+                             kInch_mm * high_mm)});
   }
 }
 

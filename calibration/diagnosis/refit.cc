@@ -12,7 +12,7 @@
 #include <ceres/solver.h>
 
 #include "calibration/diagnosis/bent.h"
-#include "calibration/diagnosis/whole_tables.h"
+#include "calibration/diagnosis/fit_tables.h"
 #include "sim/base/units.h"
 #include "sim/effects/catalog.h"
 
@@ -312,47 +312,6 @@ class Final {
   const std::vector<Candidate>& candidates_;
   const SearchResult& search_;
 };
-
-// The tables, beside the named findings as they were fitted, held back no more than the
-// gain says of them (NuisancesOf): what the likeliest prior size holds back would stay
-// in the rows, and be found there again.
-void FitTables(const Observed& observed,
-               const std::vector<Candidate>& candidates,
-               const SearchResult& search,
-               std::vector<Refined>* refined) {
-  constexpr double kFree = 30;  // Times what was fitted.
-  std::vector<Nuisance> all = LinesBesideTables(observed, candidates, search);
-  std::vector<std::pair<std::size_t, std::size_t>> tables;  // Finding, first column.
-  for (std::size_t i = 0; i < search.found.size(); ++i) {
-    const Found& found = search.found[i];
-    const Candidate& candidate = candidates[found.candidate];
-    const Refined& named = (*refined)[i];
-    if (candidate.is_free()) {
-      tables.emplace_back(i, all.size());
-      const auto more = NuisancesOf(observed, candidate, found);
-      all.insert(all.end(), more.begin(), more.end());
-    }
-    for (Eigen::Index k = 0; k < named.variant.columns_mm.cols(); ++k) {
-      all.push_back({.name = candidate.Name(),
-                     .unit = "mm",
-                     .column_mm = named.variant.columns_mm.col(k),
-                     .prior_sd = kFree * std::max(named.sizes_mm.norm(), 1e-6),
-                     .reported = false});
-    }
-  }
-  if (tables.empty()) return;
-  const Evidence::Fit fit =
-      Evidence(observed,
-               {search.circumstances.sigma_mm, search.wander_mm2_per_s},
-               all,
-               search.circumstances.left_out)
-          .FitNuisances();
-  for (const auto& [i, first] : tables) {
-    const Found& found = search.found[i];
-    (*refined)[i].sizes_mm = fit.values.segment(static_cast<Eigen::Index>(first),
-                                                found.variant.columns_mm.cols());
-  }
-}
 
 }  // namespace
 

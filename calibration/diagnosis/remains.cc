@@ -176,7 +176,8 @@ Remains RemainsOf(const Observed& observed, const SearchResult& search) {
   const double f = times2 * sigma2 / std::max(floor2, 1e-300);
   return {.rms_mm = std::sqrt(times2 * sigma2 / rows),
           .floor_mm = std::sqrt(floor2 / rows),
-          .chance = FUpperTail(f, dof, std::max(floor_dof, kStatedDof))};
+          .chance = FUpperTail(f, dof, std::max(floor_dof, kStatedDof)),
+          .wanders_most = search.wander_mm2_per_s >= MostWander_mm2_per_s()};
 }
 
 }  // namespace caltwin

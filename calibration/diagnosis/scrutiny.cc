@@ -95,14 +95,16 @@ class Scrutiny {
     for (std::size_t i = found().size(); i-- > 0;) {
       const Candidate& candidate = candidates_[found()[i].candidate];
       if (candidate.is_free()) continue;
+      if (found()[i].lost_its_name) {  // No table has its variables.
+        found()[i].rivals.clear();
+        continue;
+      }
       const bool explains_little = explained < kLeastShare && !IsBeyondPrediction(i);
       if (explains_little || !HasSize(candidate, refined[i]) ||
           !SeesItsEnd(candidate, refined[i]) || !ShowsItsShape(i, refined[i])) {
         found()[i].lost_its_name = true;
         SetFree(i);
         MergeEqual(i);
-      } else if (found()[i].lost_its_name) {
-        found()[i].rivals.clear();
       }
     }
   }

@@ -309,6 +309,10 @@ double LikeliestScale_mm(const Evidence& evidence,
   return scale_mm;
 }
 
+double MostWander_mm2_per_s() {
+  return WanderOf(kWanders_um_per_sqrt_h.back());
+}
+
 void DropLikeliest(Weighing* weighing) {
   weighing->ranked.erase(weighing->ranked.begin());
   std::vector<double> logs = {-1e300};

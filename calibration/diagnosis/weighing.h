@@ -64,6 +64,9 @@ Weighing Weigh(const Observed& observed,
                const Circumstances& circumstances,
                Tolerances* tolerances = nullptr);
 
+/// The fastest wander that is tried: variance gained per second.
+double MostWander_mm2_per_s();
+
 /// The same without its likeliest candidate.
 void DropLikeliest(Weighing* weighing);
 

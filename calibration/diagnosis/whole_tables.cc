@@ -23,7 +23,7 @@ Evidence::Fit FitTogether(const Observed& observed,
 }  // namespace
 
 bool IsPlace(std::string_view line) {
-  return line.starts_with("placement.") || line == "bed_plane.height";
+  return line.starts_with("placement.") || line.starts_with("bed_plane.");
 }
 
 bool IsDetermined(const Nuisance& line, double sd) {

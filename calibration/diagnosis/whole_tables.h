@@ -7,7 +7,8 @@
 
 namespace caltwin {
 
-/// Where something lies is nobody's error: always fitted, however badly it is known.
+/// Where something lies, the bed's plane too, is nobody's error: always fitted, however
+/// badly it is known.
 bool IsPlace(std::string_view line);
 
 /// Whether rows say what a line of the baseline is: it leaves no row open by 50 um, and

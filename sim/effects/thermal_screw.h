@@ -61,8 +61,10 @@ struct ThermalScrew {
                "11.5 um per metre and kelvin for steel; 300 mm and 10 K make 35 um.",
            .cause = "The nut's friction and the motor warm the screw.",
            .effect = "Parts grow during the first hour; cold and warm sizes differ.",
-           .action = "Warm up before measuring and cutting; measure scale at working "
-                     "temperature; correct steps/mm by 11.5 ppm per kelvin."},
+           .action =
+               "Warm up before measuring and cutting; measure scale at working "
+               "temperature; correct steps/mm by the growth found, 1 um/(m K) being "
+               "1 ppm per kelvin."},
       .neutral = Neutral,
       .sight = Sight{.shown = In, .forms = Grid}};
 

@@ -13,6 +13,7 @@ namespace caltwin {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 using ::testing::SizeIs;
 
 // One row of a gauge with the probe 30 mm beside the nozzle: enough to stand on.
@@ -75,6 +76,19 @@ TEST(Correction, OfScaleAndBacklashLeavesNoMotionError) {
   EXPECT_THAT(klipper, HasSubstr("Klipper has no backlash compensation"));
   EXPECT_NEAR(
       After(First(ControllerKind::kLinuxCnc, diagnosis), "SCALE = "), 792, 1e-3);
+}
+
+// A sense written the wrong way round makes a gap that leads; none is compensated.
+TEST(Correction, AGapThatLeadsIsAComment) {
+  const Diagnosis diagnosis{.baseline = {{"backlash.x", "mm", -0.0135, 0.0012}}};
+
+  for (const ControllerKind controller :
+       {ControllerKind::kRrf, ControllerKind::kMarlin, ControllerKind::kLinuxCnc}) {
+    const std::string text = First(controller, diagnosis);
+    EXPECT_THAT(text, Not(HasSubstr("M425")));
+    EXPECT_THAT(text, Not(HasSubstr("BACKLASH")));
+    EXPECT_THAT(text, HasSubstr("a gap that leads is none"));
+  }
 }
 
 // What rows left out speak against is no correction; what holds between the ends is.

@@ -48,5 +48,13 @@ TEST(DoubtNone, FarMoreThanNoiseIsNotNothing) {
   EXPECT_EQ(as_noise.verdict, DiagnosisVerdict::kNone);
 }
 
+TEST(DoubtNone, TheFastestWanderThatIsTriedMayBeNone) {
+  Diagnosis diagnosis = Drifted(300);
+  DoubtNone({.rms_mm = 0.0015, .floor_mm = 0.001, .chance = 1, .wanders_most = true},
+            &diagnosis);
+  EXPECT_EQ(diagnosis.verdict, DiagnosisVerdict::kUnknownStructure);
+  EXPECT_THAT(diagnosis.remarks, ElementsAre(HasSubstr("5 um per root hour or more")));
+}
+
 }  // namespace
 }  // namespace caltwin

@@ -111,6 +111,54 @@ TEST(PlausibleCampaigns, AnotherUnitOrSignAtPlacesOfItsOwn) {
   EXPECT_THAT(refusals_of(-1), Contains("reversed_sign"));
 }
 
+// Five runs over the same twelve places of an axis that errs by a slope and loses a gap
+// at its reversals.
+RowTable FiveRuns() {
+  constexpr double kGap_um = 10;
+  RowTable table;
+  for (int i = 0; i < 120; ++i) {
+    const int place = i / 2 % 12;
+    const double sense = i % 2 == 0 ? 1 : -1;
+    Row row{.row = i + 1, .campaign = "laser", .rep = i / 24 + 1};
+    row.n = {1, 0, 0};
+    row.dir = {sense, 0, 0};
+    row.cmd_mm = {10 + 23.7 * place, 0, 0};
+    row.value_mm =
+        MmFromUm(0.05 * row.cmd_mm[0] - sense * kGap_um / 2 + 0.5 * Scatter(i));
+    table.rows.push_back(row);
+  }
+  return table;
+}
+
+TEST(PlausibleRuns, SomeRunsWrittenDownOtherwise) {
+  const auto refusals_of = [](const auto& act) {
+    RowTable table = FiveRuns();
+    for (Row& row : table.rows) {
+      if (row.rep == 2) act(&row);
+    }
+    return RefusalsOf(table);
+  };
+  EXPECT_THAT(refusals_of([](Row*) {}), IsEmpty());
+  EXPECT_THAT(refusals_of([](Row* row) { row->value_mm *= 1.3; }), IsEmpty());
+  EXPECT_THAT(refusals_of([](Row* row) { row->value_mm *= -1; }),
+              Contains("reversed_sign"));
+  EXPECT_THAT(refusals_of([](Row* row) { row->value_mm /= 25.4; }),
+              Contains("units_differ"));
+  EXPECT_THAT(refusals_of([](Row* row) { row->dir[0] *= -1; }),
+              Contains("reversed_sign"));
+}
+
+// A screw that warms from run to run: the slope turns round, and each run is a little
+// other than the one before.
+TEST(PlausibleRuns, AScrewThatWarmsIsNoReversedSign) {
+  RowTable table = FiveRuns();
+  for (Row& row : table.rows) {
+    const double grown = 0.05 * (static_cast<double>(row.rep) - 3);
+    row.value_mm += MmFromUm((grown - 0.05) * row.cmd_mm[0]);
+  }
+  EXPECT_THAT(RefusalsOf(table), IsEmpty());
+}
+
 // A wave that the coarse campaign cannot follow: between two of its places it goes up,
 // where the fine one goes down.
 TEST(PlausibleCampaigns, FewCoarsePlacesContradictNothing) {

@@ -230,6 +230,35 @@ std::string HintOfSigma(double times) {
   return doubts.size() == 1 && doubts[0].kind == "sigma_unit" ? doubts[0].hint : "";
 }
 
+TEST(Plausible, AColumnInTwoUnitsOfTemperature) {
+  const auto warm = [](Row* row) {
+    row->temp_screw_c = row->row < 40 ? 24.6 : 24.9;
+  };
+  EXPECT_THAT(KindsAfter(warm), IsEmpty());
+  EXPECT_THAT(KindsAfter([&](Row* row) {
+                warm(row);
+                if (row->row >= 40) row->temp_screw_c = 1.8 * row->temp_screw_c + 32;
+              }),
+              ElementsAre("temperature_unit!"));
+}
+
+TEST(Plausible, PositionsThatInInchesWouldFillTheTravelAreTold) {
+  const Machine machine = ReadMachine("models/gantry_router/machine.yaml");
+  const auto kinds_of = [&](double times) {
+    RowTable table = X();
+    for (Row& row : table.rows) {
+      row.cmd_mm[0] = times * (150 + 6.9317 * row.cmd_mm[0]);
+    }
+    std::vector<std::string> kinds;
+    for (const Doubt& doubt : Doubts(table, {}, &machine)) {
+      kinds.push_back(doubt.kind + (doubt.refuse ? "!" : ""));
+    }
+    return kinds;
+  };
+  EXPECT_THAT(kinds_of(1), IsEmpty());
+  EXPECT_THAT(kinds_of(1 / 25.4), Contains("position_unit"));
+}
+
 TEST(Plausible, InchesShowBesideAStatedUncertainty) {
   EXPECT_THAT(HintOfSigma(25.4), HasSubstr("is value_mm in inches"));
   EXPECT_THAT(HintOfSigma(1 / 25.4), HasSubstr("is the uncertainty in inches"));

@@ -115,5 +115,42 @@ TEST(WholeTables, TheNoiseFloorIsTheScatterOfReplicates) {
               0.2);
 }
 
+// A plate that leans by 2 mrad, with a wave of 20 um along x: how it leans nothing but
+// the plate itself tells, and the wave is 20 um high, however the plate lies. All
+// touches are told to end at one height, so none of it is an error along z.
+TEST(WholeTables, APlatesLeaningIsNoPartOfATable) {
+  constexpr double kWave_um = 20, kLean_mrad = 2;
+  Machine machine = ReadMachine("models/gantry_router/machine.yaml");
+  RowTable table;
+  Rng rng(3, 0, "leaning plate");
+  for (int i = 0; i < 162; ++i) {
+    const double x_mm = 30 + 30 * (i % 9), y_mm = 30 + 30 * (i / 9 % 9);
+    Row row{.row = i + 1,
+            .campaign = "plate",
+            .kind = RowKind::kTouch,
+            .setup = "plate",
+            .rep = i / 81 + 1};
+    row.n = {0, 0, 1};
+    row.dir = {0, 0, -1};
+    row.cmd_mm = {x_mm, y_mm, 20};
+    row.feature = "plate.top";
+    row.value_mm = MmFromUm(kWave_um * std::sin(x_mm / 40) + kLean_mrad * x_mm +
+                            0.5 * rng.Normal());
+    table.rows.push_back(row);
+  }
+
+  const Diagnosis diagnosis = Diagnose({table, {}, machine, {}}, {});
+
+  ASSERT_EQ(diagnosis.findings.size(), 1U);
+  const Finding& found = diagnosis.findings[0];
+  ASSERT_TRUE(found.map);
+  EXPECT_EQ(found.covariates, std::vector<std::string>{"x"});
+  EXPECT_NEAR(found.peak_um, kWave_um, 4);
+  for (const EvidenceLine& line : diagnosis.weighed) {
+    if (line.cause != "unknown") continue;
+    EXPECT_EQ(std::ranges::count(line.covariates, "z"), 0);
+  }
+}
+
 }  // namespace
 }  // namespace caltwin
