@@ -45,6 +45,7 @@ void TakeEstimate(const DeltaTrial& trial,
       DeltaSettingNamed(trial.fit->build.model, trial.machine.delta->model, row->name);
   row->error = *row->recovered - row->injected;
   row->sd = estimate.sd;
+  row->budget = estimate.budget;
   row->identifiable = estimate.sd_over_prior < kSaidNothing;
   row->is_setting = false;
 }
@@ -59,6 +60,7 @@ ParameterResult RowOf(const DeltaTrial& trial, const DeltaEstimate& estimate) {
   if (row.identifiable) {
     row.recovered = estimate.value;
     row.sd = estimate.sd;
+    row.budget = estimate.budget;
     row.error = estimate.value - row.injected;
   }
   return row;

@@ -7,6 +7,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
+#include "calibration/delta/joint_budget.h"
 #include "sim/base/mutant.h"
 #include "sim/machine/delta_slopes.h"
 
@@ -259,7 +260,29 @@ class Fitter {
                                 .sd = sd / per_unit,
                                 .sd_over_prior = sd / prior_[k]});
     }
+    AddBudgets(rows, fit);
     AddErrors(rows, fit);
+  }
+
+  void AddBudgets(const Rows& rows, DeltaJointFit* fit) const {
+    WeighedFit weighed{
+        .slope = rows.slope,
+        .weights = Weights(rows),
+        .covariance = fit->covariance,
+        .prior_sd = prior_,
+        .groups = {{"touches", std::ssize(readings_.touches)},
+                   {"lengths of a print", std::ssize(readings_.distances)},
+                   {"rods by calliper", std::ssize(readings_.rods)}}};
+    for (const int knob : options_.knobs) {
+      weighed.names.emplace_back(kDeltaKnobs[static_cast<std::size_t>(knob)].name);
+    }
+    for (std::size_t k = 0; k < prior_.size(); ++k) {
+      DeltaEstimate& estimate = fit->estimates[k];
+      estimate.budget = BudgetOf(weighed, static_cast<Eigen::Index>(k));
+      const double per_unit =
+          kDeltaKnobs[static_cast<std::size_t>(estimate.knob)].per_unit;
+      for (Contribution& input : estimate.budget) input.u /= per_unit;
+    }
   }
 
   // Leverage h turns a residual into that of a fit without it: r / (1 - h).

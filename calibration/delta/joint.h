@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 
 #include "calibration/delta/bench.h"
+#include "calibration/estimate/uncertain.h"
 #include "sim/machine/delta_knobs.h"
 
 namespace caltwin {
@@ -38,6 +39,8 @@ struct DeltaEstimate {
   double sd = 0;
   /// Its sd over its prior's: near 1 the readings said nothing.
   double sd_over_prior = 0;
+  /// Touches, lengths of a print, rods by calliper, priors by name.
+  std::vector<Contribution> budget{};
 };
 
 /// The machine that fits best, how sure that is, and what it foretells.

@@ -72,6 +72,12 @@ double EffectiveDof(std::span<const Contribution> budget) {
   return variance * variance / per_dof;
 }
 
+double CombinedU(std::span<const Contribution> budget) {
+  double variance = 0;
+  for (const Contribution& input : budget) variance += input.u * input.u;
+  return std::sqrt(variance);
+}
+
 Expanded Expand(std::span<const Contribution> budget, double probability) {
   double variance = 0;
   double largest = 0;  // Variance of the largest rectangle.

@@ -23,6 +23,9 @@ double CoverageFactor(double dof, double probability = 0.95);
 /// independent inputs; infinite where no input has few degrees of freedom.
 double EffectiveDof(std::span<const Contribution> budget);
 
+/// Combined standard uncertainty, u = sqrt(sum u_i^2).
+double CombinedU(std::span<const Contribution> budget);
+
 /// The line of an input x whose change moves the result by `c` of it: u = |c| u(x). The
 /// sd of few degrees of freedom holds t / 1.96 (Uncertain), which u does not.
 Contribution InputOf(const std::string& input, double c, const Given& x);

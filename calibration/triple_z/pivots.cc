@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "calibration/estimate/expanded.h"
 #include "calibration/triple_z/doing.h"
 
 namespace caltwin {
@@ -34,13 +35,15 @@ void AddPivotEstimates(const ScrewResponse& response,
     const auto screw = static_cast<std::size_t>(response.screw_of[i]);
     const Eigen::Vector2d off_mm = response.at_mm[i] - drawn_mm[screw];
     for (int k = 0; k < 2; ++k) {
+      const Given at{.sd = response.at_sd_mm[i][k], .dof = response.dof};
       result->estimates.push_back(
           {.name = fmt::format(
                "pivot_position.{}.d{}_mm", ScrewName(static_cast<int>(screw)), "xy"[k]),
            .unit = "mm",
            .value = off_mm[k],
-           .sd = response.at_sd_mm[i][k],
-           .identifiable = true});
+           .sd = at.sd,
+           .identifiable = true,
+           .budget = {InputOf("touches", 1, at)}});
     }
   }
   for (int i = 0; i < kNumScrews; ++i) {

@@ -60,6 +60,7 @@ void PropagateSds(const LinearFit& fit, bool is_sigma_stated, ScrewResponse* res
   const Eigen::Index n = fit.x.size();
   // Where the touches scatter more than was said, they are believed.
   const double rough = ScatterFactor(fit.chi2_per_dof, fit.dof, is_sigma_stated);
+  if (rough > 1) response->dof = fit.dof;
   for (int driver = 0; driver < kNumScrews; ++driver) {
     Eigen::MatrixX2d slopes = Eigen::MatrixX2d::Zero(n, 2);
     const auto at = static_cast<std::size_t>(driver);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -24,7 +25,9 @@ struct ScrewResponse {
   bool is_told = false;
   Eigen::Matrix3d by_driver = Eigen::Matrix3d::Zero();  ///< Row i: r_i0 r_i1 r_i2.
   Pivots<double> at_mm{};     ///< Where the screw that each driver turns stands.
-  Pivots<double> at_sd_mm{};  ///< Standard uncertainties.
+  Pivots<double> at_sd_mm{};  ///< Standard uncertainties, as in Uncertain.
+  /// What they were told by: the touches' own scatter, or somebody's statement.
+  double dof = std::numeric_limits<double>::infinity();
   std::array<int, kNumScrews> screw_of{
       0, 1, 2};  ///< Of each driver, by nearest screws.
   double rms_mm = 0;

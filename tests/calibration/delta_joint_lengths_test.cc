@@ -2,6 +2,7 @@
 // when its settings are worth setting.
 
 #include <cmath>
+#include <string>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -129,6 +130,49 @@ TEST(DeltaJointLengths, APriorIsAReadingToo) {
   EXPECT_NEAR(Of(fit, "arm_length").value, 0.6, 0.002);
   EXPECT_LT(Of(fit, "arm_length").sd, 0.005);
   EXPECT_NEAR(Of(fit, "delta_radius").value, 0.8, 0.01);
+}
+
+// What a prior adds to an estimate is how far that moves when the prior's mean is moved
+// by its standard deviation: by fits of their own, not by the covariance.
+TEST(DeltaJointLengths, BudgetsAreWhatMovedInputsDo) {
+  DeltaReadings readings = Touched(Built(), 0.02, 5);
+  Rng rng(6, 0, "rods");
+  ReadRods(Built(), 0.02, &rng, &readings);
+  DeltaJointOptions options{.knobs = Named({"endstop.a",
+                                            "endstop.b",
+                                            "endstop.c",
+                                            "delta_radius",
+                                            "tower_angle.a",
+                                            "tower_angle.b",
+                                            "arm_length"}),
+                            .huber_sigma = 0};
+  for (const DeltaKnob& knob : kDeltaKnobs) options.prior_sd.push_back(knob.prior_sd);
+  options.prior_sd[kArmKnob] = 0.01;
+  options.prior_mean.assign(kNumDeltaKnobs, 0);
+  const DeltaJointFit fit = FitDeltaJointly(kDrawn, readings, options);
+  options.prior_mean[kArmKnob] = 0.01;
+  const DeltaJointFit moved = FitDeltaJointly(kDrawn, readings, options);
+
+  for (std::size_t i = 0; i < fit.estimates.size(); ++i) {
+    const DeltaEstimate& one = fit.estimates[i];
+    double variance = 0, arm_u = 0;
+    for (const Contribution& input : one.budget) {
+      variance += input.u * input.u;
+      if (input.input == "prior of arm_length") arm_u = input.u;
+    }
+    EXPECT_NEAR(std::sqrt(variance) / one.sd, 1, 1e-9) << one.knob;
+    // To a thousandth of the variance it is among the other priors.
+    if (arm_u == 0) continue;
+    EXPECT_NEAR(std::abs(moved.estimates[i].value - one.value) / arm_u, 1, 0.02)
+        << one.knob;
+  }
+  std::vector<std::string> of_arm;
+  for (const Contribution& input : Of(fit, "arm_length").budget) {
+    of_arm.push_back(input.input);
+  }
+  EXPECT_THAT(
+      of_arm,
+      ::testing::IsSupersetOf({"touches", "rods by calliper", "prior of arm_length"}));
 }
 
 TEST(DeltaJointLengths, WhatIsNotFittedStaysAsDrawn) {

@@ -155,6 +155,15 @@ TEST(ScrewResponse, StatesTheScatterOfRepeats) {
   EXPECT_NEAR(squares / variance, 1, 0.28);
 }
 
+// Four grids of nine touches less twelve unknowns; a stated noise that holds has none.
+TEST(ScrewResponse, ScatterOfTheTouchesHasTheirDegreesOfFreedom) {
+  ToyBed bed{.noise_mm = 0.03};
+  const auto stands = bed.OneByOne(1);
+
+  EXPECT_EQ(FitScrewResponse(stands, kDrawn_mm, 0.01).dof, 4 * 9 - 12);
+  EXPECT_TRUE(std::isinf(FitScrewResponse(stands, kDrawn_mm, 0.03).dof));
+}
+
 // Screws that all move alike say nothing of where they stand.
 TEST(ScrewResponse, SaysWhenMovesDoNotTellIt) {
   ToyBed bed;
