@@ -5,6 +5,7 @@
 #include "renders/assets.h"
 #include "renders/html.h"
 #include "renders/study_pictures.h"
+#include "scenarios/result_text.h"
 #include "sim/base/text_file.h"
 #include "sim/base/units.h"
 
@@ -51,12 +52,16 @@ std::string CoverageTable(const CaseSummary& summary) {
     }
     const Rate& coverage = one.coverage95;
     rows += fmt::format(
-        "<tr><th scope=\"row\"><code>{}</code></th><td>{}</td>{}{}{}{}{}{}</tr>\n",
+        "<tr><th "
+        "scope=\"row\"><code>{}</code></th><td>{}</td>{}{}{}{}{}{}{}{}{}</tr>\n",
         Escaped(one.name),
         Escaped(one.unit),
         Cell(fmt::format("{}", one.identified.hits)),
         Cell(SignedText(one.error.mean, one.error.sd / 10)),
         Cell(NumberText(one.error.sd, one.error.sd / 10)),
+        Cell(NumberText(one.stated.U, one.stated.U)),
+        Cell(fmt::format("{:.2f}", one.stated.k)),
+        Cell(DofText(one.stated.dof)),
         Cell(fmt::format("{:.3f}", one.rms_over_sd)),
         Cell(fmt::format("{:.1f} ({:.1f} to {:.1f})",
                          PercentFromFraction(coverage.rate),
@@ -65,7 +70,9 @@ std::string CoverageTable(const CaseSummary& summary) {
         Cell(Validated(one)));
   }
   std::string html = Table(
-      "rms/sd: root mean square error over the stated standard deviation, 1 where "
+      "U = k u: the 95 % interval as the machines state it, root of their mean square; "
+      "dof: effective degrees of freedom of u. rms/sd: root mean square error over the "
+      "stated standard deviation, 1 where "
       "it is honest. JCGM 101, 8: whether the stated interval is the one the "
       "trials show, to one digit of u.",
       {"quantity",
@@ -73,6 +80,9 @@ std::string CoverageTable(const CaseSummary& summary) {
        "told",
        "mean error",
        "sd of errors",
+       "U",
+       "k",
+       "dof",
        "rms/sd",
        "coverage of 95 % [%]",
        "JCGM 101, 8"},

@@ -93,6 +93,14 @@ void SetUncertainty(const Estimate& estimate, ParameterResult* row) {
   if (estimate.sd > 0) row->sd = estimate.sd;
 }
 
+std::optional<Contribution> CombinedOf(const ParameterResult& row) {
+  if (!row.sd || !(*row.sd > 0)) return std::nullopt;
+  if (row.budget.empty()) return Contribution{.input = "as stated", .u = *row.sd};
+  return Contribution{.input = "all inputs",
+                      .u = CombinedU(row.budget),
+                      .dof = EffectiveDof(row.budget)};
+}
+
 std::optional<Expanded> ExpandedOf(const ParameterResult& row) {
   if (!row.sd) return std::nullopt;
   if (!row.budget.empty()) return Expand(row.budget);

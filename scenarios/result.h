@@ -35,6 +35,10 @@ struct ParameterResult {
 /// sd and budget of an estimate; none where it was told without error (a sd of 0).
 void SetUncertainty(const Estimate& estimate, ParameterResult* row);
 
+/// The whole of a row's budget as one line, of its sd as normal where it has none:
+/// combined u and effective degrees of freedom. nullopt where it states none.
+std::optional<Contribution> CombinedOf(const ParameterResult& row);
+
 /// u, k, U and effective degrees of freedom of what a run states: of its budget, else
 /// of its sd as normal. nullopt where it states none.
 std::optional<Expanded> ExpandedOf(const ParameterResult& row);

@@ -17,6 +17,7 @@ namespace {
 constexpr const char* kGreen = "\033[32m";
 constexpr const char* kRed = "\033[31m";
 constexpr const char* kPlain = "\033[0m";
+constexpr const char* kNormalDof = "inf";
 
 std::string Painted(const std::string& text, bool good, bool colour) {
   return colour ? fmt::format("{}{}{}", good ? kGreen : kRed, text, kPlain) : text;
@@ -112,36 +113,12 @@ std::string ListText(const std::string& title, const std::vector<std::string>& l
   return text;
 }
 
-// "backlash.x: 0.0213 +- 0.0014 mm, k = 1.96: hysteresis 58 %, readings 42 %".
-std::string BudgetText(const ParameterResult& row, const Expanded& expanded) {
-  const auto resolution = ResolutionOf(row);
-  const std::string dof =
-      std::isfinite(expanded.dof) ? fmt::format(" ({:.0f} dof)", expanded.dof) : "";
-  std::string text = fmt::format("{}: {} +- {} {}, k = {:.2f}{}",
-                                 row.name,
-                                 Sensible(*row.recovered, resolution),
-                                 Sensible(expanded.U, resolution),
-                                 row.unit,
-                                 expanded.k,
-                                 dof);
-  std::vector<Contribution> budget = row.budget;
-  std::ranges::stable_sort(budget, std::greater{}, &Contribution::u);
-  std::vector<std::string> shares;
-  for (const Contribution& input : budget) {
-    const double share = std::pow(input.u / expanded.u, 2);
-    shares.push_back(
-        fmt::format("{} {:.0f} %", input.input, PercentFromFraction(share)));
-  }
-  return shares.empty() ? text : fmt::format("{}: {}", text, fmt::join(shares, ", "));
-}
-
 // What U = k u each result has, and what it is made of.
 std::string BudgetsText(const RunResult& result) {
   std::vector<std::string> lines;
   for (const ParameterResult& row : result.parameters) {
-    const auto expanded = ExpandedOf(row);
-    if (!expanded || !row.recovered || !(expanded->u > 0)) continue;
-    lines.push_back(BudgetText(row, *expanded));
+    const std::string line = UncertaintyText(row);
+    if (!line.empty()) lines.push_back(line);
   }
   return ListText("How sure: 95 % intervals, and what makes them", lines);
 }
@@ -184,6 +161,43 @@ std::pair<int, int> Score(const RunResult& result) {
 }
 
 }  // namespace
+
+std::string UncertaintyText(const ParameterResult& row) {
+  const auto expanded = ExpandedOf(row);
+  if (!expanded || !row.recovered || !(expanded->u > 0)) return "";
+  const auto resolution = ResolutionOf(row);
+  const std::string dof = DofText(expanded->dof);
+  std::string text =
+      fmt::format("{}: {} +- {} {}, k = {:.2f}{}",
+                  row.name,
+                  Sensible(*row.recovered, resolution),
+                  Sensible(expanded->U, resolution),
+                  row.unit,
+                  expanded->k,
+                  dof == kNormalDof ? "" : fmt::format(" ({} dof)", dof));
+  const std::string shares = SharesText(row);
+  return shares.empty() ? text : text + ": " + shares;
+}
+
+std::string SharesText(const ParameterResult& row) {
+  constexpr double kShown = 0.005;  // Less is 0 %.
+  const double u = CombinedU(row.budget);
+  std::vector<Contribution> budget = row.budget;
+  std::ranges::stable_sort(budget, std::greater{}, &Contribution::u);
+  std::vector<std::string> shares;
+  for (const Contribution& input : budget) {
+    const double share = std::pow(input.u / u, 2);
+    if (share < kShown) continue;
+    shares.push_back(
+        fmt::format("{} {:.0f} %", input.input, PercentFromFraction(share)));
+  }
+  return fmt::format("{}", fmt::join(shares, ", "));
+}
+
+std::string DofText(double dof) {
+  constexpr double kAsGoodAsNormal = 1e3;  // As CoverageFactor has it.
+  return dof < kAsGoodAsNormal ? fmt::format("{:.0f}", std::floor(dof)) : kNormalDof;
+}
 
 std::string Sensible(double value, std::optional<double> resolution) {
   if (!resolution || !(*resolution > 0)) return fmt::format("{:.6g}", value);

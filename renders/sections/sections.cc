@@ -5,8 +5,9 @@
 namespace caltwin {
 namespace {
 
-constexpr std::array<Section, 9> kSections = {{
+constexpr std::array<Section, 10> kSections = {{
     {"verdict", "What came out", VerdictSection},
+    {"uncertainty", "How sure it is", UncertaintySection},
     {"pictures", "Before and after", PicturesSection},
     {"position", "Where the tool ends up", PositionSection},
     {"steps", "What was done, in order", StepsSection},

@@ -22,6 +22,7 @@ std::span<const Section> AllSections();
 
 /// @name One function a file: sections/NAME.cc.
 std::string VerdictSection(const RunResult& result, const ReportPictures& pictures);
+std::string UncertaintySection(const RunResult& result, const ReportPictures& pictures);
 std::string PicturesSection(const RunResult& result, const ReportPictures& pictures);
 std::string PositionSection(const RunResult& result, const ReportPictures& pictures);
 std::string StepsSection(const RunResult& result, const ReportPictures& pictures);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 namespace caltwin {
 namespace {
@@ -53,6 +55,17 @@ void StreamedParameter::Add(std::optional<double> error, std::optional<double> s
   squares_.Add(*error * *error);
 }
 
+void StreamedParameter::Add(const ParameterResult& result) {
+  Add(result.error, result.sd);
+  const auto combined = CombinedOf(result);
+  if (!result.error || !combined) return;
+  const double square = combined->u * combined->u;
+  ++with_u_;
+  u2_.Add(square);
+  u4_.Add(square * square);
+  u4_per_dof_.Add(square * square / combined->dof);
+}
+
 void StreamedParameter::Add(const StreamedParameter& other) {
   errors_.Add(other.errors_);
   trials_ += other.trials_;
@@ -60,6 +73,10 @@ void StreamedParameter::Add(const StreamedParameter& other) {
   held_ += other.held_;
   variances_.Add(other.variances_);
   squares_.Add(other.squares_);
+  with_u_ += other.with_u_;
+  u2_.Add(other.u2_);
+  u4_.Add(other.u4_);
+  u4_per_dof_.Add(other.u4_per_dof_);
 }
 
 ParameterSummary StreamedParameter::Summary(const std::string& name) const {
@@ -76,6 +93,9 @@ ParameterSummary StreamedParameter::Summary(const std::string& name) const {
   if (with_sd_ > 0) {
     summary.mean_sd = std::sqrt(variances_.Value() / static_cast<double>(with_sd_));
     summary.rms_over_sd = std::sqrt(squares_.Value() / variances_.Value());
+    StatedMean mean{.fourth_u = u4_.Value(), .fourth_u_per_dof = u4_per_dof_.Value()};
+    if (with_u_ > 0) mean.square_u = u2_.Value() / static_cast<double>(with_u_);
+    summary.stated = ExpandedOf(mean, summary.mean_sd);
     summary.gum = ValidationOf(summary.error, summary.mean_sd, /*digits=*/1);
   }
   return summary;
@@ -98,6 +118,17 @@ std::vector<std::int64_t> Worst::trials() const {
   return trials;
 }
 
+Aggregate::Aggregate(
+    std::int64_t fitted,
+    const std::vector<std::pair<std::string, StreamedParameter>>& parameters,
+    Worst worst)
+    : is_of_plan_(true), status_{{"fitted", fitted}}, worst_(std::move(worst)) {
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    const auto& [name, values] = parameters[i];
+    parameters_.push_back({.name = name, .first = {0, i}, .values = values});
+  }
+}
+
 void Aggregate::Add(const TrialResult& result) {
   ++status_[result.status];
   if (const std::string cause = CauseKey(result); !cause.empty()) ++causes_[cause];
@@ -107,17 +138,51 @@ void Aggregate::Add(const TrialResult& result) {
   touches_.Add(result.touches);
   before_mm_.Add(result.position_error_before_mm);
   after_mm_.Add(result.position_error_after_mm);
-  for (const ParameterResult& parameter : result.parameters) {
-    auto found = std::ranges::find(
-        parameters_, parameter.name, &std::pair<std::string, StreamedParameter>::first);
-    if (found == parameters_.end()) {
-      parameters_.emplace_back(parameter.name, StreamedParameter{});
-      found = parameters_.end() - 1;
-      found->second.unit = parameter.unit;
-      found->second.is_setting = parameter.is_setting;
+  for (std::size_t i = 0; i < result.parameters.size(); ++i) {
+    const ParameterResult& own = result.parameters[i];
+    Parameter& parameter = Of(own.name);
+    const std::pair first{result.trial, i};
+    if (first < parameter.first) {
+      parameter.first = first;
+      parameter.values.unit = own.unit;
+      parameter.values.is_setting = own.is_setting;
     }
-    found->second.Add(parameter.error, parameter.sd);
+    parameter.values.Add(own);
   }
+}
+
+// A handful, in the same order in every trial: a search from the front is quick.
+Aggregate::Parameter& Aggregate::Of(const std::string& name) {
+  const auto found = std::ranges::find(parameters_, name, &Parameter::name);
+  if (found != parameters_.end()) return *found;
+  constexpr auto kNotYet = std::numeric_limits<std::int64_t>::max();
+  parameters_.push_back({.name = name, .first = {kNotYet, 0}});
+  return parameters_.back();
+}
+
+void Aggregate::Add(const Aggregate& other) {
+  for (const auto& [status, count] : other.status_) status_[status] += count;
+  for (const auto& [cause, count] : other.causes_) causes_[cause] += count;
+  machine_time_s_.Add(other.machine_time_s_);
+  touches_.Add(other.touches_);
+  before_mm_.Add(other.before_mm_);
+  after_mm_.Add(other.after_mm_);
+  for (const Parameter& own : other.parameters_) {
+    Parameter& parameter = Of(own.name);
+    if (own.first < parameter.first) {
+      parameter.first = own.first;
+      parameter.values.unit = own.values.unit;
+      parameter.values.is_setting = own.values.is_setting;
+    }
+    parameter.values.Add(own.values);
+  }
+  worst_.Add(other.worst_);
+}
+
+std::int64_t Aggregate::trials() const {
+  std::int64_t trials = 0;
+  for (const auto& [status, count] : status_) trials += count;
+  return trials;
 }
 
 CaseSummary Aggregate::Summary(const StudyCase& of) const {
@@ -131,8 +196,10 @@ CaseSummary Aggregate::Summary(const StudyCase& of) const {
                       .position_error_before_mm = before_mm_.Summary(),
                       .position_error_after_mm = after_mm_.Summary(),
                       .worst = worst_.trials()};
-  for (const auto& [name, parameter] : parameters_) {
-    summary.parameters.push_back(parameter.Summary(name));
+  std::vector<Parameter> ordered = parameters_;
+  std::ranges::sort(ordered, {}, &Parameter::first);
+  for (const Parameter& parameter : ordered) {
+    summary.parameters.push_back(parameter.values.Summary(parameter.name));
   }
   return summary;
 }

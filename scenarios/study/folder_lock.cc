@@ -1,6 +1,7 @@
 #include "scenarios/study/folder_lock.h"
 
 #include <cerrno>
+#include <system_error>
 #include <utility>
 
 #include <fcntl.h>
@@ -31,6 +32,25 @@ FolderLock::FolderLock(FolderLock&& other) noexcept
 FolderLock& FolderLock::operator=(FolderLock&& other) noexcept {
   std::swap(descriptor_, other.descriptor_);
   return *this;
+}
+
+ResultFolder::ResultFolder(std::filesystem::path folder) : folder_(std::move(folder)) {
+  std::error_code error;
+  has_made_ = std::filesystem::create_directories(folder_, error);
+  if (!error && access(folder_.c_str(), W_OK) != 0) {
+    error = std::error_code(errno, std::generic_category());
+  }
+  if (error) {
+    throw InputError({.file = folder_.string()},
+                     "cannot be written to: " + error.message(),
+                     "choose another folder with --out");
+  }
+  lock_ = FolderLock(folder_);
+}
+
+ResultFolder::~ResultFolder() {
+  std::error_code error;
+  if (has_made_) std::filesystem::remove(folder_, error);  // Not where it holds files.
 }
 
 }  // namespace caltwin

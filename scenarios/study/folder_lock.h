@@ -22,4 +22,22 @@ class FolderLock {
   int descriptor_ = -1;
 };
 
+/// A folder that something will be written to at the end of long work: made, locked and
+/// found to be writable before it begins. One that was made and stayed empty goes
+/// again.
+class ResultFolder {
+ public:
+  /// Throws InputError where it cannot be made or written to, or another program holds
+  /// it.
+  explicit ResultFolder(std::filesystem::path folder);
+  ~ResultFolder();
+  ResultFolder(const ResultFolder&) = delete;
+  ResultFolder& operator=(const ResultFolder&) = delete;
+
+ private:
+  std::filesystem::path folder_;
+  bool has_made_ = false;
+  FolderLock lock_{};
+};
+
 }  // namespace caltwin

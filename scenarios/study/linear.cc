@@ -10,7 +10,6 @@
 #include <fmt/format.h>
 
 #include "scenarios/interrupt.h"
-#include "scenarios/study/aggregate.h"
 #include "sim/base/input_error.h"
 
 namespace caltwin {
@@ -36,11 +35,16 @@ struct Seen {
   Worst worst{};
 };
 
-// Trials first .. last - 1.
-void Draw(const PlanStudy& plan, std::int64_t first, std::int64_t last, Seen* seen) {
+// The shard's trials, from its first-th to before its last-th.
+void Draw(const PlanStudy& plan,
+          const Shard& shard,
+          std::int64_t first,
+          std::int64_t last,
+          Seen* seen) {
   const auto& unknowns = plan.design().unknowns;
   std::vector<double> about_middle(unknowns.size()), errors(unknowns.size());
-  for (std::int64_t trial = first; trial < last; ++trial) {
+  for (std::int64_t own = first; own < last; ++own) {
+    const std::int64_t trial = shard.index + own * shard.count;
     plan.LinearErrors(trial, about_middle.data(), errors.data());
     double largest_sd = 0;
     for (std::size_t i = 0; i < unknowns.size(); ++i) {
@@ -55,22 +59,14 @@ void Draw(const PlanStudy& plan, std::int64_t first, std::int64_t last, Seen* se
   }
 }
 
-StudySummary SummaryOfSeen(const Study& study, const Seen& seen) {
-  CaseSummary summary{.name = study.cases.at(0).Name(),
-                      .scenario = study.cases.at(0).scenario.file.string(),
-                      .status = {{"fitted", study.trials}},
-                      .worst = seen.worst.trials()};
-  StreamedQuantiles time_s, rows;
-  time_s.Add(study.plan->duration_s());
-  rows.Add(static_cast<double>(study.plan->num_rows()));
-  summary.machine_time_s = time_s.Summary();
-  summary.touches = rows.Summary();
+Aggregate AggregateOf(const PlanStudy& plan, std::int64_t trials, const Seen& seen) {
+  std::vector<std::pair<std::string, StreamedParameter>> parameters;
   for (std::size_t i = 0; i < seen.parameters.size(); ++i) {
-    const LinearDesign::Unknown& unknown = study.plan->design().unknowns[i];
-    summary.parameters.push_back(seen.parameters[i].Summary(unknown.name));
-    summary.parameters.back().unit = unknown.unit;
+    const LinearDesign::Unknown& unknown = plan.design().unknowns[i];
+    parameters.emplace_back(unknown.name, seen.parameters[i]);
+    parameters.back().second.unit = unknown.unit;
   }
-  return {.trials = study.trials, .cases = {summary}};
+  return {trials, parameters, seen.worst};
 }
 
 struct BothWays {
@@ -142,19 +138,20 @@ void RequireLinear(const Study& study, const LinearCheck& check) {
   }
 }
 
-StudySummary RunLinear(const Study& study, const StudyOptions& options) {
+Aggregate RunLinear(const Study& study, const StudyOptions& options) {
   using Clock = std::chrono::steady_clock;
   const auto start = Clock::now();
   const std::size_t unknowns = study.plan->design().unknowns.size();
+  const std::int64_t all = options.shard.NumOf(study.trials);
   std::vector<Seen> seen(static_cast<std::size_t>(options.workers), Seen(unknowns));
   std::atomic<std::int64_t> next = 0, done = 0;
   std::atomic<int> working = options.workers;
   const auto work = [&](Seen* own) {
     for (std::int64_t first = next.fetch_add(kBlock);
-         first < study.trials && !InterruptRequested();
+         first < all && !InterruptRequested();
          first = next.fetch_add(kBlock)) {
-      const std::int64_t last = std::min(first + kBlock, study.trials);
-      Draw(*study.plan, first, last, own);
+      const std::int64_t last = std::min(first + kBlock, all);
+      Draw(*study.plan, options.shard, first, last, own);
       done += last - first;
     }
     --working;
@@ -164,13 +161,12 @@ StudySummary RunLinear(const Study& study, const StudyOptions& options) {
   while (working > 0) {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
     const std::chrono::duration<double> spent = Clock::now() - start;
-    options.progress({.done = done,
-                      .all = study.trials,
-                      .per_s = static_cast<double>(done) / spent.count()});
+    options.progress(
+        {.done = done, .all = all, .per_s = static_cast<double>(done) / spent.count()});
   }
   for (std::thread& worker : workers) worker.join();
   for (std::size_t i = 1; i < seen.size(); ++i) seen[0].Add(seen[i]);
-  return SummaryOfSeen(study, seen[0]);
+  return AggregateOf(*study.plan, all, seen[0]);
 }
 
 std::string CheckText(const LinearCheck& check) {

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
+#include "scenarios/study/aggregate.h"
 #include "scenarios/study/run.h"
-#include "scenarios/study/summary.h"
 
 namespace caltwin {
 
@@ -29,9 +29,9 @@ LinearCheck CheckLinear(const Study& study, const StudyOptions& options);
 /// Throws InputError where an unknown does not agree: linear is not good enough there.
 void RequireLinear(const Study& study, const LinearCheck& check);
 
-/// All trials of a study with the fidelity linear, none kept. The same bytes for any
+/// The shard's trials of a study with the fidelity linear, none kept. The same for any
 /// number of workers.
-StudySummary RunLinear(const Study& study, const StudyOptions& options);
+Aggregate RunLinear(const Study& study, const StudyOptions& options);
 
 /// What the terminal shows of the check.
 std::string CheckText(const LinearCheck& check);

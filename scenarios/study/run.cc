@@ -43,8 +43,7 @@ class Todo {
 
   std::int64_t all() const {
     const std::int64_t trials = end_ / static_cast<std::int64_t>(num_cases_);
-    const std::int64_t own = (trials - shard_.index + shard_.count - 1) / shard_.count;
-    return own * static_cast<std::int64_t>(num_cases_);
+    return shard_.NumOf(trials) * static_cast<std::int64_t>(num_cases_);
   }
   std::int64_t done_before() const { return static_cast<std::int64_t>(done_.size()); }
 

@@ -1,5 +1,6 @@
 #include "scenarios/study/store.h"
 
+#include <cmath>
 #include <map>
 #include <optional>
 #include <tuple>
@@ -17,7 +18,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr const char* kFormat = "1";
+constexpr const char* kFormat = "2";
 
 // Of `study.sqlite` and its log and of `trials.csv`, a run with a dozen parameters.
 constexpr double kFixed_bytes = 1e6, kBytesPerRun = 2000;
@@ -38,7 +39,7 @@ CREATE TABLE IF NOT EXISTS trials(
 CREATE TABLE IF NOT EXISTS results(
   trial INTEGER NOT NULL, case_id INTEGER NOT NULL, parameter_id INTEGER NOT NULL,
   position INTEGER NOT NULL, injected REAL NOT NULL, recovered REAL, sd REAL,
-  is_setting INTEGER NOT NULL,
+  is_setting INTEGER NOT NULL, u REAL, dof REAL,
   PRIMARY KEY(trial, case_id, parameter_id)) WITHOUT ROWID;
 )";
 
@@ -48,6 +49,14 @@ void BindOptional(SQLite::Statement* statement, int at, std::optional<double> va
   } else {
     statement->bind(at);
   }
+}
+
+// What sd is made of, u and its degrees of freedom; NULL of these: infinite.
+void BindCombined(SQLite::Statement* result, const ParameterResult& parameter) {
+  const auto combined = CombinedOf(parameter);
+  BindOptional(result, 9, combined ? std::optional(combined->u) : std::nullopt);
+  const bool is_few = combined && std::isfinite(combined->dof);
+  BindOptional(result, 10, is_few ? std::optional(combined->dof) : std::nullopt);
 }
 
 std::optional<double> OptionalOf(const SQLite::Column& column) {
@@ -62,6 +71,11 @@ ParameterResult ParameterAt(SQLite::Statement& results) {
                             .recovered = OptionalOf(results.getColumn(3)),
                             .sd = OptionalOf(results.getColumn(4)),
                             .is_setting = results.getColumn(5).getInt() != 0};
+  if (const auto u = OptionalOf(results.getColumn(6))) {
+    Contribution all{.input = "all inputs", .u = *u};
+    if (const auto dof = OptionalOf(results.getColumn(7))) all.dof = *dof;
+    parameter.budget = {all};
+  }
   parameter.identifiable = parameter.recovered.has_value();
   if (parameter.recovered) parameter.error = *parameter.recovered - parameter.injected;
   return parameter;
@@ -212,6 +226,7 @@ struct StudyStore::Parts {
       BindOptional(&r, 6, parameter.recovered);
       BindOptional(&r, 7, parameter.sd);
       r.bind(8, parameter.is_setting ? 1 : 0);
+      BindCombined(&r, parameter);
       r.exec();
       r.reset();
     }
@@ -228,7 +243,7 @@ struct StudyStore::Parts {
     trials.bind(2, last);
     SQLite::Statement results(
         db,
-        "SELECT name, unit, injected, recovered, sd, is_setting FROM results "
+        "SELECT name, unit, injected, recovered, sd, is_setting, u, dof FROM results "
         "JOIN parameters USING(parameter_id) WHERE trial = ? AND case_id = ? "
         "ORDER BY position");
     while (trials.executeStep()) {
@@ -290,8 +305,8 @@ StudyStore::StudyStore(const fs::path& folder,
     if (is_new) parts_->Begin(study, shard);
     parts_->add_trial.emplace(parts_->db,
                               "INSERT INTO trials VALUES(?, ?, ?, ?, ?, ?, ?, ?)");
-    parts_->add_result.emplace(parts_->db,
-                               "INSERT INTO results VALUES(?, ?, ?, ?, ?, ?, ?, ?)");
+    parts_->add_result.emplace(
+        parts_->db, "INSERT INTO results VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
   });
 }
 
@@ -325,7 +340,8 @@ std::unique_ptr<StudyStore> StudyStore::OpenPart(const fs::path& folder,
 }
 
 void StudyStore::RequireSameStudy(const Study& study) const {
-  if (parts_->Kept("fingerprint") == study.Fingerprint()) return;
+  const bool is_same = parts_->Kept("fingerprint") == study.Fingerprint();
+  if (is_same && parts_->Kept("format") == kFormat) return;
   throw InputError({.file = file_.string()},
                    "holds another study, or this one before its files or the program "
                    "changed",

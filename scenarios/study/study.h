@@ -78,6 +78,10 @@ struct Shard {
   std::int64_t index = 0, count = 1;
 
   bool Has(std::int64_t trial) const { return trial % count == index; }
+  /// How many of so many it has: trials index, index + count, index + 2 count ...
+  std::int64_t NumOf(std::int64_t trials) const {
+    return (trials - index + count - 1) / count;
+  }
   /// As written: "2/5", counted from 1.
   std::string Text() const;
 };

@@ -4,10 +4,6 @@
 #include <cmath>
 #include <numeric>
 
-#include <fmt/format.h>
-#include <nlohmann/json.hpp>
-
-#include "scenarios/result_text.h"
 #include "scenarios/study/adaptive.h"
 #include "scenarios/study/aggregate.h"
 
@@ -32,6 +28,7 @@ struct Collected {
   std::vector<double> errors{};
   std::int64_t trials = 0, with_sd = 0, held = 0;
   double variance_sum = 0, square_sum = 0;  ///< Where an sd was stated.
+  StatedMean stated{};                      ///< Sums of it.
 
   void Add(const ParameterResult& result) {
     ++trials;
@@ -42,6 +39,10 @@ struct Collected {
     held += std::abs(*result.error) <= kTwoSided95 * *result.sd ? 1 : 0;
     variance_sum += *result.sd * *result.sd;
     square_sum += *result.error * *result.error;
+    const double u2 = std::pow(CombinedOf(result)->u, 2);
+    stated.square_u += u2;
+    stated.fourth_u += u2 * u2;
+    stated.fourth_u_per_dof += u2 * u2 / CombinedOf(result)->dof;
   }
 
   ParameterSummary Summary(const std::string& name) const {
@@ -58,6 +59,9 @@ struct Collected {
       const auto count = static_cast<double>(with_sd);
       summary.mean_sd = std::sqrt(variance_sum / count);
       summary.rms_over_sd = std::sqrt(square_sum / variance_sum);
+      StatedMean mean = stated;
+      mean.square_u /= count;
+      summary.stated = ExpandedOf(mean, summary.mean_sd);
       summary.gum = ValidationOf(summary.error, summary.mean_sd, /*digits=*/1);
     }
     return summary;
@@ -118,109 +122,6 @@ struct CollectedCase {
   }
 };
 
-nlohmann::ordered_json JsonOf(const Quantiles& quantiles) {
-  return {{"count", quantiles.count},
-          {"mean", quantiles.mean},
-          {"sd", quantiles.sd},
-          {"q025", quantiles.q025},
-          {"median", quantiles.median},
-          {"q975", quantiles.q975}};
-}
-
-nlohmann::ordered_json JsonOf(const Rate& rate) {
-  return {{"rate", rate.rate},
-          {"ci95", {rate.low, rate.high}},
-          {"hits", rate.hits},
-          {"of", rate.cases}};
-}
-
-nlohmann::ordered_json JsonOf(const ParameterSummary& parameter) {
-  nlohmann::ordered_json json{{"name", parameter.name},
-                              {"unit", parameter.unit},
-                              {"is_setting", parameter.is_setting},
-                              {"identified", JsonOf(parameter.identified)},
-                              {"error", JsonOf(parameter.error)}};
-  if (!parameter.histogram.counts.empty()) {
-    json["histogram"] = {{"low", parameter.histogram.low},
-                         {"high", parameter.histogram.high},
-                         {"counts", parameter.histogram.counts}};
-  }
-  if (parameter.coverage95.cases > 0) {
-    json["coverage95"] = JsonOf(parameter.coverage95);
-    json["mean_sd"] = parameter.mean_sd;
-    json["rms_over_sd"] = parameter.rms_over_sd;
-    json["gum_validation"] = {{"digits", parameter.gum.digits},
-                              {"delta", parameter.gum.delta},
-                              {"d_low", parameter.gum.d_low},
-                              {"d_high", parameter.gum.d_high},
-                              {"settled", parameter.gum.is_settled},
-                              {"holds", nullptr}};
-    if (parameter.gum.is_settled) {
-      json["gum_validation"]["holds"] = parameter.gum.holds();
-    }
-  }
-  return json;
-}
-
-std::string CoverageText(const ParameterSummary& parameter) {
-  const Rate& coverage = parameter.coverage95;
-  if (coverage.cases == 0) return "-";
-  constexpr double kPercent = 100;
-  return fmt::format("{:.1f} ({:.1f}-{:.1f})",
-                     kPercent * coverage.rate,
-                     kPercent * coverage.low,
-                     kPercent * coverage.high);
-}
-
-std::string CaseText(const CaseSummary& summary, const Study& study) {
-  std::string text = fmt::format("\n{}\n ", summary.name);
-  for (const auto& [status, count] : summary.status) {
-    text += fmt::format(" {} {}", status, count);
-  }
-  const auto& causes = summary.causes;
-  const auto most =
-      std::ranges::max_element(causes, {}, [](const auto& one) { return one.second; });
-  text += fmt::format("; {:.0f} touches, {:.0f} s on the machine (medians)\n",
-                      summary.touches.median,
-                      summary.machine_time_s.median);
-  if (most != causes.end()) {
-    text += fmt::format("  most often ({}): {}\n", most->second, most->first);
-  }
-  if (!study.plan) {  // A plan sets nothing right.
-    text += fmt::format(
-        "  position error p95: median {:.4f} mm before, {:.4f} after (97.5 %: "
-        "{:.4f})\n",
-        summary.position_error_before_mm.median,
-        summary.position_error_after_mm.median,
-        summary.position_error_after_mm.q975);
-  }
-  text += fmt::format("  {:<28} {:<6} {:>9} {:>11} {:>11} {:>8} {:>19}\n",
-                      "quantity",
-                      "unit",
-                      "told",
-                      "mean error",
-                      "sd",
-                      "rms/sd",
-                      "coverage95 %");
-  for (const ParameterSummary& parameter : summary.parameters) {
-    const bool has_sd = parameter.coverage95.cases > 0;
-    const bool is_told = parameter.error.count > 0;
-    text +=
-        fmt::format("  {:<28} {:<6} {:>9} {:>11} {:>11} {:>8} {:>19}\n",
-                    parameter.name,
-                    parameter.unit,
-                    parameter.identified.hits,
-                    is_told ? Sensible(parameter.error.mean, parameter.error.sd) : "-",
-                    is_told ? Sensible(parameter.error.sd, parameter.error.sd) : "-",
-                    has_sd ? fmt::format("{:.3f}", parameter.rms_over_sd) : "-",
-                    CoverageText(parameter));
-  }
-  if (!summary.worst.empty()) {
-    text += "  worst: " + ReplayCommand(study, summary.worst.front()) + "\n";
-  }
-  return text;
-}
-
 }  // namespace
 
 Quantiles QuantilesOf(std::vector<double> values) {
@@ -250,6 +151,14 @@ Validation ValidationOf(const Quantiles& error, double stated_sd, int digits) {
       kQuantileError * error.sd / std::sqrt(static_cast<double>(error.count));
   validation.is_settled = 2 * standard_error <= validation.delta / 5;
   return validation;
+}
+
+Expanded ExpandedOf(const StatedMean& mean, double mean_sd) {
+  Expanded stated{.u = mean.square_u > 0 ? std::sqrt(mean.square_u) : mean_sd,
+                  .U = kTwoSided95 * mean_sd};
+  stated.k = stated.U / stated.u;
+  if (mean.fourth_u_per_dof > 0) stated.dof = mean.fourth_u / mean.fourth_u_per_dof;
+  return stated;
 }
 
 Histogram EmptyHistogram(const Quantiles& errors) {
@@ -331,56 +240,6 @@ StudySummary SummaryOf(const Study& study, const StudyStore& store) {
   constexpr std::int64_t kMostExact = 200'000;  // A dozen errors each: 20 MB.
   return study.trials > kMostExact ? Collect<Aggregate>(study, store)
                                    : Collect<CollectedCase>(study, store);
-}
-
-nlohmann::ordered_json SummaryJson(const Study& study, const StudySummary& summary) {
-  nlohmann::ordered_json cases = nlohmann::ordered_json::array();
-  for (const CaseSummary& one : summary.cases) {
-    nlohmann::ordered_json parameters = nlohmann::ordered_json::array();
-    for (const ParameterSummary& parameter : one.parameters) {
-      parameters.push_back(JsonOf(parameter));
-    }
-    nlohmann::ordered_json worst = nlohmann::ordered_json::array();
-    for (const std::int64_t trial : one.worst) {
-      worst.push_back({{"trial", trial}, {"command", ReplayCommand(study, trial)}});
-    }
-    cases.push_back({{"name", one.name},
-                     {"scenario", one.scenario},
-                     {"procedure", one.procedure},
-                     {"status", one.status},
-                     {"causes", one.causes},
-                     {"machine_time_s", JsonOf(one.machine_time_s)},
-                     {"touches", JsonOf(one.touches)},
-                     {"position_error_before_mm", JsonOf(one.position_error_before_mm)},
-                     {"position_error_after_mm", JsonOf(one.position_error_after_mm)},
-                     {"parameters", parameters},
-                     {"worst", worst}});
-  }
-  return {{"format", 1},
-          {"about", study.about},
-          {"version", CALTWIN_VERSION},
-          {"fingerprint", study.Fingerprint()},
-          {"fidelity", study.FidelityWord()},
-          {"seed", study.seed},
-          {"trials", study.trials},
-          {"trials_done", summary.trials},
-          {"cases", cases}};
-}
-
-std::string SummaryText(const Study& study, const StudySummary& summary) {
-  std::string text = fmt::format("{}: {}\n{} of {} machines, {}, seed {}\n",
-                                 study.file.string(),
-                                 study.about,
-                                 summary.trials,
-                                 study.trials,
-                                 study.FidelityWord(),
-                                 study.seed);
-  for (const CaseSummary& one : summary.cases) text += CaseText(one, study);
-  return text;
-}
-
-std::string ReplayCommand(const Study& study, std::int64_t trial) {
-  return fmt::format("caltwin study {} --trial {}", study.file.string(), trial);
 }
 
 }  // namespace caltwin

@@ -7,6 +7,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "calibration/estimate/expanded.h"
 #include "scenarios/study/store.h"
 
 namespace caltwin {
@@ -50,6 +51,19 @@ struct Validation {
 };
 Validation ValidationOf(const Quantiles& error, double stated_sd, int digits);
 
+/// U, u, k and degrees of freedom as trials state them, taken together: roots of the
+/// mean squares of U = 1.96 sd and of u, k = U / u, and
+///
+///   nu = sum u^4 / sum (u^4 / nu_i)
+///
+/// which is each trial's where all are alike, infinite where all are.
+struct StatedMean {
+  double square_u = 0;  ///< Mean of u^2; 0: nothing was taken apart, u is sd.
+  double fourth_u = 0;  ///< Sum of u^4.
+  double fourth_u_per_dof = 0;
+};
+Expanded ExpandedOf(const StatedMean& mean, double mean_sd);
+
 /// What a contender's estimates of one parameter were worth.
 struct ParameterSummary {
   std::string name{}, unit{};
@@ -60,6 +74,7 @@ struct ParameterSummary {
   Rate coverage95{};       ///< Truth within recovered +- 1.96 sd, where sd was stated.
   double mean_sd = 0;      ///< Root of the mean of the stated variances.
   double rms_over_sd = 0;  ///< Root mean square error over it: 1 where honest.
+  Expanded stated{};       ///< Where sd was stated; StatedMean of the trials'.
   Validation gum{};        ///< Where sd was stated; of one digit.
 };
 

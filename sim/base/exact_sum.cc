@@ -1,5 +1,6 @@
 #include "sim/base/exact_sum.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 
@@ -50,6 +51,23 @@ void ExactSum::PassCarries() {
     limbs_[i + 1] += carry;
   }
   until_carry_ = kBetweenCarries;
+}
+
+std::array<std::int64_t, ExactSum::kLimbs> ExactSum::Limbs() const {
+  ExactSum carried = *this;
+  carried.PassCarries();
+  return carried.limbs_;
+}
+
+std::optional<ExactSum> ExactSum::OfLimbs(std::span<const std::int64_t> limbs) {
+  const auto is_limb = [](std::int64_t limb) {
+    return limb >= 0 && limb <= static_cast<std::int64_t>(kLimbMask);
+  };
+  if (limbs.size() != kLimbs) return std::nullopt;
+  if (!std::ranges::all_of(limbs.first(kLimbs - 1), is_limb)) return std::nullopt;
+  ExactSum sum;
+  std::ranges::copy(limbs, sum.limbs_.begin());
+  return sum;
 }
 
 double ExactSum::Value() const {

@@ -2,6 +2,8 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
+#include <span>
 
 namespace caltwin {
 
@@ -18,8 +20,14 @@ class ExactSum {
   /// The nearest double but for the last bit, the same for the same sum.
   double Value() const;
 
- private:
   static constexpr std::size_t kLimbs = 70;
+  /// The whole sum, to be kept: limbs of 32 bits, the lowest first, the last with the
+  /// sign. The same for the same sum.
+  std::array<std::int64_t, kLimbs> Limbs() const;
+  /// That sum again; nullopt where these are no limbs of one.
+  static std::optional<ExactSum> OfLimbs(std::span<const std::int64_t> limbs);
+
+ private:
   void PassCarries();
 
   std::array<std::int64_t, kLimbs> limbs_{};

@@ -61,6 +61,23 @@ std::vector<QuantileSketch::Part> QuantileSketch::Parts() const {
   return parts;
 }
 
+QuantileSketch::Counted QuantileSketch::Counts() const {
+  Counted counted;
+  for (std::size_t i = 0; i < counts_.size(); ++i) {
+    if (counts_[i] != 0) counted.emplace_back(i, counts_[i]);
+  }
+  return counted;
+}
+
+std::optional<QuantileSketch> QuantileSketch::OfCounts(const Counted& counts) {
+  QuantileSketch sketch;
+  for (const auto& [part, count] : counts) {
+    if (part < 0 || part > 2 * kParts || count < 1) return std::nullopt;
+    sketch.counts_[static_cast<std::size_t>(part)] += count;
+  }
+  return sketch;
+}
+
 double QuantileSketch::Quantile(double p) const {
   const double wanted = p * static_cast<double>(count());
   double below = 0;

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
+#include <utility>
 #include <vector>
 
 namespace caltwin {
@@ -25,6 +27,12 @@ class QuantileSketch {
     std::int64_t count = 0;
   };
   std::vector<Part> Parts() const;
+
+  /// What was counted, to be kept: the number of a part, ascending, and how many.
+  using Counted = std::vector<std::pair<std::int64_t, std::int64_t>>;
+  Counted Counts() const;
+  /// That again; nullopt where a number is no part's or a count less than 1.
+  static std::optional<QuantileSketch> OfCounts(const Counted& counts);
 
  private:
   static std::size_t IndexOf(double value);

@@ -36,6 +36,24 @@ TEST(ExactSum, IsTheSameInAnyOrderAndDivision) {
   EXPECT_EQ(one.Value(), forward.Value());
 }
 
+TEST(ExactSum, IsKeptWithoutLoss) {
+  for (const double value : {-1.0, 0.0, 1e300, -5e-324}) {
+    ExactSum sum;
+    sum.Add(value);
+    sum.Add(0.1);
+    auto again = ExactSum::OfLimbs(sum.Limbs());
+    ASSERT_TRUE(again);
+    EXPECT_EQ(again->Limbs(), sum.Limbs());
+    again->Add(-0.1);
+    EXPECT_EQ(again->Value(), value);
+  }
+  std::vector<std::int64_t> limbs(ExactSum::kLimbs);
+  limbs[3] = -1;
+  EXPECT_FALSE(ExactSum::OfLimbs(limbs));
+  limbs.pop_back();
+  EXPECT_FALSE(ExactSum::OfLimbs(limbs));
+}
+
 // Halves, quarters ... sum up exactly in doubles too.
 TEST(ExactSum, AgreesWithDoublesWhereTheyAreExact) {
   ExactSum sum;
@@ -84,6 +102,19 @@ TEST(QuantileSketch, PartsAddUpToTheWhole) {
   EXPECT_EQ(QuantileSketch().Quantile(0.5), 0);
   EXPECT_LT(one.Parts().front().low, -2.9);
   EXPECT_GT(one.Parts().back().high, 1e7);
+}
+
+TEST(QuantileSketch, IsKeptWithoutLoss) {
+  QuantileSketch sketch;
+  for (const double value : {-3.0, 0.0, 0.5, 0.5, 1e30}) sketch.Add(value);
+  const auto again = QuantileSketch::OfCounts(sketch.Counts());
+
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->Counts(), sketch.Counts());
+  EXPECT_EQ(again->count(), 5);
+  EXPECT_FALSE(QuantileSketch::OfCounts({{-1, 1}}));
+  EXPECT_FALSE(QuantileSketch::OfCounts({{1'000'000, 1}}));
+  EXPECT_FALSE(QuantileSketch::OfCounts({{7, 0}}));
 }
 
 // Moments and tails of the standard normal distribution; five standard errors.

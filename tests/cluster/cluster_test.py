@@ -98,6 +98,8 @@ def main():
                      for name in ("alone", "cluster")]
         if found != expected or summaries[0] != summaries[1]:
             sys.exit("the cluster's results are not those of one machine")
+        if lost := list((folder / "cluster" / "parts").glob(".*")):
+            sys.exit(f"what the killed worker had begun is still there: {lost}")
     finally:
         for process in processes:
             process.kill()

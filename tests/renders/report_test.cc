@@ -46,6 +46,22 @@ TEST(Report, ShowsErrorsOfMillimetresInMicrometres) {
   EXPECT_THAT(html, HasSubstr("<td class=\"number\">-0.30&nbsp;µm</td>"));
 }
 
+TEST(Report, SaysTheExpandedUncertaintyAndWhatItIsMadeOf) {
+  RunResult result = SampleResult();
+  result.parameters.at(1).budget = {{.input = "hysteresis", .u = 3e-4, .dof = 10},
+                                    {.input = "readings", .u = 4e-4}};
+  const std::string html = UncertaintySection(result, {});
+
+  // Welch and Satterthwaite: 5^4 / (3^4 / 10) = 77, whose t is 1.99.
+  EXPECT_THAT(html,
+              AllOf(HasSubstr("readings 64 %, hysteresis 36 %"),
+                    HasSubstr("<td class=\"number\">1.99</td>"),
+                    HasSubstr("<td class=\"number\">77</td>"),
+                    HasSubstr("not taken apart")));
+  EXPECT_THAT(html, Not(HasSubstr("probe_pretravel.z")));  // Cannot be told.
+  EXPECT_EQ(UncertaintySection({}, {}), "");
+}
+
 TEST(Report, SaysWhatCannotBeTold) {
   EXPECT_THAT(VerdictSection(SampleResult(), {}), HasSubstr("cannot be told"));
 }

@@ -25,7 +25,8 @@ ParameterSummary Gap() {
                        .identified = RateOf(100, 100),
                        .coverage95 = RateOf(94, 100),
                        .mean_sd = 4.9e-4,
-                       .rms_over_sd = 1.02};
+                       .rms_over_sd = 1.02,
+                       .stated = {.u = 4.7e-4, .dof = 16.7, .k = 2.12, .U = 9.96e-4}};
   gap.histogram = EmptyHistogram(gap.error);
   CountIn(0, 60, &gap.histogram);
   CountIn(4e-4, 40, &gap.histogram);
@@ -62,6 +63,8 @@ TEST(StudyReport, SaysHowSureHowOftenAndWhereFrom) {
 
   EXPECT_THAT(html,
               AllOf(HasSubstr("94.0 (87.5 to 97.2)"),
+                    HasSubstr(">0.00100</td><td class=\"number\">2.12</td>"
+                              "<td class=\"number\">16</td>"),
                     HasSubstr("64.0 %"),
                     HasSubstr("built.probe.hysteresis_mm"),
                     HasSubstr("caltwin study next.yaml --trial 17"),

@@ -11,6 +11,8 @@
 
 #include "scenarios/study/aggregate.h"
 #include "scenarios/study/linear.h"
+#include "scenarios/study/summary.h"
+#include "scenarios/study/unkept.h"
 #include "tests/base/temp_folder.h"
 
 namespace caltwin {
@@ -72,7 +74,7 @@ TEST_F(StudyPlanTest, TheDesignStatesWhatTheJointEstimateStates) {
 TEST_F(StudyPlanTest, TheGapScattersAsMeansOfReadingsDo) {
   const Study study =
       Read(std::string(kStraight) + "  trials: 4000\n  fidelity: linear\n");
-  const StudySummary summary = RunLinear(study, {});
+  const StudySummary summary = SummaryOf(study, RunUnkept(study, {}));
   const ParameterSummary& gap = summary.cases.at(0).parameters.at(1);
 
   const double step_mm = 1.0 / 800;
@@ -87,7 +89,8 @@ TEST_F(StudyPlanTest, OneWorkerOrThreeGiveTheSameBytes) {
   const Study study =
       Read(std::string(kStraight) + "  trials: 30000\n  fidelity: linear\n");
   const auto json = [&](int workers) {
-    return SummaryJson(study, RunLinear(study, {.workers = workers})).dump();
+    return SummaryJson(study, SummaryOf(study, RunUnkept(study, {.workers = workers})))
+        .dump();
   };
 
   EXPECT_EQ(json(1), json(3));
@@ -174,6 +177,38 @@ TEST_F(StudyPlanTest, WorstIsWhereTheErrorIsMostOfItsUncertainty) {
   EXPECT_NE(worst, 0);  // Else the order of trials would pass as well.
   EXPECT_EQ(SummaryOf(study, store).cases.at(0).worst.at(0), worst);
   EXPECT_EQ(aggregate.Summary(study.cases.at(0)).worst.at(0), worst);
+}
+
+// Parameters come as the first trial has them, whichever trial ends first, and a unit
+// of the first trial too: what workers and parts must not decide.
+TEST(Aggregate, IsTheSameWhateverTheOrderAndTheParts) {
+  const auto result = [](std::int64_t trial) {
+    TrialResult one{.trial = trial,
+                    .status = trial == 0 ? TrialResult::kFailed : "fitted",
+                    .machine_time_s = 0.1 * static_cast<double>(trial),
+                    .message = trial == 0 ? "why" : ""};
+    const double error = 1.0 / static_cast<double>(trial + 3) - 0.1;
+    if (trial > 1)
+      one.parameters.push_back({.name = "late", .sd = 0.1, .error = error});
+    one.parameters.push_back({.name = "gap", .unit = "mm", .error = error});
+    return one;
+  };
+  Aggregate forward, backward, odd, even;
+  for (std::int64_t trial = 0; trial < 9; ++trial) {
+    forward.Add(result(trial));
+    backward.Add(result(8 - trial));
+    (trial % 2 == 0 ? even : odd).Add(result(trial));
+  }
+  Aggregate parts = Aggregate::OfJson(nlohmann::json::parse(even.ToJson().dump()));
+  parts.Add(Aggregate::OfJson(nlohmann::json::parse(odd.ToJson().dump())));
+
+  const auto text = [](const Aggregate& aggregate) {
+    return SummaryJson({}, {.cases = {aggregate.Summary({})}}).dump();
+  };
+  EXPECT_EQ(forward.Summary({}).parameters.at(0).name, "gap");
+  EXPECT_EQ(forward.Summary({}).status.at("failed"), 1);
+  EXPECT_EQ(text(backward), text(forward));
+  EXPECT_EQ(text(parts), text(forward));
 }
 
 TEST(Worst, KeepsTheGreatestWhateverTheOrder) {

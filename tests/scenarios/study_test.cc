@@ -2,11 +2,14 @@
 
 #include "scenarios/study/study.h"
 
+#include <cmath>
 #include <filesystem>
+#include <limits>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "scenarios/study/aggregate.h"
 #include "scenarios/study/run.h"
 #include "scenarios/study/summary.h"
 #include "scenarios/study/trials_csv.h"
@@ -226,6 +229,53 @@ TEST_F(StudyTest, SumsUpWhatCameOut) {
   EXPECT_EQ(gap.coverage95.cases, 2);
   EXPECT_NEAR(gap.rms_over_sd, std::sqrt((1 + 4) / 2.0), 1e-12);
   EXPECT_EQ(one.worst.at(0), 1);
+}
+
+// Of alike statements theirs, whether trials are kept or streamed; mixed ones by roots
+// of mean squares and by sum u^4 / sum (u^4 / nu).
+TEST_F(StudyTest, TakesStatedUncertaintiesTogether) {
+  constexpr double kNormal = 1.959963984540054;
+  const auto result = [](std::int64_t trial, double u, double k, double dof) {
+    return TrialResult{
+        .trial = trial,
+        .status = "recovers",
+        .parameters = {{.name = "gap",
+                        .unit = "mm",
+                        .recovered = 0.1,
+                        .sd = k * u / kNormal,
+                        .budget = {{.u = 0.6 * u, .dof = dof * 0.6 * 0.6},
+                                   {.u = 0.8 * u, .dof = dof * 0.8 * 0.8}},
+                        .error = 0.1}}};
+  };
+  // Shares of 0.36 and 0.64 with 0.36 and 0.64 of the freedom have all of it together.
+  const std::vector<TrialResult> alike = {result(0, 0.5, 2.776, 4),
+                                          result(1, 0.5, 2.776, 4)};
+  std::vector<TrialResult> mixed = alike;
+  mixed.push_back(result(2, 0.25, kNormal, std::numeric_limits<double>::infinity()));
+  const Study study = Read(kVaried);
+  for (const auto& [results, name] : {std::pair(alike, "alike"), {mixed, "mixed"}}) {
+    StudyStore store(folder() / name, study, /*may_resume=*/false);
+    Aggregate streamed;
+    for (const TrialResult& one : results) {
+      store.Add(one);
+      streamed.Add(one);
+    }
+    const bool is_mixed = results.size() > 2;
+    const double u = is_mixed ? std::sqrt((0.25 + 0.25 + 0.0625) / 3) : 0.5;
+    const double U =
+        is_mixed ? std::sqrt(
+                       (2 * std::pow(2.776 * 0.5, 2) + std::pow(kNormal * 0.25, 2)) / 3)
+                 : 2.776 * 0.5;
+    const double dof = is_mixed ? 4 * (2 + std::pow(0.5, 4)) / 2 : 4;
+    for (const CaseSummary& summary :
+         {SummaryOf(study, store).cases.at(0), streamed.Summary(study.cases.at(0))}) {
+      const Expanded& stated = summary.parameters.at(0).stated;
+      EXPECT_NEAR(stated.u, u, 1e-12) << name;
+      EXPECT_NEAR(stated.U, U, 1e-12) << name;
+      EXPECT_NEAR(stated.k, U / u, 1e-12) << name;
+      EXPECT_NEAR(stated.dof, dof, 1e-9) << name;
+    }
+  }
 }
 
 // Hyndman and Fan's type 7 as R prints it for 1, 2, 4, 8.

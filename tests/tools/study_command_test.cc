@@ -21,6 +21,9 @@ using ::testing::HasSubstr;
 
 constexpr std::size_t kMost_bytes = 1'000'000;
 
+constexpr const char* kGap =
+    "  vary: {backlash.x.gap_mm: {normal: {mean: 0.05, sd: 0.01}}}\n";
+
 class StudyCommandTest : public ::testing::Test {
  protected:
   StudyCommandTest() {
@@ -30,11 +33,11 @@ class StudyCommandTest : public ::testing::Test {
            "campaigns:\n  - iso230: {axis: x, positions: 5, runs: 1}\n";
   }
 
-  Answer Run(const std::string& keys, std::vector<std::string> words) const {
-    std::ofstream(folder_ / "study.yaml")
-        << "study:\n  plan: plan.yaml\n"
-           "  vary: {backlash.x.gap_mm: {normal: {mean: 0.05, sd: 0.01}}}\n"
-        << keys;
+  Answer Run(const std::string& keys,
+             std::vector<std::string> words,
+             const std::string& vary = kGap) const {
+    std::ofstream(folder_ / "study.yaml") << "study:\n  plan: plan.yaml\n"
+                                          << vary << keys;
     words.insert(words.begin(), (folder_ / "study.yaml").string());
     return RunCommand(DeclareStudy, words);
   }
@@ -79,7 +82,7 @@ TEST_F(StudyCommandTest, OfAPlanSaysWhatItTellsAndWhatToAdd) {
 
 constexpr const char* kLinear = "  trials: 60\n  fidelity: linear\n";
 
-// A part is not checked by itself: it may be one machine.
+// The first part is checked for all, by machines of its own: it may be one itself.
 TEST_F(StudyCommandTest, PartsOfALinearStudyMerge) {
   const std::string keys = std::string(kLinear) + "  keep: all\n";
   EXPECT_EQ(Run(keys, {"--out", In("whole")}).exit_code, kPassed);
@@ -93,6 +96,91 @@ TEST_F(StudyCommandTest, PartsOfALinearStudyMerge) {
 
   EXPECT_EQ(merged.exit_code, kPassed) << merged.fault;
   EXPECT_EQ(Text("merged/trials.csv"), Text("whole/trials.csv"));
+}
+
+// Aggregates are put together bit for bit, of a linear design and of a plan's machines.
+TEST_F(StudyCommandTest, PartsThatKeepNoTrialsMergeIntoTheWhole) {
+  for (const std::string keys : {kLinear, "  trials: 20\n  keep: none\n"}) {
+    for (const char* old : {"whole", "part1", "part2", "part3", "merged"}) {
+      fs::remove_all(In(old));
+    }
+    EXPECT_EQ(Run(keys, {"--out", In("whole"), "--workers", "2"}).exit_code, kPassed);
+    for (const std::string part : {"1/3", "2/3", "3/3"}) {
+      const Answer done =
+          Run(keys, {"--shard", part, "--out", In("part" + part.substr(0, 1))});
+      EXPECT_EQ(done.exit_code, kPassed) << done.fault;
+    }
+    EXPECT_NE(Text("part1/summary.json"), Text("whole/summary.json"));
+    const Answer merged = Run(keys,
+                              {"--merge",
+                               In("part3"),
+                               In("part1"),
+                               In("part1"),  // Counted once.
+                               In("part2"),
+                               "--out",
+                               In("merged")});
+
+    EXPECT_EQ(merged.exit_code, kPassed) << merged.fault;
+    EXPECT_EQ(Text("merged/summary.json"), Text("whole/summary.json"));
+  }
+}
+
+TEST_F(StudyCommandTest, PartsThatKeepNoTrialsAreNotTakenForOthers) {
+  const auto merge = [&](const std::string& keys, std::vector<std::string> parts) {
+    parts.insert(parts.begin(), "--merge");
+    for (std::size_t i = 1; i < parts.size(); ++i) parts[i] = In(parts[i]);
+    parts.insert(parts.end(), {"--out", In("merged")});
+    return Run(keys, parts).fault;
+  };
+  EXPECT_EQ(Run(kLinear, {"--shard", "1/2", "--out", In("one")}).exit_code, kPassed);
+  EXPECT_EQ(Run(kLinear, {"--shard", "2/3", "--out", In("third")}).exit_code, kPassed);
+  EXPECT_THAT(Run(kLinear, {"--shard", "2/2", "--out", In("one")}).fault,
+              HasSubstr("holds part 1/2 of the study, not 2/2"));
+  EXPECT_THAT(Run(kLinear, {"--out", In("one")}).fault,
+              HasSubstr("holds part 1/2 of the study, not 1/1"));
+  EXPECT_THAT(merge(kLinear, {"one"}), HasSubstr("part 2/2 is in none of these"));
+  EXPECT_THAT(merge(kLinear, {"one", "third"}),
+              HasSubstr("holds part 2/3, another folder one of 2"));
+  EXPECT_THAT(merge(kLinear, {"one", "nowhere"}),
+              AllOf(HasSubstr("nowhere/aggregates.json"), HasSubstr("is not there")));
+  EXPECT_THAT(merge(std::string(kLinear) + "  seed: 2\n", {"one"}),
+              HasSubstr("is of another study"));
+  std::string half = Text("one/aggregates.json");
+  half.resize(half.size() / 2);
+  WriteTextFile(In("one/aggregates.json"), half);
+  EXPECT_THAT(merge(kLinear, {"one"}), HasSubstr("is no part of a study"));
+  EXPECT_FALSE(fs::exists(In("merged")));
+}
+
+// The phase of a wave anywhere on the circle: nothing straight about it. The first part
+// says so, before it begins, and without it there is no whole.
+TEST_F(StudyCommandTest, WhetherLinearIsGoodEnoughTheFirstPartSays) {
+  const std::string wave =
+      "  vary:\n"
+      "    cyclic_lead.x.amplitude_um: {normal: {mean: 20, sd: 1}}\n"
+      "    cyclic_lead.x.period_mm: 4\n"
+      "    cyclic_lead.x.phase_deg: {uniform: {min: -180, max: 180}}\n";
+  for (const char* keep : {"", "  keep: all\n"}) {
+    const std::string keys = std::string(kLinear) + keep;
+    const auto run = [&](const std::string& part) {
+      return Run(keys, {"--shard", part + "/2", "--out", In(keep + part)}, wave);
+    };
+    EXPECT_THAT(run("1").fault, HasSubstr("linear is not good enough"));
+    EXPECT_FALSE(fs::exists(In(keep + std::string("1"))));
+    EXPECT_EQ(run("2").exit_code, kPassed);
+  }
+}
+
+TEST_F(StudyCommandTest, AFinishedPartResumedIsAsItWas) {
+  const std::vector<std::string> part = {
+      "--shard", "1/2", "--out", In("part"), "--resume"};
+  EXPECT_THAT(Run(kLinear, part).fault, HasSubstr("nothing to resume"));
+  EXPECT_EQ(Run(kLinear, {"--shard", "1/2", "--out", In("part")}).exit_code, kPassed);
+  const std::string before = Text("part/summary.json");
+  fs::remove(In("part/summary.json"));  // Killed before it was written.
+
+  EXPECT_EQ(Run(kLinear, part).exit_code, kPassed);
+  EXPECT_EQ(Text("part/summary.json"), before);
 }
 
 TEST_F(StudyCommandTest, AnothersResultsAreNotOverwritten) {
@@ -140,8 +228,9 @@ TEST_F(StudyCommandTest, RefusesWhatDoesNotGoTogether) {
   const std::vector<std::string> shard = {"--shard", "1/2", "--out", In("out")};
 
   EXPECT_THAT(Run("  adaptive: {digits: 1}\n", shard).fault, HasSubstr("is adaptive"));
-  EXPECT_THAT(Run("  trials: 5\n  keep: none\n", shard).fault,
-              HasSubstr("keeps no trials"));
+  EXPECT_THAT(
+      Run("  trials: 5\n  keep: none\n", {"--out", In("out"), "--resume"}).fault,
+      HasSubstr("keeps no trials"));
   EXPECT_THAT(Run("  trials: 5\n", {"--shard", "3/2"}).fault,
               HasSubstr("--shard '3/2' is not I/N"));
   EXPECT_THAT(Run("  trials: 5\n", {"--trial", "5"}).fault, HasSubstr("0 to 4"));

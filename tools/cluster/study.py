@@ -14,6 +14,7 @@ there already are not run again, so the same command goes on after anything. At 
 import argparse
 import os
 import pathlib
+import shutil
 import subprocess
 import sys
 import time
@@ -110,6 +111,10 @@ def main():
     except (RuntimeError, OSError, ValueError) as fault:  # A part, a folder, a scheduler.
         print(f"study.py: {fault}", file=sys.stderr)
         return 2
+    except KeyboardInterrupt:
+        print("study.py: interrupted; the same command goes on with the parts done",
+              file=sys.stderr)
+        return 130
 
 
 def run(chosen):
@@ -132,7 +137,10 @@ def run(chosen):
           file=sys.stderr)
     merge = [chosen.caltwin, "study", str(chosen.study), "--out", str(chosen.out),
              "--resume", "--merge", *sorted(folders)]
-    return subprocess.run(merge, check=False).returncode
+    code = subprocess.run(merge, check=False).returncode
+    for lost in parts_folder.glob(".part-*"):  # Of workers that were killed.
+        shutil.rmtree(lost, ignore_errors=True)
+    return code
 
 
 if __name__ == "__main__":

@@ -65,16 +65,23 @@ void RequireAnswers(const CalibrateOptions& options) {
                    "add --yes to change the machine's settings without being asked");
 }
 
+std::string EstimateText(const Estimate& estimate) {
+  if (!estimate.identifiable) return estimate.name + " cannot be told";
+  ParameterResult row{
+      .name = estimate.name, .unit = estimate.unit, .recovered = estimate.value};
+  SetUncertainty(estimate, &row);
+  const std::string text = UncertaintyText(row);
+  if (!text.empty()) return text;
+  return fmt::format("{}: {} {}",
+                     estimate.name,
+                     Sensible(estimate.value, std::nullopt),
+                     estimate.unit);
+}
+
 void PrintResult(const std::string& name, const ProcedureResult& result) {
   std::cout << name << "\n";
   for (const Estimate& estimate : result.estimates) {
-    std::cout << (estimate.identifiable
-                      ? fmt::format("  {} = {} +- {} {}\n",
-                                    estimate.name,
-                                    Sensible(estimate.value, estimate.sd),
-                                    Sensible(estimate.sd, estimate.sd),
-                                    estimate.unit)
-                      : fmt::format("  {} cannot be told\n", estimate.name));
+    std::cout << "  " << EstimateText(estimate) << "\n";
   }
   for (const Step& step : result.steps) {
     std::cout << fmt::format("  {} {:.7g} -> {:.7g}, {}. {}\n",

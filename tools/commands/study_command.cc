@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -15,14 +16,15 @@
 #include "scenarios/interrupt.h"
 #include "scenarios/result_text.h"
 #include "scenarios/study/adaptive.h"
-#include "scenarios/study/aggregate.h"
 #include "scenarios/study/best_readings.h"
 #include "scenarios/study/budget.h"
+#include "scenarios/study/folder_lock.h"
 #include "scenarios/study/linear.h"
 #include "scenarios/study/merge.h"
 #include "scenarios/study/run.h"
 #include "scenarios/study/summary.h"
 #include "scenarios/study/trials_csv.h"
+#include "scenarios/study/unkept.h"
 #include "sim/base/text_file.h"
 #include "tools/commands/command.h"
 #include "tools/commands/progress.h"
@@ -175,41 +177,90 @@ struct Shown {
   ProgressLine line{};
 };
 
-// Aggregates alone.
-int RunUnkept(const Study& study, const Options& options) {
-  const bool is_done = IsDone(study, FolderOf(options));
-  if (options.resume && options.shard.empty() && is_done) {
-    std::cout << fmt::format("{}: finished; summary.json is as it was\n",
-                             FolderOf(options).string());
-    return kPassed;
+// Whether linear is good enough, the first part finds out for all: without it nothing
+// is put together.
+bool IsToBeChecked(const Study& study, const Shard& shard) {
+  return study.is_linear && shard.index == 0;
+}
+
+// What the folder holds as this part (or the whole: 1/1); throws InputError where it
+// holds another part, or trials.
+struct HeldUnkept {
+  std::optional<Aggregates> part{};
+  bool is_done = false;
+};
+HeldUnkept HeldIn(const fs::path& folder, const Study& study, const Shard& shard) {
+  HeldUnkept held{.is_done = IsDone(study, folder)};
+  auto part = ReadPart(study, folder);
+  const std::string text = part ? part->shard.Text() : Shard{}.Text();
+  if ((part || held.is_done) && text != shard.Text()) {
+    throw InputError(
+        {.file = folder.string()},
+        fmt::format("holds part {} of the study, not {}", text, shard.Text()),
+        "choose another folder with --out");
   }
-  if (options.resume || !options.shard.empty()) {
+  if (part) held.part = std::move(part->aggregates);
+  return held;
+}
+
+int SumUpUnkept(const Study& study,
+                const Options& options,
+                const Aggregates& aggregates,
+                const std::string& remarks,
+                const std::string& files) {
+  return Tell(study,
+              options,
+              {.summary = SummaryOf(study, aggregates), .remarks = remarks},
+              files);
+}
+
+constexpr const char* kPartFiles = "aggregates.json, ";
+
+// With --resume, of which a finished study or part alone knows something.
+int ResumeUnkept(const Study& study, const Options& options, const HeldUnkept& held) {
+  if (held.part) return SumUpUnkept(study, options, *held.part, "", kPartFiles);
+  if (!held.is_done) {
     throw InputError({.file = study.file.string()},
-                     "keeps no trials, so there is nothing to resume or to merge",
-                     "`keep: all` keeps them; linear without runs 10^7 a minute");
+                     "keeps no trials, so there is nothing to resume",
+                     "`keep: all` keeps them; or run it in parts, `--shard I/N`, which "
+                     "are lost one by one");
   }
+  std::cout << fmt::format("{}: finished; summary.json is as it was\n",
+                           FolderOf(options).string());
+  return kPassed;
+}
+
+// Aggregates alone.
+int RunAggregates(const Study& study, const Options& options) {
+  const fs::path folder = FolderOf(options);
   Shown shown;
-  StudyFindings findings;
-  if (study.is_linear) {
-    const LinearCheck check = CheckLinear(study, shown.With(options));
+  const StudyOptions how = shown.With(options);
+  const HeldUnkept held = HeldIn(folder, study, how.shard);
+  if (options.resume) return ResumeUnkept(study, options, held);
+  const ResultFolder results(folder);
+  std::string remarks;
+  if (IsToBeChecked(study, how.shard)) {
+    const LinearCheck check = CheckLinear(study, how);
     if (InterruptRequested()) return kInterrupted;
     RequireLinear(study, check);
-    findings.summary = RunLinear(study, shown.With(options));
-    findings.remarks = CheckText(check);
-  } else {
-    std::vector<Aggregate> cases(study.cases.size(), Aggregate(study.plan != nullptr));
-    const auto add = [&](const TrialResult& result) {
-      cases.at(result.of_case).Add(result);
-    };
-    findings.summary.trials = RunTrials(study, shown.With(options), {}, add).done /
-                              static_cast<std::int64_t>(cases.size());
-    for (std::size_t i = 0; i < cases.size(); ++i) {
-      findings.summary.cases.push_back(cases[i].Summary(study.cases[i]));
-    }
+    remarks = CheckText(check);
   }
+  const Aggregates aggregates = RunUnkept(study, how);
   shown.line.Clear();
   if (InterruptRequested()) return kInterrupted;
-  return Tell(study, options, findings, "");
+  if (options.shard.empty()) {
+    return SumUpUnkept(study, options, aggregates, remarks, "");
+  }
+  WritePart(study, how.shard, aggregates, folder);
+  return SumUpUnkept(study, options, aggregates, remarks, kPartFiles);
+}
+
+int MergeAggregates(const Study& study, const Options& options) {
+  const HeldUnkept held = HeldIn(FolderOf(options), study, Shard{});
+  if (options.resume && held.is_done) return ResumeUnkept(study, options, held);
+  const Aggregates whole =
+      MergeUnkept(study, {options.merge.begin(), options.merge.end()});
+  return SumUpUnkept(study, options, whole, "", "");
 }
 
 // What `act` refuses leaves nothing new behind.
@@ -252,13 +303,15 @@ int Run(const Options& options) {
   Study study = ReadStudy(options.study);
   CheckSpares(study, options);
   if (options.trial) return ReplayTrial(study, *options.trial);
-  if (!options.merge.empty()) return Merge(study, options);
+  if (!options.merge.empty()) {
+    return study.keeps_trials ? Merge(study, options) : MergeAggregates(study, options);
+  }
   if (study.adaptive_digits > 0 && !options.shard.empty()) {
     throw InputError({.file = study.file.string()},
                      "is adaptive: how many trials it takes is known at the end alone",
                      "parts need a fixed number: write `trials: N`");
   }
-  if (!study.keeps_trials) return RunUnkept(study, options);
+  if (!study.keeps_trials) return RunAggregates(study, options);
   const fs::path folder = FolderOf(options);
   Shown shown;
   const StudyOptions how = shown.With(options);
@@ -266,7 +319,8 @@ int Run(const Options& options) {
   const bool is_begun = !store.Done().empty();
   OrDiscard(&store, [&] {
     HoldsSummary(study, folder);
-    if (!study.is_linear || is_begun) return;  // Was good enough when it was begun.
+    // Was good enough when it was begun.
+    if (is_begun || !IsToBeChecked(study, how.shard)) return;
     const LinearCheck check = CheckLinear(study, how);
     if (!InterruptRequested()) RequireLinear(study, check);
   });
