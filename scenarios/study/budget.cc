@@ -64,6 +64,22 @@ bool Gather(const TrialResult& result, const Inputs& inputs, Eigen::VectorXd* x)
   return true;
 }
 
+// Of inputs with these correlations, those that the ones before them do not determine:
+// an end of travel that is a fixed length from the other is the same input.
+std::vector<Eigen::Index> Independent(const Eigen::MatrixXd& among) {
+  constexpr double kLeast = 1e-6;  // Of an input's variance, left by the others.
+  std::vector<Eigen::Index> kept;
+  for (Eigen::Index i = 0; i < among.rows(); ++i) {
+    double left = 1;
+    if (!kept.empty()) {
+      const Eigen::VectorXd to = among(kept, i);
+      left -= to.dot(Eigen::MatrixXd(among(kept, kept)).ldlt().solve(to));
+    }
+    if (left > kLeast) kept.push_back(i);
+  }
+  return kept;
+}
+
 Budget Regress(const std::string& name, const Moments& moments, const Inputs& inputs) {
   const Eigen::Index count = moments.sum.size() - 1;
   const double n = moments.count;
@@ -77,23 +93,26 @@ Budget Regress(const std::string& name, const Moments& moments, const Inputs& in
   const Eigen::VectorXd spread =
       covariance.diagonal().head(count).cwiseSqrt().cwiseMax(1e-300);
   const Eigen::MatrixXd scale = spread.cwiseInverse().asDiagonal();
-  const Eigen::MatrixXd among = scale * covariance.topLeftCorner(count, count) * scale;
+  const Eigen::MatrixXd all = scale * covariance.topLeftCorner(count, count) * scale;
+  const std::vector<Eigen::Index> kept = Independent(all);
+  const Eigen::MatrixXd among = all(kept, kept);
+  const Eigen::VectorXd with_error =
+      Eigen::VectorXd(scale * covariance.col(count).head(count))(kept);
   const Eigen::LDLT<Eigen::MatrixXd> solver(among);
-  const Eigen::VectorXd slopes =
-      solver.solve(scale * covariance.col(count).head(count));
-  const double rest = std::max(
-      0.0,
-      covariance(count, count) - slopes.dot(scale * covariance.col(count).head(count)));
-  const Eigen::MatrixXd inverse = solver.solve(Eigen::MatrixXd::Identity(count, count));
+  const Eigen::VectorXd slopes = solver.solve(with_error);
+  const double rest = std::max(0.0, covariance(count, count) - slopes.dot(with_error));
+  const Eigen::MatrixXd inverse =
+      solver.solve(Eigen::MatrixXd::Identity(among.rows(), among.cols()));
   double told = 0;
-  for (Eigen::Index i = 0; i < count; ++i) {
+  for (std::size_t k = 0; k < kept.size(); ++k) {
+    const auto i = static_cast<Eigen::Index>(k);
     const double chance = std::sqrt(rest * std::max(0.0, inverse(i, i)) / n);
     if (std::abs(slopes[i]) <= kBeyondChance * chance) continue;
     const double share = slopes[i] * slopes[i] / covariance(count, count);
     told += share;
-    budget.lines.push_back({.input = inputs.names[static_cast<std::size_t>(i)],
-                            .u = spread[i],
-                            .c = slopes[i] / spread[i],
+    budget.lines.push_back({.input = inputs.names[static_cast<std::size_t>(kept[k])],
+                            .u = spread[kept[k]],
+                            .c = slopes[i] / spread[kept[k]],
                             .contribution = std::abs(slopes[i]),
                             .share = share});
   }

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "calibration/motor_axes/doing.h"
 #include "scenarios/runner.h"
 #include "tests/scenarios/motor_bench.h"
 
@@ -90,6 +91,20 @@ TEST(MotorBacklash, AsPublishedIsTheDistanceForAnyGap) {
 
     EXPECT_NEAR(read.result.estimates.at(0).value, 10, 0.0021) << gap_mm;
   }
+}
+
+// The carriage stands half the gap short of what the motor counts; half of what nobody
+// knows is not taken off.
+TEST(OfCarriage, TakesOffHalfOfTheGapThatIsKnown) {
+  const std::vector<Contribution> readings = {{.input = "switch", .u = 0.003}};
+  const Uncertain known =
+      OfCarriage(2, {.value = 0.05, .sd = 0.008, .identifiable = true}, readings);
+  const Uncertain unknown = OfCarriage(2, {}, readings);
+
+  EXPECT_DOUBLE_EQ(known.value, 1.975);
+  EXPECT_NEAR(known.sd, 0.005, 1e-12);  // 3, 4 and 5.
+  EXPECT_EQ(unknown.value, 2);
+  EXPECT_NEAR(unknown.sd, 0.003, 1e-12);
 }
 
 TEST(ServoHome, WarnsOfAnIndexWithinReachAndNotOfOneFarOff) {

@@ -99,7 +99,7 @@ class StudyBudgetTest : public ::testing::Test {
 };
 
 // error = 2 (x - mean) + noise: with u(x) = 0.3 and noise of 0.8 the shares are 36 and
-// 64 %; y has no part in it.
+// 64 %; y has no part in it, and x_far, a fixed length from x, is x.
 TEST_F(StudyBudgetTest, SharesAreThoseOfTheMadeUpErrors) {
   const Study study = ReadStudy(folder_ / "study.yaml");
   StudyStore store(folder_ / "out", study, /*may_resume=*/false);
@@ -112,6 +112,7 @@ TEST_F(StudyBudgetTest, SharesAreThoseOfTheMadeUpErrors) {
          .status = "recovers",
          .parameters = {
              {.name = "x", .unit = "mm", .injected = x},
+             {.name = "x_far", .unit = "mm", .injected = 9 - x},
              {.name = "y", .unit = "mm", .injected = y},
              {.name = "z", .unit = "um", .injected = 7, .recovered = 7 + error}}});
   }
