@@ -6,12 +6,12 @@
 #include <map>
 #include <string>
 
-#include <Eigen/Cholesky>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
 #include "scenarios/study/run.h"
 #include "scenarios/study/summary.h"
+#include "tests/scenarios/fisher_of_touches.h"
 
 namespace caltwin {
 namespace {
@@ -45,88 +45,6 @@ double BinomialLowerTail(std::int64_t k, std::int64_t n, double p) {
                      misses * std::log1p(-p));
   }
   return tail;
-}
-
-// Fisher information of phases 2 to 4 on one axis, from the touches alone: unknowns are
-// steps (as scale error), gap, pre-travel, tip, hysteresis, latency and the places of
-// the block as it is laid. First principles, not the estimators' formulas.
-class Fisher {
- public:
-  enum Unknown { kScale, kGap, kPretravel, kTip, kHysteresis, kLatency, kPlaces };
-  static constexpr int kNumUnknowns = kPlaces + 3;
-
-  void AddTouches(int count, int place, double sense, double size_mm, double v_mm_s) {
-    Eigen::VectorXd row = Row(place, sense, size_mm);
-    row[kGap] = -0.5;
-    row[kLatency] = -v_mm_s;
-    Add(row, count);
-  }
-  void AddReleases(int count, int place, double sense, double size_mm, double v_mm_s) {
-    Eigen::VectorXd row = Row(place, sense, size_mm);
-    row[kGap] = 0.5;
-    row[kLatency] = v_mm_s;
-    row[kHysteresis] = 1;
-    Add(row, count);
-  }
-  void AddKnown(int unknown, double sd) {
-    information_(unknown, unknown) += 1 / (sd * sd);
-  }
-
-  double Bound(int unknown) const {
-    const Eigen::MatrixXd covariance = information_.ldlt().solve(
-        Eigen::MatrixXd::Identity(kNumUnknowns, kNumUnknowns));
-    return std::sqrt(covariance(unknown, unknown));
-  }
-
- private:
-  static Eigen::VectorXd Row(int place, double sense, double size_mm) {
-    Eigen::VectorXd row = Eigen::VectorXd::Zero(kNumUnknowns);
-    row[kScale] = -size_mm / 2;  // Faces `size` apart, each moving by half.
-    row[kPretravel] = -1;
-    row[kTip] = 1;
-    row[kPlaces + place] = sense;
-    return row;
-  }
-  void Add(const Eigen::VectorXd& row, int count) {
-    constexpr double kSigma_mm = 0.001, kStep_mm = 0.00125;
-    const double variance_mm2 = kSigma_mm * kSigma_mm + kStep_mm * kStep_mm / 12;
-    information_ += count / variance_mm2 * row * row.transpose();
-  }
-
-  Eigen::MatrixXd information_ = Eigen::MatrixXd::Zero(kNumUnknowns, kNumUnknowns);
-};
-
-constexpr int kRepeats = 10;
-constexpr double kSmall_mm = 27.4, kLarge_mm = 78.2;  // With the ball's diameter.
-
-// Phase 2, of which steps/mm are made. Those of the verifications are kept apart, and
-// later phases find the steps set: all touches together would tell them better.
-void AddPhase2(Fisher* fisher) {
-  for (const double sense : {-1.0, 1.0}) {
-    fisher->AddTouches(kRepeats, 0, sense, kSmall_mm, 1);
-    fisher->AddTouches(kRepeats, 1, sense, kLarge_mm, 1);
-  }
-}
-
-// Phases 2 to 4, of which backlash and pre-travel are made.
-void AddPhases(Fisher* fisher) {
-  AddPhase2(fisher);
-  for (const double sense : {-1.0, 1.0}) {
-    for (const double v_mm_s : {1.0, 5.0}) {
-      fisher->AddTouches(kRepeats, 2, sense, kLarge_mm, v_mm_s);
-      fisher->AddReleases(kRepeats, 2, sense, kLarge_mm, v_mm_s);
-    }
-    fisher->AddTouches(kRepeats, 0, sense, kSmall_mm, 1);
-  }
-}
-
-void AddKnown(Fisher* fisher) {
-  fisher->AddKnown(Fisher::kTip, 0.001);
-  fisher->AddKnown(Fisher::kHysteresis, 0.0005);
-  // Not told, and not needed, by one feed and no release.
-  for (const int unknown : {+Fisher::kGap, +Fisher::kLatency, Fisher::kPlaces + 2}) {
-    fisher->AddKnown(unknown, 1);
-  }
 }
 
 // How many quantities state an uncertainty; each must hold the truth as often as it
@@ -175,7 +93,7 @@ TEST_F(NextCoverage, IntervalsOf95PercentHoldThatOften) {
 }
 
 TEST_F(NextCoverage, ScatterIsTheCramerRaoBound) {
-  Fisher phase2, phases;
+  FisherOfTouches phase2, phases;
   AddPhase2(&phase2);
   AddPhases(&phases);
   AddKnown(&phase2);
@@ -185,9 +103,9 @@ TEST_F(NextCoverage, ScatterIsTheCramerRaoBound) {
   const double chance = 5 / std::sqrt(2.0 * kMachines);
   for (const std::string axis : {"x", "y"}) {
     const std::map<std::string, double> bounds = {
-        {"steps_per_mm." + axis, 800 * phase2.Bound(Fisher::kScale)},
-        {"backlash." + axis, phases.Bound(Fisher::kGap)},
-        {"probe_pretravel." + axis, phases.Bound(Fisher::kPretravel)}};
+        {"steps_per_mm." + axis, 800 * phase2.Bound(FisherOfTouches::kScale)},
+        {"backlash." + axis, phases.Bound(FisherOfTouches::kGap)},
+        {"probe_pretravel." + axis, phases.Bound(FisherOfTouches::kPretravel)}};
     for (const auto& [name, bound] : bounds) {
       const double ratio = Of(name).error.sd / bound;
       RecordProperty(name, std::to_string(ratio));
