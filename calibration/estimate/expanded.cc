@@ -122,6 +122,18 @@ Uncertain Scaled(Uncertain estimate, double factor) {
   return estimate;
 }
 
+Contribution NotCorrected(double offset, double sd) {
+  const double size = std::abs(offset);
+  Contribution added{.input = "kept, not corrected"};
+  if (!(sd > 0) || size == 0) return added;
+  const double limit = FallsTo(0.05, size + 10 * sd, [size, sd](double at) {
+    return NormalBelow((size - at) / sd) + NormalBelow((-at - size) / sd);
+  });
+  const double together = limit / kNormal95;
+  added.u = std::sqrt(std::max(0.0, together * together - sd * sd));
+  return added;
+}
+
 Uncertain WithInput(Uncertain estimate,
                     const Contribution& input,
                     const std::string& own) {

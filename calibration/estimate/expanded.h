@@ -44,6 +44,14 @@ Uncertain WithBudget(double value, std::vector<Contribution> budget);
 /// The same estimate in another unit, `factor` of which are one of this.
 Uncertain Scaled(Uncertain estimate, double factor);
 
+/// What a value adds that stands `offset` from its estimate and is not corrected for it
+/// (JCGM 100, F.2.4.5): u such that +-1.96 hypot(sd, u) about the value hold 95 % of
+///
+///   offset + sd N(0, 1)
+///
+/// 0 without an offset; at most (offset + 1.645 sd) / 1.96 together with sd.
+Contribution NotCorrected(double offset, double sd);
+
 /// Adds an independent input to the budget and to sd; an estimate without a budget gets
 /// its own sd as first line, called `own`.
 Uncertain WithInput(Uncertain estimate,

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "calibration/estimate/expanded.h"
 #include "sim/base/mutant.h"
 #include "sim/base/require.h"
 #include "sim/base/units.h"
@@ -172,11 +173,13 @@ Expected<bool> Session::Apply(const Proposal& proposal) {
                            .after = before,
                            .message = proposal.why});
   Step& step = result_.steps.back();
+  kept_off_.erase(name);
   if (!rules_.apply) return false;
   if (std::abs(proposal.after - before) < rules_.keep_within_sd * proposal.sd) {
     step.message +=
         fmt::format(" What is set agrees with {:.4f} within its uncertainty: kept.",
                     proposal.after);
+    kept_off_[name] = before - proposal.after;
     return true;
   }
   const auto because = WhyNot(proposal, before);
@@ -241,14 +244,19 @@ void Session::Conclude(const std::string& name,
                        const std::string& unit,
                        const Uncertain& estimate,
                        bool is_setting) {
+  Uncertain stated = estimate;
+  const auto kept = kept_off_.find(name);
+  if (is_setting && estimate.identifiable && kept != kept_off_.end()) {
+    stated = WithInput(stated, NotCorrected(kept->second, stated.sd));
+  }
   result_.estimates.push_back({.name = name,
                                .unit = unit,
-                               .value = estimate.value,
-                               .sd = estimate.sd,
-                               .identifiable = estimate.identifiable,
+                               .value = stated.value,
+                               .sd = stated.sd,
+                               .identifiable = stated.identifiable,
                                .is_setting = is_setting,
-                               .budget = estimate.budget});
-  if (estimate.identifiable) bench_->ledger.known[name] = estimate;
+                               .budget = stated.budget});
+  if (stated.identifiable) bench_->ledger.known[name] = stated;
 }
 
 void Session::Explain(const ObservabilityReport& report) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -87,7 +88,8 @@ class Session {
   /// A step that changes nothing.
   void Measured(const std::string& name, double value, const std::string& message);
   void Measured(const Proposal& proposal);
-  /// The procedure's word on a quantity; remembered in the ledger.
+  /// The procedure's word on a quantity; remembered in the ledger. A setting that Apply
+  /// kept as it was says how far from the estimate it stands (NotCorrected).
   void Conclude(const std::string& name,
                 const std::string& unit,
                 const Uncertain& estimate,
@@ -111,6 +113,7 @@ class Session {
   Controller controller_;
   Probing probing_;
   Settings backup_{};
+  std::map<std::string, double> kept_off_{};  ///< Kept settings less their proposals.
   ProcedureResult result_{};
 };
 

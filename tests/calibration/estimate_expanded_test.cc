@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "calibration/estimate/expanded.h"
+#include "sim/base/rng.h"
 
 namespace caltwin {
 namespace {
@@ -98,6 +99,24 @@ TEST(Expanded, AnInputAddedLaterAddsInSquares) {
   EXPECT_NEAR(wider.sd, 5, 1e-9);
   ASSERT_EQ(wider.budget.size(), 2U);
   EXPECT_EQ(wider.budget.front().input, "readings");
+}
+
+// By counting: how often offset + sd z lies within the interval.
+TEST(NotCorrected, TheWiderIntervalHoldsNinetyFivePercent) {
+  constexpr int kDraws = 200'000;
+  constexpr double kSd = 0.5;
+  for (const double offset : {-1.0, 0.1, 0.5}) {
+    const double limit =
+        1.959963984540054 * std::hypot(kSd, NotCorrected(offset, kSd).u);
+    Rng rng(1, 0, "offset");
+    int held = 0;
+    for (int i = 0; i < kDraws; ++i) {
+      held += std::abs(offset + kSd * rng.Normal()) <= limit ? 1 : 0;
+    }
+    EXPECT_NEAR(held, 0.95 * kDraws, 5 * std::sqrt(0.95 * 0.05 * kDraws)) << offset;
+  }
+  EXPECT_EQ(NotCorrected(0, kSd).u, 0);
+  EXPECT_EQ(NotCorrected(1, 0).u, 0);
 }
 
 }  // namespace

@@ -152,6 +152,29 @@ TEST(Session, RollsBackWhatMadeThingsWorse) {
   EXPECT_EQ(session.result().messages.back(), RemedyFor(Trouble::kWorse));
 }
 
+// What is kept as it stood says how far from its estimate it stands.
+TEST(Session, AKeptSettingIsLessSureThanItsEstimate) {
+  constexpr double kSd_mm = 0.01;
+  const auto conclude = [](double after_mm) {
+    ToyBench toy;
+    Session session(&toy.bench, "test", "corrected", {.keep_within_sd = 2});
+    EXPECT_TRUE(session.Begin());
+    EXPECT_TRUE(session.Apply(
+        {.setting = Setting::kBacklash, .after = after_mm, .sd = kSd_mm}));
+    session.Conclude("backlash.x",
+                     "mm",
+                     {.value = after_mm, .sd = kSd_mm, .identifiable = true},
+                     /*is_setting=*/true);
+    return session.result().estimates.at(0);
+  };
+  const Estimate kept = conclude(1.5 * kSd_mm), applied = conclude(5 * kSd_mm);
+
+  EXPECT_EQ(applied.sd, kSd_mm);
+  // P(|1.5 + z| < 3.1449) = 0.95.
+  EXPECT_NEAR(kept.sd / kSd_mm, 3.1449 / 1.95996, 1e-4);
+  EXPECT_EQ(kept.budget.at(1).input, "kept, not corrected");
+}
+
 TEST(Catalog, ExplainsEveryProcedureAndRefusesUnknownOptions) {
   for (const Procedure& procedure : AllProcedures()) {
     EXPECT_FALSE(procedure.about.empty());
