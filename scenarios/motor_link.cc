@@ -63,10 +63,15 @@ double TrueHome(const MotorStageFirmware& firmware,
                 const MotorStageRig& rig,
                 std::size_t axis) {
   const MotorAxisDrawing& d = rig.built().motors[axis].drawing;
-  const double at_unit =
-      rig.built().faults[axis].start_unit +
-      static_cast<double>(firmware.zero_count(axis)) / d.pulses_per_unit();
-  return at_unit - d.min_switch_unit;
+  const double start_unit = rig.built().faults[axis].start_unit;
+  // A counter that lost pulses has its zero farther on; 0, or known to a pulse.
+  const double gone_pulses =
+      (rig.State(axis).motor_unit - start_unit) * d.pulses_per_unit();
+  const double lost_pulses =
+      std::floor(gone_pulses) - static_cast<double>(rig.Count(axis));
+  const double zero_pulses = static_cast<double>(firmware.zero_count(axis));
+  return start_unit + (zero_pulses + lost_pulses) / d.pulses_per_unit() -
+         d.min_switch_unit;
 }
 
 }  // namespace caltwin

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 
 #include "calibration/motor_axes/doing.h"
 #include "sim/base/mutant.h"
@@ -78,7 +79,37 @@ bool StopInMotion(double speed_unit_s, MotorDoing* doing) {
   return false;
 }
 
-bool ReadStops(MotorDoing* doing) {
+// What braked so long, where that is more than was foretold and than the coupling's
+// ring may add.
+void CompareWithForecast(std::size_t axis,
+                         double speed_unit_s,
+                         const StopSays& says,
+                         MotorDoing* doing) {
+  constexpr double kRing_s = 0.0014;  // Of carriage and motor about their standstill.
+  constexpr double kClear = 3;        // Standard deviations of the forecast.
+  const MotorOptions& o = doing->options();
+  const MotorBench& bench = doing->axes().bench();
+  const MotorAxisDrawing& d = doing->axes().drawing(axis);
+  const StopForecast f = ForecastStop(bench, axis, speed_unit_s, o.within_s);
+  const double late_s = says.standstill_s - f.standstill_s;
+  if (late_s <= std::hypot(kRing_s, kClear * f.sd_s)) return;
+  const double brake_s = says.standstill_s - bench.stop_filter_s;
+  doing->Warn(fmt::format(
+      "{} stood after {:.2f} ms, {:.2f} were foretold{}: it brakes like {:.3g} {} in "
+      "place of {:g}, or its motor gives {:.0f} % of its force",
+      MotorAxisName(axis),
+      says.standstill_s / SFromMs(1.0),
+      f.standstill_s / SFromMs(1.0),
+      says.standstill_s > o.within_s
+          ? fmt::format(" and {:g} are allowed", o.within_s / SFromMs(1.0))
+          : "",
+      d.total_inertia() * brake_s / (f.standstill_s - bench.stop_filter_s),
+      d.is_rotary ? "kg m2" : "kg",
+      d.total_inertia(),
+      PercentFromFraction((f.standstill_s - bench.stop_filter_s) / brake_s)));
+}
+
+bool ReadStops(double speed_unit_s, MotorDoing* doing) {
   const MotorOptions& o = doing->options();
   double slowest_s = 0;
   for (const std::size_t axis : o.axes) {
@@ -102,6 +133,7 @@ bool ReadStops(MotorDoing* doing) {
       constexpr double kSeen_ms = 0.1;  // Between two ticks, by how it slowed.
       doing->Found(
           "standstill_ms." + name, "ms", says->standstill_s / SFromMs(1.0), kSeen_ms);
+      CompareWithForecast(axis, speed_unit_s, *says, doing);
     }
     if (!says->is_disabled) doing->Alert(axis, name + ": its drive is still on");
   }
@@ -109,35 +141,65 @@ bool ReadStops(MotorDoing* doing) {
   return true;
 }
 
-// On to the next index: is it where the counter has it?
-std::optional<bool> KeptItsPosition(std::size_t axis, MotorDoing* doing) {
+using IndexCounts = std::map<std::size_t, double>;
+
+// The counter at the next index.
+std::optional<double> NextIndex(std::size_t axis, MotorDoing* doing) {
   MotorAxes& axes = doing->axes();
   const MotorAxisDrawing& d = axes.drawing(axis);
-  const auto per_rev = doing->Got(axes.Field(812, axis));
-  if (!per_rev || !doing->Did(axes.ClearDrive(axis)) ||
-      !doing->Did(axes.SeekIndex(
-          axis, 1.2 * d.lead_unit, doing->options().slow * d.max_velocity_unit_s)) ||
+  const double slow_unit_s = doing->options().slow * d.max_velocity_unit_s;
+  if (!doing->Did(axes.ClearDrive(axis)) ||
+      !doing->Did(axes.SeekIndex(axis, 1.2 * d.lead_unit, slow_unit_s)) ||
       !doing->Did(axes.WaitComplete())) {
     return std::nullopt;
   }
   const auto says = doing->Got(axes.Drive(axis));
   if (!says || !says->index) return std::nullopt;
-  const auto at = static_cast<double>(*says->index);
-  const double off_pulses = at - *per_rev * std::round(at / *per_rev);
-  return std::abs(off_pulses) <= doing->options().threshold_pulses;
+  return static_cast<double>(*says->index);
 }
 
-bool GoOn(std::size_t axis, MotorDoing* doing) {
+// Where each servo's counter has its indices before the stop: home need not be one (as
+// published it is not).
+std::optional<IndexCounts> IndicesBefore(MotorDoing* doing) {
+  IndexCounts counts;
+  for (const std::size_t axis : doing->options().axes) {
+    if (!doing->axes().drawing(axis).is_servo) continue;
+    const auto index = NextIndex(axis, doing);
+    if (!index) return std::nullopt;
+    counts[axis] = *index;
+  }
+  return counts;
+}
+
+// Whole turns from the index before the stop to one after it?
+std::optional<bool> KeptItsPosition(std::size_t axis,
+                                    double before_pulses,
+                                    MotorDoing* doing) {
+  const auto per_rev = doing->Got(doing->axes().Field(812, axis));
+  const auto after_pulses = per_rev ? NextIndex(axis, doing) : std::nullopt;
+  if (!after_pulses) return std::nullopt;
+  const double gone_pulses = *after_pulses - before_pulses;
+  const double off_pulses = gone_pulses - *per_rev * std::round(gone_pulses / *per_rev);
+  const bool is_kept = std::abs(off_pulses) <= doing->options().threshold_pulses;
+  doing->Say(fmt::format(
+      "{}: {}",
+      MotorAxisName(axis),
+      is_kept ? "position kept, the index is where the counter has it"
+              : fmt::format("position LOST, the counter is {:+.0f} pulses off at the "
+                            "index: homed again",
+                            off_pulses)));
+  return is_kept;
+}
+
+bool GoOn(std::size_t axis, const IndexCounts& before, MotorDoing* doing) {
   MotorAxes& axes = doing->axes();
   MotorOptions home = doing->options();
   home.axes = {axis};
   home.is_as_published = false;
   const std::string name = MotorAxisName(axis);
   if (axes.drawing(axis).is_servo) {
-    const auto kept = KeptItsPosition(axis, doing);
+    const auto kept = KeptItsPosition(axis, before.at(axis), doing);
     if (!kept) return false;
-    doing->Say(name + (*kept ? ": position kept, the index is where the counter has it"
-                             : ": position LOST, homed again"));
     if (*kept) return true;
   } else {
     doing->Say(name + ": open-loop, its position is not certain: homed again");
@@ -191,10 +253,13 @@ MotorResult RunEmergencyStop(MotorAxes* axes, const MotorOptions& options) {
   }
   const double speed_unit_s = CommonSpeed_unit_s(*axes, options);
   Foretell(speed_unit_s, &doing);
-  if (!StopInMotion(speed_unit_s, &doing) || !ReadStops(&doing)) return doing.Take();
-  if (!doing.Did(axes->Resume())) return doing.Take();
+  const auto indices = IndicesBefore(&doing);
+  if (!indices || !StopInMotion(speed_unit_s, &doing) ||
+      !ReadStops(speed_unit_s, &doing) || !doing.Did(axes->Resume())) {
+    return doing.Take();
+  }
   for (const std::size_t axis : options.axes) {
-    if (!GoOn(axis, &doing)) return doing.Take();
+    if (!GoOn(axis, *indices, &doing)) return doing.Take();
   }
   doing.Say("resumed");
   return doing.Take();
