@@ -18,6 +18,8 @@ MotorStageOptions MotorFirmwareOf(const MotorStageDrawing& drawing);
 class MotorStageWire : public Link {
  public:
   explicit MotorStageWire(MotorStageFirmware* firmware) : firmware_(firmware) {}
+  /// To another controller: the same one, after its power was cut.
+  void Connect(MotorStageFirmware* firmware) { firmware_ = firmware; }
   Expected<std::vector<std::string>> Send(std::string_view line,
                                           std::chrono::milliseconds patience) override;
 

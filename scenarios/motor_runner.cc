@@ -34,8 +34,9 @@ class MotorRun {
              fidelity_ == Fidelity::kPhysics,
              seed_,
              options.sample),
-        firmware_(MotorFirmwareOf(motor_.drawing), &rig_, &flash_),
-        wire_(&firmware_),
+        factory_(MotorFirmwareOf(motor_.drawing)),
+        firmware_(std::make_unique<MotorStageFirmware>(factory_, &rig_, &flash_)),
+        wire_(firmware_.get()),
         gauge_(&rig_, motor_.laser_sigma_unit.value_or(0), seed_, options.sample) {}
 
   RunResult Perform() {
@@ -72,7 +73,7 @@ class MotorRun {
     const auto history = bench.link->Send("M504", std::chrono::milliseconds(1000));
     if (history) history_ = history->size();
     if (recorder) recorder->Save();
-    result.machine_time_s = firmware_.machine_time_s();
+    result.machine_time_s = earlier_s_ + firmware_->machine_time_s();
     result.lost = last_.ending == Ending::kLinkLost;
     Judge(&result);
     result.cpu_s = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
@@ -109,9 +110,40 @@ class MotorRun {
     return done;
   }
 
+  // The power goes while the lines are obeyed, after so many bytes that they store, and
+  // comes back: what the flash holds is in force, and no axis is homed.
+  MotorResult CutPower(const MotorStep& step, Link* link) {
+    MotorResult done;
+    Rng marks(seed_, options_.sample, "power_cut");
+    const std::uint64_t before = flash_.bytes_done();
+    flash_.CutAfter(step.after_bytes, &marks);
+    for (const std::string& line : step.lines) {
+      const auto answer = link->Send(line, std::chrono::milliseconds(600'000));
+      if (answer) continue;
+      done.result.messages.push_back("the machine said: " + answer.error().reply);
+      break;
+    }
+    done.result.messages.push_back(
+        fmt::format("the power went, {} bytes of the flash had been written since; it "
+                    "is back, and no axis is homed",
+                    flash_.bytes_done() - before));
+    flash_.PowerUp();
+    earlier_s_ += firmware_->machine_time_s();
+    MotorStageOptions again = factory_;
+    again.clock_unix_s += std::llround(earlier_s_);  // A clock with a battery.
+    firmware_ = std::make_unique<MotorStageFirmware>(again, &rig_, &flash_);
+    wire_.Connect(firmware_.get());
+    return done;
+  }
+
+  MotorResult Do(const MotorStep& step, MotorAxes* axes, Link* link) {
+    if (step.name == "gcode") return SendLines(step, link);
+    if (step.name == "power_cut") return CutPower(step, link);
+    return Call(step.name, step.options, axes);
+  }
+
   void Take(const MotorStep& step, MotorAxes* axes, Link* link, RunResult* result) {
-    const MotorResult done = step.name == "gcode" ? SendLines(step, link)
-                                                  : Call(step.name, step.options, axes);
+    const MotorResult done = Do(step, axes, link);
     last_ = done.result;
     confounded_ = confounded_ || last_.ending == Ending::kConfounded;
     found_.alerts += done.found.alerts;
@@ -144,9 +176,9 @@ class MotorRun {
     const MotorAxisDrawing& d = built.motors[*axis].drawing;
     const std::string what = name.substr(0, dot);
     if (what == "backlash") return built.motors[*axis].gap_unit;
-    if (what == "home_offset") return TrueHome(firmware_, rig_, *axis);
+    if (what == "home_offset") return TrueHome(*firmware_, rig_, *axis);
     if (what == "travel") {
-      return d.max_switch_unit - d.min_switch_unit - TrueHome(firmware_, rig_, *axis);
+      return d.max_switch_unit - d.min_switch_unit - TrueHome(*firmware_, rig_, *axis);
     }
     if (what != "start_lead") return std::nullopt;
     double latest_s = 0;
@@ -219,8 +251,8 @@ class MotorRun {
     if (name == "history_entries") return static_cast<double>(history_);
     if (name == "machine_time_s") return result.machine_time_s;
     const std::size_t axis = *MotorAxisNamed(name.substr(name.find('.') + 1));
-    if (name.starts_with("home.")) return TrueHome(firmware_, rig_, axis);
-    const AxisCalibration& record = firmware_.record(axis);
+    if (name.starts_with("home.")) return TrueHome(*firmware_, rig_, axis);
+    const AxisCalibration& record = firmware_->record(axis);
     return record.backlash_pulses / record.pulses_per_unit;
   }
 
@@ -265,7 +297,9 @@ class MotorRun {
   Fidelity fidelity_;
   MotorStageRig rig_;
   Flash flash_{};
-  MotorStageFirmware firmware_;
+  MotorStageOptions factory_;
+  std::unique_ptr<MotorStageFirmware> firmware_;
+  double earlier_s_ = 0;  // Machine time before the power was last cut.
   MotorStageWire wire_;
   MotorStageGauge gauge_;
   ProcedureResult last_{};

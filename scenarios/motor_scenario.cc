@@ -13,14 +13,15 @@
 namespace caltwin {
 namespace {
 
-constexpr std::array<std::string_view, 8> kProcedures = {"servo_home",
+constexpr std::array<std::string_view, 9> kProcedures = {"servo_home",
                                                          "index_verify",
                                                          "stepper_home",
                                                          "travel_limits",
                                                          "axis_sync",
                                                          "emergency_stop",
                                                          "motor_backlash",
-                                                         "gcode"};
+                                                         "gcode",
+                                                         "power_cut"};
 constexpr std::array<const char*, 11> kFigures = {"alerts",
                                                   "retries",
                                                   "warnings",
@@ -84,25 +85,69 @@ void ReadStepAxes(const std::string& name,
   }
 }
 
-void ReadSpeeds(YamlMap* map, MotorOptions* o) {
-  constexpr Bounds kPart{1e-3, 1};
-  o->slow = map->NumberOr("slow", o->slow, kPart, "a part of the highest speed");
-  o->medium = map->NumberOr("medium", o->medium, kPart, "a part of the highest speed");
-  o->second = map->NumberOr("second", o->second, kPart, "a part of the slow speed");
-  o->retries = static_cast<int>(map->IntegerOr("retries", o->retries, 0, 10));
+// Which procedure heeds which option; another's is an unknown key, not ignored.
+struct MotorOptionKeys {
+  std::string_view procedure{};
+  std::vector<std::string_view> keys{};
+};
+
+bool Heeds(std::string_view procedure, std::string_view key) {
+  static const std::array<MotorOptionKeys, 7> kKeys = {{
+      {"servo_home", {"slow", "back_off_mm"}},
+      {"index_verify", {"slow", "medium", "threshold_pulses"}},
+      {"stepper_home",
+       {"slow",
+        "second",
+        "back_off_mm",
+        "final_back_off_mm",
+        "safe_mm",
+        "touches",
+        "fine_mm_s"}},
+      {"travel_limits", {"slow", "margin_mm", "touches", "fine_mm_s"}},
+      {"axis_sync", {"slow", "medium", "distance_mm", "repeats"}},
+      {"emergency_stop",
+       {"slow", "medium", "distance_mm", "within_ms", "threshold_pulses"}},
+      {"motor_backlash", {"slow", "medium", "distance_mm", "repeats", "tolerance_mm"}},
+  }};
+  const auto entry = std::ranges::find(kKeys, procedure, &MotorOptionKeys::procedure);
+  return std::ranges::find(entry->keys, key) != entry->keys.end();
 }
 
-void ReadDistances(YamlMap* map, MotorOptions* o) {
-  constexpr Bounds kDistance{1e-3, 1e3};
-  if (const auto back = map->Optional("back_off_mm")) {
-    o->back_off_unit = back->Number(kDistance);
+void ReadNumbers(const std::string& name, YamlMap* map, MotorOptions* o) {
+  constexpr Bounds kPart{1e-3, 1}, kDistance{1e-3, 1e3};
+  const auto read = [&](const char* key, Bounds bounds, double* value) {
+    if (Heeds(name, key)) *value = map->NumberOr(key, *value, bounds);
+  };
+  read("slow", kPart, &o->slow);
+  read("medium", kPart, &o->medium);
+  read("second", kPart, &o->second);
+  read("final_back_off_mm", kDistance, &o->final_back_off_unit);
+  read("safe_mm", kDistance, &o->safe_unit);
+  read("distance_mm", kDistance, &o->distance_unit);
+  read("tolerance_mm", kDistance, &o->tolerance_unit);
+  read("margin_mm", {0, 1e3}, &o->margin_unit);
+  read("fine_mm_s", {1e-3, 100}, &o->fine_unit_s);
+  read("threshold_pulses", {0, 1e6}, &o->threshold_pulses);
+  double within_ms = o->within_s / SFromMs(1.0);
+  read("within_ms", {0.1, 1e4}, &within_ms);
+  o->within_s = SFromMs(within_ms);
+  if (Heeds(name, "back_off_mm")) {
+    if (const auto back = map->Optional("back_off_mm")) {
+      o->back_off_unit = back->Number(kDistance);
+    }
   }
-  o->final_back_off_unit =
-      map->NumberOr("final_back_off_mm", o->final_back_off_unit, kDistance);
-  o->safe_unit = map->NumberOr("safe_mm", o->safe_unit, kDistance);
-  o->distance_unit = map->NumberOr("distance_mm", o->distance_unit, kDistance);
-  o->margin_unit = map->NumberOr("margin_mm", o->margin_unit, {0, 1e3});
-  o->tolerance_unit = map->NumberOr("tolerance_mm", o->tolerance_unit, kDistance);
+  const auto count = [&](const char* key, int most, int* value) {
+    if (!Heeds(name, key)) return;
+    *value = static_cast<int>(map->IntegerOr(key, *value, 1, most));
+  };
+  count("repeats", 1000, &o->repeats);
+  count("touches", 100, &o->touches);
+}
+
+void ReadLines(YamlMap* map, bool must_be_there, MotorStep* step) {
+  const auto lines = must_be_there ? map->Required("lines") : map->Optional("lines");
+  if (!lines) return;
+  for (const YamlValue& line : lines->List()) step->lines.push_back(line.Text());
 }
 
 MotorStep ReadMotorStep(const std::string& name,
@@ -110,9 +155,11 @@ MotorStep ReadMotorStep(const std::string& name,
                         const MotorStageDrawing& drawing) {
   MotorStep step{.name = name};
   YamlMap map = MapOf(value);
-  if (name == "gcode") {
-    if (const auto lines = map.Required("lines")) {
-      for (const YamlValue& line : lines->List()) step.lines.push_back(line.Text());
+  if (name == "gcode" || name == "power_cut") {
+    ReadLines(&map, name == "gcode", &step);
+    if (name == "power_cut") {
+      step.after_bytes =
+          static_cast<std::uint64_t>(map.IntegerOr("after_bytes", 0, 0, 1'000'000));
     }
     map.NoMoreKeys();
     return step;
@@ -122,14 +169,8 @@ MotorStep ReadMotorStep(const std::string& name,
       map.WordOr("variant", "corrected", {"as_published", "corrected"}) ==
       "as_published";
   ReadStepAxes(name, drawing, &map, &o);
-  ReadSpeeds(&map, &o);
-  ReadDistances(&map, &o);
-  o.repeats = static_cast<int>(map.IntegerOr("repeats", o.repeats, 1, 1000));
-  o.touches = static_cast<int>(map.IntegerOr("touches", o.touches, 1, 100));
-  o.fine_unit_s = map.NumberOr("fine_mm_s", o.fine_unit_s, {1e-3, 100});
-  o.threshold_pulses = map.NumberOr("threshold_pulses", o.threshold_pulses, {0, 1e6});
-  o.within_s =
-      SFromMs(map.NumberOr("within_ms", o.within_s / SFromMs(1.0), {0.1, 1e4}));
+  ReadNumbers(name, &map, &o);
+  o.retries = static_cast<int>(map.IntegerOr("retries", o.retries, 0, 10));
   map.NoMoreKeys();
   return step;
 }

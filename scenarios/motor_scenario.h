@@ -23,9 +23,10 @@ struct MotorEffectSpec {
 
 /// One entry of a motor stage's `calibrate:`.
 struct MotorStep {
-  std::string name{};  ///< servo_home, ..., gcode.
+  std::string name{};  ///< servo_home, ..., gcode, power_cut.
   MotorOptions options{};
-  std::vector<std::string> lines{};  ///< Of gcode.
+  std::vector<std::string> lines{};  ///< Of gcode and power_cut.
+  std::uint64_t after_bytes = 0;     ///< Of power_cut: that many are stored yet.
 };
 
 /// What a motor stage's scenario has of its own; about, machine, seed and fidelity are

@@ -78,7 +78,12 @@ std::span<const Word> MotorProcedureWords() {
           "The gap between motor and carriage. as_published reads the motor's own "
           "counter twice: distance_mm (10) for any gap. corrected approaches one place "
           "from both sides and reads a gauge (instruments: {laser: {sigma_um: 0.5}}); "
-          "beyond tolerance_mm (0.2) the operator is called."}};
+          "beyond tolerance_mm (0.2) the operator is called."},
+      Word{"power_cut",
+           "A step: the power goes while lines are obeyed, after after_bytes (0) more "
+           "bytes of the flash, and comes back: what the flash holds is in force, and "
+           "no "
+           "axis is homed. lines: [M500 X]."}};
   return kWords;
 }
 

@@ -50,6 +50,50 @@ TEST(MotorScenario, NamesWhatItCannotDo) {
               HasSubstr("changes nothing"));
 }
 
+// An option that a procedure does not heed would be ignored in silence.
+TEST(MotorScenario, OptionsThatAProcedureDoesNotHeedAreRefused) {
+  for (const char* step : {"servo_home: {axis: x, tolerance_mm: 1}",
+                           "motor_backlash: {axis: x, touches: 3}",
+                           "index_verify: {axis: x, repeats: 3}",
+                           "emergency_stop: {axes: [x], margin_mm: 3}",
+                           "power_cut: {axis: x}"}) {
+    EXPECT_THAT(FaultOf("calibrate: [{" + std::string(step) + "}]\n"),
+                HasSubstr("has no key"))
+        << step;
+  }
+}
+
+// 128 bytes a record: cut before its last byte the old one counts, after it the new.
+TEST(MotorScenario, APowerCutLeavesTheOldRecordOrTheNew) {
+  for (const auto& [bytes, home] : {std::pair("0", "X:0"),
+                                    std::pair("127", "X:0"),
+                                    std::pair("128", "X:77"),
+                                    std::pair("500", "X:77")}) {
+    const RunResult result = RunScenario(
+        ReadText("calibrate: [{gcode: {lines: [\"M500 X\", \"M206 X77\"]}}, "
+                 "{power_cut: {lines: [\"M500 X\"], after_bytes: " +
+                 std::string(bytes) + "}}, {gcode: {lines: [\"M206 X\"]}}]\n"),
+        {});
+    EXPECT_EQ(result.messages.back(), home) << bytes;
+  }
+}
+
+TEST(EmergencyStop, ForetellsAndThenSeesAnUnknownLoad) {
+  for (const auto& [load_kg, warnings] : {std::pair(0.0, 0), std::pair(40.0, 1)}) {
+    BuiltMotorStage built = BuiltAsDrawn(DrawnMotorStage());
+    built.motors[0].drawing.load_inertia += load_kg;
+    built.faults[0].start_unit = 20;
+    MotorBenchInATest bench(built);
+    bench.axes.SetZero(0, 0);
+
+    const MotorResult stopped =
+        RunEmergencyStop(&bench.axes, {.axes = {0}, .medium = 1});
+
+    EXPECT_EQ(stopped.found.warnings, warnings) << stopped.result.fault;
+    EXPECT_TRUE(*stopped.found.stop_feasible);
+  }
+}
+
 TEST(MotorScenario, DrawsNumbersFromDistributionsAlikeForOneSeed) {
   const Scenario scenario = ReadText(
       "effects: {backlash.x: {gap_mm: {uniform: {min: 0.01, max: 0.1}}}}\n"
