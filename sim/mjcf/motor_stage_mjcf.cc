@@ -71,11 +71,12 @@ void SetAxis(mjSpec* spec,
 
 ModelPtr CompileMotorStage(const std::filesystem::path& file,
                            const BuiltMotors& motors,
-                           double timestep_s) {
+                           double timestep_s,
+                           bool with_looks) {
   const SpecPtr spec = ReadSpec(file);
   CheckNames(spec.get(), file.string());
   spec->option.timestep = timestep_s;
-  spec->compiler.discardvisual = 1;
+  spec->compiler.discardvisual = with_looks ? 0 : 1;
   for (std::size_t i = 0; i < kNumMotorAxes; ++i) {
     SetAxis(spec.get(), MotorAxisName(i), motors[i], timestep_s);
   }

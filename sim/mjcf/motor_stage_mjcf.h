@@ -10,8 +10,10 @@ namespace caltwin {
 /// The MuJoCo model of a motor stage with those motors, mm and deg outside. Names are
 /// those of models/motor_stage/model.xml: joints `x_motor` and `x`, body `x`, tendon
 /// `x_play`, equality `x_rigid` of every axis; throws InputError where one is missing.
+/// @param with_looks  with what is only there to be drawn
 ModelPtr CompileMotorStage(const std::filesystem::path& file,
                            const BuiltMotors& motors,
-                           double timestep_s);
+                           double timestep_s,
+                           bool with_looks = false);
 
 }  // namespace caltwin

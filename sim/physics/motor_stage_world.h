@@ -25,6 +25,9 @@ class MotorStageWorld {
   double MotorSpeed_unit_s(std::size_t axis) const;
   double CarriageAt(std::size_t axis) const;
 
+  const mjModel* model() const { return model_.get(); }
+  mjData* data() const { return data_.get(); }
+
  private:
   ModelPtr model_;
   std::unique_ptr<mjData, DeleteData> data_;

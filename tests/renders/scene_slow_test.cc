@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "renders/machine_scene.h"
+#include "renders/motor_stage_scene.h"
 #include "renders/run_pictures.h"
 #include "renders/scene.h"
 #include "sim/base/text_file.h"
@@ -124,6 +125,22 @@ TEST(Scene, OfAMachineWithoutAModelShowsTheGenericOne) {
   config.machine.model.clear();
 
   EXPECT_GT(NumColours(MachinePicture(config, 1, Small())), 20);
+}
+
+TEST(MotorStageScene, ShowsEachCarriageBesideItsRail) {
+  const MotorStageDrawing drawing =
+      ReadMotorStage(CALTWIN_SOURCE_DIR "/models/motor_stage/machine.yaml");
+  BuiltMotorStage built{.drawing = drawing};
+  for (std::size_t i = 0; i < kNumMotorAxes; ++i) {
+    built.motors[i].drawing = drawing.axes[i];
+  }
+  const MotorStageScene scene(built, /*exaggerate=*/1);
+  const Picture before = DrawScene(scene.model(), scene.data(), Small());
+  built.faults[0].start_unit += 50;
+  const MotorStageScene moved(built, /*exaggerate=*/1);
+
+  EXPECT_GT(NumColours(before), 100);
+  EXPECT_NE(before.rgb, DrawScene(moved.model(), moved.data(), Small()).rgb);
 }
 
 TEST(MachineScene, PutsTheTipWhereTheMotorsAre) {

@@ -9,6 +9,7 @@
 
 #include "renders/delta_scene.h"
 #include "renders/machine_scene.h"
+#include "renders/motor_stage_scene.h"
 #include "renders/triple_z_scene.h"
 #include "scenarios/file_kind.h"
 #include "scenarios/machine_file.h"
@@ -39,13 +40,7 @@ struct Options {
 TwinConfig ConfigOf(const fs::path& file) {
   const FileKind kind = KindOf(file);
   if (kind == FileKind::kScenario) {
-    const Scenario scenario = ReadScenario(file);
-    if (scenario.motor) {
-      throw InputError({.file = file.string()},
-                       "a motor stage is not drawn",
-                       "any MuJoCo viewer opens models/motor_stage/model.xml");
-    }
-    return MakeTwinConfig(scenario);
+    return MakeTwinConfig(ReadScenario(file));
   }
   if (kind == FileKind::kMachine) {
     const MachineFile machine = ReadMachineFile(file);
@@ -106,6 +101,22 @@ std::optional<TripleZScene> TripleZOf(const Options& options) {
                       options.exaggerate);
 }
 
+/// The motor stage that the file describes; nullopt where it is none.
+std::optional<MotorStageScene> MotorStageOf(const Options& options) {
+  const fs::path file = options.file;
+  if (KindOf(file) == FileKind::kScenario) {
+    const Scenario scenario = ReadScenario(file);
+    if (!scenario.motor) return std::nullopt;
+    return MotorStageScene(DrawMotorStage(*scenario.motor, scenario.seed, /*sample=*/0),
+                           options.exaggerate);
+  }
+  if (!IsMotorStage(file)) return std::nullopt;
+  return MotorStageScene(DrawMotorStage({.drawing = ReadMotorStage(file)},
+                                        /*seed=*/1,
+                                        /*sample=*/0),
+                         options.exaggerate);
+}
+
 void Draw(const Options& options, const mjModel* model, mjData* data) {
   CheckCamera(model, options.camera);
   WritePng(options.out,
@@ -124,6 +135,10 @@ int Render(const Options& options) {
                      "pictures are PNG files");
   }
   RefuseOverwriting({{"the file", options.file}}, {{"--out", options.out}});
+  if (const auto stage = MotorStageOf(options)) {
+    Draw(options, stage->model(), stage->data());
+    return kPassed;
+  }
   if (const auto delta = DeltaOf(options)) {
     Draw(options, delta->model(), delta->data());
     return kPassed;
