@@ -1,6 +1,7 @@
 #include "scenarios/triple_z_runner.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <ctime>
 #include <limits>
@@ -8,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "calibration/triple_z/doing.h"
 #include "scenarios/interrupt.h"
 #include "scenarios/interruptible_link.h"
 #include "scenarios/judging.h"
@@ -77,19 +79,51 @@ class TripleZRun {
   }
 
  private:
+  static TripleZResult Sent(const TripleZStep& step, TripleZPrinter* printer) {
+    TripleZResult done;
+    for (const std::string& line : step.lines) {
+      const auto said = printer->bench().link->Send(line, std::chrono::minutes(10));
+      if (!said) return Failed(said.error(), step, printer);
+      for (const std::string& text : *said) done.result.messages.push_back(text);
+    }
+    return done;
+  }
+
+  static TripleZResult Moved(const TripleZStep& step, TripleZPrinter* printer) {
+    const auto moved =
+        printer->MoveTripleZ(step.at_mm[0], step.at_mm[1], step.heights_mm);
+    return moved ? TripleZResult{} : Failed(moved.error(), step, printer);
+  }
+
+  static TripleZResult Failed(const MachineFault& fault,
+                              const TripleZStep& step,
+                              TripleZPrinter* printer) {
+    Doing doing(step.name, step.options, printer);
+    doing.Fail(fault);
+    return doing.Take();
+  }
+
+  static TripleZResult Do(const TripleZStep& step, TripleZPrinter* printer) {
+    const TripleZOptions& o = step.options;
+    if (step.name == "move_triple_z") return Moved(step, printer);
+    if (step.name == "gcode") return Sent(step, printer);
+    if (step.name == "plane_tilt") return RunPlaneTilt(printer, o);
+    if (step.name == "rrf_levelling") return RunRrfLevelling(printer, o);
+    if (step.name == "pivots_and_wiring") return RunPivotsAndWiring(printer, o);
+    return RunBedTilt(printer, o);
+  }
+
   void Take(const TripleZStep& step, TripleZPrinter* printer, RunResult* result) {
     const TripleZOptions& o = step.options;
-    const TripleZResult done =
-        step.name == "plane_tilt"          ? RunPlaneTilt(printer, o)
-        : step.name == "rrf_levelling"     ? RunRrfLevelling(printer, o)
-        : step.name == "pivots_and_wiring" ? RunPivotsAndWiring(printer, o)
-                                           : RunBedTilt(printer, o);
+    const TripleZResult done = Do(step, printer);
     last_ = done.result;
-    const bool levels = step.name != "plane_tilt" && step.name != "pivots_and_wiring";
+    const bool levels =
+        step.name.starts_with("bed_tilt") || step.name == "rrf_levelling";
     has_levelled_ = has_levelled_ || levels;
     if (levels) reference_mm_ = o.reference_mm;
     if (done.predicted_factor) predicted_factor_ = *done.predicted_factor;
     if (done.level) validation_mm_ = done.level->mean_mm;
+    if (done.hold_out) hold_out_mm_ = done.hold_out->mean_mm;
     grew_ += static_cast<int>(
         std::ranges::count_if(done.steeper, [](double times) { return times > 1; }));
     confounded_ = confounded_ || last_.ending == Ending::kConfounded;
@@ -170,6 +204,7 @@ class TripleZRun {
     if (name == "level_error_mm.max") return after.max_mm;
     if (name == "flatness_mm.rms") return after.flat_rms_mm;
     if (name == "validation_mm.mean") return validation_mm_;
+    if (name == "hold_out_mm.mean") return hold_out_mm_;
     if (name == "machine_time_s") return result.machine_time_s;
     return predicted_factor_;
   }
@@ -231,6 +266,7 @@ class TripleZRun {
   double reference_mm_ = 0;
   double predicted_factor_ = std::numeric_limits<double>::quiet_NaN();
   double validation_mm_ = std::numeric_limits<double>::quiet_NaN();
+  double hold_out_mm_ = std::numeric_limits<double>::quiet_NaN();
   int grew_ = 0;
   bool has_levelled_ = false, confounded_ = false;
 };

@@ -11,15 +11,18 @@
 namespace caltwin {
 namespace {
 
-constexpr std::array<std::string_view, 5> kProcedures = {"plane_tilt",
+constexpr std::array<std::string_view, 7> kProcedures = {"plane_tilt",
                                                          "bed_tilt",
                                                          "bed_tilt_iterated",
                                                          "rrf_levelling",
-                                                         "pivots_and_wiring"};
-constexpr std::array<const char*, 6> kFigures = {"level_error_mm.mean",
+                                                         "pivots_and_wiring",
+                                                         "move_triple_z",
+                                                         "gcode"};
+constexpr std::array<const char*, 7> kFigures = {"level_error_mm.mean",
                                                  "level_error_mm.max",
                                                  "flatness_mm.rms",
                                                  "validation_mm.mean",
+                                                 "hold_out_mm.mean",
                                                  "machine_time_s",
                                                  "predicted_factor"};
 
@@ -39,15 +42,21 @@ void ReadGrid(YamlMap* map, TripleZOptions* options) {
   if (numbers.size() != 2) return;
   options->columns = static_cast<int>(numbers[0]);
   options->rows = static_cast<int>(numbers[1]);
+  if (options->at_screws && !options->holds_out) {
+    grid->Fail("is not touched with `at: screws`", "leave one of them out");
+  }
 }
 
-// What several of the procedures have.
-void ReadProbing(YamlMap* map, TripleZOptions* options) {
-  ReadGrid(map, options);
+// Where the bed is touched; for pivots always three by three.
+void ReadProbing(const std::string& name, YamlMap* map, TripleZOptions* options) {
   options->margin_mm = map->NumberOr("margin_mm", options->margin_mm, {0, 100});
+  if (name == "pivots_and_wiring") return;
   if (const auto at = map->Optional("at")) {
     options->at_screws = at->Word({"grid", "screws"}) == "screws";
   }
+  const auto hold_out = map->Optional("hold_out");
+  options->holds_out = hold_out && hold_out->Flag();
+  ReadGrid(map, options);
 }
 
 void ReadLevelling(YamlMap* map, TripleZOptions* options) {
@@ -64,13 +73,23 @@ void ReadRounds(YamlMap* map, int otherwise, TripleZOptions* options) {
   options->target_mm = map->NumberOr("target_mm", options->target_mm, {0, 10});
 }
 
-std::vector<TripleZStep> ReadSteps(const YamlValue& list) {
-  std::vector<TripleZStep> steps;
-  for (const NamedStep& step :
-       ReadNamedSteps(list, kProcedures, "procedure of a triple-Z printer")) {
-    steps.push_back(ReadTripleZStep(step.name, step.options));
+// move_triple_z: {at_mm: [x, y], heights_mm: [z1, z2, z3]}; gcode: {lines: [...]}. The
+// printer itself bounds heights.
+void ReadMoves(const std::string& name, YamlMap* map, TripleZStep* step) {
+  if (name == "gcode") {
+    const auto lines = map->Required("lines");
+    if (!lines) return;
+    for (const YamlValue& line : lines->List()) step->lines.push_back(line.Text());
+    return;
   }
-  return steps;
+  const auto at = map->Required("at_mm");
+  const auto heights = map->Required("heights_mm");
+  const auto at_mm = at ? at->Numbers(2, {-1e4, 1e4}) : std::vector<double>{};
+  const auto heights_mm =
+      heights ? heights->Numbers(3, {-1e4, 1e4}) : std::vector<double>{};
+  if (at_mm.size() != 2 || heights_mm.size() != 3) return;
+  step->at_mm = {at_mm[0], at_mm[1]};
+  step->heights_mm = {heights_mm[0], heights_mm[1], heights_mm[2]};
 }
 
 std::vector<std::string> ValueNames() {
@@ -168,31 +187,51 @@ void RequireBuildable(const InjectedSpec& spec, Faults* faults) {
               "`caltwin simulate --truth` has them");
 }
 
-}  // namespace
-
 TripleZStep ReadTripleZStep(const std::string& name, const YamlValue& value) {
   TripleZStep step{.name = name};
-  TripleZOptions& o = step.options;
   YamlMap map = MapOf(value);
+  if (name == "move_triple_z" || name == "gcode") {
+    ReadMoves(name, &map, &step);
+    map.NoMoreKeys();
+    return step;
+  }
+  TripleZOptions& o = step.options;
   o.is_as_published =
       map.WordOr("variant", "corrected", {"as_published", "corrected"}) ==
       "as_published";
-  ReadProbing(&map, &o);
+  const bool finds_pivots = name == "pivots_and_wiring";
+  if (finds_pivots) {
+    o.from_rounds =
+        map.WordOr("from", "single_screws", {"single_screws", "rounds"}) == "rounds";
+  }
+  ReadProbing(name, &map, &o);
+  if (finds_pivots && o.from_rounds) {
+    o.largest_mm = map.NumberOr("largest_mm", o.largest_mm, {0, 250});
+  }
   if (name == "bed_tilt" || name == "bed_tilt_iterated") ReadLevelling(&map, &o);
   if (name == "plane_tilt")
     o.reference_mm = map.NumberOr("reference_mm", 0, {-50, 250});
   o.iterates = name == "bed_tilt_iterated";
   if (o.iterates) ReadRounds(&map, 5, &o);
   if (name == "rrf_levelling") ReadRounds(&map, 2, &o);
-  // To tell wiring half a millimetre does, to tell places more is better.
-  const double test_mm = name == "pivots_and_wiring" ? 2 : 0.5;
-  if (name != "plane_tilt") o.test_mm = map.NumberOr("test_mm", test_mm, {0.01, 10});
-  if (name == "pivots_and_wiring") {
-    o.from_rounds =
-        map.WordOr("from", "single_screws", {"single_screws", "rounds"}) == "rounds";
+  const bool foretells = (o.iterates || name == "rrf_levelling") && !o.is_as_published;
+  if (foretells || (finds_pivots && !o.from_rounds)) {
+    // To tell wiring half a millimetre does, to tell places more is better.
+    o.test_mm = map.NumberOr("test_mm", finds_pivots ? 2 : 0.5, {0.01, 10});
   }
   map.NoMoreKeys();
   return step;
+}
+
+}  // namespace
+
+std::vector<TripleZStep> ReadTripleZSteps(const YamlValue& list) {
+  std::vector<TripleZStep> steps;
+  for (const NamedStep& step :
+       ReadNamedSteps(list, kProcedures, "procedure of a triple-Z printer")) {
+    steps.push_back(ReadTripleZStep(step.name, step.options));
+  }
+  return steps;
 }
 
 TripleZScenario ReadTripleZScenario(YamlMap* map,
@@ -221,7 +260,7 @@ TripleZScenario ReadTripleZScenario(YamlMap* map,
     by_name.NoMoreKeys();
   }
   if (const auto calibrate = map->Required("calibrate")) {
-    scenario.calibrate = ReadSteps(*calibrate);
+    scenario.calibrate = ReadTripleZSteps(*calibrate);
   }
   if (const auto expect = map->Optional("expect")) {
     ReadExpectation(expect->Map(), &scenario);

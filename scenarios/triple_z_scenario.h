@@ -16,8 +16,11 @@ namespace caltwin {
 
 /// One entry of a triple-Z printer's `calibrate:`.
 struct TripleZStep {
-  std::string name{};  ///< plane_tilt, bed_tilt, bed_tilt_iterated, ...
+  std::string name{};  ///< plane_tilt, bed_tilt, ..., move_triple_z, gcode.
   TripleZOptions options{};
+  Eigen::Vector2d at_mm = Eigen::Vector2d::Zero();  ///< Of move_triple_z: the nozzle,
+  Vec3<double> heights_mm = Vec3<double>::Zero();   ///< and the screws.
+  std::vector<std::string> lines{};                 ///< Of gcode.
 };
 
 /// What a triple-Z printer's scenario has of its own; about, machine, seed and fidelity
@@ -31,7 +34,7 @@ struct TripleZScenario {
   std::string outcome = "recovers";
   std::vector<DeltaExpectedValue> values{};
   /// `level_error_mm.mean`, `.max`, `flatness_mm.rms`, `machine_time_s`,
-  /// `predicted_factor`, `validation_mm.mean`.
+  /// `predicted_factor`, `validation_mm.mean`, `hold_out_mm.mean`.
   std::vector<std::pair<std::string, Within>> figures{};
   std::vector<std::string> messages{};
 };
@@ -49,7 +52,7 @@ BuiltTripleZ DrawTripleZ(const TripleZScenario& scenario,
                          std::uint64_t seed,
                          std::uint64_t sample);
 
-/// The step of that name with its options; what `calibrate:` has in it.
-TripleZStep ReadTripleZStep(const std::string& name, const YamlValue& options);
+/// The steps of `calibrate:`.
+std::vector<TripleZStep> ReadTripleZSteps(const YamlValue& list);
 
 }  // namespace caltwin

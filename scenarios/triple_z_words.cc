@@ -16,7 +16,13 @@ std::span<const Word> TripleZProcedureWords() {
           "corrected raises by reference - z, and undoes what validates worse. "
           "as_published takes offsets: example (z less the smallest, which doubles the "
           "tilt) or formula (reference - z less the smallest: level, at another "
-          "height)."},
+          "height). hold_out: true touches the middles of the grid's cells afterwards, "
+          "which were not fitted."},
+      Word{"move_triple_z",
+           "A step: the nozzle to at_mm [x, y], the screws to heights_mm [z1, z2, z3], "
+           "0 "
+           "to the top each; homes if needed, waits. What lies outside is refused and "
+           "nothing moves."},
       Word{"bed_tilt_iterated",
            "bed_tilt again until the mean error is below target_mm, at most rounds "
            "times. "

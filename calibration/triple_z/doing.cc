@@ -20,6 +20,22 @@ Estimate SlopeEstimate(const std::string& name, const Uncertain& slope) {
           .budget = in_mrad.budget};
 }
 
+// The grid that has a point in the middle of each cell of the probed one.
+std::vector<Eigen::Vector2d> CellMiddles(const TripleZBench& bench,
+                                         const TripleZOptions& o) {
+  std::vector<Eigen::Vector2d> middles;
+  const Eigen::Vector2d cells(o.columns - 1, o.rows - 1);
+  const Eigen::Vector2d from_mm = Eigen::Vector2d::Constant(o.margin_mm);
+  const Eigen::Vector2d cell_mm = (bench.most_mm - 2 * from_mm).cwiseQuotient(cells);
+  for (int j = 0; j < o.rows - 1; ++j) {
+    for (int i = 0; i < o.columns - 1; ++i) {
+      const Eigen::Vector2d at(i + 0.5, j + 0.5);
+      middles.emplace_back(from_mm + at.cwiseProduct(cell_mm));
+    }
+  }
+  return middles;
+}
+
 }  // namespace
 
 std::vector<Eigen::Vector2d> PointsOf(const TripleZPrinter& printer,
@@ -67,6 +83,42 @@ std::string WordsOfLevel(const LevelReport& report) {
       report.max_mm,
       report.std_mm,
       report.mean_mm < 0.1 ? "" : "; above the 0.1 mm that are asked");
+}
+
+bool HoldOut(TripleZPrinter* printer,
+             const TripleZOptions& o,
+             const BedPlane& expected,
+             Doing* doing) {
+  if (!o.holds_out || doing->done().result.ending != Ending::kDone) return true;
+  auto touches = doing->Got(printer->ProbeAll(CellMiddles(printer->bench(), o)));
+  if (!touches) return false;
+  for (BedTouch& touch : *touches) touch.height_mm -= expected.At_mm(touch.at_mm);
+  const LevelReport report = ReportLevel(*touches, 0);
+  doing->done().hold_out = report;
+  doing->Say(fmt::format(
+      "hold-out: {} points that were not fitted: mean {:.4f} mm, max {:.4f}",
+      report.count,
+      report.mean_mm,
+      report.max_mm));
+  return true;
+}
+
+bool IsSmallEnough(const Vec3<double>& raise_mm,
+                   const TripleZOptions& o,
+                   Doing* doing) {
+  const double most_mm = raise_mm.cwiseAbs().maxCoeff();
+  if (most_mm <= o.largest_mm) return true;
+  doing->Refuse(
+      fmt::format("a screw would be moved by {:.3f} mm, more than {:g}: not done",
+                  most_mm,
+                  o.largest_mm));
+  return false;
+}
+
+BedPlane LevelPlane(double level_mm) {
+  BedPlane plane;
+  plane.fit.height_mm.value = level_mm;
+  return plane;
 }
 
 std::optional<std::vector<RaisedTouches>> TryScrews(TripleZPrinter* printer,

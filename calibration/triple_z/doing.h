@@ -105,12 +105,27 @@ std::optional<BedPlane> ProbePlane(TripleZPrinter* printer,
                                    Doing* doing,
                                    std::vector<BedTouch>* touches);
 
+/// Whether no screw would be moved by more than `largest_mm`; else it is refused.
+bool IsSmallEnough(const Vec3<double>& raise_mm,
+                   const TripleZOptions& options,
+                   Doing* doing);
+
 /// Touches at every stand of single screws, each back where it was; nullopt: a fault.
 std::optional<std::vector<RaisedTouches>> TryScrews(TripleZPrinter* printer,
                                                     const TripleZOptions& options,
                                                     Doing* doing);
 
 std::string WordsOfLevel(const LevelReport& report);
+
+/// Where the options ask for it: touches the middles of the grid's cells, none of which
+/// was fitted, and reports how far they are from `expected`. false: a fault.
+bool HoldOut(TripleZPrinter* printer,
+             const TripleZOptions& options,
+             const BedPlane& expected,
+             Doing* doing);
+
+/// The plane z = level.
+BedPlane LevelPlane(double level_mm);
 
 /// A direction half of one and half of the other.
 std::map<std::string, double> AlongBoth(const std::string& one, const std::string& two);

@@ -19,10 +19,12 @@ std::optional<std::vector<RaisedTouches>> WatchRounds(TripleZPrinter* printer,
     if (!touches) return std::nullopt;
     stands.push_back({printer->raised_mm() - start_mm, *std::move(touches)});
     if (i == kRounds) break;
-    const BedPlane plane =
-        FitBedPlane(stands.back().touches, printer->bench().sigma_mm);
+    const BedPlane plane = FitBedPlane(stands.back().touches,
+                                       printer->bench().sigma_mm,
+                                       printer->bench().is_sigma_stated);
     const Vec3<double> raise_mm =
         ScrewOffsets_mm(plane, printer->bench().drawn_mm, 0, OffsetRule::kLevel);
+    if (!IsSmallEnough(raise_mm, o, doing)) return std::nullopt;
     if (!doing->Did(printer->Raise(raise_mm))) return std::nullopt;
   }
   return stands;

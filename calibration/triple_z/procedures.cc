@@ -54,14 +54,7 @@ std::optional<Round> LevelOnce(TripleZPrinter* printer,
   Round round{.before = before};
   round.raise_mm =
       ScrewOffsets_mm(plane, printer->bench().drawn_mm, o.reference_mm, o.rule);
-  const double most_mm = round.raise_mm.cwiseAbs().maxCoeff();
-  if (most_mm > o.largest_mm) {
-    doing->Refuse(
-        fmt::format("a screw would be moved by {:.3f} mm, more than {:g}: not done",
-                    most_mm,
-                    o.largest_mm));
-    return std::nullopt;
-  }
+  if (!IsSmallEnough(round.raise_mm, o, doing)) return std::nullopt;
   if (!doing->Did(printer->Raise(round.raise_mm))) return std::nullopt;
   std::vector<BedTouch> touches;
   const auto again = ProbePlane(printer, o, doing, &touches);
@@ -91,6 +84,7 @@ TripleZResult RunPlaneTilt(TripleZPrinter* printer, const TripleZOptions& option
                MradFromRad(plane->b()),
                Verdict::kMeasured,
                "told by the plane's slope");
+    HoldOut(printer, options, *plane, &doing);
     if (!plane->is_told()) {
       doing.Confess("points on one line tell one slope",
                     AlongBoth("bed_tilt.slope_x_mrad", "bed_tilt.slope_y_mrad"));
@@ -143,6 +137,7 @@ TripleZResult RunBedTilt(TripleZPrinter* printer, const TripleZOptions& options)
     doing.done().level = report;
   }
   doing.Say(WordsOfLevel(report));
+  HoldOut(printer, options, LevelPlane(options.reference_mm), &doing);
   return doing.Take();
 }
 
@@ -177,6 +172,7 @@ TripleZResult RunRrfLevelling(TripleZPrinter* printer, const TripleZOptions& opt
     if (after.mean_mm < options.target_mm) break;
   }
   if (doing.done().level) doing.Say(WordsOfLevel(*doing.done().level));
+  HoldOut(printer, options, LevelPlane(0), &doing);
   return doing.Take();
 }
 

@@ -25,6 +25,7 @@ struct TripleZOptions {
   double test_mm = 0.5;      ///< How far single screws are raised to be told apart.
   bool from_rounds = false;  ///< pivots_and_wiring: from two levelling rounds.
   double largest_mm = 10;    ///< Greater corrections are refused.
+  bool holds_out = false;  ///< Afterwards, touches between the points that were fitted.
 };
 
 /// Result of a procedure, and the response of the screws where one was taken.
@@ -32,6 +33,8 @@ struct TripleZResult {
   ProcedureResult result{};
   std::optional<BedPlane> plane{};     ///< As it was found first.
   std::optional<LevelReport> level{};  ///< As it was left.
+  /// The same between the points that were fitted: what the fit cannot flatter.
+  std::optional<LevelReport> hold_out{};
   std::optional<ScrewResponse> response{};
   std::optional<double> predicted_factor{};  ///< Of each round, told beforehand.
   std::vector<double> steeper{};  ///< The tilt after each round over that before it.

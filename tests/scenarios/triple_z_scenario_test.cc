@@ -57,6 +57,53 @@ TEST(TripleZScenario, NamesWhatItCannotDo) {
               HasSubstr("offsets"));
 }
 
+// An option that a procedure does not heed would be ignored in silence.
+TEST(TripleZScenario, OptionsThatAProcedureDoesNotHeedAreRefused) {
+  for (const char* step : {"pivots_and_wiring: {grid: [5, 5]}",
+                           "pivots_and_wiring: {at: screws}",
+                           "pivots_and_wiring: {from: rounds, test_mm: 2}",
+                           "bed_tilt: {test_mm: 2}",
+                           "rrf_levelling: {variant: as_published, test_mm: 2}",
+                           "plane_tilt: {largest_mm: 2}"}) {
+    EXPECT_THAT(FaultOf("calibrate: [{" + std::string(step) + "}]\n"),
+                HasSubstr("has no key"))
+        << step;
+  }
+  EXPECT_THAT(FaultOf("calibrate: [{bed_tilt: {at: screws, grid: [5, 5]}}]\n"),
+              HasSubstr("is not touched with `at: screws`"));
+}
+
+// Three touches over the screws of a bowl fit any plane; between them the bowl shows:
+// b (r^2 / R^2 - 1) with b the corners' height over the middle.
+TEST(TripleZScenario, HoldOutShowsWhatThreeTouchesCannot) {
+  const Scenario scenario = ReadText(
+      "effects: {bed_bowl: {height_um: 400}}\n"
+      "calibrate: [{bed_tilt: {at: screws, hold_out: true}}]\n"
+      "expect: {outcome: misses, validation_mm.mean: {below: 0.003}, "
+      "hold_out_mm.mean: {above: 0.1}}\n");
+
+  const RunResult result = RunScenario(scenario, {});
+
+  EXPECT_TRUE(result.passed);
+  EXPECT_THAT(result.messages, Contains(HasSubstr("hold-out: 4 points")));
+}
+
+TEST(TripleZScenario, MovesScrewsSinglyWithinTheirBounds) {
+  const std::string beyond =
+      "calibrate: [{move_triple_z: {at_mm: [120, 120], heights_mm: [240, 251, 240]}}]\n"
+      "expect: {outcome: refused, messages: [\"z2 = 251 is outside 0 .. 250\"]}\n";
+  const std::string within =
+      "calibrate: [{move_triple_z: {at_mm: [120, 120], heights_mm: [240, 240.39, "
+      "240]}}, plane_tilt]\n"
+      "expect: {bed_tilt.slope_x_mrad: {truth_within: 3}}\n";
+
+  EXPECT_TRUE(RunScenario(ReadText(beyond), {}).passed);
+  const RunResult tilted = RunScenario(ReadText(within), {});
+  // Screw 2 stands 195 mm along x from screw 1.
+  ASSERT_FALSE(tilted.parameters.empty());
+  EXPECT_NEAR(*tilted.parameters.front().recovered, 2.0, 0.02);
+}
+
 // Three motors have one wiring; two pairs of them always share one.
 TEST(TripleZScenario, WhatNoMachineCanBeIsRefused) {
   EXPECT_THAT(FaultOf("effects: {motors_swapped.z1z2: {}, motors_swapped.z2z3: {}}\n"
