@@ -11,6 +11,7 @@
 
 #include "calibration/procedures/catalog.h"
 #include "scenarios/delta_words.h"
+#include "scenarios/figure_words.h"
 #include "scenarios/keys.h"
 #include "scenarios/motor_effects.h"
 #include "scenarios/triple_z_words.h"
@@ -122,7 +123,8 @@ std::string WordText(const Word& word, std::string_view kind) {
 // "backlash" of "backlash.x" too; every meaning of a word, for some have two.
 std::string Explanation(const std::string& name) {
   std::string text;
-  const auto effect = FindEffect(name.substr(0, name.find('.')));
+  const std::string first = name.substr(0, name.find('.'));
+  const auto effect = FindEffect(first);
   if (effect) text += EffectText(EffectAt(*effect));
   if (const Procedure* procedure = FindProcedure(name)) {
     text += ProcedureText(*procedure);
@@ -130,7 +132,8 @@ std::string Explanation(const std::string& name) {
   if (const CampaignKind* kind = FindCampaignKind(name)) text += CampaignText(*kind);
   const auto add = [&](std::span<const Word> words, std::string_view kind) {
     for (const Word& word : words) {
-      if (word.name == name) text += WordText(word, kind);
+      const bool is_meant = word.name == name || word.name == first;
+      if (is_meant) text += WordText(word, kind);
     }
   };
   add(ScenarioKeys(), "key");
@@ -143,6 +146,7 @@ std::string Explanation(const std::string& name) {
   add(TripleZProcedureWords(), "procedure of a triple-Z printer");
   add(MotorEffectWords(), "effect of a motor axis");
   add(MotorProcedureWords(), "procedure of a motor axis");
+  add(FigureWords(), "figure of a scenario");
   for (const Effect* each : AllEffects()) {
     for (const Parameter& parameter : each->parameters) {
       if (parameter.name != name || effect) continue;
@@ -183,6 +187,7 @@ std::string ListText() {
   add_names("Procedures of a triple-Z printer", TripleZProcedureWords());
   add_names("Effects of a motor axis", MotorEffectWords());
   add_names("Procedures of a motor axis", MotorProcedureWords());
+  add_names("Figures of scenarios", FigureWords());
   return text;
 }
 
@@ -242,7 +247,8 @@ std::vector<std::string> AllNames() {
                            DeltaProcedureWords(),
                            TripleZProcedureWords(),
                            MotorEffectWords(),
-                           MotorProcedureWords()}) {
+                           MotorProcedureWords(),
+                           FigureWords()}) {
     for (const Word& word : words) names.emplace_back(word.name);
   }
   return names;
