@@ -12,6 +12,7 @@
 #include "sim/measure/rows.h"
 #include "tools/commands/calibrate.h"
 #include "tools/commands/calibrate_delta.h"
+#include "tools/commands/calibrate_triple_z.h"
 #include "tools/commands/command.h"
 #include "tools/commands/progress.h"
 #include "tools/commands/terminal.h"
@@ -120,6 +121,9 @@ std::vector<ProcedureResult> Perform(const std::vector<CalibrationStep>& steps,
 int Calibrate(const Options& options) {
   if (const auto delta = DeltaToCalibrate(options)) {
     return CalibrateDeltaAtHand(options, *delta);
+  }
+  if (const auto printer = TripleZToCalibrate(options)) {
+    return CalibrateTripleZAtHand(options, *printer);
   }
   const std::vector<CalibrationStep> steps = StepsOf(options);
   RefuseOverwritten(options);
