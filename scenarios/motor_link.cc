@@ -24,6 +24,19 @@ AxisCalibration FactoryOf(const MotorAxisDrawing& d) {
           .max_acceleration_pulses_s2 = d.acceleration_unit_s2 * pulses};
 }
 
+// How much farther a motor has gone than its counter says: of an encoder the pulses it
+// lost (to a pulse; 0 where none), of a stepper whole magnetic cycles that it let go.
+double LostPulses(const MotorStageRig& rig, std::size_t axis) {
+  const MotorAxisDrawing& d = rig.built().motors[axis].drawing;
+  const double from_unit =
+      rig.State(axis).motor_unit - rig.built().faults[axis].start_unit;
+  const double gone_pulses = from_unit * d.pulses_per_unit();
+  const auto counted = static_cast<double>(rig.Count(axis));
+  if (d.is_servo) return std::floor(gone_pulses) - counted;
+  const double cycle_pulses = 4 * d.pulses_per_rev / d.full_steps_per_rev;
+  return cycle_pulses * std::round((gone_pulses - counted) / cycle_pulses);
+}
+
 }  // namespace
 
 MotorStageOptions MotorFirmwareOf(const MotorStageDrawing& drawing) {
@@ -64,11 +77,7 @@ double TrueHome(const MotorStageFirmware& firmware,
                 std::size_t axis) {
   const MotorAxisDrawing& d = rig.built().motors[axis].drawing;
   const double start_unit = rig.built().faults[axis].start_unit;
-  // A counter that lost pulses has its zero farther on; 0, or known to a pulse.
-  const double gone_pulses =
-      (rig.State(axis).motor_unit - start_unit) * d.pulses_per_unit();
-  const double lost_pulses =
-      std::floor(gone_pulses) - static_cast<double>(rig.Count(axis));
+  const double lost_pulses = LostPulses(rig, axis);
   const double zero_pulses = static_cast<double>(firmware.zero_count(axis));
   return start_unit + (zero_pulses + lost_pulses) / d.pulses_per_unit() -
          d.min_switch_unit;
