@@ -78,6 +78,15 @@ TEST(MotorScenario, APowerCutLeavesTheOldRecordOrTheNew) {
   }
 }
 
+// Towards the switch the carriage leads its motor by half the gap: the counter's way is
+// too long by that.
+TEST(OfCarriage, TakesHalfTheGapOffWhereOneIsKnown) {
+  const Uncertain gap_mm{.value = 0.05, .sd = 0.002, .identifiable = true};
+
+  EXPECT_DOUBLE_EQ(OfCarriage(6.3, gap_mm, {}).value, 6.275);
+  EXPECT_DOUBLE_EQ(OfCarriage(6.3, {.identifiable = false}, {}).value, 6.3);
+}
+
 TEST(EmergencyStop, ForetellsAndThenSeesAnUnknownLoad) {
   for (const auto& [load_kg, warnings] : {std::pair(0.0, 0), std::pair(40.0, 1)}) {
     BuiltMotorStage built = BuiltAsDrawn(DrawnMotorStage());
