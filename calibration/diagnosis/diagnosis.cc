@@ -288,6 +288,20 @@ class Reporter {
   Eigen::VectorXd spread_{};  ///< Of each of `all_`.
 };
 
+// The same again at another baseline, beginning with what was found at this one: there
+// the residual is another, and a table that fits it at first sight would hide the
+// names.
+SearchOptions Again(const SearchOptions& options,
+                    const std::vector<Candidate>& candidates,
+                    const SearchResult& search) {
+  SearchOptions again = options;
+  again.start.clear();
+  for (const Found& found : search.found) {
+    again.start.push_back(candidates[found.candidate].Name());
+  }
+  return again;
+}
+
 // Beside the drawing, what is not straight in its sizes leaves the rest of itself as a
 // finding or as noise: searched again with columns that lead to where it was found.
 void WeighWhereFound(const Observed& observed,
@@ -298,7 +312,7 @@ void WeighWhereFound(const Observed& observed,
   for (int round = 0; round < kRounds; ++round) {
     const std::vector<Bent> bent = Bend(observed, *candidates, *search);
     if (!TakeWhereFound(bent, *search, candidates)) return;
-    *search = Search(observed, *candidates, options);
+    *search = Search(observed, *candidates, Again(options, *candidates, *search));
   }
 }
 
@@ -332,8 +346,9 @@ Diagnosis Diagnose(const Observed& as_read, const DiagnoseOptions& options) {
   if (!search.found.empty() && AreApart(observed, moved)) {
     say("the baseline lies elsewhere beside what was found: weighing again");
     observed = moved;
+    const SearchOptions again = Again(options.search, candidates, search);
     candidates = AllCandidates(observed);
-    search = Search(observed, candidates, options.search);
+    search = Search(observed, candidates, again);
   }
   WeighWhereFound(observed, options.search, &candidates, &search);
   say("refining what was found");

@@ -17,6 +17,8 @@ struct Rival {
   /// It could imitate the finding in these rows, whatever its probability.
   bool structural = false;
   double separation = 0;  ///< lambda_sep; the square of sigmas between both.
+
+  bool operator==(const Rival&) const = default;
 };
 
 /// One cause found, before refinement.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace caltwin {
 namespace {
@@ -58,10 +59,11 @@ std::ptrdiff_t KeptRows(const std::vector<bool>& left_out) {
 
 PlainFit FitPlain(const Observed& observed,
                   const Circumstances& beside,
+                  double wander_mm2_per_s,
                   const Eigen::MatrixXd& columns_mm,
                   const Eigen::VectorXd& sizes_mm) {
   constexpr double kShown = 0.2;  // Of the near-peak.
-  const Noise noise{beside.sigma_mm, 0};
+  const Noise noise{beside.sigma_mm, wander_mm2_per_s};
   const Evidence before(observed, noise, beside.nuisances, beside.left_out);
   std::vector<Nuisance> with = beside.nuisances;
   for (Eigen::Index k = 0; k < columns_mm.cols(); ++k) {
@@ -105,8 +107,9 @@ bool LeavesTooMuch(const PlainFit& fit, Form form) {
   return fit.left - fit.doubt > most * fit.explained;
 }
 
-bool IsProven(const PlainFit& fit) {
-  return fit.left + fit.doubt < kMostClose * fit.explained;
+bool IsProven(const PlainFit& fit, double shown_of_freedom) {
+  const double part = std::min(1.0, shown_of_freedom);
+  return fit.left + fit.doubt < kMostClose * part * part * fit.explained;
 }
 
 double ShownPart(const Observed& observed,
@@ -130,14 +133,17 @@ bool IsBorrowed(const Observed& observed,
          ShownPart(observed, beside, variant.columns_mm * sizes_mm) < kLeastShown;
 }
 
-bool IsGradual(const Observed& observed,
-               const Circumstances& beside,
-               const Candidate& candidate) {
-  if (candidate.cause != kJump) return false;
+double GradualOdds_nats(const Observed& observed,
+                        const Circumstances& beside,
+                        const Candidate& candidate) {
+  constexpr double kNever = -std::numeric_limits<double>::infinity();
+  if (candidate.cause != kJump) return kNever;
   Candidate gradual = candidate;
   gradual.variants = GradualOf(candidate.variants);
-  if (gradual.variants.empty()) return false;
-  return Weigh(observed, {candidate, gradual}, beside).ranked[0].candidate == 1;
+  if (gradual.variants.empty()) return kNever;
+  const auto ranked = Weigh(observed, {candidate, gradual}, beside).ranked;
+  const double first = ranked[0].log_odds - ranked[1].log_odds;
+  return ranked[0].candidate == 1 ? first : -first;
 }
 
 bool IsAmongOutliers(const Observed& observed,

@@ -18,9 +18,11 @@ struct PlainFit {
 };
 
 /// `beside`: the baseline and all other findings. Rows where baseline and others would
-/// hide the shape say nothing of it, whatever else is wrong there.
+/// hide the shape say nothing of it, whatever else is wrong there; what a wander of the
+/// machine takes up is noise.
 PlainFit FitPlain(const Observed& observed,
                   const Circumstances& beside,
+                  double wander_mm2_per_s,
                   const Eigen::MatrixXd& columns_mm,
                   const Eigen::VectorXd& sizes_mm);
 
@@ -40,8 +42,10 @@ bool LeavesTooMuch(const PlainFit& fit, Form form = Form::kLike);
 
 /// Whether the rows prove a shape of which the rest takes up nearly all: what it leaves
 /// is less than 0.04 of what it explains, a fifth of its height, even where noise hides
-/// a standard deviation of it.
-bool IsProven(const PlainFit& fit);
+/// a standard deviation of it. `shown_of_freedom`: how much of it shows, in parts of
+/// what shows of all that its form may differ by; below 1 what is left has to be less
+/// by the square of that, for so much may be the form's.
+bool IsProven(const PlainFit& fit, double shown_of_freedom);
 
 /// How much of a shape shows beside the rest: the root of its squares, in sigma, over
 /// those of all of it. 1: all; 0: the rest takes it up whole.
@@ -58,12 +62,12 @@ bool IsBorrowed(const Observed& observed,
                 const Candidate& candidate,
                 const Weighed& weighed);
 
-/// Whether a jump is told no better than a gradual change of the same rows: a ramp over
-/// several of them, or a creep that slows down. The rows next to a jump tell both
-/// apart. False for causes that do not jump.
-bool IsGradual(const Observed& observed,
-               const Circumstances& beside,
-               const Candidate& candidate);
+/// By how many nats a gradual change of the same rows, a ramp over several of them or a
+/// creep that slows down, is likelier than a jump. The rows next to a jump tell both
+/// apart. Minus infinity for causes that do not jump.
+double GradualOdds_nats(const Observed& observed,
+                        const Circumstances& beside,
+                        const Candidate& candidate);
 
 /// Whether the rows next to a jump are full of outliers: then the readings were
 /// disturbed there, and no level can be told from them. False for causes that do not

@@ -11,6 +11,7 @@
 
 #include "calibration/diagnosis/diagnosis_words.h"
 #include "calibration/diagnosis/gain.h"
+#include "calibration/diagnosis/known_size.h"
 #include "calibration/diagnosis/noise.h"
 #include "calibration/diagnosis/own_shape.h"
 #include "calibration/diagnosis/refit.h"
@@ -21,41 +22,7 @@
 namespace caltwin {
 namespace {
 
-// Whether the rows tell how large it is: not where it stands at the end of what is
-// possible, nor where it (of several sizes each) may as well be nothing. What a kelvin
-// does to a material is known: ten times the usual is something else.
-bool HasSize(const Candidate& candidate, const Refined& refined) {
-  if (candidate.cause == "homing_scatter") return true;  // Its size is a scatter.
-  constexpr double kLeast_sds = 2;
-  constexpr double kAtEnd = 1e-6;
-  constexpr double kMostOfUsual = 10;
-  const auto parameters = EffectAt(candidate.effect).parameters;
-  bool is_something = false;
-  for (std::size_t p = 0; p < parameters.size(); ++p) {
-    if (parameters[p].role != Role::kSize) continue;
-    const double size = refined.effect.values[p];
-    const double end = kAtEnd * (parameters[p].max - parameters[p].min);
-    is_something |= std::abs(size) >= kLeast_sds * refined.sds[p];
-    if (size > parameters[p].max - end) return false;
-    if (size < parameters[p].min + end) return false;
-    const bool is_per_kelvin = parameters[p].unit.find('K') != std::string_view::npos;
-    const double of_usual = refined.sizes_mm.norm() / refined.variant.usual_mm;
-    if (is_per_kelvin && of_usual > kMostOfUsual) return false;
-  }
-  return is_something;
-}
-
-// Whether the rows last long enough to tell a growth that levels off from a drift with
-// no end: its time constant stays within those that they can show.
-bool SeesItsEnd(const Candidate& candidate, const Refined& refined) {
-  if (candidate.cause != "frame_growth") return true;
-  constexpr double kAtEnd = 0.99;
-  double longest_s = 0;
-  for (const Variant& variant : candidate.variants) {
-    longest_s = std::max(longest_s, variant.forms[0]);
-  }
-  return refined.variant.forms[0] < kAtEnd * longest_s;
-}
+const double kSure_nats = std::log(20.0);  // What a name is given or taken at.
 
 class Scrutiny {
  public:
@@ -82,31 +49,16 @@ class Scrutiny {
     }
   }
 
-  // Where much remains that the named causes should have explained, where the rows do
-  // not tell how large they are, and where a name's own shape is not what the rows
-  // show, they lose their names.
+  // Names that the rows do not bear out; then, until all stand, names whose size they
+  // no longer tell beside the tables that took the place of others. (Shapes were judged
+  // beside the names: a table takes up part of any.)
   void DoubtNames() {
-    constexpr double kLeastShare = 0.7;
-    if (found().empty()) return;
-    const std::vector<Refined> refined = Refit(observed_, candidates_, search_);
-    const std::vector<double> shares =
-        GainOf(observed_, candidates_, search_, refined, GainDepth::kBlocks).shares;
-    const double explained = std::accumulate(shares.begin(), shares.end(), 0.0);
-    for (std::size_t i = found().size(); i-- > 0;) {
-      const Candidate& candidate = candidates_[found()[i].candidate];
-      if (candidate.is_free()) continue;
-      if (found()[i].lost_its_name) {  // No table has its variables.
-        found()[i].rivals.clear();
-        continue;
-      }
-      const bool explains_little = explained < kLeastShare && !IsBeyondPrediction(i);
-      if (explains_little || !HasSize(candidate, refined[i]) ||
-          !SeesItsEnd(candidate, refined[i]) || !ShowsItsShape(i, refined[i])) {
-        found()[i].lost_its_name = true;
-        SetFree(i);
-        MergeEqual(i);
-      }
+    constexpr int kRounds = 8;
+    bool is_other = DoubtEach(/*of_all=*/true);
+    for (int round = 1; is_other && round < kRounds; ++round) {
+      is_other = DoubtEach(/*of_all=*/false);
     }
+    for (std::size_t i = 0; i < found().size(); ++i) AddGradual(i);
   }
 
   // A table without a name is of use for what it foretells: where it is no third of
@@ -148,6 +100,108 @@ class Scrutiny {
 
  private:
   std::vector<Found>& found() { return search_.found; }
+
+  // Where much remains that the named causes should have explained, where the rows do
+  // not tell how large they are, and where a name's own shape is not what the rows
+  // show, they lose their names. Whether any did. `of_all`: else of size alone.
+  bool DoubtEach(bool of_all) {
+    constexpr double kLeastShare = 0.7;
+    if (found().empty()) return false;
+    const std::vector<Refined> refined = Refit(observed_, candidates_, search_);
+    const bool explain_little = of_all && Explained(refined) < kLeastShare;
+    bool is_other = false;
+    for (std::size_t i = found().size(); i-- > 0;) {
+      const Found before = found()[i];
+      const Candidate& candidate = candidates_[before.candidate];
+      if (candidate.is_free()) continue;
+      if (before.lost_its_name) {  // No table has its variables.
+        found()[i].rivals.clear();
+        continue;
+      }
+      const bool explains_little = explain_little && !IsBeyondPrediction(i);
+      const bool is_there =
+          !explains_little && (!of_all || ShowsItsShape(i, refined[i]));
+      if (is_there && IsSizeKnown(candidate, refined[i])) continue;
+      is_other = true;
+      if (!is_there || !GiveToRival(i)) TakeName(i);
+    }
+    return is_other;
+  }
+
+  // Of what can be explained, by all names. A wander of the machine cannot.
+  double Explained(const std::vector<Refined>& refined) const {
+    if (search_.wander_mm2_per_s == 0) {
+      const std::vector<double> shares =
+          GainOf(observed_, candidates_, search_, refined, GainDepth::kBlocks).shares;
+      return std::accumulate(shares.begin(), shares.end(), 0.0);
+    }
+    const Circumstances& baseline = search_.circumstances;
+    const Noise noise{baseline.sigma_mm, search_.wander_mm2_per_s};
+    const auto beyond_noise = [&](const std::vector<Nuisance>& nuisances) {
+      const Evidence evidence(observed_, noise, nuisances, baseline.left_out);
+      return evidence.chi2() - evidence.dof();
+    };
+    std::vector<Nuisance> all = baseline.nuisances;
+    const auto more = NuisancesOfAll(observed_, candidates_, search_.found);
+    all.insert(all.end(), more.begin(), more.end());
+    const double before = std::max(beyond_noise(baseline.nuisances), 1e-300);
+    return 1 - beyond_noise(all) / before;
+  }
+
+  void TakeName(std::size_t i) {
+    found()[i].lost_its_name = true;
+    SetFree(i);
+    MergeEqual(i);
+  }
+
+  // The rows do not tell how large it is, but they may tell how large a rival is that
+  // explains them about as well: then it stands in its place, with the same set.
+  bool GiveToRival(std::size_t i) {
+    constexpr double kLikely = 0.05;
+    const Found before = found()[i];
+    for (const Rival& rival : before.rivals) {
+      const Candidate& other = candidates_[rival.candidate];
+      const bool is_found =
+          std::ranges::find(found(), rival.candidate, &Found::candidate) !=
+          found().end();
+      if (other.is_free() || is_found || rival.probability < kLikely) continue;
+      const Weighed weighed = Weigh(observed_, {other}, CircumstancesBut(i)).ranked[0];
+      Found& instead = found()[i];
+      instead.candidate = rival.candidate;
+      instead.variant = other.variants[weighed.variant];
+      instead.sizes_mm = weighed.sizes_mm;
+      instead.scale_mm = weighed.scale_mm;
+      instead.probability = rival.probability;
+      std::erase(instead.rivals, rival);
+      instead.rivals.push_back(
+          {.candidate = before.candidate, .probability = before.probability});
+      const Refined refined = Refit(observed_, candidates_, search_)[i];
+      if (IsSizeKnown(other, refined) && ShowsItsShape(i, refined)) return true;
+      found()[i] = before;
+    }
+    return false;
+  }
+
+  // A jump that is not sure to be none of the gradual kind has the table over time as a
+  // rival.
+  void AddGradual(std::size_t i) {
+    constexpr double kDoubtful = 0.05;
+    Found& own = found()[i];
+    const Candidate& candidate = candidates_[own.candidate];
+    if (candidate.is_free() || own.lost_its_name) return;
+    const double odds_nats = GradualOdds_nats(observed_, NamedBut(i), candidate);
+    const double is_gradual = 1 / (1 + std::exp(-odds_nats));
+    if (is_gradual < kDoubtful) return;
+    const Found table =
+        FreeInstead(observed_, candidates_, CircumstancesBut(i), found()[i]);
+    if (!candidates_[table.candidate].is_free()) return;
+    std::erase_if(own.rivals, [&](const Rival& rival) {
+      return rival.candidate == table.candidate;
+    });
+    own.rivals.push_back(
+        {.candidate = table.candidate, .probability = is_gradual * own.probability});
+    own.probability *= 1 - is_gradual;
+  }
 
   GainFigures Gain() const {
     return GainOf(observed_,
@@ -214,14 +268,15 @@ class Scrutiny {
     const auto& out = search_.circumstances.left_out;
     const auto leaves_too_much = [&](const Circumstances& beside) {
       const Eigen::MatrixXd& columns_mm = refined.variant.columns_mm;
-      const PlainFit fit = FitPlain(observed_, beside, columns_mm, refined.sizes_mm);
+      const PlainFit fit = FitPlain(
+          observed_, beside, search_.wander_mm2_per_s, columns_mm, refined.sizes_mm);
       return LeavesTooMuch(fit, FormOf(candidate, observed_.machine()));
     };
     const bool is_leftover =
         leaves_too_much(CircumstancesBut(i)) && leaves_too_much(PlainBut(i));
     return !is_leftover && !IsResidue(i, refined) &&
            !IsAmongOutliers(observed_, out, candidate, refined.variant) &&
-           !IsGradual(observed_, NamedBut(i), candidate);
+           GradualOdds_nats(observed_, NamedBut(i), candidate) < kSure_nats;
   }
 
   // Root sum of squares, in sigma, of what shows of columns beside the rest.
@@ -233,8 +288,8 @@ class Scrutiny {
 
   // Plates are no parabolas: where baseline and other findings take up nearly all of a
   // bend, what is left of it may be what its form differs by, and may be anything's. It
-  // is a residue unless more of it shows than of what its form may differ by, and the
-  // rows prove the shape; beside a table that could be it, they cannot.
+  // is a residue unless the rows prove the shape; beside a table that could be it, they
+  // cannot.
   bool IsResidue(std::size_t i, const Refined& refined) const {
     constexpr double kLeastShown = 0.1;
     const Candidate& candidate = candidates_[search_.found[i].candidate];
@@ -247,8 +302,11 @@ class Scrutiny {
     const Tolerance free = ToleranceOf(observed_, candidate, refined.variant);
     const Eigen::MatrixXd differs_mm =
         free.columns_mm * free.prior.cwiseSqrt().asDiagonal() * refined.sizes_mm.norm();
-    if (ShownOf(change_mm, beside) < ShownOf(differs_mm, beside)) return true;
-    return !IsProven(FitPlain(observed_, beside, columns_mm, refined.sizes_mm));
+    const double of_freedom =
+        ShownOf(change_mm, beside) / std::max(ShownOf(differs_mm, beside), 1e-300);
+    const PlainFit fit = FitPlain(
+        observed_, beside, search_.wander_mm2_per_s, columns_mm, refined.sizes_mm);
+    return !IsProven(fit, of_freedom);
   }
 
   // What unseen rows can say nothing of: homings scatter anew each time, and some

@@ -8,6 +8,7 @@
 #include "calibration/diagnosis/baseline_fit.h"
 #include "calibration/diagnosis/beside_table.h"
 #include "calibration/diagnosis/gates.h"
+#include "calibration/diagnosis/imitators.h"
 #include "calibration/diagnosis/own_shape.h"
 #include "calibration/diagnosis/stories.h"
 #include "sim/base/units.h"
@@ -18,7 +19,6 @@ namespace {
 const double kNamingOdds = std::log(20.0);
 constexpr double kPracticalSize_sigma = 0.5;
 constexpr double kFormLimit = 0.6;
-constexpr double kImitates = 9;
 // Above this no draw of noise was ever seen; the bootstrap would only say 0.
 constexpr double kBeyondDoubt_nats = 16;
 constexpr double kMostChance = 0.01;
@@ -37,6 +37,7 @@ class Searcher {
 
   SearchResult Run() {
     SettleNoise();
+    StartWithKnown();
     // What is deleted may be found again: no more rounds than could ever be of use.
     for (int round = 0; round < 2 * options_.most_findings; ++round) {
       if (static_cast<int>(found_.size()) >= options_.most_findings) break;
@@ -44,7 +45,7 @@ class Searcher {
       if (!next) break;
       found_.push_back(std::move(*next));
       if (found_.size() > 1) {
-        Swap();
+        Swap(found_.size() - 1);
         DeleteWeak();
       }
       JudgeNoise(Under(found_));
@@ -263,19 +264,42 @@ class Searcher {
                            options_.seed) <= kMostChance;
   }
 
-  // With the others in place, each finding may turn out to be another cause.
-  void Swap() {
-    for (std::size_t i = 0; i + 1 < found_.size(); ++i) {
-      auto better = Best(i);
-      if (better && better->candidate != found_[i].candidate) {
-        const bool is_there = std::ranges::any_of(found_, [&](const Found& other) {
-          return other.candidate == better->candidate;
-        });
-        if (!is_there) found_[i] = std::move(*better);
-      } else if (better) {
-        found_[i] = std::move(*better);
-      }
+  // What was found at another baseline, each of it beside those before it.
+  void StartWithKnown() {
+    for (const std::string& name : options_.start) {
+      const auto known = std::ranges::find(candidates_, name, &Candidate::Name);
+      if (known == candidates_.end()) continue;
+      const Circumstances beside = Under(found_);
+      Weighed weighed = Weigh(observed_, {*known}, beside).ranked[0];
+      weighed.candidate = static_cast<std::size_t>(known - candidates_.begin());
+      Found found = FoundFrom(beside, {}, weighed);
+      if (!IsFound(found.candidate, {})) found_.push_back(std::move(found));
     }
+    if (found_.empty()) return;
+    Swap(/*first_seen=*/0);
+    DeleteWeak();
+    JudgeNoise(Under(found_));
+  }
+
+  // With the others in place, each finding may turn out to be another cause; where one
+  // did, the others may again. From `first_seen` on, they were found beside all others.
+  void Swap(std::size_t first_seen) {
+    constexpr int kSwapRounds = 3;
+    std::size_t num = first_seen > 0 ? first_seen : found_.size();
+    for (int round = 0; round < kSwapRounds; ++round) {
+      bool is_other = false;
+      for (std::size_t i = 0; i < num; ++i) is_other |= SwapOne(i);
+      if (!is_other) return;
+      num = found_.size();
+    }
+  }
+
+  bool SwapOne(std::size_t i) {
+    auto better = Best(i);
+    if (!better || IsFound(better->candidate, i)) return false;
+    const bool is_other = better->candidate != found_[i].candidate;
+    found_[i] = std::move(*better);
+    return is_other;
   }
 
   void DeleteWeak() {
@@ -320,51 +344,13 @@ class Searcher {
   }
 
   void AddRivals(std::size_t i) {
-    Found& found = found_[i];
-    const Candidate& own = candidates_[found.candidate];
-    if (own.is_free() || found.lost_its_name) return;
-    const Evidence evidence(
-        observed_, {sigma_mm_, wander_mm2_per_s_}, BaselineAnd(found_, i), left_out_);
-    const Eigen::VectorXd effect =
-        evidence.Whiten(found.variant.columns_mm * found.sizes_mm);
-    // Beside the freedom of form of the others little may be visible; an imitation
-    // shows half of that at least.
-    constexpr double kMostLeft = 0.5;
-    const Eigen::VectorXd left = evidence.Left(effect);
-    const double visible = effect.dot(left) / (evidence.chi2() / evidence.dof());
-    for (std::size_t c = 0; c < candidates_.size(); ++c) {
-      const bool is_found = std::ranges::any_of(
-          found_, [&](const Found& other) { return other.candidate == c; });
-      if (is_found || candidates_[c].is_free()) continue;
-      const double separation = Separation(evidence, effect, candidates_[c]);
-      if (separation >= kImitates || separation > kMostLeft * visible) continue;
-      auto known = std::ranges::find(found.rivals, c, &Rival::candidate);
-      if (known == found.rivals.end()) {
-        known = found.rivals.insert(found.rivals.end(), {.candidate = c});
-      }
-      known->structural = true;
-      known->separation = separation;
-    }
-    AddPlace(i);
-    std::ranges::stable_sort(found.rivals, std::ranges::greater{}, &Rival::probability);
-  }
-
-  // Where every row before a jump lies on one side of every row after it, a step in the
-  // axis' own scale is as likely as steps lost at that time.
-  void AddPlace(std::size_t i) {
-    Found& found = found_[i];
-    const Candidate& own = candidates_[found.candidate];
-    if (!IsPlaceAsWell(observed_, own, found.variant)) return;
-    for (std::size_t c = 0; c < candidates_.size(); ++c) {
-      const Shown& shown = candidates_[c].shown;
-      const bool is_place = candidates_[c].is_free() &&
-                            shown.channel == own.shown.channel &&
-                            shown.covariates == std::vector{shown.channel};
-      if (!is_place) continue;
-      std::erase_if(found.rivals, [&](const Rival& r) { return r.candidate == c; });
-      found.probability /= 2;
-      found.rivals.push_back({.candidate = c, .probability = found.probability});
-    }
+    if (candidates_[found_[i].candidate].is_free() || found_[i].lost_its_name) return;
+    AddImitators(
+        observed_,
+        candidates_,
+        {observed_, {sigma_mm_, wander_mm2_per_s_}, BaselineAnd(found_, i), left_out_},
+        i,
+        &found_);
   }
 
   SearchResult Take() const {

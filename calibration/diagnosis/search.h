@@ -13,6 +13,9 @@ namespace caltwin {
 struct SearchOptions {
   int most_findings = 4;
   std::uint64_t seed = 1;
+  /// Names (Candidate::Name) of what was found at another baseline, the first found
+  /// first: looked at before anything else.
+  std::vector<std::string> start{};
 };
 
 /// Everything the search knows at its end.

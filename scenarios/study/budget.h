@@ -23,8 +23,8 @@ struct BudgetLine {
 ///
 /// `rest` is what the readings' noise, steps and whatever is not straight leave. Lines
 /// smaller than chance makes them (three standard deviations of c) are counted to the
-/// rest. Correlated inputs share as the regression divides them; one that those before it
-/// (by name) determine is the same input and left out.
+/// rest. Correlated inputs share as the regression divides them; one that those before
+/// it (by name) determine is the same input and left out.
 struct Budget {
   std::string name{}, unit{};
   double u = 0;                     ///< Standard deviation of the error.
