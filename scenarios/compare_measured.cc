@@ -190,7 +190,7 @@ std::vector<Task> RrfTasks() {
            Rrf<8>,
            Tilt(),
            {{"z rms um", 0.015, 0.001, Z_um}},
-           "the firmware computes in single precision, which leaves 15 nm; here in "
+           "the firmware computes in single precision, which leaves 19 nm; here in "
            "double"}};
 }
 
