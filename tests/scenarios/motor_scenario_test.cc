@@ -78,13 +78,20 @@ TEST(MotorScenario, APowerCutLeavesTheOldRecordOrTheNew) {
   }
 }
 
-// Towards the switch the carriage leads its motor by half the gap: the counter's way is
-// too long by that.
-TEST(OfCarriage, TakesHalfTheGapOffWhereOneIsKnown) {
-  const Uncertain gap_mm{.value = 0.05, .sd = 0.002, .identifiable = true};
+// It closes where it is passed and opens 0.05 mm later: a short step back leaves it
+// closed. Seen at 0.5 mm/s it is passed by less than 0.01 mm.
+TEST(LimitSwitch, OpensItsHysteresisLater) {
+  BuiltMotorStage built = BuiltAsDrawn(DrawnMotorStage());
+  built.faults[0].start_unit = -7;
+  MotorBenchInATest bench(built);
+  ASSERT_TRUE(bench.axes.SeekSwitch(0, -3, 0.5));
+  const auto after = [&](double back_mm) {
+    EXPECT_TRUE(bench.axes.MoveBy(0, back_mm, 0.5));
+    return bench.axes.IsPressed(0, /*is_min=*/true).value();
+  };
 
-  EXPECT_DOUBLE_EQ(OfCarriage(6.3, gap_mm, {}).value, 6.275);
-  EXPECT_DOUBLE_EQ(OfCarriage(6.3, {.identifiable = false}, {}).value, 6.3);
+  EXPECT_TRUE(after(0.03));
+  EXPECT_FALSE(after(0.04));
 }
 
 TEST(EmergencyStop, ForetellsAndThenSeesAnUnknownLoad) {
