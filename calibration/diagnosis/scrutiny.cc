@@ -155,9 +155,12 @@ class Scrutiny {
   }
 
   // The rows do not tell how large it is, but they may tell how large a rival is that
-  // explains them about as well: then it stands in its place, with the same set.
+  // explains them about as well: then it stands in its place, with the same set. Of a
+  // gantry, whose targets are often spaced evenly, a wave that nobody could see between
+  // them would stand for any bend: there a table takes the place.
   bool GiveToRival(std::size_t i) {
     constexpr double kLikely = 0.05;
+    if (observed_.machine().kinematics == Kinematics::kCartesian) return false;
     const Found before = found()[i];
     for (const Rival& rival : before.rivals) {
       const Candidate& other = candidates_[rival.candidate];
