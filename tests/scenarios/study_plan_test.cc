@@ -2,7 +2,6 @@
 // it is not.
 
 #include <cmath>
-#include <filesystem>
 #include <fstream>
 
 #include <gmock/gmock.h>
@@ -18,7 +17,6 @@
 namespace caltwin {
 namespace {
 
-namespace fs = std::filesystem;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
@@ -135,7 +133,8 @@ TEST_F(StudyPlanTest, SaysWhatAPlanCannotHave) {
 
 TEST_F(StudyPlanTest, AggregatesAreTheSummaryOfKeptTrials) {
   const Study study = Read(std::string(kStraight) + "  trials: 50\n");
-  StudyStore store(fs::path(::testing::TempDir()) / "aggregates_kept", study, true);
+  const TempFolder folder;
+  StudyStore store(folder / "kept", study, true);
   RunStudy(study, {}, &store);
   const CaseSummary kept = SummaryOf(study, store).cases.at(0);
   Aggregate aggregate;
@@ -160,7 +159,8 @@ TEST_F(StudyPlanTest, AggregatesAreTheSummaryOfKeptTrials) {
 // A plan leaves no position error; its worst machine is the one farthest off in sd.
 TEST_F(StudyPlanTest, WorstIsWhereTheErrorIsMostOfItsUncertainty) {
   const Study study = Read(std::string(kStraight) + "  trials: 50\n");
-  StudyStore store(fs::path(::testing::TempDir()) / "worst_of_plan", study, true);
+  const TempFolder folder;
+  StudyStore store(folder / "worst", study, true);
   RunStudy(study, {}, &store);
   Aggregate aggregate(/*is_of_plan=*/true);
   double largest_sd = 0;
