@@ -133,9 +133,9 @@ bool IsBorrowed(const Observed& observed,
          ShownPart(observed, beside, variant.columns_mm * sizes_mm) < kLeastShown;
 }
 
-double GradualOdds_nats(const Observed& observed,
-                        const Circumstances& beside,
-                        const Candidate& candidate) {
+double GradualOdds(const Observed& observed,
+                   const Circumstances& beside,
+                   const Candidate& candidate) {
   constexpr double kNever = -std::numeric_limits<double>::infinity();
   if (candidate.cause != kJump) return kNever;
   Candidate gradual = candidate;

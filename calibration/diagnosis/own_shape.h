@@ -65,9 +65,9 @@ bool IsBorrowed(const Observed& observed,
 /// By how many nats a gradual change of the same rows, a ramp over several of them or a
 /// creep that slows down, is likelier than a jump. The rows next to a jump tell both
 /// apart. Minus infinity for causes that do not jump.
-double GradualOdds_nats(const Observed& observed,
-                        const Circumstances& beside,
-                        const Candidate& candidate);
+double GradualOdds(const Observed& observed,
+                   const Circumstances& beside,
+                   const Candidate& candidate);
 
 /// Whether the rows next to a jump are full of outliers: then the readings were
 /// disturbed there, and no level can be told from them. False for causes that do not

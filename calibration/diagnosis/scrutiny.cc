@@ -192,7 +192,7 @@ class Scrutiny {
     Found& own = found()[i];
     const Candidate& candidate = candidates_[own.candidate];
     if (candidate.is_free() || own.lost_its_name) return;
-    const double odds_nats = GradualOdds_nats(observed_, NamedBut(i), candidate);
+    const double odds_nats = GradualOdds(observed_, NamedBut(i), candidate);
     const double is_gradual = 1 / (1 + std::exp(-odds_nats));
     if (is_gradual < kDoubtful) return;
     const Found table =
@@ -279,7 +279,7 @@ class Scrutiny {
         leaves_too_much(CircumstancesBut(i)) && leaves_too_much(PlainBut(i));
     return !is_leftover && !IsResidue(i, refined) &&
            !IsAmongOutliers(observed_, out, candidate, refined.variant) &&
-           GradualOdds_nats(observed_, NamedBut(i), candidate) < kSure_nats;
+           GradualOdds(observed_, NamedBut(i), candidate) < kSure_nats;
   }
 
   // Root sum of squares, in sigma, of what shows of columns beside the rest.

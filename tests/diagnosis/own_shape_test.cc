@@ -66,7 +66,7 @@ const Variant& JumpBefore(const Candidate& jump, Eigen::Index row) {
 
 TEST(OwnShape, AJumpIsNotGradual) {
   const Observed observed = Datum([](double i) { return i < kMiddle ? 0.0 : 6.0; });
-  EXPECT_LT(GradualOdds_nats(observed, Offset(), LostSteps(observed)), 0);
+  EXPECT_LT(GradualOdds(observed, Offset(), LostSteps(observed)), 0);
 }
 
 TEST(OwnShape, ACreepIsGradualThoughAJumpFitsIt) {
@@ -74,13 +74,13 @@ TEST(OwnShape, ACreepIsGradualThoughAJumpFitsIt) {
       Datum([](double i) { return 5 * (1 - std::exp(-std::max(i - 40, 0.0) / 4)); });
   const Candidate jump = LostSteps(observed);
   EXPECT_GT(Weigh(observed, {jump}, Offset()).ranked[0].log_odds, 0);
-  EXPECT_GT(GradualOdds_nats(observed, Offset(), jump), kCertain_nats);
+  EXPECT_GT(GradualOdds(observed, Offset(), jump), kCertain_nats);
 }
 
 TEST(OwnShape, ARampIsGradual) {
   const Observed observed =
       Datum([](double i) { return 8 * std::clamp((i - 30) / 30, 0.0, 1.0); });
-  EXPECT_GT(GradualOdds_nats(observed, Offset(), LostSteps(observed)), kCertain_nats);
+  EXPECT_GT(GradualOdds(observed, Offset(), LostSteps(observed)), kCertain_nats);
 }
 
 // One row stands before it; what goes on behind it, freedom of form takes up.
@@ -107,7 +107,7 @@ TEST(OwnShape, AJumpAmongManyRowsIsByMany) {
 TEST(OwnShape, OnlyJumpsCanBeGradual) {
   const Observed observed = Datum([](double i) { return i / 10; });
   const Candidate screw{.cause = "thermal_screw"};
-  EXPECT_LT(GradualOdds_nats(observed, Offset(), screw), -1e300);
+  EXPECT_LT(GradualOdds(observed, Offset(), screw), -1e300);
 }
 
 TEST(OwnShape, AShapeMayNotLeaveHalfOfItsHeight) {
