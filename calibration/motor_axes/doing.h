@@ -134,9 +134,9 @@ std::optional<double> FindMinSwitch(std::size_t axis, MotorDoing* doing);
 ///
 /// the expander's period and bus, and the way to a standstill with the acceleration in
 /// force. Neglects the servo's lag (less than a millisecond of v).
-std::optional<double> SeenLate_unit(std::size_t axis,
-                                    double speed_unit_s,
-                                    MotorDoing* doing);
+std::optional<double> SeenLate(std::size_t axis,
+                               double speed_unit_s,
+                               MotorDoing* doing);
 
 /// Standard deviation of where an axis is seen to pass a switch at that speed [mm,
 /// deg]: the switch's own scatter, and the expander's, which looks once a period.

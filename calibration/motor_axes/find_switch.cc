@@ -71,9 +71,9 @@ std::string WordsOf(std::size_t axis,
 
 }  // namespace
 
-std::optional<double> SeenLate_unit(std::size_t axis,
-                                    double speed_unit_s,
-                                    MotorDoing* doing) {
+std::optional<double> SeenLate(std::size_t axis,
+                               double speed_unit_s,
+                               MotorDoing* doing) {
   const auto acceleration_unit_s2 = doing->Got(doing->axes().Field(201, axis));
   if (!acceleration_unit_s2) return std::nullopt;
   const MotorStageDrawing& drawing = doing->axes().bench().drawing;

@@ -174,7 +174,7 @@ bool ToSwitch(Homing* homing, MotorDoing* doing) {
   if (!backed_off) return false;
   homing->at_switch = *at_switch;
   if (!doing->options().is_as_published) {
-    const auto late_unit = SeenLate_unit(axis, kSecondLook * *speed_unit_s, doing);
+    const auto late_unit = SeenLate(axis, kSecondLook * *speed_unit_s, doing);
     if (!late_unit) return false;
     homing->at_switch += std::llround(*late_unit * homing->pulses_per_unit);
   }

@@ -32,8 +32,8 @@ std::optional<Seen> TouchFinely(std::size_t axis,
                                 MotorDoing* doing) {
   MotorAxes& axes = doing->axes();
   const MotorOptions& o = doing->options();
-  const auto late_unit = SeenLate_unit(axis, o.fine_unit_s, doing);
-  const auto came_late_unit = SeenLate_unit(axis, at.came_unit_s, doing);
+  const auto late_unit = SeenLate(axis, o.fine_unit_s, doing);
+  const auto came_late_unit = SeenLate(axis, at.came_unit_s, doing);
   if (!late_unit || !came_late_unit) return std::nullopt;
   // It may stand farther beyond by half the expander's period. From too near the switch
   // would not have opened, and would be seen at once.
