@@ -9,6 +9,7 @@
 
 #include "sim/base/units.h"
 #include "sim/measure/rows.h"
+#include "tests/diagnosis/doubted.h"
 
 namespace caltwin {
 namespace {
@@ -20,33 +21,6 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
 using ::testing::SizeIs;
-
-RowTable RealAxis(const std::string& name) {
-  return ReadRows(std::string(CALTWIN_SOURCE_DIR) + "/tests/data/iso230/" + name +
-                  ".csv");
-}
-
-RowTable X() {
-  return RealAxis("ess_target_x_2022-04");
-}
-
-/// Kinds of doubt about the rows, those that refuse them with an exclamation mark.
-std::vector<std::string> KindsOf(const RowTable& table,
-                                 const DataHeader& header = {},
-                                 const Machine* machine = nullptr) {
-  std::vector<std::string> kinds;
-  for (const Doubt& doubt : Doubts(table, header, machine)) {
-    kinds.push_back(doubt.kind + (doubt.refuse ? "!" : ""));
-  }
-  return kinds;
-}
-
-/// What is said of the real X axis after something was done to each row.
-std::vector<std::string> KindsAfter(const std::function<void(Row*)>& act) {
-  RowTable table = X();
-  for (Row& row : table.rows) act(&row);
-  return KindsOf(table);
-}
 
 /// The rows of X twice, the second time as another campaign, changed.
 RowTable WithSecondCampaign(const std::function<void(Row*)>& act) {
@@ -200,71 +174,6 @@ TEST(Plausible, ASenseWrittenNoughtIsRefused) {
                                            : std::array<double, 3>{0, 1, 0};
               }),
               Not(Contains("sense_of_nought!")));
-}
-
-TEST(Plausible, TemperaturesInOtherUnits) {
-  EXPECT_THAT(KindsAfter([](Row* row) { row->temp_frame_c = 28; }), IsEmpty());
-  EXPECT_THAT(KindsAfter([](Row* row) { row->temp_frame_c = 301; }),
-              ElementsAre("temperature_unit!"));
-  EXPECT_THAT(KindsAfter([](Row* row) { row->temp_ambient_c = 68; }),
-              ElementsAre("temperature_unit"));
-  EXPECT_THAT(KindsAfter([](Row* row) { row->temp_bed_c = 105; }), IsEmpty());
-}
-
-TEST(Plausible, StatedUncertaintiesInOtherUnits) {
-  EXPECT_THAT(KindsAfter([](Row* row) { row->sigma_mm = 0.002; }), IsEmpty());
-  EXPECT_THAT(KindsAfter([](Row* row) { row->sigma_mm = 2; }),
-              ElementsAre("sigma_unit"));
-  DataHeader header;
-  header.instruments["laser"] = {.kind = "laser", .sigma_um = 2000};
-  header.campaigns["iso230_x"] = {.instrument = "laser"};
-  EXPECT_THAT(KindsOf(X(), header), ElementsAre("sigma_unit"));
-}
-
-// What is said of a stated uncertainty so many times the scatter of X's repeats.
-std::string HintOfSigma(double times) {
-  constexpr double kScatter_mm = 0.003165;
-  RowTable table = X();
-  for (Row& row : table.rows) row.sigma_mm = times * kScatter_mm;
-  const auto doubts = Doubts(table, {});
-  return doubts.size() == 1 && doubts[0].kind == "sigma_unit" ? doubts[0].hint : "";
-}
-
-TEST(Plausible, AColumnInTwoUnitsOfTemperature) {
-  const auto warm = [](Row* row) {
-    row->temp_screw_c = row->row < 40 ? 24.6 : 24.9;
-  };
-  EXPECT_THAT(KindsAfter(warm), IsEmpty());
-  EXPECT_THAT(KindsAfter([&](Row* row) {
-                warm(row);
-                if (row->row >= 40) row->temp_screw_c = 1.8 * row->temp_screw_c + 32;
-              }),
-              ElementsAre("temperature_unit!"));
-}
-
-TEST(Plausible, PositionsThatInInchesWouldFillTheTravelAreTold) {
-  const Machine machine = ReadMachine("models/gantry_router/machine.yaml");
-  const auto kinds_of = [&](double times) {
-    RowTable table = X();
-    for (Row& row : table.rows) {
-      row.cmd_mm[0] = times * (150 + 6.9317 * row.cmd_mm[0]);
-    }
-    std::vector<std::string> kinds;
-    for (const Doubt& doubt : Doubts(table, {}, &machine)) {
-      kinds.push_back(doubt.kind + (doubt.refuse ? "!" : ""));
-    }
-    return kinds;
-  };
-  EXPECT_THAT(kinds_of(1), IsEmpty());
-  EXPECT_THAT(kinds_of(1 / 25.4), Contains("position_unit"));
-}
-
-TEST(Plausible, InchesShowBesideAStatedUncertainty) {
-  EXPECT_THAT(HintOfSigma(25.4), HasSubstr("is value_mm in inches"));
-  EXPECT_THAT(HintOfSigma(1 / 25.4), HasSubstr("is the uncertainty in inches"));
-  EXPECT_THAT(HintOfSigma(1 / 39.37), HasSubstr("is value_mm in thousandths"));
-  EXPECT_EQ(HintOfSigma(12), "");
-  EXPECT_EQ(HintOfSigma(1 / 12.0), "");
 }
 
 TEST(Plausible, CampaignsThatContradictEachOther) {

@@ -12,8 +12,18 @@
 #include "tools/commands/command.h"
 #include "tools/commands/spare_files.h"
 #include "tools/commands/terminal.h"
+#include "tools/commands/twin_options.h"
 
 namespace caltwin {
+
+std::optional<MachineFile> MachineToCalibrate(const CalibrateOptions& options) {
+  const bool is_twin = options.link.starts_with("twin:");
+  const std::string machine =
+      is_twin ? TwinOptionsOf(options.link).machine : options.machine;
+  if (machine.empty()) return std::nullopt;
+  return ReadAnyMachineFile(
+      FindMachine(machine, "", {.file = is_twin ? machine : "--machine"}));
+}
 
 std::string ProceduresText(const CalibrateOptions& options) {
   std::string text = "calibrate:\n";

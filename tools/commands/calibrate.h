@@ -1,10 +1,12 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "calibration/loop/outcome.h"
+#include "scenarios/machine_file.h"
 
 namespace caltwin {
 
@@ -22,6 +24,9 @@ struct CalibrateOptions {
   bool apply = false;
   bool yes = false;
 };
+
+/// The machine that the link's twin or --machine is; none where neither names one.
+std::optional<MachineFile> MachineToCalibrate(const CalibrateOptions& options);
 
 /// `calibrate:` of a scenario with these procedures: `next_dual_dimension`, or
 /// `next_dual_dimension: {touches: 5}`; --axis and --variant go to each that does not

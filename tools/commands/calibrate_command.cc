@@ -119,11 +119,9 @@ std::vector<ProcedureResult> Perform(const std::vector<CalibrationStep>& steps,
 }
 
 int Calibrate(const Options& options) {
-  if (const auto delta = DeltaToCalibrate(options)) {
-    return CalibrateDeltaAtHand(options, *delta);
-  }
-  if (const auto printer = TripleZToCalibrate(options)) {
-    return CalibrateTripleZAtHand(options, *printer);
+  if (const auto file = MachineToCalibrate(options)) {
+    if (file->machine.delta) return CalibrateDeltaAtHand(options, *file);
+    if (file->machine.triple_z) return CalibrateTripleZAtHand(options, *file);
   }
   const std::vector<CalibrationStep> steps = StepsOf(options);
   RefuseOverwritten(options);

@@ -91,17 +91,6 @@ AtHand Take(const CalibrateOptions& options, const MachineFile& file) {
 
 }  // namespace
 
-std::optional<MachineFile> DeltaToCalibrate(const CalibrateOptions& options) {
-  const bool is_twin = options.link.starts_with(kTwin);
-  const std::string machine =
-      is_twin ? TwinOptionsOf(options.link).machine : options.machine;
-  if (machine.empty()) return std::nullopt;
-  MachineFile file = ReadAnyMachineFile(
-      FindMachine(machine, "", {.file = is_twin ? machine : "--machine"}));
-  if (!file.machine.delta) return std::nullopt;
-  return file;
-}
-
 int CalibrateDeltaAtHand(const CalibrateOptions& options, const MachineFile& file) {
   const std::vector<DeltaStep> steps = StepsOf(options);
   RefuseOverwritten(options);

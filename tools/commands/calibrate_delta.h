@@ -1,14 +1,9 @@
 #pragma once
 
-#include <optional>
-
 #include "scenarios/machine_file.h"
 #include "tools/commands/calibrate.h"
 
 namespace caltwin {
-
-/// The delta that the link's twin or --machine is; none where it is none.
-std::optional<MachineFile> DeltaToCalibrate(const CalibrateOptions& options);
 
 /// Calibrates a twin or the machine at the wire over Marlin's dialect. What a calliper
 /// reads is asked as `calliper.rod.a1` .. (by tower and rod) and `calliper.print.1` ..

@@ -157,17 +157,6 @@ void RequireProcedures(const std::vector<TripleZStep>& steps) {
 
 }  // namespace
 
-std::optional<MachineFile> TripleZToCalibrate(const CalibrateOptions& options) {
-  const bool is_twin = options.link.starts_with(kTwinScheme);
-  const std::string machine =
-      is_twin ? TwinOptionsOf(options.link).machine : options.machine;
-  if (machine.empty()) return std::nullopt;
-  MachineFile file = ReadAnyMachineFile(
-      FindMachine(machine, "", {.file = is_twin ? machine : "--machine"}));
-  if (!file.machine.triple_z) return std::nullopt;
-  return file;
-}
-
 int CalibrateTripleZAtHand(const CalibrateOptions& options, const MachineFile& file) {
   const std::vector<TripleZStep> steps = PrinterStepsOf(options);
   RequireProcedures(steps);

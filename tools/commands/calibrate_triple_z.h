@@ -1,14 +1,9 @@
 #pragma once
 
-#include <optional>
-
 #include "scenarios/machine_file.h"
 #include "tools/commands/calibrate.h"
 
 namespace caltwin {
-
-/// The triple-Z printer that the link's twin or --machine is; none where it is none.
-std::optional<MachineFile> TripleZToCalibrate(const CalibrateOptions& options);
 
 /// Levels a twin or the printer at the wire over RepRapFirmware's dialect. Without
 /// --apply levelling procedures only touch the bed and say what they would raise;
