@@ -27,16 +27,16 @@ constexpr std::size_t kFewestCommon = 8;
 constexpr double kAlike = 0.9;
 
 /// Where a campaign read [um], and coming in which sense.
-using Place = std::tuple<long, long, long, int>;
+using PlaceAndSense = std::tuple<long, long, long, int>;
 /// Mean reading at each place of a campaign, as motion (touches reversed).
-using ReadingsByPlace = std::map<Place, double>;
+using ReadingsByPlace = std::map<PlaceAndSense, double>;
 
 bool IsGauged(const Row& row) {
   return row.kind != RowKind::kTouch;
 }
 
 ReadingsByPlace ProfileOf(const std::vector<const Row*>& rows) {
-  std::map<Place, std::pair<double, int>> sums;
+  std::map<PlaceAndSense, std::pair<double, int>> sums;
   for (const Row* row : rows) {
     const auto microns = [](double number_mm) {
       return Known(number_mm) ? std::lround(UmFromMm(number_mm)) : 0;
@@ -53,13 +53,13 @@ ReadingsByPlace ProfileOf(const std::vector<const Row*>& rows) {
   return profile;
 }
 
-long Coordinate_um(const Place& place, int axis) {
+long Coordinate_um(const PlaceAndSense& place, int axis) {
   return axis == 0 ? std::get<0>(place)
                    : (axis == 1 ? std::get<1>(place) : std::get<2>(place));
 }
 
 // Whether two places lie on one line along `axis`, come to in one sense.
-bool AreInLine(const Place& one, const Place& other, int axis) {
+bool AreInLine(const PlaceAndSense& one, const PlaceAndSense& other, int axis) {
   constexpr long kBeside_um = 1000;
   for (int across = 0; across < 3; ++across) {
     const long apart_um = Coordinate_um(one, across) - Coordinate_um(other, across);
@@ -84,7 +84,7 @@ std::optional<int> OnlyMoved(const ReadingsByPlace& profile) {
 }
 
 struct PairOfReadings {
-  Place place{};
+  PlaceAndSense place{};
   double one = 0, other = 0;
 };
 
@@ -107,15 +107,16 @@ std::vector<PairOfReadings> AlongCommonLine(const ReadingsByPlace& one,
   if (!axis || OnlyMoved(other) != axis) return pairs;
   std::set<std::pair<int, double>> used;  // Sense, and the next place.
   for (const auto& [place, value] : one) {
-    std::vector<Reading> line;  // Sorted: the other coordinates are all alike.
+    std::vector<PlacedReading> line;  // Sorted: the other coordinates are all alike.
     for (const auto& [there, reading] : other) {
       if (!AreInLine(place, there, *axis)) continue;
       line.push_back({static_cast<double>(Coordinate_um(there, *axis)), reading});
     }
     const auto at = static_cast<double>(Coordinate_um(place, *axis));
-    const auto between = Between(line, at);
+    const auto between = ReadingBetween(line, at);
     if (!between) continue;
-    const double next = std::ranges::lower_bound(line, at, {}, &Reading::at_mm)->at_mm;
+    const double next =
+        std::ranges::lower_bound(line, at, {}, &PlacedReading::at_mm)->at_mm;
     if (used.emplace(std::get<3>(place), next).second) {
       pairs.push_back({place, value, *between});
     }

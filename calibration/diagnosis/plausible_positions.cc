@@ -37,7 +37,7 @@ constexpr std::array kUnits = {PositionUnit{MmFromInch(1.0), "inches"},
                                PositionUnit{1000, "metres"}};
 
 /// Readings of one campaign along an axis, by sense, in the order of their places.
-using BySense = std::map<int, std::vector<Reading>>;
+using BySense = std::map<int, std::vector<PlacedReading>>;
 
 double Deviation(const std::vector<double>& numbers) {
   double mean = 0, squares = 0;
@@ -76,11 +76,12 @@ std::optional<Missed> MissedIn(const PositionUnit& unit,
     num += readings.size();
     const auto other = reference.find(sense);
     if (other == reference.end()) continue;
-    for (const Reading& reading : readings) {
-      const auto there = Between(other->second, unit.mm * reading.at_mm);
+    for (const PlacedReading& reading : readings) {
+      const auto there = ReadingBetween(other->second, unit.mm * reading.at_mm);
       if (!there) continue;
       in_unit_mm.push_back(reading.value_mm - *there);
-      as_written_mm.push_back(reading.value_mm - Nearest(other->second, reading.at_mm));
+      as_written_mm.push_back(reading.value_mm -
+                              ReadingNearest(other->second, reading.at_mm));
     }
   }
   const bool is_wide = unit.mm * RangeOf(readings_of).length_mm() >
