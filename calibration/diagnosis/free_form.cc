@@ -4,6 +4,10 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 #include "sim/effects/drive.h"
 
@@ -161,6 +165,37 @@ bool IsSliver(const Observed& observed, const std::string& word) {
   return high_mm - low_mm < kLeast_mm;
 }
 
+namespace {
+
+/// A channel, and the covariates of a form in it.
+using ChannelAndWords = std::pair<std::string, std::vector<std::string>>;
+
+// Of motors that are no axes: towers of a delta, screws under a bed.
+std::vector<ChannelAndWords> BlocksOfMotors(const Machine& machine) {
+  std::vector<ChannelAndWords> blocks;
+  const auto add =
+      [&](const std::string& name, const std::string& sense, const std::string& motor) {
+        for (const std::string& word :
+             {motor, sense, std::string("t"), std::string("temp")}) {
+          blocks.push_back({name, {word}});
+        }
+        blocks.push_back({name, {sense, motor}});
+      };
+  if (machine.delta) {
+    for (const std::string tower : {"a", "b", "c"}) {
+      add(tower, "dir_" + tower, "motor_" + tower);
+    }
+  }
+  if (machine.triple_z) {
+    for (const std::string_view screw : kScrewAxes) {
+      add(std::string(screw), SenseCovariate(screw), DriveCovariate(screw));
+    }
+  }
+  return blocks;
+}
+
+}  // namespace
+
 std::vector<FreeForm> AllFreeForms(const Observed& observed) {
   constexpr int kMostTerms = 20;
   std::vector<FreeForm> forms;
@@ -196,26 +231,8 @@ std::vector<FreeForm> AllFreeForms(const Observed& observed) {
     add(channel, {channel, "t"});
     add(channel, {channel, "temp"});
   }
-  if (observed.machine().delta) {
-    for (const std::string tower : {"a", "b", "c"}) {
-      const std::string sense = "dir_" + tower;
-      for (const std::string& word :
-           {"motor_" + tower, sense, std::string("t"), std::string("temp")}) {
-        add(tower, {word});
-      }
-      add(tower, {sense, "motor_" + tower});
-    }
-  }
-  if (observed.machine().triple_z) {
-    for (const std::string_view screw : kScrewAxes) {
-      const std::string name(screw), sense = SenseCovariate(screw);
-      const std::string motor = DriveCovariate(screw);
-      for (const std::string& word :
-           {motor, sense, std::string("t"), std::string("temp")}) {
-        add(name, {word});
-      }
-      add(name, {sense, motor});
-    }
+  for (const auto& [motor, words] : BlocksOfMotors(observed.machine())) {
+    add(motor, words);
   }
   for (const char* word : {"theta", "feed", "temp", "t", "x", "y", "z"}) {
     add("probe", {word});

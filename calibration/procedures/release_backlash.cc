@@ -283,9 +283,8 @@ Expected<void> RunRelease(Session* session, const ReleaseOptions& o) {
   // As published, the reading is added to what is set.
   if (c.as_published) gap_mm.value += before_mm;
   if (!c.as_published) {
-    gap_mm = WithInput(std::move(gap_mm),
-                       {.input = "steps/mm",
-                        .u = std::abs(gap_mm.value) * ScaleDoubt(session, c.axis)});
+    const double of_scale_mm = std::abs(gap_mm.value) * ScaleDoubt(session, c.axis);
+    gap_mm = WithInput(std::move(gap_mm), {.input = "steps/mm", .u = of_scale_mm});
   }
   const Proposal proposal{
       .setting = Setting::kBacklash,
