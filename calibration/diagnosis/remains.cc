@@ -14,6 +14,8 @@
 namespace caltwin {
 namespace {
 
+constexpr double kMostChance = 1e-4;
+
 // Spearman's rank correlation without ties to mend; 0 of fewer than five.
 double RankCorrelation(const std::vector<double>& one,
                        const std::vector<double>& other) {
@@ -68,7 +70,7 @@ bool IsTimePlace(const Observed& observed) {
 bool ComesBack(const Observed& observed,
                const Eigen::VectorXd& residual_mm,
                const std::vector<bool>& left_out) {
-  constexpr double kFewest = 6, kMostChance = 1e-4;
+  constexpr double kFewest = 6;
   struct Cell {
     double sum = 0, sum2 = 0, num = 0;
   };
@@ -141,7 +143,6 @@ std::vector<Floor> FloorsOf(const Observed& observed, const SearchResult& search
 
 bool Remains::IsThere() const {
   constexpr double kLeastTimes = 2;
-  constexpr double kMostChance = 1e-4;
   return rms_mm > kLeastTimes * floor_mm && chance < kMostChance;
 }
 
@@ -172,12 +173,24 @@ Remains RemainsOf(const Observed& observed, const SearchResult& search) {
   }
   rows = std::max(rows, 1.0);
   const double dof = std::max(evidence.dof(), 1.0);
-  const double times2 = evidence.chi2() / dof;
-  const double f = times2 * sigma2 / std::max(floor2, 1e-300);
-  return {.rms_mm = std::sqrt(times2 * sigma2 / rows),
+  // That noise alone leaves so much more than the floor.
+  const auto chance_of = [&](const Evidence& left) {
+    const double f = left.chi2() / dof * sigma2 / std::max(floor2, 1e-300);
+    return FUpperTail(f, dof, std::max(floor_dof, kStatedDof));
+  };
+  bool wanders_most = search.wander_mm2_per_s >= MostWander_mm2_per_s();
+  if (wanders_most) {
+    // A few rows of noise may wander as well: only where it is no noise.
+    const Evidence still(observed,
+                         {sigma_mm, 0},
+                         search.circumstances.nuisances,
+                         search.circumstances.left_out);
+    wanders_most = chance_of(still) < kMostChance;
+  }
+  return {.rms_mm = std::sqrt(evidence.chi2() / dof * sigma2 / rows),
           .floor_mm = std::sqrt(floor2 / rows),
-          .chance = FUpperTail(f, dof, std::max(floor_dof, kStatedDof)),
-          .wanders_most = search.wander_mm2_per_s >= MostWander_mm2_per_s()};
+          .chance = chance_of(evidence),
+          .wanders_most = wanders_most};
 }
 
 }  // namespace caltwin

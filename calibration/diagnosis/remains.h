@@ -22,7 +22,8 @@ struct Remains {
   double rms_mm = 0;    ///< With slow wander taken for noise, if it can be told.
   double floor_mm = 0;  ///< As FloorsOf; where that has no rows to spare, stated.
   double chance = 1;    ///< That noise alone leaves so much more: Fisher's F.
-  /// The wander is the fastest that is tried: what the rows do may be no wander at all.
+  /// The wander is the fastest that is tried, and without it the rows are no noise:
+  /// what they do may be no wander at all.
   bool wanders_most = false;
 
   /// Far more than noise: twice the floor, and no chance of one in ten thousand.
