@@ -20,6 +20,23 @@ ColumnsView ViewOf(const Eigen::MatrixXd& matrix, Eigen::Index columns) {
   return {matrix.data(), matrix.rows(), columns, matrix.rows()};
 }
 
+struct Sums {
+  double sum = 0, rounding = 0;
+};
+
+// In long double, with what doubles may be off by.
+Sums SumsOf(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+  long double sum = 0, size = 0;
+  for (Eigen::Index r = 0; r < a.size(); ++r) {
+    const long double product = static_cast<long double>(a[r]) * b[r];
+    sum += product;
+    size += std::abs(product);
+  }
+  return {static_cast<double>(sum),
+          static_cast<double>(size) * static_cast<double>(a.size()) *
+              std::numeric_limits<double>::epsilon()};
+}
+
 // Against sums in long double, at lengths and numbers on both sides of every tile.
 TEST(InnerProducts, AreSumsOverRows) {
   Rng rng(1, 0, "inner_products_test");
@@ -30,18 +47,10 @@ TEST(InnerProducts, AreSumsOverRows) {
 
       InnerProducts(ViewOf(a, num), ViewOf(b, 9), products.data());
 
-      for (Eigen::Index i = 0; i < num; ++i) {
-        for (Eigen::Index j = 0; j < 9; ++j) {
-          long double sum = 0, size = 0;
-          for (Eigen::Index r = 0; r < rows; ++r) {
-            const long double product = static_cast<long double>(a(r, i)) * b(r, j);
-            sum += product;
-            size += std::abs(product);
-          }
-          const auto rounding = static_cast<double>(size) * static_cast<double>(rows) *
-                                std::numeric_limits<double>::epsilon();
-          EXPECT_NEAR(products(i, j), static_cast<double>(sum), rounding);
-        }
+      for (Eigen::Index ij = 0; ij < num * 9; ++ij) {
+        const Eigen::Index i = ij / 9, j = ij % 9;
+        const Sums exact = SumsOf(a.col(i), b.col(j));
+        EXPECT_NEAR(products(i, j), exact.sum, exact.rounding);
       }
     }
   }

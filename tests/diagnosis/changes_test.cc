@@ -18,7 +18,7 @@ namespace caltwin {
 namespace {
 
 constexpr double kSigma_mm = 1e-3;
-constexpr double k95_sd = 1.96;
+constexpr double kOf95_sd = 1.96;
 constexpr int kPlaces = 40;
 constexpr double kLead_mm = 4;
 
@@ -38,7 +38,8 @@ struct Truth {
 RowTable Measured(const Truth& truth, Rng* rng, double span_mm = 260) {
   RowTable table;
   for (int i = 0; i < 2 * kPlaces; ++i) {
-    const double u = std::fmod(0.5 + 0.61803398875 * (i / 2), 1.0);
+    const int place = i / 2;
+    const double u = std::fmod(0.5 + 0.61803398875 * place, 1.0);
     const double sense = i % 2 == 0 ? 1 : -1;
     Row row{.row = i + 1, .campaign = "laser"};
     row.t_s = 10 * i;
@@ -95,7 +96,7 @@ std::optional<Change> Named(const std::vector<Change>& changes, const char* name
 
 bool Covers(const Change& change, double truth) {
   const double sd = std::hypot(change.before_sd, change.now_sd);
-  return std::abs(change.now - change.before - truth) < k95_sd * sd;
+  return std::abs(change.now - change.before - truth) < kOf95_sd * sd;
 }
 
 // The wave of the later campaign stands in the earlier one too, half as large, though

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kSigma_mm = 1e-3;
 constexpr Eigen::Index kRows = 160;
-constexpr double k95_sd = 1.96;
+constexpr double kOf95_sd = 1.96;
 
 Machine Plain() {
   Machine machine{.name = "test"};
@@ -64,8 +64,8 @@ Counted Covered(double phi, int machines) {
         Readings(phi, static_cast<std::uint64_t>(machine)), {}, Plain(), {});
     const Evidence::Fit fit = Evidence(observed, noise, nuisances).FitNuisances();
     const double spread = TimeNoise(observed, noise, nuisances).of_nuisances()[1];
-    counted.plain += std::abs(fit.values[1]) < k95_sd * fit.sds[1] ? 1 : 0;
-    counted.in_time += std::abs(fit.values[1]) < k95_sd * spread * fit.sds[1] ? 1 : 0;
+    counted.plain += std::abs(fit.values[1]) < kOf95_sd * fit.sds[1] ? 1 : 0;
+    counted.in_time += std::abs(fit.values[1]) < kOf95_sd * spread * fit.sds[1] ? 1 : 0;
   }
   return counted;
 }
