@@ -129,7 +129,12 @@ bool IsBorrowed(const Observed& observed,
   constexpr double kMostOfUsual = 10, kLeastShown = 0.05;
   const Variant& variant = candidate.variants[weighed.variant];
   const Eigen::VectorXd& sizes_mm = weighed.sizes_mm;
-  return !candidate.is_free() && sizes_mm.norm() > kMostOfUsual * variant.usual_mm &&
+  // A wrong tip is large and hardly shows by its nature.
+  const bool is_over_place = std::ranges::any_of(
+      candidate.shown.covariates,
+      [](const std::string& word) { return AxisNamed(word).has_value(); });
+  return !candidate.is_free() && is_over_place &&
+         sizes_mm.norm() > kMostOfUsual * variant.usual_mm &&
          ShownPart(observed, beside, variant.columns_mm * sizes_mm) < kLeastShown;
 }
 

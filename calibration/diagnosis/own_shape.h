@@ -56,7 +56,7 @@ double ShownPart(const Observed& observed,
 /// Whether a shape is borrowed from a cause far larger than any: more than ten times
 /// its usual size, of which less than a twentieth shows. So a wave of 0.8 mm, of which
 /// plates touched within 0.1 mm of one height show but the curve, is a bowl. False for
-/// free forms.
+/// free forms and for what does not vary along an axis.
 bool IsBorrowed(const Observed& observed,
                 const Circumstances& beside,
                 const Candidate& candidate,

@@ -251,7 +251,10 @@ Candidate Wave(double span_rad) {
   for (Eigen::Index i = 0; i < kRows; ++i) {
     variant.columns_mm(i, 0) = std::cos(span_rad * static_cast<double>(i) / kRows);
   }
-  return {.effect = 0, .cause = "wave", .variants = {variant}};
+  return {.effect = 0,
+          .cause = "wave",
+          .shown = {.channel = "z", .covariates = {"z"}},
+          .variants = {variant}};
 }
 
 Weighed Sized(double size_mm) {
@@ -263,7 +266,10 @@ TEST(IsBorrowed, OfAHugeWaveOnlyTheCurveShows) {
 
   EXPECT_TRUE(IsBorrowed(observed, Offset(), Wave(0.1), Sized(0.8)));
   EXPECT_FALSE(IsBorrowed(observed, Offset(), Wave(0.1), Sized(0.05)));  // Usual.
-  EXPECT_FALSE(IsBorrowed(observed, Offset(), Wave(6), Sized(0.8)));     // It shows.
+  Candidate tip = Wave(0.1);
+  tip.shown.covariates = {"theta"};
+  EXPECT_FALSE(IsBorrowed(observed, Offset(), tip, Sized(0.8)));
+  EXPECT_FALSE(IsBorrowed(observed, Offset(), Wave(6), Sized(0.8)));  // It shows.
 }
 
 }  // namespace
