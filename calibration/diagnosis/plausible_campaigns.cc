@@ -251,7 +251,7 @@ std::array<long, 9> HeldAs(const Row& row) {
           steps(row.temp_ambient_c, kPerStep_k)};
 }
 
-/// How the runs of one campaign follow each other: 1 alike, -1 the opposite, 0 neither.
+/// How each run of a campaign follows each other one.
 class RunsAlike {
  public:
   RunsAlike(const std::vector<ReadingsByPlace>& runs, const std::array<bool, 3>& leans)

@@ -11,13 +11,22 @@
 #include "sim/base/input_error.h"
 #include "tools/commands/command.h"
 #include "tools/commands/spare_files.h"
-#include "tools/commands/terminal.h"
 #include "tools/commands/twin_options.h"
 
 namespace caltwin {
 
+bool IsTwin(const CalibrateOptions& options) {
+  return options.link.starts_with("twin:");
+}
+
+std::unique_ptr<TerminalOperator> PersonAtHand(const CalibrateOptions& options) {
+  if (!IsTwin(options)) RequireAnswers(options);
+  return std::make_unique<TerminalOperator>(TerminalOperator::Options{
+      .apply = options.apply, .yes = options.yes || (IsTwin(options) && !CanAsk())});
+}
+
 std::optional<MachineFile> MachineToCalibrate(const CalibrateOptions& options) {
-  const bool is_twin = options.link.starts_with("twin:");
+  const bool is_twin = IsTwin(options);
   const std::string machine =
       is_twin ? TwinOptionsOf(options.link).machine : options.machine;
   if (machine.empty()) return std::nullopt;

@@ -1,12 +1,14 @@
 #pragma once
 
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "calibration/loop/outcome.h"
 #include "scenarios/machine_file.h"
+#include "tools/commands/terminal.h"
 
 namespace caltwin {
 
@@ -24,6 +26,13 @@ struct CalibrateOptions {
   bool apply = false;
   bool yes = false;
 };
+
+/// Whether the link is a twin and no machine.
+bool IsTwin(const CalibrateOptions& options);
+
+/// Who answers: at the terminal, and on a twin yes where nobody is there. Throws
+/// InputError where --apply would ask on a machine and nobody is.
+std::unique_ptr<TerminalOperator> PersonAtHand(const CalibrateOptions& options);
 
 /// The machine that the link's twin or --machine is; none where neither names one.
 std::optional<MachineFile> MachineToCalibrate(const CalibrateOptions& options);

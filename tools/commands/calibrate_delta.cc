@@ -21,8 +21,6 @@
 namespace caltwin {
 namespace {
 
-constexpr const char* kTwin = "twin:";
-
 // The machine at hand: a twin or a wire, with the person and calliper that suit it.
 struct AtHand {
   std::unique_ptr<DeltaTwin> twin{};
@@ -66,11 +64,8 @@ AtHand Take(const CalibrateOptions& options, const MachineFile& file) {
                      "it knows instruments: probe and calliper");
   }
   AtHand at_hand;
-  const bool is_twin = options.link.starts_with(kTwin);
-  if (!is_twin) RequireAnswers(options);
-  at_hand.person = std::make_unique<TerminalOperator>(TerminalOperator::Options{
-      .apply = options.apply, .yes = options.yes || (is_twin && !CanAsk())});
-  if (is_twin) {
+  at_hand.person = PersonAtHand(options);
+  if (IsTwin(options)) {
     TwinOptions named = TwinOptionsOf(options.link);
     named.instruments = papers.instruments;
     at_hand.twin = std::make_unique<DeltaTwin>(MakeDeltaTwinConfig(file, named));

@@ -18,8 +18,6 @@
 namespace caltwin {
 namespace {
 
-constexpr const char* kTwinScheme = "twin:";
-
 // A simulated printer with its controller.
 struct SimulatedPrinter {
   explicit SimulatedPrinter(const BuiltTripleZ& built, const TwinOptions& named)
@@ -84,11 +82,8 @@ void RequireTimeless(const std::vector<Injected>& effects, const std::string& tr
 
 PrinterAtHand TakePrinter(const CalibrateOptions& options, const TwinOptions& papers) {
   PrinterAtHand at_hand;
-  const bool is_twin = options.link.starts_with(kTwinScheme);
-  if (!is_twin) RequireAnswers(options);
-  at_hand.person = std::make_unique<TerminalOperator>(TerminalOperator::Options{
-      .apply = options.apply, .yes = options.yes || (is_twin && !CanAsk())});
-  if (is_twin) {
+  at_hand.person = PersonAtHand(options);
+  if (IsTwin(options)) {
     TwinOptions named = TwinOptionsOf(options.link);
     named.instruments = papers.instruments;
     const TwinConfig config = MakeTwinConfig(named, /*only_measures=*/true);
