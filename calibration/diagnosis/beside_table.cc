@@ -11,10 +11,7 @@ namespace caltwin {
 namespace {
 
 constexpr double kFormLimit = 0.6;
-// What the form must be able to take of the name's squares: of one that has rivals less
-// is enough to doubt it.
-constexpr double kPartOfLone = 0.5, kPartOfRivalled = 0.3;
-constexpr double kAlone = 0.97;
+constexpr double kLeastPart = 0.1;
 
 class Table {
  public:
@@ -46,10 +43,8 @@ class Table {
     const Evidence neither = Without({free, named});
     const Eigen::VectorXd effect =
         neither.Whiten(found_[named].variant.columns_mm * found_[named].sizes_mm);
-    const double part =
-        found_[named].probability > kAlone ? kPartOfLone : kPartOfRivalled;
     return Without({named}).Left(effect).squaredNorm() <
-           (1 - part) * neither.Left(effect).squaredNorm();
+           (1 - kLeastPart) * neither.Left(effect).squaredNorm();
   }
 
  private:

@@ -14,9 +14,9 @@ namespace caltwin {
 ///  - the form carries more than 0.6 of what the name does, either with the other in
 ///    place (root of what the residual sum of squares rises by without it), or is more
 ///    than 0.6 as tall in the same channel;
-///  - the form can take half of the name's squares, of a name that has rivals three
-///    tenths: of a wave finer than its terms, where the rows show it as such, it can
-///    take little, and both are there.
+///  - the form can take at least a tenth of the name's squares: of a wave finer than
+///  its
+///    terms, where the rows show it as such, it can take nothing, and both are there.
 ///
 /// @param baseline     with nothing that was found
 /// @param free, named  of `found`
