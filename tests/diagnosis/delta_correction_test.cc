@@ -8,7 +8,7 @@
 #include "sim/base/input_error.h"
 #include "sim/base/units.h"
 #include "sim/firmware/dialects/marlin_delta.h"
-#include "tests/diagnosis/drawn_delta.h"
+#include "tests/diagnosis/eighty_steps_delta.h"
 
 namespace caltwin {
 namespace {
@@ -20,7 +20,7 @@ constexpr double kRadius_mm = 100;
 constexpr double kPretravel_mm = 0.02;  // Readings are that much lower than the bed.
 
 Machine Drawn() {
-  Machine machine = DrawnDelta();
+  Machine machine = EightyStepsDelta();
   machine.probe.pretravel_mm = kPretravel_mm;
   return machine;
 }

@@ -9,7 +9,7 @@
 #include "calibration/diagnosis/remains.h"
 #include "sim/base/rng.h"
 #include "sim/base/units.h"
-#include "tests/diagnosis/drawn_delta.h"
+#include "tests/diagnosis/eighty_steps_delta.h"
 
 namespace caltwin {
 namespace {
@@ -35,7 +35,7 @@ Row Touch(double x_mm, double y_mm, double value_mm) {
 }
 
 Observed Touched(const std::vector<Row>& rows, const DataHeader& header) {
-  return {{.rows = rows}, header, DrawnDelta(), {}};
+  return {{.rows = rows}, header, EightyStepsDelta(), {}};
 }
 
 // Each carriage counts for a third there: three thirds of a step, by chance.

@@ -5,7 +5,7 @@
 namespace caltwin {
 
 /// A delta with 80 steps/mm in each tower, geometry and probe as a drawing has them.
-inline Machine DrawnDelta() {
+inline Machine EightyStepsDelta() {
   Machine machine{.kinematics = Kinematics::kDelta, .delta = DeltaDrawing{}};
   for (AxisDrawing& tower : machine.axes) {
     tower.lead_mm = 40;
