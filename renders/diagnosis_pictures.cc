@@ -73,6 +73,7 @@ CovariateScale ScaleOf(const FindingSeries& series) {
   }
   if (AxisNamed(series.covariate)) return {words + " [mm]"};
   if (series.covariate == "t") {
+    if (series.is_by_order) return {"order of the rows"};
     const auto [min, max] = std::ranges::minmax(series.at);
     if (max - min > 3 * kHour_s) return {"time [h]", kHour_s};
     return {"time [min]", kMinute_s};

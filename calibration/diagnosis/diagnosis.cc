@@ -153,6 +153,7 @@ class Reporter {
                     .log_odds = found.log_odds,
                     .share = gain.shares[i],
                     .covariates = candidate.shown.covariates,
+                    .is_by_order = !observed_.has_times(),
                     .rows = found.num_rows};
     if (is_free) {
       const Eigen::VectorXd& sizes_mm =

@@ -58,6 +58,7 @@ struct Finding {
   std::vector<FindingParameter> parameters{};
   double share = 0;
   std::vector<std::string> covariates{};
+  bool is_by_order = false;  ///< `t` is the order of the rows: their times are unknown.
   int rows = 0;
   double peak_um = 0;                ///< Near-peak of what it does in these rows.
   std::optional<Injected> effect{};  ///< What the extended machine gets.

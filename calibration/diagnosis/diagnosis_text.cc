@@ -101,12 +101,13 @@ void AddKernel(const Finding& finding, std::string* text) {
   const std::string& word = map.covariates[0];
   if (map.covariates.size() == 1 && map.knots[0].size() > 2) {
     const double range = map.knots[0].back() - map.knots[0].front();
-    const bool is_place = word == "x" || word == "y" || word == "z";
-    *text += fmt::format(" over {:.4g}{} of {}, half-waves down to {:.3g}",
+    const std::string_view unit = UnitOfCovariate(word, finding.is_by_order);
+    *text += fmt::format(" over {:.4g}{} of {}, half-waves down to {:.3g}{}",
                          range,
-                         is_place ? " mm" : "",
-                         CovariateInWords(word),
-                         range / std::max(1, map.terms - 2));
+                         unit,
+                         CovariateInWords(word, finding.is_by_order),
+                         range / std::max(1, map.terms - 2),
+                         unit);
   }
   *text += fmt::format("; prior size {} um, as these rows chose it.\n",
                        TwoDigits(map.prior_size_um));
@@ -245,9 +246,16 @@ void AddCannotTell(const Diagnosis& diagnosis, std::string* text) {
   if (!diagnosis.next_campaign) return;
   const NextCampaign& next = *diagnosis.next_campaign;
   std::string line = fmt::format("Measure next: {}", next.kind);
+  std::vector<std::string> options;
+  for (const auto& [option, word] : next.options) {
+    options.push_back(fmt::format("{}: {}", option, word));
+  }
+  if (!options.empty()) line += fmt::format(" {{{}}}", fmt::join(options, ", "));
   if (next.minutes > 0)
     line += fmt::format(" ({:.0f} minutes)", std::ceil(next.minutes));
-  if (!next.separates.empty()) {
+  if (next.separates == std::vector<std::string>{"unknown"}) {
+    line += "; a minute of it shows most of the shape without a name";
+  } else if (!next.separates.empty()) {
     line += fmt::format("; it tells {} apart", fmt::join(next.separates, " and "));
   }
   *text += line + ".\n";

@@ -293,7 +293,7 @@ std::string WhatItDoes(const Finding& finding) {
   }
   std::vector<std::string> covariates;
   for (const std::string& word : finding.covariates) {
-    covariates.push_back(CovariateInWords(word));
+    covariates.push_back(CovariateInWords(word, finding.is_by_order));
   }
   return fmt::format(
       "Something makes {} err by up to {} um that depends on {}; its shape fits no "
@@ -308,7 +308,8 @@ std::string WhatToDo(const Finding& finding) {
   return effect ? std::string(EffectAt(*effect).words.action) : "";
 }
 
-std::string CovariateInWords(std::string_view word) {
+std::string CovariateInWords(std::string_view word, bool is_by_order) {
+  if (is_by_order && word == "t") return "the order of the rows";
   constexpr std::array<std::pair<std::string_view, std::string_view>, 6> kWords = {{
       {"t", "time"},
       {"temp", "temperature"},
@@ -325,6 +326,15 @@ std::string CovariateInWords(std::string_view word) {
   }
   if (word.size() == 1) return fmt::format("position along {}", Capitals(word));
   return std::string(word);
+}
+
+std::string_view UnitOfCovariate(std::string_view word, bool is_by_order) {
+  if (word == "t") return is_by_order ? " rows" : " s";
+  if (word == "temp") return " K";
+  if (word == "feed") return " mm/s";
+  if (word == "load") return " N";
+  if (word == "theta" || word.starts_with("dir_")) return "";
+  return " mm";
 }
 
 }  // namespace caltwin

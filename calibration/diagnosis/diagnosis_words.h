@@ -24,7 +24,11 @@ std::string WhatItDoes(const Finding& finding);
 /// What to do about it (Words::action); empty where nobody knows.
 std::string WhatToDo(const Finding& finding);
 
-/// A channel or covariate as a machinist calls it: "position along X", "time".
-std::string CovariateInWords(std::string_view word);
+/// A covariate as a machinist calls it: "position along X", "time"; of rows without
+/// times "the order of the rows".
+std::string CovariateInWords(std::string_view word, bool is_by_order = false);
+
+/// The unit of a covariate's values, a space before it; empty where it has none.
+std::string_view UnitOfCovariate(std::string_view word, bool is_by_order);
 
 }  // namespace caltwin

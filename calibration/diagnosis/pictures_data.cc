@@ -156,6 +156,7 @@ FindingSeries SeriesOf(const Observed& observed,
       .axis = finding.axis,
       .channel = ChannelOfFinding(finding, observed.machine().kinematics),
       .covariate = along,
+      .is_by_order = finding.is_by_order,
       .period_mm = PeriodOf_mm(finding, observed.machine(), along),
       .split_by = split_by};
   const Eigen::VectorXd shows = ChannelOf(observed, series.channel);

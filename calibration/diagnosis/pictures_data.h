@@ -26,7 +26,8 @@ struct FindingSeries {
   std::string axis{};
   std::string channel{};
   std::string covariate{};
-  double period_mm = 0;  ///< A wave: `at` is folded by it. Else 0.
+  bool is_by_order = false;  ///< As in Finding.
+  double period_mm = 0;      ///< A wave: `at` is folded by it. Else 0.
   std::vector<std::int64_t> rows{};
   std::vector<double> at{};         ///< Covariate, in its own unit.
   std::vector<double> before_um{};  ///< All other findings corrected, this one not.

@@ -68,6 +68,22 @@ TEST(DiagnosisText, OfOneFindingSaysWhatWasHeldOutNotTheShare) {
   EXPECT_THAT(text, Not(HasSubstr("together")));
 }
 
+TEST(DiagnosisText, SaysWhatToMeasureNextAsAPlanHasIt) {
+  Diagnosis diagnosis = TwoFindings();
+  diagnosis.next_campaign = {.kind = "straightedge",
+                             .options = {{"axis", "y"}},
+                             .separates = {"angular", "straightness"},
+                             .minutes = 5.2};
+  EXPECT_THAT(DiagnosisText(diagnosis, {}),
+              HasSubstr("Measure next: straightedge {axis: y} (6 minutes); it tells "
+                        "angular and straightness apart.\n"));
+  diagnosis.next_campaign->options.clear();
+  diagnosis.next_campaign->separates = {"unknown"};
+  EXPECT_THAT(DiagnosisText(diagnosis, {}),
+              HasSubstr("Measure next: straightedge (6 minutes); a minute of it shows "
+                        "most of the shape without a name.\n"));
+}
+
 // Of every cause that a diagnosis may name, on every axis it may have.
 TEST(DiagnosisText, EveryNameIsASentence) {
   for (const Effect* one : AllEffects()) {
@@ -242,6 +258,13 @@ TEST(WhatItDoes, OfUnknownSaysInWhatItDepends) {
             "Something makes the X axis err by up to 21 um that depends on position "
             "along X and the sense of approach of X; its shape fits no cause in the "
             "catalogue");
+}
+
+TEST(WhatItDoes, OfRowsWithoutTimesSpeaksOfTheirOrder) {
+  Finding finding{.cause = "unknown", .axis = "x", .covariates = {"t"}, .peak_um = 21};
+  EXPECT_THAT(WhatItDoes(finding), HasSubstr("depends on time;"));
+  finding.is_by_order = true;
+  EXPECT_THAT(WhatItDoes(finding), HasSubstr("depends on the order of the rows;"));
 }
 
 }  // namespace

@@ -144,10 +144,11 @@ int Simulate(const Options& options) {
   WriteRows(options.out, table);
   WriteDataHeader(fs::path(options.out).replace_extension(".yaml"), session.header);
   std::cout << fmt::format(
-      "{}: {} readings of {} campaigns, {:.0f} min of machine time\n",
+      "{}: {} readings of {} campaign{}, {:.0f} min of machine time\n",
       options.out,
       table.rows.size(),
       plan.campaigns.size(),
+      plan.campaigns.size() == 1 ? "" : "s",
       session.duration_s / kSecondsPerMinute);
   return InterruptRequested() ? kInterrupted : kPassed;
 }
