@@ -79,34 +79,62 @@ bool StopInMotion(double speed_unit_s, MotorDoing* doing) {
   return false;
 }
 
-// What braked so long, where that is more than was foretold and than the coupling's
-// ring may add.
+std::string Of_ms(double seconds) {
+  return fmt::format("{:.2f}", seconds / SFromMs(1.0));
+}
+
+// What braked so long, where that is more than was foretold.
 void CompareWithForecast(std::size_t axis,
                          double speed_unit_s,
                          const StopSays& says,
                          MotorDoing* doing) {
-  constexpr double kRing_s = 0.0016;  // Largest seen of 1300 machines: 1.53 ms.
-  constexpr double kClear = 3;        // Standard deviations of the forecast.
+  constexpr double kClear = 3;  // Standard deviations.
   const MotorOptions& o = doing->options();
   const MotorBench& bench = doing->axes().bench();
   const MotorAxisDrawing& d = doing->axes().drawing(axis);
   const StopForecast f = ForecastStop(bench, axis, speed_unit_s, o.within_s);
   const double late_s = says.standstill_s - f.standstill_s;
-  if (late_s <= std::hypot(kRing_s, kClear * f.sd_s)) return;
+  if (late_s <= kClear * std::hypot(f.sd_s, says.sd_s)) return;
   const double brake_s = says.standstill_s - bench.stop_filter_s;
   doing->Warn(fmt::format(
-      "{} stood after {:.2f} ms, {:.2f} were foretold{}: it brakes like {:.3g} {} in "
-      "place of {:g}, or its motor gives {:.0f} % of its force",
+      "{} stood after {} ms, {} were foretold: it brakes like {:.3g} {} in place of "
+      "{:g}, or its motor gives {:.0f} % of its force",
       MotorAxisName(axis),
-      says.standstill_s / SFromMs(1.0),
-      f.standstill_s / SFromMs(1.0),
-      says.standstill_s > o.within_s
-          ? fmt::format(" and {:g} are allowed", o.within_s / SFromMs(1.0))
-          : "",
+      Of_ms(says.standstill_s),
+      Of_ms(f.standstill_s),
       d.total_inertia() * brake_s / (f.standstill_s - bench.stop_filter_s),
       d.is_rotary ? "kg m2" : "kg",
       d.total_inertia(),
       PercentFromFraction((f.standstill_s - bench.stop_filter_s) / brake_s)));
+}
+
+// The verdict as measured; where it is worse than the foretold one, a warning.
+void JudgeStandstill(std::size_t axis,
+                     double speed_unit_s,
+                     const StopSays& says,
+                     MotorDoing* doing) {
+  constexpr double kClear = 2;  // Standard deviations.
+  const MotorOptions& o = doing->options();
+  const bool is_within = says.stood && says.standstill_s <= o.within_s;
+  std::string words =
+      fmt::format("{} stood after {:.3f} +- {:.3f} ms: {}within {:g} ms",
+                  MotorAxisName(axis),
+                  says.standstill_s / SFromMs(1.0),
+                  says.sd_s / SFromMs(1.0),
+                  is_within ? "" : "NOT ",
+                  o.within_s / SFromMs(1.0));
+  if (std::abs(says.standstill_s - o.within_s) < kClear * says.sd_s) {
+    words += ", but too close to it for the counter to be sure";
+  }
+  const StopForecast f =
+      ForecastStop(doing->axes().bench(), axis, speed_unit_s, o.within_s);
+  if (!is_within && f.standstill_s <= o.within_s) {
+    doing->Warn(words);
+  } else {
+    doing->Say(words);
+  }
+  doing->done().found.stopped_within =
+      is_within && doing->done().found.stopped_within.value_or(true);
 }
 
 bool ReadStops(double speed_unit_s, MotorDoing* doing) {
@@ -130,9 +158,11 @@ bool ReadStops(double speed_unit_s, MotorDoing* doing) {
                             says->is_disabled ? "drive off" : "DRIVE STILL ON",
                             is_servo ? "" : "; open-loop: when its pulses ended"));
     if (is_servo) {
-      constexpr double kSeen_ms = 0.1;  // Between two ticks, by how it slowed.
-      doing->Found(
-          "standstill_ms." + name, "ms", says->standstill_s / SFromMs(1.0), kSeen_ms);
+      doing->Found("standstill_ms." + name,
+                   "ms",
+                   says->standstill_s / SFromMs(1.0),
+                   says->sd_s / SFromMs(1.0));
+      JudgeStandstill(axis, speed_unit_s, *says, doing);
       CompareWithForecast(axis, speed_unit_s, *says, doing);
     }
     if (!says->is_disabled) doing->Alert(axis, name + ": its drive is still on");

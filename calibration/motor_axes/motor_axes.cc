@@ -171,6 +171,7 @@ Expected<StopSays> MotorAxes::LastStop(std::size_t axis) {
   const auto standstill_s = NumberBehind(*line, "standstill_s");
   if (!standstill_s) return tl::unexpected(Unreadable("M818", *line));
   return StopSays{.standstill_s = *standstill_s,
+                  .sd_s = NumberBehind(*line, "sd_s").value_or(0),
                   .path_unit = NumberBehind(*line, "path").value_or(0),
                   .peak_a = NumberBehind(*line, "peak_a").value_or(0),
                   .stood = NumberBehind(*line, "stood").value_or(0) == 1,

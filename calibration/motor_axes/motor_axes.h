@@ -34,7 +34,7 @@ struct DriveSays {
 
 /// What M818 tells of an axis.
 struct StopSays {
-  double standstill_s = 0;
+  double standstill_s = 0, sd_s = 0;
   double path_unit = 0;
   double peak_a = 0;
   bool stood = false;

@@ -43,6 +43,7 @@ struct MotorFindings {
   std::optional<double> skew_s{};                  ///< Largest between axes, as left.
   std::optional<bool> stop_feasible{};             ///< Of the worst axis, foretold.
   std::optional<double> standstill_s{};            ///< Of the slowest axis, measured.
+  std::optional<bool> stopped_within{};            ///< All of its servos, measured.
 };
 
 struct MotorResult {

@@ -84,6 +84,7 @@ void MotorMotion::Watch(std::size_t i, const RigDrive& drive) {
   const bool is_there = std::abs(off_pulses) <= kWindow_pulses &&
                         drive.to_pulses == axis.last_drive_pulses;
   axis.in_position_s = is_there ? axis.in_position_s + tick_s_ : 0;
+  axis.told_pulses_s = (drive.to_pulses - axis.last_drive_pulses) / tick_s_;
   axis.last_drive_pulses = drive.to_pulses;
   for (const std::int64_t count : rig_->TakeIndexEdges(i)) {
     ++axis.index_edges;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "sim/firmware/motor_rig.h"
 
@@ -51,6 +52,7 @@ struct MotorArrival {
 /// What an emergency stop did to an axis, as the controller saw it.
 struct StopReport {
   double standstill_s = 0;  ///< From the contact; a stepper's: when its field stood.
+  double sd_s = 0;          ///< Of that; a stepper's is known.
   double path_pulses = 0;
   double peak_a = 0;
   bool is_done = false;
@@ -77,7 +79,8 @@ class MotorMotion {
     double in_position_s = 0;
     double at_limit_s = 0;
     double peak_a = 0;
-    double last_drive_pulses = 0;  ///< Told for the last tick.
+    double last_drive_pulses = 0;  ///< Told for the last tick,
+    double told_pulses_s = 0;      ///< and how fast that is.
     std::int64_t index_edges = 0;
     std::optional<std::int64_t> last_index{};
     std::optional<double> half_way_s{};        ///< Of the last move, from its start.
@@ -119,15 +122,20 @@ class MotorMotion {
     std::array<std::int64_t, kNumMotorAxes> edges_before{};
     double length = 1, t_s = 0;
   };
-  /// One axis on its way to a standstill; speeds of the last two ticks [pulses/s].
+  /// One axis on its way to a standstill.
   struct Slowing {
-    double from_pulses = 0, speed_pulses_s = 0;
-    double last = 0, before = 0;
+    double told_pulses_s = 0;            ///< As it went when the contact opened.
+    std::int64_t from = 0;               ///< Its counter then,
+    std::vector<std::int64_t> counts{};  ///< from where the brakes act, every tick,
+    std::int64_t near = 0;               ///< and within a pulse of that
+    double still_s = 0;                  ///< for so long.
   };
   using Slowings = std::array<Slowing, kNumMotorAxes>;
   void Tick(const RigDrives& drives);
-  RigDrives Stopping(double t_s, const Slowings& slowing);
-  void NoteStandstill(std::size_t i, double t_s, Slowing* slowing);
+  int FilterTicks() const;
+  RigDrives Stopping(double braked_s, const Slowings& slowings);
+  void WatchStop(bool brakes, Slowings* slowings);
+  StopReport ReportOf(std::size_t i, const Slowing& slowing) const;
   RigDrives Holding() const;
   void Poll();
   void Watch(std::size_t i, const RigDrive& drive);

@@ -1,22 +1,29 @@
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 
 #include "sim/base/mutant.h"
 #include "sim/firmware/motor_motion.h"
+#include "sim/firmware/standstill.h"
 
 namespace caltwin {
 namespace {
 
 constexpr double kPatience_s = 0.5;
 constexpr double kAfterwards_s = 0.05;  // Counters are watched so long without power.
-constexpr double kStill_pulses = 1.5;   // A tick: slower counts as standing,
-constexpr double kHeld_s = 0.002;       // and is braked so long yet.
+constexpr double kHeld_s = 0.002;       // Within a pulse for so long: it stands.
 
 }  // namespace
 
-RigDrives MotorMotion::Stopping(double t_s, const Slowings& slowing) {
+// Of the emergency stop's input.
+int MotorMotion::FilterTicks() const {
+  constexpr double kWhole = 1e-9;
+  return static_cast<int>(std::ceil(options_.stop_filter_s / tick_s_ - kWhole));
+}
+
+// Until the input's filter lets the contact through, all go on as they were told.
+RigDrives MotorMotion::Stopping(double braked_s, const Slowings& slowings) {
   RigDrives drives = Holding();
-  const double braked_s = t_s - options_.stop_filter_s;
   for (std::size_t i = 0; i < kNumMotorAxes; ++i) {
     if (!axes_[i].is_enabled) continue;
     if (options_.is_servo[i] && braked_s >= 0) {
@@ -25,57 +32,61 @@ RigDrives MotorMotion::Stopping(double t_s, const Slowings& slowing) {
     }
     const double ramp_s = std::max(options_.stepper_stop_s, tick_s_);
     const double ramp = std::clamp(1 - braked_s / ramp_s, 0.0, 1.0);
-    axes_[i].target_pulses += slowing[i].speed_pulses_s * ramp * tick_s_;
+    axes_[i].target_pulses += slowings[i].told_pulses_s * ramp * tick_s_;
     drives[i].to_pulses = axes_[i].target_pulses;
   }
   return drives;
 }
 
-// It stands within the tick that ends at `t_s`: when, from how it slowed before.
-void MotorMotion::NoteStandstill(std::size_t i, double t_s, Slowing* slowing) {
-  StopReport& stop = axes_[i].stop;
-  const double first = slowing->speed_pulses_s;
-  const double now = static_cast<double>(rig_->Count(i) - count_before_[i]) / tick_s_;
-  const bool stands = now * first <= 0 || std::abs(now) * tick_s_ < kStill_pulses;
-  if (!stop.is_done && t_s > options_.stop_filter_s && stands) {
-    const double lost = std::abs(slowing->before) - std::abs(slowing->last);
-    double part = 1;
-    if (lost > 0) part = std::clamp(std::abs(slowing->last) / lost - 0.5, 0.0, 1.0);
-    stop = {.standstill_s = first == 0 ? 0 : t_s - tick_s_ * (1 - part),
-            .path_pulses =
-                std::abs(static_cast<double>(rig_->Count(i)) - slowing->from_pulses),
-            .is_done = true};
+void MotorMotion::WatchStop(bool brakes, Slowings* slowings) {
+  for (std::size_t i = 0; i < kNumMotorAxes; ++i) {
+    Slowing& slowing = (*slowings)[i];
+    const std::int64_t count = rig_->Count(i);
+    // The last before the brakes act is their onset.
+    if (!brakes) slowing.counts.clear();
+    slowing.counts.push_back(count);
+    const bool is_near = std::abs(count - slowing.near) <= 1;
+    if (!is_near) slowing.near = count;
+    slowing.still_s = is_near ? slowing.still_s + tick_s_ : 0;
   }
-  slowing->before = slowing->last;
-  slowing->last = now;
+}
+
+StopReport MotorMotion::ReportOf(std::size_t i, const Slowing& slowing) const {
+  StopReport report{
+      .path_pulses = std::abs(static_cast<double>(rig_->Count(i) - slowing.from)),
+      .peak_a = axes_[i].peak_a,
+      .is_done = slowing.still_s >= kHeld_s};
+  if (slowing.told_pulses_s == 0) return report;
+  const Standstill braked =
+      options_.is_servo[i]
+          ? StandstillOf(slowing.counts, tick_s_, slowing.told_pulses_s)
+          : Standstill{.at_s = options_.stepper_stop_s};
+  report.standstill_s = FilterTicks() * tick_s_ + braked.at_s;
+  report.sd_s = braked.sd_s;
+  return report;
 }
 
 void MotorMotion::EmergencyStop() {
-  Slowings slowing{};
+  Slowings slowings{};
   for (std::size_t i = 0; i < kNumMotorAxes; ++i) {
-    const double speed =
-        static_cast<double>(rig_->Count(i) - count_before_[i]) / tick_s_;
-    slowing[i] = {.from_pulses = static_cast<double>(rig_->Count(i)),
-                  .speed_pulses_s = speed,
-                  .last = speed,
-                  .before = speed};
-    axes_[i].stop = {};
+    slowings[i].told_pulses_s = axes_[i].told_pulses_s;
+    slowings[i].from = rig_->Count(i);
+    slowings[i].near = slowings[i].from;
     axes_[i].peak_a = 0;
   }
-  const double least_s = options_.stop_filter_s + options_.stepper_stop_s;
-  double stood_s = 0;
-  for (double t_s = 0; stood_s < kHeld_s && t_s < kPatience_s;) {
-    Tick(Stopping(t_s, slowing));
-    t_s += tick_s_;
-    bool all_stand = t_s > least_s;
-    for (std::size_t i = 0; i < kNumMotorAxes; ++i) {
-      NoteStandstill(i, t_s, &slowing[i]);
-      all_stand = all_stand && axes_[i].stop.is_done;
-    }
-    if (all_stand) stood_s += tick_s_;
+  bool all_stand = false;
+  const int most = static_cast<int>(std::ceil(kPatience_s / tick_s_));
+  for (int tick = 0; !all_stand && tick < most; ++tick) {
+    const double braked_s = (tick - FilterTicks()) * tick_s_;
+    Tick(Stopping(braked_s, slowings));
+    WatchStop(braked_s >= 0, &slowings);
+    all_stand = braked_s >= options_.stepper_stop_s &&
+                std::ranges::all_of(slowings, [](const Slowing& each) {
+                  return each.still_s >= kHeld_s;
+                });
   }
   for (std::size_t i = 0; i < kNumMotorAxes; ++i) {
-    axes_[i].stop.peak_a = axes_[i].peak_a;
+    axes_[i].stop = ReportOf(i, slowings[i]);
     axes_[i].is_enabled = false;
     axes_[i].at_limit_s = 0;
   }

@@ -39,8 +39,8 @@ void FastMotors::Coast(const BuiltMotor& motor, double force, AxisNow* now) cons
   const double rubbed_unit_s = d.friction / per_unit;
   const double unit_s =
       Sign(free_unit_s) * std::max(0.0, std::abs(free_unit_s) - rubbed_unit_s);
+  state.motor_unit += (state.motor_unit_s + unit_s) / 2 * kTick_s;
   state.motor_unit_s = unit_s;
-  state.motor_unit += unit_s * kTick_s;
   state.force = force;
 }
 

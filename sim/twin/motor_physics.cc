@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "sim/base/mutant.h"
 
@@ -19,12 +20,13 @@ void PhysicsMotors::Place(std::size_t axis, double motor_unit) {
   field_unit_[axis] = motor_unit;
 }
 
-double PhysicsMotors::ServoForce(std::size_t axis, const MotorDrive& drive) const {
+double PhysicsMotors::ServoForce(std::size_t axis, const MotorDrive& drive) {
   const MotorAxisDrawing& d = motors_[axis].drawing;
+  const bool brakes = drive.mode == MotorDrive::Mode::kBrake;
+  const bool begins = !std::exchange(brakes_[axis], brakes) && brakes;
   if (drive.mode == MotorDrive::Mode::kOff) return 0;
   const double unit_s = world_.MotorSpeed_unit_s(axis);
-  const double off_unit =
-      drive.mode == MotorDrive::Mode::kBrake ? 0 : drive.to_unit - world_.MotorAt(axis);
+  const double off_unit = brakes ? 0 : drive.to_unit - world_.MotorAt(axis);
   // Across a gap the motor feels all of the load or none.
   const bool has_gap = motors_[axis].gap_unit > 0;
   const double inertia = d.motor_inertia + d.load_inertia * (has_gap ? 0.5 : 1);
@@ -32,7 +34,10 @@ double PhysicsMotors::ServoForce(std::size_t axis, const MotorDrive& drive) cons
       inertia * d.si_per_unit() * (off_unit - unit_s * kTick_s) / (kTick_s * kTick_s);
   const double most =
       Mutant("motor_physics_no_current_limit", 1.0, 1e6) * d.largest_force();
-  return std::clamp(force, -most, most);
+  const double now = std::clamp(force, -most, most);
+  // MuJoCo's speeds are those between its positions: a brake acts from the middle of
+  // such a step on.
+  return begins ? (force_[axis] + now) / 2 : now;
 }
 
 double PhysicsMotors::StepperForce(std::size_t axis, const MotorDrive& drive) {

@@ -16,11 +16,12 @@ class PhysicsMotors : public MotorMechanism {
   MotorState State(std::size_t axis) const override;
 
  private:
-  double ServoForce(std::size_t axis, const MotorDrive& drive) const;
+  double ServoForce(std::size_t axis, const MotorDrive& drive);
   double StepperForce(std::size_t axis, const MotorDrive& drive);
 
   MotorStageWorld world_;
   std::array<double, kNumMotorAxes> force_{}, field_unit_{};
+  std::array<bool, kNumMotorAxes> brakes_{};
 };
 
 }  // namespace caltwin

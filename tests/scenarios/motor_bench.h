@@ -49,16 +49,16 @@ class WatchedRig : public MotorRig {
   std::optional<double> braked_s() const { return braked_s_; }
 
  private:
-  // A drive holds its force for a tick: within the last one it stood when the force of
-  // the tick before would have ended its momentum.
+  // MuJoCo's speeds are those in the middle of a tick. A drive holds its force for a
+  // tick: it stood when the force of the tick before would have ended its momentum.
   void Note(bool brakes, double momentum) {
-    constexpr double kGone = 0.01;
+    constexpr double kGone = 0.001;
     if (brakes && !braked_s_) {
-      if (slowing_s_ == 0) first_ = before_;
-      slowing_s_ += tick_s();
-      const double full = std::max(earlier_ - before_, before_ - momentum);
+      if (ticks_ == 0) first_ = before_;
+      ++ticks_;
       if (momentum < kGone * first_) {
-        braked_s_ = slowing_s_ + tick_s() * (std::min(before_ / full, 1.0) - 1);
+        const double full = std::max(earlier_ - before_, before_ - momentum);
+        braked_s_ = tick_s() * (ticks_ - 1.5 + before_ / full);
       }
     }
     earlier_ = before_;
@@ -67,7 +67,8 @@ class WatchedRig : public MotorRig {
 
   MotorStageRig* inner_;
   MotorAxisDrawing built_;
-  double earlier_ = 0, before_ = 0, first_ = 0, slowing_s_ = 0;
+  double earlier_ = 0, before_ = 0, first_ = 0;
+  int ticks_ = 0;
   std::optional<double> braked_s_{};
 };
 

@@ -186,59 +186,101 @@ BuiltMotorStage RandomServo(Rng* rng, double* speed_mm_s) {
 }
 
 struct Verdicts {
-  int foretold_right = 0, measured_right = 0, feasible = 0, all = 0;
-  double largest_error_s = 0;
+  int foretold_right = 0, measured_right = 0, feasible = 0, called_late = 0, all = 0;
+  double worst_s = 0, squares_s2 = 0;
 };
 
-Verdicts StopMany(int machines, double load_sigma) {
-  Rng rng(1, 0, "stop_machines");
+// How the machines differ from their drawing.
+struct Unlike {
+  double load_sigma = 0;  // Standard deviation of their loads, and
+  double all_sigma = 0;   // of loads and motors together, as fractions,
+  double heavier = 0;     // by which part of the whole inertia they are heavier.
+};
+
+void Build(const Unlike& unlike, Rng* rng, MotorAxisDrawing* x) {
+  const double drawn = x->total_inertia();
+  const double all = 1 + unlike.all_sigma * rng->Normal();
+  x->load_inertia *= all * (1 + unlike.load_sigma * rng->Normal());
+  x->motor_inertia *= all;
+  x->load_inertia += unlike.heavier * drawn;
+}
+
+bool IsCalledLate(const MotorResult& stopped) {
+  return std::ranges::any_of(stopped.result.messages, [](const std::string& text) {
+    return text.find("were foretold: it brakes like") != std::string::npos;
+  });
+}
+
+Verdicts StopMany(int machines, const Unlike& unlike) {
+  constexpr std::uint64_t kSeed = 20261123;  // Not looked at before the method stood.
+  Rng rng(kSeed, 0, "stop_machines"), others(kSeed, 0, "stop_machines_unlike");
   Verdicts verdicts;
   for (int i = 0; i < machines; ++i) {
     double speed_mm_s = 0;
     BuiltMotorStage built = RandomServo(&rng, &speed_mm_s);
-    MotorAxisDrawing& built_x = built.motors[kX].drawing;
-    built_x.load_inertia *= 1 + load_sigma * rng.Normal();
+    Build(unlike, &others, &built.motors[kX].drawing);
     MotorBenchInATest bench(built, /*is_physics=*/true, 1, i);
     bench.axes.SetZero(kX, 0);
     const MotorResult stopped =
         RunEmergencyStop(&bench.axes, {.axes = {kX}, .medium = 1});
     const auto braked_s = bench.watched.braked_s();
-    EXPECT_TRUE(braked_s && stopped.found.standstill_s) << i << stopped.result.fault;
-    if (!braked_s || !stopped.found.standstill_s) continue;
+    EXPECT_TRUE(braked_s && stopped.found.stopped_within) << i << stopped.result.fault;
+    if (!braked_s || !stopped.found.stopped_within) continue;
     const double truth_s = 0.0005 + *braked_s;
     const bool is_feasible = truth_s <= 0.005;
+    const double off_s = *stopped.found.standstill_s - truth_s;
     ++verdicts.all;
     verdicts.feasible += is_feasible ? 1 : 0;
     verdicts.foretold_right += stopped.found.stop_feasible == is_feasible ? 1 : 0;
-    verdicts.measured_right +=
-        (*stopped.found.standstill_s <= 0.005) == is_feasible ? 1 : 0;
-    verdicts.largest_error_s = std::max(
-        verdicts.largest_error_s, std::abs(*stopped.found.standstill_s - truth_s));
+    verdicts.measured_right += stopped.found.stopped_within == is_feasible ? 1 : 0;
+    verdicts.called_late += IsCalledLate(stopped) ? 1 : 0;
+    verdicts.worst_s = std::max(verdicts.worst_s, std::abs(off_s));
+    verdicts.squares_s2 += off_s * off_s;
   }
   return verdicts;
 }
 
-TEST(MotorFigures, EmergencyStopVerdictsAreRight) {
-  const Verdicts known = StopMany(1000, 0);
-  const Verdicts unknown = StopMany(300, 0.03);
+void PrintVerdicts(const std::string& name, const Verdicts& v) {
+  Print(
+      fmt::format("emergency stop, {} machines in MuJoCo, {}: foretold right {:.1f} "
+                  "%, measured right {:.1f} % ({} feasible), called late {}; "
+                  "standstill to {:.4f} ms rms, {:.2f} at worst",
+                  v.all,
+                  name,
+                  100.0 * v.foretold_right / v.all,
+                  100.0 * v.measured_right / v.all,
+                  v.feasible,
+                  v.called_late,
+                  std::sqrt(v.squares_s2 / v.all) / SFromMs(1.0),
+                  v.worst_s / SFromMs(1.0)));
+}
 
-  for (const auto& [name, v] : {std::pair("as drawn", known),
-                                std::pair("loads 3 % off their drawing", unknown)}) {
-    Print(
-        fmt::format("emergency stop, {} machines in MuJoCo, {}: foretold right {:.1f} "
-                    "%, measured right {:.1f} % ({} feasible; standstill measured to "
-                    "{:.2f} ms)",
-                    v.all,
-                    name,
-                    100.0 * v.foretold_right / v.all,
-                    100.0 * v.measured_right / v.all,
-                    v.feasible,
-                    v.largest_error_s / SFromMs(1.0)));
-  }
+TEST(MotorFigures, EmergencyStopVerdictsAreRight) {
+  const Verdicts known = StopMany(1000, {});
+  const Verdicts unknown = StopMany(1000, {.load_sigma = 0.03});
+
+  PrintVerdicts("as drawn", known);
+  PrintVerdicts("loads 3 % off their drawing", unknown);
   EXPECT_EQ(known.all, 1000);
   EXPECT_GT(known.feasible, 300);
   EXPECT_LT(known.feasible, 700);
   EXPECT_GE(known.foretold_right, 990);
+  EXPECT_GE(known.measured_right, 990);
+  EXPECT_GE(unknown.measured_right, 990);
+  EXPECT_EQ(known.called_late, 0);
+}
+
+// Beyond three standard deviations on one side are 0.135 % by chance.
+TEST(MotorFigures, ALateStandstillIsWarnedOfAndSeldomFalsely) {
+  constexpr int kMachines = 2000, kHeavier = 300;
+  const Verdicts usual = StopMany(kMachines, {.all_sigma = 0.03});
+  const Verdicts heavier = StopMany(kHeavier, {.heavier = 0.1});
+
+  PrintVerdicts("inertias 3 % off their drawing", usual);
+  PrintVerdicts("a tenth heavier than drawn", heavier);
+  constexpr double kExpected = 0.00135 * kMachines;
+  EXPECT_LE(usual.called_late, kExpected + 4 * std::sqrt(kExpected));
+  EXPECT_GE(heavier.called_late, 0.9 * kHeavier);
 }
 
 }  // namespace

@@ -94,19 +94,28 @@ TEST(LimitSwitch, OpensItsHysteresisLater) {
   EXPECT_FALSE(after(0.04));
 }
 
+// v M / (F + friction), of the mass that is there.
 TEST(EmergencyStop, ForetellsAndThenSeesAnUnknownLoad) {
-  for (const auto& [load_kg, warnings] : {std::pair(0.0, 0), std::pair(40.0, 1)}) {
-    BuiltMotorStage built = BuiltAsDrawn(DrawnMotorStage());
-    built.motors[0].drawing.load_inertia += load_kg;
-    built.faults[0].start_unit = 20;
-    MotorBenchInATest bench(built);
-    bench.axes.SetZero(0, 0);
+  constexpr double kSpeed_mm_s = 250, kExact_s = 0.00001;
+  for (const bool is_physics : {false, true}) {
+    for (const auto& [load_kg, warnings] : {std::pair(0.0, 0), std::pair(40.0, 2)}) {
+      BuiltMotorStage built = BuiltAsDrawn(DrawnMotorStage());
+      MotorAxisDrawing& x = built.motors[0].drawing;
+      x.load_inertia += load_kg;
+      built.faults[0].start_unit = 20;
+      MotorBenchInATest bench(built, is_physics);
+      bench.axes.SetZero(0, 0);
 
-    const MotorResult stopped =
-        RunEmergencyStop(&bench.axes, {.axes = {0}, .medium = 1});
+      const MotorResult stopped =
+          RunEmergencyStop(&bench.axes, {.axes = {0}, .medium = 1});
 
-    EXPECT_EQ(stopped.found.warnings, warnings) << stopped.result.fault;
-    EXPECT_TRUE(*stopped.found.stop_feasible);
+      EXPECT_EQ(stopped.found.warnings, warnings) << stopped.result.fault;
+      EXPECT_TRUE(*stopped.found.stop_feasible);
+      EXPECT_EQ(*stopped.found.stopped_within, load_kg == 0);
+      const double braked_s = kSpeed_mm_s * x.si_per_unit() * x.total_inertia() /
+                              (x.largest_force() + x.friction);
+      EXPECT_NEAR(*stopped.found.standstill_s, 0.0005 + braked_s, kExact_s);
+    }
   }
 }
 

@@ -254,10 +254,11 @@ Reply MotorStageFirmware::StopReports() const {
   for (std::size_t i = 0; i < kNumMotorAxes; ++i) {
     const MotorMotion::AxisState& axis = motion_.axis(i);
     reply.lines.push_back(
-        fmt::format("{} standstill_s {:.5f} path {:.5f} peak_a {:.3f} stood {:d} "
-                    "enabled {:d}",
+        fmt::format("{} standstill_s {:.7f} sd_s {:.7f} path {:.5f} peak_a {:.3f} "
+                    "stood {:d} enabled {:d}",
                     LetterOf(i),
                     axis.stop.standstill_s,
+                    axis.stop.sd_s,
                     axis.stop.path_pulses / axes_[i].record.pulses_per_unit,
                     axis.stop.peak_a,
                     axis.stop.is_done,

@@ -1,0 +1,87 @@
+#include "sim/firmware/standstill.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdlib>
+#include <limits>
+#include <optional>
+
+#include "sim/base/mutant.h"
+
+namespace caltwin {
+namespace {
+
+constexpr double kCountVariance = 1.0 / 12;  // Of whole pulses.
+constexpr double kNoPath_pulses = 1;         // Rms: the counts are no parabola.
+
+// The straight line y = c0 - a u, y the counts less v t, u = t^2 / 2.
+struct ParabolaFit {
+  double slowing = 0, slowing_sd = 0;  ///< a [pulses/s^2].
+  double rms_pulses = 0;
+};
+
+std::optional<ParabolaFit> Fit(std::span<const std::int64_t> counts,
+                               double tick_s,
+                               double speed_pulses_s) {
+  if (counts.size() < 3) return std::nullopt;
+  const auto number = static_cast<double>(counts.size());
+  const auto u_of = [&](std::size_t k) {
+    const double t_s = static_cast<double>(k) * tick_s;
+    return t_s * t_s / 2;
+  };
+  const auto y_of = [&](std::size_t k) {
+    return static_cast<double>(counts[k] - counts[0]) -
+           speed_pulses_s * static_cast<double>(k) * tick_s;
+  };
+  double u_mean = 0, y_mean = 0;
+  for (std::size_t k = 0; k < counts.size(); ++k) {
+    u_mean += u_of(k) / number;
+    y_mean += y_of(k) / number;
+  }
+  double uu = 0, uy = 0, yy = 0;
+  for (std::size_t k = 0; k < counts.size(); ++k) {
+    uu += std::pow(u_of(k) - u_mean, 2);
+    uy += (u_of(k) - u_mean) * (y_of(k) - y_mean);
+    yy += std::pow(y_of(k) - y_mean, 2);
+  }
+  const double rms = std::sqrt(std::max(0.0, yy - uy * uy / uu) / (number - 2));
+  return ParabolaFit{.slowing = -uy / uu,
+                     .slowing_sd = std::sqrt(kCountVariance / uu),
+                     .rms_pulses = rms};
+}
+
+// Counts from `from` on are within a pulse of the last one.
+std::size_t FirstAtRest(std::span<const std::int64_t> counts) {
+  std::size_t from = counts.size();
+  while (from > 0 && std::abs(counts[from - 1] - counts.back()) <= 1) --from;
+  return from;
+}
+
+}  // namespace
+
+Standstill StandstillOf(std::span<const std::int64_t> counts,
+                        double tick_s,
+                        double speed_pulses_s) {
+  if (counts.empty() || speed_pulses_s == 0) return {};
+  const std::size_t at_rest = FirstAtRest(counts);
+  const Standstill seen{.at_s = static_cast<double>(at_rest) * tick_s, .sd_s = tick_s};
+  // The last pulse takes longest: those ticks are found by when it stands by the
+  // others.
+  constexpr int kRounds = 3;
+  std::size_t used = at_rest;
+  Standstill fitted = seen;
+  for (int round = 0; round < kRounds; ++round) {
+    const auto fit =
+        Fit(counts.first(std::min(used, counts.size())), tick_s, speed_pulses_s);
+    if (!fit || fit->rms_pulses > kNoPath_pulses) return seen;
+    const double at_s = speed_pulses_s / fit->slowing;
+    const double latest_s = static_cast<double>(counts.size()) * tick_s;
+    if (!(at_s > 0) || at_s > latest_s) return seen;
+    fitted = {.at_s = at_s, .sd_s = at_s * std::abs(fit->slowing_sd / fit->slowing)};
+    used = static_cast<std::size_t>(at_s / tick_s) + 1;
+  }
+  return Mutant("standstill_by_last_pulse", false, true) ? seen : fitted;
+}
+
+}  // namespace caltwin

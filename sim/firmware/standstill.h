@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+namespace caltwin {
+
+/// When a braked motor stood, from the onset of its brake.
+struct Standstill {
+  double at_s = 0;
+  double sd_s = 0;  ///< From the counter's whole pulses.
+};
+
+/// When a motor stood that was braked by a constant force, from its counter:
+///
+///   c(t) = c0 + v t - a t^2 / 2,  at = v / a
+///
+/// c0 and a by least squares from the counts until the motor stands, each known to
+/// 1 / sqrt(12) of a pulse. Where the counts are no such path (a gap, an obstacle):
+/// when the counter came within a pulse of its last value for good, to a tick.
+/// @param counts  at the onset of the brake and every tick after it, beyond standstill
+/// @param speed_pulses_s  v, signed: as told to the drive before
+Standstill StandstillOf(std::span<const std::int64_t> counts,
+                        double tick_s,
+                        double speed_pulses_s);
+
+}  // namespace caltwin

@@ -1,0 +1,70 @@
+#include "sim/firmware/standstill.h"
+
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "sim/base/rng.h"
+
+namespace caltwin {
+namespace {
+
+constexpr double kTick_s = 0.00025;
+
+// Whole pulses of a motor that is braked evenly from tick 0 on, and of its rest.
+std::vector<std::int64_t> CountsOf(double speed_pulses_s,
+                                   double at_s,
+                                   double first_pulses) {
+  std::vector<std::int64_t> counts;
+  for (int tick = 0; tick * kTick_s < at_s + 0.002; ++tick) {
+    const double t_s = std::min(tick * kTick_s, at_s);
+    counts.push_back(static_cast<std::int64_t>(
+        std::floor(first_pulses + speed_pulses_s * (t_s - t_s * t_s / (2 * at_s)))));
+  }
+  return counts;
+}
+
+// Either sense, any part of a pulse, 40 to 4000 pulses to a standstill.
+TEST(StandstillOf, RecoversAnEvenBrakeWithItsUncertainty) {
+  constexpr int kStops = 400;
+  Rng rng(3, 0, "standstill");
+  double squares = 0, smallest_s = 1, largest_s = 0;
+  for (int i = 0; i < kStops; ++i) {
+    const double at_s = 0.002 + 0.006 * rng.Uniform();
+    const double way_pulses = 40 * std::pow(100, rng.Uniform());
+    const double speed_pulses_s = (i % 2 == 0 ? 2 : -2) * way_pulses / at_s;
+    const auto counts = CountsOf(speed_pulses_s, at_s, 10 * rng.Uniform());
+
+    const Standstill stood = StandstillOf(counts, kTick_s, speed_pulses_s);
+
+    squares += std::pow((stood.at_s - at_s) / stood.sd_s, 2);
+    smallest_s = std::min(smallest_s, stood.sd_s);
+    largest_s = std::max(largest_s, stood.sd_s);
+  }
+
+  // Chi-squared of 400, four of its standard deviations.
+  EXPECT_NEAR(squares, kStops, 4 * std::sqrt(2.0 * kStops));
+  EXPECT_LT(largest_s, 0.0001);
+  EXPECT_LT(smallest_s, 0.000001);
+}
+
+// A motor that is held at 0.7 ms and pushed on by its carriage at 3 ms.
+TEST(StandstillOf, WithoutAnEvenBrakeIsWhenTheCounterCameToRest) {
+  std::vector<std::int64_t> counts = {
+      0, 40, 60, 60, 60, 60, 60, 60, 60, 60, 60, 60, 80, 95, 100};
+  counts.insert(counts.end(), 10, 101);
+
+  const Standstill stood = StandstillOf(counts, kTick_s, 160'000);
+
+  EXPECT_DOUBLE_EQ(stood.at_s, 14 * kTick_s);
+  EXPECT_DOUBLE_EQ(stood.sd_s, kTick_s);
+}
+
+TEST(StandstillOf, WhatWasNotMovedStands) {
+  EXPECT_EQ(StandstillOf(std::vector<std::int64_t>(20, 7), kTick_s, 0).at_s, 0);
+}
+
+}  // namespace
+}  // namespace caltwin
