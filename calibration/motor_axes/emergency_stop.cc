@@ -208,7 +208,11 @@ std::optional<bool> KeptItsPosition(std::size_t axis,
   const auto per_rev = doing->Got(doing->axes().Field(812, axis));
   const auto after_pulses = per_rev ? NextIndex(axis, doing) : std::nullopt;
   if (!after_pulses) return std::nullopt;
-  const double gone_pulses = *after_pulses - before_pulses;
+  const double reference_pulses =
+      Mutant("stop_index_read_after",
+             Mutant("stop_index_is_home", before_pulses, 0.0),
+             *after_pulses);
+  const double gone_pulses = *after_pulses - reference_pulses;
   const double off_pulses = gone_pulses - *per_rev * std::round(gone_pulses / *per_rev);
   const bool is_kept = std::abs(off_pulses) <= doing->options().threshold_pulses;
   doing->Say(fmt::format(

@@ -69,7 +69,9 @@ StopReport MotorMotion::ReportOf(std::size_t i, const Slowing& slowing) const {
 void MotorMotion::EmergencyStop() {
   Slowings slowings{};
   for (std::size_t i = 0; i < kNumMotorAxes; ++i) {
-    slowings[i].told_pulses_s = axes_[i].told_pulses_s;
+    const auto counted = static_cast<double>(rig_->Count(i) - count_before_[i]);
+    slowings[i].told_pulses_s =
+        Mutant("stop_goes_on_by_counts", axes_[i].told_pulses_s, counted / tick_s_);
     slowings[i].from = rig_->Count(i);
     slowings[i].near = slowings[i].from;
     axes_[i].peak_a = 0;

@@ -37,7 +37,8 @@ double PhysicsMotors::ServoForce(std::size_t axis, const MotorDrive& drive) {
   const double now = std::clamp(force, -most, most);
   // MuJoCo's speeds are those between its positions: a brake acts from the middle of
   // such a step on.
-  return begins ? (force_[axis] + now) / 2 : now;
+  return Mutant("motor_brakes_a_step_early", begins, false) ? (force_[axis] + now) / 2
+                                                            : now;
 }
 
 double PhysicsMotors::StepperForce(std::size_t axis, const MotorDrive& drive) {

@@ -79,6 +79,19 @@ void RefuseForMany(const Options& options) {
   }
 }
 
+// Where nothing is touched there are no rows.
+void RefuseRecordOfMotors(const Options& options,
+                          const std::vector<Scenario>& scenarios) {
+  for (const Scenario& scenario : scenarios) {
+    if (options.record.empty() || !scenario.motor) continue;
+    throw InputError(
+        {.file = "--record"},
+        fmt::format("{} touches nothing: motors have no rows",
+                    scenario.file.filename().string()),
+        "--transcript keeps every line of the wire, --json what was found");
+  }
+}
+
 RunOptions OptionsOf(const Options& options,
                      const Scenario& scenario,
                      std::int64_t index,
@@ -187,6 +200,7 @@ int Run(const Options& options) {
   const bool is_many = IsMany(options, files);
   if (is_many) RefuseForMany(options);
   const std::vector<Scenario> scenarios = ReadAll(files);
+  RefuseRecordOfMotors(options, scenarios);
   CheckSpares(options, scenarios);
   const std::vector<RunResult> results = RunAll(options, scenarios, is_many);
   if (!options.json_alone()) {
