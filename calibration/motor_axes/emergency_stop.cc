@@ -79,7 +79,7 @@ bool StopInMotion(double speed_unit_s, MotorDoing* doing) {
   return false;
 }
 
-std::string Of_ms(double seconds) {
+std::string Milliseconds(double seconds) {
   return fmt::format("{:.2f}", seconds / SFromMs(1.0));
 }
 
@@ -100,8 +100,8 @@ void CompareWithForecast(std::size_t axis,
       "{} stood after {} ms, {} were foretold: it brakes like {:.3g} {} in place of "
       "{:g}, or its motor gives {:.0f} % of its force",
       MotorAxisName(axis),
-      Of_ms(says.standstill_s),
-      Of_ms(f.standstill_s),
+      Milliseconds(says.standstill_s),
+      Milliseconds(f.standstill_s),
       d.total_inertia() * brake_s / (f.standstill_s - bench.stop_filter_s),
       d.is_rotary ? "kg m2" : "kg",
       d.total_inertia(),
