@@ -120,6 +120,14 @@ const std::array kParameters = {
                    [](double v, std::size_t i, BuiltMotorStage* b) {
                      b->motors[i].drawing.friction += v;
                    }},
+    MotorParameter{"counter_edge",
+                   "part",
+                   "",
+                   {0, 1},
+                   [](double v, std::size_t i, BuiltMotorStage* b) {
+                     b->faults[i].pulse_part = v;
+                   },
+                   true},
     MotorParameter{"start_delay",
                    "delay",
                    "ms",

@@ -31,6 +31,9 @@ std::span<const Word> MotorEffectWords() {
       Word{"rail_friction", "Friction beside the drawn one. added_n (added_n_m)."},
       Word{"start_delay",
            "The drive begins each move so much after it was told. delay_ms."},
+      Word{"counter_edge",
+           "An axis stands at power-up so much of a pulse beyond the edge at which its "
+           "counter changes. part (0 to 1; 0: on the edge)."},
       Word{"start", "Where an axis stands at power-up. at_mm."}};
   return kWords;
 }

@@ -49,10 +49,11 @@ MotorStageRig::MotorStageRig(const BuiltMotorStage& built,
   }
 }
 
-// Of the counter, 0 where the axis stood at power-up.
+// Of the counter, less than 1 where the axis stood at power-up.
 double MotorStageRig::PulsesAt(std::size_t axis, double motor_unit) const {
-  const double from_unit = built_.faults[axis].start_unit;
-  return (motor_unit - from_unit) * built_.motors[axis].drawing.pulses_per_unit();
+  const MotorFaults& faults = built_.faults[axis];
+  const double gone_unit = motor_unit - faults.start_unit;
+  return gone_unit * built_.motors[axis].drawing.pulses_per_unit() + faults.pulse_part;
 }
 
 void MotorStageRig::Rest(std::size_t i, double told) {

@@ -21,6 +21,8 @@ struct MotorFaults {
   double pulses_lost_above_unit_s = 0;  ///< above that speed.
   double start_delay_s = 0;             ///< Of the drive against the controller.
   double start_unit = 50;               ///< Where it stands at power-up.
+  double pulse_part =
+      0;  ///< Of a pulse, that it stands beyond the counter's edge there.
 };
 
 /// A motor stage as it is built: what its controller cannot know.
