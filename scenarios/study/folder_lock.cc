@@ -8,6 +8,8 @@
 #include <sys/file.h>
 #include <unistd.h>
 
+#include <fmt/format.h>
+
 #include "sim/base/input_error.h"
 
 namespace caltwin {
@@ -34,23 +36,36 @@ FolderLock& FolderLock::operator=(FolderLock&& other) noexcept {
   return *this;
 }
 
-ResultFolder::ResultFolder(std::filesystem::path folder) : folder_(std::move(folder)) {
+bool MakeWritable(const std::filesystem::path& folder, bool is_to_be_read) {
   std::error_code error;
-  has_made_ = std::filesystem::create_directories(folder_, error);
-  if (!error && access(folder_.c_str(), W_OK) != 0) {
+  const bool has_made = std::filesystem::create_directories(folder, error);
+  if (!error && !is_to_be_read && access(folder.c_str(), W_OK) != 0) {
     error = std::error_code(errno, std::generic_category());
   }
-  if (error) {
-    throw InputError({.file = folder_.string()},
-                     "cannot be written to: " + error.message(),
-                     "choose another folder with --out");
-  }
-  lock_ = FolderLock(folder_);
+  if (!error) return has_made;
+  throw InputError({.file = folder.string()},
+                   "cannot be written to: " + error.message(),
+                   "choose another folder with --out");
 }
 
-ResultFolder::~ResultFolder() {
+void RequireRoom(const std::filesystem::path& folder,
+                 double runs,
+                 double needed_bytes,
+                 bool has_made_folder) {
   std::error_code error;
-  if (has_made_) std::filesystem::remove(folder_, error);  // Not where it holds files.
+  const auto room = std::filesystem::space(folder, error);
+  if (error) return;  // Nobody knows: then the disk itself will tell.
+  const auto available_bytes = static_cast<double>(room.available);
+  if (needed_bytes <= available_bytes) return;
+  if (has_made_folder) std::filesystem::remove(folder, error);
+  constexpr double kMega = 1e6;
+  throw InputError(
+      {.file = folder.string()},
+      fmt::format("has {:.1f} MB of room, {:.0f} runs need about {:.1f} MB",
+                  available_bytes / kMega,
+                  runs,
+                  needed_bytes / kMega),
+      "make room, choose another folder with --out, or fewer trials");
 }
 
 }  // namespace caltwin

@@ -22,22 +22,16 @@ class FolderLock {
   int descriptor_ = -1;
 };
 
-/// A folder that something will be written to at the end of long work: made, locked and
-/// found to be writable before it begins. One that was made and stayed empty goes
-/// again.
-class ResultFolder {
- public:
-  /// Throws InputError where it cannot be made or written to, or another program holds
-  /// it.
-  explicit ResultFolder(std::filesystem::path folder);
-  ~ResultFolder();
-  ResultFolder(const ResultFolder&) = delete;
-  ResultFolder& operator=(const ResultFolder&) = delete;
+/// Makes a folder that something will be written to, and whether it had to be made.
+/// Throws InputError where it cannot be made, or not be written to and nothing to read
+/// is there.
+bool MakeWritable(const std::filesystem::path& folder, bool is_to_be_read);
 
- private:
-  std::filesystem::path folder_;
-  bool has_made_ = false;
-  FolderLock lock_{};
-};
+/// Before hours of work end at a full disk. Throws InputError where what so many runs
+/// need is not there; a folder that was made for them goes again.
+void RequireRoom(const std::filesystem::path& folder,
+                 double runs,
+                 double needed_bytes,
+                 bool has_made_folder);
 
 }  // namespace caltwin

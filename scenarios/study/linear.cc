@@ -4,7 +4,9 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <exception>
 #include <map>
+#include <mutex>
 #include <thread>
 
 #include <fmt/format.h>
@@ -23,13 +25,6 @@ constexpr double kChanceSigmas = 5;
 // What one worker has seen.
 struct Seen {
   explicit Seen(std::size_t unknowns) : parameters(unknowns) {}
-
-  void Add(const Seen& other) {
-    for (std::size_t i = 0; i < parameters.size(); ++i) {
-      parameters[i].Add(other.parameters[i]);
-    }
-    worst.Add(other.worst);
-  }
 
   std::vector<StreamedParameter> parameters;
   Worst worst{};
@@ -68,6 +63,112 @@ Aggregate AggregateOf(const PlanStudy& plan, std::int64_t trials, const Seen& se
   }
   return {trials, parameters, seen.worst};
 }
+
+// Blocks of trials, taken by workers that each sum up for themselves and hand over what
+// they have a few times a second.
+class LinearRun {
+ public:
+  LinearRun(const Study& study, const Shard& shard, HalfDone* half)
+      : plan_(*study.plan),
+        shard_(shard),
+        all_(shard.NumOf(study.trials)),
+        before_(half->done),
+        half_(*half) {
+    if (half_.aggregates.empty()) half_.aggregates = {AggregateOf(plan_, 0, Nothing())};
+    num_done_ = half_.aggregates.front().trials();
+  }
+
+  void Run(const StudyOptions& options,
+           const std::function<void(const HalfDone&)>& save) {
+    const auto start = Clock::now();
+    const std::int64_t num_before = num_done_;
+    auto saved = start;
+    working_ = options.workers;
+    std::vector<std::thread> workers;
+    for (int i = 0; i < options.workers; ++i) {
+      workers.emplace_back([this] { Work(); });
+    }
+    while (working_ > 0) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+      const auto now = Clock::now();
+      const std::chrono::duration<double> spent = now - start;
+      const auto here = static_cast<double>(num_done_ - num_before);
+      options.progress({.done = num_done_, .all = all_, .per_s = here / spent.count()});
+      if (now - saved < kBetweenSaves || fault_) continue;
+      TrySave(save);
+      saved = now;
+    }
+    for (std::thread& worker : workers) worker.join();
+    if (InterruptRequested() && !fault_) TrySave(save);
+    if (fault_) std::rethrow_exception(fault_);
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  static constexpr auto kBetweenSaves = std::chrono::seconds(1);
+  static constexpr auto kBetweenHandovers = std::chrono::milliseconds(250);
+
+  Seen Nothing() const { return Seen(plan_.design().unknowns.size()); }
+
+  // -1: none is left.
+  std::int64_t NextBlock() {
+    std::int64_t block = next_++;
+    while (before_.Has(block)) block = next_++;
+    const bool is_to_do =
+        block * kBlock < all_ && !InterruptRequested() && !is_stopped_;
+    return is_to_do ? block : -1;
+  }
+
+  void Work() {
+    Seen own = Nothing();
+    std::vector<std::int64_t> blocks;
+    auto handed = Clock::now();
+    for (std::int64_t block = NextBlock(); block >= 0; block = NextBlock()) {
+      const std::int64_t last = std::min((block + 1) * kBlock, all_);
+      Draw(plan_, shard_, block * kBlock, last, &own);
+      blocks.push_back(block);
+      num_done_ += last - block * kBlock;
+      if (Clock::now() - handed < kBetweenHandovers) continue;
+      HandOver(blocks, own);
+      blocks.clear();
+      own = Nothing();
+      handed = Clock::now();
+    }
+    HandOver(blocks, own);
+    --working_;
+  }
+
+  void HandOver(const std::vector<std::int64_t>& blocks, const Seen& own) {
+    std::int64_t trials = 0;
+    for (const std::int64_t block : blocks) {
+      trials += std::min((block + 1) * kBlock, all_) - block * kBlock;
+    }
+    const std::scoped_lock lock(mutex_);
+    half_.aggregates.front().Add(AggregateOf(plan_, trials, own));
+    for (const std::int64_t block : blocks) half_.done.Add(block);
+  }
+
+  void TrySave(const std::function<void(const HalfDone&)>& save) {
+    const std::scoped_lock lock(mutex_);
+    try {
+      save(half_);
+    } catch (const std::exception&) {
+      fault_ = std::current_exception();
+      is_stopped_ = true;
+    }
+  }
+
+  const PlanStudy& plan_;
+  Shard shard_;
+  std::int64_t all_;
+  const DoneIndices before_;
+  HalfDone& half_;
+  std::mutex mutex_{};  // Of half_, while workers run.
+  std::atomic<std::int64_t> next_ = 0, num_done_ = 0;
+  std::atomic<int> working_ = 0;
+  std::atomic<bool> is_stopped_ = false;
+  std::exception_ptr fault_{};
+};
 
 struct BothWays {
   std::string unit{};
@@ -138,35 +239,11 @@ void RequireLinear(const Study& study, const LinearCheck& check) {
   }
 }
 
-Aggregate RunLinear(const Study& study, const StudyOptions& options) {
-  using Clock = std::chrono::steady_clock;
-  const auto start = Clock::now();
-  const std::size_t unknowns = study.plan->design().unknowns.size();
-  const std::int64_t all = options.shard.NumOf(study.trials);
-  std::vector<Seen> seen(static_cast<std::size_t>(options.workers), Seen(unknowns));
-  std::atomic<std::int64_t> next = 0, done = 0;
-  std::atomic<int> working = options.workers;
-  const auto work = [&](Seen* own) {
-    for (std::int64_t first = next.fetch_add(kBlock);
-         first < all && !InterruptRequested();
-         first = next.fetch_add(kBlock)) {
-      const std::int64_t last = std::min(first + kBlock, all);
-      Draw(*study.plan, options.shard, first, last, own);
-      done += last - first;
-    }
-    --working;
-  };
-  std::vector<std::thread> workers;
-  for (Seen& own : seen) workers.emplace_back(work, &own);
-  while (working > 0) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
-    const std::chrono::duration<double> spent = Clock::now() - start;
-    options.progress(
-        {.done = done, .all = all, .per_s = static_cast<double>(done) / spent.count()});
-  }
-  for (std::thread& worker : workers) worker.join();
-  for (std::size_t i = 1; i < seen.size(); ++i) seen[0].Add(seen[i]);
-  return AggregateOf(*study.plan, all, seen[0]);
+void RunLinear(const Study& study,
+               const StudyOptions& options,
+               const std::function<void(const HalfDone&)>& save,
+               HalfDone* half) {
+  LinearRun(study, options.shard, half).Run(options, save);
 }
 
 std::string CheckText(const LinearCheck& check) {

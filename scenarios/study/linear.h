@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -29,9 +30,13 @@ LinearCheck CheckLinear(const Study& study, const StudyOptions& options);
 /// Throws InputError where an unknown does not agree: linear is not good enough there.
 void RequireLinear(const Study& study, const LinearCheck& check);
 
-/// The shard's trials of a study with the fidelity linear, none kept. The same for any
-/// number of workers.
-Aggregate RunLinear(const Study& study, const StudyOptions& options);
+/// Goes on with the shard's trials of a study with the fidelity linear, in blocks, none
+/// kept. The same for any number of workers and however often it was stopped. Calls
+/// `save` with what is done once a second; what that throws ends it.
+void RunLinear(const Study& study,
+               const StudyOptions& options,
+               const std::function<void(const HalfDone&)>& save,
+               HalfDone* half);
 
 /// What the terminal shows of the check.
 std::string CheckText(const LinearCheck& check);

@@ -6,7 +6,6 @@
 #include <exception>
 #include <mutex>
 #include <optional>
-#include <set>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -18,40 +17,31 @@
 namespace caltwin {
 namespace {
 
-// Work is handed out in the order of trials, a trial's cases one after the other.
+// Work is handed out in the order of RunIndex.
 class Todo {
  public:
-  Todo(const Study& study,
-       const Shard& shard,
-       std::set<std::pair<std::int64_t, std::size_t>> done)
-      : num_cases_(study.cases.size()),
-        end_(study.trials * static_cast<std::int64_t>(study.cases.size())),
+  Todo(const Study& study, const Shard& shard, const DoneIndices& done)
+      : num_cases_(static_cast<std::int64_t>(study.cases.size())),
+        all_(shard.NumOf(study.trials) * num_cases_),
         shard_(shard),
-        done_(std::move(done)) {}
+        done_(done) {}
 
   std::optional<std::pair<std::int64_t, std::size_t>> Next() {
     const std::scoped_lock lock(mutex_);
-    while (next_ < end_) {
-      const auto cases = static_cast<std::int64_t>(num_cases_);
-      const std::pair<std::int64_t, std::size_t> task{
-          next_ / cases, static_cast<std::size_t>(next_ % cases)};
-      ++next_;
-      if (shard_.Has(task.first) && !done_.contains(task)) return task;
-    }
-    return std::nullopt;
+    while (next_ < all_ && done_.Has(next_)) ++next_;
+    if (next_ >= all_) return std::nullopt;
+    const std::int64_t index = next_++;
+    return std::pair{shard_.index + (index / num_cases_) * shard_.count,
+                     static_cast<std::size_t>(index % num_cases_)};
   }
 
-  std::int64_t all() const {
-    const std::int64_t trials = end_ / static_cast<std::int64_t>(num_cases_);
-    return shard_.NumOf(trials) * static_cast<std::int64_t>(num_cases_);
-  }
-  std::int64_t done_before() const { return static_cast<std::int64_t>(done_.size()); }
+  std::int64_t all() const { return all_; }
+  std::int64_t done_before() const { return done_.count(); }
 
  private:
-  std::size_t num_cases_;
-  std::int64_t end_;
+  std::int64_t num_cases_, all_;
   Shard shard_;
-  std::set<std::pair<std::int64_t, std::size_t>> done_;
+  DoneIndices done_;
   std::int64_t next_ = 0;
   std::mutex mutex_{};
 };
@@ -81,7 +71,7 @@ class Pool {
  public:
   Pool(const Study& study,
        const Shard& shard,
-       const std::set<std::pair<std::int64_t, std::size_t>>& done,
+       const DoneIndices& done,
        const std::function<void(const TrialResult&)>& keep)
       : study_(study), keep_(keep), todo_(study, shard, done) {}
 
@@ -154,9 +144,18 @@ class Pool {
 
 }  // namespace
 
+std::int64_t RunIndex(const Study& study,
+                      const Shard& shard,
+                      std::int64_t trial,
+                      std::size_t of_case) {
+  const std::int64_t own = (trial - shard.index) / shard.count;
+  return own * static_cast<std::int64_t>(study.cases.size()) +
+         static_cast<std::int64_t>(of_case);
+}
+
 StudyProgress RunTrials(const Study& study,
                         const StudyOptions& options,
-                        const std::set<std::pair<std::int64_t, std::size_t>>& done,
+                        const DoneIndices& done,
                         const std::function<void(const TrialResult&)>& keep) {
   KeepFreedMemory();
   return Pool(study, options.shard, done, keep).Run(options);
@@ -165,9 +164,12 @@ StudyProgress RunTrials(const Study& study,
 StudyProgress RunStudy(const Study& study,
                        const StudyOptions& options,
                        StudyStore* store) {
-  return RunTrials(study, options, store->Done(), [store](const TrialResult& result) {
-    store->Add(result);
-  });
+  DoneIndices done;
+  for (const auto& [trial, of_case] : store->Done()) {
+    done.Add(RunIndex(study, options.shard, trial, of_case));
+  }
+  return RunTrials(
+      study, options, done, [store](const TrialResult& result) { store->Add(result); });
 }
 
 }  // namespace caltwin

@@ -2,9 +2,8 @@
 
 #include <cstdint>
 #include <functional>
-#include <set>
-#include <utility>
 
+#include "scenarios/study/half_done.h"
 #include "scenarios/study/store.h"
 
 namespace caltwin {
@@ -23,11 +22,17 @@ struct StudyOptions {
   };
 };
 
-/// Runs every trial that is not in `done`, calling `keep` with each, one at a time, in
-/// whatever order they end. What `keep` throws ends it.
+/// Runs of a shard, counted from 0: trial by trial, a trial's cases one after another.
+std::int64_t RunIndex(const Study& study,
+                      const Shard& shard,
+                      std::int64_t trial,
+                      std::size_t of_case);
+
+/// Runs every run of the shard that is not in `done`, by RunIndex, calling `keep` with
+/// each, one at a time, in whatever order they end. What `keep` throws ends it.
 StudyProgress RunTrials(const Study& study,
                         const StudyOptions& options,
-                        const std::set<std::pair<std::int64_t, std::size_t>>& done,
+                        const DoneIndices& done,
                         const std::function<void(const TrialResult&)>& keep);
 
 /// Runs every trial that `store` does not hold yet, each worker one at a time, each

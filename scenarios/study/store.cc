@@ -1,5 +1,6 @@
 #include "scenarios/study/store.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <optional>
@@ -19,9 +20,11 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kFormat = "2";
+constexpr const char* kState = "state";
 
-// Of `study.sqlite` and its log and of `trials.csv`, a run with a dozen parameters.
-constexpr double kFixed_bytes = 1e6, kBytesPerRun = 2000;
+// Of SQLite's log, which grows to 1000 pages; of `study.sqlite` and `trials.csv`, a run
+// with a dozen parameters.
+constexpr double kFixed_bytes = 5e6, kBytesPerRun = 2000;
 
 // `results` has a row only for what a run reported; NULL is "not told".
 constexpr const char* kSchema = R"(
@@ -101,24 +104,12 @@ auto OrFail(const fs::path& file, const Act& act) {
   }
 }
 
-// Before hours of work end at a full disk.
-void RequireRoom(const fs::path& folder, const Study& study, const Shard& shard) {
-  std::error_code error;
-  const fs::space_info room = fs::space(folder, error);
-  if (error) return;  // Nobody knows: then the disk itself will tell.
+// Runs whose trials will lie in the file at a time.
+double MostRuns(const Study& study, const Shard& shard) {
   const double runs = static_cast<double>(study.most_trials) *
                       static_cast<double>(study.cases.size()) /
                       static_cast<double>(shard.count);
-  const double needed_bytes = kFixed_bytes + kBytesPerRun * runs;
-  if (needed_bytes <= static_cast<double>(room.available)) return;
-  constexpr double kMega = 1e6;
-  throw InputError(
-      {.file = folder.string()},
-      fmt::format("has {:.1f} MB of room, {:.0f} runs need about {:.1f} MB",
-                  static_cast<double>(room.available) / kMega,
-                  runs,
-                  needed_bytes / kMega),
-      "make room, choose another folder with --out, or fewer trials");
+  return study.keeps_trials ? runs : std::min(runs, 1.0 * StudyStore::kMostUnfolded);
 }
 
 // There, in a folder where nothing can be written: SQLite's log neither.
@@ -156,6 +147,22 @@ struct StudyStore::Parts {
     query.bind(1, key);
     if (!query.executeStep()) return std::nullopt;
     return query.getColumn(0).getString();
+  }
+
+  bool HoldsTrials() {
+    return Kept(kState) ||
+           db.execAndGet("SELECT EXISTS(SELECT 1 FROM trials)").getInt() != 0;
+  }
+
+  void Fold(const std::string& state) {
+    SQLite::Transaction transaction(db);
+    SQLite::Statement keep(db, "REPLACE INTO study VALUES(?, ?)");
+    keep.bind(1, kState);
+    keep.bind(2, state);
+    keep.exec();
+    db.exec("DELETE FROM results");
+    db.exec("DELETE FROM trials");
+    transaction.commit();
   }
 
   void Begin(const Study& study, const Shard& shard) {
@@ -273,17 +280,15 @@ StudyStore::StudyStore(const fs::path& folder,
                        const Study& study,
                        bool may_resume,
                        const Shard& shard)
-    : file_(folder / "study.sqlite") {
+    : file_(folder / (study.keeps_trials ? "study.sqlite" : kUnfinished)) {
   std::error_code error;
-  has_made_folder_ = fs::create_directories(folder, error);
-  if (error) {
-    throw InputError({.file = folder.string()},
-                     "cannot be made: " + error.message(),
-                     "choose another folder with --out");
-  }
+  has_made_folder_ = MakeWritable(folder, fs::exists(file_, error));
   lock_ = FolderLock(folder);
   is_new_ = !fs::exists(file_, error);
-  if (is_new_) RequireRoom(folder, study, shard);
+  if (is_new_) {
+    const double runs = MostRuns(study, shard);
+    RequireRoom(folder, runs, kFixed_bytes + kBytesPerRun * runs, has_made_folder_);
+  }
   OrFail(file_, [&] {
     parts_ = std::make_unique<Parts>(file_);
     const bool is_new = !parts_->Kept("fingerprint");
@@ -295,9 +300,7 @@ StudyStore::StudyStore(const fs::path& folder,
           fmt::format("holds part {} of the study, not {}", part, shard.Text()),
           "choose another folder with --out");
     }
-    const bool holds_trials =
-        parts_->db.execAndGet("SELECT EXISTS(SELECT 1 FROM trials)").getInt() != 0;
-    if (holds_trials && !may_resume) {
+    if (parts_->HoldsTrials() && !may_resume) {
       throw InputError({.file = file_.string()},
                        "holds trials of this study already",
                        "`--resume` goes on with them; --out begins elsewhere");
@@ -314,13 +317,18 @@ StudyStore::StudyStore(fs::path file) : file_(std::move(file)) {}
 StudyStore::~StudyStore() = default;
 
 void StudyStore::DiscardIfEmpty() {
-  if (!is_new_ || !Done().empty()) return;
+  if (!is_new_ || OrFail(file_, [&] { return parts_->HoldsTrials(); })) return;
+  Discard();
+  std::error_code error;
+  if (has_made_folder_) fs::remove(file_.parent_path(), error);
+}
+
+void StudyStore::Discard() {
   parts_.reset();
   std::error_code error;
   for (const char* ending : {"", "-wal", "-shm"}) {
     fs::remove(file_.string() + ending, error);
   }
-  if (has_made_folder_) fs::remove(file_.parent_path(), error);
 }
 
 std::unique_ptr<StudyStore> StudyStore::OpenPart(const fs::path& folder,
@@ -350,6 +358,14 @@ void StudyStore::RequireSameStudy(const Study& study) const {
 
 void StudyStore::Add(const TrialResult& result) {
   OrFail(file_, [&] { parts_->Add(result); });
+}
+
+void StudyStore::Fold(const std::string& state) {
+  OrFail(file_, [&] { parts_->Fold(state); });
+}
+
+std::optional<std::string> StudyStore::Folded() const {
+  return OrFail(file_, [&] { return parts_->Kept(kState); });
 }
 
 std::set<std::pair<std::int64_t, std::size_t>> StudyStore::Done() const {

@@ -5,6 +5,7 @@
 #include <functional>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -17,7 +18,9 @@ namespace caltwin {
 
 /// `study.sqlite` of a study: every trial is written at once, in a transaction of its
 /// own, so that a program that is killed loses only the trials on their way. Tables
-/// (docs/studies.md): study, cases, parameters, trials, results.
+/// (docs/studies.md): study, cases, parameters, trials, results. Of a study that keeps
+/// no trials `unfinished.sqlite`, the same until it is done: what stands for trials
+/// that were folded away, and those since.
 class StudyStore {
  public:
   /// Opens or begins it in `folder`, which is made; nobody else may meanwhile. Where
@@ -32,6 +35,8 @@ class StudyStore {
   ~StudyStore();
   /// Takes away what the constructor made, where no trial was kept since.
   void DiscardIfEmpty();
+  /// Takes away the file, whatever it holds; nothing else can be done afterwards.
+  void Discard();
   /// What is there, whichever part of `study` it is; throws InputError where it is
   /// none.
   static std::unique_ptr<StudyStore> OpenPart(const std::filesystem::path& folder,
@@ -41,6 +46,16 @@ class StudyStore {
 
   /// Throws InputError where the disk is full: what was done stays.
   void Add(const TrialResult& result);
+
+  /// @name For a study that keeps no trials
+  /// Takes `state` in place of all trials that it holds, at once or not at all. Throws
+  /// InputError where the disk is full: then nothing has changed.
+  void Fold(const std::string& state);
+  /// What Fold took last.
+  std::optional<std::string> Folded() const;
+  /// Trials after which they are to be folded.
+  static constexpr std::int64_t kMostUnfolded = 1000;
+  static constexpr const char* kUnfinished = "unfinished.sqlite";
 
   /// @name Throw InputError where the file cannot be read
   /// (trial, case) of all that it holds.

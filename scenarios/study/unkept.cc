@@ -33,6 +33,40 @@ StudyPart PartOfJson(const nlohmann::json& json, std::size_t num_cases) {
   return part;
 }
 
+void Count(const Study& study,
+           const Shard& shard,
+           const TrialResult& result,
+           HalfDone* half) {
+  half->aggregates.at(result.of_case).Add(result);
+  half->done.Add(RunIndex(study, shard, result.trial, result.of_case));
+}
+
+HalfDone ReadHalfDone(const std::string& text, const Study& study) {
+  try {
+    return HalfDone::OfText(text);
+  } catch (const nlohmann::json::exception&) {
+  } catch (const std::invalid_argument&) {
+  }
+  throw InputError({.file = study.file.string()},
+                   "was left unfinished in a way that cannot be gone on with",
+                   "begin it in another folder with --out");
+}
+
+// What was folded, and the runs since.
+HalfDone BegunIn(const Study& study, const Shard& shard, const StudyStore* store) {
+  HalfDone half;
+  const auto folded = store == nullptr ? std::nullopt : store->Folded();
+  if (folded) {
+    half = ReadHalfDone(*folded, study);
+  } else if (!study.is_linear) {
+    half.aggregates.assign(study.cases.size(), Aggregate(study.plan != nullptr));
+  }
+  if (store == nullptr) return half;
+  store->ForEach(
+      [&](const TrialResult& result) { Count(study, shard, result, &half); });
+  return half;
+}
+
 // What a linear design knows of every trial alike.
 void AddPlan(const PlanStudy& plan, CaseSummary* summary) {
   StreamedQuantiles time_s, rows;
@@ -44,13 +78,26 @@ void AddPlan(const PlanStudy& plan, CaseSummary* summary) {
 
 }  // namespace
 
-Aggregates RunUnkept(const Study& study, const StudyOptions& options) {
-  if (study.is_linear) return {RunLinear(study, options)};
-  Aggregates aggregates(study.cases.size(), Aggregate(study.plan != nullptr));
-  RunTrials(study, options, {}, [&](const TrialResult& result) {
-    aggregates.at(result.of_case).Add(result);
+Aggregates RunUnkept(const Study& study,
+                     const StudyOptions& options,
+                     StudyStore* store) {
+  HalfDone half = BegunIn(study, options.shard, store);
+  if (study.is_linear) {
+    const auto save = [&](const HalfDone& now) {
+      if (store != nullptr) store->Fold(now.Text());
+    };
+    RunLinear(study, options, save, &half);
+    return half.aggregates;
+  }
+  std::int64_t unfolded = 0;
+  RunTrials(study, options, half.done, [&](const TrialResult& result) {
+    if (store != nullptr) store->Add(result);
+    Count(study, options.shard, result, &half);
+    if (store == nullptr || ++unfolded < StudyStore::kMostUnfolded) return;
+    store->Fold(half.Text());
+    unfolded = 0;
   });
-  return aggregates;
+  return half.aggregates;
 }
 
 StudySummary SummaryOf(const Study& study, const Aggregates& aggregates) {

@@ -4,17 +4,18 @@
 #include <optional>
 #include <vector>
 
-#include "scenarios/study/aggregate.h"
+#include "scenarios/study/half_done.h"
 #include "scenarios/study/run.h"
 
 namespace caltwin {
 
-/// What a study that keeps no trials knows of its contenders, in their order.
-using Aggregates = std::vector<Aggregate>;
-
 /// Runs the trials of the shard, of whatever fidelity, and keeps none. The same for any
-/// number of workers.
-Aggregates RunUnkept(const Study& study, const StudyOptions& options);
+/// number of workers. Where there is a store it goes on with what that holds, and every
+/// run (of a linear study every second's) is kept there until all is done: stopped at
+/// any moment, the rest is the same.
+Aggregates RunUnkept(const Study& study,
+                     const StudyOptions& options,
+                     StudyStore* store = nullptr);
 
 /// `summary.json` of them: of parts put together the same as of the whole.
 StudySummary SummaryOf(const Study& study, const Aggregates& aggregates);

@@ -156,6 +156,29 @@ TEST_F(StudyPlanTest, AggregatesAreTheSummaryOfKeptTrials) {
   }
 }
 
+// Two blocks of 8192 trials are done, and then as many more; the last is a short one.
+TEST_F(StudyPlanTest, LinearGoesOnToTheSameBytes) {
+  Study study = Read(std::string(kStraight) + "  fidelity: linear\n  trials: 30000\n");
+  const auto no_matter = [](const HalfDone&) {
+  };
+  HalfDone half;
+  study.trials = 16384;
+  RunLinear(study, {.workers = 2}, no_matter, &half);
+  HalfDone read = HalfDone::OfText(half.Text());
+  study.trials = 30000;
+  std::int64_t done_first = -1;
+  const StudyOptions options{.progress = [&](const StudyProgress& now) {
+    if (done_first < 0) done_first = now.done;
+  }};
+  RunLinear(study, options, no_matter, &read);
+
+  EXPECT_GE(done_first, 16384);
+  EXPECT_EQ(read.aggregates.at(0).trials(), 30000);
+  EXPECT_EQ(
+      SummaryJson(study, SummaryOf(study, read.aggregates)).dump(),
+      SummaryJson(study, SummaryOf(study, RunUnkept(study, {.workers = 3}))).dump());
+}
+
 // A plan leaves no position error; its worst machine is the one farthest off in sd.
 TEST_F(StudyPlanTest, WorstIsWhereTheErrorIsMostOfItsUncertainty) {
   const Study study = Read(std::string(kStraight) + "  trials: 50\n");

@@ -117,14 +117,15 @@ TEST_F(StudyStoreTest, TellsBeforehandThatThereIsNoRoom) {
     GTEST_SKIP() << "this disk has room for anything";
   }
   EXPECT_THAT([&] { StudyStore(folder() / "out", study, /*may_resume=*/false); },
-              ThrowsMessage<InputError>(HasSubstr("need about 2000001.0 MB")));
+              ThrowsMessage<InputError>(HasSubstr("need about 2000005.0 MB")));
+  EXPECT_FALSE(fs::exists(folder() / "out"));
 }
 
-// A disk of 3 MB of one's own, seen by this process alone; false where it may not.
+// A disk of 8 MB of one's own, seen by this process alone; false where it may not.
 bool MountSmallDisk(const fs::path& at) {
   return unshare(CLONE_NEWNS) == 0 &&
          mount("none", "/", nullptr, MS_REC | MS_PRIVATE, nullptr) == 0 &&
-         mount("tmpfs", at.c_str(), "tmpfs", 0, "size=3m") == 0;
+         mount("tmpfs", at.c_str(), "tmpfs", 0, "size=8m") == 0;
 }
 
 TEST_F(StudyStoreTest, AFullDiskLeavesWhatWasDone) {
@@ -135,7 +136,7 @@ TEST_F(StudyStoreTest, AFullDiskLeavesWhatWasDone) {
   std::int64_t kept = 0;
   {
     StudyStore store(disk / "out", study, /*may_resume=*/false);
-    std::ofstream(disk / "filler") << std::string(3 << 20, 'x');
+    std::ofstream(disk / "filler") << std::string(8 << 20, 'x');
     const std::string long_message(20'000, 'm');
     try {
       for (; kept < 12; ++kept) {

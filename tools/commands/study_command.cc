@@ -18,7 +18,6 @@
 #include "scenarios/study/adaptive.h"
 #include "scenarios/study/best_readings.h"
 #include "scenarios/study/budget.h"
-#include "scenarios/study/folder_lock.h"
 #include "scenarios/study/linear.h"
 #include "scenarios/study/merge.h"
 #include "scenarios/study/run.h"
@@ -216,15 +215,33 @@ int SumUpUnkept(const Study& study,
 
 constexpr const char* kPartFiles = "aggregates.json, ";
 
-// With --resume, of which a finished study or part alone knows something.
-int ResumeUnkept(const Study& study, const Options& options, const HeldUnkept& held) {
-  if (held.part) return SumUpUnkept(study, options, *held.part, "", kPartFiles);
-  if (!held.is_done) {
-    throw InputError({.file = study.file.string()},
-                     "keeps no trials, so there is nothing to resume",
-                     "`keep: all` keeps them; or run it in parts, `--shard I/N`, which "
-                     "are lost one by one");
+// What `act` refuses leaves nothing new behind.
+template <typename Act>
+void OrDiscard(StudyStore* store, const Act& act) {
+  try {
+    act();
+  } catch (const InputError&) {
+    store->DiscardIfEmpty();
+    throw;
   }
+}
+
+void SayStopped(std::int64_t done, std::int64_t all, const fs::path& folder) {
+  std::cerr << fmt::format("{} of {} runs are kept in {}; --resume goes on with them\n",
+                           done,
+                           all,
+                           folder.string());
+}
+
+// With --resume, of a study or part that is finished.
+int TellFinished(const Study& study, const Options& options, const HeldUnkept& held) {
+  if (std::error_code error;
+      fs::exists(FolderOf(options) / StudyStore::kUnfinished, error)) {
+    // Killed before it was taken away.
+    const Shard shard = options.shard.empty() ? Shard{} : ReadShard(options.shard);
+    StudyStore(FolderOf(options), study, /*may_resume=*/true, shard).Discard();
+  }
+  if (held.part) return SumUpUnkept(study, options, *held.part, "", kPartFiles);
   std::cout << fmt::format("{}: finished; summary.json is as it was\n",
                            FolderOf(options).string());
   return kPassed;
@@ -236,42 +253,44 @@ int RunAggregates(const Study& study, const Options& options) {
   Shown shown;
   const StudyOptions how = shown.With(options);
   const HeldUnkept held = HeldIn(folder, study, how.shard);
-  if (options.resume) return ResumeUnkept(study, options, held);
-  const ResultFolder results(folder);
+  if (options.resume && (held.part || held.is_done)) {
+    return TellFinished(study, options, held);
+  }
+  StudyStore store(folder, study, options.resume, how.shard);
   std::string remarks;
-  if (IsToBeChecked(study, how.shard)) {
+  OrDiscard(&store, [&] {
+    if (!IsToBeChecked(study, how.shard)) return;
     const LinearCheck check = CheckLinear(study, how);
-    if (InterruptRequested()) return kInterrupted;
-    RequireLinear(study, check);
+    if (!InterruptRequested()) RequireLinear(study, check);
     remarks = CheckText(check);
-  }
-  const Aggregates aggregates = RunUnkept(study, how);
+  });
+  const Aggregates aggregates = RunUnkept(study, how, &store);
   shown.line.Clear();
-  if (InterruptRequested()) return kInterrupted;
-  if (options.shard.empty()) {
-    return SumUpUnkept(study, options, aggregates, remarks, "");
+  if (InterruptRequested()) {
+    std::int64_t done = 0;
+    for (const Aggregate& one : aggregates) done += one.trials();
+    SayStopped(
+        done,
+        how.shard.NumOf(study.trials) * static_cast<std::int64_t>(study.cases.size()),
+        folder);
+    return kInterrupted;
   }
-  WritePart(study, how.shard, aggregates, folder);
-  return SumUpUnkept(study, options, aggregates, remarks, kPartFiles);
+  std::string files;
+  if (!options.shard.empty()) {
+    WritePart(study, how.shard, aggregates, folder);
+    files = kPartFiles;
+  }
+  const int exit_code = SumUpUnkept(study, options, aggregates, remarks, files);
+  store.Discard();
+  return exit_code;
 }
 
 int MergeAggregates(const Study& study, const Options& options) {
   const HeldUnkept held = HeldIn(FolderOf(options), study, Shard{});
-  if (options.resume && held.is_done) return ResumeUnkept(study, options, held);
+  if (options.resume && held.is_done) return TellFinished(study, options, held);
   const Aggregates whole =
       MergeUnkept(study, {options.merge.begin(), options.merge.end()});
   return SumUpUnkept(study, options, whole, "", "");
-}
-
-// What `act` refuses leaves nothing new behind.
-template <typename Act>
-void OrDiscard(StudyStore* store, const Act& act) {
-  try {
-    act();
-  } catch (const InputError&) {
-    store->DiscardIfEmpty();
-    throw;
-  }
 }
 
 int Merge(const Study& study, const Options& options) {
@@ -296,6 +315,7 @@ void CheckSpares(const Study& study, const Options& options) {
                     {{"--out", folder / "summary.json"},
                      {"--out", folder / "trials.csv"},
                      {"--out", folder / "study.sqlite"},
+                     {"--out", folder / StudyStore::kUnfinished},
                      {"--report", options.report, /*is_folder=*/true}});
 }
 
@@ -330,11 +350,7 @@ int Run(const Options& options) {
                                      : RunStudy(study, how, &store);
   shown.line.Clear();
   if (InterruptRequested()) {
-    std::cerr << fmt::format(
-        "{} of {} runs are kept in {}; --resume goes on with them\n",
-        progress.done,
-        progress.all,
-        folder.string());
+    SayStopped(progress.done, progress.all, folder);
     return kInterrupted;
   }
   return SumUp(
