@@ -5,6 +5,7 @@ One that keeps its trials, one that keeps none, a linear one; each is killed twi
 unlike numbers of workers. Usage: study_kill_test.py CALTWIN SOURCE_FOLDER
 """
 
+import contextlib
 import pathlib
 import sqlite3
 import subprocess
@@ -36,7 +37,7 @@ STUDIES = {
 def progress(store):
     """Something that grows while the study does: rows kept, or the state that was folded."""
     try:
-        with sqlite3.connect(f"file:{store}?mode=ro", uri=True) as db:
+        with contextlib.closing(sqlite3.connect(f"file:{store}?mode=ro", uri=True)) as db:
             rows = db.execute("SELECT count(*) FROM trials").fetchone()[0]
             state = db.execute("SELECT value FROM study WHERE key = 'state'").fetchone()
             return rows, state
