@@ -18,7 +18,8 @@ constexpr double kFine = 0.1;      // Of the noise.
 
 bool IsBending(const Candidate& candidate) {
   return candidate.effect == EffectIndex<PivotPosition>() ||
-         candidate.effect == EffectIndex<MotorsSwapped>() || IsRigid(candidate);
+         candidate.effect == EffectIndex<MotorsSwapped>() ||
+         candidate.effect == EffectIndex<OverconstrainedBed>() || IsRigid(candidate);
 }
 
 using Effects = std::vector<Injected>;

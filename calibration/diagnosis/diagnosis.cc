@@ -205,22 +205,25 @@ class Reporter {
   void AddUnmoved(Diagnosis* diagnosis) const {
     if (!observed_.machine().triple_z) return;
     bool is_any_unmoved = false;
-    for (const int effect :
-         {EffectIndex<PivotPosition>(), EffectIndex<MotorsSwapped>()}) {
+    for (const int effect : {EffectIndex<PivotPosition>(),
+                             EffectIndex<MotorsSwapped>(),
+                             EffectIndex<OverconstrainedBed>()}) {
       const bool is_shown = std::ranges::any_of(
           candidates_, [&](const Candidate& one) { return one.effect == effect; });
       if (is_shown) continue;
       is_any_unmoved = true;
       for (const std::string_view axis : EffectAt(effect).triple_z_axes) {
         diagnosis->absorbed.push_back(
-            {fmt::format("{}.{}", EffectAt(effect).name, axis),
+            {axis.empty() ? std::string(EffectAt(effect).name)
+                          : fmt::format("{}.{}", EffectAt(effect).name, axis),
              "all screws move alike"});
       }
     }
     if (!is_any_unmoved) return;
     diagnosis->remarks.push_back(
-        "No row moves a screw alone, so where the screws stand and whether two motors "
-        "are exchanged cannot be seen: the campaign screws_one_by_one shows both");
+        "No row moves a screw alone, so where the screws stand, whether two motors are "
+        "exchanged and whether the bed is held level cannot be seen: the campaign "
+        "screws_one_by_one shows them");
   }
 
   static DiagnosisVerdict VerdictOf(const std::vector<Finding>& findings) {

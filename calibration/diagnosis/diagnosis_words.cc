@@ -150,6 +150,10 @@ constexpr std::array kPhrases = {
     Phrase{"motors_swapped",
            "motors {axis} swapped",
            "The motors {axis} are plugged into each other's drivers"},
+    Phrase{"overconstrained_bed",
+           "overconstrained bed",
+           "Guides hold the bed level against its screws: stiffness ratio "
+           "{stiffness_ratio_mm2}"},
     Phrase{"bed_bowl",
            "bowl of the bed",
            "The bed is a bowl: its corners stand {height_um} higher than the middle"},

@@ -193,7 +193,42 @@ std::vector<std::string> WordsOfResponse(const ScrewResponse& response,
                     off_mm[1]));
   }
   if (words.empty()) words.push_back("wiring and pivots are as drawn");
+  if (const auto held = HeldBedLike(response, drawn_mm)) {
+    words.push_back(fmt::format(
+        "or all screws stand as drawn and guides hold the bed level against "
+        "them (stiffness ratio {:.0f} +- {:.0f} mm^2): touches do not tell "
+        "these apart, and levelling by the pivots found is right for both",
+        held->stiffness_ratio_mm2,
+        held->sd_mm2));
+  }
   return words;
+}
+
+std::optional<HeldBed> HeldBedLike(const ScrewResponse& response,
+                                   const Pivots<double>& drawn_mm) {
+  constexpr double kSure = 3;                // Standard deviations.
+  constexpr double kMostChiSquared = 15.09;  // 5 degrees of freedom, 99 %.
+  if (!response.is_told) return std::nullopt;
+  const Eigen::Vector2d middle_mm = (drawn_mm[0] + drawn_mm[1] + drawn_mm[2]) / 3;
+  Eigen::Matrix2d spread_mm2 = Eigen::Matrix2d::Zero();
+  for (const Eigen::Vector2d& at_mm : drawn_mm) {
+    spread_mm2 += (at_mm - middle_mm) * (at_mm - middle_mm).transpose();
+  }
+  Eigen::Matrix<double, 6, 1> pattern, off;
+  for (std::size_t i = 0; i < response.at_mm.size(); ++i) {
+    const auto screw = static_cast<std::size_t>(response.screw_of[i]);
+    const Eigen::Array2d sd_mm = response.at_sd_mm[i].array();
+    const auto row = static_cast<Eigen::Index>(2 * i);
+    pattern.segment<2>(row) =
+        (spread_mm2.inverse() * (drawn_mm[screw] - middle_mm)).array() / sd_mm;
+    off.segment<2>(row) = (response.at_mm[i] - drawn_mm[screw]).array() / sd_mm;
+  }
+  const HeldBed held{.stiffness_ratio_mm2 = pattern.dot(off) / pattern.squaredNorm(),
+                     .sd_mm2 = 1 / pattern.norm()};
+  const double chi_squared = (off - held.stiffness_ratio_mm2 * pattern).squaredNorm();
+  const bool is_like =
+      held.stiffness_ratio_mm2 > kSure * held.sd_mm2 && chi_squared < kMostChiSquared;
+  return is_like ? std::optional(held) : std::nullopt;
 }
 
 std::string WordsOfGain(double radius) {

@@ -64,6 +64,16 @@ double SpectralRadius(const Eigen::Matrix3d& gain);
 /// "Z1 and Z2 are swapped", "pivot 2 is 31.0 +- 0.4 mm off (dx +25.0, dy -18.3)".
 std::vector<std::string> WordsOfResponse(const ScrewResponse& response,
                                          const Pivots<double>& drawn_mm);
+/// Guides that hold a bed level against screws that give (OverconstrainedBed) put every
+/// apparent pivot further from the screws' middle, d_i' = d_i + h K^-1 d_i: the ratio
+/// of stiffnesses h that all six coordinates together say, where it is above 3 standard
+/// deviations and they scatter about that pattern no more than they should (chi
+/// squared, 5 degrees of freedom, 99 %).
+struct HeldBed {
+  double stiffness_ratio_mm2 = 0, sd_mm2 = 0;
+};
+std::optional<HeldBed> HeldBedLike(const ScrewResponse& response,
+                                   const Pivots<double>& drawn_mm);
 /// "each round multiplies the tilt by 2.00: levelling diverges".
 std::string WordsOfGain(double radius);
 

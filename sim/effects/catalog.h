@@ -33,6 +33,7 @@
 #include "sim/effects/microstep.h"
 #include "sim/effects/missed_steps.h"
 #include "sim/effects/motors_swapped.h"
+#include "sim/effects/overconstrained_bed.h"
 #include "sim/effects/pitch_map.h"
 #include "sim/effects/pitch_progressive.h"
 #include "sim/effects/pivot_position.h"
@@ -97,6 +98,7 @@ using EffectList = std::tuple<StepsPerMm,
                               ScrewBacklash,
                               PivotPosition,
                               MotorsSwapped,
+                              OverconstrainedBed,
                               ServoMismatch,
                               ServoLag,
                               FrameGrowth,

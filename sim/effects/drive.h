@@ -77,8 +77,41 @@ Vec3<T> MotorsMoved_mm(const Vec3<double>& motor_dir, const Errors<T>& errors) {
          motor_dir.cast<T>().cwiseProduct(errors.motor_lost_motion_mm) / T(2);
 }
 
+/// By how much less each screw's height counts over (x, y) where guides hold a bed
+/// level and the screws give (OverconstrainedBed): in place of K^-1 sum d_i z_i the
+/// tilt is
+///
+///   (K + held)^-1 sum d_i z_i
+///
+/// which takes from the weights
+///
+///   held d_i . (K (K + held))^-1 (p - middle),  K = sum d_i d_i^T
+template <typename T>
+Vec3<T> WeightsHeldBack(const Pivots<T>& built_mm,
+                        const T& held_mm2,
+                        const Eigen::Matrix<T, 2, 1>& at_mm) {
+  using Flat = Eigen::Matrix<T, 2, 1>;
+  const Flat middle_mm = (built_mm[0] + built_mm[1] + built_mm[2]) / T(3);
+  Eigen::Matrix<T, 2, 2> spread = Eigen::Matrix<T, 2, 2>::Zero();
+  for (const Flat& pivot_mm : built_mm) {
+    const Flat from_mm = pivot_mm - middle_mm;
+    spread += from_mm * from_mm.transpose();
+  }
+  Eigen::Matrix<T, 2, 2> stiffer = spread;
+  stiffer(0, 0) += held_mm2;
+  stiffer(1, 1) += held_mm2;
+  const Eigen::Matrix<T, 2, 2> both = spread * stiffer;
+  const Flat turned = both.inverse() * (at_mm - middle_mm);
+  Vec3<T> weights;
+  for (std::size_t i = 0; i < built_mm.size(); ++i) {
+    const Flat from_mm = built_mm[i] - middle_mm;
+    weights[static_cast<Eigen::Index>(i)] = held_mm2 * from_mm.dot(turned);
+  }
+  return weights;
+}
+
 /// By how much each screw's height counts in that of the bed there, the screws as
-/// built.
+/// built and the bed held as it is.
 template <typename T>
 Vec3<T> BuiltWeights(const At& at, const Errors<T>& errors) {
   const Vec3<double> tip_mm = at.Tip_mm();
@@ -87,7 +120,9 @@ Vec3<T> BuiltWeights(const At& at, const Errors<T>& errors) {
     built_mm[i] = at.triple_z->drawn_mm[i].template cast<T>() +
                   errors.pivot_off_mm.col(static_cast<Eigen::Index>(i));
   }
-  return ScrewWeights<T>(built_mm, T(tip_mm[0]), T(tip_mm[1]));
+  const T x_mm(tip_mm[0]), y_mm(tip_mm[1]);
+  return ScrewWeights<T>(built_mm, x_mm, y_mm) -
+         WeightsHeldBack<T>(built_mm, errors.held_mm2, {x_mm, y_mm});
 }
 
 /// How the nozzle follows the motors: on a delta through its chain; over a bed on

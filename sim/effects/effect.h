@@ -206,6 +206,9 @@ struct Errors {
   Vec3<T> motor_lost_motion_mm = Vec3<T>::Zero();  ///< Full width, by motor_dir.
   /// Screws of a triple-Z printer: where they stand less where they are drawn.
   Eigen::Matrix<T, 2, 3> pivot_off_mm = Eigen::Matrix<T, 2, 3>::Zero();
+  /// Of a bed on screws: turning stiffness of what holds it level over the axial
+  /// stiffness of one screw's support.
+  T held_mm2 = T(0);
   /// Stylus deflection at the trigger for a tip pushed towards + and - of each axis, so
   /// [axis][0] counts where the machine moves in + (normal towards -).
   std::array<std::array<T, 2>, 3> pretravel_mm{};

@@ -82,6 +82,16 @@ void TripleZMjcf::SetPivots(const Pivots<double>& pivots_mm) {
   std::copy(along.begin(), along.end(), groove->axis);
 }
 
+void TripleZMjcf::LetScrewsGive(double nut_kg, double damping_n_s_per_m) {
+  for (int i = 0; i < kNumScrews; ++i) {
+    mjsJoint* joint =
+        mjs_asJoint(FindElement(spec_.get(), mjOBJ_JOINT, ScrewName(i).c_str()));
+    joint->armature = nut_kg;
+    joint->damping[0] = damping_n_s_per_m;
+  }
+  std::fill_n(spec_->option.gravity, 3, 0.0);
+}
+
 ModelPtr TripleZMjcf::Compile(bool with_looks) const {
   SpecPtr copy(mj_copySpec(spec_.get()));
   copy->compiler.discardvisual = with_looks ? 0 : 1;

@@ -22,6 +22,9 @@ class TripleZMjcf {
   void SetTimestep_s(double timestep_s);
   /// Stands the screws there, and the bed's cup, groove and flat over them.
   void SetPivots(const Pivots<double>& pivots_mm);
+  /// Nuts that are not driven but pushed: so heavy, so damped; weight, to which a bed
+  /// has settled when it is homed, is left out.
+  void LetScrewsGive(double nut_kg, double damping_n_s_per_m);
 
   /// Throws logic_error with MuJoCo's words where it does not compile.
   ModelPtr Compile(bool with_looks) const;

@@ -38,10 +38,13 @@ Eigen::Matrix3d BedRotation(const Vec3<double>& groove,
 
 }  // namespace
 
-TripleZWorld::TripleZWorld(ModelPtr model, const Pivots<double>& pivots_mm)
+TripleZWorld::TripleZWorld(ModelPtr model,
+                           const Pivots<double>& pivots_mm,
+                           double held_mm2)
     : model_(std::move(model)),
       data_(mj_makeData(model_.get())),
-      pivots_mm_(pivots_mm) {
+      pivots_mm_(pivots_mm),
+      held_n_m_(held_mm2 * kMPerMm * kMPerMm * kScrew_n_per_m) {
   for (int i = 0; i < kNumScrews; ++i) {
     const auto at = static_cast<std::size_t>(i);
     const int joint = IdOf(model_.get(), mjOBJ_JOINT, ScrewName(i));
@@ -91,6 +94,7 @@ void TripleZWorld::Place(const Vec3<double>& heights_mm, double speed_mm_s) {
                             data_->mocap_pos[3 * head_mocap_ + 2]);
   mj_resetData(model_.get(), data_.get());
   HangNozzle(hung_m * kMmPerM);
+  told_mm_ = heights_mm;
   std::array<Vec3<double>, kNumScrews> ball_mm, drawn_mm;
   for (std::size_t i = 0; i < ball_mm.size(); ++i) {
     drawn_mm[i] = Flat(pivots_mm_[i]);
@@ -119,7 +123,7 @@ void TripleZWorld::Place(const Vec3<double>& heights_mm, double speed_mm_s) {
   data_->qpos[flat_y_qpos_] = flat_mm[1] * kMPerMm;
 }
 
-void TripleZWorld::Step(const Vec3<double>& heights_mm) {
+void TripleZWorld::DriveNuts(const Vec3<double>& heights_mm) {
   const double dt = timestep_s();
   for (std::size_t i = 0; i < qpos_.size(); ++i) {
     const double to_m = heights_mm[static_cast<Eigen::Index>(i)] * kMPerMm;
@@ -127,6 +131,37 @@ void TripleZWorld::Step(const Vec3<double>& heights_mm) {
         mass_kg_[i] * (to_m - data_->qpos[qpos_[i]] - dt * data_->qvel[dof_[i]]) /
         (dt * dt);
   }
+}
+
+// Springs to where the screws stand as the step begins; the joints' damping is of the
+// nuts' speed, so that of the screws is given back.
+void TripleZWorld::PushNuts(const Vec3<double>& heights_mm) {
+  for (std::size_t i = 0; i < qpos_.size(); ++i) {
+    const auto at = static_cast<Eigen::Index>(i);
+    const double from_m = told_mm_[at] * kMPerMm;
+    const double speed_m_s = (heights_mm[at] * kMPerMm - from_m) / timestep_s();
+    data_->qfrc_applied[dof_[i]] = kScrew_n_per_m * (from_m - data_->qpos[qpos_[i]]) +
+                                   kNutDamping_n_s_per_m * speed_m_s;
+  }
+}
+
+void TripleZWorld::TurnBedBack() {
+  const mjtNum* q = data_->qpos + bed_qpos_;
+  const Vec3<double> normal =
+      Eigen::Quaterniond(q[3], q[4], q[5], q[6]).normalized() * Vec3<double>::UnitZ();
+  mjtNum* moment_n_m = data_->xfrc_applied + 6 * bed_body_ + 3;
+  moment_n_m[0] = held_n_m_ * normal[1] / normal[2];
+  moment_n_m[1] = -held_n_m_ * normal[0] / normal[2];
+}
+
+void TripleZWorld::Step(const Vec3<double>& heights_mm) {
+  if (held_n_m_ > 0) {
+    PushNuts(heights_mm);
+    TurnBedBack();
+  } else {
+    DriveNuts(heights_mm);
+  }
+  told_mm_ = heights_mm;
   mj_step(model_.get(), data_.get());
   for (const mjWarningStat& warning : data_->warning) {
     Require(warning.number == 0, "MuJoCo warns: the simulation is not to be trusted");

@@ -19,8 +19,7 @@ constexpr double kSlowest_mm_s = 0.3;
 constexpr double kFastest_mm_s = 10;  // Faster, MuJoCo sees the bed too late.
 constexpr double kStart_mm = 0.25;    // Within the contact's gap.
 constexpr double kMostTravel_mm = 3;  // Beyond where the closed form expects it.
-constexpr int kSettleSteps = 3;
-constexpr double kApart_mm = 0.5;  // Of the points that tell a slope.
+constexpr double kApart_mm = 0.5;     // Of the points that tell a slope.
 
 }  // namespace
 
@@ -37,23 +36,32 @@ Pivots<double> BuiltPivots_mm(const Machine& machine,
 
 TripleZWorld WorldOfTripleZ(const Machine& machine,
                             const Pivots<double>& pivots_mm,
-                            bool with_looks) {
+                            bool with_looks,
+                            double held_mm2) {
   TripleZMjcf model = TripleZMjcf::FromFile(
       machine.model.empty() ? ShareFolder() / "models/triple_z_printer/model.xml"
                             : machine.model);
   model.SetTimestep_s(kTimestep_s);
   model.SetPivots(pivots_mm);
-  return {model.Compile(with_looks), pivots_mm};
+  if (held_mm2 > 0) {
+    model.LetScrewsGive(TripleZWorld::kNut_kg, TripleZWorld::kNutDamping_n_s_per_m);
+  }
+  return {model.Compile(with_looks), pivots_mm, held_mm2};
 }
 
 TripleZMachine::TripleZMachine(const Machine& machine,
                                const std::vector<Injected>& effects)
     : machine_(machine), effects_(effects) {
   Require(machine.triple_z.has_value(), "the machine's bed stands on screws");
+  double held_mm2 = 0;
   for (const Injected& effect : effects) {
     const Stage stage = EffectAt(effect.effect).stage;
-    if (effect.effect == EffectIndex<PivotPosition>()) continue;
-    if (stage == Stage::kDrive) {
+    if (effect.effect == EffectIndex<PivotPosition>()) {
+      build_.push_back(effect);
+    } else if (effect.effect == EffectIndex<OverconstrainedBed>()) {
+      build_.push_back(effect);
+      held_mm2 += effect.values[0];
+    } else if (stage == Stage::kDrive) {
       drives_.push_back(effect);
     } else if (stage == Stage::kFrame) {
       gantry_.push_back(effect);
@@ -65,7 +73,7 @@ TripleZMachine::TripleZMachine(const Machine& machine,
   }
   pivots_mm_ = BuiltPivots_mm(machine, effects);
   world_ = std::make_unique<TripleZWorld>(
-      WorldOfTripleZ(machine, pivots_mm_, /*with_looks=*/false));
+      WorldOfTripleZ(machine, pivots_mm_, /*with_looks=*/false, held_mm2));
 }
 
 // Told heights, and what each screw does beside: swaps and scale among its errors.
@@ -119,7 +127,7 @@ double TripleZMachine::Gauge_mm(const At& at) {
   const Vec3<double> nuts_mm = Nuts_mm(at);
   const Vec3<double> tip_mm = Tip_mm(at);
   world_->Place(nuts_mm, /*speed_mm_s=*/0);
-  for (int i = 0; i < kSettleSteps; ++i) world_->Step(nuts_mm);
+  for (int i = 0; i < world_->settle_steps(); ++i) world_->Step(nuts_mm);
   const double over_mm =
       tip_mm[2] - world_->Plane_mm(tip_mm.head<2>()) - SurfaceAt_mm(at, 0, 0);
   Vec3<double> off_mm = tip_mm - at.Tip_mm();
@@ -133,8 +141,8 @@ double TripleZMachine::AfterContact_mm(const At& nominal,
                                        double give_mm) const {
   constexpr int kRounds =
       5;  // Each leaves the wave's slope, some percent, of the last.
-  const Vec3<double> tip_mm = nominal.Tip_mm();
-  const Vec3<double> weights = ScrewWeights<double>(pivots_mm_, tip_mm[0], tip_mm[1]);
+  const Vec3<double> weights =
+      BuiltWeights(nominal, ErrorsAt<double>(machine_, nominal, build_));
   const auto bed_mm = [&](double value_mm) {
     At at = nominal;
     at.q_mm[2] += value_mm;
@@ -164,7 +172,7 @@ double TripleZMachine::Touch_mm(const Row& row, const At& nominal) {
   };
   world_->HangNozzle(Tip_mm(nominal));
   world_->SetSpot(SpotAt(nominal));
-  double above_mm = expected_mm + kStart_mm;
+  double above_mm = expected_mm + kStart_mm + world_->settle_steps() * step_mm;
   world_->Place(Nuts_mm(at_mm(above_mm)), step_mm / world_->timestep_s());
   std::optional<double> before_mm;
   while (above_mm > expected_mm - kMostTravel_mm) {

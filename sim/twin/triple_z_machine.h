@@ -13,7 +13,8 @@ namespace caltwin {
 /// with a gantry.
 ///
 /// What the drives do to the screws (pitch, waves, gaps, swapped motors) is where the
-/// nuts are driven to; pivots are where the screws stand in the model; what the gantry
+/// nuts are driven to; pivots are where the screws stand in the model; guides that hold
+/// the bed level turn it back while the nuts stand on springs; what the gantry
 /// does is where the nozzle hangs; the bed's shape is on what can be touched. Balls,
 /// bed and contact are MuJoCo's.
 class TripleZMachine {
@@ -37,6 +38,7 @@ class TripleZMachine {
   Machine machine_;
   std::vector<Injected> effects_;
   std::vector<Injected> drives_{};   ///< Of the screws: where the nuts are driven to.
+  std::vector<Injected> build_{};    ///< Of screws and guides: in the model.
   std::vector<Injected> gantry_{};   ///< Stage kFrame.
   std::vector<Injected> surface_{};  ///< Stage kArtefact.
   Pivots<double> pivots_mm_{};       ///< Where the screws stand.
@@ -46,7 +48,8 @@ class TripleZMachine {
 /// MuJoCo's world of a triple-Z printer with its screws there.
 TripleZWorld WorldOfTripleZ(const Machine& machine,
                             const Pivots<double>& pivots_mm,
-                            bool with_looks);
+                            bool with_looks,
+                            double held_mm2 = 0);
 
 /// Where the screws stand as built.
 Pivots<double> BuiltPivots_mm(const Machine& machine,

@@ -8,6 +8,7 @@
 
 #include "calibration/triple_z/procedures.h"
 #include "sim/base/rng.h"
+#include "sim/effects/drive.h"
 
 namespace caltwin {
 namespace {
@@ -90,7 +91,13 @@ struct ToyBed {
   Pivots<double> standing_mm = kDrawn_mm;
   std::array<int, 3> screw_of = {0, 1, 2};
   double noise_mm = 0;
+  double held_mm2 = 0;
   Rng rng{1, 0, "toy_bed"};
+
+  Vec3<double> WeightsAt(const Eigen::Vector2d& at_mm) const {
+    return ScrewWeights<double>(standing_mm, at_mm[0], at_mm[1]) -
+           WeightsHeldBack<double>(standing_mm, held_mm2, at_mm);
+  }
 
   std::vector<BedTouch> TouchAll(const Vec3<double>& raised_mm) {
     Vec3<double> screws_mm;
@@ -101,10 +108,9 @@ struct ToyBed {
     for (int i = 0; i < 9; ++i) {
       const int across = i % 3, up = i / 3;
       const Eigen::Vector2d at_mm(20 + 97.5 * across, 20 + 97.5 * up);
-      const double height_mm =
-          0.004 * at_mm[0] - 0.7 + 2e-6 * at_mm.squaredNorm() +
-          ScrewWeights<double>(standing_mm, at_mm[0], at_mm[1]).dot(screws_mm) +
-          noise_mm * rng.Normal();
+      const double height_mm = 0.004 * at_mm[0] - 0.7 + 2e-6 * at_mm.squaredNorm() +
+                               WeightsAt(at_mm).dot(screws_mm) +
+                               noise_mm * rng.Normal();
       touches.push_back({at_mm, height_mm});
     }
     return touches;
@@ -178,6 +184,52 @@ TEST(ScrewResponse, SaysWhenMovesDoNotTellIt) {
   EXPECT_FALSE(response.is_told);
   EXPECT_THAT(WordsOfResponse(response, kDrawn_mm),
               Contains(HasSubstr("raise single screws")));
+}
+
+// Held by guides as stiff as h, every pivot seems (K + h) K^-1 times as far out.
+TEST(ScrewResponse, AHeldBedsPivotsSeemFurtherOut) {
+  ToyBed bed{.noise_mm = 0.002, .held_mm2 = 3000};
+  bed.screw_of = {1, 0, 2};
+
+  const auto response = FitScrewResponse(bed.OneByOne(2), kDrawn_mm, 0.002);
+
+  const auto held = HeldBedLike(response, kDrawn_mm);
+  ASSERT_TRUE(held.has_value());
+  EXPECT_NEAR(held->stiffness_ratio_mm2, 3000, 4 * held->sd_mm2);
+  EXPECT_LT(held->sd_mm2, 60);
+  // K^-1 d_3 = (0, 1 / 195 mm): by hand.
+  EXPECT_NEAR(response.at_mm[2][1] - kDrawn_mm[2][1], 3000 / 195.0, 1);
+  EXPECT_THAT(WordsOfResponse(response, kDrawn_mm),
+              Contains(HasSubstr("guides hold the bed level against them")));
+}
+
+TEST(ScrewResponse, OtherPivotsAreNoHeldBed) {
+  for (const Eigen::Vector2d& off_mm : {Eigen::Vector2d(0, 0), Eigen::Vector2d(9, 0)}) {
+    ToyBed bed{.noise_mm = 0.002};
+    bed.standing_mm[1] += off_mm;
+    const auto response = FitScrewResponse(bed.OneByOne(2), kDrawn_mm, 0.002);
+    EXPECT_FALSE(HeldBedLike(response, kDrawn_mm).has_value()) << off_mm[0];
+  }
+}
+
+// Simulated 400 times: the stated standard deviation is that of the ratio found.
+TEST(ScrewResponse, AHeldBedsStiffnessScattersAsStated) {
+  constexpr int kRepeats = 400;
+  constexpr double kNoise_mm = 0.002, kHeld_mm2 = 3000;
+  ToyBed bed{.noise_mm = kNoise_mm, .held_mm2 = kHeld_mm2};
+  double squares = 0, variance = 0;
+  int found = 0;
+  for (int i = 0; i < kRepeats; ++i) {
+    const auto response = FitScrewResponse(bed.OneByOne(2), kDrawn_mm, kNoise_mm);
+    const auto held = HeldBedLike(response, kDrawn_mm);
+    if (!held) continue;
+    ++found;
+    squares += std::pow(held->stiffness_ratio_mm2 - kHeld_mm2, 2);
+    variance += held->sd_mm2 * held->sd_mm2;
+  }
+
+  EXPECT_GT(found, 380);
+  EXPECT_NEAR(squares / variance, 1, 0.28);
 }
 
 TEST(LevellingGain, IsNoughtWhereScrewsAreAsBelieved) {

@@ -29,7 +29,8 @@ Atlas AtlasFor(const Observed& observed) {
   // Those that the claims below are about.
   std::erase_if(candidates, [](const Candidate& one) {
     return one.cause != "screw_pitch" && one.cause != "angular" &&
-           one.cause != "pivot_position" && one.cause != "motors_swapped";
+           one.cause != "pivot_position" && one.cause != "motors_swapped" &&
+           one.cause != "overconstrained_bed";
   });
   return AtlasOf(observed, candidates, PlannedSigma_mm(observed));
 }
@@ -64,7 +65,8 @@ TEST(TripleZAtlas, OnlySingleScrewsShowPivotsAndWiring) {
   const Atlas with =
       AtlasFor(Planned("[{tz_grid: {grid: [3, 3]}}, {screws_one_by_one: {}}]"));
 
-  for (const char* name : {"pivot_position.z2", "motors_swapped.z1z3"}) {
+  for (const char* name :
+       {"pivot_position.z2", "motors_swapped.z1z3", "overconstrained_bed"}) {
     EXPECT_FALSE(IsIn(without.visible, name)) << name;
     EXPECT_TRUE(IsIn(with.visible, name)) << name;
   }

@@ -91,6 +91,20 @@ TEST(TripleZDiagnosis, APivotBesideSwappedMotorsIsFoundWhereItIs) {
   ExpectFound(diagnosis, Pivot(-25, 18.33));
 }
 
+// So stiffly held that a tilt is left by nine tenths: far from proportional.
+TEST(TripleZDiagnosis, AnOverconstrainedBedIsNamedWithItsStiffness) {
+  const Injected held{
+      .effect = EffectIndex<OverconstrainedBed>(), .axis = "", .values = {1500}};
+  const Diagnosis diagnosis = Diagnose(Measured({held}), {});
+
+  ASSERT_EQ(diagnosis.findings.size(), 1U);
+  const Finding& found = diagnosis.findings[0];
+  EXPECT_EQ(found.cause, "overconstrained_bed");
+  ASSERT_EQ(found.parameters.size(), 1U);
+  EXPECT_NEAR(found.parameters[0].value, 1500, 4 * found.parameters[0].sd);
+  EXPECT_LT(found.parameters[0].sd, 100);
+}
+
 TEST(TripleZDiagnosis, WhereNoScrewMovesAloneItSaysWhatCannotBeSeen) {
   const auto absorbed = [](const Diagnosis& diagnosis) {
     std::vector<std::string> names;
@@ -101,6 +115,7 @@ TEST(TripleZDiagnosis, WhereNoScrewMovesAloneItSaysWhatCannotBeSeen) {
       Diagnose(Measured({Swapped("z1z2")}, /*one_by_one=*/false), {});
   EXPECT_THAT(absorbed(alike), Contains("pivot_position.z1"));
   EXPECT_THAT(absorbed(alike), Contains("motors_swapped.z2z3"));
+  EXPECT_THAT(absorbed(alike), Contains("overconstrained_bed"));
   EXPECT_THAT(alike.remarks, Contains(HasSubstr("screws_one_by_one")));
 
   const Diagnosis alone = Diagnose(Measured({}), {});

@@ -122,6 +122,74 @@ TEST(TripleZEffects, TogetherAreOneMachine) {
   EXPECT_NEAR(Predict_mm<double>(machine, at, all), nozzle_over_bed_mm - 90, 1e-12);
 }
 
+// The bed's height there with its screws told so, and what it differs by from as drawn.
+double BedAt_mm(const std::vector<Injected>& effects,
+                const Vec3<double>& told_mm,
+                const Eigen::Vector2d& at_mm) {
+  const Machine machine = Printer();
+  Row row = SomeReading();
+  row.cmd_mm = {at_mm[0], at_mm[1], 90};
+  row.probe_off_mm = {0, 0, 0};
+  for (std::size_t i = 0; i < 3; ++i) {
+    row.motor_mm[i] = told_mm[static_cast<Eigen::Index>(i)];
+  }
+  const At at = AtOf(row, machine, machine.settings);
+  return 250 - 90 - Predict_mm<double>(machine, at, effects);
+}
+
+Injected Held(double stiffness_ratio_mm2) {
+  return {.effect = EffectIndex<OverconstrainedBed>(),
+          .axis = "",
+          .values = {stiffness_ratio_mm2}};
+}
+
+// Screw 1 down, 2 and 3 up by half: the softest tilt, K = 195^2 / 3 there. Guides as
+// stiff as that leave half of it; of a rise of all three nothing.
+TEST(TripleZEffects, GuidesAsStiffAsTheScrewsHalveATilt) {
+  constexpr double kSoftest_mm2 = 195.0 * 195 / 3;
+  const Vec3<double> tilted_mm(159, 160.5, 160.5);
+  for (const Eigen::Vector2d& at_mm :
+       {Eigen::Vector2d(20, 20), Eigen::Vector2d(180, 90)}) {
+    const double free_mm = BedAt_mm({}, tilted_mm, at_mm) - 160;
+    EXPECT_NEAR(
+        BedAt_mm({Held(kSoftest_mm2)}, tilted_mm, at_mm) - 160, free_mm / 2, 1e-11);
+    EXPECT_NEAR(BedAt_mm({Held(kSoftest_mm2)}, {163, 163, 163}, at_mm), 163, 1e-11);
+  }
+  EXPECT_NEAR(BedAt_mm({}, tilted_mm, {20, 20}), 159, 1e-11);
+}
+
+// Forces and moments, each in units of one screw's stiffness: the supports' sum to
+// nothing, their moment is the guides'.
+TEST(TripleZEffects, AnOverconstrainedBedIsInBalance) {
+  constexpr double kHeld_mm2 = 3000;
+  const Vec3<double> told_mm(159.2, 161.1, 160.4);
+  const std::vector<Injected> effects = {
+      Held(kHeld_mm2),
+      {.effect = EffectIndex<PivotPosition>(), .axis = "z3", .values = {70, -12}}};
+  const std::array<Eigen::Vector2d, 3> at_mm = {
+      Eigen::Vector2d(20, 20), Eigen::Vector2d(215, 20), Eigen::Vector2d(90, 203)};
+  const Eigen::Vector2d middle_mm = (at_mm[0] + at_mm[1] + at_mm[2]) / 3;
+  const double middle_height_mm = BedAt_mm(effects, told_mm, middle_mm);
+  const Eigen::Vector2d tilt =
+      Eigen::Vector2d(BedAt_mm(effects, told_mm, middle_mm + Eigen::Vector2d(100, 0)),
+                      BedAt_mm(effects, told_mm, middle_mm + Eigen::Vector2d(0, 100))) /
+          100 -
+      Eigen::Vector2d::Constant(middle_height_mm / 100);
+
+  double force_mm = 0;
+  Eigen::Vector2d moment_mm2 = kHeld_mm2 * tilt;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double give_mm =
+        BedAt_mm(effects, told_mm, at_mm[i]) - told_mm[static_cast<Eigen::Index>(i)];
+    force_mm += give_mm;
+    moment_mm2 += give_mm * (at_mm[i] - middle_mm);
+  }
+
+  EXPECT_GT(kHeld_mm2 * tilt.norm(), 10);
+  EXPECT_NEAR(force_mm, 0, 1e-10);
+  EXPECT_NEAR(moment_mm2.norm(), 0, 1e-8);
+}
+
 TEST(TripleZEffects, ScaleIsThatOfTheScrews) {
   Machine machine = Printer();
   const At at = SomeAt(machine);

@@ -39,6 +39,7 @@ constexpr std::array kActs = {
     ActOf{EffectIndex<ScrewBacklash>(), ActKind::kDriveMap},
     ActOf{EffectIndex<PivotPosition>(), ActKind::kTripleZBuild},
     ActOf{EffectIndex<MotorsSwapped>(), ActKind::kDriveMap},
+    ActOf{EffectIndex<OverconstrainedBed>(), ActKind::kTripleZBuild},
     ActOf{EffectIndex<ServoMismatch>(), ActKind::kReadingMap},
     ActOf{EffectIndex<ServoLag>(), ActKind::kReadingMap},
     ActOf{EffectIndex<FrameGrowth>(), ActKind::kReadingMap},

@@ -169,9 +169,12 @@ nlohmann::json TwinsOf(const TzCase& made,
   return twins;
 }
 
-nlohmann::json Hide(const TzCause& cause, TzCase* made, TzTruth* truth) {
-  Random random(made->request.seed, "triple z hidden");
-  const std::string& asked = made->request.axis;
+// `number`: which of those that are hidden, from 1.
+nlohmann::json Hide(
+    const TzCause& cause, int number, double sigma, TzCase* made, TzTruth* truth) {
+  Random random(made->request.seed,
+                number == 1 ? "triple z hidden" : "triple z hidden too");
+  const std::string asked = number == 1 ? made->request.axis : "";
   const std::string axis =
       asked.empty() || asked == "any" ? random.Pick(cause.axes) : asked;
   const double sign = cause.is_positive ? 1 : random.Sign();
@@ -190,7 +193,7 @@ nlohmann::json Hide(const TzCause& cause, TzCase* made, TzTruth* truth) {
     if (cause.is_whole || visible.peak < 1e-3 * visible.whole_peak) break;
     // No machine is this bad, whatever its plan shows of it.
     const double most = kMost * cause.typical;
-    if (round < 3) size *= made->request.sigma / visible.peak;
+    if (round < 3) size *= sigma / visible.peak;
     size = std::clamp(size, -most, most);
   }
   const nlohmann::json twins =
@@ -209,6 +212,46 @@ nlohmann::json Hide(const TzCause& cause, TzCase* made, TzTruth* truth) {
           {"separation", twins},
           {"acceptable", nlohmann::json::array()},
           {"covariates", cause.covariates}};
+}
+
+// One cause, or two of different names, each of a size of its own.
+nlohmann::json HideAll(Random* random, TzCase* made, TzTruth* truth) {
+  const PrinterRequest& request = made->request;
+  nlohmann::json hidden = nlohmann::json::array();
+  if (request.kind == "null") return hidden;
+  std::vector<TzCause> fit;
+  for (const TzCause& cause : TzCauses()) {
+    const bool is_named = request.cause.empty() || cause.name == request.cause;
+    if (is_named && cause.is_outside == (request.kind == "outside")) {
+      fit.push_back(cause);
+    }
+  }
+  if (fit.empty()) throw std::invalid_argument("no such cause: " + request.cause);
+  const TzCause first = random->Pick(fit);
+  hidden.push_back(Hide(first, 1, request.sigma, made, truth));
+  if (request.kind != "pair") return hidden;
+  std::vector<TzCause> others;
+  for (const TzCause& cause : TzCauses()) {
+    if (cause.name != first.name && !cause.is_outside) others.push_back(cause);
+  }
+  const TzCause second = random->Pick(others);
+  hidden.push_back(Hide(second, 2, random->LogUniform(2, 15), made, truth));
+  return hidden;
+}
+
+// The nozzle's height walks at random in time: touches and gauges see it.
+void AddWander(TzCase* made) {
+  if (made->request.wander_um_per_sqrt_h <= 0) return;
+  constexpr double kSecondsPerHour = 3600;
+  Random random(made->request.seed, "triple z wander");
+  double at_mm = 0, before_s = 0;
+  for (std::size_t i = 0; i < made->stops.size(); ++i) {
+    const TzStop& stop = made->stops[i];
+    at_mm += 1e-3 * made->request.wander_um_per_sqrt_h * random.Normal() *
+             std::sqrt((stop.t_s - before_s) / kSecondsPerHour);
+    before_s = stop.t_s;
+    made->values_mm[i] += (stop.is_touch ? -1 : 1) * at_mm;
+  }
 }
 
 std::string DataCsv(const TzCase& made) {
@@ -278,19 +321,9 @@ TzCase MakeTzCase(const PrinterRequest& request) {
   made.sigma_mm = random.LogUniform(0.002, 0.01);
   made.stated = random.Chance(0.3) ? random.LogUniform(0.5, 2) : 1;
   TzTruth truth = DrawBaseline(made.paper, request.seed);
-  nlohmann::json causes = nlohmann::json::array();
-  if (request.kind != "null") {
-    std::vector<TzCause> fit;
-    for (const TzCause& cause : TzCauses()) {
-      const bool is_named = request.cause.empty() || cause.name == request.cause;
-      if (is_named && cause.is_outside == (request.kind == "outside")) {
-        fit.push_back(cause);
-      }
-    }
-    if (fit.empty()) throw std::invalid_argument("no such cause: " + request.cause);
-    causes.push_back(Hide(random.Pick(fit), &made, &truth));
-  }
+  const nlohmann::json causes = HideAll(&random, &made, &truth);
   made.values_mm = Readings(made, truth);
+  AddWander(&made);
   Random noise(request.seed, "triple z noise");
   const double outliers = noise.Chance(0.3) ? 0.01 : 0;
   for (double& value : made.values_mm) {

@@ -62,6 +62,15 @@ std::vector<TzCause> Screws() {
                            truth->driver[static_cast<std::size_t>(axis[3] - '1')]);
                },
            .is_whole = true},
+          {.name = "overconstrained_bed",
+           .axes = {""},
+           .typical = 1500,
+           .put =
+               [](const std::string&, double size, double, TzTruth* truth) {
+                 truth->held_mm2 += size;
+               },
+           .parameter = "stiffness_ratio_mm2",
+           .is_positive = true},
           {.name = "missed_steps",
            .axes = kScrews,
            .typical = 100,

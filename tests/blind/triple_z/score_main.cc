@@ -18,6 +18,7 @@ int main(int argc, char** argv) {
             const blind::TzCase made = blind::MakeTzCase(request);
             blind::WriteTzCase(made, folder);
             return made.truth;
-          }};
+          },
+      .has_pairs = true};
   return blind::PrinterMain(argc, argv, triple_z);
 }

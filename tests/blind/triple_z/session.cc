@@ -50,6 +50,42 @@ double PlaneOver(const TzPaper& paper,
   return ball[0][2] - (n[0] * (x_mm - ball[0][0]) + n[1] * (y_mm - ball[0][1])) / n[2];
 }
 
+// What is left to carry the bed where guides turn it back: each support gives until
+// the forces balance, found by letting it settle.
+ByScrew Settled(const TzPaper& paper, const TzTruth& truth, const ByScrew& nut_mm) {
+  if (truth.held_mm2 == 0) return nut_mm;
+  constexpr int kSettle = 200;
+  constexpr double kGive = 0.25;  // Of what is out of balance.
+  ByScrew x_mm{}, y_mm{}, at_mm = nut_mm;
+  double mid_x_mm = 0, mid_y_mm = 0, reach_mm2 = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    x_mm[i] = paper.screw_x_mm[i] + truth.off_x_mm[i];
+    y_mm[i] = paper.screw_y_mm[i] + truth.off_y_mm[i];
+    mid_x_mm += x_mm[i] / 3;
+    mid_y_mm += y_mm[i] / 3;
+  }
+  for (std::size_t i = 0; i < 3; ++i) {
+    reach_mm2 += std::pow(x_mm[i] - mid_x_mm, 2) + std::pow(y_mm[i] - mid_y_mm, 2);
+  }
+  // A rigid bed at rest on its supports: height of its middle, its slopes.
+  double mid_mm = (nut_mm[0] + nut_mm[1] + nut_mm[2]) / 3, slope_x = 0, slope_y = 0;
+  for (int round = 0; round < kSettle; ++round) {
+    double force_mm = 0, turn_x = -truth.held_mm2 * slope_x,
+           turn_y = -truth.held_mm2 * slope_y;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const double dx_mm = x_mm[i] - mid_x_mm, dy_mm = y_mm[i] - mid_y_mm;
+      at_mm[i] = mid_mm + slope_x * dx_mm + slope_y * dy_mm;
+      force_mm += nut_mm[i] - at_mm[i];
+      turn_x += (nut_mm[i] - at_mm[i]) * dx_mm;
+      turn_y += (nut_mm[i] - at_mm[i]) * dy_mm;
+    }
+    mid_mm += kGive * force_mm;
+    slope_x += turn_x / (reach_mm2 + truth.held_mm2);
+    slope_y += turn_y / (reach_mm2 + truth.held_mm2);
+  }
+  return at_mm;
+}
+
 double Bed(const TzPaper& paper,
            const TzTruth& truth,
            const TzStop& stop,
@@ -61,7 +97,8 @@ double Bed(const TzPaper& paper,
   const double u = 2 * x_mm / paper.wide_mm - 1, v = 2 * y_mm / paper.deep_mm - 1;
   const auto plane = truth.plane(stop.home);
   const double far = std::hypot(x_mm - truth.dent_x_mm, y_mm - truth.dent_y_mm) / 60;
-  return PlaneOver(paper, truth, NutsFor(truth, stop, told_mm), x_mm, y_mm) + plane[0] +
+  const ByScrew ball_mm = Settled(paper, truth, NutsFor(truth, stop, told_mm));
+  return PlaneOver(paper, truth, ball_mm, x_mm, y_mm) + plane[0] +
          plane[1] * (x_mm - paper.wide_mm / 2) + plane[2] * (y_mm - paper.deep_mm / 2) +
          truth.bowl_mm * (u * u + v * v) / 2 + truth.along_x_mm * u * u +
          truth.along_y_mm * v * v + truth.twist_mm * u * v -

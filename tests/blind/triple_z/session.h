@@ -42,6 +42,8 @@ struct TzTruth {
   ByScrew gap_mm{};
   ByScrew jump_mm{};
   double jump_at_s = 1e9;
+  /// Guides that turn the bed back: their stiffness over that of a screw's support.
+  double held_mm2 = 0;
   double scale = 0, all_gap_mm = 0;
   /// The bed's surface over its balls, corners against middle, and its edges.
   double bowl_mm = 0, along_x_mm = 0, along_y_mm = 0, twist_mm = 0;
