@@ -3,6 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
+
+#include "sim/base/mutant.h"
+#include "sim/base/rng.h"
+#include "sim/effects/predict.h"
+#include "sim/effects/surroundings.h"
+
 namespace caltwin {
 namespace {
 
@@ -12,7 +19,71 @@ Eigen::Vector2d Travel_mm(const Machine& machine) {
   return {machine.axis(Axis::kX).max_mm, machine.axis(Axis::kY).max_mm};
 }
 
+MachineFault HasNone(std::string_view what) {
+  return {.reply = fmt::format("Error: a triple-Z printer has no {}", what)};
+}
+
+// The nozzle over the bed less where it was sent to.
+Vec3<double> OffAt_mm(const BuiltTripleZ& built,
+                      const Vec3<double>& raised_mm,
+                      const Vec3<double>& sent_mm,
+                      double sense) {
+  const Machine& machine = built.machine;
+  Row row{.kind = RowKind::kPosition};
+  row.cmd_mm = {sent_mm[0], sent_mm[1], sent_mm[2]};
+  row.n = {0, 0, 1};
+  row.dir = {0, 0, sense};
+  row.feature = "bed.top";
+  for (std::size_t i = 0; i < row.motor_mm.size(); ++i) {
+    row.motor_mm[i] =
+        machine.triple_z->top_mm - sent_mm[2] + raised_mm[static_cast<Eigen::Index>(i)];
+    row.motor_dir[i] = -sense;
+  }
+  const At at = AtOf(row, machine, machine.settings);
+  const auto errors = ErrorsAt<double>(machine, at, built.effects);
+  return errors.motion_mm - errors.artefact_mm * Unit(Axis::kZ);
+}
+
 }  // namespace
+
+Expected<double> NoGauges::Read_mm(std::string_view id) {
+  return tl::unexpected(HasNone(id));
+}
+
+Expected<void> NoGauges::Zero(std::string_view id) {
+  return tl::unexpected(HasNone(id));
+}
+
+Expected<void> NoHands::Do(const Act& /*act*/) {
+  return tl::unexpected(HasNone("operator"));
+}
+
+double TripleZPositionP95_mm(const BuiltTripleZ& built, const Vec3<double>& raised_mm) {
+  constexpr int kPoses = 1000;
+  Rng rng(1, 0, "position_error_mm");
+  std::vector<Vec3<double>> errors_mm;
+  Vec3<double> sum_mm = Vec3<double>::Zero();
+  for (int pose = 0; pose < kPoses; ++pose) {
+    Vec3<double> sent_mm;
+    for (const Axis axis : kAxes) {
+      const AxisDrawing& drawing = built.machine.axis(axis);
+      sent_mm[Index(axis)] = drawing.min_mm + drawing.travel_mm() * rng.Uniform();
+    }
+    for (const double sense : {1.0, -1.0}) {
+      errors_mm.push_back(OffAt_mm(built, raised_mm, sent_mm, sense));
+      sum_mm += errors_mm.back();
+    }
+  }
+  const Vec3<double> mean_mm = sum_mm / static_cast<double>(errors_mm.size()) *
+                               Mutant("tz_position_mean_left", 1.0, 0.0);
+  std::vector<double> sizes_mm;
+  for (const Vec3<double>& error_mm : errors_mm) {
+    sizes_mm.push_back((error_mm - mean_mm).norm());
+  }
+  const auto p95 = sizes_mm.begin() + 2 * kPoses * 95 / 100 - 1;
+  std::nth_element(sizes_mm.begin(), p95, sizes_mm.end());
+  return *p95;
+}
 
 Expected<std::vector<std::string>> RrfTripleZWire::Send(
     std::string_view line, std::chrono::milliseconds /*patience*/) {

@@ -28,6 +28,23 @@ RrfTripleZOptions FirmwareOf(const Machine& machine, const Pivots<double>& belie
 /// is counted in whole steps beside.
 TripleZBench BenchOf(const Machine& machine, Link* link, double sigma_mm);
 
+/// Instruments of a printer that has none, and a person who does nothing: what an
+/// external program may ask beside G-code is answered with a fault.
+class NoGauges : public Gauge {
+ public:
+  Expected<double> Read_mm(std::string_view id) override;
+  Expected<void> Zero(std::string_view id) override;
+};
+class NoHands : public Operator {
+ public:
+  Expected<void> Do(const Act& act) override;
+};
+
+/// 95 % quantile of the nozzle's position error over the bed [mm] at 1000 seeded poses
+/// of the travel, each come to from below and from above, the mean error taken off: by
+/// the closed forms, the screws raised so.
+double TripleZPositionP95_mm(const BuiltTripleZ& built, const Vec3<double>& raised_mm);
+
 /// How a bed truly stands, on a lattice of 11 by 11 within 20 mm of the edges.
 struct TrueLevel {
   double mean_mm = 0;  ///< Of the magnitudes, against the reference.

@@ -49,7 +49,8 @@ class TripleZRun {
                      .messages = scenario_.machine.notes};
     const TrueLevel before =
         TrueLevelOf(built_, Vec3<double>::Zero(), /*reference_mm=*/0);
-    result.position_error_before_p95_mm = before.max_mm;
+    result.position_error_before_p95_mm =
+        TripleZPositionP95_mm(built_, Vec3<double>::Zero());
     InterruptibleLink link(&wire_);
     std::unique_ptr<RecordingLink> recorder;
     if (!options_.transcript.empty()) {
@@ -72,7 +73,8 @@ class TripleZRun {
     result.machine_time_s = firmware_.machine_time_s();
     result.lost = last_.ending == Ending::kLinkLost;
     const TrueLevel after = TrueLevelOf(built_, firmware_.raised_mm(), reference_mm_);
-    result.position_error_after_p95_mm = after.max_mm;
+    result.position_error_after_p95_mm =
+        TripleZPositionP95_mm(built_, firmware_.raised_mm());
     Judge(before, after, &result);
     result.cpu_s = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
     return result;
@@ -113,12 +115,35 @@ class TripleZRun {
     return RunBedTilt(printer, o);
   }
 
+  TripleZResult RanBy(const ExternalCommand& command,
+                      TripleZPrinter* printer,
+                      RunResult* result) const {
+    NoGauges gauges;
+    NoHands hands;
+    Bench bench{.link = printer->bench().link,
+                .gauge = &gauges,
+                .person = &hands,
+                .machine = built_.machine};
+    const ExternalRun run = RunExternal(command, &bench);
+    TripleZResult done;
+    done.result = run.result;
+    if (!run.passed() && done.result.ending == Ending::kDone) {
+      done.result.ending = Ending::kRefused;
+    }
+    result->checks.push_back({.name = "external",
+                              .expected = "exited with 0",
+                              .found = ToString(run.end),
+                              .passed = run.passed()});
+    return done;
+  }
+
   void Take(const TripleZStep& step, TripleZPrinter* printer, RunResult* result) {
     const TripleZOptions& o = step.options;
-    const TripleZResult done = Do(step, printer);
+    const TripleZResult done =
+        step.external ? RanBy(*step.external, printer, result) : Do(step, printer);
     last_ = done.result;
-    const bool levels =
-        step.name.starts_with("bed_tilt") || step.name == "rrf_levelling";
+    const bool levels = step.name.starts_with("bed_tilt") ||
+                        step.name == "rrf_levelling" || step.external.has_value();
     has_levelled_ = has_levelled_ || levels;
     if (levels) reference_mm_ = o.reference_mm;
     if (done.predicted_factor) predicted_factor_ = *done.predicted_factor;
@@ -206,6 +231,7 @@ class TripleZRun {
     if (name == "validation_mm.mean") return validation_mm_;
     if (name == "hold_out_mm.mean") return hold_out_mm_;
     if (name == "machine_time_s") return result.machine_time_s;
+    if (name == "position_error_mm.p95") return result.position_error_after_p95_mm;
     return predicted_factor_;
   }
 

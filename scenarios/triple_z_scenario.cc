@@ -11,19 +11,21 @@
 namespace caltwin {
 namespace {
 
-constexpr std::array<std::string_view, 7> kProcedures = {"plane_tilt",
+constexpr std::array<std::string_view, 8> kProcedures = {"plane_tilt",
                                                          "bed_tilt",
                                                          "bed_tilt_iterated",
                                                          "rrf_levelling",
                                                          "pivots_and_wiring",
                                                          "move_triple_z",
-                                                         "gcode"};
-constexpr std::array<const char*, 7> kFigures = {"level_error_mm.mean",
+                                                         "gcode",
+                                                         "external"};
+constexpr std::array<const char*, 8> kFigures = {"level_error_mm.mean",
                                                  "level_error_mm.max",
                                                  "flatness_mm.rms",
                                                  "validation_mm.mean",
                                                  "hold_out_mm.mean",
                                                  "machine_time_s",
+                                                 "position_error_mm.p95",
                                                  "predicted_factor"};
 
 // An empty value means all options left out.
@@ -190,6 +192,10 @@ void RequireBuildable(const InjectedSpec& spec, Faults* faults) {
 TripleZStep ReadTripleZStep(const std::string& name, const YamlValue& value) {
   TripleZStep step{.name = name};
   YamlMap map = MapOf(value);
+  if (name == "external") {
+    step.external = ReadExternal(std::move(map));
+    return step;
+  }
   if (name == "move_triple_z" || name == "gcode") {
     ReadMoves(name, &map, &step);
     map.NoMoreKeys();

@@ -7,6 +7,7 @@
 
 #include "calibration/triple_z/procedures.h"
 #include "scenarios/delta_scenario.h"
+#include "scenarios/external.h"
 #include "sim/base/yaml.h"
 #include "sim/effects/injected.h"
 #include "sim/machine/machine.h"
@@ -16,11 +17,12 @@ namespace caltwin {
 
 /// One entry of a triple-Z printer's `calibrate:`.
 struct TripleZStep {
-  std::string name{};  ///< plane_tilt, bed_tilt, ..., move_triple_z, gcode.
+  std::string name{};  ///< plane_tilt, ..., move_triple_z, gcode, external.
   TripleZOptions options{};
   Eigen::Vector2d at_mm = Eigen::Vector2d::Zero();  ///< Of move_triple_z: the nozzle,
   Vec3<double> heights_mm = Vec3<double>::Zero();   ///< and the screws.
   std::vector<std::string> lines{};                 ///< Of gcode.
+  std::optional<ExternalCommand> external{};
 };
 
 /// What a triple-Z printer's scenario has of its own; about, machine, seed and fidelity
@@ -34,7 +36,8 @@ struct TripleZScenario {
   std::string outcome = "recovers";
   std::vector<DeltaExpectedValue> values{};
   /// `level_error_mm.mean`, `.max`, `flatness_mm.rms`, `machine_time_s`,
-  /// `predicted_factor`, `validation_mm.mean`, `hold_out_mm.mean`.
+  /// `predicted_factor`, `validation_mm.mean`, `hold_out_mm.mean`,
+  /// `position_error_mm.p95`.
   std::vector<std::pair<std::string, Within>> figures{};
   std::vector<std::string> messages{};
 };

@@ -182,6 +182,35 @@ TEST(TripleZScenario, TenLevellingsStayWhereTheFirstOneWas) {
       ten.position_error_after_p95_mm, once.position_error_after_p95_mm, 0.0013);
 }
 
+// Of heights spread evenly over a slope of 3 mrad along 235 mm: 0.95 of half of it. Of
+// a bowl of 0.4 mm, 0.4 (u^2 + v^2) / 2, by numbers; its mean, 0.133 mm, is no error.
+TEST(TripleZScenario, PositionErrorIsThatOfTheNozzleOverTheBed) {
+  const auto before_mm = [](const std::string& effects) {
+    return RunScenario(ReadText("effects: {" + effects +
+                                "}\ncalibrate: [plane_tilt]\n"
+                                "expect: {outcome: recovers}\n"),
+                       {.fidelity = Fidelity::kFast})
+        .position_error_before_p95_mm;
+  };
+
+  EXPECT_NEAR(before_mm("bed_tilt: {slope_x_mrad: 3}"), 0.95 * 0.3525, 0.012);
+  EXPECT_NEAR(before_mm("bed_bowl: {height_um: 400}"), 0.1535, 0.012);
+  // Coming from either side the nozzle hangs by half the gap.
+  EXPECT_NEAR(before_mm("backlash.z: {gap_mm: 0.1}"), 0.05, 1e-6);
+}
+
+TEST(TripleZScenario, AnExternalProgramThatFailsIsTheOutcome) {
+  const RunResult result =
+      RunScenario(ReadText("calibrate:\n  - external: {command: [/bin/sh, -c, \"echo "
+                           "M118 GAUGE laser.x; read a; echo $a >&2; exit 3\"]}\n"
+                           "expect: {outcome: recovers}\n"),
+                  {.fidelity = Fidelity::kFast});
+
+  EXPECT_FALSE(result.passed);
+  EXPECT_EQ(result.outcome, "refused");
+  EXPECT_THAT(result.messages, Contains(HasSubstr("has no laser.x")));
+}
+
 TEST(CompareLevelling, ForetellsEveryLoopThatDiverges) {
   const LevellingComparison comparison = CompareLevelling(60, 3, [](int) {});
 
