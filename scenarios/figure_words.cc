@@ -24,6 +24,9 @@ std::span<const Word> FigureWords() {
       Word{"z_offset_error_mm",
            "How far from the print surface the clean nozzle truly stands when it is "
            "commanded to 0; positive: too high."},
+      Word{"first_layer_error_mm",
+           "The largest of that, by magnitude, on 121 places within 100 mm of the "
+           "middle of the bed along x and y, the bed's mesh in force."},
       Word{"home_offset",
            "From where the MIN switch closes to the zero of a motor axis [mm, deg]."},
       Word{"home",

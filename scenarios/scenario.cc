@@ -166,7 +166,7 @@ Scenario ReadScenarioText(const std::string& text, const fs::path& name) {
     return scenario;
   }
   if (map.Has("station")) {
-    scenario.z_offset = ReadZOffsetScenario(&map);
+    scenario.z_offset = ReadZOffsetScenario(&map, scenario.machine.machine);
     map.NoMoreKeys();
     faults.ThrowIfAny();
     return scenario;

@@ -41,7 +41,12 @@ class ZOffsetRun {
         z_(*scenario.z_offset),
         options_(options),
         seed_(options.seed.value_or(scenario.seed)),
-        twin_(Drawn(), seed_, options.sample),
+        fidelity_(options.fidelity.value_or(scenario.fidelity)),
+        twin_(Drawn(),
+              fidelity_ == Fidelity::kPhysics,
+              seed_,
+              options.sample,
+              z_.settings.middle_mm),
         klipper_(z_.settings, &twin_),
         wire_(&klipper_) {}
 
@@ -51,7 +56,7 @@ class ZOffsetRun {
                      .about = scenario_.about,
                      .verbatim = scenario_.verbatim,
                      .machine = scenario_.machine.machine.name,
-                     .fidelity = "fast",
+                     .fidelity = ToString(fidelity_),
                      .seed = seed_};
     std::unique_ptr<RecordingLink> recorder;
     if (!options_.transcript.empty()) {
@@ -127,7 +132,8 @@ class ZOffsetRun {
           constexpr double kFeeler_mm = 0.01;
           const auto carriage_mm = CarriageNow_mm(client);
           if (!carriage_mm) return std::nullopt;
-          return std::round(twin_.Gap_mm(*carriage_mm) / kFeeler_mm) * kFeeler_mm;
+          const double gap_mm = twin_.Gap_mm(*carriage_mm, twin_.middle_mm());
+          return std::round(gap_mm / kFeeler_mm) * kFeeler_mm;
         });
     if (result.estimates.empty() || !step.applies) return result;
     const double after_mm = result.estimates.back().value;
@@ -142,9 +148,10 @@ class ZOffsetRun {
     return result;
   }
 
-  // Where the carriage stands, by what the controller says of its G-code height.
+  // Where the carriage would stand over the middle of the bed, by what the controller
+  // says of its G-code height.
   std::optional<double> CarriageNow_mm(ZOffsetClient* client) const {
-    const auto at_nought_mm = klipper_.CarriageAtNought_mm();
+    const auto at_nought_mm = klipper_.CarriageAtNought_mm(twin_.middle_mm());
     const auto position = client->Say("GET_POSITION");
     if (!at_nought_mm || !position) return std::nullopt;
     for (const std::string& line : *position) {
@@ -156,15 +163,32 @@ class ZOffsetRun {
     return std::nullopt;
   }
 
-  double Error_mm() const {
-    const auto at_nought_mm = klipper_.CarriageAtNought_mm();
-    return at_nought_mm ? twin_.Gap_mm(*at_nought_mm)
-                        : std::numeric_limits<double>::infinity();
+  // Of the clean nozzle over the middle of the bed.
+  double Error_mm() const { return ErrorAt_mm(twin_.middle_mm()); }
+
+  double ErrorAt_mm(const Eigen::Vector2d& at_mm) const {
+    const auto carriage_mm = klipper_.CarriageAtNought_mm(at_mm);
+    return carriage_mm ? twin_.Gap_mm(*carriage_mm, at_mm)
+                       : std::numeric_limits<double>::infinity();
+  }
+
+  // The worst of 11 by 11 places within 100 mm of the middle.
+  double FirstLayer_mm() const {
+    constexpr int kSide = 11;
+    constexpr double kReach_mm = 100;
+    double worst_mm = 0;
+    for (int i = 0; i < kSide * kSide; ++i) {
+      const int column = i % kSide, row = i / kSide;
+      const Eigen::Vector2d part(column / (kSide - 1.0) - 0.5,
+                                 row / (kSide - 1.0) - 0.5);
+      worst_mm = std::max(
+          worst_mm, std::abs(ErrorAt_mm(twin_.middle_mm() + 2 * kReach_mm * part)));
+    }
+    return worst_mm;
   }
 
   double BuiltOf(const std::string& name) const {
-    ZStationTwin copy = twin_;
-    const ZStation& station = *copy.station();
+    const ZStation& station = twin_.station();
     if (name == "switch_offset") return station.trigger_mm;
     // Of a worn switch: the deviation of a product of two uniform numbers.
     const double worn_mm = station.worn_mm * std::sqrt(1.0 / 9 - 1.0 / 16);
@@ -195,6 +219,7 @@ class ZOffsetRun {
 
   double FigureOf(const std::string& name, const RunResult& result) const {
     if (name == "z_offset_error_mm") return std::abs(Error_mm());
+    if (name == "first_layer_error_mm") return FirstLayer_mm();
     if (name == "machine_time_s") return result.machine_time_s;
     if (name == "switch_offset_mm") return klipper_.config().switch_offset_mm;
     const auto last =
@@ -226,6 +251,7 @@ class ZOffsetRun {
   const ZOffsetScenario& z_;
   const RunOptions& options_;
   std::uint64_t seed_;
+  Fidelity fidelity_;
   ZStationTwin twin_;
   KlipperZ klipper_;
   KlipperZWire wire_;

@@ -21,6 +21,10 @@ constexpr std::array kKeys = {
     StationKey{"body_mm", {0, 50}, &ZStation::body_mm},
     StationKey{"trigger_mm", {-1, 5}, &ZStation::trigger_mm},
     StationKey{"plate_mm", {0, 20}, &ZStation::plate_mm},
+    StationKey{"bed_slope_x_mrad", {-50, 50}, &ZStation::bed_slope_x_mrad},
+    StationKey{"bed_slope_y_mrad", {-50, 50}, &ZStation::bed_slope_y_mrad},
+    StationKey{"bed_bowl_mm", {-2, 2}, &ZStation::bed_bowl_mm},
+    StationKey{"dock_misses", {0, 1}, &ZStation::dock_misses},
     StationKey{"endstop_scatter_mm", {0, 1}, &ZStation::endstop_scatter_mm},
     StationKey{"probe_scatter_mm", {0, 1}, &ZStation::probe_scatter_mm},
     StationKey{"worn_mm", {0, 2}, &ZStation::worn_mm},
@@ -46,8 +50,42 @@ std::vector<StationSpec> ReadStation(YamlMap map) {
 
 namespace {
 
-ZCalibrationConfig ReadConfig(YamlMap map) {
+Eigen::Vector2d PlaceOf(const YamlValue& value) {
+  const auto numbers = value.Numbers(2, {-1e4, 1e4});
+  return numbers.size() == 2 ? Eigen::Vector2d(numbers[0], numbers[1])
+                             : Eigen::Vector2d(0, 0);
+}
+
+BedMeshConfig ReadMesh(YamlMap map) {
+  constexpr double kMostPoints = 20;
+  BedMeshConfig mesh;
+  if (const auto from = map.Optional("min_mm")) mesh.min_mm = PlaceOf(*from);
+  if (const auto to = map.Optional("max_mm")) {
+    mesh.max_mm = PlaceOf(*to);
+    if ((mesh.max_mm - mesh.min_mm).minCoeff() <= 0) {
+      to->Fail("is not beyond min_mm", "a mesh goes from min_mm to max_mm");
+    }
+  }
+  if (const auto count = map.Optional("probe_count")) {
+    const auto numbers = count->Numbers(2, {2, kMostPoints});
+    if (numbers.size() == 2) {
+      mesh.count = {static_cast<int>(numbers[0]), static_cast<int>(numbers[1])};
+    }
+  }
+  if (map.Has("relative_reference_index")) {
+    mesh.relative_reference_index = static_cast<int>(map.IntegerOr(
+        "relative_reference_index", 0, 0, mesh.count[0] * mesh.count[1] - 1));
+  }
+  map.NoMoreKeys();
+  return mesh;
+}
+
+ZCalibrationConfig ReadConfig(YamlMap map, const Eigen::Vector2d& middle_mm) {
   ZCalibrationConfig c;
+  c.middle_mm = middle_mm;
+  if (const auto mesh = map.Optional("bed_mesh")) c.bed_mesh = ReadMesh(mesh->Map());
+  if (const auto at = map.Optional("probe_bed_at_mm")) c.probe_bed_at_mm = PlaceOf(*at);
+  c.probe_z_offset_mm = map.NumberOr("probe_z_offset_mm", 0, {-50, 50});
   c.position_endstop_mm = map.NumberOr("position_endstop_mm", 0, {-50, 500});
   c.switch_offset_mm = map.NumberOr("switch_offset_mm", c.switch_offset_mm, {-10, 10});
   c.samples = static_cast<int>(map.IntegerOr("samples", 3, 1, 100));
@@ -109,8 +147,11 @@ std::vector<ZOffsetStep> ReadSteps(const YamlValue& list) {
 void ReadExpectation(YamlMap map, ZOffsetScenario* scenario) {
   scenario->outcome = map.WordOr(
       "outcome", "recovers", {"recovers", "misses", "refused", "no_trigger"});
-  for (const char* figure :
-       {"z_offset_error_mm", "gcode_offset_mm", "switch_offset_mm", "machine_time_s"}) {
+  for (const char* figure : {"z_offset_error_mm",
+                             "first_layer_error_mm",
+                             "gcode_offset_mm",
+                             "switch_offset_mm",
+                             "machine_time_s"}) {
     const auto value = map.Optional(figure);
     if (!value) continue;
     YamlMap bounds = value->Map();
@@ -130,13 +171,16 @@ void ReadExpectation(YamlMap map, ZOffsetScenario* scenario) {
 
 }  // namespace
 
-ZOffsetScenario ReadZOffsetScenario(YamlMap* map) {
+ZOffsetScenario ReadZOffsetScenario(YamlMap* map, const Machine& machine) {
   ZOffsetScenario scenario;
+  const Eigen::Vector2d middle_mm(machine.axis(Axis::kX).mid_mm(),
+                                  machine.axis(Axis::kY).mid_mm());
+  scenario.settings.middle_mm = middle_mm;
   if (const auto station = map->Optional("station")) {
     scenario.station = ReadStation(station->Map());
   }
   if (const auto settings = map->Optional("settings")) {
-    scenario.settings = ReadConfig(settings->Map());
+    scenario.settings = ReadConfig(settings->Map(), middle_mm);
   }
   if (const auto calibrate = map->Required("calibrate")) {
     scenario.calibrate = ReadSteps(*calibrate);

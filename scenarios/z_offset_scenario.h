@@ -8,6 +8,7 @@
 #include "scenarios/delta_scenario.h"
 #include "sim/base/yaml.h"
 #include "sim/firmware/dialects/klipper_z.h"
+#include "sim/machine/machine.h"
 #include "sim/twin/z_station.h"
 
 namespace caltwin {
@@ -39,7 +40,7 @@ struct ZOffsetScenario {
 };
 
 /// Reads `station:`, `settings:`, `calibrate:`, `expect:`.
-ZOffsetScenario ReadZOffsetScenario(YamlMap* map);
+ZOffsetScenario ReadZOffsetScenario(YamlMap* map, const Machine& machine);
 
 /// Reads `station: {KEY: number or distribution}`.
 std::vector<StationSpec> ReadStation(YamlMap map);

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 
 #include "sim/base/rng.h"
 #include "sim/firmware/dialects/klipper_z.h"
+#include "sim/physics/z_station_world.h"
 
 namespace caltwin {
 
@@ -17,6 +19,9 @@ struct ZStation {
   double body_mm = 6.5;     ///< The probe's body hangs so far below the drawn tip.
   double trigger_mm = 0.5;  ///< Body over what its knob touches, at the trigger.
   double plate_mm = 0;      ///< Thickness of what lies on the bed.
+  /// @name The bed's surface, about its middle; the bowl's height is at 100 mm from it.
+  double bed_slope_x_mrad = 0, bed_slope_y_mrad = 0, bed_bowl_mm = 0;
+  double dock_misses = 0;  ///< 1: the magnets do not take the probe along.
   double endstop_scatter_mm = 0.002;
   double probe_scatter_mm = 0.002;
   double worn_mm = 0;  ///< Of the endstop switch: each trigger up to this late, skewed.
@@ -26,30 +31,43 @@ struct ZStation {
   double frame_mm_per_k = 0.002;  ///< Of the chamber's: lifts the head.
 };
 
-/// In closed form.
+/// The station with its chance, in closed form or in MuJoCo.
 ///
 ///   tip = carriage + frame - nozzle,  body = tip_drawn - body,  surface = bed + plate
 ///   nozzle on switch: tip - ooze = switch, body on switch: body = switch,
 ///   probe on bed: body - trigger = surface
+///
+/// A probe that was left in its dock: the switch meets the nozzle instead of the body,
+/// the bed nothing that would trigger.
 class ZStationTwin : public ZStationPlant {
  public:
-  ZStationTwin(const ZStation& station, std::uint64_t seed, std::uint64_t sample)
-      : station_(station), rng_(seed, sample, "z_station") {}
+  /// @param is_physics  contacts and the switches' springs are MuJoCo's (ZStationWorld)
+  ZStationTwin(const ZStation& station,
+               bool is_physics,
+               std::uint64_t seed,
+               std::uint64_t sample,
+               const Eigen::Vector2d& middle_mm = {117.5, 117.5});
 
-  std::optional<double> Touch(ZTouch touch) override;
+  std::optional<double> Touch(ZTouch touch, const Eigen::Vector2d& at_mm) override;
   void Heat(char what, double temp_c) override;
 
   /// An operator's act: another nozzle, another plate, a wipe.
   ZStation* station() { return &station_; }
-  /// Clear height of the clean nozzle's tip over the print surface.
-  double Gap_mm(double carriage_mm) const;
+  const ZStation& station() const { return station_; }
+  const Eigen::Vector2d& middle_mm() const { return middle_mm_; }
+  /// Clear height of the clean nozzle's tip over the print surface there.
+  double Gap_mm(double carriage_mm, const Eigen::Vector2d& at_mm) const;
 
  private:
-  double Surface_mm() const;
+  double Surface_mm(const Eigen::Vector2d& at_mm) const;
   double TipOver_mm() const;
+  ZStationBuild BuildAt(const Eigen::Vector2d& at_mm) const;
+  double Late_mm(ZTouch touch);
 
   ZStation station_;
   Rng rng_;
+  Eigen::Vector2d middle_mm_;
+  std::unique_ptr<ZStationWorld> world_{};  ///< Null: in closed form.
   double nozzle_k_ = 0, bed_k_ = 0, chamber_k_ = 0;
 };
 

@@ -12,13 +12,15 @@ using ::testing::HasSubstr;
 /// Heights as told, no scatter.
 class Heights : public ZStationPlant {
  public:
-  std::optional<double> Touch(ZTouch touch) override {
+  std::optional<double> Touch(ZTouch touch, const Eigen::Vector2d& at_mm) override {
+    last_at_mm = at_mm;
     return touch == ZTouch::kNozzleOnSwitch ? nozzle
            : touch == ZTouch::kBodyOnSwitch ? body
-                                            : bed;
+                                            : bed + slope.dot(at_mm);
   }
   void Heat(char, double) override {}
   double nozzle = 1.5, body = 8, bed = 8.7;
+  Eigen::Vector2d slope{0, 0}, last_at_mm{0, 0};
 };
 
 class KlipperZTest : public ::testing::Test {
@@ -58,7 +60,7 @@ TEST_F(KlipperZTest, ResetsAPreviousOffsetFirst) {
   klipper.Execute("CALIBRATE_Z");
   klipper.Execute("CALIBRATE_Z");
 
-  EXPECT_NEAR(*klipper.CarriageAtNought_mm(), 1.8 - 0.275, 1e-9);
+  EXPECT_NEAR(*klipper.CarriageAtNought_mm({117.5, 117.5}), 1.8 - 0.275, 1e-9);
 }
 
 TEST_F(KlipperZTest, AdjustsAnOffsetAndMoves) {
@@ -89,14 +91,95 @@ TEST_F(KlipperZTest, RefusesWhatTheExtensionRefuses) {
   EXPECT_THAT(says(negative), HasSubstr("must have minimum of 0.0"));
   EXPECT_THAT(says(is_virtual), HasSubstr("probe:z_virtual_endstop is not supported"));
   EXPECT_THAT(says(unattached), HasSubstr("Probe is not attached"));
+  ZCalibrationConfig no_reference = Config();
+  no_reference.bed_mesh = BedMeshConfig{};
+  EXPECT_THAT(says(no_reference), HasSubstr("relative_reference_index"));
   KlipperZ not_homed(Config(), &heights_);
   EXPECT_THAT(not_homed.Execute("CALIBRATE_Z").lines.back(), HasSubstr("Must home"));
+}
+
+// A bed that leans: the mesh is 0 at its point of reference, follows the lean, and a
+// nozzle moved over it keeps its height.
+TEST_F(KlipperZTest, AMeshIsNoughtAtItsPointOfReference) {
+  heights_.slope = {0.003, -0.002};
+  ZCalibrationConfig config = Config();
+  config.bed_mesh = BedMeshConfig{.min_mm = {20, 40},
+                                  .max_mm = {220, 200},
+                                  .count = {3, 5},
+                                  .relative_reference_index = 4};
+  KlipperZ klipper(config, &heights_);
+  klipper.Execute("G28");
+  klipper.Execute("ATTACH_PROBE");
+
+  EXPECT_THAT(klipper.Execute("BED_MESH_CALIBRATE").lines,
+              ElementsAre("Mesh Bed Leveling Complete"));
+  EXPECT_EQ(klipper.touches(), 1 + 15);
+
+  // Index 4: the second along x, the second along y.
+  const Eigen::Vector2d reference_mm(120, 80), there_mm(150, 170);
+  EXPECT_NEAR(klipper.Mesh_mm(reference_mm), 0, 1e-12);
+  EXPECT_NEAR(klipper.Mesh_mm(there_mm), 0.003 * 30 - 0.002 * 90, 1e-12);
+  EXPECT_NEAR(klipper.Mesh_mm({500, 500}), klipper.Mesh_mm({220, 200}), 1e-12);
+
+  klipper.Execute("G0 X120 Y80 Z5");
+  klipper.Execute("G0 X150 Y170");
+  const auto lines = klipper.Execute("GET_POSITION").lines;
+  EXPECT_THAT(lines[0], HasSubstr("X:150.000000 Y:170.000000 Z:4.910000"));
+  EXPECT_THAT(lines[2], HasSubstr("Z:5.000000"));
+
+  klipper.Execute("BED_MESH_CLEAR");
+  EXPECT_EQ(klipper.Mesh_mm(there_mm), 0);
+}
+
+TEST_F(KlipperZTest, CalibratesOnTheMeshsPointOfReference) {
+  ZCalibrationConfig config = Config();
+  config.bed_mesh = BedMeshConfig{.relative_reference_index = 5};
+  KlipperZ klipper(config, &heights_);
+  klipper.Execute("G28");
+  klipper.Execute("CALIBRATE_Z");
+  EXPECT_EQ(heights_.last_at_mm, Eigen::Vector2d(215, 117.5));
+
+  config.probe_bed_at_mm = Eigen::Vector2d(30, 40);
+  KlipperZ elsewhere(config, &heights_);
+  elsewhere.Execute("G28");
+  elsewhere.Execute("CALIBRATE_Z");
+  EXPECT_EQ(heights_.last_at_mm, Eigen::Vector2d(30, 40));
+}
+
+// Without one heights are over z_offset, wherever homing left the zero.
+TEST_F(KlipperZTest, AMeshWithoutAReferenceIsOverTheProbesOffset) {
+  ZCalibrationConfig config = Config();
+  config.bed_mesh = BedMeshConfig{};
+  config.probe_z_offset_mm = 6.5;
+  KlipperZ klipper(config, &heights_);
+  klipper.Execute("G28");  // Zero at 1.8 of the carriage.
+  klipper.Execute("ATTACH_PROBE");
+  klipper.Execute("BED_MESH_CALIBRATE");
+
+  EXPECT_NEAR(klipper.Mesh_mm({100, 100}), 8.7 - 1.8 - 6.5, 1e-12);
+}
+
+TEST_F(KlipperZTest, DockingTakesAJourney) {
+  ZCalibrationConfig config = Config();
+  config.middle_mm = {100, 100};
+  config.dock_mm = {100, 250};
+  KlipperZ klipper(config, &heights_);
+  EXPECT_THAT(klipper.Execute("ATTACH_PROBE").lines[0], HasSubstr("Must home"));
+  klipper.Execute("G28");
+  const double before_s = klipper.machine_time_s();
+
+  klipper.Execute("ATTACH_PROBE");
+  EXPECT_NEAR(klipper.machine_time_s() - before_s, 1 + 5, 1e-9);
+  klipper.Execute("ATTACH_PROBE");  // It hangs already.
+  EXPECT_NEAR(klipper.machine_time_s() - before_s, 1 + 5, 1e-9);
+  klipper.Execute("DETACH_PROBE");
+  EXPECT_NEAR(klipper.machine_time_s() - before_s, 1 + 10, 1e-9);
 }
 
 /// A switch that alternates.
 class Shaky : public Heights {
  public:
-  std::optional<double> Touch(ZTouch) override {
+  std::optional<double> Touch(ZTouch, const Eigen::Vector2d&) override {
     count_ += 1;
     return 1.5 + (count_ % 2 == 0 ? 0.02 : 0);
   }

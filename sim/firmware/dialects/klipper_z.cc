@@ -18,7 +18,8 @@ namespace {
 constexpr double kTravel_mm_s = 10;
 constexpr double kHoming_s = 20;
 constexpr double kClear_mm = 10;
-constexpr double kDock_s = 5;
+constexpr double kTravelFlat_mm_s = 150;
+constexpr double kDock_s = 5;  // In and out of the magnets, slowly.
 
 Reply Refusal(const std::string& text) {
   return {.lines = {"!! " + text}, .error = true};
@@ -69,6 +70,13 @@ double Deviation(const std::vector<double>& values) {
 
 }  // namespace
 
+Eigen::Vector2d BedMeshConfig::PointAt_mm(int index) const {
+  const Eigen::Array2d step_mm =
+      (max_mm - min_mm).array() / Eigen::Array2d(count[0] - 1.0, count[1] - 1.0);
+  const int column = index % count[0], row = index / count[0];
+  return min_mm + (step_mm * Eigen::Array2d(column, row)).matrix();
+}
+
 std::string ZCalibrationLine(double endstop_mm,
                              double nozzle_mm,
                              double switch_mm,
@@ -111,9 +119,11 @@ Reply KlipperZ::Obey(const std::string& command, const Words& words) {
   if (command == "PROBE") return ProbeBed();
   if (command == "PROBE_ACCURACY") return Accuracy(ZTouch::kProbeOnBed, words);
   if (command == "PROBE_Z_ACCURACY") return Accuracy(ZTouch::kNozzleOnSwitch, words);
-  if (command == "ATTACH_PROBE" || command == "DETACH_PROBE") {
-    is_attached_ = command == "ATTACH_PROBE";
-    time_s_ += kDock_s;
+  if (command == "ATTACH_PROBE") return Dock(true);
+  if (command == "DETACH_PROBE") return Dock(false);
+  if (command == "BED_MESH_CALIBRATE") return CalibrateMesh();
+  if (command == "BED_MESH_CLEAR") {
+    mesh_mm_.clear();
     return {};
   }
   if (command == "M104" || command == "M140" || command == "M141") {
@@ -143,7 +153,7 @@ std::optional<std::string> KlipperZ::Lacks(ZTouch touch) const {
 }
 
 Reply KlipperZ::Home() {
-  const auto trigger = plant_->Touch(ZTouch::kNozzleOnSwitch);
+  const auto trigger = plant_->Touch(ZTouch::kNozzleOnSwitch, at_mm_);
   if (!trigger) return Refusal("No trigger on z after full movement");
   is_homed_ = true;
   zero_mm_ = *trigger - config_.position_endstop_mm;
@@ -155,19 +165,22 @@ Reply KlipperZ::Home() {
 
 Reply KlipperZ::Move(const Words& words) {
   if (!is_homed_) return Refusal("Must home axis first");
-  const auto z = NumberOf(words, "Z");
-  if (!z) return {};
-  const double to_mm = *z + offset_mm_;
+  const double gcode_mm = z_mm_ - offset_mm_ - Mesh_mm(at_mm_);
+  const Eigen::Vector2d to_place_mm(NumberOf(words, "X").value_or(at_mm_[0]),
+                                    NumberOf(words, "Y").value_or(at_mm_[1]));
+  const double to_mm =
+      NumberOf(words, "Z").value_or(gcode_mm) + offset_mm_ + Mesh_mm(to_place_mm);
   if (to_mm < config_.position_min_mm) {
     return Refusal(fmt::format("Move out of range: {:.3f}", to_mm));
   }
+  Travel(to_place_mm);
   time_s_ += std::abs(to_mm - z_mm_) / kTravel_mm_s;
   z_mm_ = to_mm;
   return {};
 }
 
 std::optional<double> KlipperZ::TouchOnce(ZTouch touch, const Way& way) {
-  const auto trigger = plant_->Touch(touch);
+  const auto trigger = plant_->Touch(touch, at_mm_);
   if (!trigger) return std::nullopt;
   const double at_mm = *trigger - zero_mm_;
   time_s_ += std::abs(z_mm_ - at_mm) / way.down_mm_s + way.up_mm / way.up_mm_s;
@@ -209,6 +222,12 @@ Reply KlipperZ::CalibrateZ() {
     return Refusal("probe:z_virtual_endstop is not supported for Z calibration");
   }
   if (!is_homed_) return Refusal("Must home axes first");
+  const auto bed_point_mm = BedPoint_mm();
+  if (!bed_point_mm) {
+    return Refusal(
+        "Either the relative_reference_index of bed_mesh or a probe position on the "
+        "bed is required");
+  }
   offset_mm_ = 0;  // A previous one is reset.
   if (const Reply started = Run(config_.start_gcode); started.error) return started;
   std::string error;
@@ -221,6 +240,7 @@ Reply KlipperZ::CalibrateZ() {
       if (before.error) return before;
     }
     if (const auto lacks = Lacks(kTouches[i])) return Refusal(*lacks);
+    if (kTouches[i] == ZTouch::kProbeOnBed) Travel(*bed_point_mm);
     const auto touched = Touch(kTouches[i], &error);
     if (!touched) return Refusal(error);
     at_mm[i] = *touched;
@@ -272,27 +292,103 @@ Reply KlipperZ::ProbeBed() {
 }
 
 Reply KlipperZ::SetOffset(const Words& words) {
-  const double gcode_mm = z_mm_ - offset_mm_;
+  const double mesh_mm = Mesh_mm(at_mm_);
+  const double gcode_mm = z_mm_ - offset_mm_ - mesh_mm;
   if (const auto z = NumberOf(words, "Z")) offset_mm_ = *z;
   if (const auto by = NumberOf(words, "Z_ADJUST")) offset_mm_ += *by;
-  if (NumberOf(words, "MOVE").value_or(0) == 1) z_mm_ = gcode_mm + offset_mm_;
+  if (NumberOf(words, "MOVE").value_or(0) == 1) z_mm_ = gcode_mm + offset_mm_ + mesh_mm;
   return {};
 }
 
+void KlipperZ::Travel(const Eigen::Vector2d& to_mm) {
+  time_s_ += (to_mm - at_mm_).norm() / kTravelFlat_mm_s;
+  at_mm_ = to_mm;
+}
+
+// A macro's path: to the dock, the probe in or out of its magnets. Whether the probe
+// came along only its switch could tell.
+Reply KlipperZ::Dock(bool attaches) {
+  if (!is_homed_) return Refusal("Must home axis first");
+  if (is_attached_ == attaches) return {};
+  z_mm_ = std::max(z_mm_, kClear_mm);
+  Travel(config_.dock_mm);
+  time_s_ += kDock_s;
+  is_attached_ = attaches;
+  return {};
+}
+
+std::optional<Eigen::Vector2d> KlipperZ::BedPoint_mm() const {
+  if (config_.probe_bed_at_mm) return config_.probe_bed_at_mm;
+  if (!config_.bed_mesh) return config_.middle_mm;
+  const auto& index = config_.bed_mesh->relative_reference_index;
+  if (!index) return std::nullopt;
+  return config_.bed_mesh->PointAt_mm(Mutant("z_mesh_reference_ignored", *index, 0));
+}
+
+Reply KlipperZ::CalibrateMesh() {
+  if (!config_.bed_mesh) return Refusal("Unknown command:\"BED_MESH_CALIBRATE\"");
+  if (const auto lacks = Lacks(ZTouch::kProbeOnBed)) return Refusal(*lacks);
+  const BedMeshConfig& mesh = *config_.bed_mesh;
+  mesh_mm_.clear();
+  std::vector<double> heights_mm;
+  std::string error;
+  for (int i = 0; i < mesh.count[0] * mesh.count[1]; ++i) {
+    Travel(mesh.PointAt_mm(i));
+    const auto touched = Touch(ZTouch::kProbeOnBed, &error);
+    if (!touched) return Refusal(error);
+    heights_mm.push_back(*touched);
+  }
+  // Without a point of reference heights are the probe's own, over its z_offset.
+  const double zero_mm =
+      mesh.relative_reference_index
+          ? heights_mm[static_cast<std::size_t>(*mesh.relative_reference_index)]
+          : config_.probe_z_offset_mm;
+  for (double& height_mm : heights_mm) {
+    height_mm -= Mutant("z_mesh_not_relative", zero_mm, 0.0);
+  }
+  mesh_mm_ = std::move(heights_mm);
+  return {.lines = {"Mesh Bed Leveling Complete"}};
+}
+
+// Bilinear; beyond its edge as at the edge.
+double KlipperZ::Mesh_mm(const Eigen::Vector2d& at_mm) const {
+  if (mesh_mm_.empty()) return 0;
+  const BedMeshConfig& mesh = *config_.bed_mesh;
+  std::array<int, 2> cell{};
+  std::array<double, 2> part{};
+  for (std::size_t k = 0; k < 2; ++k) {
+    const auto axis = static_cast<Eigen::Index>(k);
+    const double along = (at_mm[axis] - mesh.min_mm[axis]) /
+                         (mesh.max_mm[axis] - mesh.min_mm[axis]) * (mesh.count[k] - 1);
+    const double inside = std::clamp(along, 0.0, mesh.count[k] - 1.0);
+    cell[k] = std::min(static_cast<int>(inside), mesh.count[k] - 2);
+    part[k] = inside - cell[k];
+  }
+  const auto node_mm = [&](int right, int back) {
+    const int index = (cell[1] + back) * mesh.count[0] + cell[0] + right;
+    return mesh_mm_[static_cast<std::size_t>(index)];
+  };
+  const double front_mm = std::lerp(node_mm(0, 0), node_mm(1, 0), part[0]);
+  const double rear_mm = std::lerp(node_mm(0, 1), node_mm(1, 1), part[0]);
+  return std::lerp(front_mm, rear_mm, part[1]);
+}
+
 Reply KlipperZ::GetPosition() const {
+  const std::string at = fmt::format("X:{:.6f} Y:{:.6f}", at_mm_[0], at_mm_[1]);
+  const double gcode_mm = z_mm_ - offset_mm_ - Mesh_mm(at_mm_);
   return {.lines = {
-              fmt::format("kinematic: X:0.000000 Y:0.000000 Z:{:.6f}", z_mm_),
-              fmt::format("toolhead: X:0.000000 Y:0.000000 Z:{:.6f} E:0.000000", z_mm_),
-              fmt::format("gcode: X:0.000000 Y:0.000000 Z:{:.6f} E:0.000000",
-                          z_mm_ - offset_mm_),
+              fmt::format("kinematic: {} Z:{:.6f}", at, z_mm_),
+              fmt::format("toolhead: {} Z:{:.6f} E:0.000000", at, z_mm_),
+              fmt::format("gcode: {} Z:{:.6f} E:0.000000", at, gcode_mm),
               fmt::format("gcode base: X:0.000000 Y:0.000000 Z:{:.6f} E:0.000000",
                           offset_mm_),
               fmt::format("gcode homing: X:0.000000 Y:0.000000 Z:{:.6f}", offset_mm_)}};
 }
 
-std::optional<double> KlipperZ::CarriageAtNought_mm() const {
+std::optional<double> KlipperZ::CarriageAtNought_mm(
+    const Eigen::Vector2d& at_mm) const {
   if (!is_homed_) return std::nullopt;
-  return zero_mm_ + offset_mm_;
+  return zero_mm_ + offset_mm_ + Mesh_mm(at_mm);
 }
 
 }  // namespace caltwin

@@ -1,11 +1,14 @@
 #pragma once
 
+#include <array>
 #include <functional>
 #include <map>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include <Eigen/Core>
 
 #include "sim/firmware/firmware.h"
 
@@ -23,9 +26,19 @@ class ZStationPlant {
  public:
   virtual ~ZStationPlant() = default;
   /// Height of the head's carriage (in its own scale, + up) at the trigger; nullopt:
-  /// none.
-  virtual std::optional<double> Touch(ZTouch touch) = 0;
+  /// none. `at_mm`: where the probe is over the bed; the switch has a place of its own.
+  virtual std::optional<double> Touch(ZTouch touch, const Eigen::Vector2d& at_mm) = 0;
   virtual void Heat(char what, double temp_c) = 0;  ///< 'n'ozzle, 'b'ed, 'c'hamber.
+};
+
+/// [bed_mesh]: a grid of heights over the bed, bilinear between, added to every move.
+struct BedMeshConfig {
+  Eigen::Vector2d min_mm{20, 20}, max_mm{215, 215};
+  std::array<int, 2> count{3, 3};  ///< Along x and y.
+  /// The point whose height the mesh calls 0, counted along x first, from min_mm.
+  std::optional<int> relative_reference_index{};
+
+  Eigen::Vector2d PointAt_mm(int index) const;
 };
 
 /// printer.cfg as far as z_calibration reads it.
@@ -41,22 +54,34 @@ struct ZCalibrationConfig {
   double retract_mm = 2;
   double position_min_mm = -5;
   std::string start_gcode{}, before_switch_gcode{}, end_gcode{};
+  std::optional<BedMeshConfig> bed_mesh{};
+  /// Where CALIBRATE_Z probes the bed; none: the mesh's reference point, or without a
+  /// mesh the middle of the bed.
+  std::optional<Eigen::Vector2d> probe_bed_at_mm{};
+  Eigen::Vector2d middle_mm{117.5, 117.5};
+  Eigen::Vector2d dock_mm{10, 230};
+  double probe_z_offset_mm = 0;  ///< [probe] z_offset: of a mesh without a reference.
 };
 
 /// The dozen commands of Klipper, with its z_calibration extension, that set a nozzle's
 /// height: G28 G0 G1 G90 M400 M104 M140 M141 GET_POSITION SET_GCODE_OFFSET PROBE
-/// PROBE_ACCURACY CALIBRATE_Z PROBE_Z_ACCURACY ATTACH_PROBE DETACH_PROBE. Refuses what
-/// the extension refuses: a negative switch_offset, a virtual endstop, an endstop or
-/// bed probed without what it needs.
+/// PROBE_ACCURACY CALIBRATE_Z PROBE_Z_ACCURACY ATTACH_PROBE DETACH_PROBE
+/// BED_MESH_CALIBRATE BED_MESH_CLEAR. Refuses what the extension refuses: a negative
+/// switch_offset, a virtual endstop, a mesh without a point of reference, an endstop or
+/// bed probed without what it needs. Places are those of the probe: its offset from the
+/// nozzle in x and y is the firmware's own affair.
 class KlipperZ {
  public:
   KlipperZ(const ZCalibrationConfig& config, ZStationPlant* plant)
-      : config_(config), plant_(plant) {}
+      : config_(config), plant_(plant), at_mm_(config.middle_mm) {}
 
   Reply Execute(std::string_view line);
 
-  /// The carriage with the nozzle commanded to G-code height 0; nullopt: not homed.
-  std::optional<double> CarriageAtNought_mm() const;
+  /// The carriage with the nozzle commanded to G-code height 0 over that place, the
+  /// mesh added; nullopt: not homed.
+  std::optional<double> CarriageAtNought_mm(const Eigen::Vector2d& at_mm) const;
+  /// What the mesh in force adds there; 0 without one.
+  double Mesh_mm(const Eigen::Vector2d& at_mm) const;
   const ZCalibrationConfig& config() const { return config_; }
   void SetSwitchOffset_mm(double value) { config_.switch_offset_mm = value; }
   double machine_time_s() const { return time_s_; }
@@ -75,6 +100,11 @@ class KlipperZ {
   Reply SetOffset(const Words& words);
   Reply GetPosition() const;
   Reply ProbeBed();
+  Reply CalibrateMesh();
+  Reply Dock(bool attaches);
+  void Travel(const Eigen::Vector2d& to_mm);
+  /// Where CALIBRATE_Z probes the bed; nullopt: a mesh, and no point of reference.
+  std::optional<Eigen::Vector2d> BedPoint_mm() const;
   Reply Run(const std::string& macro);
   std::optional<std::string> Lacks(ZTouch touch) const;
   /// One touch in kinematic coordinates; nullopt: no trigger above position_min.
@@ -88,6 +118,8 @@ class KlipperZ {
   double zero_mm_ = 0;  ///< Carriage less kinematic height, by homing.
   double z_mm_ = 0;     ///< Kinematic.
   double offset_mm_ = 0;
+  Eigen::Vector2d at_mm_;
+  std::vector<double> mesh_mm_{};  ///< By point; empty: none in force.
   double time_s_ = 0;
   int touches_ = 0;
 };
