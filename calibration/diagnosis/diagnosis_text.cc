@@ -102,10 +102,13 @@ void AddKernel(const Finding& finding, std::string* text) {
   if (map.covariates.size() == 1 && map.knots[0].size() > 2) {
     const double range = map.knots[0].back() - map.knots[0].front();
     const std::string_view unit = UnitOfCovariate(word, finding.is_by_order);
-    *text += fmt::format(" over {:.4g}{} of {}, half-waves down to {:.3g}{}",
+    const std::string along = word == "t" && finding.is_by_order
+                                  ? "in their order"
+                                  : "of " + CovariateInWords(word);
+    *text += fmt::format(" over {:.4g}{} {}, half-waves down to {:.3g}{}",
                          range,
                          unit,
-                         CovariateInWords(word, finding.is_by_order),
+                         along,
                          range / std::max(1, map.terms - 2),
                          unit);
   }
@@ -244,21 +247,7 @@ void AddAbsorbed(const std::vector<Absorbed>& absorbed, std::string* text) {
 void AddCannotTell(const Diagnosis& diagnosis, std::string* text) {
   AddAbsorbed(diagnosis.absorbed, text);
   if (!diagnosis.next_campaign) return;
-  const NextCampaign& next = *diagnosis.next_campaign;
-  std::string line = fmt::format("Measure next: {}", next.kind);
-  std::vector<std::string> options;
-  for (const auto& [option, word] : next.options) {
-    options.push_back(fmt::format("{}: {}", option, word));
-  }
-  if (!options.empty()) line += fmt::format(" {{{}}}", fmt::join(options, ", "));
-  if (next.minutes > 0)
-    line += fmt::format(" ({:.0f} minutes)", std::ceil(next.minutes));
-  if (next.separates == std::vector<std::string>{"unknown"}) {
-    line += "; a minute of it shows most of the shape without a name";
-  } else if (!next.separates.empty()) {
-    line += fmt::format("; it tells {} apart", fmt::join(next.separates, " and "));
-  }
-  *text += line + ".\n";
+  *text += NextInWords(*diagnosis.next_campaign) + ".\n";
 }
 
 void AddChanges(const TextNotes& notes, std::string* text) {

@@ -341,4 +341,21 @@ std::string_view UnitOfCovariate(std::string_view word, bool is_by_order) {
   return " mm";
 }
 
+std::string NextInWords(const NextCampaign& next) {
+  std::string line = fmt::format("Measure next: {}", next.kind);
+  std::vector<std::string> options;
+  for (const auto& [option, word] : next.options) {
+    options.push_back(fmt::format("{}: {}", option, word));
+  }
+  if (!options.empty()) line += fmt::format(" {{{}}}", fmt::join(options, ", "));
+  if (next.minutes > 0)
+    line += fmt::format(" ({:.0f} minutes)", std::ceil(next.minutes));
+  if (next.separates == std::vector<std::string>{"unknown"}) {
+    line += "; a minute of it shows most of the shape without a name";
+  } else if (!next.separates.empty()) {
+    line += fmt::format("; it tells {} apart", fmt::join(next.separates, " and "));
+  }
+  return line;
+}
+
 }  // namespace caltwin

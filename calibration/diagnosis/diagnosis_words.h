@@ -31,4 +31,7 @@ std::string CovariateInWords(std::string_view word, bool is_by_order = false);
 /// The unit of a covariate's values, a space before it; empty where it has none.
 std::string_view UnitOfCovariate(std::string_view word, bool is_by_order);
 
+/// What to measure next, as a plan has it, and what it would tell. No full stop.
+std::string NextInWords(const NextCampaign& next);
+
 }  // namespace caltwin
