@@ -62,15 +62,6 @@ std::vector<TzCause> Screws() {
                            truth->driver[static_cast<std::size_t>(axis[3] - '1')]);
                },
            .is_whole = true},
-          {.name = "overconstrained_bed",
-           .axes = {""},
-           .typical = 1500,
-           .put =
-               [](const std::string&, double size, double, TzTruth* truth) {
-                 truth->held_mm2 += size;
-               },
-           .parameter = "stiffness_ratio_mm2",
-           .is_positive = true},
           {.name = "missed_steps",
            .axes = kScrews,
            .typical = 100,
@@ -80,6 +71,18 @@ std::vector<TzCause> Screws() {
                  truth->jump_at_s = 1500 + 500 * second / (1 + std::abs(second));
                },
            .parameter = "jump_um"}};
+}
+
+TzCause Guides() {
+  return {.name = "overconstrained_bed",
+          .axes = {""},
+          .typical = 1500,
+          .put =
+              [](const std::string&, double size, double, TzTruth* truth) {
+                truth->held_mm2 += size;
+              },
+          .parameter = "stiffness_ratio_mm2",
+          .is_positive = true};
 }
 
 std::vector<TzCause> Bed() {
@@ -180,6 +183,7 @@ std::vector<TzCause> Gantry() {
 const std::vector<TzCause>& TzCauses() {
   static const std::vector<TzCause> causes = [] {
     std::vector<TzCause> all = Screws();
+    all.push_back(Guides());
     for (TzCause& cause : Bed()) all.push_back(cause);
     for (TzCause& cause : Gantry()) all.push_back(cause);
     return all;
