@@ -61,7 +61,10 @@ void ReadStepAxes(const std::string& name,
     o->axes.clear();
     if (const auto axes = map->Required("axes")) {
       for (const YamlValue& each : axes->List()) {
-        o->axes.push_back(*MotorAxisNamed(each.Word(AxisWords())));
+        const std::size_t axis = *MotorAxisNamed(each.Word(AxisWords()));
+        const bool is_twice = std::ranges::find(o->axes, axis) != o->axes.end();
+        if (is_twice) each.Fail("is named twice");
+        o->axes.push_back(axis);
       }
       if (o->axes.empty()) axes->Fail("is empty", "name axes: [x, y]");
     }
@@ -165,9 +168,12 @@ MotorStep ReadMotorStep(const std::string& name,
     return step;
   }
   MotorOptions& o = step.options;
-  o.is_as_published =
-      map.WordOr("variant", "corrected", {"as_published", "corrected"}) ==
-      "as_published";
+  // What was published of the stop is a wish, no procedure that could be followed.
+  if (name != "emergency_stop") {
+    o.is_as_published =
+        map.WordOr("variant", "corrected", {"as_published", "corrected"}) ==
+        "as_published";
+  }
   ReadStepAxes(name, drawing, &map, &o);
   ReadNumbers(name, &map, &o);
   o.retries = static_cast<int>(map.IntegerOr("retries", o.retries, 0, 10));

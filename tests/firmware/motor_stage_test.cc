@@ -11,6 +11,7 @@
 namespace caltwin {
 namespace {
 
+using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -145,6 +146,16 @@ TEST_F(MotorStageFirmwareTest, StopsWhereTheCurrentStaysAtItsLimit) {
   EXPECT_THAT(Say("G91 G1 Y20 F600"),
               ElementsAre("Error: Y is blocked at 0.250: at its current limit for 30 "
                           "ms, stopped there"));
+}
+
+// Cut off or rounded, the record would hold what nobody sent.
+TEST_F(MotorStageFirmwareTest, RefusesWhatAFieldCannotHold) {
+  EXPECT_THAT(Say("M206 X9999999"), ElementsAre(HasSubstr("M206 X: up to 2147483647")));
+  EXPECT_THAT(Say("M208 X9999999 S0"),
+              ElementsAre(HasSubstr("M208 X: up to 2147483647")));
+  EXPECT_THAT(Say("M812 X1.5"), ElementsAre(HasSubstr("M812 X: whole pulses")));
+  EXPECT_THAT(Say("M813 X3"), ElementsAre(HasSubstr("M813 X: 0 or 1")));
+  EXPECT_THAT(Say("M206"), Contains("X:0"));
 }
 
 TEST_F(MotorStageFirmwareTest, KeepsARecordOverAPowerCycle) {

@@ -36,6 +36,8 @@ TEST(MotorScenario, NamesWhatItCannotDo) {
               HasSubstr("'bed_tilt' is no procedure of a motor stage\n  there are "
                         "servo_home, index_verify"));
   EXPECT_THAT(FaultOf("calibrate: [servo_home]\n"), HasSubstr("axis"));
+  EXPECT_THAT(FaultOf("calibrate: [{emergency_stop: {axes: [y, y]}}]\n"),
+              HasSubstr("is named twice"));
   EXPECT_THAT(FaultOf("effects: {backlsh.x: {gap_mm: 0.1}}\n"
                       "calibrate: [{servo_home: {axis: x}}]\n"),
               HasSubstr("did you mean 'backlash'?"));
@@ -56,6 +58,7 @@ TEST(MotorScenario, OptionsThatAProcedureDoesNotHeedAreRefused) {
                            "motor_backlash: {axis: x, touches: 3}",
                            "index_verify: {axis: x, repeats: 3}",
                            "emergency_stop: {axes: [x], margin_mm: 3}",
+                           "emergency_stop: {axes: [x], variant: as_published}",
                            "power_cut: {axis: x}"}) {
     EXPECT_THAT(FaultOf("calibrate: [{" + std::string(step) + "}]\n"),
                 HasSubstr("has no key"))

@@ -82,6 +82,25 @@ const std::array kFields = {
                 r->index_enabled = v != 0;
               }}};
 
+// Why a field cannot hold a number, which it would cut off or round; else "".
+std::string CannotHold(int code, double value, const AxisCalibration& record) {
+  constexpr double kMostPulses = std::numeric_limits<std::int32_t>::max();
+  constexpr double kMostPerRev = std::numeric_limits<std::uint32_t>::max();
+  if (code == 813 && value != 0 && value != 1) return "0 or 1 are allowed";
+  if (code == 812 && (std::round(value) != value || value < 0 || value > kMostPerRev)) {
+    return fmt::format("whole pulses from 0 to {:.0f} are allowed", kMostPerRev);
+  }
+  const bool is_place = code == 206 || code == 208;
+  if (is_place && !(std::abs(value * record.pulses_per_unit) <= kMostPulses)) {
+    return fmt::format(
+        "up to {:.0f} pulses either way are allowed, {:g} times {:g} here",
+        kMostPulses,
+        value,
+        record.pulses_per_unit);
+  }
+  return "";
+}
+
 std::string Date(std::int64_t unix_s) {
   const auto time = static_cast<std::time_t>(unix_s);
   std::tm utc{};
@@ -158,6 +177,9 @@ Reply MotorStageFirmware::Field(const GcodeCommand& command) {
     Axis& axis = axes_[i];
     if (const auto value = command.Number(LetterOf(i))) {
       AxisCalibration changed = axis.record;
+      if (const auto why = CannotHold(command.code, *value, changed); !why.empty()) {
+        return Refusal(fmt::format("{} {}: {}", command.Name(), LetterOf(i), why));
+      }
       field->set(*value, &changed);
       const auto faults = RangeFaults(changed);
       if (!faults.empty()) {
@@ -183,6 +205,9 @@ Reply MotorStageFirmware::Limits(const GcodeCommand& command) {
     std::int32_t& end =
         is_min ? changed.min_position_pulses : changed.max_position_pulses;
     if (const auto value = command.Number(LetterOf(i))) {
+      if (const auto why = CannotHold(208, *value, changed); !why.empty()) {
+        return Refusal(fmt::format("M208 {}: {}", LetterOf(i), why));
+      }
       end = WholePulses(*value * changed.pulses_per_unit);
       const auto faults = RangeFaults(changed);
       if (!faults.empty()) {
