@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -30,8 +31,8 @@ Machine Plain() {
 
 // One place along x, read again and again, with noise and what `moved_um` says.
 template <typename Moved>
-Observed Datum(const Moved& moved_um) {
-  Rng rng(11, 0, "own_shape_test");
+Observed Datum(const Moved& moved_um, std::uint64_t draw = 0) {
+  Rng rng(11, draw, "own_shape_test");
   RowTable table;
   for (Eigen::Index i = 0; i < kRows; ++i) {
     Row row{.row = i + 1, .campaign = "datum"};
@@ -77,10 +78,27 @@ TEST(OwnShape, ACreepIsGradualThoughAJumpFitsIt) {
   EXPECT_GT(GradualOdds(observed, Offset(), jump), kCertain_nats);
 }
 
-TEST(OwnShape, ARampIsGradual) {
-  const Observed observed =
-      Datum([](double i) { return 8 * std::clamp((i - 30) / 30, 0.0, 1.0); });
-  EXPECT_GT(GradualOdds(observed, Offset(), LostSteps(observed)), kCertain_nats);
+// Over `length` rows about the middle.
+double RampOdds(double height_um, double length, std::uint64_t draw) {
+  const Observed observed = Datum(
+      [&](double i) {
+        return height_um * std::clamp((i - kMiddle) / length + 0.5, 0.0, 1.0);
+      },
+      draw);
+  return GradualOdds(observed, Offset(), LostSteps(observed));
+}
+
+// A low one may be doubtful, and is never taken for a jump.
+TEST(OwnShape, ARampIsGradualWhateverTheNoise) {
+  constexpr int kDraws = 20;
+  int certain = 0;
+  for (std::uint64_t draw = 0; draw < kDraws; ++draw) {
+    EXPECT_GT(RampOdds(20, 60, draw), kCertain_nats) << draw;
+    const double low_nats = RampOdds(8, 30, draw);
+    EXPECT_GT(low_nats, 0) << draw;
+    certain += low_nats > kCertain_nats ? 1 : 0;
+  }
+  EXPECT_GE(certain, kDraws / 2);
 }
 
 // One row stands before it; what goes on behind it, freedom of form takes up.
