@@ -24,30 +24,38 @@ if ! { cmake -S tests/fuzz -B build-fuzz -G Ninja "${options[@]}" &&
   exit 1
 fi
 
+jobs=$(nproc)
 targets=(tests/fuzz/*_fuzz.cc)
-each=$(((seconds + ${#targets[@]} - 1) / ${#targets[@]}))
-budget=(-max_total_time="$each")
+each=$(((seconds * jobs + ${#targets[@]} - 1) / ${#targets[@]}))
+budget="-max_total_time=$each"
 corpus=build-fuzz/corpus
 if [[ $runs -gt 0 ]]; then
-  budget=(-runs="$runs" -seed=1)
+  budget="-runs=$runs -seed=1"
   corpus=$(mktemp -d)
   trap 'rm -rf "$log" "$corpus"' EXIT
 fi
 mkdir -p build-fuzz/findings
-failed=0
-for source in "${targets[@]}"; do
-  name=$(basename "$source" _fuzz.cc)
+
+# fuzz_one NAME: one target; what it printed where something was found.
+fuzz_one() {
+  local name=$1 start=$SECONDS log inputs code=0
+  log=$(mktemp)
   mkdir -p "$corpus/$name"
-  start=$SECONDS
-  if "build-fuzz/${name}_fuzz" "${budget[@]}" -timeout=10 -rss_limit_mb=2048 \
+  # shellcheck disable=SC2086  # Two options are meant to be split.
+  if "build-fuzz/${name}_fuzz" $budget -timeout=10 -rss_limit_mb=2048 \
     -max_len=8192 -print_final_stats=1 -artifact_prefix=build-fuzz/findings/ \
     "$corpus/$name" "tests/fuzz/corpus/$name" >"$log" 2>&1; then
     inputs=$(sed -n 's/^stat::number_of_executed_units: *//p' "$log")
     echo "fuzz: $name: $inputs inputs in $((SECONDS - start)) s, nothing found"
   else
-    failed=$((failed + 1))
+    code=1
     tail -n 60 "$log" >&2
     echo "fuzz: $name: FOUND something, see build-fuzz/findings" >&2
   fi
-done
-[[ $failed -eq 0 ]]
+  rm "$log"
+  return "$code"
+}
+export -f fuzz_one
+export budget corpus
+printf '%s\n' "${targets[@]}" | sed 's|.*/||; s|_fuzz\.cc$||' |
+  xargs -P "$jobs" -I {} bash -c 'fuzz_one {}'
