@@ -9,6 +9,7 @@
 
 #include "scenarios/delta_link.h"
 #include "scenarios/judging.h"
+#include "scenarios/position_error.h"
 #include "sim/base/rng.h"
 #include "sim/base/units.h"
 
@@ -179,7 +180,6 @@ double DeltaPositionP95_mm(const DeltaTrial& trial,
   const double radius_mm = trial.machine.delta->print_radius_mm;
   Rng rng(1, 0, "position_error_mm"), senses(1, 0, "position_error_mm.senses");
   std::vector<Vec3<double>> errors_mm;
-  Vec3<double> mean_mm = Vec3<double>::Zero();
   for (int i = 0; i < kPoses; ++i) {
     const double out_mm = radius_mm * std::sqrt(rng.Uniform());
     const double angle = 2 * std::numbers::pi * rng.Uniform();
@@ -192,15 +192,8 @@ double DeltaPositionP95_mm(const DeltaTrial& trial,
         trial.machine, trial.built, DeltaMotors_mm(settings, lifted), motor_dir);
     if (!nozzle_mm) return std::numeric_limits<double>::infinity();
     errors_mm.push_back(*nozzle_mm - sent);
-    mean_mm += errors_mm.back() / kPoses;
   }
-  std::vector<double> sizes_mm;
-  for (const Vec3<double>& error : errors_mm) {
-    sizes_mm.push_back((error - mean_mm).norm());
-  }
-  const auto p95 = sizes_mm.begin() + kPoses * 95 / 100 - 1;
-  std::nth_element(sizes_mm.begin(), p95, sizes_mm.end());
-  return *p95;
+  return P95AboutMean_mm(errors_mm);
 }
 
 double DeltaReversal_mm(const DeltaTrial& trial) {

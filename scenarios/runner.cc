@@ -13,6 +13,7 @@
 #include "scenarios/interruptible_link.h"
 #include "scenarios/motor_runner.h"
 #include "scenarios/parameter_name.h"
+#include "scenarios/position_error.h"
 #include "scenarios/record.h"
 #include "scenarios/triple_z_runner.h"
 #include "scenarios/verdict.h"
@@ -188,7 +189,6 @@ double PositionErrorP95_mm(const Twin& twin) {
   // two runs are compared at the same places.
   Rng rng(1, 0, "position_error_mm");
   std::vector<Vec3<double>> errors_mm;
-  Vec3<double> sum_mm = Vec3<double>::Zero();
   for (int pose = 0; pose < kPoses; ++pose) {
     Vec3<double> q_mm;
     for (const Axis axis : kAxes) {
@@ -197,17 +197,9 @@ double PositionErrorP95_mm(const Twin& twin) {
     }
     for (const double sense : {1.0, Mutant("position_error_one_sense", -1.0, 1.0)}) {
       errors_mm.push_back(twin.PositionError_mm(q_mm, Vec3<double>::Constant(sense)));
-      sum_mm += errors_mm.back();
     }
   }
-  const Vec3<double> mean_mm = sum_mm / static_cast<double>(errors_mm.size());
-  std::vector<double> sizes_mm;
-  for (const Vec3<double>& error_mm : errors_mm) {
-    sizes_mm.push_back((error_mm - mean_mm).norm());
-  }
-  const auto p95 = sizes_mm.begin() + 2 * kPoses * 95 / 100 - 1;
-  std::nth_element(sizes_mm.begin(), p95, sizes_mm.end());
-  return *p95;
+  return P95AboutMean_mm(errors_mm);
 }
 
 RunResult RunScenario(const Scenario& scenario, const RunOptions& options) {

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "sim/base/mutant.h"
+#include "scenarios/position_error.h"
 #include "sim/base/rng.h"
 #include "sim/effects/predict.h"
 #include "sim/effects/surroundings.h"
@@ -62,7 +62,6 @@ double TripleZPositionP95_mm(const BuiltTripleZ& built, const Vec3<double>& rais
   constexpr int kPoses = 1000;
   Rng rng(1, 0, "position_error_mm");
   std::vector<Vec3<double>> errors_mm;
-  Vec3<double> sum_mm = Vec3<double>::Zero();
   for (int pose = 0; pose < kPoses; ++pose) {
     Vec3<double> sent_mm;
     for (const Axis axis : kAxes) {
@@ -71,18 +70,9 @@ double TripleZPositionP95_mm(const BuiltTripleZ& built, const Vec3<double>& rais
     }
     for (const double sense : {1.0, -1.0}) {
       errors_mm.push_back(OffAt_mm(built, raised_mm, sent_mm, sense));
-      sum_mm += errors_mm.back();
     }
   }
-  const Vec3<double> mean_mm = sum_mm / static_cast<double>(errors_mm.size()) *
-                               Mutant("tz_position_mean_left", 1.0, 0.0);
-  std::vector<double> sizes_mm;
-  for (const Vec3<double>& error_mm : errors_mm) {
-    sizes_mm.push_back((error_mm - mean_mm).norm());
-  }
-  const auto p95 = sizes_mm.begin() + 2 * kPoses * 95 / 100 - 1;
-  std::nth_element(sizes_mm.begin(), p95, sizes_mm.end());
-  return *p95;
+  return P95AboutMean_mm(errors_mm);
 }
 
 Expected<std::vector<std::string>> RrfTripleZWire::Send(

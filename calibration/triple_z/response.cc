@@ -223,8 +223,10 @@ std::optional<HeldBed> HeldBedLike(const ScrewResponse& response,
         (spread_mm2.inverse() * (drawn_mm[screw] - middle_mm)).array() / sd_mm;
     off.segment<2>(row) = (response.at_mm[i] - drawn_mm[screw]).array() / sd_mm;
   }
-  const HeldBed held{.stiffness_ratio_mm2 = pattern.dot(off) / pattern.squaredNorm(),
-                     .sd_mm2 = 1 / pattern.norm()};
+  const double inward = Mutant("tz_held_pivots_inward", 1.0, -1.0);
+  const HeldBed held{
+      .stiffness_ratio_mm2 = inward * pattern.dot(off) / pattern.squaredNorm(),
+      .sd_mm2 = 1 / pattern.norm()};
   const double chi_squared = (off - held.stiffness_ratio_mm2 * pattern).squaredNorm();
   const bool is_like =
       held.stiffness_ratio_mm2 > kSure * held.sd_mm2 && chi_squared < kMostChiSquared;
