@@ -142,12 +142,14 @@ void CountForetelling(const BuiltTripleZ& built,
                       std::vector<double>* off_mm) {
   const Pivots<double> standing_mm = BuiltPivots_mm(built.machine, built.effects);
   std::array<int, kNumScrews> driver = {0, 1, 2};
-  bool is_swapped = false;
+  bool is_swapped = false, is_ring = false;
   for (const Injected& effect : built.effects) {
     if (effect.effect != EffectIndex<MotorsSwapped>()) continue;
-    const auto [i, j] = MotorsSwapped::ScrewsOf(effect.axis);
-    std::swap(driver[static_cast<std::size_t>(i)], driver[static_cast<std::size_t>(j)]);
+    driver = MotorsSwapped::ScrewsTurned(effect.axis);
     is_swapped = true;
+    is_ring = std::ranges::none_of(std::array{0, 1, 2}, [&](int i) {
+      return driver[static_cast<std::size_t>(i)] == i;
+    });
   }
   Pivots<double> by_driver_mm;
   for (std::size_t i = 0; i < driver.size(); ++i) {
@@ -160,9 +162,11 @@ void CountForetelling(const BuiltTripleZ& built,
   foretelling->foretold += truly >= 1 && says ? 1 : 0;
   foretelling->false_alarms += truly < 1 && says ? 1 : 0;
   foretelling->swapped += is_swapped ? 1 : 0;
+  foretelling->rings += is_ring ? 1 : 0;
   if (!found.response) return;
   const bool is_right = found.response->screw_of == driver;
   foretelling->swaps_named += is_swapped && is_right ? 1 : 0;
+  foretelling->rings_named += is_ring && is_right ? 1 : 0;
   foretelling->swaps_invented += !is_swapped && !is_right ? 1 : 0;
   for (std::size_t i = 0; i < driver.size(); ++i) {
     off_mm->push_back((found.response->at_mm[i] - by_driver_mm[i]).norm());
@@ -196,9 +200,11 @@ std::vector<Injected> RandomTripleZ(std::uint64_t seed, int machine) {
                        .axis = std::string(kScrewAxes[i]),
                        .values = {wide_mm * rng.Normal(), wide_mm * rng.Normal()}});
   }
+  const auto wiring =
+      static_cast<std::size_t>(MotorsSwapped::kWirings.size() * rng.Uniform());
   if (is_swapped) {
     effects.push_back({.effect = EffectIndex<MotorsSwapped>(),
-                       .axis = std::string(MotorsSwapped::kPairs[which]),
+                       .axis = std::string(MotorsSwapped::kWirings[wiring]),
                        .values = {1}});
   }
   return effects;
@@ -274,13 +280,16 @@ std::string LevellingComparisonText(const LevellingComparison& comparison) {
          fmt::format(
              "\nOf {} loops that diverge {} were foretold before anything was "
              "levelled, "
-             "{} of the others too.\nOf {} pairs of swapped motors {} were named, {} "
-             "invented. Screws were found to {:.2f} mm (median), {:.2f} (p95).\n",
+             "{} of the others too.\nOf {} printers with motors swapped {} were named "
+             "({} of {} rings of three), {} invented. Screws were found to {:.2f} mm "
+             "(median), {:.2f} (p95).\n",
              f.diverging,
              f.foretold,
              f.false_alarms,
              f.swapped,
              f.swaps_named,
+             f.rings_named,
+             f.rings,
              f.swaps_invented,
              f.pivot_mm.median,
              f.pivot_mm.p95);
@@ -310,6 +319,8 @@ nlohmann::ordered_json LevellingComparisonJson(const LevellingComparison& compar
             {"swapped", f.swapped},
             {"swaps_named", f.swaps_named},
             {"swaps_invented", f.swaps_invented},
+            {"rings", f.rings},
+            {"rings_named", f.rings_named},
             {"pivot_error_mm", SpreadJson(f.pivot_mm)}}}};
 }
 

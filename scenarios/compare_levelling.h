@@ -29,7 +29,8 @@ inline constexpr double kLevellingSigma_mm = 0.01;
 
 /// The n-th random printer of a seed, the same for every rival: the bed's slopes normal
 /// within 4 mrad, bowl and twist within 30 um, each screw 3 mm off along x and y, one
-/// in four with a screw 40 mm off, one in five with two motors swapped.
+/// in four with a screw 40 mm off, one in five with motors swapped: two of them or all
+/// three in a ring.
 std::vector<Injected> RandomTripleZ(std::uint64_t seed, int machine);
 
 /// How one rival did.
@@ -48,7 +49,8 @@ struct Foretelling {
   int diverging = 0;  ///< Machines whose true gain is above 1.
   int foretold = 0;   ///< Of these, said so before anything was levelled.
   int false_alarms = 0;
-  int swapped = 0, swaps_named = 0, swaps_invented = 0;
+  int swapped = 0, swaps_named = 0, swaps_invented = 0;  ///< Pairs and rings.
+  int rings = 0, rings_named = 0;                        ///< Of these, rings.
   Spread pivot_mm{};  ///< Of the screws' places, as found.
 };
 

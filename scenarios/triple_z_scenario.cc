@@ -101,8 +101,8 @@ std::vector<std::string> ValueNames() {
       names.push_back(fmt::format("pivot_position.{}.{}", screw, along));
     }
   }
-  for (const std::string_view pair : MotorsSwapped::kPairs) {
-    names.push_back(fmt::format("motors_swapped.{}", pair));
+  for (const std::string_view wiring : MotorsSwapped::kWirings) {
+    names.push_back(fmt::format("motors_swapped.{}", wiring));
   }
   return names;
 }

@@ -17,7 +17,7 @@ namespace {
 // What one cause is called, and what it does. In braces a parameter with its
 // uncertainty, or with a tilde without; {axis} {pair} {by} {to} are the axis in
 // capitals and, of ISO 230-1 names such as EYX, the axis that moves and the axis that
-// errs.
+// errs; {ring} says more of three motors exchanged.
 struct Phrase {
   std::string_view cause, name, does;
 };
@@ -149,7 +149,7 @@ constexpr std::array kPhrases = {
            "along Y"},
     Phrase{"motors_swapped",
            "motors {axis} swapped",
-           "The motors {axis} are plugged into each other's drivers"},
+           "The motors {axis} are plugged into each other's drivers{ring}"},
     Phrase{"overconstrained_bed",
            "overconstrained bed",
            "Guides hold the bed level against its screws: stiffness ratio "
@@ -207,6 +207,16 @@ std::string PairOf(std::string_view axis) {
   return axis == "A0Z" ? "Y and Z" : Capitals(axis);
 }
 
+// Of all three motors exchanged: which screw each driver turns.
+std::string RingOf(std::string_view axis) {
+  if (axis.size() < 6) return "";
+  const auto turned = MotorsSwapped::ScrewsTurned(axis);
+  return fmt::format(" in a ring: the drivers of Z1, Z2, Z3 turn screws Z{}, Z{}, Z{}",
+                     turned[0] + 1,
+                     turned[1] + 1,
+                     turned[2] + 1);
+}
+
 std::string ValueOf(const Finding& finding, std::string_view key) {
   const bool plain = key.starts_with('~');
   if (plain) key.remove_prefix(1);
@@ -230,6 +240,8 @@ std::string Filled(std::string_view text, const Finding& finding) {
       filled += Capitals(finding.axis);
     } else if (key == "part") {
       filled += finding.axis;
+    } else if (key == "ring") {
+      filled += RingOf(finding.axis);
     } else if (key == "pair") {
       filled += PairOf(finding.axis);
     } else if (key == "to" || key == "by") {

@@ -2,6 +2,7 @@
 
 #include "calibration/estimate/expanded.h"
 #include "calibration/triple_z/doing.h"
+#include "sim/effects/motors_swapped.h"
 
 namespace caltwin {
 namespace {
@@ -48,17 +49,13 @@ void AddPivotEstimates(const ScrewResponse& response,
            .budget = {InputOf("touches", 1, at)}});
     }
   }
-  for (int i = 0; i < kNumScrews; ++i) {
-    for (int j = i + 1; j < kNumScrews; ++j) {
-      const bool is_swapped = response.screw_of[static_cast<std::size_t>(i)] == j &&
-                              response.screw_of[static_cast<std::size_t>(j)] == i;
-      result->estimates.push_back(
-          {.name = fmt::format("motors_swapped.{}{}", ScrewName(i), ScrewName(j)),
-           .unit = "1",
-           .value = is_swapped ? 1.0 : 0.0,
-           .sd = 0,
-           .identifiable = true});
-    }
+  for (const std::string_view wiring : MotorsSwapped::kWirings) {
+    const bool is_so = MotorsSwapped::ScrewsTurned(wiring) == response.screw_of;
+    result->estimates.push_back({.name = fmt::format("motors_swapped.{}", wiring),
+                                 .unit = "1",
+                                 .value = is_so ? 1.0 : 0.0,
+                                 .sd = 0,
+                                 .identifiable = true});
   }
 }
 

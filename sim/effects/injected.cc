@@ -104,13 +104,14 @@ std::vector<InjectedSpec> ReadEffects(
   for (const auto& [key, value] : entries) {
     InjectedSpec spec{.place = value.place()};
     if (!ReadName(key, value, machine.kinematics, &spec)) continue;
-    // Any two pairs of three motors share one.
+    // Any two wirings of three motors share one.
     const bool is_swapped_before = std::ranges::any_of(specs, [&](const auto& one) {
       return one.effect == spec.effect && spec.effect == EffectIndex<MotorsSwapped>();
     });
     if (is_swapped_before) {
       value.Fail("shares a motor with another pair that is swapped",
-                 "a motor is plugged into one driver: name one pair");
+                 "a motor is plugged into one driver: name one pair, or a ring of all "
+                 "three (z1z2z3, z1z3z2)");
       continue;
     }
     const Effect& effect = EffectAt(spec.effect);

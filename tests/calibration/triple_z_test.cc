@@ -146,6 +146,25 @@ TEST(ScrewResponse, TellsWiringAndPivots) {
                   HasSubstr("pivot 2 is 30.8 +- 0.1 mm off (dx -25.0, dy +18")));
 }
 
+// All six ways to plug three motors in, two of them rings.
+TEST(ScrewResponse, TellsEveryWiring) {
+  const std::vector<std::pair<std::array<int, 3>, std::string>> wirings = {
+      {{0, 1, 2}, "wiring and pivots are as drawn"},
+      {{1, 0, 2}, "Z1 and Z2 are swapped"},
+      {{2, 1, 0}, "Z1 and Z3 are swapped"},
+      {{0, 2, 1}, "Z2 and Z3 are swapped"},
+      {{1, 2, 0}, "the drivers of Z1, Z2, Z3 turn screws 2, 3, 1"},
+      {{2, 0, 1}, "the drivers of Z1, Z2, Z3 turn screws 3, 1, 2"}};
+  for (const auto& [screw_of, words] : wirings) {
+    ToyBed bed{.screw_of = screw_of};
+    const ScrewResponse response = FitScrewResponse(bed.OneByOne(1), kDrawn_mm, 0.001);
+
+    ASSERT_TRUE(response.is_told);
+    EXPECT_EQ(response.screw_of, screw_of);
+    EXPECT_THAT(WordsOfResponse(response, kDrawn_mm), ElementsAre(words));
+  }
+}
+
 TEST(ScrewResponse, StatesTheScatterOfRepeats) {
   constexpr int kRepeats = 200;
   constexpr double kNoise_mm = 0.01;

@@ -91,6 +91,27 @@ TEST(TripleZDiagnosis, APivotBesideSwappedMotorsIsFoundWhereItIs) {
   ExpectFound(diagnosis, Pivot(-25, 18.33));
 }
 
+// Every wiring but the right one, rings as rings.
+TEST(TripleZDiagnosis, EveryWiringIsNamed) {
+  for (const std::string_view wiring : MotorsSwapped::kWirings) {
+    SCOPED_TRACE(wiring);
+    const Injected swapped = Swapped(std::string(wiring));
+    const Diagnosis diagnosis = Diagnose(Measured({swapped}), {});
+    EXPECT_EQ(diagnosis.verdict, DiagnosisVerdict::kNamed);
+    EXPECT_EQ(diagnosis.findings.size(), 1U);
+    ExpectFound(diagnosis, swapped);
+    EXPECT_EQ(diagnosis.findings.at(0).candidates.size(), 1U);
+  }
+}
+
+TEST(TripleZDiagnosis, APivotBesideARingOfMotorsIsFoundWhereItIs) {
+  const Diagnosis diagnosis =
+      Diagnose(Measured({Swapped("z1z3z2"), Pivot(-25, 18.33)}), {});
+  EXPECT_EQ(diagnosis.findings.size(), 2U);
+  ExpectFound(diagnosis, Swapped("z1z3z2"));
+  ExpectFound(diagnosis, Pivot(-25, 18.33));
+}
+
 // So stiffly held that a tilt is left by nine tenths: far from proportional.
 TEST(TripleZDiagnosis, AnOverconstrainedBedIsNamedWithItsStiffness) {
   const Injected held{

@@ -137,6 +137,27 @@ double BedAt_mm(const std::vector<Injected>& effects,
   return 250 - 90 - Predict_mm<double>(machine, at, effects);
 }
 
+// By hand: what one driver is told the screw behind it in the name does.
+TEST(TripleZEffects, ARingOfMotorsPassesOnWhatEachIsTold) {
+  const auto heights_mm = [](const std::string& wiring) {
+    const std::vector<Injected> swapped = {
+        {.effect = EffectIndex<MotorsSwapped>(), .axis = wiring, .values = {1}}};
+    const Vec3<double> told_mm(161, 162, 164);
+    return Vec3<double>(BedAt_mm(swapped, told_mm, {20, 20}),
+                        BedAt_mm(swapped, told_mm, {215, 20}),
+                        BedAt_mm(swapped, told_mm, {20, 215}));
+  };
+  const std::vector<std::pair<std::string, Vec3<double>>> wirings = {
+      {"z1z2", {162, 161, 164}},
+      {"z1z3", {164, 162, 161}},
+      {"z2z3", {161, 164, 162}},
+      {"z1z2z3", {164, 161, 162}},
+      {"z1z3z2", {162, 164, 161}}};
+  for (const auto& [wiring, expected_mm] : wirings) {
+    EXPECT_LT((heights_mm(wiring) - expected_mm).norm(), 1e-10) << wiring;
+  }
+}
+
 Injected Held(double stiffness_ratio_mm2) {
   return {.effect = EffectIndex<OverconstrainedBed>(),
           .axis = "",

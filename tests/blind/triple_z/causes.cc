@@ -54,12 +54,17 @@ std::vector<TzCause> Screws() {
            .parameter = "dx_mm",
            .second = "dy_mm"},
           {.name = "motors_swapped",
-           .axes = {"z1z2", "z1z3", "z2z3"},
+           .axes = {"z1z2", "z1z3", "z2z3", "z1z2z3", "z1z3z2"},
            .typical = 1,
            .put =
                [](const std::string& axis, double, double, TzTruth* truth) {
-                 std::swap(truth->driver[static_cast<std::size_t>(axis[1] - '1')],
-                           truth->driver[static_cast<std::size_t>(axis[3] - '1')]);
+                 // Each named screw follows the command of the one before it.
+                 int before = axis[axis.size() - 1] - '1';
+                 for (std::size_t at = 1; at < axis.size(); at += 2) {
+                   const int screw = axis[at] - '1';
+                   truth->driver[static_cast<std::size_t>(screw)] = before;
+                   before = screw;
+                 }
                },
            .is_whole = true},
           {.name = "missed_steps",
