@@ -6,6 +6,7 @@
 #include <ctime>
 #include <limits>
 #include <memory>
+#include <span>
 
 #include <fmt/format.h>
 
@@ -14,6 +15,7 @@
 #include "scenarios/interruptible_link.h"
 #include "scenarios/judging.h"
 #include "scenarios/triple_z_link.h"
+#include "scenarios/triple_z_record.h"
 #include "sim/base/units.h"
 #include "sim/link/transcript.h"
 
@@ -47,8 +49,7 @@ class TripleZRun {
                      .fidelity = ToString(fidelity_),
                      .seed = seed_,
                      .messages = scenario_.machine.notes};
-    const TrueLevel before =
-        TrueLevelOf(built_, Vec3<double>::Zero(), /*reference_mm=*/0);
+    const TrueLevel was = TrueLevelOf(built_, Vec3<double>::Zero(), /*reference_mm=*/0);
     result.position_error_before_p95_mm =
         TripleZPositionP95_mm(built_, Vec3<double>::Zero());
     InterruptibleLink link(&wire_);
@@ -60,22 +61,27 @@ class TripleZRun {
         BenchOf(built_.machine,
                 recorder ? static_cast<Link*>(recorder.get()) : &link,
                 triple_z_.probe_sigma_mm));
+    TripleZRecord record(built_.machine, triple_z_.probe_sigma_mm);
     for (const TripleZStep& step : triple_z_.calibrate) {
       options_.progress(step.name);
+      const std::size_t before = firmware_.touched().size();
       Take(step, &printer, &result);
+      record.Add(step.name, std::span(firmware_.touched()).subspan(before));
       if (InterruptRequested()) result.interrupted = true;
       const bool goes_on =
           last_.ending == Ending::kDone || last_.ending == Ending::kConfounded;
       if (!goes_on || result.interrupted) break;
     }
     if (recorder) recorder->Save();
+    result.header = record.header();
+    result.rows = record.rows();
     result.touches = firmware_.touches();
     result.machine_time_s = firmware_.machine_time_s();
     result.lost = last_.ending == Ending::kLinkLost;
     const TrueLevel after = TrueLevelOf(built_, firmware_.raised_mm(), reference_mm_);
     result.position_error_after_p95_mm =
         TripleZPositionP95_mm(built_, firmware_.raised_mm());
-    Judge(before, after, &result);
+    Judge(was, after, &result);
     result.cpu_s = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
     return result;
   }

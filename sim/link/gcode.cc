@@ -10,6 +10,7 @@
 
 #include "sim/base/input_error.h"
 #include "sim/base/require.h"
+#include "sim/link/gcode_frame.h"
 
 namespace caltwin {
 namespace {
@@ -53,6 +54,8 @@ class Reader {
   explicit Reader(std::string_view line) : line_(line), end_(line.size()) {}
 
   GcodeLine Read();
+  /// The same without its commands.
+  GcodeLine ReadFrame();
 
  private:
   [[noreturn]] void Fail(const std::string& text, const std::string& hint = "") const {
@@ -286,7 +289,7 @@ GcodeCommand Reader::ReadCommand(bool is_first) {
   return command;
 }
 
-GcodeLine Reader::Read() {
+GcodeLine Reader::ReadFrame() {
   GcodeLine parsed;
   while (!done() && (now() == ' ' || now() == '\t')) ++at_;
   parsed.indent = static_cast<int>(at_);
@@ -309,6 +312,11 @@ GcodeLine Reader::Read() {
   std::size_t last = end_;
   while (last > at_ && IsSpace(line_[last - 1])) --last;
   parsed.text = std::string(line_.substr(at_, last - at_));
+  return parsed;
+}
+
+GcodeLine Reader::Read() {
+  GcodeLine parsed = ReadFrame();
   if (parsed.is_meta) return parsed;
   constexpr std::size_t kUsualCommands = 2;  // G53 G1 ...
   parsed.commands.reserve(kUsualCommands);
@@ -316,6 +324,13 @@ GcodeLine Reader::Read() {
     parsed.commands.push_back(ReadCommand(parsed.commands.empty()));
   }
   return parsed;
+}
+
+void RequireShort(std::string_view line) {
+  if (line.size() <= kLongestLine) return;
+  throw InputError(Place{"G-code", 1, static_cast<int>(kLongestLine)},
+                   fmt::format("a line of {} bytes", line.size()),
+                   fmt::format("{} are allowed", kLongestLine));
 }
 
 }  // namespace
@@ -347,12 +362,20 @@ std::string GcodeCommand::Name() const {
 }
 
 GcodeLine ParseGcode(std::string_view line) {
-  if (line.size() > kLongestLine) {
-    throw InputError(Place{"G-code", 1, static_cast<int>(kLongestLine)},
-                     fmt::format("a line of {} bytes", line.size()),
-                     fmt::format("{} are allowed", kLongestLine));
-  }
+  RequireShort(line);
   return Reader(line).Read();
+}
+
+GcodeFrame ReadGcodeFrame(std::string_view line) {
+  RequireShort(line);
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const auto byte = static_cast<unsigned char>(line[i]);
+    if (byte >= ' ' || IsSpace(line[i])) continue;
+    throw InputError(Place{"G-code", 1, static_cast<int>(i) + 1},
+                     fmt::format("byte {} begins no word", byte));
+  }
+  GcodeLine parsed = Reader(line).ReadFrame();
+  return {.number = parsed.number, .text = std::move(parsed.text)};
 }
 
 int GcodeChecksum(std::string_view bytes) {

@@ -43,7 +43,12 @@ TEST_F(RrfTripleZTest, SaysAtWhichHeightTheProbeStopped) {
 }
 
 TEST_F(RrfTripleZTest, MovesADriverAloneThroughItsOwnAxis) {
-  SayAll({"G28", "G1 Z10", "M584 Z0 U1 V2 P5", "G1 U9", "M584 Z0:1:2 P3", "G92 Z10"});
+  SayAll({"G28",
+          "G1 Z10",
+          "M584 Z0 U1 V2 P5",
+          "G1 U9",
+          "M584 Z0:1:2 P3 ; no U, V",
+          "G92 Z10"});
 
   EXPECT_LT((firmware_.raised_mm() - Vec3<double>(0, 1, 0)).norm(), 1e-9);
   EXPECT_THAT(Say("G30 X215 Y20 S-1").lines,

@@ -199,6 +199,37 @@ TEST(TripleZScenario, PositionErrorIsThatOfTheNozzleOverTheBed) {
   EXPECT_NEAR(before_mm("backlash.z: {gap_mm: 0.1}"), 0.05, 1e-6);
 }
 
+// Touches as rows: what was told to every screw, and what the probe read.
+TEST(TripleZScenario, RecordsItsTouches) {
+  const Scenario scenario = ReadText(
+      "effects: {bed_tilt: {slope_x_mrad: 2}}\n"
+      "instruments: {probe: {sigma_um: 4}}\n"
+      "calibrate:\n"
+      "  - plane_tilt: {at: screws}\n"
+      "  - move_triple_z: {at_mm: [120, 120], heights_mm: [240, 239.5, 240]}\n"
+      "  - gcode: {lines: [\"G30 X215 Y20 S-1\", G28, \"G30 X215 Y20 S-1\"]}\n"
+      "expect: {outcome: recovers}\n");
+  const RunResult result = RunScenario(scenario, {});
+
+  const std::vector<Row>& rows = result.rows.rows;
+  ASSERT_EQ(rows.size(), 5U);
+  constexpr double kScatter_mm = 4 * 0.004 + 0.00125;
+  EXPECT_NEAR(rows[1].value_mm - rows[0].value_mm, 2e-3 * 195, 2 * kScatter_mm);
+  EXPECT_EQ(rows[1].campaign, "plane_tilt");
+  EXPECT_EQ(rows[1].cmd_mm, (std::array<double, 3>{215, 20, 0}));
+  EXPECT_EQ(rows[1].motor_mm, (std::array<double, 3>{250, 250, 250}));
+  // The second screw lower by half a millimetre, and level again after homing.
+  EXPECT_EQ(rows[3].campaign, "gcode");
+  EXPECT_EQ(rows[3].motor_mm, (std::array<double, 3>{250, 249.5, 250}));
+  EXPECT_NEAR(rows[3].value_mm, rows[1].value_mm - 0.5, 2 * kScatter_mm);
+  EXPECT_EQ(rows[4].motor_mm, (std::array<double, 3>{250, 250, 250}));
+  EXPECT_NE(rows[4].home, rows[3].home);
+  EXPECT_GT(rows[4].t_s, rows[3].t_s);
+  EXPECT_EQ(result.header.instruments.at("probe").sigma_um, 4);
+  EXPECT_EQ(result.header.settings.at(rows[4].settings).steps_per_mm.at("z"), 800);
+  EXPECT_THAT(Unexplained(result.rows, result.header), ::testing::IsEmpty());
+}
+
 TEST(TripleZScenario, AnExternalProgramThatFailsIsTheOutcome) {
   const RunResult result =
       RunScenario(ReadText("calibrate:\n  - external: {command: [/bin/sh, -c, \"echo "

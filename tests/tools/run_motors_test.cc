@@ -25,5 +25,18 @@ TEST(RunOfMotors, HasNoRowsToRecord) {
   EXPECT_FALSE(fs::exists(rows));
 }
 
+TEST(RunOfAZOffset, HasNoRowsToRecord) {
+  const TempFolder folder;
+  const fs::path rows = folder / "rows.csv";
+
+  const Answer answer = RunCommand(
+      DeclareRun,
+      {CALTWIN_SOURCE_DIR "/scenarios/z_offset_worn_switch.yaml", "--record", rows});
+
+  EXPECT_EQ(answer.exit_code, kBadInput);
+  EXPECT_THAT(answer.fault, HasSubstr("a Z offset's touches are no rows"));
+  EXPECT_FALSE(fs::exists(rows));
+}
+
 }  // namespace
 }  // namespace caltwin

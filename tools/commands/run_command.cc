@@ -79,15 +79,18 @@ void RefuseForMany(const Options& options) {
   }
 }
 
-// Where nothing is touched there are no rows.
-void RefuseRecordOfMotors(const Options& options,
-                          const std::vector<Scenario>& scenarios) {
+// Where nothing is touched there are no rows; nor where switches are touched, of which
+// a row has no column.
+void RefuseRecordOf(const Options& options, const std::vector<Scenario>& scenarios) {
   for (const Scenario& scenario : scenarios) {
-    if (options.record.empty() || !scenario.motor) continue;
+    if (options.record.empty() || (!scenario.motor && !scenario.z_offset)) continue;
     throw InputError(
         {.file = "--record"},
-        fmt::format("{} touches nothing: motors have no rows",
-                    scenario.file.filename().string()),
+        fmt::format("{} {}",
+                    scenario.file.filename().string(),
+                    scenario.motor
+                        ? "touches nothing: motors have no rows"
+                        : "touches switches: a Z offset's touches are no rows"),
         "--transcript keeps every line of the wire, --json what was found");
   }
 }
@@ -200,7 +203,7 @@ int Run(const Options& options) {
   const bool is_many = IsMany(options, files);
   if (is_many) RefuseForMany(options);
   const std::vector<Scenario> scenarios = ReadAll(files);
-  RefuseRecordOfMotors(options, scenarios);
+  RefuseRecordOf(options, scenarios);
   CheckSpares(options, scenarios);
   const std::vector<RunResult> results = RunAll(options, scenarios, is_many);
   if (!options.json_alone()) {

@@ -9,6 +9,7 @@
 
 #include "sim/base/input_error.h"
 #include "sim/base/mutant.h"
+#include "sim/link/gcode_frame.h"
 
 namespace caltwin {
 namespace {
@@ -69,10 +70,12 @@ Vec3<double> RrfTripleZ::raised_mm() const {
 }
 
 Reply RrfTripleZ::Execute(std::string_view line) {
-  if (Begins(line, "M584")) return SetDrivers(line);
-  if (Begins(line, "M671")) return SetScrews(line);
   GcodeLine parsed;
   try {
+    // Their lists, Z0:1:2, are no numbers.
+    const std::string text = ReadGcodeFrame(line).text;
+    if (Begins(text, "M584")) return SetDrivers(text);
+    if (Begins(text, "M671")) return SetScrews(text);
     parsed = ParseGcode(line);
   } catch (const InputError& error) {
     return Refusal(error.what());
@@ -113,6 +116,7 @@ Reply RrfTripleZ::Obey(const GcodeCommand& command) {
 
 Reply RrfTripleZ::Home() {
   is_homed_ = true;
+  ++homings_;
   is_split_ = false;
   at_mm_.setZero();
   height_mm_.setZero();
@@ -164,14 +168,21 @@ Reply RrfTripleZ::Probe(const GcodeCommand& command) {
   const double stopped_mm =
       std::round(*height * options_.steps_per_mm) / options_.steps_per_mm + 0.0;
   const double from_mm = stopped_mm + kDive_mm;
+  const Vec3<double> told_mm = raised_mm();
   time_s_ += MoveTime_s((to_mm - at_mm_).norm(), kTravel_mm_s) +
              MoveTime_s(std::abs(z_mm_[0] - from_mm), kLift_mm_s) +
-             kDive_mm / options_.probe_mm_s + kSettle_s +
-             MoveTime_s(kDive_mm, kLift_mm_s);
+             kDive_mm / options_.probe_mm_s + kSettle_s;
+  touched_.push_back({.at_mm = to_mm,
+                      .stopped_mm = stopped_mm,
+                      .raised_mm = told_mm,
+                      .steps_per_mm = options_.steps_per_mm,
+                      .feed_mm_s = options_.probe_mm_s,
+                      .at_s = time_s_,
+                      .homing = homings_});
+  time_s_ += MoveTime_s(kDive_mm, kLift_mm_s);
   at_mm_ = to_mm;
   height_mm_.array() -= from_mm - z_mm_[0];
   z_mm_.setConstant(from_mm);
-  ++touches_;
   const auto point = NumberOf(command, 'P');
   const auto factors = NumberOf(command, 'S');
   if (!point) {

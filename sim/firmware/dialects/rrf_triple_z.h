@@ -34,6 +34,18 @@ struct RrfTripleZOptions {
   double probe_mm_s = 5;              ///< M558 F.
 };
 
+/// One touch that its probe has made.
+struct TripleZTouch {
+  Eigen::Vector2d at_mm = Eigen::Vector2d::Zero();
+  double stopped_mm = 0;  ///< Height of the nozzle over the bed, as counted there.
+  /// Each screw beyond what that height alone has it told, whole steps.
+  Vec3<double> raised_mm = Vec3<double>::Zero();
+  double steps_per_mm = 0;  ///< In force.
+  double feed_mm_s = 0;
+  double at_s = 0;  ///< Machine time.
+  int homing = 0;   ///< G28s before it.
+};
+
 /// A controller that understands RepRapFirmware's dialect as far as a bed on three
 /// screws needs it: G0 G1 G28 G30 G90 G92 M92 M114 M115 M119 M400 M584 M671.
 ///
@@ -54,7 +66,9 @@ class RrfTripleZ {
   const Pivots<double>& pivots_mm() const { return options_.pivots_mm; }
   /// How much higher than Z alone has it each screw is told to stand, whole steps.
   Vec3<double> raised_mm() const;
-  int touches() const { return touches_; }
+  /// All of them, in order.
+  const std::vector<TripleZTouch>& touched() const { return touched_; }
+  int touches() const { return static_cast<int>(touched_.size()); }
   double machine_time_s() const { return time_s_; }
 
  private:
@@ -76,8 +90,9 @@ class RrfTripleZ {
   Vec3<double> z_mm_ = Vec3<double>::Zero();       ///< Z U V; joined: all Z.
   Vec3<double> height_mm_ = Vec3<double>::Zero();  ///< Of the screws, as counted.
   std::vector<BedTouch> points_{};                 ///< G30 P.
+  std::vector<TripleZTouch> touched_{};
   double time_s_ = 0;
-  int touches_ = 0;
+  int homings_ = 0;
 };
 
 }  // namespace caltwin
