@@ -13,6 +13,7 @@
 
 #include "calibration/diagnosis/delta_correction.h"
 #include "calibration/diagnosis/settings_of_rows.h"
+#include "calibration/diagnosis/triple_z_correction.h"
 #include "calibration/diagnosis/unseen_rows.h"
 #include "sim/base/input_error.h"
 #include "sim/base/units.h"
@@ -374,6 +375,9 @@ std::vector<CorrectionFile> CorrectionFor(ControllerKind controller,
                                           const std::string& name) {
   if (observed.machine().delta) {
     return {{.text = DeltaCorrectionText(controller, diagnosis, observed)}};
+  }
+  if (observed.machine().triple_z) {
+    return {{.text = TripleZCorrectionText(controller, diagnosis, observed)}};
   }
   return Writer(controller, diagnosis, observed, name).Make();
 }

@@ -36,6 +36,16 @@ TEST(ServeSession, NumbersAndChecksumsAreTakenOff) {
   EXPECT_THAT(session.Answer("N1 G28*18"), ElementsAre("G28", "ok"));
 }
 
+// What words mean is the controller's affair: RepRapFirmware has lists.
+TEST(ServeSession, WordsAreNotRead) {
+  EchoLink link;
+  ServeSession session(&link);
+
+  EXPECT_THAT(session.Answer("M584 Z0:1:2 P3"), ElementsAre("M584 Z0:1:2 P3", "ok"));
+  EXPECT_THAT(session.Answer("N1 M584 Z0:1:2 P3*33"),
+              ElementsAre("M584 Z0:1:2 P3", "ok"));
+}
+
 TEST(ServeSession, DamagedLineIsAskedForAgain) {
   EchoLink link;
   ServeSession session(&link);

@@ -9,27 +9,14 @@
 #include "scenarios/interruptible_link.h"
 #include "scenarios/triple_z_link.h"
 #include "scenarios/triple_z_scenario.h"
-#include "sim/effects/catalog.h"
 #include "sim/link/open_link.h"
 #include "sim/link/transcript.h"
+#include "tools/commands/simulated_printer.h"
 #include "tools/commands/terminal.h"
 #include "tools/commands/twin_options.h"
 
 namespace caltwin {
 namespace {
-
-// A simulated printer with its controller.
-struct SimulatedPrinter {
-  explicit SimulatedPrinter(const BuiltTripleZ& built, const TwinOptions& named)
-      : plant(built, named.fidelity == "physics", named.seed, /*sample=*/0),
-        firmware(FirmwareOf(built.machine, built.machine.triple_z->pivots_mm()),
-                 &plant),
-        wire(&firmware) {}
-
-  TripleZTwinPlant plant;
-  RrfTripleZ firmware;
-  RrfTripleZWire wire;
-};
 
 // The printer at hand: a twin or a wire, with the person who is asked.
 struct PrinterAtHand {
@@ -67,33 +54,14 @@ void RefuseWhatIsNotHeeded(const CalibrateOptions& options, const TwinOptions& p
   }
 }
 
-// A levelling knows no times and temperatures: what acts by them would not act at all.
-void RequireTimeless(const std::vector<Injected>& effects, const std::string& truth) {
-  for (const Injected& injected : effects) {
-    const Effect& effect = EffectAt(injected.effect);
-    if (effect.bucket != Bucket::kTime && effect.name != "probe_temperature") continue;
-    throw InputError({.file = truth},
-                     fmt::format("'{}' needs times or temperatures, which levelling a "
-                                 "twin has not",
-                                 effect.name),
-                     "`caltwin simulate --truth` has them");
-  }
-}
-
 PrinterAtHand TakePrinter(const CalibrateOptions& options, const TwinOptions& papers) {
   PrinterAtHand at_hand;
   at_hand.person = PersonAtHand(options);
   if (IsTwin(options)) {
     TwinOptions named = TwinOptionsOf(options.link);
     named.instruments = papers.instruments;
-    const TwinConfig config = MakeTwinConfig(named, /*only_measures=*/true);
-    RequireTimeless(config.effects, named.truth);
-    BuiltTripleZ built{.machine = config.machine,
-                       .effects = config.effects,
-                       .scatter_mm = ProbeSigma_mm(config.instruments)};
-    built.machine.settings = config.settings;
-    at_hand.twin = std::make_unique<SimulatedPrinter>(built, named);
-    at_hand.link = &at_hand.twin->wire;
+    at_hand.twin = std::make_unique<SimulatedPrinter>(named);
+    at_hand.link = &at_hand.twin->link();
   } else {
     at_hand.wire = OpenLink(options.link);
     at_hand.link = at_hand.wire.get();

@@ -12,6 +12,7 @@
 #include "calibration/diagnosis/changes_json.h"
 #include "calibration/diagnosis/closed_loop.h"
 #include "calibration/diagnosis/delta_correction.h"
+#include "calibration/diagnosis/triple_z_correction.h"
 #include "calibration/diagnosis/diagnosis.h"
 #include "calibration/diagnosis/diagnosis_json.h"
 #include "calibration/diagnosis/diagnosis_text.h"
@@ -276,13 +277,11 @@ std::optional<MachineUnderTest> Tested(Options* options, const Data& data) {
   return tested;
 }
 
-void RefusePrinter(const Options& options, const Machine& machine) {
+void RequireSettings(const Options& options, const Machine& machine) {
   if (options.correction.empty()) return;
-  if (machine.delta) RequireDeltaGeometry(ControllerNamed(options.controller));
-  if (!machine.triple_z) return;
-  throw InputError({.file = "--correction"},
-                   "no correction of a triple_z machine is written yet",
-                   "`caltwin run` finds settings: pivots_and_wiring M671");
+  const ControllerKind controller = ControllerNamed(options.controller);
+  if (machine.delta) RequireDeltaGeometry(controller);
+  if (machine.triple_z) RequireScrewLevelling(controller);
 }
 
 void CheckSpares(const Options& options, const Believed& believed) {
@@ -317,7 +316,7 @@ int Run(Options options) {
   if (!options.file.empty()) data = ReadData(options.file);
   const auto tested = Tested(&options, data);
   const Believed believed = BelievedMachine(options.file, options.machine, &data);
-  RefusePrinter(options, believed.machine);
+  RequireSettings(options, believed.machine);
   CheckSpares(options, believed);
   if (!options.file.empty()) {
     JudgeData(options.file, believed.file.empty() ? nullptr : &believed.machine, &data);

@@ -10,6 +10,7 @@
 #include "scenarios/interrupt.h"
 #include "tools/commands/command.h"
 #include "tools/commands/serve/serve.h"
+#include "tools/commands/simulated_printer.h"
 #include "tools/commands/twin_options.h"
 
 namespace caltwin {
@@ -97,6 +98,20 @@ int ServeDelta(const Options& options, const MachineFile& file) {
   return Listen(options, &twin.link());
 }
 
+int ServePrinter(const Options& options) {
+  RequireDialect(options, "rrf");
+  if (!options.twin.artefacts.empty()) {
+    throw InputError({.file = options.bench},
+                     "a printer's bench has no artefacts",
+                     "it knows instruments: probe");
+  }
+  SimulatedPrinter printer(options.twin);
+  Announce(fmt::format("{}, {}, RepRapFirmware's dialect; Ctrl-C ends",
+                       printer.machine().name,
+                       options.twin.fidelity));
+  return Listen(options, &printer.link());
+}
+
 int Serve(Options options) {
   if (!options.port && options.pty.empty()) {
     throw InputError({},
@@ -107,6 +122,7 @@ int Serve(Options options) {
   const MachineFile file = ReadAnyMachineFile(
       FindMachine(options.twin.machine, "", {.file = options.twin.machine}));
   if (file.machine.delta) return ServeDelta(options, file);
+  if (file.machine.triple_z) return ServePrinter(options);
   RequireDialect(options, "rrf");
   Twin twin(MakeTwinConfig(options.twin));
   Announce(fmt::format("{}, {}, RepRapFirmware's dialect; Ctrl-C ends",
@@ -136,7 +152,8 @@ Action DeclareServe(CLI::App* app) {
   app->add_option("--seed", options->twin.seed, "of all chance")->capture_default_str();
   app->add_option("--dialect",
                   options->dialect,
-                  "the controller's: rrf of a gantry, marlin of a delta")
+                  "the controller's: rrf of a gantry or a triple-Z printer, marlin of a "
+                  "delta")
       ->check(CLI::IsMember({"rrf", "marlin"}));
   app->footer(
       "A terminal program or G-code sender connects as to a real machine. Only this "

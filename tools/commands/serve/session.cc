@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "sim/base/input_error.h"
-#include "sim/link/gcode.h"
+#include "sim/link/gcode_frame.h"
 #include "sim/link/reply.h"
 
 namespace caltwin {
@@ -15,8 +15,9 @@ namespace {
 /// How long a simulated move may take to compute.
 constexpr std::chrono::hours kPatience{1};
 
-bool SetsLineNumber(const GcodeLine& line) {
-  return line.commands.size() == 1 && line.commands[0].Is('M', 110);
+bool SetsLineNumber(std::string_view text) {
+  const std::string_view command = text.substr(0, text.find(' '));
+  return command == "M110" || command == "m110";
 }
 
 void AppendLines(const std::string& text, std::vector<std::string>* lines) {
@@ -35,17 +36,17 @@ std::vector<std::string> ServeSession::AskToResend(const std::string& why) const
 std::vector<std::string> ServeSession::Answer(std::string_view line) {
   std::string to_send(line);
   try {
-    const GcodeLine parsed = ParseGcode(line);
-    if (parsed.number && SetsLineNumber(parsed)) {
-      last_number_ = *parsed.number;
+    const GcodeFrame frame = ReadGcodeFrame(line);
+    if (frame.number && SetsLineNumber(frame.text)) {
+      last_number_ = *frame.number;
       return {"ok"};
     }
-    if (parsed.number && *parsed.number != last_number_ + 1) {
+    if (frame.number && *frame.number != last_number_ + 1) {
       return AskToResend("Line Number is not Last Line Number+1");
     }
-    if (parsed.number) {
-      last_number_ = *parsed.number;
-      to_send = parsed.text;
+    if (frame.number) {
+      last_number_ = *frame.number;
+      to_send = frame.text;
     }
   } catch (const InputError& error) {
     const bool is_numbered = !line.empty() && (line[0] == 'N' || line[0] == 'n');
