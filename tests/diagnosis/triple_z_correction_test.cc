@@ -33,7 +33,7 @@ Observed OneTouch() {
 }
 
 // A tilted bed with these effects, found as they are.
-Diagnosis Found(const std::vector<Injected>& effects) {
+Diagnosis AnswerThatFinds(const std::vector<Injected>& effects) {
   Diagnosis diagnosis;
   diagnosis.baseline = {{"scale.z", "ppm", 0, 10},
                         {"backlash.z", "mm", 0, 0.001},
@@ -86,8 +86,8 @@ TEST(TripleZCorrection, LevelsInOneRoundWhateverTheWiring) {
     const std::vector<Injected> effects = {
         Wired(wiring),
         {.effect = EffectIndex<PivotPosition>(), .axis = "z2", .values = {-25, 18}}};
-    const std::string text =
-        TripleZCorrectionText(ControllerKind::kRrf, Found(effects), OneTouch());
+    const std::string text = TripleZCorrectionText(
+        ControllerKind::kRrf, AnswerThatFinds(effects), OneTouch());
 
     EXPECT_GT(LeftOf_mm(effects, ""), 0.1);
     EXPECT_LT(LeftOf_mm(effects, text), kSteps_mm) << text;
@@ -100,7 +100,7 @@ TEST(TripleZCorrection, LevelsABedThatGuidesHold) {
       {.effect = EffectIndex<OverconstrainedBed>(), .axis = "", .values = {3000}},
       {.effect = EffectIndex<PivotPosition>(), .axis = "z3", .values = {10, -15}}};
   const std::string text =
-      TripleZCorrectionText(ControllerKind::kRrf, Found(effects), OneTouch());
+      TripleZCorrectionText(ControllerKind::kRrf, AnswerThatFinds(effects), OneTouch());
 
   EXPECT_GT(LeftOf_mm(effects, ""), 0.02);
   EXPECT_LT(LeftOf_mm(effects, text), kSteps_mm) << text;
@@ -112,7 +112,7 @@ TEST(TripleZCorrection, SaysHowFarEachScrewIsToBeRaised) {
   const std::vector<Injected> effects = {
       {.effect = EffectIndex<ScrewPitch>(), .axis = "z3", .values = {500}}};
   const std::string text =
-      TripleZCorrectionText(ControllerKind::kRrf, Found(effects), OneTouch());
+      TripleZCorrectionText(ControllerKind::kRrf, AnswerThatFinds(effects), OneTouch());
 
   const double mean_mm = (0.585 - 0.39 + 0.125) / 3;
   EXPECT_THAT(text, HasSubstr(fmt::format("raises z1 {:+.3f} +- 0.001 mm", mean_mm)));
@@ -126,7 +126,7 @@ TEST(TripleZCorrection, SpeaksEachControllersWords) {
   const std::vector<Injected> effects = {
       Wired("z1z2z3"),
       {.effect = EffectIndex<ScrewPitch>(), .axis = "z2", .values = {1000}}};
-  Diagnosis found = Found(effects);
+  Diagnosis found = AnswerThatFinds(effects);
   found.baseline[0] = {"scale.z", "ppm", 2000, 10};
   found.baseline[1] = {"backlash.z", "mm", 0.05, 0.001};
   const auto text = [&](ControllerKind controller) {
@@ -158,7 +158,7 @@ TEST(TripleZCorrection, SpeaksEachControllersWords) {
 }
 
 TEST(TripleZCorrection, WhereNoScrewMovedAloneNoPlaceIsWritten) {
-  Diagnosis found = Found({});
+  Diagnosis found = AnswerThatFinds({});
   found.absorbed.push_back({"pivot_position.z1", "all screws move alike"});
   const std::string text =
       TripleZCorrectionText(ControllerKind::kRrf, found, OneTouch());

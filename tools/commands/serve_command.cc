@@ -150,10 +150,11 @@ Action DeclareServe(CLI::App* app) {
       ->check(CLI::IsMember({"physics", "fast"}))
       ->capture_default_str();
   app->add_option("--seed", options->twin.seed, "of all chance")->capture_default_str();
-  app->add_option("--dialect",
-                  options->dialect,
-                  "the controller's: rrf of a gantry or a triple-Z printer, marlin of a "
-                  "delta")
+  app->add_option(
+         "--dialect",
+         options->dialect,
+         "the controller's: rrf of a gantry or a triple-Z printer, marlin of a "
+         "delta")
       ->check(CLI::IsMember({"rrf", "marlin"}));
   app->footer(
       "A terminal program or G-code sender connects as to a real machine. Only this "
