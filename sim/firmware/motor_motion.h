@@ -56,6 +56,7 @@ struct StopReport {
   double path_pulses = 0;
   double peak_a = 0;
   bool is_done = false;
+  bool is_knocked = false;  ///< Its load pushed it on: it did not brake evenly.
 };
 
 /// The real-time part of a motor controller: every tick it tells each drive where to

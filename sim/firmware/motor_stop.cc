@@ -11,7 +11,9 @@ namespace {
 
 constexpr double kPatience_s = 0.5;
 constexpr double kAfterwards_s = 0.05;  // Counters are watched so long without power.
-constexpr double kHeld_s = 0.002;       // Within a pulse for so long: it stands.
+// Within a pulse for so long it stands. A load that coasts across a gap of 0.2 mm
+// at 5 mm/s or more has arrived by then: it would push a drive without power on.
+constexpr double kHeld_s = 0.04;
 
 }  // namespace
 
@@ -63,6 +65,7 @@ StopReport MotorMotion::ReportOf(std::size_t i, const Slowing& slowing) const {
           : Standstill{.at_s = options_.stepper_stop_s};
   report.standstill_s = FilterTicks() * tick_s_ + braked.at_s;
   report.sd_s = braked.sd_s;
+  report.is_knocked = braked.is_knocked;
   return report;
 }
 

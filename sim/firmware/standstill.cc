@@ -7,6 +7,8 @@
 #include <limits>
 #include <optional>
 
+#include <Eigen/Dense>
+
 #include "sim/base/mutant.h"
 
 namespace caltwin {
@@ -58,6 +60,83 @@ std::size_t FirstAtRest(std::span<const std::int64_t> counts) {
   return from;
 }
 
+// The vertex of the parabola through counts at ticks `from` to `to`, both included,
+// where it ends as they do.
+std::optional<Standstill> Vertex(std::span<const std::int64_t> counts,
+                                 std::size_t from,
+                                 std::size_t to,
+                                 double tick_s) {
+  constexpr double kRounded_pulses = 0.5;  // Rms; 0.29 of whole pulses alone.
+  constexpr double kEnds_pulses = 2;       // From where they came to rest.
+  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d right = Eigen::Vector3d::Zero();
+  double squares = 0;
+  for (std::size_t k = from; k <= to; ++k) {
+    const auto ticks = static_cast<double>(k - from);
+    const auto pulses = static_cast<double>(counts[k] - counts.back());
+    const Eigen::Vector3d row(1, ticks, ticks * ticks);
+    normal += row * row.transpose();
+    right += row * pulses;
+    squares += pulses * pulses;
+  }
+  const Eigen::Matrix3d inverse = normal.inverse();
+  const Eigen::Vector3d c = inverse * right;
+  const auto number = static_cast<double>(to - from + 1);
+  const double rms = std::sqrt(std::max(0.0, squares - c.dot(right)) / (number - 3));
+  if (rms > kRounded_pulses || c[2] == 0) return std::nullopt;
+  const double ticks = -c[1] / (2 * c[2]);
+  const double end_pulses = c[0] + c[1] * ticks / 2;
+  if (!(ticks > 0) || std::abs(end_pulses) > kEnds_pulses) return std::nullopt;
+  const Eigen::Vector3d slope(0, -1 / (2 * c[2]), -ticks / c[2]);
+  const double sd_ticks = std::sqrt(kCountVariance * slope.dot(inverse * slope));
+  return Standstill{.at_s = (static_cast<double>(from) + ticks) * tick_s,
+                    .sd_s = sd_ticks * tick_s,
+                    .is_knocked = true};
+}
+
+// By the longest run of counts before their rest that is a parabola.
+std::optional<Standstill> AfterAKnock(std::span<const std::int64_t> counts,
+                                      std::size_t at_rest,
+                                      double tick_s) {
+  constexpr std::size_t kFewest = 5;
+  constexpr int kRounds = 3;
+  std::optional<Standstill> stood;
+  std::size_t to = at_rest;
+  for (int round = 0; round < kRounds && to < counts.size(); ++round) {
+    std::optional<Standstill> vertex;
+    for (std::size_t from = 0; !vertex && from + kFewest <= to + 1; ++from) {
+      vertex = Vertex(counts, from, to, tick_s);
+    }
+    if (!vertex || vertex->sd_s > tick_s) break;
+    stood = vertex;
+    to = static_cast<std::size_t>(stood->at_s / tick_s);
+  }
+  return stood;
+}
+
+// By the parabola of all counts; nullopt where they are none.
+std::optional<Standstill> ByOnePath(std::span<const std::int64_t> counts,
+                                    std::size_t at_rest,
+                                    double tick_s,
+                                    double speed_pulses_s) {
+  // The last pulse takes longest: those ticks are found by when it stands by the
+  // others.
+  constexpr int kRounds = 3;
+  std::size_t used = at_rest;
+  std::optional<Standstill> fitted;
+  for (int round = 0; round < kRounds; ++round) {
+    const auto fit =
+        Fit(counts.first(std::min(used, counts.size())), tick_s, speed_pulses_s);
+    if (!fit || fit->rms_pulses > kNoPath_pulses) return std::nullopt;
+    const double at_s = speed_pulses_s / fit->slowing;
+    const double latest_s = static_cast<double>(counts.size()) * tick_s;
+    if (!(at_s > 0) || at_s > latest_s) return std::nullopt;
+    fitted = {.at_s = at_s, .sd_s = at_s * std::abs(fit->slowing_sd / fit->slowing)};
+    used = static_cast<std::size_t>(at_s / tick_s) + 1;
+  }
+  return fitted;
+}
+
 }  // namespace
 
 Standstill StandstillOf(std::span<const std::int64_t> counts,
@@ -66,22 +145,11 @@ Standstill StandstillOf(std::span<const std::int64_t> counts,
   if (counts.empty() || speed_pulses_s == 0) return {};
   const std::size_t at_rest = FirstAtRest(counts);
   const Standstill seen{.at_s = static_cast<double>(at_rest) * tick_s, .sd_s = tick_s};
-  // The last pulse takes longest: those ticks are found by when it stands by the
-  // others.
-  constexpr int kRounds = 3;
-  std::size_t used = at_rest;
-  Standstill fitted = seen;
-  for (int round = 0; round < kRounds; ++round) {
-    const auto fit =
-        Fit(counts.first(std::min(used, counts.size())), tick_s, speed_pulses_s);
-    if (!fit || fit->rms_pulses > kNoPath_pulses) return seen;
-    const double at_s = speed_pulses_s / fit->slowing;
-    const double latest_s = static_cast<double>(counts.size()) * tick_s;
-    if (!(at_s > 0) || at_s > latest_s) return seen;
-    fitted = {.at_s = at_s, .sd_s = at_s * std::abs(fit->slowing_sd / fit->slowing)};
-    used = static_cast<std::size_t>(at_s / tick_s) + 1;
+  if (Mutant("standstill_by_last_pulse", false, true)) return seen;
+  if (const auto fitted = ByOnePath(counts, at_rest, tick_s, speed_pulses_s)) {
+    return *fitted;
   }
-  return Mutant("standstill_by_last_pulse", false, true) ? seen : fitted;
+  return AfterAKnock(counts, at_rest, tick_s).value_or(seen);
 }
 
 }  // namespace caltwin

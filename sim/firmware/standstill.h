@@ -9,6 +9,8 @@ namespace caltwin {
 struct Standstill {
   double at_s = 0;
   double sd_s = 0;  ///< From the counter's whole pulses.
+  /// The motor was pushed on while it braked: its load came across a gap.
+  bool is_knocked = false;
 };
 
 /// When a motor stood that was braked by a constant force, from its counter:
@@ -16,8 +18,10 @@ struct Standstill {
 ///   c(t) = c0 + v t - a t^2 / 2,  at = v / a
 ///
 /// c0 and a by least squares from the counts until the motor stands, each known to
-/// 1 / sqrt(12) of a pulse. Where the counts are no such path (a gap, an obstacle):
-/// when the counter came within a pulse of its last value for good, to a tick.
+/// 1 / sqrt(12) of a pulse. Where the counts are no such path the load may have come
+/// across a gap: then by the parabola of the counts after its last knock, with a speed
+/// of its own. Else (an obstacle, too few counts): when the counter came within a pulse
+/// of its last value for good, to a tick.
 /// @param counts  at the onset of the brake and every tick after it, beyond standstill
 /// @param speed_pulses_s  v, signed: as told to the drive before
 Standstill StandstillOf(std::span<const std::int64_t> counts,

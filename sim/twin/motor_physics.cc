@@ -20,6 +20,17 @@ void PhysicsMotors::Place(std::size_t axis, double motor_unit) {
   field_unit_[axis] = motor_unit;
 }
 
+// The inertia that a servo's drive is tuned for. Inside a gap its motor is alone, and
+// would swing up, tick by tick, where the drive is tuned for more than 4/3 of it, or
+// brakes for more than twice: of either three quarters.
+double PhysicsMotors::InertiaFor(std::size_t axis, bool brakes) const {
+  const MotorAxisDrawing& d = motors_[axis].drawing;
+  if (motors_[axis].gap_unit == 0) return d.total_inertia();
+  const double most =
+      Mutant("motor_drive_swings_up", 0.75, 1.1) * (brakes ? 2 : 4.0 / 3);
+  return std::min(d.total_inertia(), most * d.motor_inertia);
+}
+
 double PhysicsMotors::ServoForce(std::size_t axis, const MotorDrive& drive) {
   const MotorAxisDrawing& d = motors_[axis].drawing;
   const bool brakes = drive.mode == MotorDrive::Mode::kBrake;
@@ -27,11 +38,8 @@ double PhysicsMotors::ServoForce(std::size_t axis, const MotorDrive& drive) {
   if (drive.mode == MotorDrive::Mode::kOff) return 0;
   const double unit_s = world_.MotorSpeed_unit_s(axis);
   const double off_unit = brakes ? 0 : drive.to_unit - world_.MotorAt(axis);
-  // Across a gap the motor feels all of the load or none.
-  const bool has_gap = motors_[axis].gap_unit > 0;
-  const double inertia = d.motor_inertia + d.load_inertia * (has_gap ? 0.5 : 1);
-  const double force =
-      inertia * d.si_per_unit() * (off_unit - unit_s * kTick_s) / (kTick_s * kTick_s);
+  const double force = InertiaFor(axis, brakes) * d.si_per_unit() *
+                       (off_unit - unit_s * kTick_s) / (kTick_s * kTick_s);
   const double most =
       Mutant("motor_physics_no_current_limit", 1.0, 1e6) * d.largest_force();
   const double now = std::clamp(force, -most, most);

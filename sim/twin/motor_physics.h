@@ -16,6 +16,7 @@ class PhysicsMotors : public MotorMechanism {
   MotorState State(std::size_t axis) const override;
 
  private:
+  double InertiaFor(std::size_t axis, bool brakes) const;
   double ServoForce(std::size_t axis, const MotorDrive& drive);
   double StepperForce(std::size_t axis, const MotorDrive& drive);
 

@@ -158,6 +158,44 @@ TEST_F(MotorStageFirmwareTest, RefusesWhatAFieldCannotHold) {
   EXPECT_THAT(Say("M206"), Contains("X:0"));
 }
 
+// "Xnan" would pass for four words without numbers: a query.
+TEST_F(MotorStageFirmwareTest, RefusesNumbersThatAreNone) {
+  for (const char* code : {"M92",
+                           "M201",
+                           "M203",
+                           "M206",
+                           "M208",
+                           "M425",
+                           "M812",
+                           "M813",
+                           "M811",
+                           "M816",
+                           "G1",
+                           "G0"}) {
+    const std::string name = code;
+    EXPECT_THAT(Say(name + " Xnan"), ElementsAre(HasSubstr("Error: " + name + ": ")))
+        << name;
+    EXPECT_THAT(Say(name + " Xinf"), ElementsAre(HasSubstr("Error: "))) << name;
+    EXPECT_THAT(Say(name + " X1e3"), ElementsAre(HasSubstr(": E is no word of it")))
+        << name;
+    EXPECT_THAT(Say(name + " X\"5\""), ElementsAre(HasSubstr(": X wants a number")))
+        << name;
+    EXPECT_THAT(Say(name + " X1 X2"), ElementsAre(HasSubstr(": X stands 2 times")))
+        << name;
+  }
+  EXPECT_THAT(Say("M425 Xnan"),
+              ElementsAre("Error: M425: N is no word of it; a number is written like "
+                          "12.5"));
+  EXPECT_THAT(Say("G1 X5 F"), ElementsAre(HasSubstr("G1: F wants a number")));
+  EXPECT_THAT(Say("M817 Snan"), ElementsAre(HasSubstr("M817: ")));
+  EXPECT_THAT(Say("G4 Sinf"), ElementsAre(HasSubstr("G4: ")));
+  EXPECT_THAT(Say("M17 X1"), ElementsAre(HasSubstr("M17: X wants nothing")));
+  EXPECT_THAT(Say("M811 X"), ElementsAre(HasSubstr("M811: X wants a number")));
+  EXPECT_THAT(Say("M114 X"), ElementsAre(HasSubstr("M114: X is no word of it")));
+  EXPECT_EQ(LineOf("M425", 'X'), "X:0");
+  EXPECT_EQ(rig_.counts[0], 0);
+}
+
 TEST_F(MotorStageFirmwareTest, KeepsARecordOverAPowerCycle) {
   Say("M92 X409.6");
   Say("M425 X0.05");

@@ -1,5 +1,6 @@
 #include "sim/firmware/standstill.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <vector>
@@ -60,6 +61,44 @@ TEST(StandstillOf, WithoutAnEvenBrakeIsWhenTheCounterCameToRest) {
 
   EXPECT_DOUBLE_EQ(stood.at_s, 14 * kTick_s);
   EXPECT_DOUBLE_EQ(stood.sd_s, kTick_s);
+}
+
+// Braked, pushed on by a load that comes across its gap, braked again: what counts are
+// those after it, whose speed nobody told.
+TEST(StandstillOf, AfterAKnockIsThatOfTheLastRunWithItsUncertainty) {
+  constexpr int kStops = 300;
+  Rng rng(4, 0, "knocked");
+  double squares = 0;
+  int knocked = 0;
+  for (int i = 0; i < kStops; ++i) {
+    const double sense = i % 2 == 0 ? 1 : -1;
+    const double knock_s = 0.001 + 0.002 * rng.Uniform();
+    const double pushed_s = 0.002 + 0.003 * rng.Uniform();
+    const double way_pulses = 30 * std::pow(30, rng.Uniform());
+    const double before_pulses_s = 3 * way_pulses / pushed_s;
+    const double first_pulses = 10 * rng.Uniform();
+    std::vector<std::int64_t> counts;
+    for (int tick = 0; tick < 80; ++tick) {
+      const double t_s = tick * kTick_s;
+      const double braked_s = std::min(t_s, knock_s);
+      const double u = std::clamp(t_s - knock_s, 0.0, pushed_s) / pushed_s;
+      const double gone = before_pulses_s * braked_s * (1 - braked_s / knock_s / 2.5) +
+                          way_pulses * (2 * u - u * u);
+      counts.push_back(
+          static_cast<std::int64_t>(std::floor(first_pulses + sense * gone)));
+    }
+
+    const Standstill stood = StandstillOf(counts, kTick_s, sense * before_pulses_s);
+
+    squares += std::pow((stood.at_s - knock_s - pushed_s) / stood.sd_s, 2);
+    knocked += stood.is_knocked ? 1 : 0;
+    EXPECT_LE(stood.sd_s, kTick_s);
+  }
+
+  // Chi-squared of 300, four of its standard deviations.
+  EXPECT_LT(squares, kStops + 4 * std::sqrt(2.0 * kStops));
+  // One in a hundred may be a parabola to a pulse by chance.
+  EXPECT_GE(knocked, 0.99 * kStops);
 }
 
 TEST(StandstillOf, WhatWasNotMovedStands) {

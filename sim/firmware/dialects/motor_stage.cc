@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "sim/base/input_error.h"
+#include "sim/firmware/dialects/motor_code_words.h"
 
 namespace caltwin {
 namespace {
@@ -57,6 +58,9 @@ Reply MotorStageFirmware::Execute(std::string_view line) {
 }
 
 Reply MotorStageFirmware::Obey(const GcodeCommand& command) {
+  if (const auto fault = MotorWordFault(command); !fault.empty()) {
+    return Refusal(fmt::format("{}: {}", command.Name(), fault));
+  }
   if (command.Is('G', 90) || command.Is('G', 91)) {
     is_relative_ = command.code == 91;
     return {};
@@ -255,14 +259,15 @@ Reply MotorStageFirmware::StopReports() const {
     const MotorMotion::AxisState& axis = motion_.axis(i);
     reply.lines.push_back(
         fmt::format("{} standstill_s {:.7f} sd_s {:.7f} path {:.5f} peak_a {:.3f} "
-                    "stood {:d} enabled {:d}",
+                    "stood {:d} enabled {:d} knocked {:d}",
                     LetterOf(i),
                     axis.stop.standstill_s,
                     axis.stop.sd_s,
                     axis.stop.path_pulses / axes_[i].record.pulses_per_unit,
                     axis.stop.peak_a,
                     axis.stop.is_done,
-                    axis.is_enabled));
+                    axis.is_enabled,
+                    axis.stop.is_knocked));
   }
   return reply;
 }
