@@ -17,7 +17,8 @@ namespace {
 struct MotorParameter {
   std::string_view effect;
   std::string_view name;
-  /// Behind the name: "mm" (of a rotary axis deg), "mm_s", "um", "ms", "kg", "n", "".
+  /// Behind the name: "mm" (of a rotary axis deg), "mm_s", "um" (mdeg), "ms", "kg",
+  /// "n", "".
   std::string_view unit;
   Bounds bounds;
   void (*act)(double value, std::size_t axis, BuiltMotorStage* built);
@@ -141,6 +142,7 @@ std::string KeyOf(const MotorParameter& parameter, bool is_rotary) {
   if (parameter.unit.empty()) return std::string(parameter.name);
   std::string unit(parameter.unit);
   if (is_rotary && unit.starts_with("mm")) unit.replace(0, 2, "deg");
+  if (is_rotary && unit == "um") unit = "mdeg";
   if (is_rotary && unit == "kg") unit = "kg_m2";
   if (is_rotary && unit == "n") unit = "n_m";
   return fmt::format("{}_{}", parameter.name, unit);

@@ -150,6 +150,7 @@ class MotorRun {
     found_.retries += done.found.retries;
     found_.warnings += done.found.warnings;
     found_.safe_modes += done.found.safe_modes;
+    found_.positions_lost += done.found.positions_lost;
     const auto keep = [](const auto& from, auto* to) {
       if (from) *to = from;
     };
@@ -158,6 +159,7 @@ class MotorRun {
     keep(done.found.skew_s, &found_.skew_s);
     keep(done.found.stop_feasible, &found_.stop_feasible);
     keep(done.found.standstill_s, &found_.standstill_s);
+    keep(done.found.stopped_within, &found_.stopped_within);
     const auto append = [](const auto& from, auto* to) {
       to->insert(to->end(), from.begin(), from.end());
     };
@@ -248,6 +250,11 @@ class MotorRun {
     if (name == "stop_feasible") {
       return found_.stop_feasible ? static_cast<double>(*found_.stop_feasible) : kNone;
     }
+    if (name == "stopped_within") {
+      return found_.stopped_within ? static_cast<double>(*found_.stopped_within)
+                                   : kNone;
+    }
+    if (name == "positions_lost") return found_.positions_lost;
     if (name == "history_entries") return static_cast<double>(history_);
     if (name == "machine_time_s") return result.machine_time_s;
     const std::size_t axis = *MotorAxisNamed(name.substr(name.find('.') + 1));

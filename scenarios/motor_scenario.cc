@@ -22,7 +22,7 @@ constexpr std::array<std::string_view, 9> kProcedures = {"servo_home",
                                                          "motor_backlash",
                                                          "gcode",
                                                          "power_cut"};
-constexpr std::array<const char*, 11> kFigures = {"alerts",
+constexpr std::array<const char*, 13> kFigures = {"alerts",
                                                   "retries",
                                                   "warnings",
                                                   "safe_modes",
@@ -31,6 +31,8 @@ constexpr std::array<const char*, 11> kFigures = {"alerts",
                                                   "skew_ms",
                                                   "standstill_ms",
                                                   "stop_feasible",
+                                                  "stopped_within",
+                                                  "positions_lost",
                                                   "history_entries",
                                                   "machine_time_s"};
 constexpr std::array<const char*, 4> kValues = {
@@ -88,7 +90,8 @@ void ReadStepAxes(const std::string& name,
   }
 }
 
-// Which procedure heeds which option; another's is an unknown key, not ignored.
+// Which procedure heeds which option; another's is an unknown key, not ignored. Lengths
+// and speeds are named here without the unit of the axis.
 struct MotorOptionKeys {
   std::string_view procedure{};
   std::vector<std::string_view> keys{};
@@ -96,49 +99,62 @@ struct MotorOptionKeys {
 
 bool Heeds(std::string_view procedure, std::string_view key) {
   static const std::array<MotorOptionKeys, 7> kKeys = {{
-      {"servo_home", {"slow", "back_off_mm"}},
+      {"servo_home", {"slow", "back_off"}},
       {"index_verify", {"slow", "medium", "threshold_pulses"}},
       {"stepper_home",
-       {"slow",
-        "second",
-        "back_off_mm",
-        "final_back_off_mm",
-        "safe_mm",
-        "touches",
-        "fine_mm_s"}},
-      {"travel_limits", {"slow", "margin_mm", "touches", "fine_mm_s"}},
-      {"axis_sync", {"slow", "medium", "distance_mm", "repeats"}},
+       {"slow", "second", "back_off", "final_back_off", "safe", "touches", "fine"}},
+      {"travel_limits", {"slow", "margin", "touches", "fine"}},
+      {"axis_sync", {"slow", "medium", "distance", "repeats"}},
       {"emergency_stop",
-       {"slow", "medium", "distance_mm", "within_ms", "threshold_pulses"}},
-      {"motor_backlash", {"slow", "medium", "distance_mm", "repeats", "tolerance_mm"}},
+       {"slow", "medium", "distance", "within_ms", "threshold_pulses", "tolerance"}},
+      {"motor_backlash", {"slow", "medium", "distance", "repeats", "tolerance"}},
   }};
   const auto entry = std::ranges::find(kKeys, procedure, &MotorOptionKeys::procedure);
   return std::ranges::find(entry->keys, key) != entry->keys.end();
 }
 
+// Of several axes mm, unless all are rotary.
+std::string UnitKey(const MotorOptions& o, const MotorStageDrawing& drawing) {
+  const bool is_rotary = std::ranges::all_of(
+      o.axes, [&](std::size_t axis) { return drawing.axes[axis].is_rotary; });
+  return is_rotary ? "_deg" : "_mm";
+}
+
+// In the unit of the axes, which stands in the key: safe_mm, safe_deg, fine_deg_s.
+void ReadLengths(const std::string& name,
+                 const std::string& unit,
+                 YamlMap* map,
+                 MotorOptions* o) {
+  constexpr Bounds kDistance{1e-3, 1e3};
+  const auto read = [&](const std::string& key, Bounds bounds, double* value) {
+    if (Heeds(name, key)) *value = map->NumberOr(key + unit, *value, bounds);
+  };
+  read("final_back_off", kDistance, &o->final_back_off_unit);
+  read("safe", kDistance, &o->safe_unit);
+  read("distance", kDistance, &o->distance_unit);
+  read("tolerance", kDistance, &o->tolerance_unit);
+  read("margin", {0, 1e3}, &o->margin_unit);
+  if (Heeds(name, "fine")) {
+    o->fine_unit_s = map->NumberOr("fine" + unit + "_s", o->fine_unit_s, {1e-3, 100});
+  }
+  if (!Heeds(name, "back_off")) return;
+  if (const auto back = map->Optional("back_off" + unit)) {
+    o->back_off_unit = back->Number(kDistance);
+  }
+}
+
 void ReadNumbers(const std::string& name, YamlMap* map, MotorOptions* o) {
-  constexpr Bounds kPart{1e-3, 1}, kDistance{1e-3, 1e3};
+  constexpr Bounds kPart{1e-3, 1};
   const auto read = [&](const char* key, Bounds bounds, double* value) {
     if (Heeds(name, key)) *value = map->NumberOr(key, *value, bounds);
   };
   read("slow", kPart, &o->slow);
   read("medium", kPart, &o->medium);
   read("second", kPart, &o->second);
-  read("final_back_off_mm", kDistance, &o->final_back_off_unit);
-  read("safe_mm", kDistance, &o->safe_unit);
-  read("distance_mm", kDistance, &o->distance_unit);
-  read("tolerance_mm", kDistance, &o->tolerance_unit);
-  read("margin_mm", {0, 1e3}, &o->margin_unit);
-  read("fine_mm_s", {1e-3, 100}, &o->fine_unit_s);
   read("threshold_pulses", {0, 1e6}, &o->threshold_pulses);
   double within_ms = o->within_s / SFromMs(1.0);
   read("within_ms", {0.1, 1e4}, &within_ms);
   o->within_s = SFromMs(within_ms);
-  if (Heeds(name, "back_off_mm")) {
-    if (const auto back = map->Optional("back_off_mm")) {
-      o->back_off_unit = back->Number(kDistance);
-    }
-  }
   const auto count = [&](const char* key, int most, int* value) {
     if (!Heeds(name, key)) return;
     *value = static_cast<int>(map->IntegerOr(key, *value, 1, most));
@@ -175,24 +191,38 @@ MotorStep ReadMotorStep(const std::string& name,
         "as_published";
   }
   ReadStepAxes(name, drawing, &map, &o);
+  ReadLengths(name, UnitKey(o, drawing), &map, &o);
   ReadNumbers(name, &map, &o);
   o.retries = static_cast<int>(map.IntegerOr("retries", o.retries, 0, 10));
   map.NoMoreKeys();
   return step;
 }
 
+/// A field of the record that a scenario sets before it begins.
+struct MotorSettingKey {
+  const char* key = "";
+  int code = 0;                     ///< Its M-code.
+  std::optional<bool> is_rotary{};  ///< Of these axes only.
+};
+constexpr std::array<MotorSettingKey, 5> kSettingKeys = {
+    {{"steps_per_mm", 92, false},
+     {"steps_per_deg", 92, true},
+     {"home_offset_mm", 206, false},
+     {"home_offset_deg", 206, true},
+     {"pulses_per_rev", 812}}};
+
 void ReadSettings(YamlMap map, MotorScenario* scenario) {
-  constexpr std::array<std::pair<const char*, int>, 3> kFields = {
-      {{"steps_per_mm", 92}, {"home_offset_mm", 206}, {"pulses_per_rev", 812}}};
-  for (const auto& [key, code] : kFields) {
-    const auto value = map.Optional(key);
+  for (const MotorSettingKey& setting : kSettingKeys) {
+    const auto value = map.Optional(setting.key);
     if (!value) continue;
     YamlMap by_axis = value->Map();
     for (std::size_t i = 0; i < kNumMotorAxes; ++i) {
+      const bool is_rotary = scenario->drawing.axes[i].is_rotary;
+      if (setting.is_rotary.value_or(is_rotary) != is_rotary) continue;
       const auto number = by_axis.Optional(MotorAxisName(i));
       if (!number) continue;
-      const Bounds bounds = code == 206 ? Bounds{-1e4, 1e4} : Bounds{1e-3, 1e7};
-      scenario->settings.push_back({code, {i, number->Number(bounds)}});
+      const Bounds bounds = setting.code == 206 ? Bounds{-1e4, 1e4} : Bounds{1e-3, 1e7};
+      scenario->settings.push_back({setting.code, {i, number->Number(bounds)}});
     }
     by_axis.NoMoreKeys();
   }

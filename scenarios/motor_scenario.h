@@ -34,7 +34,7 @@ struct MotorStep {
 struct MotorScenario {
   MotorStageDrawing drawing{};
   std::vector<MotorEffectSpec> effects{};
-  /// settings: {home_offset: {x: }, pulses_per_rev: {x: }, steps_per_mm: {x: }}, by
+  /// settings: {home_offset_mm: {x: }, pulses_per_rev: {x: }, steps_per_deg: {a: }}, by
   /// M-code.
   std::vector<std::pair<int, std::pair<std::size_t, double>>> settings{};
   std::optional<double> laser_sigma_unit{};  ///< instruments: {laser: {sigma_um: }}

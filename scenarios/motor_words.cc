@@ -9,8 +9,8 @@ std::span<const Word> MotorEffectWords() {
       Word{
           "switch_scatter",
           "A limit switch closes at another place each time. sd_um: standard deviation "
-          "from one closing to the next. In `effects:` of a motor stage, "
-          "switch_scatter.x."},
+          "from one closing to the next (sd_mdeg of a rotary axis, as all lengths are "
+          "deg there). In `effects:` of a motor stage, switch_scatter.x."},
       Word{"switch_missing",
            "A limit switch that never closes: a wire is off. min: 1 or max: 1."},
       Word{"index_position",
@@ -40,15 +40,18 @@ std::span<const Word> MotorEffectWords() {
 
 std::span<const Word> MotorProcedureWords() {
   static constexpr std::array kWords = {
-      Word{"servo_home",
-           "Homes a servo: to the MIN switch at slow (0.1 of the highest speed), back "
-           "off by back_off_mm (2), on to the first index pulse; that is zero. "
-           "as_published takes where the axis stopped; corrected the latched count, "
-           "warns where the switch's scatter can reach the index and backs off by half "
-           "a "
-           "turn more, and counts turns from a stored home offset. Troubles are logged "
-           "and tried again at half the speed, retries times (2); then the operator is "
-           "called and the axis is put in safe mode."},
+      Word{
+          "servo_home",
+          "Homes a servo: to the MIN switch at slow (0.1 of the highest speed), back "
+          "off by back_off_mm (2), on to the first index pulse; that is zero. "
+          "as_published takes where the axis stopped; corrected the latched count, "
+          "warns where the switch's scatter can reach the index and backs off by half "
+          "a "
+          "turn more, looks at the switch again where the index is near the place that "
+          "decides on its turn, and counts turns from a stored home offset. Lengths of "
+          "a rotary axis are back_off_deg, likewise below. Troubles are logged "
+          "and tried again at half the speed, retries times (2); then the operator is "
+          "called and the axis is put in safe mode."},
       Word{"index_verify",
            "One turn of the motor has one index pulse, and the counter is within "
            "threshold_pulses (3) of it. as_published starts on the index and counts 0, "
@@ -69,13 +72,16 @@ std::span<const Word> MotorProcedureWords() {
            "axes: [x, y], distance_mm (10), repeats (3), medium (0.5). corrected sets "
            "the delays that align them and looks again. Of open-loop steppers nothing "
            "is known."},
-      Word{
-          "emergency_stop",
-          "Foretells from inertia, speed (medium, 0.5) and current whether each of "
-          "axes "
-          "stands within_ms (5), stops them in mid-motion, reads time, way and current "
-          "of each, then resumes: a servo shows at its index whether its position was "
-          "kept, a stepper is homed again."},
+      Word{"emergency_stop",
+           "Foretells from inertia, speed (medium, 0.5) and current whether each of "
+           "axes "
+           "stands within_ms (5), its load coasting across the gap that motor_backlash "
+           "measured; a gap that nobody measured, of tolerance_mm (0.2), is asked for "
+           "where it would matter. Stops them in mid-motion, reads time, way and "
+           "current "
+           "of each, then resumes: a servo shows at its index whether its position was "
+           "kept (but for whole turns), a stepper is homed again and shows its lost "
+           "steps."},
       Word{
           "motor_backlash",
           "The gap between motor and carriage. as_published reads the motor's own "

@@ -116,7 +116,16 @@ MotorResult AsPublished(MotorDoing doing) {
       !doing.Did(axes.Store(axis))) {
     return doing.Take();
   }
-  doing.Step(name, 0, backlash_unit, Verdict::kApplied, "abs(P2 - P1) of the counter");
+  doing.Step(name,
+             0,
+             backlash_unit,
+             Verdict::kApplied,
+             "as published: not measured, abs(P2 - P1) of the motor's own counter");
+  doing.Say(
+      fmt::format("as published: not measured. {0:g} {1} is the way that the "
+                  "counter was told to go, for any gap; M425 holds it now",
+                  backlash_unit,
+                  axes.drawing(axis).unit()));
   doing.Found(name, axes.drawing(axis).unit(), backlash_unit, 1 / *pulses);
   return doing.Take();
 }

@@ -127,6 +127,13 @@ class MotorDoing {
 /// @return the speed with which it was found
 std::optional<double> FindMinSwitch(std::size_t axis, MotorDoing* doing);
 
+/// Warns where the record's turn (M812 / M92) differs from the drawn one by more than a
+/// percent: every distance that homing goes, and the turns it counts, would be off.
+void HintAtScale(std::size_t axis,
+                 double pulses_per_unit,
+                 double pulses_per_rev,
+                 MotorDoing* doing);
+
 /// How far beyond a switch an axis stands that was stopped by it, in the mean [mm,
 /// deg]:
 ///

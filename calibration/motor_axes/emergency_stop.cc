@@ -3,7 +3,7 @@
 #include <limits>
 #include <map>
 
-#include "calibration/motor_axes/doing.h"
+#include "calibration/motor_axes/foretell_stop.h"
 #include "sim/base/mutant.h"
 #include "sim/base/units.h"
 
@@ -16,41 +16,6 @@ double CommonSpeed_unit_s(const MotorAxes& axes, const MotorOptions& options) {
     slowest_unit_s = std::min(slowest_unit_s, axes.drawing(axis).max_velocity_unit_s);
   }
   return options.medium * slowest_unit_s;
-}
-
-void Foretell(double speed_unit_s, MotorDoing* doing) {
-  const MotorOptions& o = doing->options();
-  bool all = true;
-  for (const std::size_t axis : o.axes) {
-    const MotorAxisDrawing& d = doing->axes().drawing(axis);
-    const StopForecast f =
-        ForecastStop(doing->axes().bench(), axis, speed_unit_s, o.within_s);
-    const bool is_feasible = f.standstill_s <= o.within_s && f.holds;
-    all = all && is_feasible;
-    std::string words = fmt::format(
-        "{} at {:g} {}/s: stands after {:.2f} +- {:.2f} ms and {:.3f} {}; {} within "
-        "{:g} "
-        "ms",
-        MotorAxisName(axis),
-        speed_unit_s,
-        d.unit(),
-        f.standstill_s / SFromMs(1.0),
-        f.sd_s / SFromMs(1.0),
-        f.path_unit,
-        d.unit(),
-        is_feasible ? "feasible" : "NOT feasible",
-        o.within_s / SFromMs(1.0));
-    if (!is_feasible) {
-      words += fmt::format("; up to {:.0f} {}/s it is", f.fastest_unit_s, d.unit());
-    }
-    if (!f.holds) words += "; its field would let go, steps would be lost";
-    if (is_feasible) {
-      doing->Say(words);
-    } else {
-      doing->Warn(words);
-    }
-  }
-  doing->done().found.stop_feasible = all;
 }
 
 // Into the move, and the relay opens half way.
@@ -85,20 +50,19 @@ std::string Milliseconds(double seconds) {
 
 // What braked so long, where that is more than was foretold.
 void CompareWithForecast(std::size_t axis,
-                         double speed_unit_s,
+                         const StopForecast& f,
                          const StopSays& says,
                          MotorDoing* doing) {
   constexpr double kClear = 3;  // Standard deviations.
-  const MotorOptions& o = doing->options();
   const MotorBench& bench = doing->axes().bench();
   const MotorAxisDrawing& d = doing->axes().drawing(axis);
-  const StopForecast f = ForecastStop(bench, axis, speed_unit_s, o.within_s);
   const double late_s = says.standstill_s - f.standstill_s;
   if (late_s <= kClear * std::hypot(f.sd_s, says.sd_s)) return;
   const double brake_s = says.standstill_s - bench.stop_filter_s;
   doing->Warn(fmt::format(
       "{} stood after {} ms, {} were foretold: it brakes like {:.3g} {} in place of "
-      "{:g}, or its motor gives {:.0f} % of its force",
+      "{:g}, or its motor gives {:.0f} % of its force, or its load came late across a "
+      "gap",
       MotorAxisName(axis),
       Milliseconds(says.standstill_s),
       Milliseconds(f.standstill_s),
@@ -108,26 +72,35 @@ void CompareWithForecast(std::size_t axis,
       PercentFromFraction((f.standstill_s - bench.stop_filter_s) / brake_s)));
 }
 
-// The verdict as measured; where it is worse than the foretold one, a warning.
+// The verdict as measured; where it is worse than the foretold one, a warning. A load
+// that is still in its gap when its motor stands is seen by no counter: then both must
+// be in time.
 void JudgeStandstill(std::size_t axis,
-                     double speed_unit_s,
+                     const StopForecast& f,
                      const StopSays& says,
                      MotorDoing* doing) {
   constexpr double kClear = 2;  // Standard deviations.
   const MotorOptions& o = doing->options();
-  const bool is_within = says.stood && says.standstill_s <= o.within_s;
+  const bool is_counted = says.stood && says.standstill_s <= o.within_s;
+  const bool is_in_gap = f.coasts_s > 0;
+  const bool is_within = is_counted && (!is_in_gap || f.standstill_s <= o.within_s);
   std::string words =
       fmt::format("{} stood after {:.3f} +- {:.3f} ms: {}within {:g} ms",
                   MotorAxisName(axis),
                   says.standstill_s / SFromMs(1.0),
                   says.sd_s / SFromMs(1.0),
-                  is_within ? "" : "NOT ",
+                  is_counted ? "" : "NOT ",
                   o.within_s / SFromMs(1.0));
   if (std::abs(says.standstill_s - o.within_s) < kClear * says.sd_s) {
     words += ", but too close to it for the counter to be sure";
   }
-  const StopForecast f =
-      ForecastStop(doing->axes().bench(), axis, speed_unit_s, o.within_s);
+  if (is_in_gap) {
+    words += fmt::format(
+        "; so says the motor's counter, its load stands after {:.2f} "
+        "ms by the forecast, {}within",
+        f.standstill_s / SFromMs(1.0),
+        is_within ? "" : "NOT ");
+  }
   if (!is_within && f.standstill_s <= o.within_s) {
     doing->Warn(words);
   } else {
@@ -137,7 +110,17 @@ void JudgeStandstill(std::size_t axis,
       is_within && doing->done().found.stopped_within.value_or(true);
 }
 
-bool ReadStops(double speed_unit_s, MotorDoing* doing) {
+// Its counter shows a gap that nobody told.
+void TellKnock(std::size_t axis, const StopSays& says, MotorDoing* doing) {
+  const auto gap = GapOf(axis, doing);
+  if (!gap || gap->gap_unit > 0 || !says.is_knocked) return;
+  doing->Warn(fmt::format(
+      "{} did not brake evenly, its load hit it across a gap: it needs measuring, run "
+      "motor_backlash (corrected) first",
+      MotorAxisName(axis)));
+}
+
+bool ReadStops(const StopForecasts& forecasts, MotorDoing* doing) {
   const MotorOptions& o = doing->options();
   double slowest_s = 0;
   for (const std::size_t axis : o.axes) {
@@ -162,8 +145,9 @@ bool ReadStops(double speed_unit_s, MotorDoing* doing) {
                    "ms",
                    says->standstill_s / SFromMs(1.0),
                    says->sd_s / SFromMs(1.0));
-      JudgeStandstill(axis, speed_unit_s, *says, doing);
-      CompareWithForecast(axis, speed_unit_s, *says, doing);
+      JudgeStandstill(axis, forecasts.at(axis), *says, doing);
+      CompareWithForecast(axis, forecasts.at(axis), *says, doing);
+      TellKnock(axis, *says, doing);
     }
     if (!says->is_disabled) doing->Alert(axis, name + ": its drive is still on");
   }
@@ -215,14 +199,20 @@ std::optional<bool> KeptItsPosition(std::size_t axis,
   const double gone_pulses = *after_pulses - reference_pulses;
   const double off_pulses = gone_pulses - *per_rev * std::round(gone_pulses / *per_rev);
   const bool is_kept = std::abs(off_pulses) <= doing->options().threshold_pulses;
-  doing->Say(fmt::format(
-      "{}: {}",
-      MotorAxisName(axis),
-      is_kept ? "position kept, the index is where the counter has it"
-              : fmt::format("position LOST, the counter is {:+.0f} pulses off at the "
-                            "index: homed again",
-                            off_pulses)));
-  return is_kept;
+  if (is_kept) {
+    doing->Say(
+        fmt::format("{}: position kept but for whole turns of its motor, which an "
+                    "index cannot tell: it is where the counter has it",
+                    MotorAxisName(axis)));
+    return true;
+  }
+  ++doing->done().found.positions_lost;
+  doing->Warn(
+      fmt::format("{}: position LOST, the counter is {:+.0f} pulses off at the "
+                  "index: homed again",
+                  MotorAxisName(axis),
+                  off_pulses));
+  return false;
 }
 
 bool GoOn(std::size_t axis, const IndexCounts& before, MotorDoing* doing) {
@@ -241,39 +231,37 @@ bool GoOn(std::size_t axis, const IndexCounts& before, MotorDoing* doing) {
   const MotorResult homed = axes.drawing(axis).is_servo ? RunServoHome(&axes, home)
                                                         : RunStepperHome(&axes, home);
   for (const std::string& line : homed.result.messages) doing->Say(line);
+  doing->done().found.warnings += homed.found.warnings;
+  const double lost_unit = homed.found.lost_unit.value_or(0);
+  if (lost_unit != 0) {
+    ++doing->done().found.positions_lost;
+    doing->Warn(
+        fmt::format("{}: position LOST in the stop, {:+.3f} {}: such a stop is "
+                    "not to be called feasible",
+                    name,
+                    lost_unit,
+                    axes.drawing(axis).unit()));
+  }
   if (homed.result.ending == Ending::kDone) return true;
   doing->done().result.ending = homed.result.ending;
   return false;
 }
 
-}  // namespace
-
-StopForecast ForecastStop(const MotorBench& bench,
-                          std::size_t axis,
-                          double speed_unit_s,
-                          double within_s) {
-  const MotorAxisDrawing& d = bench.drawing.axes[axis];
-  const double inertia = d.total_inertia() * d.si_per_unit();
-  if (d.is_servo) {
-    const double slow_unit_s2 =
-        (Mutant("stop_forgets_current", d.largest_force(), 1.1 * d.largest_force()) +
-         d.friction) /
-        inertia;
-    const double brake_s = speed_unit_s / slow_unit_s2;
-    return {.standstill_s = bench.stop_filter_s + brake_s,
-            .sd_s = brake_s * bench.inertia_sigma,
-            .path_unit = speed_unit_s * (bench.stop_filter_s + brake_s / 2),
-            .fastest_unit_s = (within_s - bench.stop_filter_s) * slow_unit_s2};
-  }
-  // What its field holds falls to half at the highest feed.
-  const double falls = d.largest_force() / (2 * d.max_velocity_unit_s);
-  const double ramp_s = bench.stepper_stop_s;
-  StopForecast f{.standstill_s = bench.stop_filter_s + ramp_s,
-                 .path_unit = speed_unit_s * (bench.stop_filter_s + ramp_s / 2)};
-  f.fastest_unit_s = (d.largest_force() + d.friction) / (inertia / ramp_s + falls);
-  f.holds = speed_unit_s <= f.fastest_unit_s;
-  return f;
+// Of the stop as it went, all axes together.
+void TellVerdict(MotorDoing* doing) {
+  const MotorFindings& found = doing->done().found;
+  std::string words = found.stopped_within.has_value()
+                          ? fmt::format("verdict: servos stood {}within {:g} ms",
+                                        *found.stopped_within ? "" : "NOT ",
+                                        doing->options().within_s / SFromMs(1.0))
+                          : std::string("verdict: no axis shows when it stood");
+  words += found.positions_lost == 0
+               ? ", no position was seen to be lost"
+               : fmt::format(", positions lost: {}", found.positions_lost);
+  doing->Say(words);
 }
+
+}  // namespace
 
 MotorResult RunEmergencyStop(MotorAxes* axes, const MotorOptions& options) {
   MotorDoing doing("emergency_stop", options, axes);
@@ -286,15 +274,17 @@ MotorResult RunEmergencyStop(MotorAxes* axes, const MotorOptions& options) {
     }
   }
   const double speed_unit_s = CommonSpeed_unit_s(*axes, options);
-  Foretell(speed_unit_s, &doing);
+  const auto forecasts = ForetellStops(speed_unit_s, &doing);
+  if (!forecasts) return doing.Take();
   const auto indices = IndicesBefore(&doing);
   if (!indices || !StopInMotion(speed_unit_s, &doing) ||
-      !ReadStops(speed_unit_s, &doing) || !doing.Did(axes->Resume())) {
+      !ReadStops(*forecasts, &doing) || !doing.Did(axes->Resume())) {
     return doing.Take();
   }
   for (const std::size_t axis : options.axes) {
     if (!GoOn(axis, *indices, &doing)) return doing.Take();
   }
+  TellVerdict(&doing);
   doing.Say("resumed");
   return doing.Take();
 }

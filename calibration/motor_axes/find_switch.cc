@@ -71,6 +71,28 @@ std::string WordsOf(std::size_t axis,
 
 }  // namespace
 
+void HintAtScale(std::size_t axis,
+                 double pulses_per_unit,
+                 double pulses_per_rev,
+                 MotorDoing* doing) {
+  constexpr double kClear = 0.01;  // Screws and gears are surer than that.
+  const MotorAxisDrawing& d = doing->axes().drawing(axis);
+  const double turn_unit = pulses_per_rev / pulses_per_unit;
+  if (std::abs(turn_unit / d.lead_unit - 1) <= kClear) return;
+  doing->Warn(
+      fmt::format("a turn of {0} is {1:.6g} {2} by its record ({3:.6g} pulses by M812, "
+                  "{4:.6g} a {2} "
+                  "by M92) and {5:.6g} as drawn: its home would be wrong, set M92 "
+                  "(steps per {2}) or "
+                  "M812 first",
+                  MotorAxisName(axis),
+                  turn_unit,
+                  d.unit(),
+                  pulses_per_rev,
+                  pulses_per_unit,
+                  d.lead_unit));
+}
+
 std::optional<double> SeenLate(std::size_t axis,
                                double speed_unit_s,
                                MotorDoing* doing) {

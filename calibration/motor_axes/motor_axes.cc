@@ -175,6 +175,7 @@ Expected<StopSays> MotorAxes::LastStop(std::size_t axis) {
                   .path_unit = NumberBehind(*line, "path").value_or(0),
                   .peak_a = NumberBehind(*line, "peak_a").value_or(0),
                   .stood = NumberBehind(*line, "stood").value_or(0) == 1,
+                  .is_knocked = NumberBehind(*line, "knocked").value_or(0) == 1,
                   .is_disabled = NumberBehind(*line, "enabled").value_or(1) == 0};
 }
 

@@ -38,6 +38,7 @@ struct StopSays {
   double path_unit = 0;
   double peak_a = 0;
   bool stood = false;
+  bool is_knocked = false;  ///< It did not brake evenly: pushed on by its load.
   bool is_disabled = false;
 };
 

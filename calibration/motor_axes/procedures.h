@@ -26,7 +26,7 @@ struct MotorOptions {
   double fine_unit_s = 0.5;     ///< Their speed.
   double margin_unit = 2;       ///< Of the working range, at each end.
   double threshold_pulses = 3;  ///< Counter against index.
-  double tolerance_unit = 0.2;  ///< Mechanical, of a backlash.
+  double tolerance_unit = 0.2;  ///< Mechanical, of a backlash; a stop's unknown gap.
   int retries = 2;              ///< Each at half the speed.
   double within_s = 0.005;      ///< An emergency stop.
   double reach_sigmas = 6;  ///< An index nearer than this to a turn's end is warned of.
@@ -44,6 +44,8 @@ struct MotorFindings {
   std::optional<bool> stop_feasible{};             ///< Of the worst axis, foretold.
   std::optional<double> standstill_s{};            ///< Of the slowest axis, measured.
   std::optional<bool> stopped_within{};            ///< All of its servos, measured.
+  int positions_lost = 0;                          ///< Axes, by an emergency stop.
+  std::optional<double> lost_unit{};  ///< Of a stepper homed before; 0: no steps.
 };
 
 struct MotorResult {
@@ -80,21 +82,39 @@ MotorResult RunAxisSync(MotorAxes* axes, const MotorOptions& options);
 /// inertia, speed and current, then measured; what happened to positions; resume.
 MotorResult RunEmergencyStop(MotorAxes* axes, const MotorOptions& options);
 
+/// A stop that is asked about; lengths are mm, of a rotary axis deg.
+struct StopAsked {
+  double speed_unit_s = 0;
+  double within_s = 0.005;
+  double gap_unit =
+      0;  ///< Between motor and load; the load is driven, on its far side.
+  double gap_sd_unit = 0;
+};
+
 /// How long a servo brakes from a speed, input filter included:
 ///
 ///   t = t_filter + v M / (F + friction)
 ///
-/// of a stepper its ramp, where its field holds it through that; else never.
+/// while motor and load both move, also where a gap parts them: F brakes one, friction
+/// the other, and what is left is shared when they meet. A motor that stands before its
+/// load has crossed the gap b, b > v^2 (1 - aL / aM) / 2 aM, with aM = F / M_motor and
+/// aL = friction / M_load, waits for it; that time is added, or v / aL is all where
+/// friction stops the load inside the gap. Neglects rebound: rattling inside the gap.
+///
+/// Of a stepper its ramp, where its field holds it through that; else never. Its rotor
+/// swings about the field with 2 pi sqrt(M / k), k = H 2 pi / cycle, when that stands.
 struct StopForecast {
   double standstill_s = 0;
-  double sd_s = 0;  ///< From that of the inertia.
+  /// From that of inertia and gap; of a stepper a quarter of its rotor's swing.
+  double sd_s = 0;
   double path_unit = 0;
-  double fastest_unit_s = 0;  ///< That still stops in time.
-  bool holds = true;          ///< A stepper: keeps its steps.
+  double fastest_unit_s = 0;     ///< That still stops in time, or still holds; 0: none.
+  double fastest_sd_unit_s = 0;  ///< Of a stepper.
+  bool holds = true;             ///< A stepper: keeps its steps.
+  double coasts_s = 0;           ///< The load alone, its motor stands already.
 };
 StopForecast ForecastStop(const MotorBench& bench,
                           std::size_t axis,
-                          double speed_unit_s,
-                          double within_s);
+                          const StopAsked& asked);
 
 }  // namespace caltwin

@@ -19,7 +19,8 @@ struct Homing {
   double lead_unit = 1;
   double slow_unit_s = 1;
   double seen_unit_s = 0;  ///< Speed with which it was seen at the switch,
-  double sigma_unit = 0;   ///< and how sure the place is.
+  double sigma_unit = 0;   ///< and how sure one look at it is.
+  int looks = 1;           ///< Of which at_switch is the mean.
   std::int64_t at_switch = 0;
   std::int64_t backed_off = 0;
   std::int64_t index = 0;
@@ -31,6 +32,11 @@ struct Homing {
     return static_cast<double>(index - at_switch) / pulses_per_unit;
   }
 };
+
+// Without memory some index place must divide those that are home from those whose next
+// one is. As published it is where the back-off ends; here a quarter turn beyond that.
+constexpr double kCut_turns = 0.25;
+constexpr int kMostLooks = 25;
 
 double Below(double sigmas) {
   return std::erfc(sigmas / std::sqrt(2.0)) / 2;
@@ -90,6 +96,72 @@ bool LookAgain(double back_off_unit, Homing* homing, MotorDoing* doing) {
          doing->Did(axes.SeekSwitch(homing->axis, -2 * back_off_unit, fine_unit_s));
 }
 
+// How far an index stands beyond the cut, by the switch; below 0: its next one is home.
+double BeyondCut(const Homing& homing, const MotorDoing& doing) {
+  const double back_off_unit =
+      doing.options().back_off_unit.value_or(kUsualBackOff_unit);
+  return homing.offset_unit() - back_off_unit - kCut_turns * homing.lead_unit;
+}
+
+// One more look at the switch, as slow as the second.
+std::optional<double> NextLook(double back_off_unit,
+                               const Homing& homing,
+                               MotorDoing* doing) {
+  MotorAxes& axes = doing->axes();
+  const std::size_t axis = homing.axis;
+  const double fine_unit_s = homing.seen_unit_s;
+  const auto now = doing->Got(axes.Count(axis));
+  const auto late_unit = SeenLate(axis, fine_unit_s, doing);
+  if (!now || !late_unit) return std::nullopt;
+  const double above_unit =
+      static_cast<double>(*now - homing.at_switch) / homing.pulses_per_unit;
+  const bool is_done =
+      doing->Did(axes.MoveBy(axis, back_off_unit - above_unit, homing.slow_unit_s)) &&
+      doing->Did(axes.SeekSwitch(axis, -2 * back_off_unit, fine_unit_s)) &&
+      doing->Did(axes.WaitComplete());
+  const auto count = is_done ? doing->Got(axes.Count(axis)) : std::nullopt;
+  if (!count) return std::nullopt;
+  return static_cast<double>(*count) + *late_unit * homing.pulses_per_unit;
+}
+
+// Looks at the switch until their mean says clearly on which side of the cut the index
+// is: n looks scatter sqrt(n) less than one.
+bool LookUntilClear(Homing* homing, MotorDoing* doing) {
+  const MotorOptions& o = doing->options();
+  const double back_off_unit = o.back_off_unit.value_or(kUsualBackOff_unit);
+  double sum_pulses = static_cast<double>(homing->at_switch);
+  const int most = Mutant("home_looks_once", kMostLooks, 1);
+  const auto is_clear = [&] {
+    return std::abs(BeyondCut(*homing, *doing)) >=
+           o.reach_sigmas * homing->sigma_unit / std::sqrt(homing->looks);
+  };
+  while (homing->looks < most && !is_clear()) {
+    const auto seen_pulses = NextLook(back_off_unit, *homing, doing);
+    if (!seen_pulses) return false;
+    sum_pulses += *seen_pulses;
+    ++homing->looks;
+    homing->at_switch = std::llround(sum_pulses / homing->looks);
+  }
+  if (homing->looks > 1) {
+    doing->Say(
+        fmt::format("the switch of {} was looked at {} times: the index is near "
+                    "where its turn is decided",
+                    MotorAxisName(homing->axis),
+                    homing->looks));
+  }
+  if (is_clear()) return true;
+  const double sigma_unit = homing->sigma_unit / std::sqrt(homing->looks);
+  doing->Warn(fmt::format(
+      "{:.2g} % of first homings of {} would be a turn off, {} looks do not tell which "
+      "index is home: move its switch's flag by a quarter of a turn ({:g} {})",
+      PercentFromFraction(Below(std::abs(BeyondCut(*homing, *doing)) / sigma_unit)),
+      MotorAxisName(homing->axis),
+      homing->looks,
+      kCut_turns * homing->lead_unit,
+      doing->axes().drawing(homing->axis).unit()));
+  return true;
+}
+
 // Half a turn between the back-off's end and the index.
 bool BackOffFarther(Homing* homing, MotorDoing* doing) {
   MotorAxes& axes = doing->axes();
@@ -117,17 +189,20 @@ void WarnOfReach(const Homing& homing, MotorDoing* doing) {
   const double to_unit = homing.after_back_off_unit();
   const double near_unit = std::min(to_unit, homing.lead_unit - to_unit);
   const double share = WrongTurns(homing);
+  const MotorAxisDrawing& d = doing->axes().drawing(homing.axis);
   doing->Warn(
-      fmt::format("the back-off of {} ends {:.1f} um from an index, {:.1f} times the "
-                  "switch's scatter "
-                  "({:.1f} um): {:.2g} % of homings would be a turn ({:g} {}) off",
+      fmt::format("the back-off of {} ends {:.1f} {} from an index, {:.1f} times the "
+                  "switch's scatter ({:.1f} {}): {:.2g} % of homings would be a turn "
+                  "({:g} {}) off",
                   MotorAxisName(homing.axis),
                   UmFromMm(near_unit),
+                  d.fine_unit(),
                   near_unit / homing.sigma_unit,
                   UmFromMm(homing.sigma_unit),
+                  d.fine_unit(),
                   PercentFromFraction(share),
                   homing.lead_unit,
-                  doing->axes().drawing(homing.axis).unit()));
+                  d.unit()));
 }
 
 // Against the offset that was stored: whole turns are the switch's, the rest is none.
@@ -188,7 +263,11 @@ bool Correct(double stored_unit, Homing* homing, MotorDoing* doing) {
   const bool is_near = near_unit < doing->options().reach_sigmas * homing->sigma_unit;
   if (is_near) WarnOfReach(*homing, doing);
   if (stored_unit != 0) return CountTurns(stored_unit, homing, doing);
-  return !is_near || BackOffFarther(homing, doing);
+  if (!LookUntilClear(homing, doing)) return false;
+  const double reach_unit = doing->options().reach_sigmas * homing->sigma_unit;
+  const bool is_next = Mutant(
+      "home_cut_within_reach", BeyondCut(*homing, *doing) < 0, near_unit < reach_unit);
+  return !(is_near || is_next) || BackOffFarther(homing, doing);
 }
 
 }  // namespace
@@ -203,6 +282,7 @@ MotorResult RunServoHome(MotorAxes* axes, const MotorOptions& options) {
   if (!pulses || !stored_unit || !per_rev) return doing.Take();
   homing.pulses_per_unit = *pulses;
   homing.lead_unit = *per_rev / *pulses;
+  HintAtScale(axis, *pulses, *per_rev, &doing);
   if (!ToSwitch(&homing, &doing) || !HuntIndex(&homing, &doing)) return doing.Take();
   doing.done().found.wrong_turn_probability = WrongTurns(homing);
   const auto stands = doing.Got(axes->Count(axis));
@@ -230,8 +310,9 @@ MotorResult RunServoHome(MotorAxes* axes, const MotorOptions& options) {
   doing.Found(
       name,
       axes->drawing(axis).unit(),
-      OfCarriage(
-          offset_unit, *gap_unit, SwitchBudget(axes->bench(), homing.seen_unit_s)));
+      OfCarriage(offset_unit,
+                 *gap_unit,
+                 SwitchBudget(axes->bench(), homing.seen_unit_s, homing.looks)));
   return doing.Take();
 }
 

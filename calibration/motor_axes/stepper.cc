@@ -86,10 +86,14 @@ void TellLostSteps(std::size_t axis,
                    MotorDoing* doing) {
   const MotorAxisDrawing& d = doing->axes().drawing(axis);
   const double off_unit = seen.pulses / pulses + doing->options().final_back_off_unit;
-  if (std::abs(off_unit) < kLostSigmas * std::sqrt(2.0) * seen.sd_unit) {
-    doing->Say(fmt::format("{} had lost no steps: {:+.1f} um from its home",
+  const bool has_lost =
+      std::abs(off_unit) >= kLostSigmas * std::sqrt(2.0) * seen.sd_unit;
+  doing->done().found.lost_unit = has_lost ? off_unit : 0;
+  if (!has_lost) {
+    doing->Say(fmt::format("{} had lost no steps: {:+.1f} {} from its home",
                            MotorAxisName(axis),
-                           UmFromMm(off_unit)));
+                           UmFromMm(off_unit),
+                           d.fine_unit()));
     return;
   }
   const double cycles = off_unit * d.full_steps_per_rev / d.lead_unit / 4;
@@ -130,7 +134,9 @@ MotorResult RunStepperHome(MotorAxes* axes, const MotorOptions& options) {
   const MotorAxisDrawing& d = axes->drawing(axis);
   const auto pulses = doing.Got(axes->Field(92, axis));
   const auto says = doing.Got(axes->Drive(axis));
-  if (!pulses || !says) return doing.Take();
+  const auto per_rev = doing.Got(axes->Field(812, axis));
+  if (!pulses || !says || !per_rev) return doing.Take();
+  HintAtScale(axis, *pulses, *per_rev, &doing);
   GentleStart gentle(axis, &doing);
   const auto slow_unit_s = FindMinSwitch(axis, &doing);
   std::optional<Seen> seen;
@@ -159,10 +165,11 @@ MotorResult RunStepperHome(MotorAxes* axes, const MotorOptions& options) {
              0,
              options.final_back_off_unit,
              Verdict::kApplied,
-             fmt::format("zero stands {:g} {} from the switch, told to {:.1f} um",
+             fmt::format("zero stands {:g} {} from the switch, told to {:.1f} {}",
                          options.final_back_off_unit,
                          d.unit(),
-                         UmFromMm(seen->sd_unit)));
+                         UmFromMm(seen->sd_unit),
+                         d.fine_unit()));
   const auto gap_unit = CompensatedGap(axis, "home_offset", &doing);
   if (!gap_unit) return doing.Take();
   doing.Found(

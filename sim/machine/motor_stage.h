@@ -51,6 +51,8 @@ struct MotorAxisDrawing {
   /// Metres a mm, radians a deg.
   double si_per_unit() const;
   const char* unit() const { return is_rotary ? "deg" : "mm"; }
+  /// A thousandth of that.
+  const char* fine_unit() const { return is_rotary ? "mdeg" : "um"; }
 };
 
 /// The rig: motors that do not know of each other, and what reads their switches.
