@@ -1,7 +1,9 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
+#include <vector>
 
 #include "scenarios/motor_link.h"
 
@@ -21,9 +23,12 @@ inline BuiltMotorStage BuiltAsDrawn(const MotorStageDrawing& drawing) {
 
 /// Passes everything on, and notes when x truly stood after its drive braked: when the
 /// momentum of motor and carriage was gone. Each alone swings about it in the coupling.
+/// Across a gap when either had stopped: slower than a twentieth of the momentum for
+/// good, with what was left of it at the last rate. (Rattling inside the gap with less
+/// is not counted.)
 class WatchedRig : public MotorRig {
  public:
-  WatchedRig(MotorStageRig* inner, const MotorAxisDrawing& built)
+  WatchedRig(MotorStageRig* inner, const BuiltMotor& built)
       : inner_(inner), built_(built) {}
 
   double tick_s() const override { return inner_->tick_s(); }
@@ -31,10 +36,12 @@ class WatchedRig : public MotorRig {
     const double carriage_unit = inner_->State(0).carriage_unit;
     inner_->Tick(drives);
     const MotorState state = inner_->State(0);
-    const double speed_unit_s = (state.carriage_unit - carriage_unit) / tick_s();
-    Note(drives[0].mode == RigDrive::Mode::kBrake,
-         std::abs(built_.motor_inertia * state.motor_unit_s +
-                  built_.load_inertia * speed_unit_s));
+    const double motor = built_.drawing.motor_inertia * state.motor_unit_s;
+    const double carriage =
+        built_.drawing.load_inertia * (state.carriage_unit - carriage_unit) / tick_s();
+    const double momentum = built_.gap_unit > 0 ? std::abs(motor) + std::abs(carriage)
+                                                : std::abs(motor + carriage);
+    Note(drives[0].mode, momentum);
   }
   std::int64_t Count(std::size_t axis) const override { return inner_->Count(axis); }
   double CurrentOf(std::size_t axis) const override { return inner_->CurrentOf(axis); }
@@ -46,30 +53,41 @@ class WatchedRig : public MotorRig {
   }
 
   /// From where the brakes acted, the input's filter not counted.
-  std::optional<double> braked_s() const { return braked_s_; }
+  std::optional<double> braked_s() const {
+    const double gone = (built_.gap_unit > 0 ? 0.05 : 0.001) * Momentum(0);
+    const std::size_t end = momenta_.size();
+    std::size_t at = 1;
+    if (built_.gap_unit > 0) {
+      at = end;
+      while (at > 1 && Momentum(at - 1) < gone) --at;
+    } else {
+      while (at < end && Momentum(at) >= gone) ++at;
+    }
+    if (at >= end) return std::nullopt;
+    // MuJoCo's speeds are those in the middle of a tick. A drive holds its force for a
+    // tick: it stood when the force of the tick before would have ended its momentum.
+    const double earlier = Momentum(at > 1 ? at - 2 : 0), before = Momentum(at - 1);
+    const double full = std::max(earlier - before, before - Momentum(at));
+    return tick_s() * (static_cast<double>(at) - 1.5 + before / full);
+  }
 
  private:
-  // MuJoCo's speeds are those in the middle of a tick. A drive holds its force for a
-  // tick: it stood when the force of the tick before would have ended its momentum.
-  void Note(bool brakes, double momentum) {
-    constexpr double kGone = 0.001;
-    if (brakes && !braked_s_) {
-      if (ticks_ == 0) first_ = before_;
-      ++ticks_;
-      if (momentum < kGone * first_) {
-        const double full = std::max(earlier_ - before_, before_ - momentum);
-        braked_s_ = tick_s() * (ticks_ - 1.5 + before_ / full);
-      }
-    }
-    earlier_ = before_;
+  double Momentum(std::size_t tick) const {
+    return tick < momenta_.size() ? momenta_[tick] : 0;
+  }
+  // From the tick before the brakes on, until the drive is told to follow again.
+  void Note(RigDrive::Mode mode, double momentum) {
+    if (mode == RigDrive::Mode::kBrake && momenta_.empty()) momenta_ = {before_};
+    is_over_ = is_over_ || (!momenta_.empty() && mode == RigDrive::Mode::kFollow);
+    if (!momenta_.empty() && !is_over_) momenta_.push_back(momentum);
     before_ = momentum;
   }
 
   MotorStageRig* inner_;
-  MotorAxisDrawing built_;
-  double earlier_ = 0, before_ = 0, first_ = 0;
-  int ticks_ = 0;
-  std::optional<double> braked_s_{};
+  BuiltMotor built_;
+  double before_ = 0;
+  std::vector<double> momenta_{};
+  bool is_over_ = false;
 };
 
 /// A simulated stage with its controller, and what calibration has of it.
@@ -79,7 +97,7 @@ struct MotorBenchInATest {
                              std::uint64_t seed = 1,
                              std::uint64_t sample = 0)
       : rig(built, is_physics, seed, sample),
-        watched(&rig, built.motors[0].drawing),
+        watched(&rig, built.motors[0]),
         firmware(MotorFirmwareOf(built.drawing), &watched, &flash),
         wire(&firmware),
         gauge(&rig, 0.0005, seed, sample),

@@ -94,6 +94,17 @@ BuiltMotorStage QuickSwitch() {
   return built;
 }
 
+// The share that lies on another turn than most.
+double OnAnotherTurn(const std::vector<double>& homes_mm) {
+  std::vector<double> sorted = homes_mm;
+  const auto middle = sorted.begin() + sorted.size() / 2;
+  std::ranges::nth_element(sorted, middle);
+  const double usual_mm = *middle;
+  const auto others = std::ranges::count_if(
+      homes_mm, [&](double home_mm) { return std::abs(home_mm - usual_mm) > 5; });
+  return static_cast<double>(others) / static_cast<double>(homes_mm.size());
+}
+
 // The share of later homings that lie on another turn than the first, of `count`.
 double WrongTurns(BuiltMotorStage built, bool is_as_published, int count) {
   built.faults[kX].switch_scatter_unit = 0.010;
@@ -111,27 +122,29 @@ double WrongTurns(BuiltMotorStage built, bool is_as_published, int count) {
     }
     homes_mm.push_back(TrueHome(bench.firmware, bench.rig, kX));
   }
-  std::vector<double> sorted = homes_mm;
-  std::ranges::nth_element(sorted, sorted.begin() + count / 2);
-  const double usual_mm = sorted[count / 2];
-  return static_cast<double>(std::ranges::count_if(
-             homes_mm,
-             [&](double home_mm) { return std::abs(home_mm - usual_mm) > 5; })) /
-         count;
+  return OnAnotherTurn(homes_mm);
 }
 
-// The share of first homings, each of a machine that remembers nothing, that see the
-// index out of reach: they take the one that is near, all others the next.
-double FirstHomingsUnwarned(BuiltMotorStage built, int count) {
+struct FirstHomings {
+  double wrong = 0;   // The share that takes another turn than most.
+  double warned = 0;  // Likewise.
+};
+
+// Each of a machine that remembers nothing.
+FirstHomings HomeFirst(BuiltMotorStage built, int count) {
+  constexpr std::uint64_t kSeed = 20261124;  // Not looked at before the method stood.
   built.faults[kX].switch_scatter_unit = 0.010;
-  int unwarned = 0;
+  std::vector<double> homes_mm;
+  int warned = 0;
   for (int i = 0; i < count; ++i) {
-    MotorBenchInATest bench(built, /*is_physics=*/false, 2, i);
+    MotorBenchInATest bench(built, /*is_physics=*/false, kSeed, i);
     const MotorResult homed = RunServoHome(&bench.axes, {.axes = {kX}, .slow = kSlow});
     EXPECT_EQ(homed.result.ending, Ending::kDone) << homed.result.fault;
-    if (homed.found.warnings == 0) ++unwarned;
+    if (homed.found.warnings > 0) ++warned;
+    homes_mm.push_back(TrueHome(bench.firmware, bench.rig, kX));
   }
-  return static_cast<double>(unwarned) / count;
+  return {.wrong = OnAnotherTurn(homes_mm),
+          .warned = static_cast<double>(warned) / count};
 }
 
 // Where the back-off of a switch that does not scatter ends, beyond it; the mean over
@@ -163,19 +176,47 @@ TEST(MotorFigures, TheRemedyLeavesNoHomingATurnOff) {
 
   const double before = WrongTurns(three_away(true), true, kTrials);
   const double after = WrongTurns(three_away(false), false, kTrials);
-  const double first = FirstHomingsUnwarned(three_away(false), kTrials);
 
   Print(
       fmt::format("wrong-turn homings, index 3 sigma away, of {} each: as published "
-                  "{:.3f} %, corrected {:.3f} %; without memory {:.3f} %",
+                  "{:.3f} %, corrected {:.3f} %",
                   kTrials,
                   PercentFromFraction(before),
-                  PercentFromFraction(after),
-                  PercentFromFraction(first)));
+                  PercentFromFraction(after)));
   EXPECT_NEAR(before, kExpected, 4 * std::sqrt(kExpected / kTrials));
-  // Three standard deviations beyond three are six, from where none is warned.
-  EXPECT_NEAR(first, kExpected, 4 * std::sqrt(kExpected / kTrials));
   EXPECT_EQ(after, 0);
+}
+
+// Three standard deviations from where the published turn is decided, and from where
+// the corrected one is, a quarter turn on.
+TEST(MotorFigures, FirstHomingsTakeOneTurn) {
+  constexpr int kTrials = 10'000;
+  const BuiltMotorStage built = QuickSwitch();
+  const double end_mm = BackOffEnd_mm(built, false);
+  const auto beyond = [&](double mm) {
+    BuiltMotorStage near = built;
+    near.motors[kX].drawing.index_from_switch_unit = end_mm + mm;
+    return HomeFirst(near, kTrials);
+  };
+
+  const FirstHomings published = beyond(0.030);
+  const FirstHomings cut = beyond(2.5 + 0.030), on_cut = beyond(2.5);
+
+  Print(
+      fmt::format("first homings, index 3 sigma away, of {} each: from the back-off's "
+                  "end {:.3f} % on another turn ({:.2f} % warned), from the cut {:.3f} "
+                  "% ({:.2f} %); on the cut {:.1f} % ({:.1f} %)",
+                  kTrials,
+                  PercentFromFraction(published.wrong),
+                  PercentFromFraction(published.warned),
+                  PercentFromFraction(cut.wrong),
+                  PercentFromFraction(cut.warned),
+                  PercentFromFraction(on_cut.wrong),
+                  PercentFromFraction(on_cut.warned)));
+  EXPECT_EQ(published.wrong, 0);
+  EXPECT_EQ(cut.wrong, 0);
+  // Nothing tells the turn of what is on the cut; most of those must say so.
+  EXPECT_GT(on_cut.warned, 0.9);
 }
 
 // Any servo of a machine shop on x, stopped from a speed of its own.
@@ -204,6 +245,7 @@ BuiltMotorStage RandomServo(Rng* rng, double* speed_mm_s) {
 
 struct Verdicts {
   int foretold_right = 0, measured_right = 0, feasible = 0, called_late = 0, all = 0;
+  int wants_measuring = 0, wrong_and_silent = 0;
   double worst_s = 0, squares_s2 = 0;
 };
 
@@ -212,6 +254,8 @@ struct Unlike {
   double load_sigma = 0;  // Standard deviation of their loads, and
   double all_sigma = 0;   // of loads and motors together, as fractions,
   double heavier = 0;     // by which part of the whole inertia they are heavier.
+  enum class Gap { kNone, kMeasured, kUnknown };
+  Gap gap = Gap::kNone;  // Of 0.01 to 0.2 mm, in M425 or not.
 };
 
 void Build(const Unlike& unlike, Rng* rng, MotorAxisDrawing* x) {
@@ -228,31 +272,56 @@ bool IsCalledLate(const MotorResult& stopped) {
   });
 }
 
+bool WantsMeasuring(const MotorResult& stopped) {
+  return std::ranges::any_of(stopped.result.messages, [](const std::string& text) {
+    return text.find("needs measuring") != std::string::npos;
+  });
+}
+
+void Count(const MotorResult& stopped, double truth_s, Verdicts* verdicts) {
+  const bool is_feasible = truth_s <= 0.005;
+  const double off_s = *stopped.found.standstill_s - truth_s;
+  const bool is_foretold = stopped.found.stop_feasible == is_feasible;
+  const bool is_measured = stopped.found.stopped_within == is_feasible;
+  ++verdicts->all;
+  verdicts->feasible += is_feasible ? 1 : 0;
+  verdicts->foretold_right += is_foretold ? 1 : 0;
+  verdicts->measured_right += is_measured ? 1 : 0;
+  verdicts->called_late += IsCalledLate(stopped) ? 1 : 0;
+  verdicts->wants_measuring += WantsMeasuring(stopped) ? 1 : 0;
+  const bool is_wrong = !is_foretold || !is_measured;
+  verdicts->wrong_and_silent += is_wrong && !WantsMeasuring(stopped) ? 1 : 0;
+  verdicts->worst_s = std::max(verdicts->worst_s, std::abs(off_s));
+  verdicts->squares_s2 += off_s * off_s;
+}
+
 Verdicts StopMany(int machines, const Unlike& unlike) {
   constexpr std::uint64_t kSeed = 20261123;  // Not looked at before the method stood.
   Rng rng(kSeed, 0, "stop_machines"), others(kSeed, 0, "stop_machines_unlike");
+  Rng gaps(kSeed, 0, "stop_machines_gap");
   Verdicts verdicts;
   for (int i = 0; i < machines; ++i) {
     double speed_mm_s = 0;
     BuiltMotorStage built = RandomServo(&rng, &speed_mm_s);
     Build(unlike, &others, &built.motors[kX].drawing);
+    if (unlike.gap != Unlike::Gap::kNone) {
+      built.motors[kX].gap_unit = 0.01 * std::pow(20, gaps.Uniform());
+    }
     MotorBenchInATest bench(built, /*is_physics=*/true, 1, i);
     bench.axes.SetZero(kX, 0);
+    if (unlike.gap == Unlike::Gap::kMeasured) {
+      bench.axes.SetField(425, kX, built.motors[kX].gap_unit);
+    }
     const MotorResult stopped =
         RunEmergencyStop(&bench.axes, {.axes = {kX}, .medium = 1});
     const auto braked_s = bench.watched.braked_s();
-    EXPECT_TRUE(braked_s && stopped.found.stopped_within) << i << stopped.result.fault;
+    const bool is_counted = braked_s && stopped.found.stopped_within;
+    // Across a gap one light motor in a thousand leans on friction beyond its window.
+    EXPECT_TRUE(is_counted || unlike.gap != Unlike::Gap::kNone)
+        << i << stopped.result.fault;
     if (!braked_s || !stopped.found.stopped_within) continue;
     const double truth_s = 0.0005 + *braked_s;
-    const bool is_feasible = truth_s <= 0.005;
-    const double off_s = *stopped.found.standstill_s - truth_s;
-    ++verdicts.all;
-    verdicts.feasible += is_feasible ? 1 : 0;
-    verdicts.foretold_right += stopped.found.stop_feasible == is_feasible ? 1 : 0;
-    verdicts.measured_right += stopped.found.stopped_within == is_feasible ? 1 : 0;
-    verdicts.called_late += IsCalledLate(stopped) ? 1 : 0;
-    verdicts.worst_s = std::max(verdicts.worst_s, std::abs(off_s));
-    verdicts.squares_s2 += off_s * off_s;
+    Count(stopped, truth_s, &verdicts);
   }
   return verdicts;
 }
@@ -285,6 +354,23 @@ TEST(MotorFigures, EmergencyStopVerdictsAreRight) {
   EXPECT_GE(known.measured_right, 990);
   EXPECT_GE(unknown.measured_right, 990);
   EXPECT_EQ(known.called_late, 0);
+}
+
+// Across a gap of 0.01 to 0.2 mm; an unknown one is to be asked for where it matters.
+TEST(MotorFigures, EmergencyStopVerdictsAcrossAGapAreRight) {
+  const Verdicts measured = StopMany(1000, {.gap = Unlike::Gap::kMeasured});
+  const Verdicts unknown = StopMany(1000, {.gap = Unlike::Gap::kUnknown});
+
+  PrintVerdicts("gap measured", measured);
+  PrintVerdicts("gap unknown", unknown);
+  Print(fmt::format("unknown gaps: {} told to be measured, {} wrong and not told",
+                    unknown.wants_measuring,
+                    unknown.wrong_and_silent));
+  EXPECT_GE(measured.foretold_right, 990);
+  // The counter alone falls short of 99 % (989 when this was written).
+  EXPECT_GE(measured.measured_right, 985);
+  EXPECT_GE(unknown.foretold_right, 970);
+  EXPECT_LE(unknown.wrong_and_silent, 10);
 }
 
 // Beyond three standard deviations on one side are 0.135 % by chance.
