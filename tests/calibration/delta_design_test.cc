@@ -17,7 +17,7 @@ constexpr int kFactors = 6;
 
 // Of the height at each place against three endstops, radius and two angles [1, 1,
 // 1/deg].
-Eigen::MatrixXd HeightSlopes(const std::vector<Eigen::Vector2d>& places) {
+Eigen::MatrixXd FactorSlopes(const std::vector<Eigen::Vector2d>& places) {
   constexpr double kStep = 0.01;
   const auto moved = [](int factor, double by) {
     DeltaModel<double> model = SymmetricDelta(300, 130, 250);
@@ -83,11 +83,11 @@ struct LeastLeft {
 LeastLeft LeastLeftOf(bool with_mean) {
   constexpr int kTouches = 16;
   constexpr double kTouch_um = 10;
-  Eigen::MatrixXd over = HeightSlopes(Disc(8));
+  Eigen::MatrixXd over = FactorSlopes(Disc(8));
   if (!with_mean) over.rowwise() -= Eigen::RowVectorXd(over.colwise().mean());
   const Eigen::MatrixXd wanted =
       over.transpose() * over / static_cast<double>(over.rows());
-  const Eigen::MatrixXd slopes = HeightSlopes(Disc(20));
+  const Eigen::MatrixXd slopes = FactorSlopes(Disc(20));
   Eigen::VectorXd share =
       Eigen::VectorXd::Constant(slopes.rows(), 1 / static_cast<double>(slopes.rows()));
   double least = 0;
@@ -97,7 +97,7 @@ LeastLeft LeastLeftOf(bool with_mean) {
     share = share.cwiseProduct((spread.gain / spread.mean_variance).cwiseSqrt());
     share /= share.sum();
   }
-  const Eigen::MatrixXd sixteen = HeightSlopes(RrfProbePoints(100));
+  const Eigen::MatrixXd sixteen = FactorSlopes(RrfProbePoints(100));
   const double theirs =
       TouchSpreadOf(sixteen, wanted, Eigen::VectorXd::Ones(kTouches)).mean_variance;
   return {.bound_um = kTouch_um * std::sqrt(least / kTouches),
