@@ -162,6 +162,9 @@ class DeltaCalibration {
           "{} readings of the calliper were not given; nothing is set", unread_);
     } else {
       if (fit) AddEstimates(*fit);
+      result_.estimates.insert(
+          result_.estimates.end(), outcome.estimates.begin(), outcome.estimates.end());
+      result_.correlations = outcome.correlations;
       Set(believed.settings, outcome, &wire);
     }
   }

@@ -7,8 +7,10 @@
 #include <fmt/format.h>
 
 #include "calibration/delta/change.h"
+#include "calibration/delta/engine_uncertainty.h"
 #include "calibration/delta/foretold_mesh.h"
 #include "calibration/delta/klipper_descent.h"
+#include "calibration/delta/klipper_fit.h"
 #include "calibration/delta/rrf_least_squares.h"
 #include "calibration/delta/settings.h"
 #include "scenarios/delta_link.h"
@@ -196,6 +198,7 @@ Performed PerformJoint(const DeltaStep& step,
   const DeltaChange change = ChangeOf(fit, start, best, radius_mm);
   performed.outcome.is_done = fit.converged;
   performed.outcome.said_mm = fit.hold_out_mm;
+  performed.outcome.correlations = CorrelationsOfDelta(fit);
   if (change.IsTold()) performed.outcome.settings = best;
   if (step.makes_mesh) {
     performed.outcome.mesh =
@@ -215,6 +218,36 @@ Performed PerformJoint(const DeltaStep& step,
         UmFromMm(change.scale.sd)));
   }
   return performed;
+}
+
+// What an engine moves, in the words of the joint estimate.
+std::vector<int> KnobsOfEngine(const DeltaStep& step) {
+  std::vector<int> knobs = {kEndstopKnob, kEndstopKnob + 1, kEndstopKnob + 2};
+  const int factors = step.name == "rrf_least_squares" ? step.factors : kKlipperSix;
+  if (factors >= 4) knobs.push_back(kRadiusKnob);
+  if (factors >= 6) knobs.insert(knobs.end(), {kAngleKnob, kAngleKnob + 1});
+  if (factors == 7 || factors == 9) knobs.push_back(kArmKnob);
+  if (factors >= 8) knobs.insert(knobs.end(), {kBedKnob, kBedKnob + 1});
+  return knobs;
+}
+
+// Neither firmware says how sure its settings are: told beside them.
+void AddUncertainty(const DeltaStep& step,
+                    const DeltaModel<double>& drawn,
+                    std::vector<DeltaTouch> touches,
+                    DeltaOutcome* outcome) {
+  if (!outcome->is_done) return;
+  EngineUncertainty sure = UncertaintyOfHeightSquares(outcome->settings,
+                                                      {.procedure = step.name,
+                                                       .knobs = KnobsOfEngine(step),
+                                                       .touches = std::move(touches)});
+  outcome->correlations = std::move(sure.correlations);
+  for (Estimate& estimate : sure.estimates) {
+    const auto set = DeltaSettingNamed(outcome->settings, drawn, estimate.name);
+    if (!set) continue;  // A tilt, which is no setting.
+    estimate.value = *set;
+    outcome->estimates.push_back(std::move(estimate));
+  }
 }
 
 // Eight and nine factors find the bed's tilt, which the firmware on the wire has no
@@ -255,16 +288,31 @@ DeltaOutcome PerformDeltaStep(const DeltaStep& step,
                               const DeltaModel<double>& start,
                               std::optional<DeltaJointFit>* fit) {
   const double radius_mm = machine.delta->print_radius_mm;
+  const DeltaModel<double>& drawn = machine.delta->model;
+  std::vector<DeltaTouch> touches;
+  const DeltaProbe probe = [&](const DeltaModel<double>& settings,
+                               double x_mm,
+                               double y_mm) {
+    const auto motors_mm = doors.probe(settings, x_mm, y_mm);
+    if (motors_mm) {
+      const double sigma_mm = TouchSigma_mm(scenario, machine, settings, *motors_mm);
+      touches.push_back({.motors_mm = *motors_mm, .sigma_mm = sigma_mm});
+    }
+    return motors_mm;
+  };
   if (step.name == "rrf_least_squares") {
-    return WithTiltTold(
-        CalibrateRrf(doors.probe,
-                     start,
-                     {.factors = step.factors, .points = RrfProbePoints(radius_mm)}));
+    DeltaOutcome outcome = WithTiltTold(CalibrateRrf(
+        probe, start, {.factors = step.factors, .points = RrfProbePoints(radius_mm)}));
+    AddUncertainty(step, drawn, std::move(touches), &outcome);
+    return outcome;
   }
   if (step.name == "klipper_descent") {
     KlipperOptions options{.points = KlipperProbePoints(radius_mm)};
     if (step.reads_print) options.distances = ReadPrint(doors.calliper, start);
-    return CalibrateKlipper(doors.probe, start, options);
+    DeltaOutcome outcome = CalibrateKlipper(probe, start, options);
+    // With a print it weighs lengths by a rule of its own, no noise in it.
+    if (!step.reads_print) AddUncertainty(step, drawn, std::move(touches), &outcome);
+    return outcome;
   }
   const Performed performed = PerformJoint(step, scenario, machine, doors, start);
   *fit = performed.fit;

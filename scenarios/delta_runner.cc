@@ -62,6 +62,8 @@ class DeltaRun {
     trial.after = twin_.marlin().settings();
     trial.mesh = twin_.marlin().mesh();
     trial.fit = fit_;
+    trial.settings_told = told_.estimates;
+    trial.correlations = told_.correlations;
     trial.said_mm = said_mm_;
     trial.has_fault = fault_.has_value();
     trial.was_out_of_reach = was_out_of_reach_;
@@ -94,6 +96,7 @@ class DeltaRun {
   void Take(const DeltaStep& step, Link* wire) {
     RunResult* result = &result_;
     twin_.BeginRecord(step.name);
+    told_ = {};
     fit_.reset();  // What an earlier step knew is no uncertainty of this one's.
     const DeltaModel<double> before = twin_.marlin().settings();
     DeltaLinkProbe probe(wire, machine_.delta->model, before);
@@ -115,6 +118,7 @@ class DeltaRun {
         probe.Say("M500");
       }
       said_mm_ = outcome.said_mm;
+      told_ = {.estimates = outcome.estimates, .correlations = outcome.correlations};
       result->messages.insert(
           result->messages.end(), outcome.messages.begin(), outcome.messages.end());
     }
@@ -147,6 +151,12 @@ class DeltaRun {
   BuiltDelta built_;
   DeltaTwin twin_;
   RunResult result_{};
+  /// What the last step said of its settings.
+  struct Told {
+    std::vector<Estimate> estimates{};
+    std::vector<Correlations> correlations{};
+  };
+  Told told_{};
   std::optional<DeltaJointFit> fit_{};
   double said_mm_ = 0;
   bool was_out_of_reach_ = false;

@@ -33,6 +33,8 @@ void AddSettings(const DeltaTrial& trial, RunResult* result) {
     row.injected = *DeltaSettingNamed(trial.built.build.model, drawn, name);
     row.recovered = *DeltaSettingNamed(trial.after, drawn, name);
     row.error = *row.recovered - row.injected;
+    const auto told = std::ranges::find(trial.settings_told, name, &Estimate::name);
+    if (told != trial.settings_told.end()) SetUncertainty(*told, &row);
     result->parameters.push_back(row);
   }
 }
@@ -236,6 +238,7 @@ void JudgeDelta(const DeltaTrial& trial, RunResult* result) {
       DeltaPositionP95_mm(trial, trial.after, trial.mesh);
   AddSettings(trial, result);
   AddEstimates(trial, result);
+  result->correlations = trial.correlations;
   const bool all_met = MeetValues(trial, result);
   result->messages.push_back(fmt::format(
       "the nozzle stands {:.1f} um rms off the bed ({:.1f} at most), {:.1f} before; "

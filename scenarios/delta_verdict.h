@@ -34,7 +34,9 @@ struct DeltaTrial {
   DeltaModel<double> after{};          ///< and at the end.
   DeltaMesh mesh{};                    ///< That the firmware lifts by at the end.
   std::optional<DeltaJointFit> fit{};  ///< Of the last step.
-  double said_mm = 0;                  ///< By the last procedure, as its own deviation.
+  std::vector<Estimate> settings_told{};  ///< By the last step, uncertainty and all.
+  std::vector<Correlations> correlations{};
+  double said_mm = 0;  ///< By the last procedure, as its own deviation.
   bool has_fault = false;
   bool was_out_of_reach = false;
 };

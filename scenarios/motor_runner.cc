@@ -166,6 +166,7 @@ class MotorRun {
     append(last_.steps, &result->steps);
     append(last_.messages, &result->messages);
     append(last_.observability, &result->observability);
+    append(last_.correlations, &result->correlations);
     AddEstimates(result);
   }
 

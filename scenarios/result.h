@@ -64,6 +64,7 @@ struct RunResult {
   std::vector<ParameterResult> parameters{};
   std::vector<CheckResult> checks{};
   std::vector<Step> steps{};
+  std::vector<Correlations> correlations{};  ///< A procedure's fit each.
   std::vector<Observability> observability{};
   std::vector<std::string> messages{};
   double position_error_before_p95_mm = 0;  ///< At 1000 seeded poses, both senses.

@@ -120,6 +120,10 @@ std::string BudgetsText(const RunResult& result) {
     const std::string line = UncertaintyText(row);
     if (!line.empty()) lines.push_back(line);
   }
+  for (const Correlations& of : result.correlations) {
+    const std::string line = CorrelationText(of);
+    if (!line.empty()) lines.push_back(line);
+  }
   return ListText("How sure: 95 % intervals, and what makes them", lines);
 }
 
@@ -177,6 +181,12 @@ std::string UncertaintyText(const ParameterResult& row) {
                   dof == kNormalDof ? "" : fmt::format(" ({} dof)", dof));
   const std::string shares = SharesText(row);
   return shares.empty() ? text : text + ": " + shares;
+}
+
+std::string CorrelationText(const Correlations& of) {
+  const std::string pairs = MostCorrelatedText(of);
+  return pairs.empty() ? ""
+                       : fmt::format("{}, most correlated: {}", of.procedure, pairs);
 }
 
 std::string SharesText(const ParameterResult& row) {

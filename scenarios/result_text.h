@@ -23,6 +23,10 @@ std::string SummaryText(std::span<const RunResult> results);
 /// +- U, and the share of each input. Empty where the row states no uncertainty.
 std::string UncertaintyText(const ParameterResult& row);
 
+/// "joint_estimate, most correlated: backlash.x with probe_pretravel.x -0.93"; empty
+/// where no pair reaches 0.1.
+std::string CorrelationText(const Correlations& of);
+
 /// "hysteresis 58 %, readings 42 %": shares of the variance, the largest first, those
 /// of half a percent and more; empty where the row has no budget.
 std::string SharesText(const ParameterResult& row);

@@ -164,6 +164,7 @@ class TripleZRun {
     append(last_.steps, &result->steps);
     append(last_.messages, &result->messages);
     append(last_.observability, &result->observability);
+    append(last_.correlations, &result->correlations);
     for (const Estimate& estimate : last_.estimates) {
       const auto same = [&](const Estimate& had) {
         return had.name == estimate.name;

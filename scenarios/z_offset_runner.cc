@@ -76,6 +76,7 @@ class ZOffsetRun {
       append(done.steps, &result.steps);
       append(done.messages, &result.messages);
       append(done.observability, &result.observability);
+      append(done.correlations, &result.correlations);
       append(done.estimates, &estimates_);
       if (ending_ != Ending::kDone) break;
     }

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "calibration/loop/outcome.h"
 #include "sim/machine/delta_mesh.h"
 
 namespace caltwin {
@@ -59,6 +60,9 @@ struct DeltaOutcome {
   double said_mm = 0;    ///< The deviation that it reports as its own.
   double tilt_x = 0;     ///< Of the bed, where the engine fits it (dz/dx).
   double tilt_y = 0;
+  std::vector<Estimate>
+      estimates{};  ///< Of settings, where their uncertainty is known.
+  std::vector<Correlations> correlations{};
   DeltaMesh mesh{};                     ///< Where the procedure makes one.
   std::vector<std::string> messages{};  ///< What the firmware would print.
 };

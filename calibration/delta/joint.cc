@@ -323,12 +323,18 @@ std::vector<int> KnobsOf(const DeltaJointFit& fit) {
   return knobs;
 }
 
-/// Heights and their slopes at these motor travels, in mm.
-Rows HeightsAt(const DeltaJointFit& fit, const std::vector<Vec3<double>>& motors_mm) {
+/// With a sigma of 1 mm heights and slopes come out as they are.
+DeltaReadings AskedAt(const std::vector<Vec3<double>>& motors_mm) {
   DeltaReadings asked;
   for (const Vec3<double>& at : motors_mm) {
     asked.touches.push_back({.motors_mm = at, .sigma_mm = 1});
   }
+  return asked;
+}
+
+/// Heights and their slopes at these motor travels, in mm.
+Rows HeightsAt(const DeltaJointFit& fit, const std::vector<Vec3<double>>& motors_mm) {
+  const DeltaReadings asked = AskedAt(motors_mm);
   return ReadDelta(asked, KnobsOf(fit)).At(fit.build, fit.bed);
 }
 
@@ -338,6 +344,13 @@ DeltaJointFit FitDeltaJointly(const DeltaBuild<double>& drawn,
                               const DeltaReadings& readings,
                               const DeltaJointOptions& options) {
   return Fitter(drawn, readings, options).Fit();
+}
+
+Eigen::MatrixXd HeightSlopes(const DeltaBuild<double>& build,
+                             const std::vector<Vec3<double>>& motors_mm,
+                             const std::vector<int>& knobs) {
+  const DeltaReadings asked = AskedAt(motors_mm);
+  return ReadDelta(asked, knobs).At(build, {}).slope;
 }
 
 DeltaForetold ForetellHeight(const DeltaJointFit& fit, const Vec3<double>& motors_mm) {

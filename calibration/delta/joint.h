@@ -73,6 +73,12 @@ DeltaJointFit FitDeltaJointly(const DeltaBuild<double>& drawn,
                               const DeltaReadings& readings,
                               const DeltaJointOptions& options = {});
 
+/// Slopes of the nozzle's height over a level bed by these knobs' inside values, a row
+/// a place of the motors; not finite where the machine does not reach.
+Eigen::MatrixXd HeightSlopes(const DeltaBuild<double>& build,
+                             const std::vector<Vec3<double>>& motors_mm,
+                             const std::vector<int>& knobs);
+
 /// Height of the nozzle over the bed at these motor travels as a fit foretells it, and
 /// how sure that is [mm].
 struct DeltaForetold {

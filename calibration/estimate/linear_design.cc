@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include <Eigen/Cholesky>
 
 #include "calibration/estimate/joint_model.h"
+#include "sim/base/mutant.h"
 #include "sim/base/require.h"
 
 namespace caltwin {
@@ -86,15 +88,18 @@ class Growing {
     }
     return best;
   }
-  // How much worse it is known without that reading, A; infinite where nothing else
+  // Variances of the free parameters without that reading; infinite where nothing else
   // tells what it does.
-  double LossWithout(std::size_t reading) const {
+  Eigen::VectorXd VariancesWithout(std::size_t reading) const {
     const auto row = jacobian_.row(static_cast<Eigen::Index>(reading));
     const Eigen::VectorXd moved = covariance_ * row.transpose();
     const double narrowed = 1 - row.dot(moved);
-    if (narrowed < kIndispensable) return std::numeric_limits<double>::infinity();
-    return moved.head(count_).cwiseAbs2().cwiseQuotient(before_).sum() / narrowed;
+    if (narrowed < kIndispensable) {
+      return Eigen::VectorXd::Constant(count_, std::numeric_limits<double>::infinity());
+    }
+    return Variances() + moved.head(count_).cwiseAbs2() / narrowed;
   }
+  Eigen::VectorXd Variances() const { return covariance_.diagonal().head(count_); }
   void LeaveOut(std::size_t reading) {
     const auto row = jacobian_.row(static_cast<Eigen::Index>(reading));
     const Eigen::VectorXd moved = covariance_ * row.transpose();
@@ -136,23 +141,61 @@ double RelativeSdOfAll(const JointProblem& problem) {
   return WithAll(problem).RelativeSd();
 }
 
+namespace {
+
+// Which of the design's unknowns all readings tell.
+std::vector<Eigen::Index> ToldBy(const LinearDesign& design) {
+  std::vector<Eigen::Index> told;
+  for (std::size_t i = 0; i < design.unknowns.size(); ++i) {
+    if (design.unknowns[i].identifiable) told.push_back(static_cast<Eigen::Index>(i));
+  }
+  return told;
+}
+
+// The reading without which every growth of variance is within `most`, and their sum
+// least; none where there is none.
+std::optional<std::size_t> LeastMissed(const Growing& growing,
+                                       const std::vector<std::size_t>& left,
+                                       const Eigen::VectorXd& all,
+                                       const std::vector<Eigen::Index>& told,
+                                       double most) {
+  std::optional<std::size_t> least;
+  double least_sum = std::numeric_limits<double>::infinity();
+  for (const std::size_t reading : left) {
+    const Eigen::VectorXd growth =
+        growing.VariancesWithout(reading).cwiseQuotient(all)(told);
+    if (!(growth.maxCoeff() <= most)) continue;
+    // Of equal ones the first, whatever rounding says.
+    if (growth.sum() >= least_sum * (1 - 1e-9)) continue;
+    least_sum = growth.sum();
+    least = reading;
+  }
+  return least;
+}
+
+}  // namespace
+
 EnoughReadings EnoughOf(const JointProblem& problem, double most) {
   Growing growing = WithAll(problem);
-  const double limit = most * growing.RelativeSd();
-  std::vector<std::size_t> left;
+  const LinearDesign design = DesignOf(problem);
+  const std::vector<Eigen::Index> told = ToldBy(design);
+  const Eigen::VectorXd all = growing.Variances();
+  EnoughReadings enough{.num_told = static_cast<int>(told.size())};
   for (Eigen::Index i = 0; i < growing.num_readings(); ++i) {
-    left.push_back(static_cast<std::size_t>(i));
+    enough.readings.push_back(static_cast<std::size_t>(i));
   }
-  EnoughReadings enough{.readings = left, .relative_sd = growing.RelativeSd()};
-  while (!left.empty()) {
-    const auto least = std::ranges::min_element(
-        left, {}, [&](std::size_t reading) { return growing.LossWithout(reading); });
-    if (!std::isfinite(growing.LossWithout(*least))) break;
+  if (told.empty()) return enough;
+  const double limit = Mutant("enough_on_average", 1.0, 1e9) * most * most * (1 + 1e-9);
+  while (const auto least = LeastMissed(growing, enough.readings, all, told, limit)) {
     growing.LeaveOut(*least);
-    if (growing.RelativeSd() > limit) break;
-    left.erase(least);
-    enough = {.readings = left, .relative_sd = growing.RelativeSd()};
+    std::erase(enough.readings, *least);
   }
+  const Eigen::VectorXd growth = growing.Variances().cwiseQuotient(all)(told);
+  Eigen::Index worst = 0;
+  enough.largest_ratio = std::sqrt(growth.maxCoeff(&worst));
+  enough.worst =
+      design.unknowns[static_cast<std::size_t>(told[static_cast<std::size_t>(worst)])]
+          .name;
   return enough;
 }
 

@@ -52,12 +52,16 @@ NextReading BestAfterAll(const JointProblem& problem, Optimal optimal);
 /// Root of the mean of (sd / prior sd)^2 after all readings.
 double RelativeSdOfAll(const JointProblem& problem);
 
-/// Readings that do the work of all: one after the other the one that is missed least
-/// (A-optimally) is left out, as long as the relative sd stays below `most` times that
-/// of all.
+/// Readings that do the work of all: of every free parameter that all readings tell
+/// (LinearDesign::Unknown::identifiable) the sd stays within `most` times what all of
+/// them leave. Of the readings without which that holds the one is left out that is
+/// missed least (least sum of variances over those of all), and again. What the
+/// readings do not tell has no say: its sd is its belief's whatever is left out.
 struct EnoughReadings {
   std::vector<std::size_t> readings{};  ///< Ascending.
-  double relative_sd = 1;
+  double largest_ratio = 1;  ///< Over the parameters told, of sd to that of all.
+  std::string worst{};       ///< Which parameter has it.
+  int num_told = 0;          ///< How many parameters count.
 };
 EnoughReadings EnoughOf(const JointProblem& problem, double most);
 

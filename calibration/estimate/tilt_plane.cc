@@ -52,6 +52,9 @@ TiltPlane FitTiltPlane(std::span<const Vec3<double>> points_mm,
   plane.height_mm = combine({1, to.x(), to.y()}, centre_mm.z());
   plane.slope_x = combine({0, 1 / extent_mm, 0}, 0);
   plane.slope_y = combine({0, 0, 1 / extent_mm}, 0);
+  if (fit.identifiable) {
+    plane.slope_covariance = fit.covariance(1, 2) / (extent_mm * extent_mm);
+  }
   plane.dof = fit.dof;
   plane.chi2_per_dof = fit.chi2_per_dof;
   double squares = 0;

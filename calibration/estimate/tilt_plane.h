@@ -13,6 +13,7 @@ struct TiltPlane {
   Uncertain height_mm{};  ///< At `about_mm`.
   Uncertain slope_x{};    ///< dz/dx [mm/mm]: positive rises towards +x.
   Uncertain slope_y{};
+  double slope_covariance = 0;         ///< Of slope_x with slope_y, as their sd.
   std::vector<double> residuals_mm{};  ///< Touched less plane, in the order given.
   double rms_mm = 0;                   ///< Of the residuals, over the points.
   double worst_mm = 0;                 ///< Largest residual, without sign.

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "calibration/estimate/correlation.h"
 #include "calibration/estimate/uncertain.h"
 #include "sim/base/yaml.h"
 
@@ -61,6 +62,7 @@ struct ProcedureResult {
   std::string fault{};  ///< The machine's words where it stopped the run.
   std::vector<Step> steps{};
   std::vector<Estimate> estimates{};
+  std::vector<Correlations> correlations{};  ///< Of what was fitted together.
   std::vector<Observability> observability{};
   std::vector<std::string> messages{};  ///< Warnings and remedies, for a person.
   int touches = 0;

@@ -259,6 +259,13 @@ void Session::Conclude(const std::string& name,
   if (stated.identifiable) bench_->ledger.known[name] = stated;
 }
 
+void Session::Correlate(std::vector<std::string> names,
+                        const Eigen::MatrixXd& covariance) {
+  if (names.size() < 2) return;
+  result_.correlations.push_back(
+      CorrelationsOf(procedure_, std::move(names), covariance));
+}
+
 void Session::Explain(const ObservabilityReport& report) {
   for (const Observability& blind : report.blind) {
     result_.observability.push_back(blind);

@@ -94,6 +94,8 @@ class Session {
                 const std::string& unit,
                 const Uncertain& estimate,
                 bool is_setting = false);
+  /// How the errors of what was fitted together go together; fewer than two: nothing.
+  void Correlate(std::vector<std::string> names, const Eigen::MatrixXd& covariance);
   /// The verdict of a plan's Jacobian: blind combinations become observability.
   void Explain(const ObservabilityReport& report);
   void End(Ending ending);

@@ -148,6 +148,50 @@ Uncertain TiltWithDoubt(Session* session,
       slope, DoubtBeside(session, o, along), DoubtBeside(session, o, Axis::kZ));
 }
 
+// Doubts of steps/mm that slopes are read in add to their variances; that of z to both,
+// so to what they have in common too.
+void AddSlopeDoubts(Session* session,
+                    const JointOptions& o,
+                    const std::vector<JointEstimate>& told,
+                    Eigen::MatrixXd* covariance) {
+  const double z_doubt = DoubtBeside(session, o, Axis::kZ);
+  const auto along = [](const JointEstimate& estimate) -> std::optional<Axis> {
+    if (!estimate.name.starts_with("bed_tilt.slope_")) return std::nullopt;
+    return estimate.name.starts_with("bed_tilt.slope_x") ? Axis::kX : Axis::kY;
+  };
+  for (std::size_t i = 0; i < told.size(); ++i) {
+    const auto axis = along(told[i]);
+    if (!axis) continue;
+    const auto row = static_cast<Eigen::Index>(i);
+    (*covariance)(row, row) +=
+        std::pow(told[i].value * DoubtBeside(session, o, *axis), 2);
+    for (std::size_t j = 0; j < told.size(); ++j) {
+      if (!along(told[j])) continue;
+      (*covariance)(row, static_cast<Eigen::Index>(j)) +=
+          told[i].value * told[j].value * z_doubt * z_doubt;
+    }
+  }
+}
+
+// How the errors of everything told go together.
+void ConcludeCorrelations(Session* session,
+                          const JointOptions& o,
+                          const JointFit& fit) {
+  std::vector<Eigen::Index> at;
+  std::vector<JointEstimate> told;
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < fit.estimates.size(); ++i) {
+    const JointEstimate& estimate = fit.estimates[i];
+    if (estimate.is_nuisance || !estimate.identifiable) continue;
+    at.push_back(static_cast<Eigen::Index>(i));
+    told.push_back(estimate);
+    names.push_back(estimate.name);
+  }
+  Eigen::MatrixXd covariance = fit.covariance(at, at);
+  AddSlopeDoubts(session, o, told, &covariance);
+  session->Correlate(std::move(names), covariance);
+}
+
 // Everything that has no setting, and every setting's last word.
 void ConcludeAll(Session* session,
                  const JointOptions& o,
@@ -301,6 +345,7 @@ Expected<void> RunJoint(Session* session, const JointOptions& o) {
     applied[static_cast<std::size_t>(Index(axis))] = *kept;
   }
   ConcludeAll(session, o, fit, applied);
+  ConcludeCorrelations(session, o, fit);
   const bool any = std::ranges::find(applied, true) != applied.end();
   if (!any && session->rules().apply) session->End(Ending::kRefused);
   return {};
@@ -341,7 +386,7 @@ PreparedProcedure Prepare(YamlMap map) {
   }
   o.rules.apply = map.FlagOr("apply", true);
   o.rules.roll_back = map.FlagOr("rollback", true);
-  o.rules.keep_within_sd = kKeepWithinSd;
+  o.rules.keep_within_sd = map.NumberOr("keep_within_sd", kKeepWithinSd, {0, 100});
   o.rules.steps_limit = map.NumberOr("steps_limit", 0.05, {1e-4, 0.5});
   map.NoMoreKeys();
   return [o](Bench* bench) {

@@ -30,6 +30,21 @@ bool IsClear(const Bench& bench, const Vec3<double>& at_mm, const std::string& p
   });
 }
 
+// What both slopes' errors have in common: where they were touched, and z's steps/mm.
+void CorrelateSlopes(Session* session, const TiltPlane& plane) {
+  if (!plane.slope_x.identifiable || !plane.slope_y.identifiable) return;
+  const double z_doubt = ScaleDoubt(session, Axis::kZ);
+  const auto widened = [&](const Uncertain& slope, Axis along) {
+    return CombinedU(WithScaleDoubt(slope, ScaleDoubt(session, along), z_doubt).budget);
+  };
+  const double x = widened(plane.slope_x, Axis::kX),
+               y = widened(plane.slope_y, Axis::kY);
+  const double both = plane.slope_covariance +
+                      plane.slope_x.value * plane.slope_y.value * z_doubt * z_doubt;
+  session->Correlate({"bed_tilt.slope_x_mrad", "bed_tilt.slope_y_mrad"},
+                     Eigen::Matrix2d{{x * x, both}, {both, y * y}});
+}
+
 }  // namespace
 
 std::vector<Face> TiltGrid(Session* session, const PlaneTiltOptions& o) {
@@ -93,6 +108,7 @@ Expected<void> RunPlaneTilt(Session* session, const PlaneTiltOptions& o) {
   };
   conclude("slope_x_mrad", Axis::kX, plane.slope_x);
   conclude("slope_y_mrad", Axis::kY, plane.slope_y);
+  CorrelateSlopes(session, plane);
   if (!plane.slope_x.identifiable) {
     session->Tell("A plane needs three touches that do not lie on one line.");
     session->End(Ending::kConfounded);

@@ -60,6 +60,12 @@ std::optional<BedPlane> ProbePlane(TripleZPrinter* printer,
   auto& result = doing->done().result;
   result.estimates.push_back(SlopeEstimate("bed_tilt.slope_x_mrad", plane.fit.slope_x));
   result.estimates.push_back(SlopeEstimate("bed_tilt.slope_y_mrad", plane.fit.slope_y));
+  if (plane.is_told()) {
+    const double x = plane.fit.slope_x.sd, y = plane.fit.slope_y.sd;
+    const double both = plane.fit.slope_covariance;
+    doing->Correlate({"bed_tilt.slope_x_mrad", "bed_tilt.slope_y_mrad"},
+                     Eigen::Matrix2d{{x * x, both}, {both, y * y}});
+  }
   doing->Say(fmt::format(
       "plane z = {:.6f} x {:+.6f} y {:+.4f} from {} points, residual {:.4f} mm; tilt "
       "{:.4f} deg along x, {:.4f} along y, {:.4f} in all",

@@ -60,6 +60,10 @@ class Doing {
     done_.result.observability.push_back({statement, std::move(direction)});
     done_.result.ending = Ending::kConfounded;
   }
+  void Correlate(std::vector<std::string> names, const Eigen::MatrixXd& covariance) {
+    done_.result.correlations.push_back(
+        CorrelationsOf(name_, std::move(names), covariance));
+  }
   void Fail(const MachineFault& fault) {
     done_.result.fault = fault.reply;
     const auto kind = fault.kind;

@@ -49,6 +49,12 @@ void AddPivotEstimates(const ScrewResponse& response,
            .budget = {InputOf("touches", 1, at)}});
     }
   }
+  std::vector<std::string> names;
+  for (const Estimate& estimate : result->estimates) {
+    if (estimate.name.starts_with("pivot_position.")) names.push_back(estimate.name);
+  }
+  result->correlations.push_back(CorrelationsOf(
+      "pivots_and_wiring", std::move(names), response.at_covariance_mm2));
   for (const std::string_view wiring : MotorsSwapped::kWirings) {
     const bool is_so = MotorsSwapped::ScrewsTurned(wiring) == response.screw_of;
     result->estimates.push_back({.name = fmt::format("motors_swapped.{}", wiring),

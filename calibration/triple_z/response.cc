@@ -61,20 +61,24 @@ void PropagateSds(const LinearFit& fit, bool is_sigma_stated, ScrewResponse* res
   // Where the touches scatter more than was said, they are believed.
   const double rough = ScatterFactor(fit.chi2_per_dof, fit.dof, is_sigma_stated);
   if (rough > 1) response->dof = fit.dof;
+  Eigen::MatrixXd slopes = Eigen::MatrixXd::Zero(n, 2 * kNumScrews);
+  for (Eigen::Index k = kShape; k < n; ++k) {
+    Eigen::VectorXd moved = fit.x;
+    moved[k] += kStep;
+    const Eigen::Matrix3d by_driver = ByDriver(moved);
+    for (int driver = 0; driver < kNumScrews; ++driver) {
+      const auto place_mm = PlaceOf_mm(by_driver, driver);
+      if (!place_mm) continue;
+      const Eigen::Vector2d& from_mm =
+          response->at_mm[static_cast<std::size_t>(driver)];
+      slopes.block<1, 2>(k, 2 * driver) = ((*place_mm - from_mm) / kStep).transpose();
+    }
+  }
+  response->at_covariance_mm2 =
+      rough * rough * slopes.transpose() * fit.covariance * slopes;
   for (int driver = 0; driver < kNumScrews; ++driver) {
-    Eigen::MatrixX2d slopes = Eigen::MatrixX2d::Zero(n, 2);
-    const auto at = static_cast<std::size_t>(driver);
-    for (Eigen::Index k = kShape; k < n; ++k) {
-      Eigen::VectorXd moved = fit.x;
-      moved[k] += kStep;
-      const auto place_mm = PlaceOf_mm(ByDriver(moved), driver);
-      if (place_mm) {
-        slopes.row(k) = ((*place_mm - response->at_mm[at]) / kStep).transpose();
-      }
-    }
-    for (int i = 0; i < 2; ++i) {
-      response->at_sd_mm[at][i] = rough * SdOf(slopes.col(i), fit.covariance);
-    }
+    response->at_sd_mm[static_cast<std::size_t>(driver)] =
+        response->at_covariance_mm2.diagonal().segment<2>(2 * driver).cwiseSqrt();
   }
 }
 

@@ -26,6 +26,8 @@ struct ScrewResponse {
   Eigen::Matrix3d by_driver = Eigen::Matrix3d::Zero();  ///< Row i: r_i0 r_i1 r_i2.
   Pivots<double> at_mm{};     ///< Where the screw that each driver turns stands.
   Pivots<double> at_sd_mm{};  ///< Standard uncertainties, as in Uncertain.
+  /// Of at_mm, x and y of the first driver first [mm^2]; u^2, degrees of freedom apart.
+  Eigen::Matrix<double, 6, 6> at_covariance_mm2 = Eigen::Matrix<double, 6, 6>::Zero();
   /// What they were told by: the touches' own scatter, or somebody's statement.
   double dof = std::numeric_limits<double>::infinity();
   std::array<int, kNumScrews> screw_of{

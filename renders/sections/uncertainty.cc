@@ -41,6 +41,11 @@ std::string UncertaintySection(const RunResult& result,
     rows += UncertaintyRow(parameter, *expanded);
   }
   if (rows.empty()) return "";
+  std::string pairs;
+  for (const Correlations& of : result.correlations) {
+    const std::string text = CorrelationText(of);
+    if (!text.empty()) pairs += fmt::format("<p>{}.</p>\n", Escaped(text));
+  }
   return "<div class=\"scroll\" tabindex=\"0\"><table>\n<caption><span>Value &plusmn; "
          "U "
          "holds the truth 95&nbsp;% of the time (JCGM 100): u is the combined standard "
@@ -50,7 +55,7 @@ std::string UncertaintySection(const RunResult& result,
          "<th scope=\"col\">value</th><th scope=\"col\">u</th><th scope=\"col\">k</th>"
          "<th scope=\"col\">U</th><th scope=\"col\">dof</th>"
          "<th scope=\"col\">made of</th></tr></thead>\n<tbody>\n" +
-         rows + "</tbody></table></div>\n";
+         rows + "</tbody></table></div>\n" + pairs;
 }
 
 }  // namespace caltwin

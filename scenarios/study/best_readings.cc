@@ -8,6 +8,7 @@ namespace caltwin {
 namespace {
 
 constexpr double kAsGood = 1.05;
+constexpr double kPercent = 100;
 
 // "blocks block.left at x 111.9 y 150.0 z 12.7, 1 mm/s"
 std::string PlaceText(const Row& row) {
@@ -35,13 +36,19 @@ ReadingsWorth WorthOf(const PlanStudy& plan) {
 std::string WorthText(const PlanStudy& plan, const ReadingsWorth& worth) {
   return fmt::format(
       "\n{}\nAll {} readings leave {:.4f} of what was not known (root mean square of "
-      "sd "
-      "over prior sd); {} of them do the same work within 5 %.\n"
+      "sd over prior sd); {} of them tell each of the {} quantities that all of them "
+      "tell within 5 % of the same sd{}.\n"
       "The best one to add: {} (D-optimal), {} (A-optimal).\n",
       worth.told,
       plan.num_rows(),
       worth.all,
       worth.enough.readings.size(),
+      worth.enough.num_told,
+      worth.enough.worst.empty()
+          ? ""
+          : fmt::format(" ({} {:.1f} % more)",
+                        worth.enough.worst,
+                        kPercent * (worth.enough.largest_ratio - 1)),
       PlaceText(plan.row(worth.next_d.reading)),
       PlaceText(plan.row(worth.next_a.reading)));
 }

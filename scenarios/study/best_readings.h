@@ -10,7 +10,7 @@ namespace caltwin {
 /// What a plan's readings are worth, one by one.
 struct ReadingsWorth {
   double all = 1;                  ///< Relative sd (NextReading) after the whole plan.
-  EnoughReadings enough{};         ///< Those that come within 5 % of it.
+  EnoughReadings enough{};         ///< Those that tell each quantity within 5 % of it.
   NextReading next_d{}, next_a{};  ///< To take after all of them.
   std::string told{};              ///< In words: what is told, what is blind.
 };

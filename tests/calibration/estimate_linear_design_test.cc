@@ -92,7 +92,45 @@ TEST(EnoughReadings, OfABowAreItsEndsAndItsMiddle) {
   EXPECT_LT(enough.readings.size(), 12U);
   EXPECT_TRUE(places_mm.contains(0) && places_mm.contains(300));
   EXPECT_FALSE(places_mm.contains(80) && places_mm.contains(220));
-  EXPECT_LE(enough.relative_sd, 1.5 * RelativeSdOfAll(problem));
+  EXPECT_LE(enough.largest_ratio, 1.5 + 1e-6);
+  EXPECT_EQ(enough.num_told, 2);
+}
+
+// What is left tells each quantity, not all of them on average: the design of these
+// readings alone has no sd above the limit, and one reading fewer would have.
+TEST(EnoughReadings, TellEveryQuantityWithinTheLimit) {
+  constexpr double kMost = 1.1;
+  JointProblem problem = Readings({0, 40, 80, 120, 150, 180, 220, 260, 300}, 0.001);
+  const LinearDesign all = DesignOf(problem);
+  const EnoughReadings enough = EnoughOf(problem, kMost);
+  std::vector<Observation> left;
+  for (const std::size_t reading : enough.readings) {
+    left.push_back(problem.observations[reading]);
+  }
+  problem.observations = left;
+  const LinearDesign design = DesignOf(problem);
+
+  EXPECT_LT(enough.readings.size(), 18U);
+  double largest = 0;
+  for (std::size_t i = 0; i < 2; ++i) {
+    largest = std::max(largest, design.unknowns[i].sd / all.unknowns[i].sd);
+  }
+  EXPECT_LE(largest, kMost * (1 + 1e-6));
+  EXPECT_NEAR(enough.largest_ratio, largest, 1e-6);
+}
+
+// A gap read at one place alone tells no bow; the bow's belief, which nothing improves,
+// must not hide what is lost of the gap.
+TEST(EnoughReadings, IgnoreWhatThePlanDoesNotTell) {
+  const EnoughReadings enough =
+      EnoughOf(Readings({50, 50, 50, 50, 50, 50, 50, 50}, 0.001), 1.05);
+
+  EXPECT_EQ(enough.num_told, 1);
+  EXPECT_EQ(enough.worst, "backlash.x");
+  // sd = sigma sqrt(1 / n + 1 / m): of 8 and 8 one may go, sqrt((1/8 + 1/7) / (1/4)) =
+  // 1.035, of 7 and 7 it would be 1.069.
+  EXPECT_EQ(enough.readings.size(), 15U);
+  EXPECT_NEAR(enough.largest_ratio, std::sqrt((1.0 / 8 + 1.0 / 7) * 4), 1e-3);
 }
 
 TEST(EnoughReadings, WithoutLossAreAll) {

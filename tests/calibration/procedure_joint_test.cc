@@ -55,6 +55,31 @@ TEST(JointEstimate, FindsEverythingButThePretravelOfZ) {
   EXPECT_NEAR(Last(result, "bed_tilt.slope_x_mrad").value, 0, 0.01);
 }
 
+// One matrix over everything told. Touches know pre-travel less the tip, so an error of
+// the tip's radius is one of every pre-travel: they go up and down together.
+TEST(JointEstimate, StatesHowErrorsGoTogether) {
+  ToyBench toy;
+  Spoil(&toy);
+
+  const ProcedureResult result =
+      RunStep(kJointEstimate, "{tip_radius_mm: 1, tip_radius_u_mm: 0.001}", &toy);
+
+  ASSERT_EQ(result.correlations.size(), 1U);
+  const Correlations& of = result.correlations[0];
+  const auto at = [&](const std::string& name) {
+    return std::ranges::find(of.names, name) - of.names.begin();
+  };
+  ASSERT_EQ(of.matrix.rows(), std::ssize(of.names));
+  EXPECT_THAT(of.names, ::testing::Not(Contains("probe_pretravel.z")));
+  const double r = of.matrix(at("probe_pretravel.x"), at("probe_pretravel.y"));
+  // u^2 of the tip over those of both.
+  const double tip = 0.001, x = Last(result, "probe_pretravel.x").sd,
+               y = Last(result, "probe_pretravel.y").sd;
+  EXPECT_GT(r, 0.5);
+  EXPECT_LT(std::abs(r - tip * tip / (x * y)), 0.15);
+  EXPECT_NEAR(of.matrix(at("steps_per_mm.x"), at("steps_per_mm.y")), 0, 0.05);
+}
+
 TEST(JointEstimate, LeavesCompensationAsItWasWhereNothingIsApplied) {
   ToyBench toy;
   toy.machine.settings.backlash_mm = {0.01, 0.02, 0.03};

@@ -102,6 +102,10 @@ void PrintResult(const std::string& name, const ProcedureResult& result) {
   for (const Estimate& estimate : result.estimates) {
     std::cout << "  " << EstimateText(estimate) << "\n";
   }
+  for (const Correlations& of : result.correlations) {
+    const std::string text = CorrelationText(of);
+    if (!text.empty()) std::cout << "  " << text << "\n";
+  }
   for (const Step& step : result.steps) {
     std::cout << fmt::format("  {} {:.7g} -> {:.7g}, {}. {}\n",
                              step.name,
