@@ -35,7 +35,7 @@ def run(binary, study, folder, workers):
 
 def factors(binary, scenario):
     """k / 1.96 of each parameter: how much wider few degrees of freedom make its sd.
-    None where a rounding alone is the uncertainty: such a reading has no bound."""
+    None where a rounding alone is the uncertainty: u is no scatter then."""
     found = subprocess.run([str(binary), "run", scenario, "--fidelity", "fast", "--json", "-"],
                            cwd=HERE, capture_output=True, text=True)
     if not found.stdout:
@@ -49,8 +49,9 @@ def factors(binary, scenario):
     return told
 
 
-def over_bound(parameter, widened):
-    """Scatter over the Cramer-Rao bound of the procedure's own readings and beliefs."""
+def over_u(parameter, widened):
+    """Scatter over the u that is stated: the Cramer-Rao bound of the readings and beliefs
+    used where that is least squares of them with their true noise; no bound else."""
     if widened is None:
         return "none"
     return f"{parameter['rms_over_sd'] * widened:.2f}"
@@ -63,7 +64,7 @@ def line(case, parameter, widened):
     low, high = (100 * end for end in coverage["ci95"])
     return (f"| {case} | {parameter['name']} | {parameter['error']['sd']:.3g} "
             f"{parameter['unit']} | {parameter['rms_over_sd']:.2f} | "
-            f"{over_bound(parameter, widened)} | "
+            f"{over_u(parameter, widened)} | "
             f"{100 * coverage['rate']:.1f} % ({low:.1f}-{high:.1f}){'' if is_good else ' *'} | "
             f"{coverage['of']} |"), is_good
 
@@ -97,7 +98,7 @@ def main():
     out = given.out.resolve()
     out.mkdir(parents=True, exist_ok=True)
     all_apart, is_good = [], True
-    print("| procedure | quantity | sd of errors | rms/sd | over the bound | "
+    print("| procedure | quantity | sd of errors | rms/sd | over stated u | "
           "95 % intervals hold | machines |")
     print("|---|---|---|---|---|---|---|")
     for study in studies:
