@@ -1,5 +1,6 @@
 #include <filesystem>
 
+#include <CLI/Error.hpp>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>

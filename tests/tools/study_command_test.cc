@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include <CLI/Error.hpp>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

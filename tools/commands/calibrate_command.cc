@@ -3,6 +3,8 @@
 #include <string>
 #include <vector>
 
+#include <CLI/CLI.hpp>
+
 #include "calibration/loop/bench.h"
 #include "scenarios/interruptible_link.h"
 #include "scenarios/machine_file.h"

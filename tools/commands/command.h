@@ -5,7 +5,10 @@
 #include <string>
 #include <string_view>
 
-#include <CLI/CLI.hpp>
+// Only what declares options reads CLI11, which costs seconds a file.
+namespace CLI {
+class App;
+}
 
 namespace caltwin {
 
