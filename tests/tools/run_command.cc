@@ -7,8 +7,7 @@
 
 namespace caltwin {
 
-Answer RunCommand(Action (*declare)(CLI::App*),
-                         const std::vector<std::string>& words) {
+Answer RunCommand(Action (*declare)(CLI::App*), const std::vector<std::string>& words) {
   CLI::App app;
   const Action action = declare(&app);
   app.parse(std::vector<std::string>(words.rbegin(), words.rend()));
@@ -26,7 +25,7 @@ Answer RunCommand(Action (*declare)(CLI::App*),
 }
 
 std::string Printed(Action (*declare)(CLI::App*),
-                           const std::vector<std::string>& words) {
+                    const std::vector<std::string>& words) {
   const Answer answer = RunCommand(declare, words);
   EXPECT_EQ(answer.exit_code, kPassed) << answer.fault;
   return answer.out;
