@@ -8,6 +8,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "calibration/delta/joint_budget.h"
+#include "sim/base/dense.h"
 #include "sim/base/mutant.h"
 #include "sim/machine/delta_slopes.h"
 
@@ -231,7 +232,8 @@ class Fitter {
     // In units of what machines stray by: like numbers, whatever the unit.
     const Eigen::Map<const Eigen::VectorXd> reach(reach_.data(), right.size());
     const Eigen::MatrixXd scaled = reach.asDiagonal() * normal * reach.asDiagonal();
-    return -(reach.asDiagonal() * scaled.ldlt().solve(reach.cwiseProduct(right)));
+    return -(reach.asDiagonal() *
+             PivotedCholesky(scaled).Solve(reach.cwiseProduct(right)));
   }
 
   void Report(const Rows& rows, DeltaJointFit* fit) const {
@@ -241,13 +243,11 @@ class Fitter {
         reach_.data(), static_cast<Eigen::Index>(reach_.size()));
     const Eigen::MatrixXd scaled =
         reach.asDiagonal() * Normal(rows) * reach.asDiagonal();
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled);
-    const Eigen::VectorXd variances =
-        eigen.eigenvalues().cwiseMax(1e-300).cwiseInverse();
-    fit->covariance = reach.asDiagonal() * eigen.eigenvectors() *
-                      variances.asDiagonal() * eigen.eigenvectors().transpose() *
-                      reach.asDiagonal();
-    const Eigen::VectorXd weakest = eigen.eigenvectors().col(0);
+    const Modes modes = ModesOf(scaled);
+    const Eigen::VectorXd variances = modes.values.cwiseMax(1e-300).cwiseInverse();
+    fit->covariance = reach.asDiagonal() * modes.vectors * variances.asDiagonal() *
+                      modes.vectors.transpose() * reach.asDiagonal();
+    const Eigen::VectorXd weakest = modes.vectors.col(0);
     fit->weakest.assign(weakest.begin(), weakest.end());
     fit->weakest_sd = std::sqrt(variances[0]);
     for (std::size_t k = 0; k < prior_.size(); ++k) {

@@ -8,6 +8,7 @@
 #include <ceres/jet.h>
 #include <fmt/format.h>
 
+#include "sim/base/dense.h"
 #include "sim/base/mutant.h"
 #include "sim/base/units.h"
 
@@ -131,7 +132,7 @@ DeltaModel<double> BestDeltaSettings(const DeltaBuild<double>& build,
     slope.row(3 * num) = scale_weight * outward.v.transpose();
     off[3 * num] = scale_weight * outward.a;
     slope.bottomRows(kNumSettings).diagonal().setConstant(kSlight);
-    Add(-slope.colPivHouseholderQr().solve(off), shape, &model);
+    Add(-LeastSquares(slope, off), shape, &model);
   }
   return model;
 }

@@ -10,6 +10,7 @@
 #include <fmt/ranges.h>
 
 #include "calibration/diagnosis/evidence.h"
+#include "sim/base/dense.h"
 #include "sim/base/units.h"
 
 namespace caltwin {
@@ -29,9 +30,7 @@ constexpr std::size_t kMostLines = 3;
 // column has a size of its own (each homing), on average.
 double LeastPower(const Eigen::MatrixXd& gram, bool is_random) {
   if (is_random || gram.cols() == 1) return std::max(gram.trace(), 0.0);
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(gram,
-                                                              Eigen::EigenvaluesOnly);
-  return std::max(solver.eigenvalues()[0], 0.0);
+  return std::max(EigenvaluesOf(gram)[0], 0.0);
 }
 
 bool IsRandom(const Candidate& candidate) {
@@ -53,7 +52,7 @@ class Imitation {
     Eigen::MatrixXd tall(n + q, q);
     tall.topRows(n) = white_;
     tall.bottomRows(q).setIdentity();
-    qr_.compute(tall);
+    qr_ = QrOf(tall);
   }
 
   std::string Into(const Eigen::VectorXd& white) const {
@@ -61,7 +60,7 @@ class Imitation {
     Eigen::VectorXd target = Eigen::VectorXd::Zero(white.size() + q);
     target.head(white.size()) = white;
     const Eigen::VectorXd taken =
-        white_.colwise().norm().transpose().cwiseProduct(qr_.solve(target).cwiseAbs());
+        white_.colwise().norm().transpose().cwiseProduct(qr_.Solve(target).cwiseAbs());
     std::vector<Eigen::Index> order(static_cast<std::size_t>(q));
     for (std::size_t k = 0; k < order.size(); ++k) {
       order[k] = static_cast<Eigen::Index>(k);
@@ -79,7 +78,7 @@ class Imitation {
  private:
   const std::vector<Nuisance>& baseline_;
   Eigen::MatrixXd white_{};  ///< In units of each line's prior.
-  Eigen::HouseholderQR<Eigen::MatrixXd> qr_{};
+  QrOf qr_{};
 };
 
 // One candidate under one noise: the variant that stands for all, and how it is seen.
@@ -132,9 +131,7 @@ Eigen::VectorXd WorstOf(const Evidence& evidence, const Sighted& sighted) {
   const Eigen::MatrixXd white =
       evidence.Whiten(sighted.candidate->variants[sighted.typical].columns_mm);
   if (white.cols() == 1) return white;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
-      evidence.Project(white).gram);
-  return white * solver.eigenvectors().col(0);
+  return white * ModesOf(evidence.Project(white).gram).vectors.col(0);
 }
 
 std::vector<AtlasCause> UnseenOf(const std::vector<Candidate>& candidates,
@@ -240,7 +237,8 @@ double Lambda(const Eigen::MatrixXd& own,
   constexpr double kRounding = 1e-9;
   Eigen::MatrixXd inner = rival;
   inner.diagonal().array() += kRounding * (rival.diagonal().maxCoeff() + 1e-30);
-  const Eigen::MatrixXd left = own - cross.transpose() * inner.llt().solve(cross);
+  const Eigen::MatrixXd left =
+      own - cross.transpose() * Cholesky(inner).SolveEach(cross);
   return LeastPower(left, is_random) * size_mm * size_mm;
 }
 

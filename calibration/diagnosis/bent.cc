@@ -5,6 +5,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "sim/base/dense.h"
 #include "sim/effects/predict.h"
 
 namespace caltwin {
@@ -95,8 +96,7 @@ class Bender {
         projected.gram.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
     Eigen::MatrixXd gram = scale.asDiagonal() * projected.gram * scale.asDiagonal();
     gram.diagonal().array() += 1e-12;
-    const Eigen::MatrixXd inverse =
-        gram.ldlt().solve(Eigen::MatrixXd::Identity(gram.rows(), gram.cols()));
+    const Eigen::MatrixXd inverse = PivotedCholesky(gram).Inverse();
     const Eigen::MatrixXd covariance =
         scale.asDiagonal() * inverse * scale.asDiagonal();
     return {covariance * projected.match,

@@ -275,7 +275,10 @@ std::string WithSd(double value, double sd, std::string_view unit) {
   const double rounded = std::stod(fmt::format("{:.0e}", sd));
   const int decimals = -static_cast<int>(std::floor(std::log10(rounded) + 1e-9));
   const int shown = std::clamp(decimals, 0, kMostDecimals);
-  return fmt::format("{:.{}f} +- {:.{}f}{}{}", value, shown, sd, shown, gap, unit);
+  // "-0.000" says a sign that the digits do not have.
+  const bool is_zero = std::abs(value) < std::pow(10.0, -shown) / 2;
+  const double told = is_zero ? 0 : value;
+  return fmt::format("{:.{}f} +- {:.{}f}{}{}", told, shown, sd, shown, gap, unit);
 }
 
 std::string TwoDigits(double value) {

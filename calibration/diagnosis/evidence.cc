@@ -7,6 +7,7 @@
 #include <Eigen/QR>
 
 #include "calibration/estimate/inner_products.h"
+#include "sim/base/dense.h"
 #include "sim/base/require.h"
 
 namespace caltwin {
@@ -52,25 +53,24 @@ Evidence::Evidence(const Observed& observed,
   Eigen::MatrixXd tall(n + q, q);
   tall.topRows(n) = Whiten(columns_mm_) * prior_sd_.asDiagonal();
   tall.bottomRows(q).setIdentity();
-  qr_.compute(tall);
+  qr_ = QrOf(tall);
   Eigen::VectorXd readings = Eigen::VectorXd::Zero(n + q);
   readings.head(n) = white_residual_;
-  taken_ = (qr_.householderQ().adjoint() * readings).head(q);
+  taken_ = qr_.Turned(readings).head(q);
   chi2_ = std::max(white_residual_.squaredNorm() - taken_.squaredNorm(), 1e-30);
   // Each nuisance pays for what the rows, not its prior, say of it: 1 less the square
   // of its part of Q in the pseudo rows, which is R^-1.
-  const Eigen::MatrixXd inverse = Upper().solve(Eigen::MatrixXd::Identity(q, q));
+  const Eigen::MatrixXd inverse = qr_.InverseOfR();
   const double paid = static_cast<double>(q) - inverse.squaredNorm();
   dof_ = std::max(1.0, keep_.sum() - paid);
-  log_none_ = -0.5 * whitener_.log_det() -
-              qr_.matrixQR().diagonal().array().abs().log().sum() -
+  log_none_ = -0.5 * whitener_.log_det() - qr_.diagonal().array().abs().log().sum() -
               0.5 * dof_ * std::log(chi2_);
 }
 
 const Eigen::MatrixXd& Evidence::Q() const {
   if (q_.size() == 0 && prior_sd_.size() > 0) {
-    const Eigen::Index n = observed_->num_rows(), q = prior_sd_.size();
-    q_ = (qr_.householderQ() * Eigen::MatrixXd::Identity(n + q, q)).topRows(n);
+    const Eigen::Index n = observed_->num_rows();
+    q_ = qr_.Q().topRows(n);
   }
   return q_;
 }
@@ -143,11 +143,10 @@ double LogBayesOf(const Projected& projected,
   const Eigen::VectorXd sd = prior.cwiseSqrt();
   Eigen::MatrixXd inner = sd.asDiagonal() * projected.gram * sd.asDiagonal();
   inner.diagonal().array() += 1;
-  const Eigen::LLT<Eigen::MatrixXd> llt(inner);
-  if (llt.info() != Eigen::Success) return -1e300;
-  const Eigen::VectorXd scaled =
-      llt.matrixL().solve(Eigen::VectorXd(sd.cwiseProduct(projected.match)));
-  const Eigen::VectorXd diagonal = llt.matrixLLT().diagonal();
+  const Cholesky cholesky(inner);
+  if (!cholesky.is_definite()) return -1e300;
+  const Eigen::VectorXd scaled = cholesky.SolveLower(sd.cwiseProduct(projected.match));
+  const Eigen::VectorXd diagonal = cholesky.diagonal();
   const double log_det = 2 * diagonal.array().log().sum();
   const double explained = std::clamp(scaled.squaredNorm() / chi2, 0.0, 1 - 1e-12);
   return -0.5 * log_det - 0.5 * dof * std::log1p(-explained);
@@ -160,10 +159,9 @@ double Evidence::LogBayes(const Projected& projected,
 
 Evidence::Fit Evidence::FitNuisances() const {
   Fit fit;
-  const Eigen::VectorXd scaled = Upper().solve(taken_);
+  const Eigen::VectorXd scaled = qr_.SolveR(taken_);
   fit.values = prior_sd_.cwiseProduct(scaled);
-  const Eigen::Index q = prior_sd_.size();
-  const Eigen::MatrixXd inverse = Upper().solve(Eigen::MatrixXd::Identity(q, q));
+  const Eigen::MatrixXd inverse = qr_.InverseOfR();
   const double scale = std::sqrt(chi2_ / dof_);
   fit.half = prior_sd_.asDiagonal() * inverse * scale;
   fit.sds = fit.half.rowwise().norm();
@@ -188,9 +186,9 @@ Evidence::Foretold Evidence::Foretell(const std::vector<int>& group_of) const {
     // The prior alone is left of what only this group tells: small, never nothing.
     Eigen::MatrixXd others = Eigen::MatrixXd::Identity(q, q);
     others.noalias() -= own.transpose() * own;
-    const Eigen::LLT<Eigen::MatrixXd> llt(others);
-    Require(llt.info() == Eigen::Success, "every nuisance has a prior");
-    const Eigen::MatrixXd half = llt.matrixL().solve(own.transpose());
+    const Cholesky cholesky(others);
+    Require(cholesky.is_definite(), "every nuisance has a prior");
+    const Eigen::MatrixXd half = cholesky.SolveLowerEach(own.transpose());
     const Eigen::VectorXd left = foretold.residual_mm(rows);
     foretold.residual_mm(rows) += half.transpose() * (half * left);
     foretold.sd_mm(rows) = half.colwise().norm().transpose();

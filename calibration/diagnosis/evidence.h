@@ -4,11 +4,11 @@
 #include <vector>
 
 #include <Eigen/Core>
-#include <Eigen/QR>
 
 #include "calibration/diagnosis/noise.h"
 #include "calibration/diagnosis/nuisances.h"
 #include "calibration/diagnosis/observed.h"
+#include "sim/base/dense.h"
 
 namespace caltwin {
 
@@ -82,10 +82,6 @@ class Evidence {
   /// Orthonormal, rows by nuisances (pseudo rows dropped). Dear, and not asked for by
   /// most: made at the first call.
   const Eigen::MatrixXd& Q() const;
-  /// The triangular factor.
-  auto Upper() const {
-    return qr_.matrixQR().topRows(prior_sd_.size()).triangularView<Eigen::Upper>();
-  }
   Projected ProjectPart(const Eigen::Ref<const Eigen::MatrixXd>& white,
                         const Eigen::Ref<const Eigen::MatrixXd>& along) const;
 
@@ -95,7 +91,7 @@ class Evidence {
   Eigen::VectorXd sigma_mm_;
   Eigen::MatrixXd columns_mm_;
   Eigen::VectorXd prior_sd_;
-  Eigen::HouseholderQR<Eigen::MatrixXd> qr_;  ///< White columns above the priors.
+  QrOf qr_;  ///< White columns above the priors.
   mutable Eigen::MatrixXd q_;
   Eigen::VectorXd white_residual_;
   Eigen::VectorXd taken_;  ///< What each nuisance takes of the residual.

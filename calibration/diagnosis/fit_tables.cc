@@ -6,6 +6,7 @@
 #include <Eigen/QR>
 
 #include "calibration/diagnosis/whole_tables.h"
+#include "sim/base/dense.h"
 
 namespace caltwin {
 namespace {
@@ -34,9 +35,8 @@ Eigen::VectorXd WithoutPlaces(const Eigen::MatrixXd& columns_mm,
                               const Eigen::MatrixXd& places) {
   if (places.cols() == 0) return sizes_mm;
   const Eigen::VectorXd table_mm = columns_mm * sizes_mm;
-  const Eigen::VectorXd leans_mm =
-      places * places.colPivHouseholderQr().solve(table_mm);
-  return columns_mm.colPivHouseholderQr().solve(table_mm - leans_mm);
+  const Eigen::VectorXd leans_mm = places * LeastSquares(places, table_mm);
+  return LeastSquares(columns_mm, table_mm - leans_mm);
 }
 
 }  // namespace

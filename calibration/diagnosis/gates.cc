@@ -8,6 +8,7 @@
 #include <Eigen/QR>
 
 #include "calibration/diagnosis/outliers.h"
+#include "sim/base/dense.h"
 
 namespace caltwin {
 namespace {
@@ -68,7 +69,7 @@ double FormShare(const Evidence& evidence,
   double least = Peak_mm(weighed.deviation_mm) / std::max(Peak_mm(fitted_mm), 1e-300);
   for (const Variant& variant : candidate.variants) {
     const Eigen::MatrixXd columns = evidence.Left(evidence.Whiten(variant.columns_mm));
-    const Eigen::VectorXd sizes = columns.colPivHouseholderQr().solve(whole);
+    const Eigen::VectorXd sizes = LeastSquares(columns, whole);
     if (candidate.must_be_positive && sizes[0] < 0) continue;
     const Eigen::VectorXd own = columns * sizes;
     const double share = Peak_mm(whole - own) / std::max(Peak_mm(own), 1e-300);
@@ -89,7 +90,7 @@ double Separation(const Evidence& evidence,
     Eigen::MatrixXd gram = evidence.Project(white).gram;
     gram.diagonal().array() += 1e-9 * (gram.diagonal().maxCoeff() + 1e-30);
     const Eigen::VectorXd match = white.transpose() * left;
-    const Eigen::VectorXd sizes = gram.llt().solve(match);
+    const Eigen::VectorXd sizes = Cholesky(gram).Solve(match);
     if (rival.must_be_positive && sizes[0] < 0) continue;
     least = std::min(least, whole - match.dot(sizes));
   }

@@ -10,6 +10,7 @@
 #include "calibration/diagnosis/evidence.h"
 #include "calibration/diagnosis/free_form.h"
 #include "calibration/diagnosis/stories.h"
+#include "sim/base/dense.h"
 #include "sim/base/input_error.h"
 #include "sim/base/median.h"
 
@@ -181,8 +182,7 @@ class Rater {
                             evidence.Project(evidence.Whiten(columns_mm)).gram *
                             sd.asDiagonal();
     inner.diagonal().array() += 1;
-    const Eigen::MatrixXd lower = inner.llt().matrixL();
-    return lower.diagonal().array().log().sum();
+    return Cholesky(inner).diagonal().array().log().sum();
   }
 
   // The likelier a rival, the more it is worth to be rid of it.

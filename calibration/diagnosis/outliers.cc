@@ -7,6 +7,7 @@
 
 #include <Eigen/QR>
 
+#include "sim/base/dense.h"
 #include "sim/base/median.h"
 
 namespace caltwin {
@@ -75,15 +76,13 @@ Ridge FitRidge(const Eigen::MatrixXd& columns,
   Eigen::MatrixXd tall(n + p, p);
   tall.topRows(n) = keep.asDiagonal() * columns;
   tall.bottomRows(p).setIdentity();
-  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(tall);
+  const QrOf qr(tall);
   Eigen::VectorXd long_white = Eigen::VectorXd::Zero(n + p);
   long_white.head(n) = keep.cwiseProduct(white);
-  const Eigen::VectorXd turned = qr.householderQ().adjoint() * long_white;
-  const auto upper = qr.matrixQR().topRows(p).triangularView<Eigen::Upper>();
-  const Eigen::VectorXd x = upper.solve(turned.head(p));
+  const Eigen::VectorXd turned = qr.Turned(long_white);
+  const Eigen::VectorXd x = qr.SolveR(turned.head(p));
   // Leverage: rows of X R^-1.
-  const Eigen::MatrixXd half =
-      upper.transpose().solve(Eigen::MatrixXd(columns.transpose()));
+  const Eigen::MatrixXd half = qr.SolveTransposedR(columns.transpose());
   return {.residual = white - columns * x,
           .leverage = half.colwise().squaredNorm().transpose()};
 }

@@ -14,6 +14,7 @@
 #include <fmt/format.h>
 
 #include "calibration/diagnosis/plausible_parts.h"
+#include "sim/base/dense.h"
 #include "sim/base/units.h"
 
 namespace caltwin {
@@ -69,11 +70,11 @@ class FaceFit {
   }
 
   std::vector<FaceMean> Means() const {
-    const Eigen::LDLT<Eigen::MatrixXd> solver(normal_);
-    const Eigen::VectorXd fitted = solver.solve(right_);
+    const PivotedCholesky solver(normal_);
+    const Eigen::VectorXd fitted = solver.Solve(right_);
     std::vector<FaceMean> means;
     for (const auto& [setup, at] : at_) {
-      const double variance = solver.solve(Eigen::VectorXd::Unit(Size(), at))[at];
+      const double variance = solver.Solve(Eigen::VectorXd::Unit(Size(), at))[at];
       means.push_back({setup.first, fitted[at], std::sqrt(variance)});
     }
     return means;

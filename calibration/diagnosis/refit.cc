@@ -13,6 +13,7 @@
 
 #include "calibration/diagnosis/bent.h"
 #include "calibration/diagnosis/fit_tables.h"
+#include "sim/base/dense.h"
 #include "sim/base/units.h"
 #include "sim/effects/catalog.h"
 
@@ -103,7 +104,7 @@ Eigen::VectorXd SolveSizes(const Evidence& evidence, const Eigen::MatrixXd& whit
   Projected projected = evidence.Project(white);
   projected.gram.diagonal().array() +=
       1e-12 * (projected.gram.diagonal().maxCoeff() + 1e-300);
-  return projected.gram.llt().solve(projected.match);
+  return Cholesky(projected.gram).Solve(projected.match);
 }
 
 // What is left of the white rows at these forms, all sizes at their best.
@@ -250,9 +251,7 @@ class Final {
     for (Eigen::Index k = 0; k < gram.cols(); ++k) {
       gram(k, k) += 1e-12 * gram.diagonal().maxCoeff() + 1e-300;
     }
-    const Eigen::MatrixXd identity =
-        Eigen::MatrixXd::Identity(gram.rows(), gram.cols());
-    return gram.ldlt().solve(identity) * (evidence.chi2() / evidence.dof());
+    return PivotedCholesky(gram).Inverse() * (evidence.chi2() / evidence.dof());
   }
 
   // Of the root mean square of n draws it is 1 / sqrt(2 n) of that. What all homings
@@ -262,9 +261,7 @@ class Final {
                              const Eigen::MatrixXd& covariance_mm2) {
     const double rms_mm =
         draws_mm.norm() / std::sqrt(static_cast<double>(draws_mm.size()));
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> modes(covariance_mm2,
-                                                               Eigen::EigenvaluesOnly);
-    const auto told = (modes.eigenvalues().array() < rms_mm * rms_mm).count();
+    const auto told = (EigenvaluesOf(covariance_mm2).array() < rms_mm * rms_mm).count();
     return rms_mm /
            std::sqrt(2.0 * static_cast<double>(std::max<Eigen::Index>(told, 1)));
   }

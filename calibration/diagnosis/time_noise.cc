@@ -8,6 +8,7 @@
 
 #include <Eigen/QR>
 
+#include "sim/base/dense.h"
 #include "sim/base/median.h"
 
 namespace caltwin {
@@ -150,12 +151,9 @@ double TimeNoise::LogLikelihood(const Eigen::MatrixXd& columns, World* world) co
   tall.topRows(n) = top;
   tall.bottomRows(q).setZero();
   tall.bottomLeftCorner(q, q).setIdentity();
-  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(tall);
-  const Eigen::MatrixXd upper = qr.matrixQR().topRows(q + 1);
+  const Eigen::MatrixXd upper = QrOf(tall).R();
   const double chi2 = std::max(upper(q, q) * upper(q, q), 1e-30);
-  const Eigen::MatrixXd inverse =
-      upper.topLeftCorner(q, q).triangularView<Eigen::Upper>().solve(
-          Eigen::MatrixXd::Identity(q, q));
+  const Eigen::MatrixXd inverse = InverseOfUpper(upper.topLeftCorner(q, q));
   double rows = 0;
   for (const Stream& stream : streams_) rows += static_cast<double>(stream.size());
   const double paid = static_cast<double>(q) - inverse.squaredNorm();

@@ -8,6 +8,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "sim/base/dense.h"
 #include "sim/base/rng.h"
 #include "sim/base/units.h"
 
@@ -111,11 +112,11 @@ double LogPositive(const Projected& projected,
                    double noise_scale) {
   Eigen::MatrixXd inner = projected.gram;
   inner.diagonal() += prior_in_sigma.cwiseInverse();
-  const Eigen::LLT<Eigen::MatrixXd> llt(inner);
-  const Eigen::VectorXd mean = llt.solve(projected.match);
+  const Cholesky cholesky(inner);
+  const Eigen::VectorXd mean = cholesky.Solve(projected.match);
   Eigen::VectorXd unit = Eigen::VectorXd::Zero(mean.size());
   unit[0] = 1;
-  const double sd = std::sqrt(llt.solve(unit)[0]) * noise_scale;
+  const double sd = std::sqrt(cholesky.Solve(unit)[0]) * noise_scale;
   const double z = mean[0] / std::max(sd, 1e-300);
   const double part = 0.5 * std::erfc(-z / std::numbers::sqrt2);
   return std::log(2 * std::max(part, 1e-30));
@@ -179,7 +180,7 @@ InFull WithFreedom(const NoiseWorld& world,
   const Eigen::VectorXd prior = relative * (in_sigma * in_sigma);
   Eigen::MatrixXd inner = projected.gram;
   inner.diagonal() += prior.cwiseInverse();
-  const Eigen::VectorXd mean = inner.llt().solve(projected.match);
+  const Eigen::VectorXd mean = Cholesky(inner).Solve(projected.match);
   full.sizes_mm = mean.head(k);
   if (candidate.must_be_positive) {
     full.log_bayes += LogPositive(projected, prior, world.noise_scale);

@@ -8,6 +8,7 @@
 
 #include "calibration/diagnosis/candidates.h"
 #include "calibration/diagnosis/evidence.h"
+#include "sim/base/dense.h"
 #include "sim/base/units.h"
 
 namespace caltwin {
@@ -37,9 +38,7 @@ std::vector<WouldShow> WhatRowsWouldShow(const Observed& observed,
     const Variant& middle = candidate.variants[candidate.variants.size() / 2];
     const Eigen::MatrixXd white = evidence.Whiten(middle.columns_mm);
     const double whole = white.squaredNorm();
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
-        evidence.Project(white).gram, Eigen::EigenvaluesOnly);
-    const double seen = solver.eigenvalues().minCoeff();
+    const double seen = EigenvaluesOf(evidence.Project(white).gram).minCoeff();
     all.push_back(
         {.cause = candidate.cause,
          .axis = candidate.axis,

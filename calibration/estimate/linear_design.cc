@@ -8,6 +8,7 @@
 #include <Eigen/Cholesky>
 
 #include "calibration/estimate/joint_model.h"
+#include "sim/base/dense.h"
 #include "sim/base/mutant.h"
 #include "sim/base/require.h"
 
@@ -40,8 +41,7 @@ Eigen::VectorXd KnownBefore(const JointModel& model, double relaxed) {
 }
 
 Eigen::MatrixXd CovarianceOf(const Eigen::MatrixXd& information) {
-  return information.ldlt().solve(
-      Eigen::MatrixXd::Identity(information.rows(), information.cols()));
+  return PivotedCholesky(information).Inverse();
 }
 
 Eigen::MatrixXd JacobianOf(const JointModel& model) {
@@ -74,7 +74,7 @@ class Growing {
       return of_free.cwiseAbs2().cwiseQuotient(before_).sum() / widened;
     }
     const Eigen::MatrixXd free = covariance_.topLeftCorner(count_, count_);
-    return of_free.dot(free.ldlt().solve(of_free)) / widened;
+    return of_free.dot(PivotedCholesky(free).Solve(of_free)) / widened;
   }
   NextReading Best(Optimal optimal) const {
     NextReading best;

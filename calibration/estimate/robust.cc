@@ -6,6 +6,7 @@
 
 #include <Eigen/Dense>
 
+#include "sim/base/dense.h"
 #include "sim/base/mutant.h"
 #include "sim/base/require.h"
 
@@ -28,11 +29,9 @@ Eigen::MatrixXd BreadOf(const Sandwich& fit) {
 // (1 - H_gg)^-1 e, directions in which it is singular at 1 - h = kLeast.
 Eigen::VectorXd WithoutOwnPull(const Eigen::MatrixXd& hat, const Eigen::VectorXd& e) {
   const Eigen::Index size = hat.rows();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
-      Eigen::MatrixXd::Identity(size, size) - hat);
-  const Eigen::VectorXd inverse = solver.eigenvalues().cwiseMax(kLeast).cwiseInverse();
-  return solver.eigenvectors() * inverse.asDiagonal() *
-         (solver.eigenvectors().transpose() * e);
+  const Modes modes = ModesOf(Eigen::MatrixXd::Identity(size, size) - hat);
+  const Eigen::VectorXd inverse = modes.values.cwiseMax(kLeast).cwiseInverse();
+  return modes.vectors * inverse.asDiagonal() * (modes.vectors.transpose() * e);
 }
 
 }  // namespace

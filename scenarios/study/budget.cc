@@ -8,6 +8,8 @@
 #include <Eigen/Core>
 #include <fmt/format.h>
 
+#include "sim/base/dense.h"
+
 namespace caltwin {
 namespace {
 
@@ -73,7 +75,7 @@ std::vector<Eigen::Index> Independent(const Eigen::MatrixXd& among) {
     double left = 1;
     if (!kept.empty()) {
       const Eigen::VectorXd to = among(kept, i);
-      left -= to.dot(Eigen::MatrixXd(among(kept, kept)).ldlt().solve(to));
+      left -= to.dot(PivotedCholesky(among(kept, kept)).Solve(to));
     }
     if (left > kLeast) kept.push_back(i);
   }
@@ -98,11 +100,10 @@ Budget Regress(const std::string& name, const Moments& moments, const Inputs& in
   const Eigen::MatrixXd among = all(kept, kept);
   const Eigen::VectorXd with_error =
       Eigen::VectorXd(scale * covariance.col(count).head(count))(kept);
-  const Eigen::LDLT<Eigen::MatrixXd> solver(among);
-  const Eigen::VectorXd slopes = solver.solve(with_error);
+  const PivotedCholesky solver(among);
+  const Eigen::VectorXd slopes = solver.Solve(with_error);
   const double rest = std::max(0.0, covariance(count, count) - slopes.dot(with_error));
-  const Eigen::MatrixXd inverse =
-      solver.solve(Eigen::MatrixXd::Identity(among.rows(), among.cols()));
+  const Eigen::MatrixXd inverse = solver.Inverse();
   double told = 0;
   for (std::size_t k = 0; k < kept.size(); ++k) {
     const auto i = static_cast<Eigen::Index>(k);

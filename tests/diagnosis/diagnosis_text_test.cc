@@ -235,6 +235,7 @@ TEST(WithSd, GivesTheDigitsThatTheUncertaintyCarries) {
   EXPECT_EQ(WithSd(5.634, 0.21, "um"), "5.6 +- 0.2 um");
   EXPECT_EQ(WithSd(5.634, 0.097, "um"), "5.6 +- 0.1 um");
   EXPECT_EQ(WithSd(1234.4, 25, "ppm"), "1234 +- 25 ppm");
+  EXPECT_EQ(WithSd(-0.0002, 0.005, "mm"), "0.000 +- 0.005 mm");  // No sign.
   EXPECT_EQ(WithSd(8, 0, "mm"), "8.00 mm");
   EXPECT_EQ(WithSd(0.5, std::numeric_limits<double>::quiet_NaN(), ""), "0.500");
 }

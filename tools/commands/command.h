@@ -6,7 +6,7 @@
 #include <string_view>
 
 // Only what declares options reads CLI11, which costs seconds a file.
-namespace CLI {
+namespace CLI {  // NOLINT(readability-identifier-naming)
 class App;
 }
 
