@@ -169,8 +169,15 @@ nlohmann::json TwinsOf(const TzCase& made,
   return twins;
 }
 
+struct HiddenCause {
+  TzCause cause{};
+  std::string axis{};
+  Column effect{};
+  nlohmann::json told{};
+};
+
 // `number`: which of those that are hidden, from 1.
-nlohmann::json Hide(
+HiddenCause Hide(
     const TzCause& cause, int number, double sigma, TzCase* made, TzTruth* truth) {
   Random random(made->request.seed,
                 number == 1 ? "triple z hidden" : "triple z hidden too");
@@ -204,21 +211,38 @@ nlohmann::json Hide(
     parameters.push_back({{"name", cause.parameter}, {"value", size}});
   }
   if (has_two) parameters.push_back({{"name", cause.second}, {"value", ratio * size}});
-  return {{"cause", cause.name},
-          {"axis", axis},
-          {"parameters", parameters},
-          {"peak_sigma", visible.peak},
-          {"sum_squares", visible.sum_squares},
-          {"separation", twins},
-          {"acceptable", nlohmann::json::array()},
-          {"covariates", cause.covariates}};
+  return {.cause = cause,
+          .axis = axis,
+          .effect = effect,
+          .told = {{"cause", cause.name},
+                   {"axis", axis},
+                   {"parameters", parameters},
+                   {"peak_sigma", visible.peak},
+                   {"sum_squares", visible.sum_squares},
+                   {"separation", twins},
+                   {"acceptable", nlohmann::json::array()},
+                   {"covariates", cause.covariates}}};
+}
+
+// Nobody knows how large the other one of two is: what imitates a cause together with
+// the other's free size is its twin too. A bowl and a sag along x are a cylinder along
+// y and more sag.
+void TwinsBeside(const TzCase& made,
+                 const TzTruth& truth,
+                 const HiddenCause& other,
+                 HiddenCause* own) {
+  std::vector<Column> known = BaselineColumns(made, truth);
+  for (Column& column : CauseColumns(made, truth, other.cause, other.axis, 0.3)) {
+    known.push_back(std::move(column));
+  }
+  own->told["separation"] =
+      TwinsOf(made, truth, own->cause.name + " " + own->axis, own->effect, known);
 }
 
 // One cause, or two of different names, each of a size of its own.
 nlohmann::json HideAll(Random* random, TzCase* made, TzTruth* truth) {
   const PrinterRequest& request = made->request;
-  nlohmann::json hidden = nlohmann::json::array();
-  if (request.kind == "null") return hidden;
+  if (request.kind == "null") return nlohmann::json::array();
   std::vector<TzCause> fit;
   for (const TzCause& cause : TzCauses()) {
     const bool is_named = request.cause.empty() || cause.name == request.cause;
@@ -228,15 +252,17 @@ nlohmann::json HideAll(Random* random, TzCase* made, TzTruth* truth) {
   }
   if (fit.empty()) throw std::invalid_argument("no such cause: " + request.cause);
   const TzCause first = random->Pick(fit);
-  hidden.push_back(Hide(first, 1, request.sigma, made, truth));
-  if (request.kind != "pair") return hidden;
+  HiddenCause one = Hide(first, 1, request.sigma, made, truth);
+  if (request.kind != "pair") return nlohmann::json::array({one.told});
   std::vector<TzCause> others;
   for (const TzCause& cause : TzCauses()) {
     if (cause.name != first.name && !cause.is_outside) others.push_back(cause);
   }
   const TzCause second = random->Pick(others);
-  hidden.push_back(Hide(second, 2, random->LogUniform(2, 15), made, truth));
-  return hidden;
+  HiddenCause two = Hide(second, 2, random->LogUniform(2, 15), made, truth);
+  TwinsBeside(*made, *truth, two, &one);
+  TwinsBeside(*made, *truth, one, &two);
+  return nlohmann::json::array({one.told, two.told});
 }
 
 // The nozzle's height walks at random in time: touches and gauges see it.
