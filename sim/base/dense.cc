@@ -64,7 +64,9 @@ Eigen::MatrixXd QrOf::R() const {
   return qr_.matrixQR().topRows(qr_.cols()).triangularView<Eigen::Upper>();
 }
 
-Eigen::MatrixXd QrOf::InverseOfR() const { return InverseOfUpper(R()); }
+Eigen::MatrixXd QrOf::InverseOfR() const {
+  return InverseOfUpper(R());
+}
 
 Eigen::VectorXd QrOf::SolveR(const Eigen::VectorXd& right) const {
   return qr_.matrixQR().topRows(qr_.cols()).triangularView<Eigen::Upper>().solve(right);
