@@ -282,7 +282,9 @@ StudyStore::StudyStore(const fs::path& folder,
                        const Shard& shard)
     : file_(folder / (study.keeps_trials ? "study.sqlite" : kUnfinished)) {
   std::error_code error;
-  has_made_folder_ = MakeWritable(folder, fs::exists(file_, error));
+  // A killed program's log is still to be taken over, which is writing.
+  const bool has_log = fs::exists(file_.string() + "-wal", error);
+  has_made_folder_ = MakeWritable(folder, fs::exists(file_, error) && !has_log);
   lock_ = FolderLock(folder);
   is_new_ = !fs::exists(file_, error);
   if (is_new_) {

@@ -59,6 +59,18 @@ def kill_midway(command, store):
     return False
 
 
+def read_only_fault(command, folder):
+    """Half done, in a folder where nothing can be written: told at once, nothing run."""
+    mounted = ["unshare", "--mount", "sh", "-c",
+               'mount --bind "$0" "$0" && mount -o remount,bind,ro "$0" || exit 77; exec "$@"',
+               str(folder)]
+    if subprocess.run(mounted + ["true"], capture_output=True, check=False).returncode:
+        return ""  # No right to mount.
+    found = subprocess.run(mounted + command, capture_output=True, text=True, check=False)
+    is_told = found.returncode == 2 and "cannot be written to" in found.stderr
+    return "" if is_told else f"read-only: {found.returncode} {found.stderr[-300:]}"
+
+
 def check(name, caltwin, folder, source):
     text, store, results = STUDIES[name]
     study = folder / f"{name}.yaml"
@@ -75,6 +87,8 @@ def check(name, caltwin, folder, source):
                              check=False)
     if refused.returncode != 2 or "--resume" not in refused.stderr:
         return f"{name}: is begun anew over what is there: {refused.stderr}"
+    if fault := read_only_fault(command + [str(killed), "--resume"], killed):
+        return f"{name}: {fault}"
     subprocess.run(command + [str(killed), "--resume"], check=True,
                    stdout=subprocess.DEVNULL)
     for result in results:

@@ -234,6 +234,11 @@ void SayStopped(std::int64_t done, std::int64_t all, const fs::path& folder) {
                            folder.string());
 }
 
+// Runs of the study, or of a part of it.
+std::int64_t RunsOf(const Study& study, const Shard& shard) {
+  return shard.NumOf(study.trials) * static_cast<std::int64_t>(study.cases.size());
+}
+
 // With --resume, of a study or part that is finished.
 int TellFinished(const Study& study, const Options& options, const HeldUnkept& held) {
   if (std::error_code error;
@@ -258,6 +263,7 @@ int RunAggregates(const Study& study, const Options& options) {
     return TellFinished(study, options, held);
   }
   StudyStore store(folder, study, options.resume, how.shard);
+  MakeWritable(folder, /*is_to_be_read=*/false);
   std::string remarks;
   OrDiscard(&store, [&] {
     if (!IsToBeChecked(study, how.shard)) return;
@@ -270,10 +276,7 @@ int RunAggregates(const Study& study, const Options& options) {
   if (InterruptRequested()) {
     std::int64_t done = 0;
     for (const Aggregate& one : aggregates) done += one.trials();
-    SayStopped(
-        done,
-        how.shard.NumOf(study.trials) * static_cast<std::int64_t>(study.cases.size()),
-        folder);
+    SayStopped(done, RunsOf(study, how.shard), folder);
     return kInterrupted;
   }
   std::string files;
@@ -337,11 +340,13 @@ int Run(const Options& options) {
   Shown shown;
   const StudyOptions how = shown.With(options);
   StudyStore store(folder, study, options.resume, how.shard);
-  const bool is_begun = !store.Done().empty();
+  const auto done = static_cast<std::int64_t>(store.Done().size());
+  // Only what is finished is summed up in a read-only folder.
+  MakeWritable(folder, study.adaptive_digits > 0 || done >= RunsOf(study, how.shard));
   OrDiscard(&store, [&] {
     HoldsSummary(study, folder);
     // Was good enough when it was begun.
-    if (is_begun || !IsToBeChecked(study, how.shard)) return;
+    if (done > 0 || !IsToBeChecked(study, how.shard)) return;
     const LinearCheck check = CheckLinear(study, how);
     if (!InterruptRequested()) RequireLinear(study, check);
   });
