@@ -177,7 +177,7 @@ std::string BudgetText(const std::vector<Budget>& budgets) {
     for (const BudgetLine& line : budget.lines) {
       constexpr double kPercent = 100;
       text += fmt::format(" {} {:.2g} ({:.0f} %)",
-                          line.input.empty() ? "readings" : line.input,
+                          line.input.empty() ? "readings and all else" : line.input,
                           line.contribution,
                           kPercent * line.share);
     }
