@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,9 +13,9 @@ namespace caltwin {
 /// One number that was measured elsewhere on a public engine's own code, and what the
 /// engine here gives.
 struct MeasuredFigure {
-  std::string name{};  ///< "z rms um", "touches" ...
-  double there = 0;
-  double last_digit = 0;  ///< One unit of it.
+  std::string name{};             ///< "z rms um", "touches" ...
+  std::optional<double> there{};  ///< nullopt: of caltwin's own engine, so of none.
+  double last_digit = 0;          ///< One unit of it.
   double here = 0;
   bool is_met = false;  ///< Within the last digit, with noise within a tenth.
 };

@@ -61,7 +61,7 @@ double KlipperDistanceSigma_mm(double touch_sigma_mm,
 
 /// Whether a saved geometry is that of the touches saved beside it.
 enum class SavedVerdict {
-  kBelongs,        ///< A fit of the touches does no better than what was saved.
+  kBelongs,        ///< A fit of the touches ends at what was saved.
   kMovedTogether,  ///< All three endstops were moved by the same amount since.
   kStale           ///< It is another calibration's, or was changed by hand.
 };
@@ -83,9 +83,9 @@ struct KlipperAssessment {
   double longer_arms_scale = 0;      ///< How much larger it would print, as a fraction.
 };
 
-/// Fits nine numbers where there are distances, else six, and compares. Stale: what
-/// the saved geometry leaves beyond the fit, sqrt(saved^2 - fit^2), is more than 10 um
-/// and more than twice the fit's own rms.
+/// Fits nine numbers where there are distances, else six, and compares. Stale: a number
+/// differs from the fit's by 10 um (angles as arcs; the delta radius by 5), all three
+/// endstops together excepted.
 KlipperAssessment AssessKlipper(std::span<const DeltaTouch> touches,
                                 std::span<const DeltaDistance> distances,
                                 const DeltaModel<double>& saved);

@@ -307,7 +307,9 @@ std::vector<Doubt> Doubts(const RowTable& table,
                                 "than {}",
                                 table.rows.size(),
                                 kFewestRows),
-         .hint = "a positioning test takes 5 positions, both senses, twice",
+         .hint = machine != nullptr && machine->kinematics == Kinematics::kDelta
+                     ? "a delta's calibration takes 7 touches at least"
+                     : "a positioning test takes 5 positions, both senses, twice",
          .refuse = true});
     return doubts;
   }

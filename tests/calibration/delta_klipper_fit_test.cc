@@ -180,6 +180,15 @@ TEST(SavedCalibration, OfASuperRacerIsReproduced) {
   EXPECT_GT(*assessment.hold_out_rms_mm, 5 * assessment.fit.height_rms_mm);
 }
 
+// However far the touches themselves are from the model: 12 um rms here.
+TEST(SavedCalibration, WhoseDeltaRadiusWasChangedSinceIsStale) {
+  Problem problem = ProblemOf(ReadKlipperCalibration(
+      TestData("imports/delta_super_racer.cfg"), "delta_super_racer.cfg", {}));
+  problem.saved.radius_mm.fill(problem.saved.radius_mm[0] + 0.05);
+
+  EXPECT_EQ(Assess(problem).verdict, SavedVerdict::kStale);
+}
+
 TEST(SavedCalibration, WithDistancesIsReproducedInNineNumbers) {
   const Problem problem = ProblemOf(ReadKlipperCalibration(
       TestData("imports/delta_v400_distances.cfg"), "delta_v400_distances.cfg", {}));

@@ -7,6 +7,7 @@
 
 #include "calibration/delta/klipper_fit.h"
 #include "calibration/delta/mesh_shape.h"
+#include "calibration/estimate/correlation.h"
 #include "sim/base/units.h"
 #include "sim/measure/import/klipper_delta.h"
 #include "sim/measure/import/klipper_mesh.h"
@@ -91,6 +92,40 @@ std::string SdText(const KlipperFit& fit) {
                         Um(fit.last_step.sd(i)));
   }
   return text;
+}
+
+// What the readings themselves leave says more of them than a guess, where some are to
+// spare.
+std::string OwnScatterText(const KlipperAssessment& assessment,
+                           std::size_t num_distances,
+                           double distance_sigma_mm) {
+  if (assessment.spare < 1) return "";
+  const KlipperFit& fit = assessment.fit;
+  double left_mm2 =
+      std::pow(fit.height_rms_mm, 2) * static_cast<double>(fit.residuals_mm.size());
+  if (num_distances > 0) {
+    left_mm2 += std::pow(fit.distance_rms_mm * kTouch_mm / distance_sigma_mm, 2) *
+                static_cast<double>(num_distances);
+  }
+  const double own_mm = std::sqrt(left_mm2 / assessment.spare);
+  return fmt::format(
+      "what the fit leaves is that of touches good to {} um ({} degree{} of "
+      "freedom{}): the standard deviations are then {:.1f} times as large",
+      Um(own_mm),
+      assessment.spare,
+      assessment.spare == 1 ? "" : "s",
+      assessment.spare == 1 ? ", so known within a factor of a few" : "",
+      own_mm / kTouch_mm);
+}
+
+std::string CorrelatedText(const KlipperFit& fit) {
+  const auto count = static_cast<std::size_t>(fit.last_step.x.size());
+  const std::vector<std::string> names(kKlipperNames.begin(),
+                                       kKlipperNames.begin() + count);
+  if (!fit.last_step.identifiable) return "";
+  const std::string pairs =
+      MostCorrelatedText(CorrelationsOf("klipper", names, fit.last_step.covariance));
+  return pairs.empty() ? "" : "most correlated: " + pairs;
 }
 
 /// The readings as the fit takes them, weighed as Klipper weighs.
@@ -178,6 +213,12 @@ std::vector<std::string> DeltaAccount(const KlipperCalibration& read,
       DeviationsText(assessment.fit, read.geometry.model),
       HoldOutText(assessment),
       SdText(assessment.fit)};
+  const std::vector<std::string> more = {
+      OwnScatterText(assessment, readings.distances.size(), readings.distance_sigma_mm),
+      CorrelatedText(assessment.fit)};
+  for (const std::string& line : more) {
+    if (!line.empty()) lines.push_back(line);
+  }
   if (assessment.verdict == SavedVerdict::kStale) {
     const auto why = StaleTexts(read, assessment.fit, import);
     lines.insert(lines.begin() + 1, why.begin(), why.end());
