@@ -13,7 +13,8 @@ namespace {
 std::string ShownFigure(double value, double last_digit, int more) {
   const int digits =
       std::max(0, static_cast<int>(std::lround(-std::log10(last_digit))) + more);
-  return fmt::format("{:.{}f}", value, digits);
+  const bool is_zero = std::abs(value) < std::pow(10.0, -digits) / 2;
+  return fmt::format("{:.{}f}", is_zero ? 0.0 : value, digits);
 }
 
 bool IsMet(const MeasuredTask& task) {

@@ -256,7 +256,7 @@ DeltaOutcome WithTiltTold(DeltaOutcome outcome) {
   if (outcome.tilt_x == 0 && outcome.tilt_y == 0) return outcome;
   outcome.messages.push_back(fmt::format(
       "the bed's tilt that was found, {:.3f} and {:.3f} mrad, is not commanded: Marlin "
-      "has no setting for it, so the nozzle keeps it",
+      "has no setting for it, so the nozzle errs by it",
       MradFromRad(outcome.tilt_x),
       MradFromRad(outcome.tilt_y)));
   return outcome;

@@ -65,6 +65,8 @@ class DeltaRun {
     trial.settings_told = told_.estimates;
     trial.correlations = told_.correlations;
     trial.said_mm = said_mm_;
+    trial.tilt_x = told_.tilt_x;
+    trial.tilt_y = told_.tilt_y;
     trial.has_fault = fault_.has_value();
     trial.was_out_of_reach = was_out_of_reach_;
     JudgeDelta(trial, &result_);
@@ -118,7 +120,10 @@ class DeltaRun {
         probe.Say("M500");
       }
       said_mm_ = outcome.said_mm;
-      told_ = {.estimates = outcome.estimates, .correlations = outcome.correlations};
+      told_ = {.estimates = outcome.estimates,
+               .correlations = outcome.correlations,
+               .tilt_x = outcome.tilt_x,
+               .tilt_y = outcome.tilt_y};
       result->messages.insert(
           result->messages.end(), outcome.messages.begin(), outcome.messages.end());
     }
@@ -155,6 +160,7 @@ class DeltaRun {
   struct Told {
     std::vector<Estimate> estimates{};
     std::vector<Correlations> correlations{};
+    double tilt_x = 0, tilt_y = 0;  ///< Of the bed, not commanded.
   };
   Told told_{};
   std::optional<DeltaJointFit> fit_{};

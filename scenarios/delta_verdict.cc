@@ -218,18 +218,39 @@ double DeltaReversal_mm(const DeltaTrial& trial) {
   return most_mm;
 }
 
-void JudgeDelta(const DeltaTrial& trial, RunResult* result) {
-  // Heights as touches find them: every carriage has come down.
+namespace {
+
+// Heights as touches find them: every carriage has come down.
+DeltaAccuracy AccuracyOn(const DeltaTrial& trial,
+                         const DeltaBed<double>& bed,
+                         const DeltaModel<double>& settings,
+                         const DeltaMesh& mesh) {
   const auto nozzle_of = [&](const Vec3<double>& motors_mm) {
     return NozzleOfDelta(
         trial.machine, trial.built, motors_mm, Vec3<double>(Vec3<double>::Ones()));
   };
+  return DeltaAccuracyOf(
+      nozzle_of, bed, settings, trial.machine.delta->print_radius_mm, mesh);
+}
+
+// What a firmware that knows the bed's tilt would make of the same settings.
+void AddTiltCommanded(const DeltaTrial& trial, RunResult* result) {
+  if (trial.tilt_x == 0 && trial.tilt_y == 0) return;
+  DeltaBed<double> bed = trial.built.bed;
+  bed.slope_x -= trial.tilt_x;
+  bed.slope_y -= trial.tilt_y;
+  const DeltaAccuracy with = AccuracyOn(trial, bed, trial.after, trial.mesh);
+  result->messages.push_back(fmt::format(
+      "with the tilt commanded beside these settings, as RepRapFirmware's M666 A and B "
+      "do, the nozzle would stand {:.1f} um rms off the bed",
+      UmFromMm(with.z_rms_mm)));
+}
+
+}  // namespace
+
+void JudgeDelta(const DeltaTrial& trial, RunResult* result) {
   const auto accuracy = [&](const DeltaModel<double>& settings, const DeltaMesh& mesh) {
-    return DeltaAccuracyOf(nozzle_of,
-                           trial.built.bed,
-                           settings,
-                           trial.machine.delta->print_radius_mm,
-                           mesh);
+    return AccuracyOn(trial, trial.built.bed, settings, mesh);
   };
   const DeltaAccuracy before = accuracy(trial.before, {});
   const DeltaAccuracy after = accuracy(trial.after, trial.mesh);
@@ -248,6 +269,7 @@ void JudgeDelta(const DeltaTrial& trial, RunResult* result) {
       UmFromMm(before.z_rms_mm),
       UmFromMm(after.xy_scale),
       trial.said_mm));
+  AddTiltCommanded(trial, result);
   if (HasPlay(trial.built.play_mm)) {
     result->messages.push_back(fmt::format(
         "carriages have play: up to {:.1f} um lie between the nozzle's height after a "

@@ -37,6 +37,8 @@ struct DeltaTrial {
   std::vector<Estimate> settings_told{};  ///< By the last step, uncertainty and all.
   std::vector<Correlations> correlations{};
   double said_mm = 0;  ///< By the last procedure, as its own deviation.
+  double tilt_x = 0,
+         tilt_y = 0;  ///< Of the bed, found by the last step, not commanded.
   bool has_fault = false;
   bool was_out_of_reach = false;
 };

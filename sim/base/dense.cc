@@ -4,32 +4,22 @@
 
 namespace caltwin {
 
-Cholesky::Cholesky(const Eigen::MatrixXd& a) {
-  const Eigen::LLT<Eigen::MatrixXd> llt(a);
-  is_definite_ = llt.info() == Eigen::Success;
-  lower_ = llt.matrixLLT();
-}
+Cholesky::Cholesky(const Eigen::MatrixXd& a) : llt_(a) {}
 
 Eigen::VectorXd Cholesky::Solve(const Eigen::VectorXd& right) const {
-  Eigen::VectorXd x = right;
-  lower_.triangularView<Eigen::Lower>().solveInPlace(x);
-  lower_.triangularView<Eigen::Lower>().adjoint().solveInPlace(x);
-  return x;
+  return llt_.solve(right);
 }
 
 Eigen::MatrixXd Cholesky::SolveEach(const Eigen::MatrixXd& columns) const {
-  Eigen::MatrixXd x = columns;
-  lower_.triangularView<Eigen::Lower>().solveInPlace(x);
-  lower_.triangularView<Eigen::Lower>().adjoint().solveInPlace(x);
-  return x;
+  return llt_.solve(columns);
 }
 
 Eigen::VectorXd Cholesky::SolveLower(const Eigen::VectorXd& right) const {
-  return lower_.triangularView<Eigen::Lower>().solve(right);
+  return llt_.matrixL().solve(right);
 }
 
 Eigen::MatrixXd Cholesky::SolveLowerEach(const Eigen::MatrixXd& columns) const {
-  return lower_.triangularView<Eigen::Lower>().solve(columns);
+  return llt_.matrixL().solve(columns);
 }
 
 PivotedCholesky::PivotedCholesky(const Eigen::MatrixXd& a) : ldlt_(a) {}

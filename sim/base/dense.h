@@ -13,9 +13,9 @@ class Cholesky {
  public:
   explicit Cholesky(const Eigen::MatrixXd& a);
 
-  bool is_definite() const { return is_definite_; }
+  bool is_definite() const { return llt_.info() == Eigen::Success; }
   /// Diagonal of L.
-  auto diagonal() const { return lower_.diagonal(); }
+  auto diagonal() const { return llt_.matrixLLT().diagonal(); }
   /// a^-1 right.
   Eigen::VectorXd Solve(const Eigen::VectorXd& right) const;
   Eigen::MatrixXd SolveEach(const Eigen::MatrixXd& columns) const;
@@ -24,8 +24,7 @@ class Cholesky {
   Eigen::MatrixXd SolveLowerEach(const Eigen::MatrixXd& columns) const;
 
  private:
-  Eigen::MatrixXd lower_{};  ///< Above the diagonal: not L, not read.
-  bool is_definite_ = false;
+  Eigen::LLT<Eigen::MatrixXd> llt_;
 };
 
 /// Pivoted factor of a symmetric, semidefinite matrix, a = P^T L D L^T P.

@@ -70,6 +70,17 @@ TEST_F(MarlinDeltaTest, CarriagesBackOffFromTheirEndstops) {
                           "echo:  M851 X0.00 Y0.00 Z0.00"));
 }
 
+// "Lnan" reads as a bare L, and would silently set nothing.
+TEST_F(MarlinDeltaTest, NamesALetterWithoutItsNumber) {
+  EXPECT_THAT(Lines("M665 Lnan"),
+              ElementsAre("?M665: no number after L, nothing is changed"));
+  EXPECT_THAT(Lines("M666 Xinf Y-0.1"),
+              ElementsAre("?M666: no number after X, nothing is changed"));
+  EXPECT_THAT(Lines("G33 Pnan"),
+              ElementsAre("?G33: no number after P, nothing is changed"));
+  EXPECT_THAT(Lines("M503"), Contains("echo:  M666 X0.0000 Y0.0000 Z0.0000"));
+}
+
 TEST_F(MarlinDeltaTest, StoresRestoresAndForgets) {
   Lines("M665 R131");
   Lines("M500");

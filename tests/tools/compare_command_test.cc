@@ -46,6 +46,10 @@ TEST(CompareCommand, WritesItsJsonBesideTheTable) {
 
 TEST(CompareCommand, RefusesWhatItCannotCompare) {
   EXPECT_THROW(RunCommand(DeclareCompare, {"printers"}), CLI::ValidationError);
+  EXPECT_THAT(
+      RunCommand(DeclareCompare, {"delta", "--machine", "measured", "--machines", "5"})
+          .fault,
+      HasSubstr("--draws"));
   EXPECT_THROW(RunCommand(DeclareCompare, {"delta", "--machines", "0"}),
                CLI::ValidationError);
 }

@@ -24,6 +24,7 @@ struct Options {
   std::string kind{};
   std::string machine = "random";
   int machines = 200;
+  bool has_machines = false;  ///< Given, not by default.
   int draws = 200;
   std::uint64_t seed = 1;
   std::string json{};
@@ -44,6 +45,11 @@ void Write(const Options& options,
 }
 
 int RunMeasured(const Options& options) {
+  if (options.has_machines) {
+    throw InputError({.file = "--machines"},
+                     "is of random machines; only one was measured",
+                     "--draws says how often each noisy row is drawn");
+  }
   if (options.kind != "delta") {
     throw InputError({.file = "--machine"},
                      "only a delta has been measured",
@@ -95,9 +101,10 @@ Action DeclareCompare(CLI::App* app) {
          "kind", options->kind, "what is calibrated: delta, levelling, backlash")
       ->required()
       ->check(CLI::IsMember({"delta", "levelling", "backlash"}));
-  app->add_option("--machines", options->machines, "how many random machines")
-      ->capture_default_str()
-      ->check(CLI::Range(1, kMostMachines));
+  const CLI::Option* const machines =
+      app->add_option("--machines", options->machines, "how many random machines")
+          ->capture_default_str()
+          ->check(CLI::Range(1, kMostMachines));
   app->add_option("--machine",
                   options->machine,
                   "random, or measured: the one on which the public engines' own code "
@@ -112,7 +119,8 @@ Action DeclareCompare(CLI::App* app) {
       ->capture_default_str();
   app->add_option(
       "--json", options->json, "write the figures as JSON; - for stdout alone");
-  return [options] {
+  return [options, machines] {
+    options->has_machines = machines->count() > 0;
     return options->machine == "measured" ? RunMeasured(*options) : RunRandom(*options);
   };
 }

@@ -18,6 +18,32 @@ constexpr double kClearance_mm = 5;
 constexpr double kHoming_s = 12;
 constexpr double kAtEnd_mm = 1e-6;
 
+// A letter that wants a number and has none: that of `M665 Lnan` reads as a bare L. 0:
+// every one has its own.
+char WithoutItsNumber(const GcodeCommand& command) {
+  struct Wanting {
+    char of;
+    int code;
+    std::string_view letters;
+  };
+  constexpr std::array kWanting = {Wanting{'M', 665, "LRHSXYZABC"},
+                                   Wanting{'M', 666, "XYZ"},
+                                   Wanting{'M', 851, "XYZ"},
+                                   Wanting{'M', 421, "IJZ"},
+                                   Wanting{'G', 0, "XYZF"},
+                                   Wanting{'G', 1, "XYZF"},
+                                   Wanting{'G', 30, "XY"},
+                                   Wanting{'G', 33, "PCVR"}};
+  for (const Wanting& wanting : kWanting) {
+    if (!command.Is(wanting.of, wanting.code)) continue;
+    for (const GcodeWord& word : command.words) {
+      const bool is_asked = wanting.letters.find(word.letter) != std::string_view::npos;
+      if (is_asked && word.kind != GcodeWord::Kind::kNumber) return word.letter;
+    }
+  }
+  return 0;
+}
+
 Reply Refusal(const std::string& text) {
   return {.lines = {"Error:" + text}, .error = true};
 }
@@ -68,6 +94,11 @@ Reply MarlinDelta::Execute(std::string_view line) {
 }
 
 Reply MarlinDelta::Obey(const GcodeCommand& command) {
+  if (const char letter = WithoutItsNumber(command); letter != 0) {
+    return {
+        .lines = {fmt::format(
+            "?{}: no number after {}, nothing is changed", command.Name(), letter)}};
+  }
   if (command.Is('G', 28)) return Home();
   if (command.Is('G', 30)) return Probe(command);
   if (command.Is('G', 0) || command.Is('G', 1)) return Move(command);
