@@ -17,6 +17,7 @@
 #include "calibration/delta/rrf_least_squares.h"
 #include "calibration/delta/settings.h"
 #include "scenarios/interrupt.h"
+#include "scenarios/study/summary.h"
 #include "sim/base/require.h"
 #include "sim/base/units.h"
 #include "sim/machine/simulated_delta.h"
@@ -224,14 +225,14 @@ std::string DeltaComparisonText(const DeltaComparison& comparison) {
   std::string text = fmt::format(
       "{} random deltas, seed {}; touches scatter by {:.0f} um; judged at unseen "
       "points "
-      "within {:.0f} mm\n\n{:<18} {:>8} {:>6} {:>28} {:>28} {:>9}\n",
+      "within {:.0f} mm\n\n{:<18} {:>8} {:>15} {:>28} {:>28} {:>9}\n",
       comparison.machines,
       comparison.seed,
       UmFromMm(kCompareTouchSigma_mm),
       kCompareRadius_mm,
       "engine",
       "touches",
-      "failed",
+      "failed [95 %]",
       "z rms um: median [95 %] p95",
       "scale um/mm: the same",
       "time");
@@ -251,10 +252,14 @@ std::string DeltaComparisonText(const DeltaComparison& comparison) {
                        digits);
   };
   for (const DeltaStanding& engine : comparison.engines) {
-    text += fmt::format("{:<18} {:>8.1f} {:>6} {:>28} {:>28} {:>7.2g} s\n",
+    const Rate failed = RateOf(engine.failures, comparison.machines);
+    text += fmt::format("{:<18} {:>8.1f} {:>15} {:>28} {:>28} {:>7.2g} s\n",
                         engine.name,
                         engine.touches,
-                        engine.failures,
+                        fmt::format("{} [{:.1f}, {:.1f} %]",
+                                    engine.failures,
+                                    PercentFromFraction(failed.low),
+                                    PercentFromFraction(failed.high)),
                         spread(engine.z_rms_um, 1),
                         spread(engine.xy_scale_um_per_mm, 2),
                         engine.time_s);
@@ -265,9 +270,11 @@ std::string DeltaComparisonText(const DeltaComparison& comparison) {
 nlohmann::ordered_json DeltaComparisonJson(const DeltaComparison& comparison) {
   nlohmann::ordered_json engines = nlohmann::ordered_json::array();
   for (const DeltaStanding& engine : comparison.engines) {
+    const Rate failed = RateOf(engine.failures, comparison.machines);
     engines.push_back({{"name", engine.name},
                        {"touches", engine.touches},
                        {"failures", engine.failures},
+                       {"failures_ci95", {failed.low, failed.high}},
                        {"z_rms_um", SpreadJson(engine.z_rms_um)},
                        {"xy_scale_um_per_mm", SpreadJson(engine.xy_scale_um_per_mm)},
                        {"time_s", engine.time_s}});

@@ -1,5 +1,6 @@
 #include "scenarios/delta_runner.h"
 
+#include <cmath>
 #include <ctime>
 #include <memory>
 #include <utility>
@@ -13,6 +14,7 @@
 #include "scenarios/delta_verdict.h"
 #include "scenarios/interrupt.h"
 #include "scenarios/interruptible_link.h"
+#include "sim/base/units.h"
 #include "sim/link/transcript.h"
 
 namespace caltwin {
@@ -146,6 +148,31 @@ class DeltaRun {
                                .after = is,
                                .verdict = Verdict::kApplied});
     }
+    AddTrims(step, before);
+  }
+
+  // What M665 A B C and Z set beside the mean rod and the angles of towers a and b.
+  void AddTrims(const DeltaStep& step, const DeltaModel<double>& before) {
+    const DeltaModel<double>& after = twin_.marlin().settings();
+    constexpr double kRounding = 1e-9;
+    const auto add = [&](std::string name, double was, double is) {
+      if (std::abs(is - was) < kRounding) return;
+      result_.steps.push_back({.procedure = step.name,
+                               .variant = step.variant,
+                               .name = std::move(name),
+                               .before = was,
+                               .after = is,
+                               .verdict = Verdict::kApplied});
+    };
+    for (std::size_t i = 0; i < kNumTowers; ++i) {
+      add(fmt::format("arm_length.{}", "abc"[i]),
+          before.arm_mm[i] - MeanOfTowers(before.arm_mm),
+          after.arm_mm[i] - MeanOfTowers(after.arm_mm));
+    }
+    const double drawn_rad = machine_.delta->model.angle_rad[2];
+    add("tower_angle.c",
+        DegFromRad(before.angle_rad[2] - drawn_rad),
+        DegFromRad(after.angle_rad[2] - drawn_rad));
   }
 
   const Scenario& scenario_;

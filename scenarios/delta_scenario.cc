@@ -123,6 +123,7 @@ DeltaStep ReadDeltaStep(const std::string& name, const YamlValue& options) {
   if (name == "g33") {
     step.variant = map.WordOr("variant", "corrected", {"as_published", "corrected"});
     step.points = static_cast<int>(map.IntegerOr("p", 4, 0, 10));
+    if (const auto r = map.Optional("r")) step.reduced_mm = r->Number({0, 1000});
     step.words = ReadG33Letters(&map);
   }
   if (name == "rrf_least_squares") {
@@ -261,6 +262,15 @@ DeltaScenario ReadDeltaScenario(YamlMap* map,
   }
   if (const auto calibrate = map->Required("calibrate")) {
     scenario.calibrate = ReadDeltaSteps(*calibrate);
+    const double most_mm = machine.delta->print_radius_mm;
+    for (const DeltaStep& step : scenario.calibrate) {
+      if (step.reduced_mm < most_mm) continue;
+      calibrate->Fail(fmt::format("g33's r is {:g} mm, and the bed's radius {:g}: no "
+                                  "disc is left to touch",
+                                  step.reduced_mm,
+                                  most_mm),
+                      "r is taken off the radius");
+    }
   }
   if (const auto expect = map->Optional("expect")) {
     ReadDeltaExpectation(expect->Map(), &scenario);

@@ -31,6 +31,7 @@ struct DeltaStep {
   std::string variant{};     ///< as_published | corrected (g33).
   int points = 0;            ///< Touches, or G33's P; 0: the procedure's own.
   std::string words{};       ///< G33's other letters, as G-code: " C0.01 F3 T".
+  double reduced_mm = 0;     ///< Of g33: what its letter R takes off the radius.
   int factors = 6;           ///< Of rrf_least_squares.
   std::vector<int> knobs{};  ///< Of delta_joint: its unknowns.
   std::vector<DeltaPrior> priors{};  ///< Of delta_joint, beside what knobs have.

@@ -199,6 +199,7 @@ TEST(DeltaScenario, TellsWhatAStepDoesNotKnow) {
   EXPECT_THAT(fault("delta_joint: {priors: {delta_radius: {value: 130}}}"),
               HasSubstr("priors.delta_radius lacks the key 'sd'"));
   EXPECT_THAT(fault("klipper_descent: {points: 7}"), HasSubstr("It knows: print"));
+  EXPECT_THAT(fault("g33: {p: 4, r: 200}"), HasSubstr("no disc is left to touch"));
 }
 
 // Whole motor steps of 12.5 um: each calibration reads a little else, and none after
