@@ -140,13 +140,7 @@ class DeltaRun {
     for (const char* name : kDeltaSettingNames) {
       const double was = *DeltaSettingNamed(before, drawn, name);
       const double is = *DeltaSettingNamed(twin_.marlin().settings(), drawn, name);
-      if (was == is) continue;
-      result_.steps.push_back({.procedure = step.name,
-                               .variant = step.variant,
-                               .name = name,
-                               .before = was,
-                               .after = is,
-                               .verdict = Verdict::kApplied});
+      if (was != is) AddStep(step, name, was, is);
     }
     AddTrims(step, before);
   }
@@ -155,14 +149,8 @@ class DeltaRun {
   void AddTrims(const DeltaStep& step, const DeltaModel<double>& before) {
     const DeltaModel<double>& after = twin_.marlin().settings();
     constexpr double kRounding = 1e-9;
-    const auto add = [&](std::string name, double was, double is) {
-      if (std::abs(is - was) < kRounding) return;
-      result_.steps.push_back({.procedure = step.name,
-                               .variant = step.variant,
-                               .name = std::move(name),
-                               .before = was,
-                               .after = is,
-                               .verdict = Verdict::kApplied});
+    const auto add = [&](const std::string& name, double was, double is) {
+      if (std::abs(is - was) > kRounding) AddStep(step, name, was, is);
     };
     for (std::size_t i = 0; i < kNumTowers; ++i) {
       add(fmt::format("arm_length.{}", "abc"[i]),
@@ -173,6 +161,15 @@ class DeltaRun {
     add("tower_angle.c",
         DegFromRad(before.angle_rad[2] - drawn_rad),
         DegFromRad(after.angle_rad[2] - drawn_rad));
+  }
+
+  void AddStep(const DeltaStep& step, const std::string& name, double was, double is) {
+    result_.steps.push_back({.procedure = step.name,
+                             .variant = step.variant,
+                             .name = name,
+                             .before = was,
+                             .after = is,
+                             .verdict = Verdict::kApplied});
   }
 
   const Scenario& scenario_;

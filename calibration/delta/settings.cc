@@ -4,7 +4,6 @@
 #include <cmath>
 #include <vector>
 
-#include <Eigen/QR>
 #include <ceres/jet.h>
 #include <fmt/format.h>
 

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Cholesky>
-
 #include "sim/base/dense.h"
 #include "sim/effects/predict.h"
 

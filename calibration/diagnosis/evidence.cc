@@ -3,9 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Cholesky>
-#include <Eigen/QR>
-
 #include "calibration/estimate/inner_products.h"
 #include "sim/base/dense.h"
 #include "sim/base/require.h"

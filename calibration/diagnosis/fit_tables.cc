@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include <Eigen/QR>
-
 #include "calibration/diagnosis/whole_tables.h"
 #include "sim/base/dense.h"
 

@@ -4,9 +4,6 @@
 #include <cmath>
 #include <vector>
 
-#include <Eigen/Cholesky>
-#include <Eigen/QR>
-
 #include "calibration/diagnosis/outliers.h"
 #include "sim/base/dense.h"
 

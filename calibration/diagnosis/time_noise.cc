@@ -6,8 +6,6 @@
 #include <map>
 #include <string>
 
-#include <Eigen/QR>
-
 #include "sim/base/dense.h"
 #include "sim/base/median.h"
 

@@ -6,8 +6,6 @@
 #include <limits>
 #include <numbers>
 
-#include <Eigen/Cholesky>
-
 #include "sim/base/dense.h"
 #include "sim/base/rng.h"
 #include "sim/base/units.h"

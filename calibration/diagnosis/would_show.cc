@@ -4,8 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include <Eigen/Eigenvalues>
-
 #include "calibration/diagnosis/candidates.h"
 #include "calibration/diagnosis/evidence.h"
 #include "sim/base/dense.h"

@@ -5,8 +5,6 @@
 #include <limits>
 #include <optional>
 
-#include <Eigen/Cholesky>
-
 #include "calibration/estimate/joint_model.h"
 #include "sim/base/dense.h"
 #include "sim/base/mutant.h"

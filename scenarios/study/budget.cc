@@ -4,7 +4,6 @@
 #include <cmath>
 #include <map>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <fmt/format.h>
 

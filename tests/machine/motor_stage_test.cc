@@ -5,6 +5,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include "sim/base/input_error.h"
 
@@ -17,8 +18,8 @@ const std::filesystem::path kFile =
     CALTWIN_SOURCE_DIR "/models/motor_stage/machine.yaml";
 
 std::filesystem::path Written(const std::string& text) {
-  const auto file =
-      std::filesystem::path(::testing::TempDir()) / "motor_stage_test.yaml";
+  const auto file = std::filesystem::path(::testing::TempDir()) /
+                    ("motor_stage_test" + std::to_string(getpid()) + ".yaml");
   std::ofstream(file) << text;
   return file;
 }

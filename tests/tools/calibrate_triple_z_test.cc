@@ -1,7 +1,9 @@
 #include <filesystem>
 #include <fstream>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
+#include <unistd.h>
 
 #include "tests/tools/run_command.h"
 
@@ -14,7 +16,8 @@ using ::testing::Not;
 /// A printer whose bed is tilted by 3 mrad along x, touched without noise.
 std::string TiltedPrinter() {
   const auto truth =
-      std::filesystem::path(::testing::TempDir()) / "tilted_printer.truth.yaml";
+      std::filesystem::path(::testing::TempDir()) /
+      fmt::format("tilted_printer{}.truth.yaml", getpid());  // Tests run side by side.
   std::ofstream(truth) << "effects: {bed_tilt: {slope_x_mrad: 3}}\n";
   return "twin:" CALTWIN_SOURCE_DIR
          "/models/triple_z_printer/machine.yaml?fidelity=fast&truth=" +

@@ -234,7 +234,6 @@ void SayStopped(std::int64_t done, std::int64_t all, const fs::path& folder) {
                            folder.string());
 }
 
-// Runs of the study, or of a part of it.
 std::int64_t RunsOf(const Study& study, const Shard& shard) {
   return shard.NumOf(study.trials) * static_cast<std::int64_t>(study.cases.size());
 }
