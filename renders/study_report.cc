@@ -119,6 +119,25 @@ std::string BudgetTable(const std::vector<Budget>& budgets) {
       rows);
 }
 
+std::string PairsTable(const CaseSummary& summary) {
+  constexpr std::size_t kMost = 10;
+  std::string rows;
+  for (const CorrelatedPair& pair : PairsBeyondChance(summary, kMost)) {
+    rows += fmt::format(
+        "<tr><th scope=\"row\"><code>{}</code></th><td><code>{}</code></td>{}</tr>\n",
+        Escaped(pair.first),
+        Escaped(pair.second),
+        Cell(fmt::format("{:+.2f}", pair.r)));
+  }
+  if (rows.empty()) return "";
+  return Table(
+      "Correlation of errors over the machines, where it is 0.3 or more and chance "
+      "does "
+      "not make it. What is computed from two of them needs it (JCGM 100, 5.2).",
+      {"error of", "goes with", "r"},
+      rows);
+}
+
 std::string WorstList(const Study& study, const CaseSummary& summary) {
   if (summary.worst.empty()) return "";
   std::string html =
@@ -169,6 +188,7 @@ std::string CaseHtml(const Study& study,
                      CoverageTable(summary)) +
          Section("Errors", histograms) +
          Section("Where errors come from", BudgetTable(budgets)) +
+         Section("Errors that go together", PairsTable(summary)) +
          Section("Worst machines", WorstList(study, summary));
 }
 

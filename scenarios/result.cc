@@ -78,22 +78,6 @@ Json StepJson(const Step& step) {
           {"message", step.message}};
 }
 
-Json CorrelationsJson(const Correlations& of) {
-  constexpr std::size_t kShown = 10;
-  Json rows = Json::array(), largest = Json::array();
-  for (Eigen::Index i = 0; i < of.matrix.rows(); ++i) {
-    const Eigen::VectorXd row = of.matrix.row(i);
-    rows.push_back(std::vector<double>(row.begin(), row.end()));
-  }
-  for (const CorrelatedPair& pair : LargestPairs(of, kShown, 0)) {
-    largest.push_back({{"between", {pair.first, pair.second}}, {"r", pair.r}});
-  }
-  return {{"procedure", of.procedure},
-          {"names", of.names},
-          {"matrix", rows},
-          {"largest", largest}};
-}
-
 template <typename List, typename Convert>
 Json ListJson(const List& list, Convert convert) {
   Json json = Json::array();
@@ -123,6 +107,22 @@ std::optional<Expanded> ExpandedOf(const ParameterResult& row) {
   return Expand(std::vector<Contribution>{{.input = "as stated", .u = *row.sd}});
 }
 
+nlohmann::ordered_json ToJson(const Correlations& of) {
+  constexpr std::size_t kShown = 10;
+  Json rows = Json::array(), largest = Json::array();
+  for (Eigen::Index i = 0; i < of.matrix.rows(); ++i) {
+    const Eigen::VectorXd row = of.matrix.row(i);
+    rows.push_back(std::vector<double>(row.begin(), row.end()));
+  }
+  for (const CorrelatedPair& pair : LargestPairs(of, kShown, 0)) {
+    largest.push_back({{"between", {pair.first, pair.second}}, {"r", pair.r}});
+  }
+  return {{"procedure", of.procedure},
+          {"names", of.names},
+          {"matrix", rows},
+          {"largest", largest}};
+}
+
 nlohmann::ordered_json ToJson(const RunResult& result) {
   return {{"format", 1},
           {"scenario", result.scenario},
@@ -135,7 +135,9 @@ nlohmann::ordered_json ToJson(const RunResult& result) {
           {"parameters", ListJson(result.parameters, ParameterJson)},
           {"checks", ListJson(result.checks, CheckJson)},
           {"steps", ListJson(result.steps, StepJson)},
-          {"correlations", ListJson(result.correlations, CorrelationsJson)},
+          {"correlations",
+           ListJson(result.correlations,
+                    [](const Correlations& of) { return ToJson(of); })},
           {"observability",
            ListJson(result.observability,
                     [](const Observability& o) {

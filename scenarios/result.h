@@ -84,6 +84,9 @@ struct RunResult {
 /// The tree of `caltwin run --json`.
 nlohmann::ordered_json ToJson(const RunResult& result);
 
+/// Names, matrix, and the ten largest pairs.
+nlohmann::ordered_json ToJson(const Correlations& of);
+
 /// How often an interval of 95 % (value +- 1.96 sd) held the truth, over all
 /// identifiable parameters of all runs that stated an uncertainty; nullopt where there
 /// is none.

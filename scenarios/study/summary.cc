@@ -6,6 +6,7 @@
 
 #include "scenarios/study/adaptive.h"
 #include "scenarios/study/aggregate.h"
+#include "scenarios/study/error_moments.h"
 
 namespace caltwin {
 namespace {
@@ -74,6 +75,7 @@ struct CollectedCase {
   std::vector<double> machine_time_s{}, touches{}, before_mm{}, after_mm{};
   std::vector<std::pair<double, std::int64_t>> by_error{};  ///< By Badness.
   std::map<std::string, Collected> parameters{};
+  ErrorMoments moments{};
 
   void Add(const TrialResult& result) {
     ++status[result.status];
@@ -84,6 +86,7 @@ struct CollectedCase {
     touches.push_back(result.touches);
     before_mm.push_back(result.position_error_before_mm);
     after_mm.push_back(result.position_error_after_mm);
+    moments.Add(result);
     for (const ParameterResult& parameter : result.parameters) {
       const auto [it, is_new] = parameters.try_emplace(parameter.name);
       if (is_new) {
@@ -104,7 +107,9 @@ struct CollectedCase {
                         .machine_time_s = QuantilesOf(machine_time_s),
                         .touches = QuantilesOf(touches),
                         .position_error_before_mm = QuantilesOf(before_mm),
-                        .position_error_after_mm = QuantilesOf(after_mm)};
+                        .position_error_after_mm = QuantilesOf(after_mm),
+                        .correlations = moments.Result(),
+                        .correlated_trials = moments.least_trials()};
     std::vector<std::pair<std::size_t, ParameterSummary>> ordered;
     for (const auto& [name, collected] : parameters) {
       ordered.emplace_back(collected.position, collected.Summary(name));

@@ -7,6 +7,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "calibration/estimate/correlation.h"
 #include "calibration/estimate/expanded.h"
 #include "scenarios/study/store.h"
 
@@ -86,6 +87,10 @@ struct CaseSummary {
   Quantiles machine_time_s{}, touches{};
   Quantiles position_error_before_mm{}, position_error_after_mm{};
   std::vector<ParameterSummary> parameters{};
+  /// Of errors over the trials (ErrorMoments); without names where too few tell them,
+  /// or more trials are kept than memory holds.
+  Correlations correlations{};
+  std::int64_t correlated_trials = 0;  ///< That tell the pair of which fewest do.
   /// The worst first, by Badness.
   std::vector<std::int64_t> worst{};
 };
@@ -106,6 +111,11 @@ std::string CauseKey(const TrialResult& result);
 /// Of what is kept. Quantiles are exact up to 200 000 trials, beyond that right to
 /// 1/256 of themselves, so that memory does not grow.
 StudySummary SummaryOf(const Study& study, const StudyStore& store);
+
+/// The largest correlations of errors, of those of 0.3 and more that chance (five
+/// standard deviations, 5 / sqrt(trials)) does not make.
+std::vector<CorrelatedPair> PairsBeyondChance(const CaseSummary& summary,
+                                              std::size_t most);
 
 /// `summary.json`.
 nlohmann::ordered_json SummaryJson(const Study& study, const StudySummary& summary);

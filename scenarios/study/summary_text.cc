@@ -73,6 +73,19 @@ std::string CoverageText(const ParameterSummary& parameter) {
                      kPercent * coverage.high);
 }
 
+std::string GoTogetherText(const CaseSummary& summary) {
+  constexpr std::size_t kMost = 3;
+  std::string text;
+  for (const CorrelatedPair& pair : PairsBeyondChance(summary, kMost)) {
+    text += fmt::format("{} {} with {} {:+.2f}",
+                        text.empty() ? "errors go together:" : ",",
+                        pair.first,
+                        pair.second,
+                        pair.r);
+  }
+  return text;
+}
+
 std::string CaseText(const CaseSummary& summary, const Study& study) {
   std::string text = fmt::format("\n{}\n ", summary.name);
   for (const auto& [status, count] : summary.status) {
@@ -124,6 +137,9 @@ std::string CaseText(const CaseSummary& summary, const Study& study) {
         has_sd ? fmt::format("{:.3f}", parameter.rms_over_sd) : "-",
         CoverageText(parameter));
   }
+  if (const std::string pairs = GoTogetherText(summary); !pairs.empty()) {
+    text += "  " + pairs + "\n";
+  }
   if (!summary.worst.empty()) {
     text += "  worst: " + ReplayCommand(study, summary.worst.front()) + "\n";
   }
@@ -131,6 +147,15 @@ std::string CaseText(const CaseSummary& summary, const Study& study) {
 }
 
 }  // namespace
+
+std::vector<CorrelatedPair> PairsBeyondChance(const CaseSummary& summary,
+                                              std::size_t most) {
+  constexpr double kWorthSaying = 0.3, kBeyondChance = 5;
+  if (summary.correlations.names.empty()) return {};
+  const auto trials = static_cast<double>(summary.correlated_trials);
+  const double least = std::max(kWorthSaying, kBeyondChance / std::sqrt(trials));
+  return LargestPairs(summary.correlations, most, least);
+}
 
 nlohmann::ordered_json SummaryJson(const Study& study, const StudySummary& summary) {
   nlohmann::ordered_json cases = nlohmann::ordered_json::array();
@@ -153,6 +178,7 @@ nlohmann::ordered_json SummaryJson(const Study& study, const StudySummary& summa
                      {"position_error_before_mm", JsonOf(one.position_error_before_mm)},
                      {"position_error_after_mm", JsonOf(one.position_error_after_mm)},
                      {"parameters", parameters},
+                     {"correlations", ToJson(one.correlations)},
                      {"worst", worst}});
   }
   return {{"format", 1},

@@ -1,5 +1,5 @@
-// The intervals that the NeXT calibration states hold the truth as often as they say,
-// and its estimates scatter hardly more than the Cramer-Rao bound of its touches.
+// The intervals that procedures state hold the truth as often as they say, and their
+// estimates scatter hardly more than the Cramer-Rao bound of their touches.
 
 #include <cmath>
 #include <filesystem>
@@ -13,7 +13,7 @@
 
 #include "scenarios/study/run.h"
 #include "scenarios/study/summary.h"
-#include "tests/scenarios/fisher_of_touches.h"
+#include "tests/scenarios/kept_bounds.h"
 
 namespace caltwin {
 namespace {
@@ -49,72 +49,48 @@ double BinomialLowerTail(std::int64_t k, std::int64_t n, double p) {
   return tail;
 }
 
-// How many quantities state an uncertainty; each must hold the truth as often as it
-// says.
-int ExpectHonest(const CaseSummary& summary) {
-  int estimators = 0;
+// How often it holds the truth, by chance both ways.
+void ExpectCovered(const std::string& name, const Rate& held) {
+  const std::int64_t hits = held.hits, of = held.cases;
+  EXPECT_GT(BinomialLowerTail(hits, of, 0.95), kOneInSoMany / 2)
+      << name << " " << hits << " of " << of;
+  EXPECT_GT(BinomialLowerTail(of - hits, of, 0.05), kOneInSoMany / 2)
+      << name << " " << hits << " of " << of;
+}
+
+// A standard deviation of n is known to 1 / sqrt(2 n): five times that are allowed
+// beyond the 10 % that estimators may lose, none below the bound.
+void ExpectAtTheBound(const std::string& name, double scatter, double bound, double n) {
+  const double chance = 5 / std::sqrt(2 * n);
+  EXPECT_GT(scatter / bound, 1 - chance) << name;
+  EXPECT_LT(scatter / bound, 1.1 + chance) << name;
+}
+
+// Which quantities state an uncertainty; each must hold the truth as often as it says,
+// and scatter as its touches' bound has it where there is one.
+std::vector<std::string> ExpectHonest(const CaseSummary& summary) {
+  static const std::map<std::string, double> bounds = KeptBounds();
+  std::vector<std::string> estimators;
   for (const ParameterSummary& one : summary.parameters) {
-    const std::int64_t hits = one.coverage95.hits, of = one.coverage95.cases;
-    if (of == 0) continue;
-    ++estimators;
-    EXPECT_GT(BinomialLowerTail(hits, of, 0.95), kOneInSoMany / 2)
-        << summary.name << " " << one.name << " " << hits << " of " << of;
-    EXPECT_GT(BinomialLowerTail(of - hits, of, 0.05), kOneInSoMany / 2)
-        << summary.name << " " << one.name << " " << hits << " of " << of;
+    if (one.coverage95.cases == 0) continue;
+    const std::string name = summary.name + " " + one.name;
+    estimators.push_back(name);
+    ExpectCovered(name, one.coverage95);
+    if (const auto bound = bounds.find(name); bound != bounds.end()) {
+      ExpectAtTheBound(
+          name, one.error.sd, bound->second, static_cast<double>(one.coverage95.cases));
+    }
   }
   return estimators;
 }
 
-class NextCoverage : public ::testing::Test {
- protected:
-  static void SetUpTestSuite() {
-    summary_ = new StudySummary(SummaryOfSome(kStudies / "next.yaml", kMachines));
-  }
-  static void TearDownTestSuite() { delete summary_; }
-
-  static const ParameterSummary& Of(const std::string& name) {
-    for (const ParameterSummary& one : summary_->cases.at(0).parameters) {
-      if (one.name == name) return one;
-    }
-    throw std::logic_error(name);
-  }
-  static const StudySummary& summary() { return *summary_; }
-
- private:
-  static StudySummary* summary_;
-};
-StudySummary* NextCoverage::summary_ = nullptr;
-
-TEST_F(NextCoverage, IntervalsOf95PercentHoldThatOften) {
-  const CaseSummary& next = summary().cases.at(0);
+TEST(NextCoverage, IntervalsHoldAndScatterIsTheBound) {
+  const CaseSummary next = SummaryOfSome(kStudies / "next.yaml", kMachines).cases.at(0);
   for (const ParameterSummary& one : next.parameters) {
     if (one.coverage95.cases == 0) continue;
     EXPECT_GE(one.coverage95.cases, kMachines * 99 / 100) << one.name;
   }
-  EXPECT_EQ(ExpectHonest(next), 11);
-}
-
-TEST_F(NextCoverage, ScatterIsTheCramerRaoBound) {
-  FisherOfTouches phase2, phases;
-  AddPhase2(&phase2);
-  AddPhases(&phases);
-  AddKnown(&phase2);
-  AddKnown(&phases);
-  // A standard deviation of 600 is known to 2.9 %, five times that are allowed beyond
-  // the 10 % that estimators may lose, none below the bound.
-  const double chance = 5 / std::sqrt(2.0 * kMachines);
-  for (const std::string axis : {"x", "y"}) {
-    const std::map<std::string, double> bounds = {
-        {"steps_per_mm." + axis, 800 * phase2.Bound(FisherOfTouches::kScale)},
-        {"backlash." + axis, phases.Bound(FisherOfTouches::kGap)},
-        {"probe_pretravel." + axis, phases.Bound(FisherOfTouches::kPretravel)}};
-    for (const auto& [name, bound] : bounds) {
-      const double ratio = Of(name).error.sd / bound;
-      RecordProperty(name, std::to_string(ratio));
-      EXPECT_GT(ratio, 1 - chance) << name;
-      EXPECT_LT(ratio, 1.1 + chance) << name;
-    }
-  }
+  EXPECT_EQ(ExpectHonest(next).size(), 11);
 }
 
 // A study of scenarios/studies/coverage, and each estimator of it that states an
@@ -139,11 +115,11 @@ TEST_P(EveryCoverage, IntervalsOf95PercentHoldThatOften) {
 
   std::vector<std::string> found;
   for (const CaseSummary& one : summary.cases) {
-    ExpectHonest(one);
+    const std::vector<std::string> told = ExpectHonest(one);
+    found.insert(found.end(), told.begin(), told.end());
     for (const ParameterSummary& parameter : one.parameters) {
       if (parameter.coverage95.cases == 0) continue;
-      found.push_back(one.name + " " + parameter.name);
-      EXPECT_GE(parameter.coverage95.cases, kFew / 2) << found.back();
+      EXPECT_GE(parameter.coverage95.cases, kFew / 2) << parameter.name;
     }
   }
   EXPECT_THAT(found, ::testing::UnorderedElementsAreArray(GetParam().estimators));
