@@ -31,6 +31,7 @@ for _ in range(2):
     raise_mm = -(SCREWS @ plane()[:2] + plane()[2])
     z = float(send("M114").split("Z:")[1].split()[0])
     send("M584 Z0 U1 V2 P5")
+    send(f"G92 U{z:.4f} V{z:.4f}")  # New axes are not homed, and stand anywhere.
     send("G1 Z{:.4f} U{:.4f} V{:.4f}".format(*(z - raise_mm)))
     send("M400")
     send(f"G92 Z{z:.4f} U{z:.4f} V{z:.4f}")

@@ -92,6 +92,7 @@ class TripleZRun {
     for (const std::string& line : step.lines) {
       const auto said = printer->bench().link->Send(line, std::chrono::minutes(10));
       if (!said) return Failed(said.error(), step, printer);
+      printer->Heard(line);
       for (const std::string& text : *said) done.result.messages.push_back(text);
     }
     return done;
@@ -131,6 +132,7 @@ class TripleZRun {
                 .person = &hands,
                 .machine = built_.machine};
     const ExternalRun run = RunExternal(command, &bench);
+    printer->LoseHeights();
     TripleZResult done;
     done.result = run.result;
     if (!run.passed() && done.result.ending == Ending::kDone) {

@@ -62,7 +62,8 @@ class ZOffsetRun {
     if (!options_.transcript.empty()) {
       recorder = std::make_unique<RecordingLink>(&wire_, options_.transcript);
     }
-    ZOffsetClient client(recorder ? static_cast<Link*>(recorder.get()) : &wire_);
+    ZOffsetClient client(recorder ? static_cast<Link*>(recorder.get()) : &wire_,
+                         klipper_.config().end_gcode);
     for (const ZOffsetStep& step : z_.calibrate) {
       options_.progress(step.name);
       // As homing alone leaves it.
@@ -155,13 +156,19 @@ class ZOffsetRun {
     const auto at_nought_mm = klipper_.CarriageAtNought_mm(twin_.middle_mm());
     const auto position = client->Say("GET_POSITION");
     if (!at_nought_mm || !position) return std::nullopt;
+    // The base is in the position already, and in what is nought.
+    std::optional<double> z_mm, base_mm;
     for (const std::string& line : *position) {
-      double z_mm = 0;
-      if (std::sscanf(line.c_str(), "gcode: X:%*f Y:%*f Z:%lf", &z_mm) == 1) {
-        return *at_nought_mm + z_mm;
+      double read_mm = 0;
+      if (std::sscanf(line.c_str(), "gcode: X:%*f Y:%*f Z:%lf", &read_mm) == 1) {
+        z_mm = read_mm;
+      }
+      if (std::sscanf(line.c_str(), "gcode base: X:%*f Y:%*f Z:%lf", &read_mm) == 1) {
+        base_mm = read_mm;
       }
     }
-    return std::nullopt;
+    if (!z_mm || !base_mm) return std::nullopt;
+    return *at_nought_mm + *z_mm - *base_mm;
   }
 
   // Of the clean nozzle over the middle of the bed.

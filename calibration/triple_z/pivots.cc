@@ -88,9 +88,9 @@ TripleZResult RunPivotsAndWiring(TripleZPrinter* printer,
     return doing.Take();
   }
   doing.done().response = response;
-  const double radius = SpectralRadius(LevellingGain(response, *believed_mm));
-  doing.done().predicted_factor = radius;
-  doing.Say("with M671 as it was, " + WordsOfGain(radius));
+  const LevellingFactor factor = FactorOf(response, *believed_mm);
+  doing.done().predicted_factor = factor.value;
+  doing.Say("with M671 as it was, " + WordsOfGain(factor));
   AddPivotEstimates(response, bench.drawn_mm, &doing.done().result);
   if (options.is_as_published) return doing.Take();
   if (!doing.Did(printer->SetPivots(response.at_mm))) return doing.Take();
@@ -105,7 +105,7 @@ TripleZResult RunPivotsAndWiring(TripleZPrinter* printer,
     }
   }
   doing.Say("with M671 as it is now, " +
-            WordsOfGain(SpectralRadius(LevellingGain(response, response.at_mm))));
+            WordsOfGain(FactorOf(response, response.at_mm)));
   return doing.Take();
 }
 

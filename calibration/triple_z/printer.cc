@@ -1,6 +1,8 @@
 #include "calibration/triple_z/printer.h"
 
+#include <algorithm>
 #include <array>
+#include <cctype>
 #include <charconv>
 #include <chrono>
 #include <cstdio>
@@ -47,10 +49,30 @@ Expected<void> TripleZPrinter::SayAll(const std::vector<std::string>& lines) {
 
 Expected<void> TripleZPrinter::Home() {
   if (const auto done = SayAll({"G28"}); !done) return done;
-  is_homed_ = true;
-  raised_mm_.setZero();
-  z_mm_ = bench_.top_mm;
+  Heard("G28");
   return {};
+}
+
+void TripleZPrinter::Heard(const std::string& line) {
+  const std::size_t begin = line.find_first_not_of(" \t");
+  if (begin == std::string::npos) return;
+  std::string code = line.substr(begin, line.find_first_of(" ;", begin) - begin);
+  code[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(code[0])));
+  if (code == "G28") {
+    is_homed_ = true;
+    are_heights_known_ = true;
+    raised_mm_.setZero();
+    z_mm_ = bench_.top_mm;
+    return;
+  }
+  z_mm_.reset();
+  constexpr std::array kLift = {"M584", "G92", "G30", "G32", "M92", "M98"};
+  if (std::ranges::find(kLift, code) != kLift.end()) LoseHeights();
+}
+
+void TripleZPrinter::LoseHeights() {
+  are_heights_known_ = false;
+  z_mm_.reset();
 }
 
 Expected<void> TripleZPrinter::NeedHome() {
@@ -70,6 +92,7 @@ Expected<double> TripleZPrinter::Probe(const Eigen::Vector2d& at_mm) {
     return tl::unexpected(fault);
   }
   ++touches_;
+  z_mm_.reset();  // As far over the touch as the firmware dives.
   if (const auto height_mm = StoppedHeight_mm(*answer)) return *height_mm;
   return tl::unexpected(
       MachineFault{.reply = fmt::format("Could not parse probe response '{}' to {}: is "
@@ -90,15 +113,44 @@ Expected<std::vector<BedTouch>> TripleZPrinter::ProbeAll(
   return touches;
 }
 
-// Each driver to its own Z; afterwards they are one axis again that stands at z_after.
-Expected<void> TripleZPrinter::MoveScrews(const Vec3<double>& z_mm, double z_after_mm) {
+// Where the firmware has Z, exactly: what it prints is rounded, so it goes there.
+Expected<double> TripleZPrinter::StandingZ() {
+  if (z_mm_) return *z_mm_;
+  const auto answer = Say("M114");
+  if (!answer) return tl::unexpected(answer.error());
+  for (const std::string& line : *answer) {
+    const std::size_t at = line.find(" Z:");
+    double z_mm = 0;
+    if (at == std::string::npos ||
+        std::sscanf(line.c_str() + at, " Z:%lf", &z_mm) != 1) {
+      continue;
+    }
+    if (const auto there = SayAll({"G1 " + Word('Z', z_mm)}); !there) {
+      return tl::unexpected(there.error());
+    }
+    z_mm_ = z_mm;
+    return z_mm;
+  }
+  return tl::unexpected(
+      MachineFault{.reply = fmt::format("Could not parse '{}' to M114: where is Z?",
+                                        answer->empty() ? "" : answer->back())});
+}
+
+// Each driver to its own Z, which M584 leaves anywhere and unhomed: G92 says where it
+// stands. Afterwards they are one axis again that stands at z_after.
+Expected<void> TripleZPrinter::MoveScrews(const Vec3<double>& up_mm,
+                                          double z_after_mm) {
+  const auto z_mm = StandingZ();
+  if (!z_mm) return tl::unexpected(z_mm.error());
+  const Vec3<double> to_mm = Vec3<double>::Constant(*z_mm) - up_mm;
   z_mm_ = z_after_mm;
-  return SayAll(
-      {"M584 Z0 U1 V2 P5",
-       "G1 " + Word('Z', z_mm[0]) + " " + Word('U', z_mm[1]) + " " + Word('V', z_mm[2]),
-       "M400",
-       "M584 Z0:1:2 P3",
-       "G92 " + Word('Z', z_after_mm)});
+  return SayAll({"M584 Z0 U1 V2 P5",
+                 "G92 " + Word('U', *z_mm) + " " + Word('V', *z_mm),
+                 "G1 " + Word('Z', to_mm[0]) + " " + Word('U', to_mm[1]) + " " +
+                     Word('V', to_mm[2]),
+                 "M400",
+                 "M584 Z0:1:2 P3",
+                 "G92 " + Word('Z', z_after_mm)});
 }
 
 Expected<void> TripleZPrinter::MoveTripleZ(double x_mm,
@@ -112,29 +164,47 @@ Expected<void> TripleZPrinter::MoveTripleZ(double x_mm,
                              heights_mm[i],
                              bench_.top_mm)});
   }
-  if (const auto homed = NeedHome(); !homed) return homed;
+  if (const auto homed = are_heights_known_ ? NeedHome() : Home(); !homed) return homed;
   if (const auto moved = SayAll({"G1 " + Word('X', x_mm) + " " + Word('Y', y_mm)});
       !moved) {
     return moved;
   }
+  const auto z_mm = StandingZ();
+  if (!z_mm) return tl::unexpected(z_mm.error());
   // Where they stand: top - z + raised; where they are to: heights. Screw 1 tells Z.
   const Vec3<double> now_mm =
-      Vec3<double>::Constant(bench_.top_mm - z_mm_) + raised_mm_;
+      Vec3<double>::Constant(bench_.top_mm - *z_mm) + raised_mm_;
   const Vec3<double> up_mm = heights_mm - now_mm;
-  const double z_after_mm = z_mm_ - up_mm[0];
-  const Vec3<double> z_mm = Vec3<double>::Constant(z_mm_) - up_mm;
   raised_mm_ += up_mm - Vec3<double>::Constant(up_mm[0]);
-  return MoveScrews(z_mm, z_after_mm);
+  return MoveScrews(up_mm, *z_mm - up_mm[0]);
 }
 
 Expected<void> TripleZPrinter::Raise(const Vec3<double>& raise_mm) {
   if (const auto homed = NeedHome(); !homed) return homed;
   if (const auto clear = SayAll({"G1 " + Word('Z', kClear_mm)}); !clear) return clear;
   z_mm_ = kClear_mm;
-  const auto moved =
-      MoveScrews(Vec3<double>::Constant(kClear_mm) - raise_mm, kClear_mm);
+  const auto moved = MoveScrews(raise_mm, kClear_mm);
   if (moved) raised_mm_ += raise_mm;
   return moved;
+}
+
+// "Leadscrew adjustments made: 0.100 -0.200 0.300, ..."; none: heights are lost.
+void TripleZPrinter::CountAdjustments(const std::vector<std::string>& said) {
+  constexpr std::string_view kMade = "Leadscrew adjustments made:";
+  for (const std::string& line : said) {
+    const std::size_t at = line.find(kMade);
+    if (at == std::string::npos) continue;
+    Vec3<double> made_mm = Vec3<double>::Zero();
+    if (std::sscanf(line.c_str() + at + kMade.size(),
+                    "%lf %lf %lf",
+                    &made_mm[0],
+                    &made_mm[1],
+                    &made_mm[2]) == kNumScrews) {
+      raised_mm_ += made_mm;
+      return;
+    }
+  }
+  LoseHeights();
 }
 
 Expected<std::vector<std::string>> TripleZPrinter::Level(
@@ -149,7 +219,9 @@ Expected<std::vector<std::string>> TripleZPrinter::Level(
     if (!answer) return tl::unexpected(answer.error());
     said.insert(said.end(), answer->begin(), answer->end());
     ++touches_;
+    z_mm_.reset();
   }
+  CountAdjustments(said);
   return said;
 }
 

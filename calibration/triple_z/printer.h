@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,9 +23,9 @@ struct TripleZBench {
 /// Speaks to a triple-Z printer in RepRapFirmware's dialect: probes heights, and moves
 /// its screws singly by giving each driver an axis of its own for the move (M584).
 ///
-/// Heights of screws are counted as commands have it, up from the lower endstops; every
-/// move of theirs must go through here. Faults are the machine's, named; where an
-/// answer cannot be read, with the answer.
+/// Heights of screws are counted as commands have it, up from the lower endstops. What
+/// moves them past this is to be told by Heard or LoseHeights. Faults are the
+/// machine's, named; where an answer cannot be read, with the answer.
 class TripleZPrinter {
  public:
   explicit TripleZPrinter(const TripleZBench& bench) : bench_(bench) {}
@@ -35,19 +36,26 @@ class TripleZPrinter {
   Expected<double> Probe(const Eigen::Vector2d& at_mm);
   Expected<std::vector<BedTouch>> ProbeAll(const std::vector<Eigen::Vector2d>& at_mm);
   /// The published move_triple_z: to (x, y), the screws to these heights, 0 .. top
-  /// each; homes if needed, and waits (M400).
+  /// each; homes if that was not done or nobody knows where the screws stand any more,
+  /// and waits (M400).
   Expected<void> MoveTripleZ(double x_mm, double y_mm, const Vec3<double>& heights_mm);
   /// Raises each screw by so much beyond where it stands; Z reads as before.
   Expected<void> Raise(const Vec3<double>& raise_mm);
   /// `G30 P0 X Y Z-99999` .. and `S3` with the last: the firmware levels by itself.
   /// What it printed.
   Expected<std::vector<std::string>> Level(const std::vector<Eigen::Vector2d>& at_mm);
+  /// A line that somebody else has sent over the same link, and what it does to
+  /// heights.
+  void Heard(const std::string& line);
+  /// Somebody else has moved the screws, nobody knows where to.
+  void LoseHeights();
   /// M671: where the firmware shall believe the screws to stand.
   Expected<void> SetPivots(const Pivots<double>& pivots_mm);
   Expected<Pivots<double>> ReadPivots();
 
   const TripleZBench& bench() const { return bench_; }
-  /// How far each screw was raised beyond the others since homing, Level not counted.
+  /// How far each screw was raised beyond the others since homing, corrections
+  /// that Level's answer names among them.
   const Vec3<double>& raised_mm() const { return raised_mm_; }
   int touches() const { return touches_; }
 
@@ -55,11 +63,15 @@ class TripleZPrinter {
   Expected<std::vector<std::string>> Say(const std::string& line);
   Expected<void> SayAll(const std::vector<std::string>& lines);
   Expected<void> NeedHome();
-  Expected<void> MoveScrews(const Vec3<double>& z_mm, double z_after_mm);
+  Expected<void> MoveScrews(const Vec3<double>& up_mm, double z_after_mm);
+  Expected<double> StandingZ();
+  void CountAdjustments(const std::vector<std::string>& said);
 
   TripleZBench bench_;
   bool is_homed_ = false;
-  double z_mm_ = 0;  ///< Of the nozzle over the bed, as the firmware has it.
+  bool are_heights_known_ = false;
+  /// Of the nozzle over the bed, as the firmware has it; none: it moved by itself.
+  std::optional<double> z_mm_{};
   Vec3<double> raised_mm_ = Vec3<double>::Zero();
   int touches_ = 0;
 };

@@ -21,14 +21,25 @@ bool Foretell(TripleZPrinter* printer,
   const TripleZBench& bench = printer->bench();
   const ScrewResponse response =
       FitScrewResponse(*stands, bench.drawn_mm, bench.sigma_mm, bench.is_sigma_stated);
+  if (!response.is_told) {
+    doing->Refuse(fmt::format(
+        "nothing was levelled: screws raised one by one by {} mm do not show where "
+        "they "
+        "stand beside the scatter of the touches, so nobody knows what levelling would "
+        "do. Raise them more (test_mm), or touch more points (grid)",
+        o.test_mm));
+    return false;
+  }
   doing->SayAll(WordsOfResponse(response, bench.drawn_mm));
-  if (!response.is_told) return true;
   doing->done().response = response;
-  const double radius = SpectralRadius(LevellingGain(response, believed_mm));
-  doing->done().predicted_factor = radius;
-  doing->Say(WordsOfGain(radius));
-  if (radius < 1) return true;
-  doing->Refuse("nothing was levelled: run pivots_and_wiring first");
+  const LevellingFactor factor = FactorOf(response, believed_mm);
+  doing->done().predicted_factor = factor.value;
+  doing->Say(WordsOfGain(factor));
+  if (factor.converges()) return true;
+  doing->Refuse(factor.diverges()
+                    ? "nothing was levelled: run pivots_and_wiring first"
+                    : "nothing was levelled: run pivots_and_wiring first, or raise the "
+                      "screws more (test_mm) or touch more points (grid) to know it");
   return false;
 }
 
@@ -38,6 +49,8 @@ double Steeper(const BedPlane& after, const BedPlane& before) {
   return std::hypot(after.a(), after.b()) /
          std::max(std::hypot(before.a(), before.b()), kLevel);
 }
+
+constexpr double kStillTilted = 0.5;  // Of the tilt before: the published trouble list.
 
 // Raises the screws as the plane asks, and touches again.
 struct Round {
@@ -120,6 +133,12 @@ TripleZResult RunBedTilt(TripleZPrinter* printer, const TripleZOptions& options)
                     round->raise_mm[1],
                     round->raise_mm[2],
                     steeper));
+    if (steeper > kStillTilted && round->before.mean_mm > options.target_mm) {
+      doing.Say(
+          "the bed is still tilted after the corrections: look whether each motor is "
+          "plugged where it belongs and M671 says where its screw stands "
+          "(pivots_and_wiring tells both), and whether every screw moves");
+    }
     const bool is_worse = round->after.mean_mm > round->before.mean_mm && steeper > 1;
     if (is_worse && !options.is_as_published) {
       doing.StepScrews(before_mm,
@@ -154,14 +173,25 @@ TripleZResult RunRrfLevelling(TripleZPrinter* printer, const TripleZOptions& opt
   if (!plane) return doing.Take();
   for (int i = 1; i <= options.rounds; ++i) {
     const LevelReport before = ReportLevel(touches, 0);
+    const Vec3<double> before_mm = printer->raised_mm();
     const auto said = doing.Got(printer->Level(PointsOf(*printer, options)));
     if (!said) break;
     doing.SayAll(*said);
     const auto again = ProbePlane(printer, options, &doing, &touches);
     if (!again) break;
-    doing.done().steeper.push_back(Steeper(*again, *plane));
+    const double steeper = Steeper(*again, *plane);
+    doing.done().steeper.push_back(steeper);
     plane = again;
     const LevelReport after = ReportLevel(touches, 0);
+    if (steeper > 1 && after.mean_mm > before.mean_mm && !options.is_as_published) {
+      doing.StepScrews(before_mm,
+                       before_mm,
+                       Verdict::kRolledBack,
+                       "validation is worse than before: undone",
+                       i);
+      doing.Did(printer->Raise(before_mm - printer->raised_mm()));
+      break;
+    }
     doing.Step("level_error_mm.mean",
                before.mean_mm,
                after.mean_mm,

@@ -46,11 +46,13 @@ TripleZResult RunPlaneTilt(TripleZPrinter* printer, const TripleZOptions& option
 /// calibrate_bed_tilt: the plane, what each screw is to be raised, apply, validate; one
 /// round, or up to `rounds`. Corrected: in full, at the reference, undone where the
 /// validation is worse; before the first of several rounds single screws are tried, and
-/// a loop whose gain is above 1 is refused. As published: by the rule, whatever comes.
+/// a loop whose gain is not surely below 1 is refused. As published: by the rule,
+/// whatever comes.
 TripleZResult RunBedTilt(TripleZPrinter* printer, const TripleZOptions& options);
 
 /// The firmware levels by its drivers (G30 P .. S3), up to `rounds`. Corrected: the
-/// gain of its believed pivots is told first, and refused above 1.
+/// gain of its believed pivots is told first, and refused where it is not surely below
+/// 1; a round that leaves it worse is undone.
 TripleZResult RunRrfLevelling(TripleZPrinter* printer, const TripleZOptions& options);
 
 /// Where the screws stand and which driver turns which, from single screws raised one

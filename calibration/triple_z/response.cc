@@ -156,6 +156,22 @@ double SpectralRadius(const Eigen::Matrix3d& gain) {
   return gain.eigenvalues().cwiseAbs().maxCoeff();
 }
 
+LevellingFactor FactorOf(const ScrewResponse& response,
+                         const Pivots<double>& believed_mm) {
+  constexpr double kMoved_mm = 0.1;
+  Eigen::Matrix<double, 6, 1> slopes;
+  for (Eigen::Index k = 0; k < slopes.size(); ++k) {
+    const auto moved = [&](double by_mm) {
+      Pivots<double> at_mm = response.at_mm;
+      at_mm[static_cast<std::size_t>(k / 2)][k % 2] += by_mm;
+      return SpectralRadius(LevellingGain(at_mm, believed_mm));
+    };
+    slopes[k] = (moved(kMoved_mm) - moved(-kMoved_mm)) / (2 * kMoved_mm);
+  }
+  return {.value = SpectralRadius(LevellingGain(response, believed_mm)),
+          .sd = std::sqrt(slopes.dot(response.at_covariance_mm2 * slopes))};
+}
+
 std::vector<std::string> WordsOfResponse(const ScrewResponse& response,
                                          const Pivots<double>& drawn_mm) {
   constexpr double kSure = 3;      // Standard deviations.
@@ -237,12 +253,20 @@ std::optional<HeldBed> HeldBedLike(const ScrewResponse& response,
   return is_like ? std::optional(held) : std::nullopt;
 }
 
-std::string WordsOfGain(double radius) {
+std::string WordsOfGain(const LevellingFactor& factor) {
+  if (!factor.converges() && !factor.diverges()) {
+    return fmt::format(
+        "each levelling round multiplies the tilt by {:.3f} +- {:.3f}: whether it "
+        "converges cannot be told",
+        factor.value,
+        2 * factor.sd);
+  }
+  constexpr double kSlow = 0.5;
   return fmt::format("each levelling round multiplies the tilt by {:.2f}: {}",
-                     radius,
-                     radius >= 1    ? "it diverges"
-                     : radius > 0.5 ? "it converges slowly"
-                                    : "it converges");
+                     factor.value,
+                     factor.diverges()      ? "it diverges"
+                     : factor.value > kSlow ? "it converges slowly"
+                                            : "it converges");
 }
 
 }  // namespace caltwin

@@ -63,6 +63,17 @@ Eigen::Matrix3d LevellingGain(const Pivots<double>& standing_mm,
 /// The largest factor by which a round multiplies an error: above 1 it diverges.
 double SpectralRadius(const Eigen::Matrix3d& gain);
 
+/// By what each round multiplies the tilt, and how sure that is by what told the
+/// screws' places (first order).
+struct LevellingFactor {
+  double value = 0, sd = 0;
+
+  bool converges() const { return value + 2 * sd < 1; }
+  bool diverges() const { return value - 2 * sd >= 1; }
+};
+LevellingFactor FactorOf(const ScrewResponse& response,
+                         const Pivots<double>& believed_mm);
+
 /// "Z1 and Z2 are swapped", "pivot 2 is 31.0 +- 0.4 mm off (dx +25.0, dy -18.3)".
 std::vector<std::string> WordsOfResponse(const ScrewResponse& response,
                                          const Pivots<double>& drawn_mm);
@@ -77,6 +88,6 @@ struct HeldBed {
 std::optional<HeldBed> HeldBedLike(const ScrewResponse& response,
                                    const Pivots<double>& drawn_mm);
 /// "each round multiplies the tilt by 2.00: levelling diverges".
-std::string WordsOfGain(double radius);
+std::string WordsOfGain(const LevellingFactor& factor);
 
 }  // namespace caltwin

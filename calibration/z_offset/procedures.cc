@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
+#include <sstream>
 
 #include <fmt/format.h>
 
@@ -40,6 +42,25 @@ std::optional<double> After(const std::vector<std::string>& lines,
   return std::nullopt;
 }
 
+// "G28" of "  g28 z ; home".
+std::string CommandOf(const std::string& line) {
+  std::istringstream words(line.substr(0, line.find(';')));
+  std::string command;
+  words >> command;
+  for (char& c : command) {
+    c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  }
+  return command;
+}
+
+bool HomesWithin(const std::string& macro) {
+  std::istringstream lines(macro);
+  for (std::string line; std::getline(lines, line);) {
+    if (CommandOf(line) == "G28") return true;
+  }
+  return false;
+}
+
 void Fail(const MachineFault& fault, ProcedureResult* result) {
   result->fault = fault.reply;
   result->ending = fault.reply.find("No trigger") != std::string::npos
@@ -66,10 +87,11 @@ std::optional<ZCalibrationReading> ReadZCalibration(
 Expected<std::vector<std::string>> ZOffsetClient::Say(const std::string& line) {
   const auto answer = link_->Send(line, kPatience);
   if (!answer) return answer;
-  if (line.starts_with("CALIBRATE_Z")) {
+  const std::string command = CommandOf(line);
+  if (command == "CALIBRATE_Z") {
     is_calibrated_ = true;
-    is_spoilt_ = false;
-  } else if (line.starts_with("G28")) {
+    is_spoilt_ = HomesWithin(end_gcode_);
+  } else if (command == "G28") {
     is_spoilt_ = is_calibrated_;
   }
   return answer;

@@ -3,6 +3,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "calibration/loop/outcome.h"
@@ -27,14 +28,18 @@ std::optional<ZCalibrationReading> ReadZCalibration(
 /// it.
 class ZOffsetClient {
  public:
-  explicit ZOffsetClient(Link* link) : link_(link) {}
+  /// @param end_gcode  of printer.cfg's [z_calibration], which may home as well
+  explicit ZOffsetClient(Link* link, std::string end_gcode = "")
+      : link_(link), end_gcode_(std::move(end_gcode)) {}
 
   Expected<std::vector<std::string>> Say(const std::string& line);
-  /// G28 was sent after the last CALIBRATE_Z: its offset no longer holds.
+  /// G28 was sent after the last CALIBRATE_Z, or its own end_gcode homes: its offset no
+  /// longer holds.
   bool is_spoilt() const { return is_spoilt_; }
 
  private:
   Link* link_;
+  std::string end_gcode_;
   bool is_calibrated_ = false, is_spoilt_ = false;
 };
 

@@ -321,6 +321,7 @@ TEST(TripleZPrinter, MovesScrewsSinglyAndWaits) {
               ElementsAre("G28",
                           "G1 X30 Y40",
                           "M584 Z0 U1 V2 P5",
+                          "G92 U250 V250",
                           "G1 Z50 U49 V50.5",
                           "M400",
                           "M584 Z0:1:2 P3",

@@ -72,6 +72,17 @@ TEST(ZCalibration, IsSpoiltByAHoming) {
   EXPECT_TRUE(client.is_spoilt());
   client.Say("CALIBRATE_Z");
   EXPECT_FALSE(client.is_spoilt());
+  client.Say("  g28 z ; again");
+  EXPECT_TRUE(client.is_spoilt());
+}
+
+TEST(ZCalibration, IsSpoiltByItsOwnEnd) {
+  Script wire(Answers{{"CALIBRATE_Z", kLine}});
+  ZOffsetClient client(&wire, "DETACH_PROBE\nG28\n");
+
+  client.Say("CALIBRATE_Z");
+
+  EXPECT_TRUE(client.is_spoilt());
 }
 
 // A nozzle that hangs 0.2 mm too high everywhere wants a switch_offset greater by that.

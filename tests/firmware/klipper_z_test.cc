@@ -71,7 +71,44 @@ TEST_F(KlipperZTest, AdjustsAnOffsetAndMoves) {
 
   const auto lines = klipper.Execute("GET_POSITION").lines;
   EXPECT_THAT(lines[1], HasSubstr("Z:5.050000"));
-  EXPECT_THAT(lines[2], HasSubstr("Z:5.000000"));
+  EXPECT_THAT(lines[2], HasSubstr("Z:5.050000"));  // As Klipper: its base included.
+  EXPECT_THAT(lines[3], HasSubstr("Z:0.050000"));
+}
+
+TEST_F(KlipperZTest, ReadsWordsAsKlipperDoes) {
+  KlipperZ klipper(Config(), &heights_);
+  klipper.Execute("g28 z");
+  klipper.Execute("SET_GCODE_OFFSET Z=0.5 Z_ADJUST=0.1");
+
+  EXPECT_THAT(klipper.Execute("GET_POSITION").lines[3], HasSubstr("Z:0.500000"));
+  for (const char* line : {"SET_GCODE_OFFSET Z=nan",
+                           "SET_GCODE_OFFSET Z=abc",
+                           "PROBE_Z_ACCURACY PROBE_SPEED=abc",
+                           "M104 Sfoo"}) {
+    EXPECT_THAT(klipper.Execute(line).lines.back(), HasSubstr("unable to parse"))
+        << line;
+  }
+}
+
+// Samples as [z_calibration] has them, where the command does not say.
+TEST_F(KlipperZTest, EndstopAccuracyTakesTheSectionsSamples) {
+  ZCalibrationConfig config = Config();
+  config.samples = 3;
+  KlipperZ klipper(config, &heights_);
+  klipper.Execute("G28");
+  const int before = klipper.touches();
+  klipper.Execute("PROBE_Z_ACCURACY");
+
+  EXPECT_EQ(klipper.touches() - before, 3);
+}
+
+TEST_F(KlipperZTest, AMacroThatCallsItselfIsRefused) {
+  ZCalibrationConfig config = Config();
+  config.start_gcode = "CALIBRATE_Z";
+  KlipperZ klipper(config, &heights_);
+  klipper.Execute("G28");
+
+  EXPECT_THAT(klipper.Execute("CALIBRATE_Z").lines.back(), HasSubstr("recursively"));
 }
 
 TEST_F(KlipperZTest, RefusesWhatTheExtensionRefuses) {

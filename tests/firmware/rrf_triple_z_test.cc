@@ -46,6 +46,7 @@ TEST_F(RrfTripleZTest, MovesADriverAloneThroughItsOwnAxis) {
   SayAll({"G28",
           "G1 Z10",
           "M584 Z0 U1 V2 P5",
+          "G92 U10",
           "G1 U9",
           "M584 Z0:1:2 P3 ; no U, V",
           "G92 Z10"});
@@ -53,6 +54,25 @@ TEST_F(RrfTripleZTest, MovesADriverAloneThroughItsOwnAxis) {
   EXPECT_LT((firmware_.raised_mm() - Vec3<double>(0, 1, 0)).norm(), 1e-9);
   EXPECT_THAT(Say("G30 X215 Y20 S-1").lines,
               ElementsAre("Stopped at height 1.430 mm"));  // 0.002 215 + 1
+}
+
+// RepRapFirmware gives a new axis no position of Z's.
+TEST_F(RrfTripleZTest, NewAxesAreNotHomedBeforeG92) {
+  SayAll({"G28", "G1 Z10", "M584 Z0 U1 V2 P5"});
+
+  EXPECT_TRUE(Say("G1 U9").error);
+  EXPECT_THAT(Say("M114").lines[0], HasSubstr("Z:10.000 U:0.000 V:0.000"));
+  EXPECT_FALSE(Say("G92 U10").error);
+  EXPECT_FALSE(Say("G1 U9").error);
+  EXPECT_TRUE(Say("G1 V9").error);
+}
+
+TEST_F(RrfTripleZTest, RefusesNumbersThatAreNone) {
+  SayAll({"G28"});
+
+  EXPECT_TRUE(Say("M92 Z0").error);
+  EXPECT_TRUE(Say("M671 Xnan:1:2 Y1:2:3").error);
+  EXPECT_THAT(Say("G30 X125 Y50 S-1").lines, ElementsAre("Stopped at height 0.250 mm"));
 }
 
 TEST_F(RrfTripleZTest, LevelsByItsDriversAsRepRapFirmwareSaysIt) {

@@ -46,8 +46,21 @@ std::optional<double> NumberOf(const std::map<std::string, std::string>& words,
   if (word == words.end() || word->second.empty()) return std::nullopt;
   char* end = nullptr;
   const double value = std::strtod(word->second.c_str(), &end);
-  return *end == '\0' ? std::optional(value) : std::nullopt;
+  return *end == '\0' && std::isfinite(value) ? std::optional(value) : std::nullopt;
 }
+
+// Names of words that are numbers, whichever the command.
+constexpr std::array kNumbers = {"X",
+                                 "Y",
+                                 "Z",
+                                 "S",
+                                 "F",
+                                 "Z_ADJUST",
+                                 "MOVE",
+                                 "PROBE_SPEED",
+                                 "LIFT_SPEED",
+                                 "SAMPLE_RETRACT_DIST",
+                                 "SAMPLES"};
 
 double Average(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0) /
@@ -107,6 +120,15 @@ Reply KlipperZ::Execute(std::string_view line) {
   command = Upper(command);
   Words words;
   for (std::string word; text >> word;) words.insert(WordOf(word));
+  for (const char* key : kNumbers) {
+    const auto word = words.find(key);
+    // G28 Z names an axis.
+    if (word == words.end() || (command == "G28" && word->second.empty())) continue;
+    if (!NumberOf(words, key)) {
+      return Refusal(fmt::format(
+          "Error on '{}': unable to parse {}", std::string(line), word->second));
+    }
+  }
   return Obey(command, words);
 }
 
@@ -228,6 +250,14 @@ Reply KlipperZ::CalibrateZ() {
         "Either the relative_reference_index of bed_mesh or a probe position on the "
         "bed is required");
   }
+  if (is_calibrating_) return Refusal("Macro CALIBRATE_Z called recursively");
+  is_calibrating_ = true;
+  const Reply reply = Calibrate(*bed_point_mm);
+  is_calibrating_ = false;
+  return reply;
+}
+
+Reply KlipperZ::Calibrate(const Eigen::Vector2d& bed_point_mm) {
   offset_mm_ = 0;  // A previous one is reset.
   if (const Reply started = Run(config_.start_gcode); started.error) return started;
   std::string error;
@@ -240,7 +270,7 @@ Reply KlipperZ::CalibrateZ() {
       if (before.error) return before;
     }
     if (const auto lacks = Lacks(kTouches[i])) return Refusal(*lacks);
-    if (kTouches[i] == ZTouch::kProbeOnBed) Travel(*bed_point_mm);
+    if (kTouches[i] == ZTouch::kProbeOnBed) Travel(bed_point_mm);
     const auto touched = Touch(kTouches[i], &error);
     if (!touched) return Refusal(error);
     at_mm[i] = *touched;
@@ -258,7 +288,11 @@ Reply KlipperZ::Accuracy(ZTouch touch, const Words& words) {
       .down_mm_s = NumberOf(words, "PROBE_SPEED").value_or(config_.probing_speed_mm_s),
       .up_mm_s = NumberOf(words, "LIFT_SPEED").value_or(config_.lifting_speed_mm_s),
       .up_mm = NumberOf(words, "SAMPLE_RETRACT_DIST").value_or(config_.retract_mm)};
-  const int samples = static_cast<int>(NumberOf(words, "SAMPLES").value_or(10));
+  // PROBE_Z_ACCURACY takes what it is not told from [z_calibration], PROBE_ACCURACY
+  // ten.
+  const bool is_of_endstop = touch == ZTouch::kNozzleOnSwitch;
+  const int samples = static_cast<int>(
+      NumberOf(words, "SAMPLES").value_or(is_of_endstop ? config_.samples : 10));
   if (std::min({way.down_mm_s, way.up_mm_s, way.up_mm}) <= 0 || samples < 1) {
     return Refusal(
         "PROBE_SPEED, LIFT_SPEED, SAMPLE_RETRACT_DIST and SAMPLES must be above 0");
@@ -294,8 +328,11 @@ Reply KlipperZ::ProbeBed() {
 Reply KlipperZ::SetOffset(const Words& words) {
   const double mesh_mm = Mesh_mm(at_mm_);
   const double gcode_mm = z_mm_ - offset_mm_ - mesh_mm;
-  if (const auto z = NumberOf(words, "Z")) offset_mm_ = *z;
-  if (const auto by = NumberOf(words, "Z_ADJUST")) offset_mm_ += *by;
+  if (const auto z = NumberOf(words, "Z")) {
+    offset_mm_ = *z;  // Klipper does not look at Z_ADJUST beside it.
+  } else if (const auto by = NumberOf(words, "Z_ADJUST")) {
+    offset_mm_ += *by;
+  }
   if (NumberOf(words, "MOVE").value_or(0) == 1) z_mm_ = gcode_mm + offset_mm_ + mesh_mm;
   return {};
 }
@@ -375,7 +412,8 @@ double KlipperZ::Mesh_mm(const Eigen::Vector2d& at_mm) const {
 
 Reply KlipperZ::GetPosition() const {
   const std::string at = fmt::format("X:{:.6f} Y:{:.6f}", at_mm_[0], at_mm_[1]);
-  const double gcode_mm = z_mm_ - offset_mm_ - Mesh_mm(at_mm_);
+  // The last position of G-code, its base included; a mesh is not.
+  const double gcode_mm = z_mm_ - Mesh_mm(at_mm_);
   return {.lines = {
               fmt::format("kinematic: {} Z:{:.6f}", at, z_mm_),
               fmt::format("toolhead: {} Z:{:.6f} E:0.000000", at, z_mm_),

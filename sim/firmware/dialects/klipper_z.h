@@ -96,6 +96,7 @@ class KlipperZ {
   Reply Home();
   Reply Move(const Words& words);
   Reply CalibrateZ();
+  Reply Calibrate(const Eigen::Vector2d& bed_point_mm);
   Reply Accuracy(ZTouch touch, const Words& words);
   Reply SetOffset(const Words& words);
   Reply GetPosition() const;
@@ -114,7 +115,7 @@ class KlipperZ {
 
   ZCalibrationConfig config_;
   ZStationPlant* plant_;
-  bool is_homed_ = false, is_attached_ = false;
+  bool is_homed_ = false, is_attached_ = false, is_calibrating_ = false;
   double zero_mm_ = 0;  ///< Carriage less kinematic height, by homing.
   double z_mm_ = 0;     ///< Kinematic.
   double offset_mm_ = 0;

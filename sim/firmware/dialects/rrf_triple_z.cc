@@ -25,7 +25,7 @@ constexpr double kSettle_s = 0.2;  // M558 R.
 std::optional<double> NumberOf(const GcodeCommand& command, char letter) {
   const GcodeWord* word = command.Find(letter);
   if (word == nullptr || word->kind != GcodeWord::Kind::kNumber) return std::nullopt;
-  return word->number;
+  return std::isfinite(word->number) ? std::optional(word->number) : std::nullopt;
 }
 
 Reply Refusal(const std::string& text) {
@@ -46,7 +46,7 @@ std::optional<std::vector<double>> ListOf(std::string_view line, char letter) {
   for (;;) {
     double number = 0;
     const auto read = std::from_chars(from, end, number);
-    if (read.ec != std::errc()) return numbers;
+    if (read.ec != std::errc() || !std::isfinite(number)) return numbers;
     numbers.push_back(number);
     if (read.ptr == end || *read.ptr != ':') return numbers;
     from = read.ptr + 1;
@@ -107,7 +107,9 @@ Reply RrfTripleZ::Obey(const GcodeCommand& command) {
                 height_mm_.minCoeff() <= 0 ? "at min stop" : "not stopped")}};
   }
   if (command.Is('M', 92)) {
-    options_.steps_per_mm = NumberOf(command, 'Z').value_or(options_.steps_per_mm);
+    const double to = NumberOf(command, 'Z').value_or(options_.steps_per_mm);
+    if (to <= 0) return Refusal("M92: steps/mm must be above 0");
+    options_.steps_per_mm = to;
     return {.lines = {fmt::format("Steps/mm: Z: {:.3f}", options_.steps_per_mm)}};
   }
   if (command.Is('M', 400) || command.Is('G', 90) || command.Is('G', 21)) return {};
@@ -139,6 +141,9 @@ Reply RrfTripleZ::Move(const GcodeCommand& command) {
     }
   }
   if (is_split_) {
+    const bool is_placed = (command.Find('U') == nullptr || are_placed_[1]) &&
+                           (command.Find('V') == nullptr || are_placed_[2]);
+    if (!is_placed) return Refusal("G0/G1: insufficient axes homed");
     z_mm[1] = NumberOf(command, 'U').value_or(z_mm[1]);
     z_mm[2] = NumberOf(command, 'V').value_or(z_mm[2]);
   } else if (command.Find('U') != nullptr || command.Find('V') != nullptr) {
@@ -233,6 +238,7 @@ Reply RrfTripleZ::SetPosition(const GcodeCommand& command) {
     if (!to) continue;
     if (is_split_) {
       z_mm_[i] = *to;
+      are_placed_[static_cast<std::size_t>(i)] = true;
     } else if (i == 0) {
       z_mm_.setConstant(*to);
     }
@@ -258,8 +264,10 @@ Reply RrfTripleZ::SetDrivers(std::string_view line) {
                       v == std::vector<double>{2};
   if (!joins && !splits) return Refusal("M584: Z0 U1 V2 P5, or Z0:1:2 P3, here");
   is_split_ = splits;
-  // An axis that drivers join stands where Z does.
-  if (splits) z_mm_.setConstant(z_mm_[0]);
+  // New axes stand at 0 and are not homed before G92 says where they are; drivers that
+  // join an axis stand where it does.
+  are_placed_ = {true, joins, joins};
+  for (int i = 1; i < kNumScrews; ++i) z_mm_[i] = splits ? 0 : z_mm_[0];
   return {};
 }
 

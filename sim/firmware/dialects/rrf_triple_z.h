@@ -86,6 +86,7 @@ class RrfTripleZ {
   TripleZPlant* plant_;
   bool is_homed_ = false;
   bool is_split_ = false;
+  std::array<bool, 3> are_placed_{true, true, true};  ///< Z U V, while split.
   Eigen::Vector2d at_mm_ = Eigen::Vector2d::Zero();
   Vec3<double> z_mm_ = Vec3<double>::Zero();       ///< Z U V; joined: all Z.
   Vec3<double> height_mm_ = Vec3<double>::Zero();  ///< Of the screws, as counted.

@@ -1,0 +1,56 @@
+// The printer that procedures speak to, on the twin's firmware: where it takes the
+// screws to stand is where they are.
+
+#include <gtest/gtest.h>
+
+#include "calibration/triple_z/printer.h"
+#include "scenarios/triple_z_link.h"
+
+namespace caltwin {
+namespace {
+
+const Pivots<double> kDrawn_mm = TripleZDrawing{}.pivots_mm();
+
+// A firmware on its wire, whose bed stands where it was raised.
+class Raised : public TripleZPlant {
+ public:
+  std::optional<double> Touch(const Vec3<double>& raised_mm,
+                              double x_mm,
+                              double y_mm) override {
+    return ScrewWeights<double>(kDrawn_mm, x_mm, y_mm).dot(raised_mm + tilted_mm);
+  }
+  Vec3<double> tilted_mm = {0.4, -0.3, 0.2};
+};
+
+// Whatever moved them before: the same heights are the same bed.
+TEST(TripleZPrinter, ScrewsAreAtTheHeightsAskedForWhateverMovedThemBefore) {
+  Raised bed;
+  RrfTripleZ firmware({.pivots_mm = kDrawn_mm}, &bed);
+  RrfTripleZWire wire(&firmware);
+  TripleZPrinter printer({.link = &wire, .drawn_mm = kDrawn_mm});
+  const Vec3<double> level_mm = Vec3<double>::Constant(240);
+  const auto off_mm = [&] {
+    EXPECT_TRUE(printer.MoveTripleZ(117, 117, level_mm));
+    return (firmware.raised_mm().array() - firmware.raised_mm()[0]).abs().maxCoeff();
+  };
+  constexpr double kStep_mm = 1.0 / 800;
+
+  EXPECT_LT(off_mm(), kStep_mm);
+  ASSERT_TRUE(printer.Raise({0.5, -0.4, 0.1}));
+  ASSERT_TRUE(printer.Probe({20, 20}));
+  EXPECT_LT(off_mm(), kStep_mm);
+  ASSERT_TRUE(printer.Level({{20, 20}, {215, 20}, {20, 215}}));
+  EXPECT_GT((firmware.raised_mm().array() - firmware.raised_mm()[0]).abs().maxCoeff(),
+            0.1);
+  EXPECT_LT(off_mm(), 2 * kStep_mm);  // Adjustments are printed in micrometres.
+  ASSERT_TRUE(printer.Raise({0.5, -0.4, 0.1}));
+  ASSERT_FALSE(firmware.Execute(" g28 ").error);
+  printer.Heard(" g28 ");
+  EXPECT_LT(off_mm(), kStep_mm);
+  ASSERT_FALSE(firmware.Execute("G92 Z17").error);
+  printer.Heard("G92 Z17");
+  EXPECT_LT(off_mm(), kStep_mm);
+}
+
+}  // namespace
+}  // namespace caltwin
