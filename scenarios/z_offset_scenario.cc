@@ -40,8 +40,13 @@ constexpr std::array<std::string_view, 5> kSteps = {
 std::vector<StationSpec> ReadStation(YamlMap map) {
   std::vector<StationSpec> specs;
   for (const StationKey& key : kKeys) {
-    if (const auto value = map.Optional(key.key)) {
-      specs.push_back({key.key, value->NumberOrDistribution(key.bounds)});
+    const auto value = map.Optional(key.key);
+    if (!value) continue;
+    specs.push_back({key.key, value->NumberOrDistribution(key.bounds)});
+    const double* const number = std::get_if<double>(&specs.back().value);
+    if (key.member == &ZStation::dock_misses && number && *number != 0 &&
+        *number != 1) {
+      value->Fail("is neither 0 nor 1", "1: the probe stays in its dock");
     }
   }
   map.NoMoreKeys();
@@ -70,6 +75,9 @@ BedMeshConfig ReadMesh(YamlMap map) {
     const auto numbers = count->Numbers(2, {2, kMostPoints});
     if (numbers.size() == 2) {
       mesh.count = {static_cast<int>(numbers[0]), static_cast<int>(numbers[1])};
+      if (numbers[0] != mesh.count[0] || numbers[1] != mesh.count[1]) {
+        count->Fail("is no pair of whole numbers", "as in `probe_count: [7, 3]`");
+      }
     }
   }
   if (map.Has("relative_reference_index")) {
@@ -102,6 +110,9 @@ ZCalibrationConfig ReadConfig(YamlMap map, const Eigen::Vector2d& middle_mm) {
   c.start_gcode = map.TextOr("start_gcode", "");
   c.before_switch_gcode = map.TextOr("before_switch_gcode", "ATTACH_PROBE");
   c.end_gcode = map.TextOr("end_gcode", "DETACH_PROBE");
+  if (const auto most = map.Optional("max_deviation_mm")) {
+    c.max_deviation_mm = most->Number({1e-6, 50});
+  }
   if (const auto flag = map.Optional("is_virtual_endstop")) {
     c.is_virtual_endstop = flag->Flag();
   }
@@ -159,6 +170,9 @@ void ReadExpectation(YamlMap map, ZOffsetScenario* scenario) {
     if (const auto above = bounds.Optional("above")) within.above = above->Number();
     if (const auto below = bounds.Optional("below")) within.below = below->Number();
     bounds.NoMoreKeys();
+    if (!within.above && !within.below && value->faults()->empty()) {
+      value->Fail("says nothing", "write `above:`, `below:` or both");
+    }
     scenario->figures.emplace_back(figure, within);
   }
   if (const auto messages = map.Optional("messages")) {
@@ -175,12 +189,14 @@ ZOffsetScenario ReadZOffsetScenario(YamlMap* map, const Machine& machine) {
   ZOffsetScenario scenario;
   const Eigen::Vector2d middle_mm(machine.axis(Axis::kX).mid_mm(),
                                   machine.axis(Axis::kY).mid_mm());
-  scenario.settings.middle_mm = middle_mm;
   if (const auto station = map->Optional("station")) {
     scenario.station = ReadStation(station->Map());
   }
   if (const auto settings = map->Optional("settings")) {
     scenario.settings = ReadConfig(settings->Map(), middle_mm);
+  } else {
+    Faults none;
+    scenario.settings = ReadConfig(ReadYamlText("{}", "", &none), middle_mm);
   }
   if (const auto calibrate = map->Required("calibrate")) {
     scenario.calibrate = ReadSteps(*calibrate);

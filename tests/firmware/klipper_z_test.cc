@@ -102,6 +102,17 @@ TEST_F(KlipperZTest, EndstopAccuracyTakesTheSectionsSamples) {
   EXPECT_EQ(klipper.touches() - before, 3);
 }
 
+TEST_F(KlipperZTest, AnOffsetBeyondMaxDeviationIsRefusedAndNotSet) {
+  ZCalibrationConfig config = Config();
+  config.max_deviation_mm = 0.2;  // It would be -0.275.
+  KlipperZ klipper(config, &heights_);
+  klipper.Execute("G28");
+
+  EXPECT_THAT(klipper.Execute("CALIBRATE_Z").lines.back(),
+              HasSubstr("Offset is greater than allowed: 0.275 > 0.200"));
+  EXPECT_THAT(klipper.Execute("GET_POSITION").lines[3], HasSubstr("Z:0.000000"));
+}
+
 TEST_F(KlipperZTest, AMacroThatCallsItselfIsRefused) {
   ZCalibrationConfig config = Config();
   config.start_gcode = "CALIBRATE_Z";

@@ -20,7 +20,7 @@
 namespace caltwin {
 namespace {
 
-constexpr double kStep_mm = 1.0 / 800, kTowerStep_mm = 0.0125;
+constexpr double kStep_mm = 1.0 / 800;
 
 // What the touches of one axis depend on, with the gap of a router that is as good as
 // all of a study together: the root mean square.

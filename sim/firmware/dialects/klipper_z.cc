@@ -275,9 +275,17 @@ Reply KlipperZ::Calibrate(const Eigen::Vector2d& bed_point_mm) {
     if (!touched) return Refusal(error);
     at_mm[i] = *touched;
   }
-  offset_mm_ =
+  const double offset_mm =
       ZCalibrationOffset_mm(at_mm[0], at_mm[1], at_mm[2], config_.switch_offset_mm);
+  const bool is_allowed =
+      std::abs(offset_mm) <= config_.max_deviation_mm.value_or(std::abs(offset_mm));
+  if (is_allowed) offset_mm_ = offset_mm;
   if (const Reply ended = Run(config_.end_gcode); ended.error) return ended;
+  if (!is_allowed) {
+    return Refusal(fmt::format("Offset is greater than allowed: {:.3f} > {:.3f}",
+                               std::abs(offset_mm),
+                               *config_.max_deviation_mm));
+  }
   return {.lines = {ZCalibrationLine(
               config_.position_endstop_mm, at_mm[0], at_mm[1], at_mm[2], offset_mm_)}};
 }

@@ -53,6 +53,7 @@ struct ZCalibrationConfig {
   double probing_speed_mm_s = 5, lifting_speed_mm_s = 5;
   double retract_mm = 2;
   double position_min_mm = -5;
+  std::optional<double> max_deviation_mm{};  ///< Larger offsets are refused.
   std::string start_gcode{}, before_switch_gcode{}, end_gcode{};
   std::optional<BedMeshConfig> bed_mesh{};
   /// Where CALIBRATE_Z probes the bed; none: the mesh's reference point, or without a
