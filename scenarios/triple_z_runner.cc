@@ -268,6 +268,10 @@ class TripleZRun {
   void Judge(const TrueLevel& before, const TrueLevel& after, RunResult* result) {
     AddEstimates(result);
     const bool all_met = MeetValues(result);
+    if (!firmware_.is_homed()) {
+      result->messages.push_back(
+          "nothing was homed: the bed still stands at the lower endstops");
+    }
     result->messages.push_back(
         fmt::format("the bed truly stands {:.4f} mm off its reference in the mean "
                     "({:.4f} at most), "

@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "sim/base/mutant.h"
 #include "sim/link/gcode.h"
 
 namespace caltwin {
@@ -200,7 +201,7 @@ void TripleZPrinter::CountAdjustments(const std::vector<std::string>& said) {
                     &made_mm[0],
                     &made_mm[1],
                     &made_mm[2]) == kNumScrews) {
-      raised_mm_ += made_mm;
+      raised_mm_ += Mutant("tz_adjustments_not_counted", 1.0, 0.0) * made_mm;
       return;
     }
   }

@@ -66,6 +66,7 @@ class RrfTripleZ {
   const Pivots<double>& pivots_mm() const { return options_.pivots_mm; }
   /// How much higher than Z alone has it each screw is told to stand, whole steps.
   Vec3<double> raised_mm() const;
+  bool is_homed() const { return is_homed_; }
   /// All of them, in order.
   const std::vector<TripleZTouch>& touched() const { return touched_; }
   int touches() const { return static_cast<int>(touched_.size()); }
