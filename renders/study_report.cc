@@ -6,6 +6,7 @@
 #include "renders/html.h"
 #include "renders/study_pictures.h"
 #include "scenarios/result_text.h"
+#include "scenarios/study/best_readings.h"
 #include "sim/base/text_file.h"
 #include "sim/base/units.h"
 
@@ -196,12 +197,17 @@ std::string HeaderHtml(const Study& study, const StudySummary& summary) {
   const auto tile = [](const std::string& value, const char* label) {
     return fmt::format("<div><dt>{}</dt><dd>{}</dd></div>\n", label, Escaped(value));
   };
+  std::string notes;
+  for (const std::string& note : study.notes) {
+    notes += fmt::format("<p class=\"about\">{}</p>\n", Escaped(note));
+  }
   return fmt::format(
       "<header>\n<p class=\"brand\">caltwin</p>\n<h1>{}</h1>\n<p "
-      "class=\"about\">{}</p>\n"
+      "class=\"about\">{}</p>\n{}"
       "<dl class=\"tiles\">\n{}{}{}{}</dl>\n</header>\n",
       Escaped(study.file.stem().string()),
       Escaped(study.about),
+      notes,
       tile(fmt::format("{}", summary.trials), "machines"),
       tile(study.FidelityWord(), "fidelity"),
       tile(fmt::format("{}", study.seed), "seed"),
@@ -217,6 +223,12 @@ std::string StudyReportHtml(const Study& study, const StudyFindings& findings) {
         study,
         findings.summary.cases[i],
         i < findings.budgets.size() ? findings.budgets[i] : std::vector<Budget>{});
+  }
+  if (study.plan) {
+    const std::string told = WorthText(*study.plan, WorthOf(*study.plan));
+    body += Section(
+        "What the plan tells",
+        fmt::format("<pre style=\"white-space: pre-wrap\">{}</pre>\n", Escaped(told)));
   }
   if (!findings.remarks.empty()) {
     body +=

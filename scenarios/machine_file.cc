@@ -179,6 +179,7 @@ MachineFile ReadAnyMachineFile(const fs::path& file) {
     }
   }
   faults.ThrowIfAny();
+  read.draws = faults.notes();
   read.verbatim += ReadTextFile(file, kLargestFile_bytes);
   return read;
 }

@@ -19,6 +19,7 @@ struct MachineFile {
   Machine machine{};
   std::vector<InjectedSpec> effects{};
   std::vector<std::string> notes{};  ///< What a person should know of it.
+  std::vector<std::string> draws{};  ///< Of its distributions, what Faults::Note says.
   /// Contents of every file it is made of, one after the other: itself, what it
   /// extends, its model.
   std::string verbatim{};

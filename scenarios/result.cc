@@ -4,6 +4,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include "calibration/estimate/expanded.h"
+#include "calibration/estimate/shared_inputs.h"
+
 namespace caltwin {
 namespace {
 
@@ -25,7 +28,7 @@ double ShareOf(const Contribution& input, const Expanded& of) {
 
 Json BudgetJson(const ParameterResult& p, const Expanded& expanded) {
   Json lines = Json::array();
-  for (const Contribution& input : p.budget) {
+  for (const Contribution& input : ByInput(p.budget)) {
     lines.push_back({{"input", input.input},
                      {"u", input.u},
                      {"dof", FiniteOrNull(input.dof)},
@@ -107,6 +110,14 @@ std::optional<Expanded> ExpandedOf(const ParameterResult& row) {
   return Expand(std::vector<Contribution>{{.input = "as stated", .u = *row.sd}});
 }
 
+std::vector<Correlations> AllCorrelations(const RunResult& result) {
+  std::vector<Budgeted> told;
+  for (const ParameterResult& row : result.parameters) {
+    if (row.sd) told.push_back({.name = row.name, .budget = row.budget});
+  }
+  return AllCorrelations(told, result.correlations);
+}
+
 nlohmann::ordered_json ToJson(const Correlations& of) {
   constexpr std::size_t kShown = 10;
   Json rows = Json::array(), largest = Json::array();
@@ -136,7 +147,7 @@ nlohmann::ordered_json ToJson(const RunResult& result) {
           {"checks", ListJson(result.checks, CheckJson)},
           {"steps", ListJson(result.steps, StepJson)},
           {"correlations",
-           ListJson(result.correlations,
+           ListJson(AllCorrelations(result),
                     [](const Correlations& of) { return ToJson(of); })},
           {"observability",
            ListJson(result.observability,

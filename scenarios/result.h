@@ -84,6 +84,10 @@ struct RunResult {
 /// The tree of `caltwin run --json`.
 nlohmann::ordered_json ToJson(const RunResult& result);
 
+/// Of its fits, and what its results have in common that were told one by one
+/// (SharedCorrelations).
+std::vector<Correlations> AllCorrelations(const RunResult& result);
+
 /// Names, matrix, and the ten largest pairs.
 nlohmann::ordered_json ToJson(const Correlations& of);
 

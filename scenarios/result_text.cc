@@ -120,7 +120,7 @@ std::string BudgetsText(const RunResult& result) {
     const std::string line = UncertaintyText(row);
     if (!line.empty()) lines.push_back(line);
   }
-  for (const Correlations& of : result.correlations) {
+  for (const Correlations& of : AllCorrelations(result)) {
     const std::string line = CorrelationText(of);
     if (!line.empty()) lines.push_back(line);
   }
@@ -192,7 +192,7 @@ std::string CorrelationText(const Correlations& of) {
 std::string SharesText(const ParameterResult& row) {
   constexpr double kShown = 0.005;  // Less is 0 %.
   const double u = CombinedU(row.budget);
-  std::vector<Contribution> budget = row.budget;
+  std::vector<Contribution> budget = ByInput(row.budget);
   std::ranges::stable_sort(budget, std::greater{}, &Contribution::u);
   std::vector<std::string> shares;
   for (const Contribution& input : budget) {

@@ -177,7 +177,8 @@ TwinConfig MakeTwinConfig(const Scenario& scenario, const RunOptions& options) {
       .effects = DrawEffects(scenario.effects, seed, options.sample),
       .settings = DrawSettings(
           scenario.machine.machine.settings, scenario.settings, seed, options.sample),
-      .artefacts = scenario.artefacts,
+      .artefacts =
+          DrawArtefacts(scenario.artefacts, scenario.varied, seed, options.sample),
       .instruments =
           DrawInstruments(scenario.instruments, scenario.varied, seed, options.sample),
       .fidelity = options.fidelity.value_or(scenario.fidelity),
@@ -231,7 +232,7 @@ RunResult RunScenario(const Scenario& scenario, const RunOptions& options) {
   bench.gauge = &twin.gauge();
   bench.person = &twin.person();
   bench.machine = scenario.machine.machine;
-  bench.artefacts = config.artefacts;
+  bench.artefacts = scenario.artefacts;
   bench.instruments = config.instruments;
   constexpr std::size_t kUsualRows = 1024;
   result.rows.rows.reserve(kUsualRows);

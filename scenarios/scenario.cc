@@ -126,6 +126,7 @@ void ReadTwinKeys(YamlMap* map, Scenario* scenario) {
   if (const auto artefacts = map->Optional("artefacts")) {
     scenario->artefacts = ReadArtefacts(artefacts->Map());
   }
+  RefuseUnknownArtefacts(scenario->effects, IdsOf(scenario->artefacts), map->faults());
   if (const auto firmware = map->Optional("firmware")) {
     scenario->firmware = ReadFirmware(firmware->Map());
   }
@@ -142,6 +143,33 @@ std::vector<CalibrationStep> ReadCalibrationSteps(const YamlValue& list,
   return steps;
 }
 
+namespace {
+
+// All but what every scenario has, by the kind of its machine.
+void ReadBody(YamlMap* map, Scenario* scenario) {
+  const Machine& machine = scenario->machine.machine;
+  const auto& effects = scenario->machine.effects;
+  if (scenario->motor) {
+    scenario->motor = ReadMotorScenario(map, scenario->motor->drawing);
+  } else if (machine.delta) {
+    scenario->delta = ReadDeltaScenario(map, machine, effects);
+  } else if (map->Has("station")) {
+    scenario->z_offset = ReadZOffsetScenario(map, machine);
+  } else if (machine.triple_z) {
+    scenario->triple_z = ReadTripleZScenario(map, machine, effects);
+  } else {
+    ReadTwinKeys(map, scenario);
+    if (const auto calibrate = map->Required("calibrate")) {
+      scenario->calibrate = ReadCalibrationSteps(*calibrate);
+    }
+    if (const auto expect = map->Optional("expect")) {
+      scenario->expect = ReadExpectation(expect->Map());
+    }
+  }
+}
+
+}  // namespace
+
 Scenario ReadScenarioText(const std::string& text, const fs::path& name) {
   Faults faults;
   YamlMap map = ReadYamlText(text, name.string(), &faults);
@@ -152,41 +180,12 @@ Scenario ReadScenarioText(const std::string& text, const fs::path& name) {
   scenario.fidelity = map.WordOr("fidelity", "physics", {"physics", "fast"}) == "fast"
                           ? Fidelity::kFast
                           : Fidelity::kPhysics;
-  if (scenario.motor) {
-    scenario.motor = ReadMotorScenario(&map, scenario.motor->drawing);
-    map.NoMoreKeys();
-    faults.ThrowIfAny();
-    return scenario;
-  }
-  if (scenario.machine.machine.delta) {
-    scenario.delta =
-        ReadDeltaScenario(&map, scenario.machine.machine, scenario.machine.effects);
-    map.NoMoreKeys();
-    faults.ThrowIfAny();
-    return scenario;
-  }
-  if (map.Has("station")) {
-    scenario.z_offset = ReadZOffsetScenario(&map, scenario.machine.machine);
-    map.NoMoreKeys();
-    faults.ThrowIfAny();
-    return scenario;
-  }
-  if (scenario.machine.machine.triple_z) {
-    scenario.triple_z =
-        ReadTripleZScenario(&map, scenario.machine.machine, scenario.machine.effects);
-    map.NoMoreKeys();
-    faults.ThrowIfAny();
-    return scenario;
-  }
-  ReadTwinKeys(&map, &scenario);
-  if (const auto calibrate = map.Required("calibrate")) {
-    scenario.calibrate = ReadCalibrationSteps(*calibrate);
-  }
-  if (const auto expect = map.Optional("expect")) {
-    scenario.expect = ReadExpectation(expect->Map());
-  }
+  ReadBody(&map, &scenario);
   map.NoMoreKeys();
   faults.ThrowIfAny();
+  scenario.notes = scenario.machine.draws;
+  scenario.notes.insert(
+      scenario.notes.end(), faults.notes().begin(), faults.notes().end());
   return scenario;
 }
 

@@ -52,6 +52,7 @@ struct Scenario {
   std::optional<TripleZScenario> triple_z{};  ///< Likewise.
   std::optional<MotorScenario> motor{};       ///< Likewise; its machine is in it.
   std::optional<ZOffsetScenario> z_offset{};  ///< Likewise, where it has a `station`.
+  std::vector<std::string> notes{};           ///< Of distributions (Faults::Note).
 };
 
 /// Reads and checks a scenario file; throws InputError with every fault.

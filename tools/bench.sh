@@ -2,7 +2,8 @@
 # Measures speed, all of it: tools/bench.sh
 # Or some: tools/bench.sh [options of Google Benchmark, e.g. --benchmark_filter=Touch]
 # Without options, after the benchmarks: studies with one worker and two by the wall clock
-# (tools/scaling.py), and memory of a run and of one with its report.
+# (tools/scaling.py), what studies cost (tools/study_cost.py), and memory of a run and of one
+# with its report.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 tools/setup.sh
@@ -11,6 +12,7 @@ ninja -C build twin_bench caltwin >/dev/null
 build/tests/twin_bench "$@"
 if [ $# -gt 0 ]; then exit; fi
 tools/scaling.py
+tools/study_cost.py
 out=$(mktemp -d)
 trap 'rm -rf "$out"' EXIT
 for options in "" "--report $out/report"; do

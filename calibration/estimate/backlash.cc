@@ -25,7 +25,8 @@ Uncertain Component(const LinearFit& fit, const Eigen::VectorXd& weights) {
 Uncertain Component(const LinearFit& fit,
                     const Eigen::MatrixXd& a,
                     const Eigen::VectorXd& weights,
-                    std::span<const TriggerRelease> feeds) {
+                    std::span<const TriggerRelease> feeds,
+                    const std::string& hysteresis_source) {
   Uncertain component = Component(fit, weights);
   if (!component.identifiable) return component;
   const Eigen::VectorXd gain = a * (fit.covariance * weights);
@@ -38,7 +39,8 @@ Uncertain Component(const LinearFit& fit,
   const auto count = static_cast<Eigen::Index>(feeds.size());
   budget.push_back(
       {.input = "readings", .u = Expand(readings).u, .dof = EffectiveDof(readings)});
-  budget.push_back({.input = "hysteresis", .u = std::abs(gain[count])});
+  budget.push_back(
+      InputOf("hysteresis", gain[count], {.sd = 1, .source = hysteresis_source}));
   budget.push_back({.input = "latency", .u = std::abs(gain[count + 1])});
   return WithBudget(component.value, std::move(budget));
 }
@@ -91,9 +93,12 @@ ReleaseFit BacklashFromRelease(std::span<const TriggerRelease> feeds,
   Uncertain latency = Component(fit, Eigen::Vector3d(0, 0, 1));
   latency.value *= kLatencyUnit_s;
   latency.sd *= kLatencyUnit_s;
-  return {.backlash_mm = Component(fit, a, Eigen::Vector3d(1, 0, 0), feeds),
+  const auto told = [&](const Eigen::Vector3d& of) {
+    return Component(fit, a, of, feeds, hysteresis_mm.source);
+  };
+  return {.backlash_mm = told({1, 0, 0}),
           .latency_s = latency,
-          .combination_mm = Component(fit, a, Eigen::Vector3d(1, 1, 0), feeds),
+          .combination_mm = told({1, 1, 0}),
           .chi2_per_dof = fit.chi2_per_dof};
 }
 

@@ -50,10 +50,15 @@ std::vector<CorrelatedPair> LargestPairs(const Correlations& of,
 
 std::string MostCorrelatedText(const Correlations& of) {
   constexpr std::size_t kShown = 3;
-  constexpr double kWorthSaying = 0.1;
+  constexpr double kWorthSaying = 0.1, kLarge = 0.3;
   std::vector<std::string> words;
+  const std::size_t all = of.names.size() * of.names.size();
+  const std::size_t large = LargestPairs(of, all, kLarge).size();
   for (const CorrelatedPair& pair : LargestPairs(of, kShown, kWorthSaying)) {
     words.push_back(fmt::format("{} with {} {:+.2f}", pair.first, pair.second, pair.r));
+  }
+  if (large > kShown) {
+    words.push_back(fmt::format("{} more of {:.1f} and more", large - kShown, kLarge));
   }
   return fmt::format("{}", fmt::join(words, ", "));
 }

@@ -35,8 +35,8 @@ std::vector<CorrelatedPair> LargestPairs(const Correlations& of,
                                          std::size_t most,
                                          double least);
 
-/// "backlash.x with probe_pretravel.x -0.93, ...": the three largest of 0.1 and more;
-/// empty where there is none.
+/// "backlash.x with probe_pretravel.x -0.93, ...": the three largest of 0.1 and more,
+/// and how many others there are of 0.3 and more; empty where there is none.
 std::string MostCorrelatedText(const Correlations& of);
 
 }  // namespace caltwin

@@ -18,15 +18,15 @@ Deflection DeflectionFromSpan(const DeflectionSpan& span) {
   const double combination_mm = g * (span.size_mm.value - k * centres_mm) / 2;
   std::vector<Contribution> budget{
       InputOf("readings", k / 2, span.span_mm),
-      InputOf("sizes", 0.5, span.size_mm),
-      InputOf("steps/mm", centres_mm / 2, span.mm_per_commanded_mm)};
+      InputOf("sizes", g / 2, span.size_mm),
+      InputOf("steps/mm", -g * centres_mm / 2, span.mm_per_commanded_mm)};
 
   Deflection deflection;
   deflection.combination_mm = WithBudget(combination_mm, budget);
   const double half_backlash_mm =
       Mutant("deflection_drops_half_backlash", span.backlash_mm.value / 2, 0.0);
   budget.push_back(InputOf("tip radius", 1, span.tip_radius_mm));
-  budget.push_back(InputOf("gap left", 0.5, span.backlash_mm));
+  budget.push_back(InputOf("gap left", -0.5, span.backlash_mm));
   deflection.pretravel_mm = WithBudget(
       span.tip_radius_mm.value - half_backlash_mm + combination_mm, std::move(budget));
   return deflection;

@@ -103,7 +103,11 @@ Expanded Expand(std::span<const Contribution> budget, double probability) {
 
 Contribution InputOf(const std::string& input, double c, const Given& x) {
   const double widened = CoverageFactor(x.dof) / kNormal95;
-  return {.input = input, .u = std::abs(c) * x.sd / widened, .dof = x.dof};
+  return {.input = input,
+          .u = std::abs(c) * x.sd / widened,
+          .dof = x.dof,
+          .source = x.source,
+          .sense = std::copysign(1.0, c) * x.sense};
 }
 
 Uncertain WithBudget(double value, std::vector<Contribution> budget) {
@@ -115,10 +119,15 @@ Uncertain WithBudget(double value, std::vector<Contribution> budget) {
   return {.value = value, .sd = sd, .identifiable = true, .budget = std::move(budget)};
 }
 
+void ScaleInput(double factor, Contribution* input) {
+  input->u *= std::abs(factor);
+  input->sense *= std::copysign(1.0, factor);
+}
+
 Uncertain Scaled(Uncertain estimate, double factor) {
   estimate.value *= factor;
   estimate.sd *= std::abs(factor);
-  for (Contribution& input : estimate.budget) input.u *= std::abs(factor);
+  for (Contribution& input : estimate.budget) ScaleInput(factor, &input);
   return estimate;
 }
 
@@ -132,6 +141,23 @@ Contribution NotCorrected(double offset, double sd) {
   const double together = limit / kNormal95;
   added.u = std::sqrt(std::max(0.0, together * together - sd * sd));
   return added;
+}
+
+std::vector<Contribution> ByInput(std::span<const Contribution> budget) {
+  std::vector<Contribution> lines;
+  for (const Contribution& input : budget) {
+    const auto same = std::ranges::find(lines, input.input, &Contribution::input);
+    if (same == lines.end()) {
+      lines.push_back(input);
+      continue;
+    }
+    const std::vector<Contribution> both{*same, input};
+    *same = {.input = input.input,
+             .u = CombinedU(both),
+             .dof = EffectiveDof(both),
+             .is_rectangular = same->is_rectangular && input.is_rectangular};
+  }
+  return lines;
 }
 
 Uncertain WithInput(Uncertain estimate,

@@ -41,6 +41,9 @@ Expanded Expand(std::span<const Contribution> budget, double probability = 0.95)
 /// not identifiable where one is not known.
 Uncertain WithBudget(double value, std::vector<Contribution> budget);
 
+/// What an input adds once the result is `factor` times as much.
+void ScaleInput(double factor, Contribution* input);
+
 /// The same estimate in another unit, `factor` of which are one of this.
 Uncertain Scaled(Uncertain estimate, double factor);
 
@@ -51,6 +54,9 @@ Uncertain Scaled(Uncertain estimate, double factor);
 ///
 /// 0 without an offset; at most (offset + 1.645 sd) / 1.96 together with sd.
 Contribution NotCorrected(double offset, double sd);
+
+/// For people: inputs of one name as one line, their variances added.
+std::vector<Contribution> ByInput(std::span<const Contribution> budget);
 
 /// Adds an independent input to the budget and to sd; an estimate without a budget gets
 /// its own sd as first line, called `own`.

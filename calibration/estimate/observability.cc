@@ -235,7 +235,8 @@ ObservabilityReport Observe(const Eigen::MatrixXd& whitened_jacobian,
   }
 
   const Spectrum spectrum = SpectrumOf(jacobian, rule);
-  ObservabilityReport report;
+  ObservabilityReport report{.rank = static_cast<int>(spectrum.rank),
+                             .num_unknowns = static_cast<int>(jacobian.cols())};
   const Eigen::Index blind = jacobian.cols() - spectrum.rank;
   if (blind > 0) AddBlind(spectrum.directions.rightCols(blind), names, &report);
   AddWeakest(spectrum, names, &report);

@@ -20,6 +20,10 @@ struct UnknownColumn {
 
 /// What a set of measurements tells of the unknowns, by algebra and noise alone.
 struct ObservabilityReport {
+  /// Noise-scaled rank: directions in the space of all unknowns (placements included)
+  /// that the readings tell better than the rule asks.
+  int rank = 0;
+  int num_unknowns = 0;
   std::vector<std::string> determined{};    ///< Each told by itself.
   std::vector<std::string> undetermined{};  ///< Told in a combination, or not at all.
   /// One entry per blind direction; entries of one group share the statement.

@@ -25,24 +25,19 @@ Uncertain Ratio(double factor, const Part& numerator, const Part& denominator) {
   const double ratio = numerator.value / denominator.value;
   std::vector<Contribution> budget;
   for (Contribution input : numerator.inputs) {
-    input.u *= std::abs(factor / denominator.value);
+    ScaleInput(factor / denominator.value, &input);
     budget.push_back(input);
   }
   for (Contribution input : denominator.inputs) {
-    input.u *= std::abs(factor / denominator.value * ratio);
+    ScaleInput(-factor / denominator.value * ratio, &input);
     budget.push_back(input);
   }
   return WithBudget(factor * ratio, std::move(budget));
 }
 
 Part Difference(const std::string& of, const Given& a, const Given& b) {
-  const Contribution first = InputOf(of, 1, a);
-  const Contribution second = InputOf(of, 1, b);
-  const std::vector<Contribution> both{first, second};
   return {.value = a.value - b.value,
-          .inputs = {{.input = of,
-                      .u = std::hypot(first.u, second.u),
-                      .dof = EffectiveDof(both)}}};
+          .inputs = {InputOf(of, 1, a), InputOf(of, -1, b)}};
 }
 
 }  // namespace
@@ -79,8 +74,8 @@ Uncertain StepsFromOneSpan(const OneSpan& span) {
                Mutant("steps_one_span_drops_backlash", span.backlash_mm.value, 0.0),
       .inputs = {InputOf("sizes", 1, span.size_mm),
                  InputOf("tip radius", 2, span.tip_radius_mm),
-                 InputOf("pre-travel", 2, span.pretravel_mm),
-                 InputOf("gap", 1, span.backlash_mm)}};
+                 InputOf("pre-travel", -2, span.pretravel_mm),
+                 InputOf("gap", -1, span.backlash_mm)}};
   return Ratio(span.steps_per_mm, commanded, gone);
 }
 
@@ -88,8 +83,8 @@ Uncertain StepsFromOneSpanAsPublished(const OneSpan& span) {
   const Part cleaned{.value = span.span_mm.value - 2 * span.pretravel_mm.value -
                               span.backlash_mm.value,
                      .inputs = {InputOf("readings", 1, span.span_mm),
-                                InputOf("pre-travel", 2, span.pretravel_mm),
-                                InputOf("gap", 1, span.backlash_mm)}};
+                                InputOf("pre-travel", -2, span.pretravel_mm),
+                                InputOf("gap", -1, span.backlash_mm)}};
   return Ratio(
       span.steps_per_mm,
       {.value = span.size_mm.value, .inputs = {InputOf("sizes", 1, span.size_mm)}},

@@ -16,6 +16,10 @@ struct Contribution {
   /// A rounding to steps, u = step / sqrt(12), that no other reading shakes; else the
   /// input counts as normal.
   bool is_rectangular = false;
+  /// What is off where this input is, if others stand on it too: "tip radius", or the
+  /// estimate it comes from, "backlash.x". Empty: nobody else's.
+  std::string source{};
+  double sense = 1;  ///< -1: the result falls as that rises.
 };
 
 /// An estimated number. Where it is not identifiable, value and sd mean nothing.
@@ -35,11 +39,12 @@ struct Given {
   double value = 0;
   double sd = 0;  ///< 0: exact; infinite: not known at all. As in Uncertain.
   double dof = std::numeric_limits<double>::infinity();  ///< What sd was told by.
+  std::string source{};                                  ///< As Contribution's.
+  double sense = 1;                                      ///< As Contribution's.
 };
 
 /// What nobody has measured yet.
-inline constexpr Given kNotGiven{.value = 0,
-                                 .sd = std::numeric_limits<double>::infinity()};
+inline const Given kNotGiven{.sd = std::numeric_limits<double>::infinity()};
 
 /// An estimate as input to the next one: what was not identifiable is not given.
 inline Given AsGiven(const Uncertain& estimate) {

@@ -26,12 +26,14 @@ class MotorDoing {
   /// Logged in the controller, and said.
   void Log(std::size_t axis, const std::string& text) {
     Say("logged: " + text);
+    logged_ = {axis, text};
     Did(axes_->Log(axis, text));
   }
-  /// Logged, and the operator called; nothing more is done with the axis.
+  /// Logged (once, where the last try logged the same), and the operator called;
+  /// nothing more is done with the axis.
   void Alert(std::size_t axis, const std::string& text) {
     ++done_.found.alerts;
-    Log(axis, text);
+    if (logged_ != std::pair(axis, text)) Log(axis, text);
     Say("ALERT: operator wanted: " + text);
     done_.result.ending = Ending::kRefused;
   }
@@ -115,6 +117,7 @@ class MotorDoing {
   std::string name_;
   const MotorOptions& options_;
   MotorAxes* axes_;
+  std::pair<std::size_t, std::string> logged_{};  // Last.
   MotorResult done_{};
 };
 

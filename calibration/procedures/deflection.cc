@@ -42,7 +42,10 @@ Given Scale(Session* session, Axis axis) {
   const auto& known = session->bench().ledger.known;
   const auto steps = known.find(name);
   if (steps == known.end()) return {.value = 1};
-  return {.value = 1, .sd = steps->second.sd / steps->second.value};
+  return {.value = 1,
+          .sd = steps->second.sd / steps->second.value,
+          .source = name,
+          .sense = -1};
 }
 
 FromElsewhere WhatIsKnown(Session* session, const DeflectionOptions& o) {

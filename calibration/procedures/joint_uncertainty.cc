@@ -23,9 +23,9 @@ Uncertain AsUncertain(const JointEstimate& estimate) {
 }
 
 // Of an axis whose steps/mm are estimated here the fit itself knows how sure they are.
-double DoubtBeside(Session* session, const JointOptions& o, Axis axis) {
+Given ScaleBeside(Session* session, const JointOptions& o, Axis axis) {
   const bool is_estimated = std::ranges::find(o.axes, axis) != o.axes.end();
-  return is_estimated ? 0 : ScaleDoubt(session, axis, o.steps_doubt);
+  return is_estimated ? Given{.value = 1} : ScaleOf(session, axis, o.steps_doubt);
 }
 
 // Slopes of the table, read in millimetres of axes that may not be among the unknowns.
@@ -36,7 +36,7 @@ Uncertain TiltWithDoubt(Session* session,
   if (!name.starts_with("bed_tilt.slope_")) return slope;
   const Axis along = name.starts_with("bed_tilt.slope_x") ? Axis::kX : Axis::kY;
   return WithScaleDoubt(
-      slope, DoubtBeside(session, o, along), DoubtBeside(session, o, Axis::kZ));
+      slope, ScaleBeside(session, o, along), ScaleBeside(session, o, Axis::kZ));
 }
 
 // Doubts of steps/mm that slopes are read in add to their variances; that of z to both,
@@ -45,7 +45,7 @@ void AddSlopeDoubts(Session* session,
                     const JointOptions& o,
                     const std::vector<JointEstimate>& told,
                     Eigen::MatrixXd* covariance) {
-  const double z_doubt = DoubtBeside(session, o, Axis::kZ);
+  const double z_doubt = ScaleBeside(session, o, Axis::kZ).sd;
   const auto along = [](const JointEstimate& estimate) -> std::optional<Axis> {
     if (!estimate.name.starts_with("bed_tilt.slope_")) return std::nullopt;
     return estimate.name.starts_with("bed_tilt.slope_x") ? Axis::kX : Axis::kY;
@@ -55,7 +55,7 @@ void AddSlopeDoubts(Session* session,
     if (!axis) continue;
     const auto row = static_cast<Eigen::Index>(i);
     (*covariance)(row, row) +=
-        std::pow(told[i].value * DoubtBeside(session, o, *axis), 2);
+        std::pow(told[i].value * ScaleBeside(session, o, *axis).sd, 2);
     for (std::size_t j = 0; j < told.size(); ++j) {
       if (!along(told[j])) continue;
       (*covariance)(row, static_cast<Eigen::Index>(j)) +=

@@ -116,7 +116,9 @@ Expected<SpanReading> MeasureLedge(Session* session,
                                  session->bench().machine.probe.disc_radius_mm);
   const double tilt_mm = tilt.rim_mm + tilt.underside_mm;
   SpanReading reading;
-  reading.size_mm = {.value = ledge.size_mm[2], .sd = MmFromUm(ledge.u_um)};
+  reading.size_mm = {.value = ledge.size_mm[2],
+                     .sd = MmFromUm(ledge.u_um),
+                     .source = SizeOf(ledge, Axis::kZ)};
   reading.span_mm = {
       .value = ledge.size_mm[2] + lip->top_mm.value + under_mm.value - tilt_mm,
       .sd = std::hypot(lip->top_mm.sd, under_mm.sd, tilt.reach_mm * lip->slope_sd)};

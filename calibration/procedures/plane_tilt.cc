@@ -33,14 +33,14 @@ bool IsClear(const Bench& bench, const Vec3<double>& at_mm, const std::string& p
 // What both slopes' errors have in common: where they were touched, and z's steps/mm.
 void CorrelateSlopes(Session* session, const TiltPlane& plane) {
   if (!plane.slope_x.identifiable || !plane.slope_y.identifiable) return;
-  const double z_doubt = ScaleDoubt(session, Axis::kZ);
+  const Given z = ScaleOf(session, Axis::kZ);
   const auto widened = [&](const Uncertain& slope, Axis along) {
-    return CombinedU(WithScaleDoubt(slope, ScaleDoubt(session, along), z_doubt).budget);
+    return CombinedU(WithScaleDoubt(slope, ScaleOf(session, along), z).budget);
   };
   const double x = widened(plane.slope_x, Axis::kX),
                y = widened(plane.slope_y, Axis::kY);
-  const double both = plane.slope_covariance +
-                      plane.slope_x.value * plane.slope_y.value * z_doubt * z_doubt;
+  const double both =
+      plane.slope_covariance + plane.slope_x.value * plane.slope_y.value * z.sd * z.sd;
   session->Correlate({"bed_tilt.slope_x_mrad", "bed_tilt.slope_y_mrad"},
                      Eigen::Matrix2d{{x * x, both}, {both, y * y}});
 }
@@ -99,8 +99,7 @@ Expected<void> RunPlaneTilt(Session* session, const PlaneTiltOptions& o) {
   const double sigma_mm = MeanSd_mm(NoiseOf(session, Axis::kZ, touches), o.repeats);
   const TiltPlane plane = FitTiltPlane(points_mm, std::max(sigma_mm, 1e-9));
   const auto conclude = [&](const std::string& which, Axis along, Uncertain slope) {
-    slope = WithScaleDoubt(
-        slope, ScaleDoubt(session, along), ScaleDoubt(session, Axis::kZ));
+    slope = WithScaleDoubt(slope, ScaleOf(session, along), ScaleOf(session, Axis::kZ));
     slope = Scaled(std::move(slope), MradFromRad(1.0));
     const std::string name = "bed_tilt." + which;
     session->Measured(name, slope.value, "Slope of the plane through the touches.");

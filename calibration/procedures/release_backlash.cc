@@ -65,7 +65,7 @@ Given Hysteresis(Session* session, const ReleaseOptions& o) {
       o.hysteresis_mm.value_or(session->bench().machine.probe.hysteresis_mm);
   const double u_mm =
       o.hysteresis_u_mm < 0 ? kHysteresisDoubt * value_mm : o.hysteresis_u_mm;
-  return {.value = value_mm, .sd = u_mm};
+  return {.value = value_mm, .sd = u_mm, .source = "hysteresis"};
 }
 
 void KeepSlowest(Session* session, Axis axis, const Touched& touched, Releases* all) {
@@ -283,8 +283,9 @@ Expected<void> RunRelease(Session* session, const ReleaseOptions& o) {
   // As published, the reading is added to what is set.
   if (c.as_published) gap_mm.value += before_mm;
   if (!c.as_published) {
-    const double of_scale_mm = std::abs(gap_mm.value) * ScaleDoubt(session, c.axis);
-    gap_mm = WithInput(std::move(gap_mm), {.input = "steps/mm", .u = of_scale_mm});
+    // Who believes in too many steps a millimetre reads too little.
+    gap_mm = WithInput(std::move(gap_mm),
+                       InputOf("steps/mm", gap_mm.value, ScaleOf(session, c.axis)));
   }
   const Proposal proposal{
       .setting = Setting::kBacklash,

@@ -13,11 +13,16 @@ double ScaleDoubt(Session* session, Axis axis, double unmeasured) {
   return std::hypot(found->second.sd, found->second.value - believed) / believed;
 }
 
-Uncertain WithScaleDoubt(const Uncertain& slope, double along_doubt, double z_doubt) {
-  const double size = std::abs(slope.value);
-  Uncertain widened =
-      WithInput(slope, {.input = "steps/mm along", .u = size * along_doubt});
-  return WithInput(std::move(widened), {.input = "steps/mm of z", .u = size * z_doubt});
+Given ScaleOf(Session* session, Axis axis, double unmeasured) {
+  return {.value = 1,
+          .sd = ScaleDoubt(session, axis, unmeasured),
+          .source = NameOf(Setting::kStepsPerMm, axis),
+          .sense = -1};
+}
+
+Uncertain WithScaleDoubt(const Uncertain& slope, const Given& along, const Given& z) {
+  Uncertain widened = WithInput(slope, InputOf("steps/mm along", -slope.value, along));
+  return WithInput(std::move(widened), InputOf("steps/mm of z", slope.value, z));
 }
 
 }  // namespace caltwin

@@ -15,9 +15,13 @@ inline constexpr double kScaleDoubt = 0.01;
 /// that were, what was found counts as far as it is set.
 double ScaleDoubt(Session* session, Axis axis, double unmeasured = kScaleDoubt);
 
+/// True millimetres a commanded one: 1, with that uncertainty. Falls as the steps/mm
+/// found rise.
+Given ScaleOf(Session* session, Axis axis, double unmeasured = kScaleDoubt);
+
 /// A slope dz/d(along) read in commanded millimetres, its uncertainty widened by what
 /// both axes' steps/mm may be off:  slope_true = slope k_z / k_along, so
 /// u = |slope| hypot(u_z, u_along).
-Uncertain WithScaleDoubt(const Uncertain& slope, double along_doubt, double z_doubt);
+Uncertain WithScaleDoubt(const Uncertain& slope, const Given& along, const Given& z);
 
 }  // namespace caltwin

@@ -73,12 +73,17 @@ TouchNoise NoiseOf(Session* session, Axis axis, std::span<const Touched> faces) 
   return NoiseSeen(session->probing().Noise(axis), groups_mm);
 }
 
+std::string SizeOf(const Artefact& artefact, Axis axis) {
+  return fmt::format("size of {} along {}", artefact.id, Name(axis));
+}
+
 Expected<SpanReading> MeasureSpan(Session* session,
                                   const Artefact& artefact,
                                   const SpanPlan& plan) {
   SpanReading reading;
   reading.size_mm = {.value = artefact.size_mm[Index(plan.axis)],
-                     .sd = MmFromUm(artefact.u_um)};
+                     .sd = MmFromUm(artefact.u_um),
+                     .source = SizeOf(artefact, plan.axis)};
   double variance_mm2 = 0;
   double outward_mm = 0;
   for (const Face& face : FacesForSpan(artefact, plan)) {
@@ -116,7 +121,9 @@ void WarnOfScatter(Session* session, const std::string& what, double scatter_mm)
 
 Given TipRadius(Session* session, const std::optional<Given>& told) {
   if (told) return *told;
-  const Given entered{.value = session->believed().tip_radius_mm, .sd = kTipDoubt_mm};
+  const Given entered{.value = session->believed().tip_radius_mm,
+                      .sd = kTipDoubt_mm,
+                      .source = kTipRadius};
   const auto calliper = session->bench().instruments.find("calliper");
   if (calliper == session->bench().instruments.end()) return entered;
   const auto diameter_mm = session->bench().gauge->Read_mm("calliper.tip");
@@ -157,7 +164,8 @@ Given BacklashLeft(Session* session, Axis axis) {
   const auto gap = known.find(NameOf(Setting::kBacklash, axis));
   if (gap == known.end()) return kNotGiven;
   return {.value = gap->second.value - session->Believed(Setting::kBacklash, axis),
-          .sd = gap->second.sd};
+          .sd = gap->second.sd,
+          .source = gap->first};
 }
 
 }  // namespace caltwin

@@ -41,6 +41,9 @@ Expected<SpanReading> MeasureSpan(Session* session,
                                   const Artefact& artefact,
                                   const SpanPlan& plan);
 
+/// A certified size as a source that results share: "size of block along x".
+std::string SizeOf(const Artefact& artefact, Axis axis);
+
 /// The faces that MeasureSpan would touch.
 std::vector<Face> FacesForSpan(const Artefact& artefact, const SpanPlan& plan);
 
@@ -52,6 +55,8 @@ TouchNoise NoiseOf(Session* session, Axis axis, std::span<const Touched> faces);
 /// has measured it.
 Given BacklashLeft(Session* session, Axis axis);
 
+/// The ball's radius as a source that results share.
+inline constexpr char kTipRadius[] = "tip radius";
 /// Uncertainty of a ball's radius as its maker states it.
 inline constexpr double kTipDoubt_mm = 0.001;
 

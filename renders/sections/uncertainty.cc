@@ -42,7 +42,7 @@ std::string UncertaintySection(const RunResult& result,
   }
   if (rows.empty()) return "";
   std::string pairs;
-  for (const Correlations& of : result.correlations) {
+  for (const Correlations& of : AllCorrelations(result)) {
     const std::string text = CorrelationText(of);
     if (!text.empty()) pairs += fmt::format("<p>{}.</p>\n", Escaped(text));
   }

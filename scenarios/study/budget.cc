@@ -158,8 +158,9 @@ std::vector<std::vector<Budget>> BudgetsOf(const Study& study,
       if (of_parameter.count < 10.0 * static_cast<double>(of_parameter.sum.size())) {
         continue;
       }
-      ordered.emplace_back(of_parameter.position,
-                           Regress(name, of_parameter, inputs[i]));
+      Budget budget = Regress(name, of_parameter, inputs[i]);
+      if (!(budget.u > 0)) continue;  // Never in error: nothing to take apart.
+      ordered.emplace_back(of_parameter.position, std::move(budget));
     }
     std::ranges::sort(ordered, {}, [](const auto& one) { return one.first; });
     for (auto& [position, budget] : ordered) budgets[i].push_back(std::move(budget));
@@ -167,10 +168,11 @@ std::vector<std::vector<Budget>> BudgetsOf(const Study& study,
   return budgets;
 }
 
-std::string BudgetText(const std::vector<Budget>& budgets) {
+std::string BudgetText(const std::string& of, const std::vector<Budget>& budgets) {
   if (budgets.empty()) return "";
-  std::string text =
-      "\nBudget: where errors come from (contribution, share of the variance)\n";
+  std::string text = fmt::format(
+      "\nBudget of {}: where errors come from (contribution, share of the variance)\n",
+      of);
   for (const Budget& budget : budgets) {
     text += fmt::format("  {:<28} {:.3g} {}:", budget.name, budget.u, budget.unit);
     for (const BudgetLine& line : budget.lines) {

@@ -35,6 +35,6 @@ struct Budget {
 std::vector<std::vector<Budget>> BudgetsOf(const Study& study, const StudyStore& store);
 
 /// What the terminal shows.
-std::string BudgetText(const std::vector<Budget>& budgets);
+std::string BudgetText(const std::string& of, const std::vector<Budget>& budgets);
 
 }  // namespace caltwin

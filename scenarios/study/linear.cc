@@ -5,11 +5,11 @@
 #include <chrono>
 #include <cmath>
 #include <exception>
-#include <map>
 #include <mutex>
 #include <thread>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "scenarios/interrupt.h"
 #include "sim/base/input_error.h"
@@ -170,52 +170,112 @@ class LinearRun {
   std::exception_ptr fault_{};
 };
 
+// Errors of an unknown over the checked machines: by the closed forms, by the design
+// with noise of its own, by the design from the readings of the first, and first minus
+// last.
 struct BothWays {
-  std::string unit{};
-  StreamedQuantiles fast{}, linear{};
+  StreamedQuantiles fast{}, linear{}, same_readings{}, difference{};
 };
+
+// Whether `fast` and `linear` are the same within what may differ, given the standard
+// deviations of chance of the difference of their means and of the ratio of their sd.
+bool Agree(const Quantiles& fast,
+           const Quantiles& linear,
+           double chance_mean,
+           double chance_ratio) {
+  return fast.count == linear.count &&
+         std::abs(fast.mean - linear.mean) <=
+             kMayDiffer * linear.sd + kChanceSigmas * chance_mean &&
+         std::abs(fast.sd / linear.sd - 1) <= kMayDiffer + kChanceSigmas * chance_ratio;
+}
+
+// Of the noise of readings, by how much each of them moves one unknown (`gain`): its sd
+// over what it would be if each had a variance of 1, and what chance leaves of that.
+struct NoiseRatio {
+  double value = 1, chance = 0;
+  double told_variance = 0;  // Of the unknown's error by noise, as the design has it.
+
+  // Whether the sd of an error, of that variance in all, is off by too much for it,
+  // beyond chance.
+  bool Matters(double variance) const {
+    const double most =
+        value + std::copysign(kChanceSigmas * chance * value, 1 - value);
+    const double off = (most - 1) * (value - 1) > 0 ? most * most - 1 : 0;
+    return std::abs(std::sqrt(1 + off * told_variance / variance) - 1) > kMayDiffer;
+  }
+};
+NoiseRatio RatioOf(const Eigen::ArrayXd& gain,
+                   const Eigen::ArrayXd& variance,
+                   double machines) {
+  const Eigen::ArrayXd part = gain.square() * variance;
+  return {.value = std::sqrt(part.sum() / gain.square().sum()),
+          .chance = std::sqrt(part.square().sum() / (2 * machines)) / part.sum(),
+          .told_variance = gain.square().sum()};
+}
+
+LinearCheck::Unknown Compared(const LinearDesign::Unknown& unknown,
+                              const BothWays& both,
+                              const NoiseRatio& noise) {
+  const Quantiles fast = both.fast.Summary(), linear = both.linear.Summary();
+  const Quantiles same = both.same_readings.Summary();
+  const Quantiles difference = both.difference.Summary();
+  const double root = std::sqrt(static_cast<double>(fast.count));
+  // What two jointly normal series leave of chance in the ratio of their sd.
+  const double correlation =
+      (fast.sd * fast.sd + same.sd * same.sd - difference.sd * difference.sd) /
+      (2 * fast.sd * same.sd);
+  const double apart = std::sqrt(std::max(0.0, 1 - correlation * correlation));
+  return {.name = unknown.name,
+          .unit = unknown.unit,
+          .fast_mean = fast.mean,
+          .fast_sd = fast.sd,
+          .linear_mean = linear.mean,
+          .linear_sd = linear.sd,
+          .difference_mean = difference.mean,
+          .difference_sd = difference.sd,
+          .noise_ratio = noise.value,
+          .agrees = !noise.Matters(linear.sd * linear.sd) &&
+                    Agree(fast, linear, std::sqrt(2.0) * linear.sd / root, 1 / root) &&
+                    Agree(fast, same, difference.sd / root, apart / root)};
+}
 
 }  // namespace
 
 LinearCheck CheckLinear(const Study& study, const StudyOptions& options) {
+  const PlanStudy& plan = *study.plan;
   Study sample = study;
   sample.trials = kCheckedTrials;
   sample.is_linear = false;
-  std::vector<std::string> order;
-  std::map<std::string, BothWays> both;
-  const auto add = [&](const TrialResult& result, bool is_linear) {
-    for (const ParameterResult& parameter : result.parameters) {
-      if (!parameter.error) continue;
-      const auto [it, is_new] = both.try_emplace(parameter.name);
-      if (is_new) order.push_back(parameter.name);
-      it->second.unit = parameter.unit;
-      (is_linear ? it->second.linear : it->second.fast).Add(*parameter.error);
-    }
-  };
-  for (std::int64_t trial = 0; trial < sample.trials; ++trial) {
-    add(KeptOf(study.plan->Linear(trial), 0, trial), true);
-  }
+  const auto& unknowns = plan.design().unknowns;
+  std::vector<BothWays> both(unknowns.size());
   StudyOptions whole = options;
   whole.shard = {};
-  RunTrials(sample, whole, {}, [&](const TrialResult& result) { add(result, false); });
+  Eigen::VectorXd squares = Eigen::VectorXd::Zero(plan.design().gain.cols());
+  RunTrials(sample, whole, {}, [&](const TrialResult& result) {
+    std::vector<double> own(unknowns.size());
+    Eigen::VectorXd about_middle(plan.design().bias.cols());
+    plan.LinearErrors(result.trial, about_middle.data(), own.data());
+    const Eigen::VectorXd noise = plan.NoiseOf(result.trial);
+    const Eigen::VectorXd same =
+        plan.design().bias * about_middle + plan.design().gain * noise;
+    squares += noise.cwiseAbs2();
+    for (std::size_t i = 0; i < unknowns.size(); ++i) {
+      if (unknowns[i].identifiable) both[i].linear.Add(own[i]);
+      if (!result.parameters[i].error) continue;
+      both[i].fast.Add(*result.parameters[i].error);
+      both[i].same_readings.Add(same[static_cast<Eigen::Index>(i)]);
+      both[i].difference.Add(*result.parameters[i].error -
+                             same[static_cast<Eigen::Index>(i)]);
+    }
+  });
   LinearCheck check{.trials = sample.trials};
-  const double root = std::sqrt(static_cast<double>(sample.trials));
-  for (const std::string& name : order) {
-    const Quantiles fast = both.at(name).fast.Summary();
-    const Quantiles linear = both.at(name).linear.Summary();
-    // Both ways have noise of their own.
-    const double chance = kChanceSigmas * std::sqrt(2.0) / root;
-    const double off = std::abs(fast.mean - linear.mean);
-    const bool agrees =
-        fast.count == linear.count && off <= (kMayDiffer + chance) * linear.sd &&
-        std::abs(fast.sd / linear.sd - 1) <= kMayDiffer + chance / std::sqrt(2.0);
-    check.unknowns.push_back({.name = name,
-                              .unit = both.at(name).unit,
-                              .fast_mean = fast.mean,
-                              .fast_sd = fast.sd,
-                              .linear_mean = linear.mean,
-                              .linear_sd = linear.sd,
-                              .agrees = agrees});
+  const auto machines = static_cast<double>(sample.trials);
+  for (std::size_t i = 0; i < unknowns.size(); ++i) {
+    if (!unknowns[i].identifiable && both[i].fast.Summary().count == 0) continue;
+    const auto row = static_cast<Eigen::Index>(i);
+    const NoiseRatio noise =
+        RatioOf(plan.design().gain.row(row), squares / machines, machines);
+    check.unknowns.push_back(Compared(unknowns[i], both[i], noise));
   }
   return check;
 }
@@ -227,14 +287,18 @@ void RequireLinear(const Study& study, const LinearCheck& check) {
         {.file = study.file.string()},
         fmt::format("linear is not good enough for {}: over {} machines its errors are "
                     "{:.3g} +- {:.3g} {} by the closed forms, {:.3g} +- {:.3g} by the "
-                    "linear design",
+                    "linear design, of the same readings {:.2g} +- {:.2g} apart, "
+                    "noise {:.2f} times what is told",
                     unknown.name,
                     check.trials,
                     unknown.fast_mean,
                     unknown.fast_sd,
                     unknown.unit,
                     unknown.linear_mean,
-                    unknown.linear_sd),
+                    unknown.linear_sd,
+                    unknown.difference_mean,
+                    unknown.difference_sd,
+                    unknown.noise_ratio),
         "use `fidelity: fast`");
   }
 }
@@ -246,19 +310,39 @@ void RunLinear(const Study& study,
   LinearRun(study, options.shard, half).Run(options, save);
 }
 
+nlohmann::ordered_json ToJson(const LinearCheck& check) {
+  nlohmann::ordered_json unknowns = nlohmann::ordered_json::array();
+  for (const LinearCheck::Unknown& unknown : check.unknowns) {
+    unknowns.push_back(
+        {{"name", unknown.name},
+         {"unit", unknown.unit},
+         {"fast", {{"mean", unknown.fast_mean}, {"sd", unknown.fast_sd}}},
+         {"linear", {{"mean", unknown.linear_mean}, {"sd", unknown.linear_sd}}},
+         {"same_readings_apart",
+          {{"mean", unknown.difference_mean}, {"sd", unknown.difference_sd}}},
+         {"noise_ratio", unknown.noise_ratio},
+         {"agrees", unknown.agrees}});
+  }
+  return {{"format", 1}, {"trials", check.trials}, {"unknowns", unknowns}};
+}
+
 std::string CheckText(const LinearCheck& check) {
   std::string text = fmt::format(
       "\nLinear against the closed forms, errors of {} machines (mean +- sd)\n",
       check.trials);
   for (const LinearCheck::Unknown& unknown : check.unknowns) {
     text += fmt::format(
-        "  {:<28} {:<6} fast {:>10.3g} +- {:<9.3g} linear {:>10.3g} +- {:.3g}\n",
+        "  {:<28} {:<6} fast {:>10.3g} +- {:<9.3g} linear {:>10.3g} +- {:<9.3g} of the "
+        "same readings {:>8.2g} +- {:<8.2g} apart, noise {:.2f} times what is told\n",
         unknown.name,
         unknown.unit,
         unknown.fast_mean,
         unknown.fast_sd,
         unknown.linear_mean,
-        unknown.linear_sd);
+        unknown.linear_sd,
+        unknown.difference_mean,
+        unknown.difference_sd,
+        unknown.noise_ratio);
   }
   return text;
 }

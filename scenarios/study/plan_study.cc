@@ -58,6 +58,15 @@ double Sigma_mm(const Row& row, const DataHeader& header, const Machine& machine
                    resolution_mm * resolution_mm / 12);
 }
 
+void RefuseWithoutArtefact(const std::vector<InjectedSpec>& effects,
+                           const DataHeader& header) {
+  std::vector<std::string> ids;
+  for (const auto& [id, artefact] : header.artefacts) ids.push_back(id);
+  Faults faults;
+  RefuseUnknownArtefacts(effects, ids, &faults);
+  faults.ThrowIfAny();
+}
+
 }  // namespace
 
 PlanStudy::PlanStudy(const fs::path& plan_file, Scenario varied, std::uint64_t seed)
@@ -70,6 +79,7 @@ PlanStudy::PlanStudy(const fs::path& plan_file, Scenario varied, std::uint64_t s
   }
   session_ = PlanSession(ReadPlan(plan_file), machine, seed);
   session_.header.settings["1"] = AsHeader(machine.settings);
+  RefuseWithoutArtefact(varied_.effects, session_.header);
   for (Row& row : session_.rows) {
     row.settings = "1";
     row.sigma_mm = std::max(kIdeal_mm, Sigma_mm(row, session_.header, machine));
@@ -153,8 +163,7 @@ RunResult PlanStudy::ResultOf(std::int64_t trial, const char* fidelity) const {
   return result;
 }
 
-RunResult PlanStudy::Fast(std::int64_t trial) const {
-  RunResult result = ResultOf(trial, "fast");
+JointProblem PlanStudy::Measured(std::int64_t trial, bool is_noisy) const {
   Rng rng(seed_, static_cast<std::uint64_t>(trial), "plan.readings");
   const auto effects =
       DrawEffects(varied_.effects, seed_, static_cast<std::uint64_t>(trial));
@@ -162,9 +171,15 @@ RunResult PlanStudy::Fast(std::int64_t trial) const {
                        .effects = effects,
                        .header = session_.header,
                        .fidelity = Fidelity::kFast,
-                       .seed = rng.Next()};
+                       .seed = rng.Next(),
+                       .is_noisy = is_noisy};
   // Free ones among the effects begin at their priors, whatever they truly are.
-  const JointFit fit = FitJoint(ProblemOf(Perform(config, session_.rows), effects));
+  return ProblemOf(Perform(config, session_.rows), effects);
+}
+
+RunResult PlanStudy::Fast(std::int64_t trial) const {
+  RunResult result = ResultOf(trial, "fast");
+  const JointFit fit = FitJoint(Measured(trial, true));
   if (!fit.converged) {
     result.outcome = "not_fitted";
     result.messages.push_back(fit.message);
@@ -189,6 +204,17 @@ void PlanStudy::DrawAboutMiddle(std::int64_t trial, double* about_middle) const 
     const double value = std::clamp(Draw(drawn.value, &rng), drawn.min, drawn.max);
     about_middle[i] = value - design_.unknowns[i].middle;
   }
+}
+
+Eigen::VectorXd PlanStudy::NoiseOf(std::int64_t trial) const {
+  const auto read = Measured(trial, true).observations;
+  const auto ideal = Measured(trial, false).observations;
+  Eigen::VectorXd noise(design_.gain.cols());
+  for (std::size_t i = 0; i < read.size(); ++i) {
+    noise[static_cast<Eigen::Index>(i)] =
+        (read[i].value_mm - ideal[i].value_mm) / read[i].sigma_mm;
+  }
+  return noise;
 }
 
 RunResult PlanStudy::Linear(std::int64_t trial) const {

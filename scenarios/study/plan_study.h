@@ -45,11 +45,16 @@ class PlanStudy {
   void LinearErrors(std::int64_t trial, double* about_middle, double* errors) const;
   /// The same with names, stated uncertainty and the injected values.
   RunResult Linear(std::int64_t trial) const;
+  /// What chance and counting added to each reading that Fast takes of machine `trial`,
+  /// in its standard deviations.
+  Eigen::VectorXd NoiseOf(std::int64_t trial) const;
 
  private:
   JointProblem ProblemOf(const RowTable& table,
                          const std::vector<Injected>& known) const;
   RunResult ResultOf(std::int64_t trial, const char* fidelity) const;
+  // Machine `trial` with its readings as Fast takes them, with chance or without.
+  JointProblem Measured(std::int64_t trial, bool is_noisy) const;
   void MakeDesign();
 
   // What is drawn of one unknown, as DrawEffects does.

@@ -349,6 +349,10 @@ std::unique_ptr<StudyStore> StudyStore::OpenPart(const fs::path& folder,
   return part;
 }
 
+std::string StudyStore::ShardText() const {
+  return parts_->Kept("shard").value_or(Shard{}.Text());
+}
+
 void StudyStore::RequireSameStudy(const Study& study) const {
   const bool is_same = parts_->Kept("fingerprint") == study.Fingerprint();
   if (is_same && parts_->Kept("format") == kFormat) return;

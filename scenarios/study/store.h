@@ -41,6 +41,8 @@ class StudyStore {
   /// none.
   static std::unique_ptr<StudyStore> OpenPart(const std::filesystem::path& folder,
                                               const Study& study);
+  /// Which part it is, "2/5"; of a whole "1/1".
+  std::string ShardText() const;
   StudyStore(const StudyStore&) = delete;
   StudyStore& operator=(const StudyStore&) = delete;
 

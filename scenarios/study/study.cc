@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <charconv>
+#include <set>
+#include <sstream>
 #include <utility>
 
 #include <fmt/format.h>
@@ -68,6 +70,41 @@ std::string UsualAxis(const Scenario& scenario, const std::optional<YamlValue>& 
   return "x";
 }
 
+// What contenders are called: their procedures, with their options where two of them
+// are of one.
+std::vector<std::string> ContenderNames(const YamlValue& compare,
+                                        const std::vector<CalibrationStep>& steps) {
+  std::vector<std::string> names;
+  const std::vector<YamlValue> written = compare.List();
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    const auto is_same = [&](const CalibrationStep& other) {
+      return other.name == steps[i].name;
+    };
+    if (std::ranges::count_if(steps, is_same) == 1 || written.size() != steps.size()) {
+      names.push_back(steps[i].name);
+      continue;
+    }
+    std::istringstream words(written[i].AsWritten());
+    names.emplace_back();
+    for (std::string word; words >> word;) {
+      names.back() += (names.back().empty() ? "" : " ") + word;
+    }
+  }
+  return names;
+}
+
+// Results tell cases apart by their names.
+void RefuseTwice(const std::vector<StudyCase>& cases, const YamlValue& at) {
+  std::set<std::string> names;
+  for (const StudyCase& one : cases) {
+    if (names.insert(one.Name()).second) continue;
+    at.Fail(fmt::format("has '{}' twice, and results could not tell which is which",
+                        one.Name()),
+            "leave one out, or give the scenario's file another name");
+    return;
+  }
+}
+
 // Each scenario as it is, or with each of the procedures.
 std::vector<StudyCase> CasesOf(const std::vector<Scenario>& scenarios,
                                const std::optional<YamlValue>& vary,
@@ -84,9 +121,11 @@ std::vector<StudyCase> CasesOf(const std::vector<Scenario>& scenarios,
       continue;
     }
     const std::string axis = UsualAxis(scenario, vary);
-    for (const CalibrationStep& step : ReadCalibrationSteps(*compare, axis)) {
-      cases.push_back({.scenario = scenario, .procedure = step.name});
-      cases.back().scenario.calibrate = {step};
+    const std::vector<CalibrationStep> steps = ReadCalibrationSteps(*compare, axis);
+    const std::vector<std::string> names = ContenderNames(*compare, steps);
+    for (std::size_t i = 0; i < steps.size(); ++i) {
+      cases.push_back({.scenario = scenario, .procedure = names[i]});
+      cases.back().scenario.calibrate = {steps[i]};
     }
   }
   return cases;
@@ -105,6 +144,7 @@ void ReadPlanStudy(const YamlValue& plan,
     varied.machine = ReadAnyMachineFile(
         FindMachine(read.machine, file.parent_path(), {.file = file.string()}));
     varied.effects = varied.machine.effects;
+    varied.notes = varied.machine.draws;
     if (vary) Vary(vary->Map(), &varied);
     if (!varied.settings.empty() || !varied.varied.empty()) {
       vary->Fail("names more than effects",
@@ -163,6 +203,17 @@ void ReadHow(YamlMap* map, Study* study) {
   }
 }
 
+std::vector<std::string> NotesOf(const std::vector<StudyCase>& cases,
+                                 const Faults& own) {
+  std::vector<std::string> notes = own.notes();
+  for (const StudyCase& one : cases) {
+    for (const std::string& note : one.scenario.notes) {
+      if (std::ranges::find(notes, note) == notes.end()) notes.push_back(note);
+    }
+  }
+  return notes;
+}
+
 }  // namespace
 
 std::string StudyCase::Name() const {
@@ -199,13 +250,21 @@ Study ReadStudy(const fs::path& file) {
   } else if (const auto names = map.Required("scenarios")) {
     std::vector<Scenario> scenarios = ReadScenarios(*names, file.parent_path());
     if (vary) {
-      for (Scenario& scenario : scenarios) Vary(vary->Map(), &scenario);
+      for (Scenario& scenario : scenarios) {
+        Vary(vary->Map(), &scenario);
+        const bool has_artefacts = !scenario.delta && !scenario.triple_z;
+        if (!has_artefacts) continue;
+        RefuseUnknownArtefacts(scenario.effects, IdsOf(scenario.artefacts), &faults);
+      }
     }
-    study.cases = CasesOf(scenarios, vary, map.Optional("compare"));
+    const auto compare = map.Optional("compare");
+    study.cases = CasesOf(scenarios, vary, compare);
+    RefuseTwice(study.cases, compare ? *compare : *names);
   }
   ReadHow(&map, &study);
   map.NoMoreKeys();
   faults.ThrowIfAny();
+  study.notes = NotesOf(study.cases, faults);
   return study;
 }
 

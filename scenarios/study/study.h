@@ -40,6 +40,8 @@ struct Study {
   int adaptive_digits = 0;
   std::int64_t most_trials = 0;
   std::uint64_t seed = 1;
+  /// What of its distributions, and its scenarios', is not drawn as written: each once.
+  std::vector<std::string> notes{};
 
   std::string FidelityWord() const;
 

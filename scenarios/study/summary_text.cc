@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "scenarios/result_text.h"
+#include "scenarios/study/best_readings.h"
 #include "scenarios/study/summary.h"
 
 namespace caltwin {
@@ -181,8 +182,12 @@ nlohmann::ordered_json SummaryJson(const Study& study, const StudySummary& summa
                      {"correlations", ToJson(one.correlations)},
                      {"worst", worst}});
   }
+  nlohmann::ordered_json plan;
+  if (study.plan) plan = ToJson(*study.plan, WorthOf(*study.plan));
   return {{"format", 1},
           {"about", study.about},
+          {"notes", study.notes},
+          {"plan", plan},
           {"version", CALTWIN_VERSION},
           {"fingerprint", study.Fingerprint()},
           {"fidelity", study.FidelityWord()},
@@ -200,6 +205,7 @@ std::string SummaryText(const Study& study, const StudySummary& summary) {
                                  study.trials,
                                  study.FidelityWord(),
                                  study.seed);
+  for (const std::string& note : study.notes) text += note + "\n";
   for (const CaseSummary& one : summary.cases) text += CaseText(one, study);
   return text;
 }

@@ -115,7 +115,8 @@ void VaryNumber(const std::string& name, const YamlValue& value, Scenario* scena
     value.Fail("is not known of this machine", "vary its effects");
     return;
   }
-  scenario->varied.push_back(ReadVariedNumber(name, value, scenario->instruments));
+  scenario->varied.push_back(
+      ReadVariedNumber(name, value, scenario->instruments, scenario->artefacts));
 }
 
 }  // namespace

@@ -27,6 +27,13 @@ using Distribution = std::variant<double, Normal, Uniform, LogNormal>;
 /// One value; a plain number is itself and draws nothing.
 double Draw(const Distribution& distribution, Rng* rng);
 
+/// How much of what it draws lies below `min` and above `max`, each 0 .. 1; of a plain
+/// number none.
+struct ShareBeyond {
+  double below = 0, above = 0;
+};
+ShareBeyond Beyond(const Distribution& distribution, double min, double max);
+
 /// The middle: mean, mid-range, median; a plain number itself.
 double Middle(const Distribution& distribution);
 

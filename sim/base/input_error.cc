@@ -62,6 +62,11 @@ void Faults::Add(const InputError& error) {
   faults_.insert(faults_.end(), error.faults().begin(), error.faults().end());
 }
 
+void Faults::Note(const Place& place, const std::string& text) {
+  const std::string note = Message(place, text, "");
+  if (std::ranges::find(notes_, note) == notes_.end()) notes_.push_back(note);
+}
+
 void Faults::ThrowIfAny() const {
   if (!faults_.empty()) throw InputError(faults_);
 }

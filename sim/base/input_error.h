@@ -31,7 +31,8 @@ class InputError : public std::runtime_error {
   std::vector<std::string> faults_;
 };
 
-/// Collects the faults of one input, so that a person sees all of them at once.
+/// Collects the faults of one input, so that a person sees all of them at once, and
+/// notes on what is sound and yet may not be what was meant.
 class Faults {
  public:
   void Add(const Place& place, const std::string& text, const std::string& hint = "");
@@ -39,11 +40,14 @@ class Faults {
   void Add(const InputError& error);
   bool empty() const { return faults_.empty(); }
   std::size_t size() const { return faults_.size(); }
+  /// "place: text", once however often it is said.
+  void Note(const Place& place, const std::string& text);
+  const std::vector<std::string>& notes() const { return notes_; }
   /// Throws InputError with every fault collected, in the order they were added.
   void ThrowIfAny() const;
 
  private:
-  std::vector<std::string> faults_;
+  std::vector<std::string> faults_{}, notes_{};
 };
 
 /// What goes to stderr: at most 20 faults, then "and N more".

@@ -105,37 +105,6 @@ double YamlValue::Number(Bounds bounds, std::string_view hint) const {
   return *value;
 }
 
-Distribution YamlValue::NumberOrDistribution(Bounds bounds,
-                                             std::string_view hint) const {
-  if (!node_.IsMap()) return Number(bounds, hint);
-  YamlMap map = Map();
-  const auto entries = map.Entries();
-  const std::string kind = entries.size() == 1 ? entries[0].first : "";
-  if (kind != "normal" && kind != "uniform" && kind != "lognormal") {
-    Fail(
-        "is neither a number nor a distribution",
-        "a distribution is one of {normal: {mean: , sd: }}, {uniform: {min: , max: }}, "
-        "{lognormal: {median: , factor: }}");
-    return 0.0;
-  }
-  YamlMap inner = entries[0].second.Map();
-  Distribution result = 0.0;
-  if (kind == "normal") {
-    result =
-        Normal{inner.Number("mean", bounds, hint), inner.Number("sd", kNotNegative)};
-  } else if (kind == "uniform") {
-    const Uniform u{inner.Number("min", bounds, hint),
-                    inner.Number("max", bounds, hint)};
-    if (u.min > u.max) Fail(fmt::format("has min {} above max {}", u.min, u.max));
-    result = u;
-  } else {
-    result = LogNormal{inner.Number("median", {1e-12, bounds.max}, hint),
-                       inner.Number("factor", {1, 1e6})};
-  }
-  inner.NoMoreKeys();
-  return result;
-}
-
 std::int64_t YamlValue::Integer(std::int64_t min, std::int64_t max) const {
   const std::int64_t stand_in = std::clamp<std::int64_t>(0, min, max);
   if (node_.IsScalar()) {

@@ -51,7 +51,8 @@ class YamlValue {
   /// A finite number within bounds (inclusive); `hint` tells how to think of the value.
   double Number(Bounds bounds = kAnyNumber, std::string_view hint = "") const;
   /// A number or one of {normal: {mean, sd}}, {uniform: {min, max}}, {lognormal:
-  /// {median, factor}}; a plain number must lie within the bounds.
+  /// {median, factor}}; a plain number must lie within the bounds. What is drawn beyond
+  /// them is to be clamped to them (Faults::Note says how often, from 0.1 % on).
   Distribution NumberOrDistribution(Bounds bounds = kAnyNumber,
                                     std::string_view hint = "") const;
   std::int64_t Integer(std::int64_t min, std::int64_t max) const;
@@ -79,6 +80,7 @@ class YamlValue {
 
  private:
   std::string NotA(std::string_view wanted) const;
+  void NoteWhatIsClamped(const Distribution& distribution, Bounds bounds) const;
   YAML::Node node_;
   std::string file_;
   std::string path_;

@@ -137,6 +137,25 @@ std::vector<InjectedSpec> ReadEffects(
   return specs;
 }
 
+void RefuseUnknownArtefacts(const std::vector<InjectedSpec>& specs,
+                            const std::vector<std::string>& ids,
+                            Faults* faults) {
+  for (const InjectedSpec& spec : specs) {
+    const Effect& effect = EffectAt(spec.effect);
+    const bool names_one =
+        !spec.axis.empty() &&
+        std::ranges::find(effect.axes, kAnyAxis) != effect.axes.end();
+    if (!names_one || std::ranges::find(ids, spec.axis) != ids.end()) continue;
+    faults->Add(spec.place,
+                fmt::format("{}.{} names no artefact: there is no '{}'",
+                            effect.name,
+                            spec.axis,
+                            spec.axis),
+                ids.empty() ? "this has no artefacts"
+                            : fmt::format("there are {}", fmt::join(ids, ", ")));
+  }
+}
+
 std::vector<Injected> DrawEffects(const std::vector<InjectedSpec>& specs,
                                   std::uint64_t seed,
                                   std::uint64_t sample) {

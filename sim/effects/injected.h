@@ -31,6 +31,11 @@ std::vector<InjectedSpec> ReadEffects(
     const std::vector<std::pair<std::string, YamlValue>>& entries,
     const Machine& machine);
 
+/// Adds a fault for each effect on an artefact that is none of `ids`.
+void RefuseUnknownArtefacts(const std::vector<InjectedSpec>& specs,
+                            const std::vector<std::string>& ids,
+                            Faults* faults);
+
 /// A list of ascending numbers, at least one.
 std::vector<double> ReadKnots(const YamlValue& list);
 

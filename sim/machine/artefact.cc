@@ -69,6 +69,12 @@ Vec3<double> BlockLying(Axis axis, double length_mm) {
   return size_mm;
 }
 
+std::vector<std::string> IdsOf(const std::vector<Artefact>& artefacts) {
+  std::vector<std::string> ids;
+  for (const Artefact& artefact : artefacts) ids.push_back(artefact.id);
+  return ids;
+}
+
 std::vector<Artefact> ReadArtefacts(YamlMap map) {
   std::vector<Artefact> artefacts;
   for (const auto& [id, value] : map.Entries()) {

@@ -35,6 +35,9 @@ struct Artefact {
   Axis side = Axis::kX;
   double turn_deg = 0;  ///< About its vertical, counter-clockwise from above.
   double u_um = 0;      ///< Standard uncertainty of each certified size.
+  /// Of a 1-2-3 block, true minus certified: its least, middle and largest size. What
+  /// nobody knows; the twin's alone.
+  std::array<double, 3> off_mm{};
 };
 
 std::string ToString(ArtefactType type);
@@ -46,6 +49,8 @@ inline constexpr std::array<double, 3> kBlockSizes_mm = {25.4, 50.8, 76.2};
 /// descending order along the remaining axes x, y, z. Throws logic_error for a length
 /// that is not one of the block's.
 Vec3<double> BlockLying(Axis axis, double length_mm);
+
+std::vector<std::string> IdsOf(const std::vector<Artefact>& artefacts);
 
 /// Reads `artefacts: {id: {type: , at_mm: [x, y, z], ...}}`. Keys: type, at_mm, side
 /// (block123, web), thickness_mm (web, ledge), diameter_mm (ring), width_mm (pocket),

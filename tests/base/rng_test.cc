@@ -102,5 +102,28 @@ TEST(Distribution, DrawsHaveTheStatedSpread) {
   EXPECT_NEAR(inside_sd / static_cast<double>(kDraws), share, 4 * sigma);
 }
 
+TEST(Distribution, WhatLiesBeyondIsAsOftenAsItIsDrawn) {
+  const Distribution all[] = {
+      Normal{0.05, 0.03}, Uniform{-1, 3}, LogNormal{0.05, 2}, Normal{0.2, 0}};
+  for (const Distribution& one : all) {
+    Rng rng(1, 0, "x");
+    int below = 0, above = 0;
+    for (int i = 0; i < kDraws; ++i) {
+      const double value = Draw(one, &rng);
+      below += value < 0.02;
+      above += value > 0.3;
+    }
+    const ShareBeyond beyond = Beyond(one, 0.02, 0.3);
+    const auto near = [](int count, double share) {
+      const double sd = std::sqrt(share * (1 - share) / kDraws);
+      EXPECT_NEAR(count / static_cast<double>(kDraws), share, 4 * sd + 1e-12);
+    };
+    near(below, beyond.below);
+    near(above, beyond.above);
+  }
+  // A number is no draw: whoever reads it refuses it where it lies beyond.
+  EXPECT_EQ(Beyond(0.5, 0.02, 0.3).above, 0);
+}
+
 }  // namespace
 }  // namespace caltwin

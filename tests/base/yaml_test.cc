@@ -103,6 +103,25 @@ TEST(YamlValue, DistributionsAreReadAndChecked) {
   EXPECT_TRUE(faults.empty());
 }
 
+TEST(YamlValue, WhatIsDrawnBeyondTheBoundsIsNoted) {
+  Faults faults;
+  YamlMap map = ReadYamlText(
+      "a: {normal: {mean: 1, sd: 0.5}}\nb: {normal: {mean: 1, sd: 0.2}}\n"
+      "c: {uniform: {min: 8, max: 10}}\nd: {lognormal: {median: 9, factor: 1.1}}\n",
+      "f.yaml",
+      &faults);
+  for (const auto& [key, value] : map.Entries()) {
+    value.NumberOrDistribution({0, 10});
+    value.NumberOrDistribution({0, 10});
+  }
+
+  EXPECT_TRUE(faults.empty());
+  EXPECT_THAT(
+      faults.notes(),
+      ElementsAre("f.yaml:1:4: a: 2.3 % of what this draws is below 0 and becomes 0",
+                  "f.yaml:4:4: d: 13 % of what this draws is above 10 and becomes 10"));
+}
+
 TEST(YamlValue, AWrongDistributionIsExplained) {
   const auto read = [](YamlMap* map) {
     for (const auto& [key, value] : map->Entries()) value.NumberOrDistribution({0, 10});

@@ -44,6 +44,14 @@ TEST(Correlations, TellTheLargestPairsFirst) {
   EXPECT_EQ(LargestPairs(of, 1, 0)[0].r, -0.7);
 }
 
+TEST(Correlations, OfManyTellHowManyMoreThereAre) {
+  Eigen::Matrix4d covariance = Eigen::Matrix4d::Constant(0.5);
+  covariance.diagonal().setOnes();
+
+  EXPECT_EQ(MostCorrelatedText(CorrelationsOf("", {"p", "q", "s", "t"}, covariance)),
+            "p with q +0.50, p with s +0.50, p with t +0.50, 3 more of 0.3 and more");
+}
+
 TEST(Correlations, WithoutAnyThereIsNothingToSay) {
   EXPECT_EQ(MostCorrelatedText(CorrelationsOf("", {"p", "q"}, Eigen::Matrix2d::Zero())),
             "");

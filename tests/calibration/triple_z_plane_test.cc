@@ -51,7 +51,8 @@ TEST(BedPlane, IntervalsHoldWhereNobodyStatedANoise) {
 // Read in millimetres that are each 1 % too long or short.
 TEST(WithScaleDoubt, IsTheFirstOrderOfBothScales) {
   const Uncertain slope{.value = 0.002, .sd = 3e-6, .identifiable = true};
-  const Uncertain widened = WithScaleDoubt(slope, 0.01, 0.02);
+  const Uncertain widened =
+      WithScaleDoubt(slope, {.value = 1, .sd = 0.01}, {.value = 1, .sd = 0.02});
 
   const double along = 0.002 * 1.01 - 0.002, z = 0.002 * 1.02 - 0.002;
   EXPECT_EQ(widened.value, slope.value);

@@ -102,6 +102,17 @@ TEST(BuiltArtefacts, ATurnedBlockIsFeltWhereTheClosedFormSays) {
   }
 }
 
+// Whichever side it lies on, each size has its own error.
+TEST(BuiltArtefacts, SizesAreOffEachByItsOwn) {
+  Artefact block = Drawn(ArtefactType::kBlock123, {76.2, 25.4, 50.8});
+  block.off_mm = {0.001, -0.002, 0.003};
+
+  const auto built = BuiltArtefacts({block}, {});
+
+  const Vec3<double> off_mm = built[0].size_mm - block.size_mm;
+  EXPECT_TRUE(off_mm.isApprox(Vec3<double>(0.003, 0.001, -0.002), 1e-9));
+}
+
 TEST(BuiltArtefacts, AnotherArtefactStaysAsDrawn) {
   const Artefact block = Drawn(ArtefactType::kBlock123, {76.2, 50.8, 25.4});
 

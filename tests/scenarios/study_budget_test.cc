@@ -129,7 +129,7 @@ TEST_F(StudyBudgetTest, SharesAreThoseOfTheMadeUpErrors) {
   EXPECT_NEAR(z.lines[1].c, 2, chance);
   EXPECT_NEAR(z.lines[1].share, 0.36, 0.36 * chance);
   EXPECT_NEAR(z.lines[0].share + z.lines[1].share, 1, 1e-12);
-  EXPECT_THAT(BudgetText(budgets[0]), HasSubstr("readings and all else 0."));
+  EXPECT_THAT(BudgetText("first", budgets[0]), HasSubstr("readings and all else 0."));
 }
 
 TEST_F(StudyBudgetTest, AdaptiveIsReadAndRefusedWhereItCannotBe) {

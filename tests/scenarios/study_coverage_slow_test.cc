@@ -1,6 +1,7 @@
 // The intervals that procedures state hold the truth as often as they say, and their
 // estimates scatter hardly more than the Cramer-Rao bound of their touches.
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <map>
@@ -11,6 +12,8 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include "calibration/estimate/correlation.h"
+#include "scenarios/result.h"
 #include "scenarios/study/run.h"
 #include "scenarios/study/summary.h"
 #include "tests/scenarios/kept_bounds.h"
@@ -66,6 +69,16 @@ void ExpectAtTheBound(const std::string& name, double scatter, double bound, dou
   EXPECT_LT(scatter / bound, 1.1 + chance) << name;
 }
 
+// Of 200 intervals that are far too wide all hold, as of honest ones they may: so the
+// scatter is compared with the stated u too, to five times what chance leaves of it.
+// The 15 % are what 93 to 97 % leave, and what a sd told by 24 readings is off.
+void ExpectScatterAsStated(const std::string& name, const ParameterSummary& one) {
+  constexpr double kNormal95 = 1.96, kMayDiffer = 0.15;
+  const double chance = 5 / std::sqrt(2 * static_cast<double>(one.coverage95.cases));
+  const double of_u = one.rms_over_sd * one.stated.k / kNormal95;
+  EXPECT_NEAR(of_u, 1, kMayDiffer + chance) << name;
+}
+
 // Which quantities state an uncertainty; each must hold the truth as often as it says,
 // and scatter as its touches' bound has it where there is one.
 std::vector<std::string> ExpectHonest(const CaseSummary& summary) {
@@ -76,6 +89,7 @@ std::vector<std::string> ExpectHonest(const CaseSummary& summary) {
     const std::string name = summary.name + " " + one.name;
     estimators.push_back(name);
     ExpectCovered(name, one.coverage95);
+    ExpectScatterAsStated(name, one);
     if (const auto bound = bounds.find(name); bound != bounds.end()) {
       ExpectAtTheBound(
           name, one.error.sd, bound->second, static_cast<double>(one.coverage95.cases));
@@ -91,6 +105,33 @@ TEST(NextCoverage, IntervalsHoldAndScatterIsTheBound) {
     EXPECT_GE(one.coverage95.cases, kMachines * 99 / 100) << one.name;
   }
   EXPECT_EQ(ExpectHonest(next).size(), 11);
+}
+
+// What one run says of how its results go together, by the inputs that they share, is
+// how the errors of many machines do: to five times what chance leaves.
+TEST(NextCoverage, ResultsGoTogetherAsARunSays) {
+  const Study study = ReadStudy(kStudies / "next.yaml");
+  const std::vector<Correlations> said = AllCorrelations(RunTrial(study, 0, 0));
+  const Correlations errors =
+      SummaryOfSome(kStudies / "next.yaml", kMachines).cases.at(0).correlations;
+  const auto at = [](const Correlations& of, const std::string& name) {
+    return std::ranges::find(of.names, name) - of.names.begin();
+  };
+
+  ASSERT_FALSE(said.empty());
+  const Correlations& shared = said.back();
+  int num_large = 0;
+  for (const std::string& a : shared.names) {
+    for (const std::string& b : shared.names) {
+      if (a >= b) continue;
+      const double stated = shared.matrix(at(shared, a), at(shared, b));
+      const double found = errors.matrix(at(errors, a), at(errors, b));
+      const double chance = 5 * (1 - stated * stated) / std::sqrt(double{kMachines});
+      EXPECT_NEAR(found, stated, chance + 0.05) << a << " with " << b;
+      num_large += std::abs(stated) > 0.4 ? 1 : 0;
+    }
+  }
+  EXPECT_EQ(num_large, 6);  // Three pre-travels by the ball, three gaps by the switch.
 }
 
 // A study of scenarios/studies/coverage, and each estimator of it that states an
@@ -138,6 +179,9 @@ std::vector<CoverageStudy> StudiesOfGantries() {
            {"next_deflection_corrected probe_pretravel.x",
             "next_deflection_in_a_pocket backlash.y",
             "next_deflection_in_a_pocket probe_pretravel.y"}},
+          {"block_sizes",
+           {"dual_dimension_by_a_certified_block steps_per_mm.x",
+            "deflection_by_a_certified_block probe_pretravel.x"}},
           {"joint",
            {"joint_estimate_on_a_tilted_ledge: joint_estimate steps_per_mm.z",
             "joint_estimate_on_a_tilted_ledge: joint_estimate backlash.z",
@@ -209,6 +253,47 @@ std::vector<CoverageStudy> StudiesOfDeltas() {
             "delta_rods_by_calliper bed_tilt.slope_y_mrad"}}};
 }
 
+std::vector<CoverageStudy> MoreStudiesOfDeltas() {
+  return {{"delta_factors", {"delta_rrf_3 endstop.a",     "delta_rrf_3 endstop.b",
+                             "delta_rrf_3 endstop.c",     "delta_rrf_4 endstop.a",
+                             "delta_rrf_4 endstop.b",     "delta_rrf_4 endstop.c",
+                             "delta_rrf_4 delta_radius",  "delta_rrf_7 endstop.a",
+                             "delta_rrf_7 endstop.b",     "delta_rrf_7 endstop.c",
+                             "delta_rrf_7 delta_radius",  "delta_rrf_7 tower_angle.a",
+                             "delta_rrf_7 tower_angle.b", "delta_rrf_7 arm_length",
+                             "delta_rrf_8 endstop.a",     "delta_rrf_8 endstop.b",
+                             "delta_rrf_8 endstop.c",     "delta_rrf_8 delta_radius",
+                             "delta_rrf_8 tower_angle.a", "delta_rrf_8 tower_angle.b",
+                             "delta_rrf_9 endstop.a",     "delta_rrf_9 endstop.b",
+                             "delta_rrf_9 endstop.c",     "delta_rrf_9 delta_radius",
+                             "delta_rrf_9 tower_angle.a", "delta_rrf_9 tower_angle.b",
+                             "delta_rrf_9 arm_length"}},
+          {"delta_print",
+           {"delta_print endstop.a",
+            "delta_print endstop.b",
+            "delta_print endstop.c",
+            "delta_print tower_angle.a",
+            "delta_print tower_angle.b",
+            "delta_print arm_length",
+            "delta_print rod_mismatch.a1",
+            "delta_print rod_mismatch.a2",
+            "delta_print rod_mismatch.b1",
+            "delta_print rod_mismatch.b2",
+            "delta_print rod_mismatch.c1",
+            "delta_print rod_mismatch.c2",
+            "delta_print tower_lean.a.radial_mrad",
+            "delta_print tower_lean.b.radial_mrad",
+            "delta_print tower_lean.c.radial_mrad",
+            "delta_print tower_lean.a.tangential_mrad",
+            "delta_print tower_lean.b.tangential_mrad",
+            "delta_print tower_lean.c.tangential_mrad",
+            "delta_print tower_twist.a",
+            "delta_print tower_twist.b",
+            "delta_print tower_twist.c",
+            "delta_print bed_tilt.slope_x_mrad",
+            "delta_print bed_tilt.slope_y_mrad"}}};
+}
+
 std::vector<CoverageStudy> StudiesOfOthers() {
   return {{"triple_z",
            {"tz_levels_in_one_round bed_tilt.slope_x_mrad",
@@ -221,6 +306,18 @@ std::vector<CoverageStudy> StudiesOfOthers() {
             "tz_pivots_and_wiring pivot_position.z1.dy_mm",
             "tz_pivots_and_wiring bed_tilt.slope_x_mrad",
             "tz_pivots_and_wiring bed_tilt.slope_y_mrad"}},
+          {"pivots_from_rounds",
+           {"tz_pivots_from_two_rounds pivot_position.z3.dx_mm",
+            "tz_pivots_from_two_rounds pivot_position.z3.dy_mm",
+            "tz_pivots_from_two_rounds pivot_position.z2.dx_mm",
+            "tz_pivots_from_two_rounds pivot_position.z2.dy_mm",
+            "tz_pivots_from_two_rounds pivot_position.z1.dx_mm",
+            "tz_pivots_from_two_rounds pivot_position.z1.dy_mm"}},
+          {"motor_backlash",
+           {"motor_backlash_opposite_approaches backlash.x",
+            "motor_backlash_opposite_approaches home_offset.x",
+            "motor_backlash_opposite_approaches backlash.a",
+            "motor_backlash_opposite_approaches home_offset.a"}},
           {"motor_home",
            {"motor_servo_home home_offset.x",
             "motor_rotary_home home_offset.a",
@@ -238,7 +335,8 @@ std::vector<CoverageStudy> StudiesOfOthers() {
 
 std::vector<CoverageStudy> CoverageStudies() {
   std::vector<CoverageStudy> all = StudiesOfGantries();
-  for (const auto& more : {StudiesOfDeltas(), StudiesOfOthers()}) {
+  for (const auto& more :
+       {StudiesOfDeltas(), MoreStudiesOfDeltas(), StudiesOfOthers()}) {
     all.insert(all.end(), more.begin(), more.end());
   }
   return all;

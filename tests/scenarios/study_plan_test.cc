@@ -105,6 +105,54 @@ TEST_F(StudyPlanTest, LinearAgreesWithTheClosedFormsWhereTheyAreStraight) {
   EXPECT_NO_THROW(RequireLinear(study, check));
 }
 
+// A wave of 8 um whose phase may be off by 30 degrees: how far its phase is told
+// depends on how large it is, which nothing straight has. The sd of the errors is 8 %
+// off, which machines with noise of their own would let pass (10 %, and what chance
+// leaves of 1000); of the same readings it is seen.
+TEST_F(StudyPlanTest, WhatIsNotStraightShowsBeneathTheNoise) {
+  Write("plan.yaml",
+        "format: 1\nmachine: gantry_router\n"
+        "instruments: {laser: {kind: laser, sigma_um: 5}}\n"
+        "campaigns:\n  - iso230: {axis: x, positions: 7, runs: 2}\n");
+  const Study study = Read(
+      "  vary:\n"
+      "    cyclic_lead.x.amplitude_um: {normal: {mean: 8, sd: 2}}\n"
+      "    cyclic_lead.x.period_mm: 4\n"
+      "    cyclic_lead.x.phase_deg: {uniform: {min: -30, max: 30}}\n"
+      "  trials: 60\n  fidelity: linear\n");
+  const LinearCheck check = CheckLinear(study, {});
+
+  ASSERT_EQ(check.unknowns.size(), 2U);
+  const LinearCheck::Unknown& phase = check.unknowns[1];
+  EXPECT_FALSE(phase.agrees);
+  EXPECT_LT(std::abs(phase.fast_sd / phase.linear_sd - 1), 0.15);
+  EXPECT_LT(phase.difference_sd, 0.4 * phase.linear_sd);
+}
+
+// A switch that scatters as its maker says (1 um is what the design is told), and one
+// that scatters by up to 1.25 um more: 1.2 times the noise.
+TEST_F(StudyPlanTest, NoiseThatTheDesignIsNotToldIsRefused) {
+  Write("plan.yaml",
+        "format: 1\nmachine: gantry_router\n"
+        "instruments: {probe: {kind: probe, sigma_um: 1}}\n"
+        "campaigns:\n  - blocks: {points: 10, ways: 1}\n");
+  const auto check = [&](const char* scatter) {
+    const Study study = Read(
+        std::string(
+            "  vary:\n"
+            "    steps_per_mm.x.true_steps_per_mm: {normal: {mean: 800, sd: 1}}\n") +
+        scatter + "  trials: 60\n  fidelity: linear\n");
+    return CheckLinear(study, {}).unknowns.at(0);
+  };
+  const LinearCheck::Unknown told = check("");
+  EXPECT_TRUE(told.agrees);
+  EXPECT_NEAR(told.noise_ratio, 1, 0.03);
+  const LinearCheck::Unknown more =
+      check("    trigger_scatter.sd_um: {uniform: {min: 0, max: 1.25}}\n");
+  EXPECT_FALSE(more.agrees);
+  EXPECT_GT(more.noise_ratio, 1.15);
+}
+
 // The phase of a wave anywhere on the circle: nothing straight about it.
 TEST_F(StudyPlanTest, LinearIsRefusedWhereItMatters) {
   const Study study = Read(

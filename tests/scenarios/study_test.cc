@@ -186,6 +186,8 @@ TEST_F(StudyTest, ContendersMeetTheSameMachines) {
       "    - next_cluster_backlash: {axis: x, variant: corrected, repeats: 10}\n" +
       std::string(kVaried));
   ASSERT_EQ(study.cases.size(), 2U);
+  EXPECT_THAT(study.cases[0].procedure, HasSubstr("repeats: 3"));
+  EXPECT_THAT(study.cases[1].procedure, HasSubstr("repeats: 10"));
   StudyStore store(folder() / "out", study, /*may_resume=*/false);
   RunStudy(study, {.workers = 2}, &store);
   std::map<std::int64_t, std::set<double>> gaps;
@@ -198,6 +200,23 @@ TEST_F(StudyTest, ContendersMeetTheSameMachines) {
   });
   ASSERT_EQ(gaps.size(), 12U);
   for (const auto& [trial, of_both] : gaps) EXPECT_EQ(of_both.size(), 1U) << trial;
+}
+
+TEST_F(StudyTest, TheSameContenderTwiceIsRefused) {
+  EXPECT_THAT(FaultOf("  compare: [next_all, next_all]\n  trials: 1\n"),
+              AllOf(HasSubstr("study.yaml:3:"), HasSubstr("next_all' twice")));
+}
+
+TEST_F(StudyTest, SaysWhatIsNotDrawnAsWritten) {
+  const Study study = Read(
+      "  vary: {backlash.x.gap_mm: {normal: {mean: 0.05, sd: 0.05}}}\n  trials: 1\n");
+  ASSERT_EQ(study.notes.size(), 1U);
+  EXPECT_THAT(
+      study.notes[0],
+      AllOf(HasSubstr("study.yaml:3:"),
+            HasSubstr("backlash.x.gap_mm: 16 % of what this draws is below 0")));
+  EXPECT_THAT(SummaryText(study, {}), HasSubstr(study.notes[0]));
+  EXPECT_EQ(SummaryJson(study, {})["notes"].size(), 1U);
 }
 
 TEST_F(StudyTest, SumsUpWhatCameOut) {

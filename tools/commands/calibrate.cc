@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "calibration/estimate/shared_inputs.h"
 #include "scenarios/interrupt.h"
 #include "scenarios/result_text.h"
 #include "sim/base/input_error.h"
@@ -102,7 +103,12 @@ void PrintResult(const std::string& name, const ProcedureResult& result) {
   for (const Estimate& estimate : result.estimates) {
     std::cout << "  " << EstimateText(estimate) << "\n";
   }
-  for (const Correlations& of : result.correlations) {
+  std::vector<Budgeted> told;
+  for (const Estimate& estimate : result.estimates) {
+    if (!estimate.identifiable) continue;
+    told.push_back({.name = estimate.name, .budget = estimate.budget});
+  }
+  for (const Correlations& of : AllCorrelations(told, result.correlations)) {
     const std::string text = CorrelationText(of);
     if (!text.empty()) std::cout << "  " << text << "\n";
   }

@@ -29,6 +29,7 @@
 #include "tools/commands/command.h"
 #include "tools/commands/progress.h"
 #include "tools/commands/spare_files.h"
+#include "tools/commands/study_trial.h"
 
 namespace caltwin {
 
@@ -54,22 +55,6 @@ struct Options {
 // Of the whole study: "next_study" beside where one is.
 fs::path FolderOf(const Options& options) {
   return options.out.empty() ? fs::path(options.study).stem() : fs::path(options.out);
-}
-
-int ReplayTrial(const Study& study, std::int64_t trial) {
-  if (trial < 0 || trial >= study.most_trials) {
-    throw InputError({.file = study.file.string()},
-                     fmt::format("has no trial {}", trial),
-                     fmt::format("there are 0 to {}", study.most_trials - 1));
-  }
-  bool lost = false;
-  for (std::size_t i = 0; i < study.cases.size(); ++i) {
-    const RunResult result = RunTrial(study, i, trial);
-    std::cout << fmt::format("trial {} of {}\n", trial, study.cases[i].Name())
-              << ResultText(result, MayPaint()) << "\n";
-    lost = lost || result.lost;
-  }
-  return lost ? kLost : kPassed;
 }
 
 std::string ProgressText(const StudyProgress& progress) {
@@ -142,7 +127,9 @@ int Tell(const Study& study,
   WriteIfOther(folder / "summary.json",
                SummaryJson(study, findings.summary).dump(kJsonIndent) + "\n");
   std::cout << SummaryText(study, findings.summary);
-  for (const auto& budgets : findings.budgets) std::cout << BudgetText(budgets);
+  for (std::size_t i = 0; i < findings.budgets.size(); ++i) {
+    std::cout << BudgetText(study.cases[i].Name(), findings.budgets[i]);
+  }
   if (study.plan) std::cout << WorthText(*study.plan, WorthOf(*study.plan));
   std::cout << findings.remarks
             << fmt::format("\n{}: {}summary.json\n", folder.string(), files);
@@ -150,6 +137,20 @@ int Tell(const Study& study,
   WriteStudyReport(study, findings, options.report);
   std::cout << fmt::format("{}: index.html and its pictures\n", options.report);
   return kPassed;
+}
+
+// Whether linear is good enough, which the first part (or the whole) finds out for all:
+// throws InputError where it is not, else says and keeps how good.
+std::string CheckedLinear(const Study& study,
+                          const Options& options,
+                          const StudyOptions& how) {
+  if (!study.is_linear || how.shard.index != 0) return "";
+  const LinearCheck check = CheckLinear(study, how);
+  if (InterruptRequested()) return "";
+  RequireLinear(study, check);
+  WriteIfOther(FolderOf(options) / "linear_check.json",
+               ToJson(check).dump(kJsonIndent) + "\n");
+  return CheckText(check);
 }
 
 int SumUp(const Study& study,
@@ -176,12 +177,6 @@ struct Shown {
   }
   ProgressLine line{};
 };
-
-// Whether linear is good enough, the first part finds out for all: without it nothing
-// is put together.
-bool IsToBeChecked(const Study& study, const Shard& shard) {
-  return study.is_linear && shard.index == 0;
-}
 
 // What the folder holds as this part (or the whole: 1/1); throws InputError where it
 // holds another part, or trials.
@@ -264,12 +259,7 @@ int RunAggregates(const Study& study, const Options& options) {
   StudyStore store(folder, study, options.resume, how.shard);
   MakeWritable(folder, /*is_to_be_read=*/false);
   std::string remarks;
-  OrDiscard(&store, [&] {
-    if (!IsToBeChecked(study, how.shard)) return;
-    const LinearCheck check = CheckLinear(study, how);
-    if (!InterruptRequested()) RequireLinear(study, check);
-    remarks = CheckText(check);
-  });
+  OrDiscard(&store, [&] { remarks = CheckedLinear(study, options, how); });
   const Aggregates aggregates = RunUnkept(study, how, &store);
   shown.line.Clear();
   if (InterruptRequested()) {
@@ -317,6 +307,7 @@ void CheckSpares(const Study& study, const Options& options) {
   RefuseOverwriting(read,
                     {{"--out", folder / "summary.json"},
                      {"--out", folder / "trials.csv"},
+                     {"--out", folder / "linear_check.json"},
                      {"--out", folder / "study.sqlite"},
                      {"--out", folder / StudyStore::kUnfinished},
                      {"--report", options.report, /*is_folder=*/true}});
@@ -325,7 +316,9 @@ void CheckSpares(const Study& study, const Options& options) {
 int Run(const Options& options) {
   Study study = ReadStudy(options.study);
   CheckSpares(study, options);
-  if (options.trial) return ReplayTrial(study, *options.trial);
+  if (options.trial) {
+    return ReplayTrial(study, *options.trial, options.report);
+  }
   if (!options.merge.empty()) {
     return study.keeps_trials ? Merge(study, options) : MergeAggregates(study, options);
   }
@@ -342,12 +335,11 @@ int Run(const Options& options) {
   const auto done = static_cast<std::int64_t>(store.Done().size());
   // Only what is finished is summed up in a read-only folder.
   MakeWritable(folder, study.adaptive_digits > 0 || done >= RunsOf(study, how.shard));
+  std::string remarks;
   OrDiscard(&store, [&] {
     HoldsSummary(study, folder);
     // Was good enough when it was begun.
-    if (done > 0 || !IsToBeChecked(study, how.shard)) return;
-    const LinearCheck check = CheckLinear(study, how);
-    if (!InterruptRequested()) RequireLinear(study, check);
+    if (done == 0) remarks = CheckedLinear(study, options, how);
   });
   AdaptiveStop stop(study.adaptive_digits);
   const StudyProgress progress = study.adaptive_digits > 0
@@ -358,8 +350,8 @@ int Run(const Options& options) {
     SayStopped(progress.done, progress.all, folder);
     return kInterrupted;
   }
-  return SumUp(
-      study, options, store, study.adaptive_digits > 0 ? SettlingText(stop) : "");
+  if (study.adaptive_digits > 0) remarks += SettlingText(stop);
+  return SumUp(study, options, store, remarks);
 }
 
 }  // namespace
@@ -372,7 +364,8 @@ Action DeclareStudy(CLI::App* app) {
   app->add_option(
       "--report",
       options->report,
-      "folder for an HTML report: coverage, histograms, budget, worst ones");
+      "folder for an HTML report: coverage, histograms, budget, worst ones; of "
+      "--trial that run's own");
   app->add_option("--workers", options->workers, "machines at a time; default: cores")
       ->check(CLI::Range(1, kMostWorkers));
   app->add_flag("--resume", options->resume, "goes on with what the folder holds");

@@ -49,35 +49,32 @@ void ReadTruth(const std::string& file) {
   throw *least;
 }
 
-// Reads a file as what it is; throws InputError where it is not that.
-void Check(const std::string& file, FileKind kind) {
+// Reads a file as what it is, for what is to be noted of it; throws InputError where it
+// is not that.
+std::vector<std::string> Check(const std::string& file, FileKind kind) {
   switch (kind) {
     case FileKind::kScenario:
-      ReadScenario(file);
-      return;
+      return ReadScenario(file).notes;
     case FileKind::kMachine:
-      if (IsMotorStage(file)) {
-        ReadMotorStage(file);
-      } else {
-        ReadAnyMachineFile(file);
-      }
-      return;
+      if (!IsMotorStage(file)) return ReadAnyMachineFile(file).draws;
+      ReadMotorStage(file);
+      return {};
     case FileKind::kTruth:
       ReadTruth(file);
-      return;
+      return {};
     case FileKind::kData:
       ReadRows(file);
-      return;
+      return {};
     case FileKind::kDataHeader:
       ReadDataHeader(file);
-      return;
+      return {};
     case FileKind::kPlan:
       ReadPlan(file);
-      return;
+      return {};
     case FileKind::kStudy:
-      ReadStudy(file);
-      return;
+      return ReadStudy(file).notes;
   }
+  return {};
 }
 
 int Validate(const Options& options) {
@@ -85,8 +82,9 @@ int Validate(const Options& options) {
   for (const std::string& file : options.files) {
     try {
       const FileKind kind = KindOf(file);
-      Check(file, kind);
+      const std::vector<std::string> notes = Check(file, kind);
       std::cout << fmt::format("{}: {}, no faults\n", file, ToString(kind));
+      for (const std::string& note : notes) std::cout << note << '\n';
     } catch (const InputError& error) {
       faults.insert(faults.end(), error.faults().begin(), error.faults().end());
     }
