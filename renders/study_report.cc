@@ -44,6 +44,11 @@ std::string Validated(const ParameterSummary& parameter) {
   return gum.holds() ? "holds" : "does not hold";
 }
 
+std::string RangeText(double low, double high, double resolution) {
+  return fmt::format(
+      "{} to {}", SignedText(low, resolution), SignedText(high, resolution));
+}
+
 std::string CoverageTable(const CaseSummary& summary) {
   std::string rows, not_told;
   for (const ParameterSummary& one : summary.parameters) {
@@ -54,12 +59,15 @@ std::string CoverageTable(const CaseSummary& summary) {
     const Rate& coverage = one.coverage95;
     rows += fmt::format(
         "<tr><th "
-        "scope=\"row\"><code>{}</code></th><td>{}</td>{}{}{}{}{}{}{}{}{}</tr>\n",
+        "scope=\"row\"><code>{}</code></th><td>{}</td>{}{}{}{}{}{}{}{}{}{}{}</tr>\n",
         Escaped(one.name),
         Escaped(one.unit),
         Cell(fmt::format("{}", one.identified.hits)),
         Cell(SignedText(one.error.mean, one.error.sd / 10)),
         Cell(NumberText(one.error.sd, one.error.sd / 10)),
+        Cell(RangeText(one.error.q025, one.error.q975, one.error.sd / 10)),
+        Cell(RangeText(
+            one.error.shortest_low, one.error.shortest_high, one.error.sd / 10)),
         Cell(NumberText(one.stated.U, one.stated.U)),
         Cell(fmt::format("{:.2f}", one.stated.k)),
         Cell(DofText(one.stated.dof)),
@@ -75,12 +83,15 @@ std::string CoverageTable(const CaseSummary& summary) {
       "dof: effective degrees of freedom of u. rms/sd: root mean square error over the "
       "stated standard deviation, 1 where "
       "it is honest. JCGM 101, 8: whether the stated interval is the one the "
-      "trials show, to one digit of u.",
+      "trials show, to one digit of u. What machines so drawn scatter by is the "
+      "procedure's error on such machines, not the uncertainty of one result.",
       {"quantity",
        "unit",
        "told",
        "mean error",
        "sd of errors",
+       "95 % of errors",
+       "shortest 95 %",
        "U",
        "k",
        "dof",

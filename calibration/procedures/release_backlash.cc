@@ -284,8 +284,8 @@ Expected<void> RunRelease(Session* session, const ReleaseOptions& o) {
   if (c.as_published) gap_mm.value += before_mm;
   if (!c.as_published) {
     // Who believes in too many steps a millimetre reads too little.
-    gap_mm = WithInput(std::move(gap_mm),
-                       InputOf("steps/mm", gap_mm.value, ScaleOf(session, c.axis)));
+    gap_mm =
+        WithInput(gap_mm, InputOf("steps/mm", gap_mm.value, ScaleOf(session, c.axis)));
   }
   const Proposal proposal{
       .setting = Setting::kBacklash,

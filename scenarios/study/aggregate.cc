@@ -41,6 +41,7 @@ Quantiles StreamedQuantiles::Summary() const {
   quantiles.q025 = sketch_.Quantile(0.025);
   quantiles.median = sketch_.Quantile(0.5);
   quantiles.q975 = sketch_.Quantile(0.975);
+  SetShortest([this](double p) { return sketch_.Quantile(p); }, &quantiles);
   return quantiles;
 }
 

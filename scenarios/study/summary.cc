@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "scenarios/study/adaptive.h"
@@ -141,7 +142,25 @@ Quantiles QuantilesOf(std::vector<double> values) {
   quantiles.q025 = Quantile(values, 0.025);
   quantiles.median = Quantile(values, 0.5);
   quantiles.q975 = Quantile(values, 0.975);
+  SetShortest([&](double p) { return Quantile(values, p); }, &quantiles);
   return quantiles;
+}
+
+void SetShortest(const std::function<double(double p)>& quantile,
+                 Quantiles* quantiles) {
+  constexpr double kHeld = 0.95;
+  constexpr int kSteps = 200;  // Of what may lie below: a four-thousandth each.
+  double shortest = std::numeric_limits<double>::infinity();
+  // From the middle outwards, so that of equally short ones the symmetric counts.
+  for (int i = 0; i <= kSteps; ++i) {
+    const int at = kSteps / 2 + (i % 2 == 0 ? i / 2 : -(i + 1) / 2);
+    const double below = (1 - kHeld) * at / kSteps;
+    const double low = quantile(below), high = quantile(below + kHeld);
+    if (!(high - low < shortest)) continue;
+    shortest = high - low;
+    quantiles->shortest_low = low;
+    quantiles->shortest_high = high;
+  }
 }
 
 Validation ValidationOf(const Quantiles& error, double stated_sd, int digits) {

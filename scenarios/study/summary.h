@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
@@ -19,8 +20,12 @@ struct Quantiles {
   std::int64_t count = 0;
   double mean = 0, sd = 0;
   double q025 = 0, median = 0, q975 = 0;
+  /// The shortest interval that holds 95 % (JCGM 101, 7.7.4).
+  double shortest_low = 0, shortest_high = 0;
 };
 Quantiles QuantilesOf(std::vector<double> values);
+/// Sets the shortest interval, by the value below which a share p lies.
+void SetShortest(const std::function<double(double p)>& quantile, Quantiles* quantiles);
 
 /// Counts in parts of one width, those beyond the ends in the last ones.
 struct Histogram {

@@ -19,7 +19,8 @@ nlohmann::ordered_json JsonOf(const Quantiles& quantiles) {
           {"sd", quantiles.sd},
           {"q025", quantiles.q025},
           {"median", quantiles.median},
-          {"q975", quantiles.q975}};
+          {"q975", quantiles.q975},
+          {"shortest95", {quantiles.shortest_low, quantiles.shortest_high}}};
 }
 
 nlohmann::ordered_json JsonOf(const Rate& rate) {

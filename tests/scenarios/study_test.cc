@@ -298,6 +298,23 @@ TEST_F(StudyTest, TakesStatedUncertaintiesTogether) {
 }
 
 // Hyndman and Fan's type 7 as R prints it for 1, 2, 4, 8.
+// Of an exponential distribution the shortest interval begins where it does; of one
+// that is symmetric it is the symmetric one.
+TEST(Quantiles, HaveTheShortestInterval) {
+  std::vector<double> skewed, symmetric;
+  for (int i = 0; i < 4000; ++i) {
+    const double p = (i + 0.5) / 4000;
+    skewed.push_back(-std::log(1 - p));
+    symmetric.push_back(p < 0.5 ? std::log(2 * p) : -std::log(2 * (1 - p)));
+  }
+  const Quantiles one = QuantilesOf(skewed), other = QuantilesOf(symmetric);
+
+  EXPECT_NEAR(one.shortest_low, 0, 1e-3);
+  EXPECT_NEAR(one.shortest_high, -std::log(0.05), 0.01);
+  EXPECT_NEAR(other.shortest_low, -other.shortest_high, 0.01);
+  EXPECT_NEAR(other.shortest_high, -std::log(0.05), 0.01);
+}
+
 TEST(Quantiles, HasTheQuantilesOfR) {
   const Quantiles spread = QuantilesOf({8, 1, 4, 2});
   EXPECT_EQ(spread.mean, 3.75);
