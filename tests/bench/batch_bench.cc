@@ -36,6 +36,13 @@ void CountSteps(std::int64_t steps, std::clock_t start, benchmark::State* state)
       benchmark::Counter(static_cast<double>(steps), benchmark::Counter::kIsRate);
 }
 
+void StepMany(PhysicsPlant* plant) {
+  const mjModel* model = plant->world().model();
+  for (int step = 0; step < kStepsAWorld; ++step) {
+    mj_step(model, plant->world().data());
+  }
+}
+
 // What a study does: a world of its own for each worker.
 void OwnWorlds(benchmark::State& state) {
   std::array<std::unique_ptr<PhysicsPlant>, kThreads> plants;
@@ -44,14 +51,8 @@ void OwnWorlds(benchmark::State& state) {
   const std::clock_t start = std::clock();
   while (state.KeepRunning()) {
     std::array<std::thread, kThreads> threads;
-    for (int i = 0; i < kThreads; ++i) {
-      PhysicsPlant* plant = plants.at(static_cast<std::size_t>(i)).get();
-      threads.at(static_cast<std::size_t>(i)) = std::thread([plant] {
-        const mjModel* model = plant->world().model();
-        for (int step = 0; step < kStepsAWorld; ++step) {
-          mj_step(model, plant->world().data());
-        }
-      });
+    for (std::size_t i = 0; i < threads.size(); ++i) {
+      threads.at(i) = std::thread(StepMany, plants.at(i).get());
     }
     for (std::thread& thread : threads) thread.join();
     steps += std::int64_t{kThreads} * kStepsAWorld;
