@@ -32,10 +32,27 @@ std::optional<Covariate> CovariateOf(const Observed& observed, std::string_view 
   return covariate;
 }
 
+namespace {
+
+double ShowsAtStation(ZReading reading, std::string_view channel) {
+  if (reading == ZReading::kGapUnderNozzle) return channel == "gap" ? 1 : 0;
+  if (channel == "z") return -1;
+  if (channel == "nozzle") return reading == ZReading::kNozzleOnSwitch ? 1 : 0;
+  const bool is_bed = reading == ZReading::kProbeOnBed;
+  if (channel == "probe") return is_bed ? -1 : 0;
+  return channel == "bed" && is_bed ? 1 : 0;
+}
+
+}  // namespace
+
 Eigen::VectorXd ChannelOf(const Observed& observed, std::string_view channel) {
   Eigen::VectorXd shows(observed.num_rows());
   for (Eigen::Index i = 0; i < observed.num_rows(); ++i) {
     const bool is_touch = observed.at(i).kind == RowKind::kTouch;
+    if (observed.at(i).station) {
+      shows[i] = ShowsAtStation(*observed.at(i).station, channel);
+      continue;
+    }
     if (const auto drive = DriveNamed(channel)) {
       const At& at = observed.at(i);
       double along = at.n[drive->index];

@@ -30,7 +30,8 @@ std::optional<Covariate> CovariateOf(const Observed& observed, std::string_view 
 
 /// How a motion in a channel shows in each row: x y z (motion of the tool), a b c (of a
 /// delta's carriage, + down), probe
-/// (pre-travel grows), bed (the surface rises).
+/// (pre-travel grows), bed (the surface rises); at a printer's station nozzle (longer)
+/// and gap (under it).
 Eigen::VectorXd ChannelOf(const Observed& observed, std::string_view channel);
 
 }  // namespace caltwin

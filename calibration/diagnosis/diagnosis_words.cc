@@ -154,6 +154,19 @@ constexpr std::array kPhrases = {
            "overconstrained bed",
            "Guides hold the bed level against its screws: stiffness ratio "
            "{stiffness_ratio_mm2}"},
+    Phrase{"nozzle_temperature",
+           "growth of the nozzle with its temperature",
+           "The nozzle grows by {growth_um_per_k}, {~lag_s} behind its thermometer"},
+    Phrase{"ooze",
+           "ooze under the nozzle",
+           "From {~flows_c} on {thickness_um} of plastic under the nozzle meet the "
+           "switch before it does"},
+    Phrase{"switch_offset",
+           "wrong switch_offset",
+           "The probe triggers {off_um} higher over its knob than switch_offset says"},
+    Phrase{"station_change",
+           "change of the {part}",
+           "The {part} was changed at {~at_t_s}: it reaches {step_um} further"},
     Phrase{"bed_bowl",
            "bowl of the bed",
            "The bed is a bowl: its corners stand {height_um} higher than the middle"},
@@ -257,6 +270,7 @@ std::string Filled(std::string_view text, const Finding& finding) {
 std::string ChannelInWords(std::string_view channel) {
   if (channel == "probe") return "the probe";
   if (channel == "bed") return "the bed";
+  if (channel == "nozzle") return "the nozzle";
   return fmt::format("the {} axis", Capitals(channel));
 }
 

@@ -216,6 +216,12 @@ std::vector<FreeForm> AllFreeForms(const Observed& observed) {
     FreeForm form = FreeFormOf(observed, channel, words, kMostTerms, which);
     if (form.columns_mm.cols() > 0) forms.push_back(std::move(form));
   };
+  if (observed.machine().z_station) {
+    for (const char* channel : {"z", "nozzle", "bed"}) {
+      for (const char* word : {"t", "temp"}) add(channel, {word});
+    }
+    return forms;
+  }
   const std::array<std::string, 3> letters = {"x", "y", "z"};
   for (const std::string& channel : letters) {
     for (const std::string& other : letters) add(channel, {other});

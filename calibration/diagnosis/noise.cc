@@ -34,6 +34,13 @@ std::string ReplicateKey(const Observed& o, Eigen::Index i) {
   add(row.load_n, 1e-2);
   add(row.probe_angle_deg, 1e-2);
   add(row.artefact_turn_deg, 1e-2);
+  // Of a printer's heaters: between rooms that warm, repeats differ by less.
+  if (at.station) {
+    for (const double temp_c :
+         {row.temp_nozzle_c, row.temp_bed_c, row.temp_chamber_c}) {
+      add(temp_c, 1);
+    }
+  }
   return key;
 }
 

@@ -372,10 +372,44 @@ void AddFreedoms(const Observed& o, Builder* builder) {
   }
 }
 
+// Z counts from where it was homed, and of what is touched the heights are known only
+// roughly. A gap is what it is.
+void AddStation(const Observed& o, Builder* builder) {
+  std::vector<std::string> homes;
+  for (Eigen::Index i = 0; i < o.num_rows(); ++i) {
+    const bool is_new = std::ranges::find(homes, o.row(i).home) == homes.end();
+    if (o.at(i).kind == RowKind::kTouch && is_new) homes.push_back(o.row(i).home);
+  }
+  for (const ZReading reading :
+       {ZReading::kNozzleOnSwitch, ZReading::kBodyOnSwitch, ZReading::kProbeOnBed}) {
+    builder->Add(fmt::format("height.{}", FeatureOf(reading)),
+                 "mm",
+                 kPlacementSd_mm,
+                 [&](Eigen::Index row) { return o.at(row).station == reading; });
+  }
+  // The first one's is in those heights.
+  for (std::size_t h = 1; h < homes.size(); ++h) {
+    builder->Add(
+        "homed." + homes[h],
+        "mm",
+        kPlacementSd_mm,
+        [&](Eigen::Index row) {
+          return o.at(row).kind == RowKind::kTouch && o.row(row).home == homes[h];
+        },
+        /*offset=*/0,
+        /*reported=*/false);
+  }
+}
+
 }  // namespace
 
 std::vector<Nuisance> BaselineOf(const Observed& observed) {
   Builder builder(observed);
+  if (observed.machine().z_station) {
+    AddStation(observed, &builder);
+    AddFreedoms(observed, &builder);
+    return builder.Take();
+  }
   if (observed.machine().delta) {
     AddDelta(observed, &builder);
   } else if (observed.machine().triple_z) {

@@ -216,6 +216,11 @@ Eigen::VectorXd Observed::Change_mm(const Injected& effect) const {
         errors.motion_mm - where.dir.cwiseProduct(errors.lost_motion_mm) / 2;
     motion_mm += MotionOfMotors_mm(where, errors);
     const double along_mm = motion_mm.dot(where.n);
+    if (where.station) {
+      const double part_mm = StationPart_mm(*where.station, errors);
+      change[i] = where.kind == RowKind::kTouch ? part_mm - along_mm : part_mm;
+      continue;
+    }
     const double surface_mm = where.triple_z ? errors.artefact_mm : 0;
     change[i] = where.kind != RowKind::kTouch
                     ? along_mm - surface_mm

@@ -68,8 +68,10 @@ class Observed {
   const std::vector<int>& campaign_of() const { return campaign_of_; }
   const std::vector<std::string>& campaigns() const { return campaigns_; }
 
-  /// +1 for gauges, -1 for touches: how a motion along n shows in the value.
+  /// +1 for gauges, -1 for touches: how a motion along n shows in the value. 0 for a
+  /// gap under a nozzle: its calibration has taken out how far the head is off.
   double MotionSign(Eigen::Index i) const {
+    if (at(i).station == ZReading::kGapUnderNozzle) return 0;
     return at(i).kind == RowKind::kTouch ? -1 : 1;
   }
 

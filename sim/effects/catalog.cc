@@ -43,6 +43,8 @@ std::span<const std::string_view> AxesOn(const Effect& effect, Kinematics kinema
       return effect.delta_axes;
     case Kinematics::kTripleZ:
       return effect.triple_z_axes;
+    case Kinematics::kZStation:
+      return effect.z_station_axes;
     case Kinematics::kCartesian:
       break;
   }

@@ -33,6 +33,8 @@
 #include "sim/effects/microstep.h"
 #include "sim/effects/missed_steps.h"
 #include "sim/effects/motors_swapped.h"
+#include "sim/effects/nozzle_temperature.h"
+#include "sim/effects/ooze.h"
 #include "sim/effects/overconstrained_bed.h"
 #include "sim/effects/pitch_map.h"
 #include "sim/effects/pitch_progressive.h"
@@ -50,9 +52,11 @@
 #include "sim/effects/servo_lag.h"
 #include "sim/effects/servo_mismatch.h"
 #include "sim/effects/squareness.h"
+#include "sim/effects/station_change.h"
 #include "sim/effects/steps_per_mm.h"
 #include "sim/effects/straightness.h"
 #include "sim/effects/stylus_anisotropy.h"
+#include "sim/effects/switch_offset.h"
 #include "sim/effects/thermal_screw.h"
 #include "sim/effects/tip_runout.h"
 #include "sim/effects/tip_size.h"
@@ -112,6 +116,10 @@ using EffectList = std::tuple<StepsPerMm,
                               TipSize,
                               TriggerLatency,
                               TriggerScatter,
+                              NozzleTemperature,
+                              Ooze,
+                              SwitchOffset,
+                              StationChange,
                               BedTilt,
                               BedBowl,
                               BedCylinder,

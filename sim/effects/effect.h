@@ -113,6 +113,8 @@ struct Effect {
   std::span<const std::string_view> delta_axes{};
   /// As `axes`, on a triple-Z printer.
   std::span<const std::string_view> triple_z_axes{};
+  /// As `axes`, on a printer's station of nozzle, switch and probe.
+  std::span<const std::string_view> z_station_axes{};
 };
 
 /// In `axes`: any word, such as an artefact's id.
@@ -120,6 +122,9 @@ inline constexpr std::string_view kAnyAxis = "*";
 
 /// The towers of a delta, after the dot.
 inline constexpr std::array<std::string_view, 3> kTowerAxes = {"a", "b", "c"};
+
+/// The one axis of which a printer's station has errors, after the dot.
+inline constexpr std::array<std::string_view, 1> kHeightAxis = {"z"};
 
 /// The screws of a triple-Z printer, after the dot.
 inline constexpr std::array<std::string_view, 3> kScrewAxes = {"z1", "z2", "z3"};
@@ -190,6 +195,7 @@ struct At {
   double radius_mm = 0;                 ///< Of a ball-bar's circle; 0: none.
   const DeltaAt* delta = nullptr;       ///< On a delta; borrowed.
   std::optional<TripleZAt> triple_z{};  ///< On a triple-Z printer.
+  std::optional<ZReading> station{};    ///< At a printer's station.
 
   /// Where the tip's centre (or what a gauge looks at) is by command, machine axes.
   Vec3<double> Tip_mm() const { return q_mm + probe_off_mm; }
@@ -218,6 +224,10 @@ struct Errors {
   T scatter_mm2 = T(0);    ///< Variance of the trigger along n.
   T tip_radius_mm = T(0);  ///< Built.
   T artefact_mm = T(0);    ///< Surface: actual minus nominal, along n.
+  /// @name Of a printer's station
+  T nozzle_mm = T(0);   ///< The nozzle is longer.
+  T ooze_mm = T(0);     ///< Plastic under its tip where it meets the switch.
+  T trigger_mm = T(0);  ///< Body over what the knob touches: built less configured.
 };
 
 /// What a closed form is given. `q_mm` is where the axes truly stand: the commanded

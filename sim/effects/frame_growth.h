@@ -65,7 +65,8 @@ struct FrameGrowth {
       .aliases = kAliases,
       .sight = Sight{.shown = In, .forms = Grid},
       .delta_axes = kAxes,
-      .triple_z_axes = kAxes};
+      .triple_z_axes = kAxes,
+      .z_station_axes = kAxes};
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {

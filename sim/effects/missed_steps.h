@@ -67,7 +67,8 @@ struct MissedSteps {
       .neutral = Neutral,
       .sight = Sight{.shown = In, .forms = Grid},
       .delta_axes = kTowerAxes,
-      .triple_z_axes = kScrewAxes};
+      .triple_z_axes = kScrewAxes,
+      .z_station_axes = kHeightAxis};
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {

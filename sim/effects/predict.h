@@ -98,11 +98,35 @@ T Pretravel_mm(const Errors<T>& errors, const Vec3<double>& n) {
   return 1.0 / sqrt(sum);
 }
 
+/// What the parts of a printer's station add to a reading there.
+///
+///   nozzle on switch: nozzle + ooze,  body on switch: nothing,
+///   probe on bed: surface + trigger - more pre-travel
+///   gap under the nozzle, calibrated just before: trigger - more pre-travel + ooze
+///
+/// How long the body is, and how far the head is off, a calibration takes out.
+template <typename T>
+T StationPart_mm(ZReading reading, const Errors<T>& errors) {
+  const T knob_mm = errors.trigger_mm - errors.more_pretravel_mm;
+  switch (reading) {
+    case ZReading::kNozzleOnSwitch:
+      return errors.nozzle_mm + errors.ooze_mm;
+    case ZReading::kBodyOnSwitch:
+      break;
+    case ZReading::kProbeOnBed:
+      return errors.artefact_mm + knob_mm;
+    case ZReading::kGapUnderNozzle:
+      return knob_mm + Mutant("station_gap_forgets_ooze", 1.0, 0.0) * errors.ooze_mm;
+  }
+  return T(0);
+}
+
 /// The one measurement model: `value_mm` of a row taken at `at` on a machine built with
 /// `effects`. Fast fidelity, estimates, atlas and diagnosis all come from ErrorsAt.
 ///
 ///   position, radial:  motion . n
 ///   touch:  -motion . n - pre-travel - v tau + (R_true - R_cfg) + artefact
+///   at a printer's station: -motion . n + StationPart_mm; of a gap without motion
 ///
 /// Motion contains the lost motion not compensated, -dir (b - compensation) / 2. On a
 /// triple-Z printer a gauge reads how far the nozzle is from the bed, so that
@@ -110,6 +134,10 @@ T Pretravel_mm(const Errors<T>& errors, const Vec3<double>& n) {
 template <typename T>
 T Value_mm(const At& at, const Errors<T>& errors) {
   T along_mm = errors.motion_mm.dot(at.n.template cast<T>());
+  if (at.station) {
+    const T part_mm = StationPart_mm(*at.station, errors);
+    return at.kind == RowKind::kTouch ? part_mm - along_mm : part_mm;
+  }
   if (at.kind != RowKind::kTouch) {
     return at.triple_z ? along_mm - errors.artefact_mm : along_mm;
   }

@@ -10,9 +10,10 @@ namespace caltwin {
 ///
 ///   touch = ... - k dT,  lag d(dT)/dt = (T - T0) - dT   [mm]
 ///
-/// T is `temp_screw` (the head's is rarely logged), T0 the session's first reading. The
-/// pre-travel grows by k dT along any normal, so it moves opposite faces towards each
-/// other; a frame that grows moves both the same way.
+/// T is `temp_screw` (the head's is rarely logged), at a printer's station
+/// `temp_chamber`, T0 the session's first reading. The pre-travel grows by k dT along
+/// any normal, so it moves opposite faces towards each other; a frame that grows moves
+/// both the same way.
 struct ProbeTemperature {
   static constexpr std::array<std::string_view, 1> kAxes = {""};
   static constexpr std::array<std::string_view, 1> kAliases = {"z"};
@@ -67,14 +68,17 @@ struct ProbeTemperature {
       .aliases = kAliases,
       .sight = Sight{.shown = In, .forms = Grid},
       .delta_axes = kAxes,
-      .triple_z_axes = kAxes};
+      .triple_z_axes = kAxes,
+      .z_station_axes = kAxes};
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {
     if (asked.at.climate == nullptr) return;
+    // At a printer's station the probe hangs in the chamber's air.
+    const Sensor sensor = asked.at.station ? Sensor::kChamber : Sensor::kScrew;
     errors->more_pretravel_mm +=
         MmFromUm(asked.p[0]) *
-        (*asked.at.climate)[Sensor::kScrew].Lagged_k(asked.at.t_s, asked.p[1]);
+        (*asked.at.climate)[sensor].Lagged_k(asked.at.t_s, asked.p[1]);
   }
 };
 

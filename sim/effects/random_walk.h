@@ -59,7 +59,8 @@ struct RandomWalk {
       .neutral = Neutral,
       .aliases = kAliases,
       .delta_axes = kAxes,
-      .triple_z_axes = kAxes};
+      .triple_z_axes = kAxes,
+      .z_station_axes = kAxes};
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {

@@ -152,7 +152,7 @@ At AtOf(const Row& row, const Machine& machine, const Settings& in_force) {
         .n = DirectionOf(row),
         // What a delta moves is its nozzle, which is what touches.
         .tip_radius_cfg_mm =
-            machine.delta || machine.triple_z ? 0 : in_force.tip_radius_mm,
+            machine.kinematics == Kinematics::kCartesian ? in_force.tip_radius_mm : 0,
         .feed_mm_s = Known(row.feed_mm_s) ? row.feed_mm_s : 0,
         .load_n = row.load_n,
         .on_table = row.kind == RowKind::kTouch,
@@ -181,6 +181,20 @@ At AtOf(const Row& row, const Machine& machine, const Settings& in_force) {
   if (machine.triple_z) {
     at.triple_z = TripleZAtOf(row, *machine.triple_z, at);
     at.on_table = true;  // Gauges too read how far the bed is.
+  }
+  if (machine.z_station) {
+    at.station = ZReadingOf(row.feature);
+    if (!at.station || (*at.station == ZReading::kGapUnderNozzle) !=
+                           (row.kind == RowKind::kPosition)) {
+      throw InputError(
+          row.place,
+          fmt::format("row {}: feature '{}' of a {} is none of a printer's station",
+                      row.row,
+                      row.feature,
+                      row.kind == RowKind::kTouch ? "touch" : "gauge's reading"),
+          "touches: switch.nozzle, switch.body, bed.probe; a gauge: bed.gap");
+    }
+    at.on_table = *at.station == ZReading::kProbeOnBed;
   }
   return at;
 }

@@ -41,7 +41,8 @@ struct TriggerScatter {
                     "Clean ball and face, slow the measuring touch, repeat more."},
       .neutral = Neutral,
       .delta_axes = kAxes,
-      .triple_z_axes = kAxes};
+      .triple_z_axes = kAxes,
+      .z_station_axes = kAxes};
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {

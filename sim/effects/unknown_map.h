@@ -11,7 +11,8 @@ namespace caltwin {
 /// Structure that diagnosis found without a cause that explains it: a table over one or
 /// two covariates, carried by the extended machine until somebody names it.
 ///
-///   x y z: actual - commanded += f,  probe: pre-travel += f,  bed: surface += f [mm]
+///   x y z: actual - commanded += f,  probe: pre-travel += f,  bed: surface += f,
+///   nozzle: longer by f [mm]
 ///
 /// f is linear between knots, constant outside them, 0 where a reading does not know a
 /// covariate. The axis word holds the channel and the covariates: "z{x,temp}"; without
@@ -23,6 +24,8 @@ struct UnknownMap {
       "x", "y", "z", "a", "b", "c", "probe", "bed"};
   static constexpr std::array<std::string_view, 8> kTripleZAxes = {
       "x", "y", "z", "z1", "z2", "z3", "probe", "bed"};
+  static constexpr std::array<std::string_view, 3> kStationAxes = {
+      "z", "nozzle", "bed"};
   static constexpr std::array kParameters = {
       Parameter{.name = "values_um",
                 .unit = "um",
@@ -57,7 +60,8 @@ struct UnknownMap {
                     "where the table is steepest."},
       .neutral = Neutral,
       .delta_axes = kDeltaAxes,
-      .triple_z_axes = kTripleZAxes};
+      .triple_z_axes = kTripleZAxes,
+      .z_station_axes = kStationAxes};
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {
@@ -67,6 +71,8 @@ struct UnknownMap {
       DriveError_mm(words.channel, errors) += value_mm;
     } else if (words.channel == "probe") {
       errors->more_pretravel_mm += value_mm;
+    } else if (words.channel == "nozzle") {
+      errors->nozzle_mm += value_mm;
     } else {
       AddHeight(asked, value_mm, errors);
     }

@@ -197,6 +197,8 @@ std::string ToString(Kinematics kinematics) {
       return "delta";
     case Kinematics::kTripleZ:
       return "triple_z";
+    case Kinematics::kZStation:
+      return "z_station";
     case Kinematics::kCartesian:
       break;
   }
@@ -238,15 +240,19 @@ Machine ReadMachine(YamlMap* map) {
                        "kinematics = motor_stage: single motors, which have no tip to "
                        "measure or to move",
                        "`caltwin run` runs their scenarios, scenarios/motor_*.yaml; "
-                       "here a machine is cartesian, delta or triple_z");
+                       "here a machine is cartesian, delta, triple_z or z_station");
     }
-    const std::string word = kinematics->Word({"cartesian", "delta", "triple_z"});
+    const std::string word =
+        kinematics->Word({"cartesian", "delta", "triple_z", "z_station"});
     if (word == "delta") {
       machine.kinematics = Kinematics::kDelta;
       machine.delta = ReadDeltaDrawing(map);
     } else if (word == "triple_z") {
       machine.kinematics = Kinematics::kTripleZ;
       machine.triple_z = ReadTripleZDrawing(map);
+    } else if (word == "z_station") {
+      machine.kinematics = Kinematics::kZStation;
+      machine.z_station = ReadZStationDrawing(map);
     }
   }
   if (const auto model = map->Optional("model")) {
@@ -261,7 +267,7 @@ Machine ReadMachine(YamlMap* map) {
   if (machine.delta) machine.probe = NozzleAsProbe();
   if (const auto probe = map->Optional("probe"))
     machine.probe = ReadProbe(probe->Map(), machine.probe);
-  const bool is_printer = machine.delta || machine.triple_z;
+  const bool is_printer = machine.kinematics != Kinematics::kCartesian;
   if (is_printer) machine.probe.tip_radius_mm = 0;  // Its nozzle is its tip.
   machine.settings.tip_radius_mm = machine.probe.tip_radius_mm;
   for (const Axis axis : kAxes) {

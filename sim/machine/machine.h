@@ -10,6 +10,7 @@
 #include "sim/machine/axis.h"
 #include "sim/machine/delta_drawing.h"
 #include "sim/machine/triple_z.h"
+#include "sim/machine/z_station_drawing.h"
 
 namespace caltwin {
 
@@ -82,8 +83,9 @@ struct Settings {
   double tip_radius_mm = 1.0;
 };
 
-enum class Kinematics { kCartesian, kDelta, kTripleZ };
-/// "cartesian", "delta", "triple_z".
+/// kZStation: a printer of which only its head's height is followed.
+enum class Kinematics { kCartesian, kDelta, kTripleZ, kZStation };
+/// "cartesian", "delta", "triple_z", "z_station".
 std::string ToString(Kinematics kinematics);
 
 /// A machine file: its drawing and the settings it starts with.
@@ -95,6 +97,7 @@ struct Machine {
   std::array<AxisDrawing, 3> axes{};  ///< x y z; of a delta its towers a b c.
   std::optional<DeltaDrawing> delta{};
   std::optional<TripleZDrawing> triple_z{};  ///< Its axes are x y z all the same.
+  std::optional<ZStationDrawing> z_station{};
   ProbeDrawing probe{};
   Settings settings{};
 

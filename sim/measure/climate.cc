@@ -53,6 +53,8 @@ double TemperatureOf(const Row& row, Sensor sensor) {
       return row.temp_bed_c;
     case Sensor::kChamber:
       return row.temp_chamber_c;
+    case Sensor::kNozzle:
+      return row.temp_nozzle_c;
     case Sensor::kAmbient:
       break;
   }

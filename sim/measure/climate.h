@@ -13,8 +13,8 @@
 namespace caltwin {
 
 /// Where temperatures are logged.
-enum class Sensor { kScrew, kFrame, kBed, kChamber, kAmbient };
-inline constexpr std::size_t kNumSensors = 5;
+enum class Sensor { kScrew, kFrame, kBed, kChamber, kAmbient, kNozzle };
+inline constexpr std::size_t kNumSensors = 6;
 
 /// One sensor's readings over a session: straight lines between them, constant before
 /// the first and after the last.

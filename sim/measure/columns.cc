@@ -23,6 +23,7 @@ constexpr std::array kColumns = {
     Column{"temp_bed_c", &Row::temp_bed_c, kCelsius},
     Column{"temp_chamber_c", &Row::temp_chamber_c, kCelsius},
     Column{"temp_ambient_c", &Row::temp_ambient_c, kCelsius},
+    Column{"temp_nozzle_c", &Row::temp_nozzle_c, kCelsius},
     Column{"cmd_x_mm", Component{&Row::cmd_mm, 0}},
     Column{"cmd_y_mm", Component{&Row::cmd_mm, 1}},
     Column{"cmd_z_mm", Component{&Row::cmd_mm, 2}},

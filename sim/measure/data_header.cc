@@ -22,12 +22,15 @@ const std::vector<std::string> kInstrumentKinds = {"laser",
                                                    "level",
                                                    "cmm",
                                                    "camera",
-                                                   "height_gauge"};
+                                                   "height_gauge",
+                                                   "indicator",
+                                                   "feeler"};
 const std::vector<std::string> kPlans = {
     "iso230",      "dense",    "abbe",       "straightedge", "square",
     "blocks",      "plate",    "ring",       "ballbar",      "plate_turned_90",
     "alternating", "rehoming", "drift",      "delta_grid",   "delta_xy",
-    "z_columns",   "tz_grid",  "tz_heights", "fixed_post",   "screws_one_by_one"};
+    "z_columns",   "tz_grid",  "tz_heights", "fixed_post",   "screws_one_by_one",
+    "z_offset",    "z_gap"};
 
 /// How many certified sizes an artefact of this type may have.
 struct SizeCount {

@@ -7,6 +7,7 @@
 #include "sim/measure/plan_options_gauge.h"
 #include "sim/measure/plan_options_touch.h"
 #include "sim/measure/plan_options_triple_z.h"
+#include "sim/measure/plan_options_z_station.h"
 
 namespace caltwin {
 namespace {
@@ -168,7 +169,29 @@ constexpr std::array kKinds = {
         of::kScrewsOneByOne,
         nullptr,
         nullptr,
-        PlanScrewsOneByOne}};
+        PlanScrewsOneByOne},
+    CampaignKind{
+        "z_offset",
+        "The three touches of a nozzle's calibration (nozzle and probe on the "
+        "switch, probe on the bed), again and again, cold and hot.",
+        "Growth of nozzle, bed and probe, ooze, a nozzle or plate that was changed.",
+        "probe",
+        of::kZOffset,
+        nullptr,
+        nullptr,
+        nullptr,
+        PlanZOffset},
+    CampaignKind{
+        "z_gap",
+        "Calibrated, and the gap under the nozzle then measured with a feeler gauge, "
+        "cold and hot.",
+        "What no touch of a switch sees: a wrong switch_offset; ooze against growth.",
+        "feeler",
+        of::kZGap,
+        nullptr,
+        nullptr,
+        nullptr,
+        PlanZGap}};
 
 }  // namespace
 

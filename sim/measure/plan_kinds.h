@@ -26,9 +26,14 @@ struct CampaignKind {
   void (*plan_on_triple_z)(const PlannedCampaign& campaign,
                            MeasuringSession* session) = nullptr;
 
+  /// The same at a printer's station.
+  void (*plan_on_z_station)(const PlannedCampaign& campaign,
+                            MeasuringSession* session) = nullptr;
+
   /// What plans it on that machine; null: nothing does.
   auto PlanOn(Kinematics kinematics) const {
     if (kinematics == Kinematics::kTripleZ) return plan_on_triple_z;
+    if (kinematics == Kinematics::kZStation) return plan_on_z_station;
     return kinematics == Kinematics::kDelta ? plan_on_delta : plan;
   }
 };
@@ -39,7 +44,8 @@ std::span<const CampaignKind> AllCampaignKinds();
 const CampaignKind* FindCampaignKind(std::string_view id);
 
 /// @name How each kind is performed: plan_gauge.cc, plan_touch.cc, plan_edges.cc,
-/// plan_time.cc, plan_delta.cc, plan_triple_z.cc
+/// plan_time.cc, plan_delta.cc, plan_triple_z.cc,
+/// plan_z_station.cc
 void PlanIso230(const PlannedCampaign& campaign, MeasuringSession* session);
 void PlanDense(const PlannedCampaign& campaign, MeasuringSession* session);
 void PlanAbbe(const PlannedCampaign& campaign, MeasuringSession* session);
@@ -60,6 +66,8 @@ void PlanTzGrid(const PlannedCampaign& campaign, MeasuringSession* session);
 void PlanTzHeights(const PlannedCampaign& campaign, MeasuringSession* session);
 void PlanFixedPost(const PlannedCampaign& campaign, MeasuringSession* session);
 void PlanScrewsOneByOne(const PlannedCampaign& campaign, MeasuringSession* session);
+void PlanZOffset(const PlannedCampaign& campaign, MeasuringSession* session);
+void PlanZGap(const PlannedCampaign& campaign, MeasuringSession* session);
 void PlanDrift(const PlannedCampaign& campaign, MeasuringSession* session);
 
 }  // namespace caltwin

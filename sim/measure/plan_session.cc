@@ -96,6 +96,10 @@ void MeasuringSession::Heat(const HeatPlan& plan) {
   weather_.Heat(t_s_, plan);
 }
 
+void MeasuringSession::HoldAt(Sensor sensor, double temp_c) {
+  weather_.Hold(sensor, t_s_, temp_c);
+}
+
 void MeasuringSession::MoveTo(const Vec3<double>& q_mm, double feed_mm_s) {
   const Vec3<double> travel_mm = q_mm - q_mm_;
   const double length_mm = travel_mm.norm();

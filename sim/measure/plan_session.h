@@ -23,6 +23,8 @@ class MeasuringSession {
   void Wait(double s);
   /// Spindle and bed are switched on at given times, and off [s, from now].
   void Heat(const HeatPlan& plan);
+  /// A heater holds it at that from now on.
+  void HoldAt(Sensor sensor, double temp_c);
   /// A straight move of the axes.
   void MoveTo(const Vec3<double>& q_mm, double feed_mm_s);
   void Rapid(const Vec3<double>& q_mm);

@@ -1,6 +1,7 @@
 #include "sim/measure/plan_weather.h"
 
 #include <cmath>
+#include <iterator>
 #include <numbers>
 
 namespace caltwin {
@@ -38,7 +39,14 @@ void Weather::Heat(double now_s, const HeatPlan& plan) {
   add(Sensor::kChamber, kChamberShare * plan.screw_rise_k, kChamberLag_s, false);
 }
 
+void Weather::Hold(Sensor sensor, double from_s, double temp_c) {
+  held_c_[static_cast<std::size_t>(sensor)][from_s] = temp_c;
+}
+
 double Weather::At_c(Sensor sensor, double t_s) const {
+  const auto& held_c = held_c_[static_cast<std::size_t>(sensor)];
+  const auto after = held_c.upper_bound(t_s);
+  if (after != held_c.begin()) return std::prev(after)->second;
   double temp_c =
       kRoom_c + kSwing_k * std::sin(2 * std::numbers::pi * t_s / kSwingPeriod_s);
   for (const Source& source : sources_[static_cast<std::size_t>(sensor)]) {
@@ -57,6 +65,8 @@ void Weather::Write(double t_s, Row* row) const {
   row->temp_bed_c = shown_c(Sensor::kBed);
   row->temp_chamber_c = shown_c(Sensor::kChamber);
   row->temp_ambient_c = shown_c(Sensor::kAmbient);
+  const bool has_nozzle = !held_c_[static_cast<std::size_t>(Sensor::kNozzle)].empty();
+  if (has_nozzle) row->temp_nozzle_c = shown_c(Sensor::kNozzle);
 }
 
 }  // namespace caltwin

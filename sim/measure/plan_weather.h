@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <map>
 #include <vector>
 
 #include "sim/measure/climate.h"
@@ -24,8 +25,11 @@ struct HeatPlan {
 class Weather {
  public:
   void Heat(double now_s, const HeatPlan& plan);
+  /// A heater holds it at that from then on, reached by the next reading.
+  void Hold(Sensor sensor, double from_s, double temp_c);
   double At_c(Sensor sensor, double t_s) const;
-  /// Writes all temperatures into the row, as thermometers of 0.01 K show them.
+  /// Writes all temperatures into the row, as thermometers of 0.01 K show them; that of
+  /// a nozzle where one is held.
   void Write(double t_s, Row* row) const;
 
  private:
@@ -35,6 +39,7 @@ class Weather {
     double lag_s = 1;
   };
   std::array<std::vector<Source>, kNumSensors> sources_{};
+  std::array<std::map<double, double>, kNumSensors> held_c_{};  ///< By time from.
 };
 
 }  // namespace caltwin

@@ -9,6 +9,7 @@
 #include "sim/twin/measuring_machine.h"
 #include "sim/twin/readings.h"
 #include "sim/twin/triple_z_machine.h"
+#include "sim/twin/z_station_machine.h"
 
 namespace caltwin {
 namespace {
@@ -28,7 +29,12 @@ At InGap(const PerformConfig& config, At at) {
 class Reader {
  public:
   explicit Reader(const PerformConfig& config) : config_(config) {
-    if (config.fidelity != Fidelity::kPhysics) return;
+    const bool is_physics = config.fidelity == Fidelity::kPhysics;
+    if (config.machine.z_station) {
+      station_.emplace(config.machine, config.effects, is_physics);
+      return;
+    }
+    if (!is_physics) return;
     if (config.machine.triple_z) {
       triple_z_.emplace(config.machine, config.effects);
     } else {
@@ -36,13 +42,15 @@ class Reader {
     }
   }
 
-  double Position_mm(const At& at) {
+  double Position_mm(const Row& row, const At& at) {
+    if (station_) return station_->Reading_mm(row, at);
     if (triple_z_) return triple_z_->Gauge_mm(at);
     if (machine_) return machine_->Position_mm(at);
     return Predict_mm<double>(config_.machine, InGap(config_, at), config_.effects);
   }
 
   double Touch_mm(const Row& row, At at) {
+    if (station_) return station_->Reading_mm(row, at);
     if (triple_z_) return triple_z_->Touch_mm(row, at);
     if (machine_) return machine_->Touch_mm(row, at);
     at = InGap(config_, at);
@@ -55,6 +63,7 @@ class Reader {
   const PerformConfig& config_;
   std::optional<MeasuringMachine> machine_{};
   std::optional<TripleZMachine> triple_z_{};
+  std::optional<ZStationMachine> station_{};
 };
 
 double Reading_mm(const PerformConfig& config,
@@ -75,7 +84,7 @@ double Reading_mm(const PerformConfig& config,
     at.q_mm = readings->Reachable_mm(told_mm, readings->SettingsFor(row));
   }
   const double off_mm = (at.q_mm - told_mm).dot(at.n);
-  return readings->Shown_mm(row, at, off_mm + reader->Position_mm(at), 0);
+  return readings->Shown_mm(row, at, off_mm + reader->Position_mm(row, at), 0);
 }
 
 }  // namespace

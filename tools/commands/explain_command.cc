@@ -82,6 +82,9 @@ std::string EffectText(const Effect& effect) {
   if (!std::ranges::equal(effect.axes, effect.triple_z_axes)) {
     add_axes(effect.triple_z_axes, " on a triple-Z printer");
   }
+  if (!std::ranges::equal(effect.axes, effect.z_station_axes)) {
+    add_axes(effect.z_station_axes, " at a printer's station");
+  }
   for (const Parameter& parameter : effect.parameters) {
     text += fmt::format("  {} [{}], {} to {}; expected: {}\n",
                         parameter.name,

@@ -16,6 +16,7 @@ enum class ActKind {
   kTableMap,    ///< How the table stands under the tip, while it runs.
   kDeltaBuild,  ///< The parts of a delta, before its model is made (TurnsOf).
   kTripleZBuild,  ///< Where a bed's screws stand, before its model is made.
+  kStationMap,    ///< Parts of a printer's station, while it runs: ZStationMachine.
   kArtefactMap,   ///< Size and turn of what lies on the table: BuiltArtefacts.
 };
 
