@@ -6,11 +6,13 @@
 #include <ctime>
 #include <limits>
 #include <memory>
+#include <span>
 
 #include <fmt/format.h>
 
 #include "calibration/z_offset/procedures.h"
 #include "scenarios/judging.h"
+#include "scenarios/z_offset_record.h"
 #include "sim/base/units.h"
 #include "sim/link/transcript.h"
 
@@ -48,6 +50,9 @@ class ZOffsetRun {
               options.sample,
               z_.settings.middle_mm),
         klipper_(z_.settings, &twin_),
+        record_(z_.settings,
+                std::max(twin_.station()->endstop_scatter_mm,
+                         twin_.station()->probe_scatter_mm)),
         wire_(&klipper_) {}
 
   RunResult Perform() {
@@ -69,7 +74,9 @@ class ZOffsetRun {
       // As homing alone leaves it.
       const bool is_first = step.name == "z_calibration" && result.steps.empty();
       if (is_first) result.position_error_before_p95_mm = std::abs(Error_mm());
+      const std::size_t before = klipper_.touched().size();
       const ProcedureResult done = Take(step, &client);
+      record_.AddTouches(step.name, std::span(klipper_.touched()).subspan(before));
       ending_ = done.ending;
       const auto append = [](const auto& from, auto* to) {
         to->insert(to->end(), from.begin(), from.end());
@@ -86,6 +93,8 @@ class ZOffsetRun {
           "Z was homed after CALIBRATE_Z: its offset no longer holds, calibrate again");
     }
     if (recorder) recorder->Save();
+    result.header = record_.header();
+    result.rows = record_.rows();
     result.touches = klipper_.touches();
     result.machine_time_s = klipper_.machine_time_s();
     result.position_error_after_p95_mm = std::abs(Error_mm());
@@ -133,9 +142,12 @@ class ZOffsetRun {
         RunSwitchOffset(client, before_mm, [&]() -> std::optional<double> {
           constexpr double kFeeler_mm = 0.01;
           const auto carriage_mm = CarriageNow_mm(client);
-          if (!carriage_mm) return std::nullopt;
+          const auto nought_mm = klipper_.CarriageAtNought_mm(twin_.middle_mm());
+          if (!carriage_mm || !nought_mm) return std::nullopt;
           const double gap_mm = twin_.Gap_mm(*carriage_mm, twin_.middle_mm());
-          return std::round(gap_mm / kFeeler_mm) * kFeeler_mm;
+          const double read_mm = std::round(gap_mm / kFeeler_mm) * kFeeler_mm;
+          record_.AddGap(step.name, klipper_.now(), *carriage_mm - *nought_mm, read_mm);
+          return read_mm;
         });
     if (result.estimates.empty() || !step.applies) return result;
     const double after_mm = result.estimates.back().value;
@@ -262,6 +274,7 @@ class ZOffsetRun {
   Fidelity fidelity_;
   ZStationTwin twin_;
   KlipperZ klipper_;
+  ZOffsetRecord record_;
   KlipperZWire wire_;
   std::vector<Estimate> estimates_{};
   Ending ending_ = Ending::kDone;

@@ -30,7 +30,10 @@ constexpr std::array kKeys = {
     StationKey{"worn_mm", {0, 2}, &ZStation::worn_mm},
     StationKey{"nozzle_mm_per_k", {-0.1, 0.1}, &ZStation::nozzle_mm_per_k},
     StationKey{"bed_mm_per_k", {-0.1, 0.1}, &ZStation::bed_mm_per_k},
-    StationKey{"frame_mm_per_k", {-0.1, 0.1}, &ZStation::frame_mm_per_k}};
+    StationKey{"frame_mm_per_k", {-0.1, 0.1}, &ZStation::frame_mm_per_k},
+    StationKey{"surface_mm_per_k", {-0.1, 0.1}, &ZStation::surface_mm_per_k},
+    StationKey{"trigger_mm_per_k", {-0.1, 0.1}, &ZStation::trigger_mm_per_k},
+    StationKey{"ooze_flows_c", {0, 400}, &ZStation::ooze_flows_c}};
 
 constexpr std::array<std::string_view, 5> kSteps = {
     "z_calibration", "probe_accuracy", "switch_offset", "gcode", "change"};

@@ -119,11 +119,16 @@ double RepeatDeviation_mm(const std::vector<RowSeries>& all) {
   double dof = 0;
   bool is_repeated = false;
   for (const RowSeries& series : all) {
-    std::map<std::tuple<std::array<double, 3>, double>, std::vector<double>> at_pose;
+    // At a printer's station repeats are also equally warm, to 1 K, and of one homing.
+    using Pose = std::tuple<std::array<double, 3>, double, long, std::string>;
+    std::map<Pose, std::vector<double>> at_pose;
     for (const Row* row : series.rows) {
       std::array<double, 3> pose_mm = row->cmd_mm;
       for (double& number : pose_mm) number = Known(number) ? number : 0;
-      at_pose[{pose_mm, SenseAlongNormal(*row)}].push_back(row->value_mm);
+      const bool is_heated = Known(row->temp_nozzle_c);
+      const long warm_c = is_heated ? std::lround(row->temp_nozzle_c) : 0;
+      at_pose[{pose_mm, SenseAlongNormal(*row), warm_c, is_heated ? row->home : ""}]
+          .push_back(row->value_mm);
     }
     for (const auto& [pose, values_mm] : at_pose) {
       double sum = 0;

@@ -36,7 +36,8 @@ void ZStationTwin::Heat(char what, double temp_c) {
 double ZStationTwin::Surface_mm(const Eigen::Vector2d& at_mm) const {
   const Eigen::Vector2d from_mm = at_mm - middle_mm_;
   const Eigen::Vector2d slope(station_.bed_slope_x_mrad, station_.bed_slope_y_mrad);
-  return station_.plate_mm + station_.bed_mm_per_k * bed_k_ +
+  return station_.plate_mm +
+         (station_.bed_mm_per_k + station_.surface_mm_per_k) * bed_k_ +
          1e-3 * slope.dot(from_mm) +
          station_.bed_bowl_mm * from_mm.squaredNorm() / (kBowlAt_mm * kBowlAt_mm);
 }
@@ -53,9 +54,10 @@ double ZStationTwin::Gap_mm(double carriage_mm, const Eigen::Vector2d& at_mm) co
 
 ZStationBuild ZStationTwin::BuildAt(const Eigen::Vector2d& at_mm) const {
   const Eigen::Vector2d x_mm(kApart_mm / 2, 0), y_mm(0, kApart_mm / 2);
-  return {.tip_mm = TipOver_mm() - station_.ooze_mm,
+  const bool has_ooze = kCold_c + nozzle_k_ >= station_.ooze_flows_c;
+  return {.tip_mm = TipOver_mm() - (has_ooze ? station_.ooze_mm : 0),
           .body_mm = station_.frame_mm_per_k * chamber_k_ - station_.body_mm,
-          .trigger_mm = station_.trigger_mm,
+          .trigger_mm = station_.trigger_mm + station_.trigger_mm_per_k * chamber_k_,
           // The switch stands on the bed's edge and rises with it.
           .switch_mm = station_.switch_mm + station_.bed_mm_per_k * bed_k_,
           .surface_mm = Surface_mm(at_mm),

@@ -29,6 +29,9 @@ struct ZStation {
   double nozzle_mm_per_k = 0.0002;
   double bed_mm_per_k = 0.0005;
   double frame_mm_per_k = 0.002;  ///< Of the chamber's: lifts the head.
+  double surface_mm_per_k = 0;    ///< Of the bed's: where it is probed, over its edge.
+  double trigger_mm_per_k = 0;    ///< Of the chamber's: of the probe's trigger_mm.
+  double ooze_flows_c = 0;        ///< There is ooze from this nozzle temperature on.
 };
 
 /// The station with its chance, in closed form or in MuJoCo.

@@ -87,7 +87,7 @@ TEST_P(EveryEffect, IsDocumentedAndHasAUsablePrior) {
     EXPECT_THAT(words, Not(IsEmpty()));
   }
   EXPECT_FALSE(effect.axes.empty() && effect.delta_axes.empty() &&
-               effect.triple_z_axes.empty())
+               effect.triple_z_axes.empty() && effect.z_station_axes.empty())
       << "on no machine";
   for (const Parameter& p : effect.parameters) {
     EXPECT_LT(p.min, p.max) << p.name;

@@ -77,22 +77,22 @@ TEST(Machine, ABeltHasAPulleyInPlaceOfALead) {
 }
 
 TEST(Machine, EveryFaultIsReportedAtOnce) {
-  EXPECT_THAT(
-      MessagesOf("kinematics: cartesion\n"
-                 "axes:\n"
-                 "  x: {max_mm: 300, lead_mm: 4}\n"
-                 "  y: {min_mm: 9, max_mm: 9, lead_mm: 0}\n"
-                 "  z: {max_mm: 100, led_mm: 4}\n"),
-      StrEq("m.yaml:1:13: kinematics = 'cartesion' is not known\n"
-            "  did you mean 'cartesian'? It may be: cartesian, delta, triple_z\n"
-            "m.yaml:4:6: axes.y: max_mm = 9 is not above min_mm = 9\n"
-            "m.yaml:4:38: axes.y.lead_mm = 0 is outside 0.001 .. 10000\n"
-            "  travel per motor turn\n"
-            "m.yaml:5:20: axes.z has no key 'led_mm'\n"
-            "  did you mean 'lead_mm'? It knows: acceleration_mm_s2, "
-            "counterbalance_n, full_steps_per_rev, home, lead_mm, "
-            "max_feed_mm_s, max_mm, microsteps, min_mm, moving_mass_kg, "
-            "pulley_mm_per_rev, rail_friction_n"));
+  EXPECT_THAT(MessagesOf("kinematics: cartesion\n"
+                         "axes:\n"
+                         "  x: {max_mm: 300, lead_mm: 4}\n"
+                         "  y: {min_mm: 9, max_mm: 9, lead_mm: 0}\n"
+                         "  z: {max_mm: 100, led_mm: 4}\n"),
+              StrEq("m.yaml:1:13: kinematics = 'cartesion' is not known\n"
+                    "  did you mean 'cartesian'? It may be: cartesian, delta, "
+                    "triple_z, z_station\n"
+                    "m.yaml:4:6: axes.y: max_mm = 9 is not above min_mm = 9\n"
+                    "m.yaml:4:38: axes.y.lead_mm = 0 is outside 0.001 .. 10000\n"
+                    "  travel per motor turn\n"
+                    "m.yaml:5:20: axes.z has no key 'led_mm'\n"
+                    "  did you mean 'lead_mm'? It knows: acceleration_mm_s2, "
+                    "counterbalance_n, full_steps_per_rev, home, lead_mm, "
+                    "max_feed_mm_s, max_mm, microsteps, min_mm, moving_mass_kg, "
+                    "pulley_mm_per_rev, rail_friction_n"));
 }
 
 TEST(Machine, AMissingAxisIsMissed) {

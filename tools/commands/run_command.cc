@@ -80,18 +80,14 @@ void RefuseForMany(const Options& options) {
   }
 }
 
-// Where nothing is touched there are no rows; nor where switches are touched, of which
-// a row has no column.
+// Where nothing is touched there are no rows.
 void RefuseRecordOf(const Options& options, const std::vector<Scenario>& scenarios) {
   for (const Scenario& scenario : scenarios) {
-    if (options.record.empty() || (!scenario.motor && !scenario.z_offset)) continue;
+    if (options.record.empty() || !scenario.motor) continue;
     throw InputError(
         {.file = "--record"},
-        fmt::format("{} {}",
-                    scenario.file.filename().string(),
-                    scenario.motor
-                        ? "touches nothing: motors have no rows"
-                        : "touches switches: a Z offset's touches are no rows"),
+        fmt::format("{} touches nothing: motors have no rows",
+                    scenario.file.filename().string()),
         "--transcript keeps every line of the wire, --json what was found");
   }
 }

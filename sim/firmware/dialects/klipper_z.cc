@@ -83,13 +83,6 @@ double Deviation(const std::vector<double>& values) {
 
 }  // namespace
 
-Eigen::Vector2d BedMeshConfig::PointAt_mm(int index) const {
-  const Eigen::Array2d step_mm =
-      (max_mm - min_mm).array() / Eigen::Array2d(count[0] - 1.0, count[1] - 1.0);
-  const int column = index % count[0], row = index / count[0];
-  return min_mm + (step_mm * Eigen::Array2d(column, row)).matrix();
-}
-
 std::string ZCalibrationLine(double endstop_mm,
                              double nozzle_mm,
                              double switch_mm,
@@ -149,12 +142,19 @@ Reply KlipperZ::Obey(const std::string& command, const Words& words) {
     return {};
   }
   if (command == "M104" || command == "M140" || command == "M141") {
-    const char what = command == "M104" ? 'n' : command == "M140" ? 'b' : 'c';
-    plant_->Heat(what, NumberOf(words, "S").value_or(20));
-    return {};
+    return Heat(command, words);
   }
   if (command == "G90" || command == "M400") return {};
   return Refusal(fmt::format("Unknown command:\"{}\"", command));
+}
+
+Reply KlipperZ::Heat(const std::string& command, const Words& words) {
+  constexpr double kCold_c = 20;
+  const double temp_c = NumberOf(words, "S").value_or(kCold_c);
+  const char what = command == "M104" ? 'n' : command == "M140" ? 'b' : 'c';
+  (what == 'n' ? now_.nozzle_c : what == 'b' ? now_.bed_c : now_.chamber_c) = temp_c;
+  plant_->Heat(what, temp_c);
+  return {};
 }
 
 Reply KlipperZ::Run(const std::string& macro) {
@@ -180,8 +180,8 @@ Reply KlipperZ::Home() {
   is_homed_ = true;
   zero_mm_ = *trigger - config_.position_endstop_mm;
   z_mm_ = config_.position_endstop_mm + kClear_mm;
-  time_s_ += kHoming_s;
-  ++touches_;
+  now_.at_s += kHoming_s;
+  ++now_.homing;
   return {};
 }
 
@@ -196,7 +196,7 @@ Reply KlipperZ::Move(const Words& words) {
     return Refusal(fmt::format("Move out of range: {:.3f}", to_mm));
   }
   Travel(to_place_mm);
-  time_s_ += std::abs(to_mm - z_mm_) / kTravel_mm_s;
+  now_.at_s += std::abs(to_mm - z_mm_) / kTravel_mm_s;
   z_mm_ = to_mm;
   return {};
 }
@@ -205,9 +205,13 @@ std::optional<double> KlipperZ::TouchOnce(ZTouch touch, const Way& way) {
   const auto trigger = plant_->Touch(touch, at_mm_);
   if (!trigger) return std::nullopt;
   const double at_mm = *trigger - zero_mm_;
-  time_s_ += std::abs(z_mm_ - at_mm) / way.down_mm_s + way.up_mm / way.up_mm_s;
+  now_.at_s += std::abs(z_mm_ - at_mm) / way.down_mm_s + way.up_mm / way.up_mm_s;
   z_mm_ = at_mm + way.up_mm;
-  ++touches_;
+  touched_.push_back({.touch = touch,
+                      .place_mm = at_mm_,
+                      .height_mm = at_mm,
+                      .feed_mm_s = way.down_mm_s,
+                      .when = now_});
   if (at_mm < config_.position_min_mm) return std::nullopt;
   return at_mm;
 }
@@ -346,7 +350,7 @@ Reply KlipperZ::SetOffset(const Words& words) {
 }
 
 void KlipperZ::Travel(const Eigen::Vector2d& to_mm) {
-  time_s_ += (to_mm - at_mm_).norm() / kTravelFlat_mm_s;
+  now_.at_s += (to_mm - at_mm_).norm() / kTravelFlat_mm_s;
   at_mm_ = to_mm;
 }
 
@@ -357,65 +361,9 @@ Reply KlipperZ::Dock(bool attaches) {
   if (is_attached_ == attaches) return {};
   z_mm_ = std::max(z_mm_, kClear_mm);
   Travel(config_.dock_mm);
-  time_s_ += kDock_s;
+  now_.at_s += kDock_s;
   is_attached_ = attaches;
   return {};
-}
-
-std::optional<Eigen::Vector2d> KlipperZ::BedPoint_mm() const {
-  if (config_.probe_bed_at_mm) return config_.probe_bed_at_mm;
-  if (!config_.bed_mesh) return config_.middle_mm;
-  const auto& index = config_.bed_mesh->relative_reference_index;
-  if (!index) return std::nullopt;
-  return config_.bed_mesh->PointAt_mm(Mutant("z_mesh_reference_ignored", *index, 0));
-}
-
-Reply KlipperZ::CalibrateMesh() {
-  if (!config_.bed_mesh) return Refusal("Unknown command:\"BED_MESH_CALIBRATE\"");
-  if (const auto lacks = Lacks(ZTouch::kProbeOnBed)) return Refusal(*lacks);
-  const BedMeshConfig& mesh = *config_.bed_mesh;
-  mesh_mm_.clear();
-  std::vector<double> heights_mm;
-  std::string error;
-  for (int i = 0; i < mesh.count[0] * mesh.count[1]; ++i) {
-    Travel(mesh.PointAt_mm(i));
-    const auto touched = Touch(ZTouch::kProbeOnBed, &error);
-    if (!touched) return Refusal(error);
-    heights_mm.push_back(*touched);
-  }
-  // Without a point of reference heights are the probe's own, over its z_offset.
-  const double zero_mm =
-      mesh.relative_reference_index
-          ? heights_mm[static_cast<std::size_t>(*mesh.relative_reference_index)]
-          : config_.probe_z_offset_mm;
-  for (double& height_mm : heights_mm) {
-    height_mm -= Mutant("z_mesh_not_relative", zero_mm, 0.0);
-  }
-  mesh_mm_ = std::move(heights_mm);
-  return {.lines = {"Mesh Bed Leveling Complete"}};
-}
-
-// Bilinear; beyond its edge as at the edge.
-double KlipperZ::Mesh_mm(const Eigen::Vector2d& at_mm) const {
-  if (mesh_mm_.empty()) return 0;
-  const BedMeshConfig& mesh = *config_.bed_mesh;
-  std::array<int, 2> cell{};
-  std::array<double, 2> part{};
-  for (std::size_t k = 0; k < 2; ++k) {
-    const auto axis = static_cast<Eigen::Index>(k);
-    const double along = (at_mm[axis] - mesh.min_mm[axis]) /
-                         (mesh.max_mm[axis] - mesh.min_mm[axis]) * (mesh.count[k] - 1);
-    const double inside = std::clamp(along, 0.0, mesh.count[k] - 1.0);
-    cell[k] = std::min(static_cast<int>(inside), mesh.count[k] - 2);
-    part[k] = inside - cell[k];
-  }
-  const auto node_mm = [&](int right, int back) {
-    const int index = (cell[1] + back) * mesh.count[0] + cell[0] + right;
-    return mesh_mm_[static_cast<std::size_t>(index)];
-  };
-  const double front_mm = std::lerp(node_mm(0, 0), node_mm(1, 0), part[0]);
-  const double rear_mm = std::lerp(node_mm(0, 1), node_mm(1, 1), part[0]);
-  return std::lerp(front_mm, rear_mm, part[1]);
 }
 
 Reply KlipperZ::GetPosition() const {

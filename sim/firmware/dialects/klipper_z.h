@@ -64,6 +64,22 @@ struct ZCalibrationConfig {
   double probe_z_offset_mm = 0;  ///< [probe] z_offset: of a mesh without a reference.
 };
 
+/// When something was touched, and how warm it was told to be [degC].
+struct ZCircumstances {
+  double at_s = 0;  ///< Machine time.
+  int homing = 0;   ///< Counted from 1.
+  double nozzle_c = 20, bed_c = 20, chamber_c = 20;
+};
+
+/// One trigger of a switch, as the firmware counted it.
+struct ZTouched {
+  ZTouch touch = ZTouch::kNozzleOnSwitch;
+  Eigen::Vector2d place_mm = Eigen::Vector2d::Zero();
+  double height_mm = 0;  ///< Kinematic.
+  double feed_mm_s = 0;
+  ZCircumstances when{};
+};
+
 /// The dozen commands of Klipper, with its z_calibration extension, that set a nozzle's
 /// height: G28 G0 G1 G90 M400 M104 M140 M141 GET_POSITION SET_GCODE_OFFSET PROBE
 /// PROBE_ACCURACY CALIBRATE_Z PROBE_Z_ACCURACY ATTACH_PROBE DETACH_PROBE
@@ -85,14 +101,19 @@ class KlipperZ {
   double Mesh_mm(const Eigen::Vector2d& at_mm) const;
   const ZCalibrationConfig& config() const { return config_; }
   void SetSwitchOffset_mm(double value) { config_.switch_offset_mm = value; }
-  double machine_time_s() const { return time_s_; }
-  int touches() const { return touches_; }
+  double machine_time_s() const { return now_.at_s; }
+  int touches() const { return static_cast<int>(touched_.size()) + homings(); }
+  /// Every touch since the start but those that homed.
+  const std::vector<ZTouched>& touched() const { return touched_; }
+  const ZCircumstances& now() const { return now_; }
 
  private:
   using Words = std::map<std::string, std::string>;
   struct Way {
     double down_mm_s = 5, up_mm_s = 5, up_mm = 2;
   };
+  int homings() const { return now_.homing; }
+  Reply Heat(const std::string& command, const Words& words);
   Reply Obey(const std::string& command, const Words& words);
   Reply Home();
   Reply Move(const Words& words);
@@ -122,8 +143,8 @@ class KlipperZ {
   double offset_mm_ = 0;
   Eigen::Vector2d at_mm_;
   std::vector<double> mesh_mm_{};  ///< By point; empty: none in force.
-  double time_s_ = 0;
-  int touches_ = 0;
+  ZCircumstances now_{};
+  std::vector<ZTouched> touched_{};
 };
 
 /// The last line of CALIBRATE_Z.

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "sim/firmware/dialects/klipper_z.h"
+#include "sim/machine/z_station_drawing.h"
+#include "sim/measure/data_header.h"
+#include "sim/measure/row.h"
+
+namespace caltwin {
+
+/// Rows of a nozzle's calibration (`--record`): every touch as its firmware counted it
+/// less where that is drawn, and the gaps of the stepwise descent. Rows of one step of
+/// a scenario are one campaign, of one G28 one `home`; they belong to the machine
+/// z_station, whatever the scenario's machine is.
+class ZOffsetRecord {
+ public:
+  /// @param sigma_mm  of the switches, as stated
+  ZOffsetRecord(const ZCalibrationConfig& config, double sigma_mm);
+
+  void AddTouches(const std::string& campaign, std::span<const ZTouched> touches);
+  /// A feeler gauge's reading with the nozzle commanded to `gcode_mm`.
+  void AddGap(const std::string& campaign,
+              const ZCircumstances& when,
+              double gcode_mm,
+              double gap_mm);
+
+  const DataHeader& header() const { return header_; }
+  const RowTable& rows() const { return rows_; }
+
+ private:
+  Row RowOf(const std::string& campaign,
+            ZReading reading,
+            const ZCircumstances& when,
+            double nominal_mm) const;
+
+  double position_endstop_mm_;
+  ZStationDrawing drawing_{};
+  DataHeader header_{};
+  RowTable rows_{};
+};
+
+}  // namespace caltwin
