@@ -1,5 +1,7 @@
 #include "scenarios/z_offset_record.h"
 
+#include <cmath>
+
 #include <fmt/format.h>
 
 #include "sim/base/units.h"
@@ -20,6 +22,11 @@ ZReading ReadingOf(ZTouch touch) {
       break;
   }
   return ZReading::kNozzleOnSwitch;
+}
+
+// As a program writes heights: to nanometres.
+double Shown_mm(double height_mm) {
+  return std::round(height_mm * 1e6) / 1e6;
 }
 
 }  // namespace
@@ -43,7 +50,7 @@ Row ZOffsetRecord::RowOf(const std::string& campaign,
                                                        : RowKind::kTouch,
           .setup = std::string(FeatureOf(reading)),
           .home = fmt::format("h{}", when.homing),
-          .t_s = when.at_s};
+          .t_s = std::round(10 * when.at_s) / 10};
   row.temp_nozzle_c = when.nozzle_c;
   row.temp_bed_c = when.bed_c;
   row.temp_chamber_c = when.chamber_c;
@@ -68,8 +75,8 @@ void ZOffsetRecord::AddTouches(const std::string& campaign,
     }
     row.feed_mm_s = touch.feed_mm_s;
     // The controller calls the switch position_endstop, the drawing its height.
-    row.value_mm =
-        touch.height_mm - position_endstop_mm_ + drawing_.switch_mm - nominal_mm;
+    row.value_mm = Shown_mm(touch.height_mm - position_endstop_mm_ +
+                            drawing_.switch_mm - nominal_mm);
     rows_.rows.push_back(std::move(row));
   }
 }
@@ -80,8 +87,8 @@ void ZOffsetRecord::AddGap(const std::string& campaign,
                            double gap_mm) {
   const std::string name = campaign + "_gap";
   header_.campaigns[name].instrument = "feeler";
-  Row row = RowOf(name, ZReading::kGapUnderNozzle, when, gcode_mm);
-  row.value_mm = gap_mm - gcode_mm;
+  Row row = RowOf(name, ZReading::kGapUnderNozzle, when, Shown_mm(gcode_mm));
+  row.value_mm = Shown_mm(gap_mm - gcode_mm);
   rows_.rows.push_back(std::move(row));
 }
 

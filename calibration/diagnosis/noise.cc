@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "sim/base/median.h"
+#include "sim/base/units.h"
 
 namespace caltwin {
 namespace {
@@ -96,6 +97,15 @@ Eigen::MatrixXd Whitener::operator()(const Eigen::MatrixXd& columns_mm) const {
   return white;
 }
 
+double RoundedTo_mm(const Observed& observed, const std::string& name) {
+  const DataHeader& header = observed.header();
+  const auto campaign = header.campaigns.find(name);
+  if (campaign == header.campaigns.end()) return 0;
+  const auto instrument = header.instruments.find(campaign->second.instrument);
+  if (instrument == header.instruments.end()) return 0;
+  return MmFromUm(instrument->second.resolution_um) / std::sqrt(12.0);
+}
+
 namespace {
 
 using Groups = std::map<std::string, std::vector<Eigen::Index>>;
@@ -146,7 +156,9 @@ PureError Pooled(const Observed& observed,
     pure.dof[c] += static_cast<int>(members.size()) - 1;
   }
   for (std::size_t c = 0; c < num_campaigns; ++c) {
-    if (pure.dof[c] >= least_dof) pure.sigma_mm[c] = std::sqrt(sum[c] / pure.dof[c]);
+    if (pure.dof[c] < least_dof) continue;
+    pure.sigma_mm[c] = std::max(std::sqrt(sum[c] / pure.dof[c]),
+                                RoundedTo_mm(observed, observed.campaigns()[c]));
   }
   return pure;
 }

@@ -50,6 +50,10 @@ PureError PureErrorOf(const Observed& observed,
                       const std::vector<bool>& left_out,
                       int least_dof);
 
+/// What a campaign's reading is uncertain by because its instrument shows whole steps,
+/// step / sqrt(12), however alike repeats are [mm]; 0 where no step is stated.
+double RoundedTo_mm(const Observed& observed, const std::string& campaign);
+
 /// The same of rows that are replicates of each other, as in PureErrorOf.
 std::string ReplicateKey(const Observed& observed, Eigen::Index i);
 

@@ -128,7 +128,8 @@ class Judge {
     }
     for (std::size_t c = 0; c < num_campaigns; ++c) {
       richest.sigma_mm[c] =
-          std::sqrt(richest.sigma_mm[c] / std::max(richest.dof[c], 1.0));
+          std::max(std::sqrt(richest.sigma_mm[c] / std::max(richest.dof[c], 1.0)),
+                   RoundedTo_mm(observed_, observed_.campaigns()[c]));
     }
     return richest;
   }
