@@ -160,6 +160,7 @@ struct TripleZAt {
 /// reading, none of it a parameter.
 struct At {
   RowKind kind = RowKind::kTouch;
+  std::optional<ZReading> station{};  ///< At a printer's station.
   /// Commanded tip position [mm], machine axes; for a touch that at the trigger.
   Vec3<double> q_mm = Vec3<double>::Zero();
   /// Sense of the last move of each axis, -1 .. 1 (between while it crosses its gap).
@@ -195,7 +196,6 @@ struct At {
   double radius_mm = 0;                 ///< Of a ball-bar's circle; 0: none.
   const DeltaAt* delta = nullptr;       ///< On a delta; borrowed.
   std::optional<TripleZAt> triple_z{};  ///< On a triple-Z printer.
-  std::optional<ZReading> station{};    ///< At a printer's station.
 
   /// Where the tip's centre (or what a gauge looks at) is by command, machine axes.
   Vec3<double> Tip_mm() const { return q_mm + probe_off_mm; }

@@ -103,7 +103,7 @@ TEST(SignsOfAStation, AHeadThatIsLiftedComesDownFurtherWhateverItTouches) {
 
 TEST(SignsOfAStation, ARowOfNothingThatStandsThereIsRefused) {
   const Machine machine = Station();
-  for (Row row : {Reading("bed.top"), Reading("")}) {
+  for (const Row& row : {Reading("bed.top"), Reading("")}) {
     EXPECT_THROW(AtOf(row, machine, machine.settings), InputError) << row.feature;
   }
   Row gauge = Reading("bed.gap");
