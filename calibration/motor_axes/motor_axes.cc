@@ -154,7 +154,8 @@ Expected<DriveSays> MotorAxes::Drive(std::size_t axis) {
       .index_edges = static_cast<int>(NumberBehind(*line, "edges").value_or(0)),
       .peak_a = NumberBehind(*line, "peak_a").value_or(0),
       .half_way_s = NumberBehind(*line, "half_way_s"),
-      .is_homed = NumberBehind(*line, "homed").value_or(0) == 1};
+      .is_homed = NumberBehind(*line, "homed").value_or(0) == 1,
+      .was_homed = NumberBehind(*line, "was_homed").value_or(0) == 1};
   if (const auto index = NumberBehind(*line, "index")) {
     says.index = std::llround(*index);
   }
@@ -186,6 +187,10 @@ Expected<void> MotorAxes::ArmRelay(double after_s) {
 Expected<void> MotorAxes::Resume() {
   if (const auto done = Do("M999"); !done) return done;
   return Do("M17");
+}
+
+Expected<void> MotorAxes::ForgetHome(std::size_t axis) {
+  return Do(Code("M810", axis));
 }
 
 Expected<void> MotorAxes::SetZero(std::size_t axis, std::int64_t count) {

@@ -30,6 +30,7 @@ struct DriveSays {
   double peak_a = 0;
   std::optional<double> half_way_s{};  ///< Of the last move.
   bool is_homed = false;
+  bool was_homed = false;  ///< Since power-up.
 };
 
 /// What M818 tells of an axis.
@@ -73,6 +74,8 @@ class MotorAxes {
   Expected<void> ArmRelay(double after_s);
   /// M999 and M17.
   Expected<void> Resume();
+  /// M810: homing begins, no limit holds until there is a zero again.
+  Expected<void> ForgetHome(std::size_t axis);
   /// That count is zero from now on.
   Expected<void> SetZero(std::size_t axis, std::int64_t count);
   /// A field of the record by its M-code (M92 M201 M203 M206 M425 M812 M813), in units.

@@ -280,6 +280,7 @@ MotorResult RunServoHome(MotorAxes* axes, const MotorOptions& options) {
   const auto stored_unit = doing.Got(axes->Field(206, axis));
   const auto per_rev = doing.Got(axes->Field(812, axis));
   if (!pulses || !stored_unit || !per_rev) return doing.Take();
+  if (!doing.Did(axes->ForgetHome(axis))) return doing.Take();
   homing.pulses_per_unit = *pulses;
   homing.lead_unit = *per_rev / *pulses;
   HintAtScale(axis, *pulses, *per_rev, &doing);

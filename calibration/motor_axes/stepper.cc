@@ -136,6 +136,7 @@ MotorResult RunStepperHome(MotorAxes* axes, const MotorOptions& options) {
   const auto says = doing.Got(axes->Drive(axis));
   const auto per_rev = doing.Got(axes->Field(812, axis));
   if (!pulses || !says || !per_rev) return doing.Take();
+  if (!doing.Did(axes->ForgetHome(axis))) return doing.Take();
   HintAtScale(axis, *pulses, *per_rev, &doing);
   GentleStart gentle(axis, &doing);
   const auto slow_unit_s = FindMinSwitch(axis, &doing);
@@ -149,7 +150,7 @@ MotorResult RunStepperHome(MotorAxes* axes, const MotorOptions& options) {
                        &doing);
   }
   if (!seen) return doing.Take();
-  if (says->is_homed) TellLostSteps(axis, *seen, *pulses, &doing);
+  if (says->was_homed) TellLostSteps(axis, *seen, *pulses, &doing);
   const double zero = seen->pulses + options.final_back_off_unit * *pulses;
   const double slow = *slow_unit_s;
   const bool is_kept =

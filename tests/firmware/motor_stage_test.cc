@@ -235,5 +235,45 @@ TEST_F(MotorStageFirmwareTest, AnEmergencyStopHoldsUntilItIsCleared) {
   EXPECT_THAT(Say("G1 X1"), IsEmpty());
 }
 
+// While an axis is homed nobody knows where its zero is: no limit holds. With the next
+// zero they do again.
+TEST_F(MotorStageFirmwareTest, LimitsHoldFromOneHomingToTheNext) {
+  Say("M811 X0");
+  Say("M208 X0 S1");
+  Say("M208 X2 S0");
+  EXPECT_THAT(Say("G90 G1 X3 F600"), ElementsAre(HasSubstr("outside its limits")));
+
+  EXPECT_THAT(Say("M810 X"), IsEmpty());
+  EXPECT_THAT(LineOf("M814 X", 'X'), HasSubstr("homed 0 was_homed 1"));
+  EXPECT_THAT(Say("G90 G1 X3 F600"), IsEmpty());
+  Say("M400");
+  Say("M811 X3000");
+
+  EXPECT_THAT(LineOf("M814 X", 'X'), HasSubstr("homed 1 was_homed 1"));
+  EXPECT_THAT(Say("G90 G1 X3 F600"), ElementsAre(HasSubstr("outside its limits")));
+}
+
+// An encoder counts on without power; a stepper's rotor is anywhere.
+TEST_F(MotorStageFirmwareTest, AStepperWithoutPowerIsNotHomedAnyMore) {
+  Say("M811 X0 U0");
+  Say("M18 X U");
+  Say("M17 X U");
+
+  EXPECT_THAT(LineOf("M814 X", 'X'), HasSubstr("homed 1 was_homed 1"));
+  EXPECT_THAT(LineOf("M814 U", 'U'), HasSubstr("homed 0 was_homed 1"));
+  Say("M811 U0");
+  Say("M112");
+  EXPECT_THAT(LineOf("M814 U", 'U'), HasSubstr("homed 0 was_homed 1"));
+}
+
+TEST_F(MotorStageFirmwareTest, TellsTheDelaysInForceAndRefusesOthers) {
+  EXPECT_THAT(Say("M816 X0.0005"), IsEmpty());
+
+  EXPECT_EQ(LineOf("M816 X", 'X'), "X:0.0005");
+  EXPECT_THAT(Say("M816 X-0.001"),
+              ElementsAre("Error: M816 X: 0 to 0.1 s are allowed"));
+  EXPECT_EQ(LineOf("M816 X", 'X'), "X:0.0005");
+}
+
 }  // namespace
 }  // namespace caltwin

@@ -133,11 +133,15 @@ Reply MotorStageFirmware::Settings(const GcodeCommand& command) {
       return Switches();
     case 400:
       return WaitForAll();
+    case 810:
+      return ForgetHome(command);
     case 811:
       return SetZero(command);
     case 814:
     case 815:
       return Drives(command);
+    case 816:
+      return Delays(command);
     case 817:
       motion_.ArmRelay(std::max(0.0, command.Number('S').value_or(0)));
       return {};
@@ -161,13 +165,6 @@ Reply MotorStageFirmware::Settings(const GcodeCommand& command) {
 }
 
 Reply MotorStageFirmware::Field(const GcodeCommand& command) {
-  if (command.code == 816) {
-    for (const std::size_t i : Named(command)) {
-      const double delay_s = command.Number(LetterOf(i)).value_or(0);
-      motion_.axis(i).delay_s = std::clamp(delay_s, 0.0, 0.1);
-    }
-    return {};
-  }
   const auto* field = std::ranges::find(kFields, command.code, &FieldCode::code);
   if (field == kFields.end()) {
     return Refusal(fmt::format("{} is not known to this machine", command.Name()));
@@ -191,6 +188,25 @@ Reply MotorStageFirmware::Field(const GcodeCommand& command) {
     }
     reply.lines.push_back(
         fmt::format("{}:{:.8g}", LetterOf(i), field->get(axis.record)));
+  }
+  return reply;
+}
+
+// M816 X0.0005: not of the record; gone with the power.
+Reply MotorStageFirmware::Delays(const GcodeCommand& command) {
+  constexpr double kMost_s = 0.1;
+  Reply reply;
+  for (const std::size_t i : Named(command)) {
+    double& delay_s = motion_.axis(i).delay_s;
+    const auto value = command.Number(LetterOf(i));
+    if (!value) {
+      reply.lines.push_back(fmt::format("{}:{:.8g}", LetterOf(i), delay_s));
+    } else if (*value >= 0 && *value <= kMost_s) {
+      delay_s = *value;
+    } else {
+      return Refusal(
+          fmt::format("M816 {}: 0 to {:g} s are allowed", LetterOf(i), kMost_s));
+    }
   }
   return reply;
 }

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "sim/base/input_error.h"
+#include "sim/base/mutant.h"
 #include "sim/firmware/dialects/motor_code_words.h"
 
 namespace caltwin {
@@ -51,10 +52,19 @@ Reply MotorStageFirmware::Execute(std::string_view line) {
   Reply reply;
   for (const GcodeCommand& command : parsed.commands) {
     const Reply part = Obey(command);
+    DistrustSteppersWithoutPower();
     reply.lines.insert(reply.lines.end(), part.lines.begin(), part.lines.end());
     reply.error = reply.error || part.error;
   }
   return reply;
+}
+
+// A rotor without its field is anywhere, and nothing counts it.
+void MotorStageFirmware::DistrustSteppersWithoutPower() {
+  for (std::size_t i = 0; i < kNumMotorAxes; ++i) {
+    const bool is_lost = !options_.motion.is_servo[i] && !motion_.axis(i).is_enabled;
+    if (is_lost) axes_[i].is_homed = false;
+  }
 }
 
 Reply MotorStageFirmware::Obey(const GcodeCommand& command) {
@@ -187,6 +197,14 @@ Reply MotorStageFirmware::WaitForAll() {
       "{} is not in position after 500 ms: {:.1f} pulses off", LetterOf(*late), off));
 }
 
+// M810 X: homing begins. Nobody knows where zero is, so no limit holds until M811.
+Reply MotorStageFirmware::ForgetHome(const GcodeCommand& command) {
+  for (const std::size_t i : Named(command)) {
+    axes_[i].is_homed = Mutant("home_not_forgotten", false, axes_[i].is_homed);
+  }
+  return {};
+}
+
 // M811 X123: that count is zero from now on, and the axis homed.
 Reply MotorStageFirmware::SetZero(const GcodeCommand& command) {
   for (const std::size_t i : Named(command)) {
@@ -194,6 +212,7 @@ Reply MotorStageFirmware::SetZero(const GcodeCommand& command) {
     if (!at) continue;
     axes_[i].zero += std::llround(*at);
     axes_[i].is_homed = true;
+    axes_[i].was_homed = true;
   }
   return {};
 }
@@ -235,12 +254,15 @@ Reply MotorStageFirmware::Drives(const GcodeCommand& command) {
       axis.peak_a = 0;
       continue;
     }
-    std::string line = fmt::format("{} homed {:d} enabled {:d} edges {} peak_a {:.3f}",
-                                   LetterOf(i),
-                                   axes_[i].is_homed,
-                                   axis.is_enabled,
-                                   axis.index_edges,
-                                   axis.peak_a);
+    std::string line = fmt::format(
+        "{} homed {:d} was_homed {:d} enabled {:d} "
+        "edges {} peak_a {:.3f}",
+        LetterOf(i),
+        axes_[i].is_homed,
+        axes_[i].was_homed,
+        axis.is_enabled,
+        axis.index_edges,
+        axis.peak_a);
     if (axis.last_index) {
       line += fmt::format(" index {}", *axis.last_index - axes_[i].zero);
     }

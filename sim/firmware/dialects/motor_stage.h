@@ -50,20 +50,24 @@ class MotorStageFirmware {
     std::int64_t zero = 0;
     double compensation_pulses = 0;  ///< Added to the target since the last reversal.
     bool is_homed = false;
+    bool was_homed = false;   ///< Since power-up; its zero may be lost since.
     bool has_limits = false;  ///< Of its record: those of the factory do not count.
   };
   using Axes = std::vector<std::size_t>;
 
+  void DistrustSteppersWithoutPower();
   Reply Obey(const GcodeCommand& command);
   Reply Move(const GcodeCommand& command);
   Reply Arrived(const GcodeCommand& command, const MotorMove& move);
   std::string LimitFault(std::size_t axis, double to_unit) const;
   Reply WaitForAll();
+  Reply ForgetHome(const GcodeCommand& command);
   Reply SetZero(const GcodeCommand& command);
   Reply Positions() const;
   Reply Switches() const;
   Reply Drives(const GcodeCommand& command);
   Reply StopReports() const;
+  Reply Delays(const GcodeCommand& command);
   Reply Field(const GcodeCommand& command);
   Reply Limits(const GcodeCommand& command);
   Reply Settings(const GcodeCommand& command);
