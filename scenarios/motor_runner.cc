@@ -60,15 +60,31 @@ class MotorRun {
     }
     MotorAxes axes(bench);
     for (const auto& [code, field] : motor_.settings) {
-      axes.SetField(code, field.first, field.second);
+      const auto set = axes.SetField(code, field.first, field.second);
+      if (!set) {
+        throw InputError(
+            {.file = scenario_.file.string()},
+            fmt::format("settings: the controller refuses M{} of {} = {:g}: "
+                        "{}",
+                        code,
+                        MotorAxisName(field.first),
+                        field.second,
+                        set.error().reply));
+      }
     }
-    for (const MotorStep& step : motor_.calibrate) {
+    for (std::size_t i = 0; i < motor_.calibrate.size(); ++i) {
+      const MotorStep& step = motor_.calibrate[i];
       options_.progress(step.name);
       Take(step, &axes, bench.link, &result);
       if (InterruptRequested()) result.interrupted = true;
       const bool goes_on =
           last_.ending == Ending::kDone || last_.ending == Ending::kConfounded;
-      if (!goes_on || result.interrupted) break;
+      if (goes_on && !result.interrupted) continue;
+      for (std::size_t left = i + 1; left < motor_.calibrate.size(); ++left) {
+        result.messages.push_back(
+            fmt::format("left out after that: {}", motor_.calibrate[left].name));
+      }
+      break;
     }
     const auto history = bench.link->Send("M504", std::chrono::milliseconds(1000));
     if (history) history_ = history->size();

@@ -99,7 +99,7 @@ struct MotorOptionKeys {
 
 bool Heeds(std::string_view procedure, std::string_view key) {
   static const std::array<MotorOptionKeys, 7> kKeys = {{
-      {"servo_home", {"slow", "back_off"}},
+      {"servo_home", {"slow", "back_off", "touches"}},
       {"index_verify", {"slow", "medium", "threshold_pulses"}},
       {"stepper_home",
        {"slow", "second", "back_off", "final_back_off", "safe", "touches", "fine"}},

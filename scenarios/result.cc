@@ -75,7 +75,8 @@ Json StepJson(const Step& step) {
           {"variant", step.variant},
           {"iteration", step.iteration},
           {"name", step.name},
-          {"before", step.before},
+          {"unit", step.unit},
+          {"before", step.has_before ? Json(step.before) : Json(nullptr)},
           {"after", step.after},
           {"verdict", ToString(step.verdict)},
           {"message", step.message}};

@@ -98,9 +98,10 @@ std::string StepText(const Step& step) {
   if (!step.variant.empty()) text += fmt::format(" ({})", step.variant);
   if (step.iteration > 1) text += fmt::format(", pass {}", step.iteration);
   text +=
-      step.before == step.after
+      step.before == step.after || !step.has_before
           ? fmt::format(": {} {:.7g}", step.name, step.after)
           : fmt::format(": {} {:.7g} -> {:.7g}", step.name, step.before, step.after);
+  if (!step.unit.empty()) text += " " + step.unit;
   text += ", " + ToString(step.verdict);
   if (!step.message.empty()) text += ". " + step.message;
   return text;

@@ -32,8 +32,10 @@ struct Step {
   std::string variant{};  ///< as_published | corrected
   int iteration = 1;
   std::string name{};  ///< The quantity: "steps_per_mm.x".
+  std::string unit{};  ///< Of before and after; empty: its name has it.
   double before = 0;
-  double after = 0;  ///< Equal to before where nothing was applied.
+  bool has_before = true;  ///< false: nobody knew it before.
+  double after = 0;        ///< Equal to before where nothing was applied.
   Verdict verdict = Verdict::kMeasured;
   std::string message{};  ///< One sentence for a person.
 };

@@ -3,6 +3,8 @@
 #include <limits>
 #include <map>
 
+#include <fmt/format.h>
+
 #include "calibration/estimate/expanded.h"
 #include "calibration/motor_axes/doing.h"
 #include "sim/base/mutant.h"
@@ -13,43 +15,48 @@ namespace {
 
 using Moments = std::map<std::size_t, double>;  // When each servo was half way [s].
 
-// Homes what is not homed yet, one after the other, and goes to the middle.
-bool Prepare(MotorDoing* doing) {
+// Homes what is not homed yet, one after the other.
+bool HomeAll(MotorDoing* doing) {
   MotorAxes& axes = doing->axes();
   for (const std::size_t axis : doing->options().axes) {
-    const MotorAxisDrawing& d = axes.drawing(axis);
     const auto says = doing->Got(axes.Drive(axis));
     if (!says) return false;
-    if (!says->is_homed) {
-      MotorOptions home = doing->options();
-      home.axes = {axis};
-      const MotorResult homed =
-          d.is_servo ? RunServoHome(&axes, home) : RunStepperHome(&axes, home);
-      for (const std::string& line : homed.result.messages) doing->Say(line);
-      if (homed.result.ending != Ending::kDone) {
-        doing->done().result.ending = homed.result.ending;
-        return false;
-      }
-    }
-    const double middle_unit = (d.min_unit + d.max_unit) / 2;
-    if (!doing->Did(axes.MoveTo(axis, middle_unit, d.max_velocity_unit_s / 2))) {
-      return false;
-    }
+    if (says->is_homed) continue;
+    MotorOptions home = doing->options();
+    home.axes = {axis};
+    home.is_as_published = false;
+    const bool is_homed =
+        doing->Absorb(axes.drawing(axis).is_servo ? RunServoHome(&axes, home)
+                                                  : RunStepperHome(&axes, home));
+    if (!is_homed) return false;
   }
   return true;
 }
 
-double CommonSpeed_unit_s(const MotorAxes& axes, const MotorOptions& options) {
-  double slowest_unit_s = std::numeric_limits<double>::max();
-  for (const std::size_t axis : options.axes) {
-    slowest_unit_s = std::min(slowest_unit_s, axes.drawing(axis).max_velocity_unit_s);
-  }
-  return options.medium * slowest_unit_s;
+bool GoToMiddle(MotorDoing* doing) {
+  MotorAxes& axes = doing->axes();
+  return std::ranges::all_of(doing->options().axes, [&](std::size_t axis) {
+    const MotorAxisDrawing& d = axes.drawing(axis);
+    const double middle_unit = (d.min_unit + d.max_unit) / 2;
+    return doing->Did(axes.MoveTo(axis, middle_unit, d.max_velocity_unit_s / 2));
+  });
 }
 
+std::optional<double> CommonSpeed_unit_s(MotorDoing* doing) {
+  double slowest_unit_s = std::numeric_limits<double>::max();
+  for (const std::size_t axis : doing->options().axes) {
+    const auto top_unit_s = doing->TopSpeed_unit_s(axis);
+    if (!top_unit_s) return std::nullopt;
+    slowest_unit_s = std::min(slowest_unit_s, *top_unit_s);
+  }
+  return doing->options().medium * slowest_unit_s;
+}
+
+// From the middle and back, all together, several times.
 std::optional<Moments> MoveAndTime(double speed_unit_s, MotorDoing* doing) {
   MotorAxes& axes = doing->axes();
   const MotorOptions& o = doing->options();
+  if (!GoToMiddle(doing)) return std::nullopt;
   Moments moments;
   for (int i = 0; i < o.repeats; ++i) {
     if (!doing->Did(axes.MoveTogether(o.axes, o.distance_unit, speed_unit_s)) ||
@@ -121,45 +128,125 @@ void SayOpenLoop(MotorDoing* doing) {
   }
 }
 
+using Delays = std::map<std::size_t, double>;  // Of each servo, as M816 has it [s].
+
+std::optional<Delays> DelaysInForce(MotorDoing* doing) {
+  Delays delays;
+  for (const std::size_t axis : doing->options().axes) {
+    if (!doing->axes().drawing(axis).is_servo) continue;
+    const auto delay_s = doing->Got(doing->axes().Delay_s(axis));
+    if (!delay_s) return std::nullopt;
+    delays[axis] = *delay_s;
+  }
+  return delays;
+}
+
+bool SetDelays(const Delays& delays, MotorDoing* doing) {
+  return std::ranges::all_of(delays, [&](const auto& delay) {
+    return doing->Did(doing->axes().SetDelay_s(delay.first, delay.second));
+  });
+}
+
+// Those in force and how much earlier each axis is, the least of them 0.
+Delays Aligned(const Delays& in_force, const Moments& moments) {
+  Delays delays;
+  double least_s = std::numeric_limits<double>::max();
+  for (const auto& [axis, delay_s] : in_force) {
+    const double early_s = Latest(moments) - moments.at(axis);
+    delays[axis] = Mutant("sync_forgets_delays_in_force", delay_s, 0.0) +
+                   Mutant("sync_delays_the_latest", early_s, -early_s);
+    least_s = std::min(least_s, delays[axis]);
+  }
+  for (auto& [axis, delay_s] : delays) delay_s -= least_s;
+  return delays;
+}
+
+void TellLeads(const Moments& moments, double speed_unit_s, MotorDoing* doing) {
+  for (const auto& [axis, at_s] : moments) {
+    const double early_s = Latest(moments) - at_s;
+    const std::string name = "start_lead." + MotorAxisName(axis);
+    doing->Found(name, "s", LeadOf(axis, moments, speed_unit_s, *doing));
+    doing->Step({.quantity = name,
+                 .unit = "s",
+                 .after = early_s,
+                 .verdict = Verdict::kMeasured,
+                 .message = fmt::format(
+                     "{:.3f} ms before the latest axis: {:.1f} um off the "
+                     "path at {:g} {}/s; a delay of as much (M816) aligns it",
+                     early_s / SFromMs(1.0),
+                     UmFromMm(early_s * speed_unit_s),
+                     speed_unit_s,
+                     doing->axes().drawing(axis).unit())});
+  }
+}
+
+// How far the skew may be off: the two axes that are farthest apart.
+double SkewSd_s(const Moments& moments, double speed_unit_s, const MotorDoing& doing) {
+  double worst_s = 0;
+  for (const auto& [axis, at_s] : moments) {
+    worst_s = std::max(worst_s, HalfWaySd_s(axis, speed_unit_s, doing));
+  }
+  return std::sqrt(2.0) * worst_s;
+}
+
+// Sets the delays, tries them, and takes them back where the axes are farther apart.
+void Align(const Moments& before, double speed_unit_s, MotorDoing* doing) {
+  constexpr double kWorseBy = 3;  // Standard deviations.
+  const auto in_force = DelaysInForce(doing);
+  if (!in_force) return;
+  const Delays aligned = Aligned(*in_force, before);
+  if (!SetDelays(aligned, doing)) return;
+  const auto after = MoveAndTime(speed_unit_s, doing);
+  if (!after) return;
+  const double was_s = Skew_s(before), is_s = Skew_s(*after);
+  doing->Say(fmt::format("axes were apart by {:.3f} ms, with the delays {:.3f} ms",
+                         was_s / SFromMs(1.0),
+                         is_s / SFromMs(1.0)));
+  const bool is_worse =
+      is_s > was_s + kWorseBy * SkewSd_s(before, speed_unit_s, *doing);
+  if (is_worse) {
+    doing->Warn("that is worse: the delays are as they were");
+    SetDelays(*in_force, doing);
+  }
+  for (const auto& [axis, delay_s] : aligned) {
+    doing->Step({.quantity = "start_delay." + MotorAxisName(axis),
+                 .unit = "s",
+                 .before = in_force->at(axis),
+                 .after = is_worse ? in_force->at(axis) : delay_s,
+                 .verdict = is_worse ? Verdict::kRolledBack : Verdict::kApplied,
+                 .message = "M816"});
+  }
+  if (!is_worse) {
+    doing->Say("delays (M816) are of no record: set them again after a power-up");
+  }
+  doing->done().found.skew_s = is_worse ? was_s : is_s;
+}
+
 }  // namespace
 
 MotorResult RunAxisSync(MotorAxes* axes, const MotorOptions& options) {
   MotorDoing doing("axis_sync", options, axes);
-  if (!Prepare(&doing)) return doing.Take();
+  const auto servos = std::ranges::count_if(
+      options.axes, [&](std::size_t axis) { return axes->drawing(axis).is_servo; });
   SayOpenLoop(&doing);
-  const double speed_unit_s = CommonSpeed_unit_s(*axes, options);
-  const auto before = MoveAndTime(speed_unit_s, &doing);
+  if (servos < 2) {
+    doing.Say("synchrony is between two axes that count: name two servos");
+    doing.Confess("of fewer than two servos nothing tells whether they move together",
+                  "start_lead." + MotorAxisName(options.axes.front()));
+    return doing.Take();
+  }
+  if (!HomeAll(&doing)) return doing.Take();
+  const auto common_unit_s = CommonSpeed_unit_s(&doing);
+  if (!common_unit_s) return doing.Take();
+  double speed_unit_s = *common_unit_s;
+  const auto before = doing.TrySlower(*common_unit_s, [&](double attempt_unit_s) {
+    speed_unit_s = attempt_unit_s;
+    return MoveAndTime(attempt_unit_s, &doing);
+  });
   if (!before) return doing.Take();
   doing.done().found.skew_s = Skew_s(*before);
-  const double latest_s = Latest(*before);
-  for (const auto& [axis, at_s] : *before) {
-    const double early_s = latest_s - at_s;
-    doing.Found("start_lead." + MotorAxisName(axis),
-                "s",
-                LeadOf(axis, *before, speed_unit_s, doing));
-    doing.Step(
-        "start_lead." + MotorAxisName(axis),
-        early_s,
-        options.is_as_published ? early_s : 0,
-        options.is_as_published ? Verdict::kMeasured : Verdict::kApplied,
-        fmt::format("{:.3f} ms before the latest axis: {:.1f} um off the path at "
-                    "{:g} {}/s; a delay of as much (M816) aligns it",
-                    early_s / SFromMs(1.0),
-                    UmFromMm(early_s * speed_unit_s),
-                    speed_unit_s,
-                    axes->drawing(axis).unit()));
-    const double delay_s = Mutant("sync_delays_the_latest", early_s, -early_s);
-    if (!options.is_as_published && !doing.Did(axes->SetDelay_s(axis, delay_s))) {
-      return doing.Take();
-    }
-  }
-  if (options.is_as_published) return doing.Take();
-  const auto after = MoveAndTime(speed_unit_s, &doing);
-  if (!after) return doing.Take();
-  doing.done().found.skew_s = Skew_s(*after);
-  doing.Say(fmt::format("axes were apart by {:.3f} ms, with the delays {:.3f} ms",
-                        Skew_s(*before) / SFromMs(1.0),
-                        Skew_s(*after) / SFromMs(1.0)));
+  TellLeads(*before, speed_unit_s, &doing);
+  if (!options.is_as_published) Align(*before, speed_unit_s, &doing);
   return doing.Take();
 }
 

@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
+
 #include "calibration/estimate/expanded.h"
 #include "calibration/motor_axes/doing.h"
 #include "sim/base/mutant.h"
@@ -11,6 +13,7 @@ namespace {
 constexpr double kGentle = 0.5;      // Of the friction: so a carriage does not coast.
 constexpr double kHunts_pulses = 1;  // Of a servo at rest, farthest to nearest.
 constexpr double kWorseBy = 3;       // Standard uncertainties that a check may be off.
+constexpr double kIsThere = 2;       // Of them a gap must be to be one.
 
 /// A gap with its standard uncertainty [mm, deg].
 struct Gap {
@@ -71,11 +74,13 @@ std::optional<Gap> MeasureGap(double speed_unit_s, MotorDoing* doing) {
       std::hypot(doing->axes().bench().gauge_sigma_unit, rounding_unit) *
       std::sqrt(2.0 / o.repeats);
   // A servo hunts about its place: the carriage stays where it was pushed farthest, the
-  // counter does not, so that the gap reads too small by anything from none to a pulse.
-  // In the mean of all approaches alike, so repeats do not tell it.
-  gap.value_unit += kHunts_pulses / 2 / *pulses;
+  // counter does not, so that a gap reads too small by anything from none to a pulse.
+  // In the mean of all approaches alike, so repeats do not tell it. Where there is no
+  // gap the carriage hunts with its motor.
   const double hunting_unit = kHunts_pulses / *pulses / std::sqrt(12.0);
   gap.sd_unit = std::hypot(readings_unit, hunting_unit);
+  const bool is_there = gap.value_unit > kIsThere * gap.sd_unit;
+  if (is_there) gap.value_unit += kHunts_pulses / 2 / *pulses;
   gap.budget = {{.input = "readings", .u = readings_unit},
                 {.input = "a servo's hunting", .u = hunting_unit}};
   return gap;
@@ -98,9 +103,10 @@ MotorResult AsPublished(MotorDoing doing) {
   const MotorOptions& o = doing.options();
   MotorAxes& axes = doing.axes();
   const std::size_t axis = o.axes.front();
-  const double speed_unit_s = o.medium * axes.drawing(axis).max_velocity_unit_s;
+  const auto top_unit_s = doing.TopSpeed_unit_s(axis);
   const auto pulses = doing.Got(axes.Field(92, axis));
-  if (!pulses) return doing.Take();
+  if (!pulses || !top_unit_s) return doing.Take();
+  const double speed_unit_s = o.medium * *top_unit_s;
   std::vector<std::int64_t> read;
   for (const double by_unit :
        {o.distance_unit, -2 * o.distance_unit, o.distance_unit}) {
@@ -116,97 +122,121 @@ MotorResult AsPublished(MotorDoing doing) {
       !doing.Did(axes.Store(axis))) {
     return doing.Take();
   }
-  doing.Step(name,
-             0,
-             backlash_unit,
-             Verdict::kApplied,
-             "as published: not measured, abs(P2 - P1) of the motor's own counter");
+  doing.Step(
+      {.quantity = name,
+       .unit = axes.drawing(axis).unit(),
+       .after = backlash_unit,
+       .verdict = Verdict::kApplied,
+       .message =
+           "as published: not measured, abs(P2 - P1) of the motor's own counter"});
   doing.Say(
       fmt::format("as published: not measured. {0:g} {1} is the way that the "
                   "counter was told to go, for any gap; M425 holds it now",
                   backlash_unit,
                   axes.drawing(axis).unit()));
-  doing.Found(name, axes.drawing(axis).unit(), backlash_unit, 1 / *pulses);
+  doing.Found({.name = name,
+               .unit = axes.drawing(axis).unit(),
+               .value = backlash_unit,
+               .identifiable = true});
   return doing.Take();
 }
 
-// Measured again at half the speed; still beyond: the operator's.
-std::optional<Gap> WithinTolerance(MotorDoing* doing) {
+// Measured at that speed; beyond the tolerance it is to be measured again, slower.
+std::optional<Gap> WithinTolerance(double speed_unit_s, MotorDoing* doing) {
   const MotorOptions& o = doing->options();
   const std::size_t axis = o.axes.front();
   const MotorAxisDrawing& d = doing->axes().drawing(axis);
-  double speed_unit_s = o.medium * d.max_velocity_unit_s;
-  std::string words;
-  for (int attempt = 0; attempt <= o.retries; ++attempt, speed_unit_s /= 2) {
-    const auto gap = MeasureGap(speed_unit_s, doing);
-    if (!gap || gap->value_unit <= o.tolerance_unit) return gap;
-    words = fmt::format(
-        "backlash of {} is {:.4f} +- {:.4f} {}, beyond the mechanical "
-        "tolerance of {:g}",
-        MotorAxisName(axis),
-        gap->value_unit,
-        gap->sd_unit,
-        d.unit(),
-        o.tolerance_unit);
-    doing->Log(axis, words);
-    if (attempt < o.retries) ++doing->done().found.retries;
-    if (attempt == o.retries) {
-      doing->Found(
-          "backlash." + MotorAxisName(axis), d.unit(), gap->value_unit, gap->sd_unit);
-    }
-  }
-  doing->Alert(axis, words + ": not compensated");
-  doing->SafeSlow(axis);
+  auto gap = MeasureGap(speed_unit_s, doing);
+  if (!gap || gap->value_unit <= o.tolerance_unit) return gap;
+  doing->Meet({.kind = MotorCondition::Kind::kBacklash,
+               .axis = axis,
+               .words = fmt::format("backlash of {} is {:.4f} +- {:.4f} {}, beyond the "
+                                    "mechanical tolerance of {:g}: not compensated",
+                                    MotorAxisName(axis),
+                                    gap->value_unit,
+                                    gap->sd_unit,
+                                    d.unit(),
+                                    o.tolerance_unit),
+               .can_move = true});
+  auto& told = doing->done().result.estimates;
+  std::erase_if(told,
+                [&](const Estimate& e) { return e.name.starts_with("backlash."); });
+  doing->Found("backlash." + MotorAxisName(axis),
+               d.unit(),
+               WithBudget(gap->value_unit, gap->budget));
   return std::nullopt;
 }
 
 // Compensates, looks whether both senses meet now, and keeps it or takes it back.
-void ApplyGap(const Gap& gap, MotorDoing* doing) {
+void ApplyGap(const Gap& gap, double speed_unit_s, MotorDoing* doing) {
   MotorAxes& axes = doing->axes();
-  const MotorOptions& o = doing->options();
-  const std::size_t axis = o.axes.front();
+  const std::size_t axis = doing->options().axes.front();
   const std::string name = "backlash." + MotorAxisName(axis);
   const auto before = doing->Got(axes.Field(425, axis));
   if (!before || !doing->Did(axes.SetField(425, axis, gap.value_unit))) return;
-  const auto check =
-      MeasureGap(o.medium * axes.drawing(axis).max_velocity_unit_s, doing);
+  const auto check = MeasureGap(speed_unit_s, doing);
   if (!check) return;
   const bool is_better = std::abs(check->left_unit) <=
                          std::max(std::abs(gap.left_unit),
                                   kWorseBy * std::hypot(gap.sd_unit, check->sd_unit));
   if (!is_better) {
     doing->Did(axes.SetField(425, axis, *before));
-    doing->Step(name, *before, *before, Verdict::kRolledBack, "the check was worse");
+    doing->Step({.quantity = name,
+                 .unit = axes.drawing(axis).unit(),
+                 .before = before,
+                 .after = *before,
+                 .verdict = Verdict::kRolledBack,
+                 .message = "the check was worse"});
     return;
   }
   doing->Say(fmt::format("compensated, the two senses differ by {:+.4f} {}",
                          check->left_unit,
                          axes.drawing(axis).unit()));
-  if (doing->Did(axes.Store(axis))) {
-    doing->Step(name,
-                *before,
-                gap.value_unit,
-                Verdict::kApplied,
-                "opposite approaches, "
-                "read by the gauge");
-  }
+  if (!doing->Did(axes.Store(axis))) return;
+  doing->Step({.quantity = name,
+               .unit = axes.drawing(axis).unit(),
+               .before = before,
+               .after = gap.value_unit,
+               .verdict = Verdict::kApplied,
+               .message = "opposite approaches, read by the gauge"});
+  // The switch is met from one side: home stands half of what is known now too far.
+  doing->Say(
+      fmt::format("home_offset.{0} holds half of this gap: home {0} again, now "
+                  "that M425 has it",
+                  MotorAxisName(axis)));
 }
 
-// Home was found by a switch that is met from one side: now its half of the gap is
-// known.
-void TellHomeAgain(const Gap& gap, MotorDoing* doing) {
-  MotorAxes& axes = doing->axes();
+// What is not clearly a gap is not written; a gauge that cannot tell is said to be one.
+void Judge(const Gap& gap, double speed_unit_s, MotorDoing* doing) {
   const std::size_t axis = doing->options().axes.front();
-  const auto offset_unit = doing->Got(axes.Field(206, axis));
-  if (!offset_unit || *offset_unit == 0) return;
-  const double seen_unit_s =
-      kSecondLook * doing->options().slow * axes.drawing(axis).max_velocity_unit_s;
-  doing->Found(
-      "home_offset." + MotorAxisName(axis),
-      axes.drawing(axis).unit(),
-      OfCarriage(*offset_unit,
-                 {.value = gap.value_unit, .sd = gap.sd_unit, .identifiable = true},
-                 SwitchBudget(axes.bench(), seen_unit_s)));
+  const MotorAxisDrawing& d = doing->axes().drawing(axis);
+  const std::string name = "backlash." + MotorAxisName(axis);
+  if (kIsThere * gap.sd_unit > doing->options().tolerance_unit) {
+    doing->Confess(
+        fmt::format("a gauge of {:g} {} does not tell a gap of the tolerance, "
+                    "{:g}, from none",
+                    doing->axes().bench().gauge_sigma_unit,
+                    d.unit(),
+                    doing->options().tolerance_unit),
+        name);
+    doing->Say("nothing was written");
+    return;
+  }
+  doing->Found(name, d.unit(), WithBudget(gap.value_unit, gap.budget));
+  if (Mutant("motor_backlash_writes_noise",
+             gap.value_unit > kIsThere * gap.sd_unit,
+             true)) {
+    ApplyGap(gap, speed_unit_s, doing);
+    return;
+  }
+  doing->Say(fmt::format("no gap of {} is seen: less than {:.4f} {}",
+                         MotorAxisName(axis),
+                         std::max(0.0, gap.value_unit) + kIsThere * gap.sd_unit,
+                         d.unit()));
+  const auto before = doing->Got(doing->axes().Field(425, axis));
+  if (before && *before > 0) {
+    ApplyGap({.sd_unit = gap.sd_unit, .left_unit = gap.left_unit}, speed_unit_s, doing);
+  }
 }
 
 }  // namespace
@@ -214,30 +244,23 @@ void TellHomeAgain(const Gap& gap, MotorDoing* doing) {
 MotorResult RunMotorBacklash(MotorAxes* axes, const MotorOptions& options) {
   MotorDoing doing("motor_backlash", options, axes);
   const std::size_t axis = options.axes.front();
-  const std::string name = "backlash." + MotorAxisName(axis);
-  const auto says = doing.Got(axes->Drive(axis));
-  if (!says) return doing.Take();
-  if (!says->is_homed) {
-    doing.Fail({.reply = MotorAxisName(axis) + " is not homed: home it first"});
-    return doing.Take();
-  }
+  if (!doing.IsHomed(axis)) return doing.Take();
   if (options.is_as_published) return AsPublished(std::move(doing));
   if (axes->bench().gauge == nullptr) {
     doing.Confess(
         "the motor's own counter does not see what the carriage does: the "
         "backlash wants a gauge on the carriage",
-        name);
+        "backlash." + MotorAxisName(axis));
     return doing.Take();
   }
+  const auto top_unit_s = doing.TopSpeed_unit_s(axis);
   double before_unit_s2 = 0;
-  if (!Gently(&doing, &before_unit_s2)) return doing.Take();
-  const auto gap = WithinTolerance(&doing);
-  if (gap) {
-    doing.Found(
-        name, axes->drawing(axis).unit(), WithBudget(gap->value_unit, gap->budget));
-    TellHomeAgain(*gap, &doing);
-    ApplyGap(*gap, &doing);
-  }
+  if (!top_unit_s || !Gently(&doing, &before_unit_s2)) return doing.Take();
+  const double medium_unit_s = options.medium * *top_unit_s;
+  const auto gap = doing.TrySlower(medium_unit_s, [&](double speed_unit_s) {
+    return WithinTolerance(speed_unit_s, &doing);
+  });
+  if (gap) Judge(*gap, medium_unit_s, &doing);
   doing.Did(axes->SetField(201, axis, before_unit_s2));
   return doing.Take();
 }

@@ -1,9 +1,10 @@
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
-
-#include <fmt/format.h>
+#include <vector>
 
 #include "calibration/motor_axes/procedures.h"
 
@@ -13,6 +14,11 @@ namespace caltwin {
 inline constexpr double kSecondLook = 0.1;
 
 /// A motor procedure on its way: what it said and did.
+///
+/// Faults that are conditions of the published error handling (switch not detected,
+/// index missing, position mismatch, excessive backlash, motion blocked) end it with a
+/// line in the controller's log, the operator called and the axis in safe mode, also
+/// where nothing tries again.
 class MotorDoing {
  public:
   MotorDoing(std::string name, const MotorOptions& options, MotorAxes* axes)
@@ -24,78 +30,52 @@ class MotorDoing {
     Say("warning: " + text);
   }
   /// Logged in the controller, and said.
-  void Log(std::size_t axis, const std::string& text) {
-    Say("logged: " + text);
-    logged_ = {axis, text};
-    Did(axes_->Log(axis, text));
-  }
-  /// Logged (once, where the last try logged the same), and the operator called;
-  /// nothing more is done with the axis.
-  void Alert(std::size_t axis, const std::string& text) {
-    ++done_.found.alerts;
-    if (logged_ != std::pair(axis, text)) Log(axis, text);
-    Say("ALERT: operator wanted: " + text);
+  void Log(std::size_t axis, const std::string& text);
+  /// Logged (unless the last line said so), and the operator called; nothing more is
+  /// done with the axis.
+  void Alert(std::size_t axis, const std::string& text);
+  /// The axis without power.
+  void SafeOff(std::size_t axis);
+  /// The axis at a tenth of its highest speed from now on, and after the next power-up.
+  void SafeSlow(std::size_t axis);
+
+  /// That condition was met: TrySlower tries again, else it ends here.
+  void Meet(MotorCondition condition) {
+    condition_ = std::move(condition);
     done_.result.ending = Ending::kRefused;
   }
-  /// The axis without power.
-  void SafeOff(std::size_t axis) {
-    ++done_.found.safe_modes;
-    Did(axes_->Enable(axis, false));
-    Say(fmt::format("safe mode: {} is switched off", MotorAxisName(axis)));
+  /// Does `attempt(speed)` until it gets there. A condition that it meets is logged,
+  /// and it is tried again at half the speed, `retries` times; then the operator is
+  /// called and the axis put in safe mode.
+  /// @return what attempt returned last: true or a value where it got there
+  template <typename Attempt>
+  auto TrySlower(double speed_unit_s, Attempt attempt)
+      -> decltype(attempt(speed_unit_s)) {
+    for (int left = options_.retries;; --left, speed_unit_s /= 2) {
+      auto got = attempt(speed_unit_s);
+      if (got || !condition_) return got;
+      LogCondition(speed_unit_s);
+      if (left == 0) {
+        GiveUp();
+        return got;
+      }
+      TryAgainAt(speed_unit_s / 2);
+    }
   }
-  /// The axis at a tenth of its highest speed from now on.
-  void SafeSlow(std::size_t axis) {
-    ++done_.found.safe_modes;
-    const double most_unit_s = axes_->drawing(axis).max_velocity_unit_s / 10;
-    Did(axes_->SetField(203, axis, most_unit_s));
-    Say(fmt::format("safe mode: {} moves at no more than {:g} {}/s",
-                    MotorAxisName(axis),
-                    most_unit_s,
-                    axes_->drawing(axis).unit()));
+
+  void Step(MotorDone step);
+  void Found(Estimate estimate) {
+    done_.result.estimates.push_back(std::move(estimate));
   }
-  void Step(const std::string& quantity,
-            double before,
-            double after,
-            Verdict verdict,
-            const std::string& message) {
-    done_.result.steps.push_back(
-        {.procedure = name_,
-         .variant = options_.is_as_published ? "as_published" : "corrected",
-         .iteration = done_.found.retries + 1,
-         .name = quantity,
-         .before = before,
-         .after = after,
-         .verdict = verdict,
-         .message = message});
-  }
-  void Found(std::string name, std::string unit, double value, double sd) {
-    done_.result.estimates.push_back({.name = std::move(name),
-                                      .unit = std::move(unit),
-                                      .value = value,
-                                      .sd = sd,
-                                      .identifiable = true});
-  }
-  void Found(std::string name, std::string unit, const Uncertain& estimate) {
-    done_.result.estimates.push_back({.name = std::move(name),
-                                      .unit = std::move(unit),
-                                      .value = estimate.value,
-                                      .sd = estimate.sd,
-                                      .identifiable = estimate.identifiable,
-                                      .budget = estimate.budget});
-  }
+  void Found(const std::string& name, const std::string& unit, const Uncertain& value);
   void Confess(const std::string& statement, const std::string& name) {
     done_.result.observability.push_back({statement, {{name, 1.0}}});
     done_.result.ending = Ending::kConfounded;
   }
-  void Fail(const MachineFault& fault) {
-    done_.result.fault = fault.reply;
-    const auto kind = fault.kind;
-    done_.result.ending = kind == MachineFault::Kind::kNoTrigger  ? Ending::kNoTrigger
-                          : kind == MachineFault::Kind::kLinkLost ? Ending::kLinkLost
-                          : kind == MachineFault::Kind::kAlarm    ? Ending::kAlarm
-                                                                  : Ending::kRefused;
-    Say("the machine said: " + fault.reply);
-  }
+  /// All that another procedure found and did on the way, its ending too where it is
+  /// not done.
+  bool Absorb(MotorResult inner);
+  void Fail(const MachineFault& fault);
   template <typename T>
   std::optional<T> Got(Expected<T> value) {
     if (value) return *std::move(value);
@@ -106,29 +86,44 @@ class MotorDoing {
     if (!done) Fail(done.error());
     return done.has_value();
   }
+  /// Fails where the axis is not homed.
+  bool IsHomed(std::size_t axis);
+  /// The highest speed in force: the drawing's, or what M203 has below that.
+  std::optional<double> TopSpeed_unit_s(std::size_t axis);
 
   MotorResult& done() { return done_; }
   const MotorOptions& options() const { return options_; }
   MotorAxes& axes() { return *axes_; }
   const MotorAxes& axes() const { return *axes_; }
-  MotorResult Take() { return std::move(done_); }
+  MotorResult Take();
 
  private:
+  void LogCondition(double speed_unit_s);
+  void TryAgainAt(double speed_unit_s);
+  void GiveUp();
+
   std::string name_;
   const MotorOptions& options_;
   MotorAxes* axes_;
+  std::optional<MotorCondition> condition_{};     // Met, not yet seen to.
   std::pair<std::size_t, std::string> logged_{};  // Last.
   MotorResult done_{};
 };
 
-/// Brings the axis to its MIN switch, or does what is to be done where that fails:
-///
-/// Where the axis is blocked on its way it goes to MAX: farther than the switches are
-/// apart, it stood beyond MIN, whose switch is dead then; else something is in the way.
-/// Each try is logged and the next at half the speed; then the operator is called and
-/// the axis switched off.
-/// @return the speed with which it was found
-std::optional<double> FindMinSwitch(std::size_t axis, MotorDoing* doing);
+/// Brings the axis to its MIN switch, at that speed. Where it is blocked on its way it
+/// goes to MAX: farther than the switches are apart, it stood beyond MIN, whose switch
+/// is dead then; else something is in the way.
+bool FindMinSwitch(std::size_t axis, double speed_unit_s, MotorDoing* doing);
+
+/// Fails where an axis that fast is not stopped between a switch and its hard stop.
+bool StopsBehindASwitch(std::size_t axis, double speed_unit_s, MotorDoing* doing);
+
+/// On to the next index, slowly; back, and again at half the speed where none comes.
+/// @return the counter there
+std::optional<std::int64_t> FindIndex(std::size_t axis,
+                                      double lead_unit,
+                                      double speed_unit_s,
+                                      MotorDoing* doing);
 
 /// Warns where the record's turn (M812 / M92) differs from the drawn one by more than a
 /// percent: every distance that homing goes, and the turns it counts, would be off.
@@ -149,13 +144,14 @@ std::optional<double> SeenLate(std::size_t axis,
                                MotorDoing* doing);
 
 /// Standard deviation of where an axis is seen to pass a switch at that speed [mm,
-/// deg]: the switch's own scatter, and the expander's, which looks once a period.
-double SwitchSigma(const MotorBench& bench, double speed_unit_s);
+/// deg]: the switch's own scatter as drawn, and the expander's, which looks once a
+/// period.
+double SwitchSigma(const MotorBench& bench, std::size_t axis, double speed_unit_s);
 
-/// The same, taken apart, of the mean of `touches`.
+/// The same, taken apart, of one look.
 std::vector<Contribution> SwitchBudget(const MotorBench& bench,
-                                       double speed_unit_s,
-                                       int touches = 1);
+                                       std::size_t axis,
+                                       double speed_unit_s);
 
 /// A way by the counter, from or to where a switch closed, as the carriage's own in the
 /// middle of its gap [mm, deg]:

@@ -3,6 +3,8 @@
 #include <limits>
 #include <map>
 
+#include <fmt/format.h>
+
 #include "calibration/motor_axes/foretell_stop.h"
 #include "sim/base/mutant.h"
 #include "sim/base/units.h"
@@ -10,12 +12,26 @@
 namespace caltwin {
 namespace {
 
-double CommonSpeed_unit_s(const MotorAxes& axes, const MotorOptions& options) {
+std::optional<double> CommonSpeed_unit_s(MotorDoing* doing) {
   double slowest_unit_s = std::numeric_limits<double>::max();
-  for (const std::size_t axis : options.axes) {
-    slowest_unit_s = std::min(slowest_unit_s, axes.drawing(axis).max_velocity_unit_s);
+  for (const std::size_t axis : doing->options().axes) {
+    const auto top_unit_s = doing->TopSpeed_unit_s(axis);
+    if (!top_unit_s) return std::nullopt;
+    slowest_unit_s = std::min(slowest_unit_s, *top_unit_s);
   }
-  return options.medium * slowest_unit_s;
+  return doing->options().medium * slowest_unit_s;
+}
+
+// Where the move begins; slower where something hinders that. (The stop itself is tried
+// at one speed: slower it would be another one.)
+bool GoToStart(MotorDoing* doing) {
+  MotorAxes& axes = doing->axes();
+  return std::ranges::all_of(doing->options().axes, [&](std::size_t axis) {
+    const MotorAxisDrawing& d = axes.drawing(axis);
+    return doing->TrySlower(d.max_velocity_unit_s / 2, [&](double speed_unit_s) {
+      return doing->Did(axes.MoveTo(axis, d.min_unit + 10, speed_unit_s));
+    });
+  });
 }
 
 // Into the move, and the relay opens half way.
@@ -24,12 +40,10 @@ bool StopInMotion(double speed_unit_s, MotorDoing* doing) {
   const MotorOptions& o = doing->options();
   double slowest_unit_s2 = std::numeric_limits<double>::max();
   for (const std::size_t axis : o.axes) {
-    const MotorAxisDrawing& d = axes.drawing(axis);
-    slowest_unit_s2 = std::min(slowest_unit_s2, d.acceleration_unit_s2);
-    if (!doing->Did(axes.MoveTo(axis, d.min_unit + 10, d.max_velocity_unit_s / 2))) {
-      return false;
-    }
+    slowest_unit_s2 =
+        std::min(slowest_unit_s2, axes.drawing(axis).acceleration_unit_s2);
   }
+  if (!GoToStart(doing)) return false;
   const double ramp_unit = speed_unit_s * speed_unit_s / slowest_unit_s2;
   const double way_unit = ramp_unit + 2 * o.distance_unit;
   const double half_s = (way_unit / speed_unit_s + speed_unit_s / slowest_unit_s2) / 2;
@@ -129,22 +143,24 @@ bool ReadStops(const StopForecasts& forecasts, MotorDoing* doing) {
     const bool is_servo = doing->axes().drawing(axis).is_servo;
     if (is_servo) slowest_s = std::max(slowest_s, says->standstill_s);
     const std::string name = MotorAxisName(axis);
-    doing->Step("standstill_ms." + name,
-                o.within_s / SFromMs(1.0),
-                says->standstill_s / SFromMs(1.0),
-                Verdict::kMeasured,
-                fmt::format("{} after {:.3f} {}, at most {:.1f} A, {}{}",
-                            says->stood ? "stood" : "still moving",
-                            says->path_unit,
-                            doing->axes().drawing(axis).unit(),
-                            says->peak_a,
-                            says->is_disabled ? "drive off" : "DRIVE STILL ON",
-                            is_servo ? "" : "; open-loop: when its pulses ended"));
+    doing->Step(
+        {.quantity = "standstill_ms." + name,
+         .unit = "ms",
+         .after = says->standstill_s / SFromMs(1.0),
+         .verdict = Verdict::kMeasured,
+         .message = fmt::format("{} after {:.3f} {}, at most {:.1f} A, {}{}",
+                                says->stood ? "stood" : "still moving",
+                                says->path_unit,
+                                doing->axes().drawing(axis).unit(),
+                                says->peak_a,
+                                says->is_disabled ? "drive off" : "DRIVE STILL ON",
+                                is_servo ? "" : "; open-loop: when its pulses ended")});
     if (is_servo) {
-      doing->Found("standstill_ms." + name,
-                   "ms",
-                   says->standstill_s / SFromMs(1.0),
-                   says->sd_s / SFromMs(1.0));
+      doing->Found({.name = "standstill_ms." + name,
+                    .unit = "ms",
+                    .value = says->standstill_s / SFromMs(1.0),
+                    .sd = says->sd_s / SFromMs(1.0),
+                    .identifiable = true});
       JudgeStandstill(axis, forecasts.at(axis), *says, doing);
       CompareWithForecast(axis, forecasts.at(axis), *says, doing);
       TellKnock(axis, *says, doing);
@@ -159,17 +175,14 @@ using IndexCounts = std::map<std::size_t, double>;
 
 // The counter at the next index.
 std::optional<double> NextIndex(std::size_t axis, MotorDoing* doing) {
-  MotorAxes& axes = doing->axes();
-  const MotorAxisDrawing& d = axes.drawing(axis);
-  const double slow_unit_s = doing->options().slow * d.max_velocity_unit_s;
-  if (!doing->Did(axes.ClearDrive(axis)) ||
-      !doing->Did(axes.SeekIndex(axis, 1.2 * d.lead_unit, slow_unit_s)) ||
-      !doing->Did(axes.WaitComplete())) {
-    return std::nullopt;
-  }
-  const auto says = doing->Got(axes.Drive(axis));
-  if (!says || !says->index) return std::nullopt;
-  return static_cast<double>(*says->index);
+  const auto top_unit_s = doing->TopSpeed_unit_s(axis);
+  if (!top_unit_s) return std::nullopt;
+  const auto index = FindIndex(axis,
+                               doing->axes().drawing(axis).lead_unit,
+                               doing->options().slow * *top_unit_s,
+                               doing);
+  if (!index) return std::nullopt;
+  return static_cast<double>(*index);
 }
 
 // Where each servo's counter has its indices before the stop: home need not be one (as
@@ -228,11 +241,10 @@ bool GoOn(std::size_t axis, const IndexCounts& before, MotorDoing* doing) {
   } else {
     doing->Say(name + ": open-loop, its position is not certain: homed again");
   }
-  const MotorResult homed = axes.drawing(axis).is_servo ? RunServoHome(&axes, home)
-                                                        : RunStepperHome(&axes, home);
-  for (const std::string& line : homed.result.messages) doing->Say(line);
-  doing->done().found.warnings += homed.found.warnings;
+  MotorResult homed = axes.drawing(axis).is_servo ? RunServoHome(&axes, home)
+                                                  : RunStepperHome(&axes, home);
   const double lost_unit = homed.found.lost_unit.value_or(0);
+  const bool is_homed = doing->Absorb(std::move(homed));
   if (lost_unit != 0) {
     ++doing->done().found.positions_lost;
     doing->Warn(
@@ -242,9 +254,7 @@ bool GoOn(std::size_t axis, const IndexCounts& before, MotorDoing* doing) {
                     lost_unit,
                     axes.drawing(axis).unit()));
   }
-  if (homed.result.ending == Ending::kDone) return true;
-  doing->done().result.ending = homed.result.ending;
-  return false;
+  return is_homed;
 }
 
 // Of the stop as it went, all axes together.
@@ -266,14 +276,11 @@ void TellVerdict(MotorDoing* doing) {
 MotorResult RunEmergencyStop(MotorAxes* axes, const MotorOptions& options) {
   MotorDoing doing("emergency_stop", options, axes);
   for (const std::size_t axis : options.axes) {
-    const auto says = doing.Got(axes->Drive(axis));
-    if (!says) return doing.Take();
-    if (!says->is_homed) {
-      doing.Fail({.reply = MotorAxisName(axis) + " is not homed: home it first"});
-      return doing.Take();
-    }
+    if (!doing.IsHomed(axis)) return doing.Take();
   }
-  const double speed_unit_s = CommonSpeed_unit_s(*axes, options);
+  const auto common_unit_s = CommonSpeed_unit_s(&doing);
+  if (!common_unit_s) return doing.Take();
+  const double speed_unit_s = *common_unit_s;
   const auto forecasts = ForetellStops(speed_unit_s, &doing);
   if (!forecasts) return doing.Take();
   const auto indices = IndicesBefore(&doing);

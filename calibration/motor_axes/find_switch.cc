@@ -1,5 +1,7 @@
 #include <cmath>
 
+#include <fmt/format.h>
+
 #include "calibration/estimate/expanded.h"
 #include "calibration/motor_axes/doing.h"
 #include "sim/base/mutant.h"
@@ -40,8 +42,7 @@ std::string WhyBlocked(std::size_t axis, double speed_unit_s, MotorDoing* doing)
         apart_unit);
   }
   return fmt::format(
-      "motion of {} is blocked {:.1f} {} before MIN: something is in "
-      "the way",
+      "motion of {} is blocked {:.1f} {} before MIN: something is in the way",
       name,
       apart_unit - far_unit,
       drawing.unit());
@@ -54,19 +55,6 @@ bool LeaveSwitch(std::size_t axis, double speed_unit_s, MotorDoing* doing) {
   if (!pressed) return false;
   const double off_unit = axes.drawing(axis).stop_unit;
   return !*pressed || doing->Did(axes.MoveBy(axis, off_unit, speed_unit_s));
-}
-
-std::string WordsOf(std::size_t axis,
-                    const MachineFault& fault,
-                    double speed_unit_s,
-                    MotorDoing* doing) {
-  if (TroubleOf(fault) == MotorTrouble::kBlocked) {
-    return WhyBlocked(axis, speed_unit_s, doing);
-  }
-  return fmt::format("end switch MIN of {} not detected within {:g} {}",
-                     MotorAxisName(axis),
-                     kReach * BetweenSwitches(doing->axes().drawing(axis)),
-                     doing->axes().drawing(axis).unit());
 }
 
 }  // namespace
@@ -104,18 +92,37 @@ std::optional<double> SeenLate(std::size_t axis,
          speed_unit_s * speed_unit_s / (2 * *acceleration_unit_s2);
 }
 
-double SwitchSigma(const MotorBench& bench, double speed_unit_s) {
+bool StopsBehindASwitch(std::size_t axis, double speed_unit_s, MotorDoing* doing) {
+  MotorAxes& axes = doing->axes();
+  const MotorAxisDrawing& d = axes.drawing(axis);
+  const auto late_unit = SeenLate(axis, speed_unit_s, doing);
+  if (!late_unit) return false;
+  const double at_most_unit =
+      *late_unit + speed_unit_s * axes.bench().drawing.poll_s / 2;
+  if (at_most_unit <= d.stop_unit) return true;
+  doing->Fail({.reply = fmt::format(
+                   "at {0:g} {1}/s {2} would stop up to {3:.2f} {1} beyond its switch, "
+                   "and its hard stop is {4:g} beyond: nothing moved, choose a smaller "
+                   "'slow'",
+                   speed_unit_s,
+                   d.unit(),
+                   MotorAxisName(axis),
+                   at_most_unit,
+                   d.stop_unit)});
+  return false;
+}
+
+double SwitchSigma(const MotorBench& bench, std::size_t axis, double speed_unit_s) {
   const double polled_unit = speed_unit_s * bench.drawing.poll_s / std::sqrt(12.0);
-  return std::hypot(bench.switch_sigma_unit, polled_unit);
+  return std::hypot(bench.drawing.axes[axis].switch_scatter_unit, polled_unit);
 }
 
 std::vector<Contribution> SwitchBudget(const MotorBench& bench,
-                                       double speed_unit_s,
-                                       int touches) {
-  const double root = std::sqrt(touches);
-  return {{.input = "switch", .u = bench.switch_sigma_unit / root},
+                                       std::size_t axis,
+                                       double speed_unit_s) {
+  return {{.input = "switch", .u = bench.drawing.axes[axis].switch_scatter_unit},
           {.input = "expander's period",
-           .u = speed_unit_s * bench.drawing.poll_s / std::sqrt(12.0) / root}};
+           .u = speed_unit_s * bench.drawing.poll_s / std::sqrt(12.0)}};
 }
 
 Uncertain OfCarriage(double way_unit,
@@ -148,32 +155,61 @@ std::optional<Uncertain> CompensatedGap(std::size_t axis,
   return Uncertain{};
 }
 
-std::optional<double> FindMinSwitch(std::size_t axis, MotorDoing* doing) {
+bool FindMinSwitch(std::size_t axis, double speed_unit_s, MotorDoing* doing) {
   MotorAxes& axes = doing->axes();
   const MotorAxisDrawing& drawing = axes.drawing(axis);
-  double speed_unit_s = doing->options().slow * drawing.max_velocity_unit_s;
-  std::string words;
-  for (int attempt = 0; attempt <= doing->options().retries; ++attempt) {
-    if (!doing->Did(axes.Enable(axis, true))) return std::nullopt;
-    if (!LeaveSwitch(axis, speed_unit_s, doing)) return std::nullopt;
-    const auto found =
-        axes.SeekSwitch(axis, -kReach * BetweenSwitches(drawing), speed_unit_s);
-    if (found) return speed_unit_s;
-    if (TroubleOf(found.error()) == MotorTrouble::kOther) {
-      doing->Fail(found.error());
+  if (!doing->Did(axes.Enable(axis, true))) return false;
+  if (!LeaveSwitch(axis, speed_unit_s, doing)) return false;
+  const auto found =
+      axes.SeekSwitch(axis, -kReach * BetweenSwitches(drawing), speed_unit_s);
+  if (found) return true;
+  auto condition = ConditionOf(found.error(), axes.bench().drawing);
+  if (!condition) {
+    doing->Fail(found.error());
+    return false;
+  }
+  if (condition->kind == MotorCondition::Kind::kBlocked) {
+    condition->words = WhyBlocked(axis, speed_unit_s, doing);
+    condition->remedy.clear();
+  }
+  doing->Meet(*std::move(condition));
+  return false;
+}
+
+std::optional<std::int64_t> FindIndex(std::size_t axis,
+                                      double lead_unit,
+                                      double speed_unit_s,
+                                      MotorDoing* doing) {
+  constexpr double kHunt = 1.2;  // Turns that are gone to look for it.
+  MotorAxes& axes = doing->axes();
+  const auto attempt = [&](double v_unit_s) -> std::optional<std::int64_t> {
+    if (!doing->Did(axes.ClearDrive(axis))) return std::nullopt;
+    const auto found = axes.SeekIndex(axis, kHunt * lead_unit, v_unit_s);
+    if (!found) {
+      auto condition = ConditionOf(found.error(), axes.bench().drawing);
+      const bool is_missing =
+          condition && condition->kind == MotorCondition::Kind::kIndexMissing;
+      // Back first: what hinders that is met in its place.
+      if (is_missing && !doing->Did(axes.MoveBy(axis, -kHunt * lead_unit, v_unit_s))) {
+        return std::nullopt;
+      }
+      if (!is_missing) {
+        doing->Fail(found.error());
+        return std::nullopt;
+      }
+      condition->words = fmt::format("no index pulse of {} within one revolution",
+                                     MotorAxisName(axis));
+      doing->Meet(*std::move(condition));
       return std::nullopt;
     }
-    words = WordsOf(axis, found.error(), speed_unit_s, doing);
-    doing->Log(axis, words);
-    if (attempt == doing->options().retries) break;
-    ++doing->done().found.retries;
-    speed_unit_s /= 2;
-    doing->Say(fmt::format(
-        "tried again at {:g} {}/s", speed_unit_s, axes.drawing(axis).unit()));
-  }
-  doing->Alert(axis, words);
-  doing->SafeOff(axis);
-  return std::nullopt;
+    if (!doing->Did(axes.WaitComplete())) return std::nullopt;
+    const auto says = doing->Got(axes.Drive(axis));
+    if (says && !says->index) {
+      doing->Fail({.reply = MotorAxisName(axis) + ": M814 tells no index"});
+    }
+    return says ? says->index : std::nullopt;
+  };
+  return doing->TrySlower(speed_unit_s, attempt);
 }
 
 }  // namespace caltwin

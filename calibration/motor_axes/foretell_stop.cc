@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include <fmt/format.h>
+
 #include "sim/base/mutant.h"
 #include "sim/base/units.h"
 
@@ -36,7 +38,10 @@ std::string ForetoldWords(std::size_t axis,
         "motor stands",
         f.coasts_s / SFromMs(1.0));
   }
-  if (!IsFeasible(f, within_s)) {
+  if (within_s <= doing.axes().bench().stop_filter_s && d.is_servo) {
+    words += fmt::format("; at no speed it is, its input alone takes {:g} ms",
+                         doing.axes().bench().stop_filter_s / SFromMs(1.0));
+  } else if (!IsFeasible(f, within_s)) {
     words += fmt::format("; {} {:.0f} {}/s it is",
                          f.coasts_s > 0 ? "at" : "up to",
                          f.fastest_unit_s,
@@ -57,7 +62,9 @@ void WarnOfDoubt(std::size_t axis,
   if (std::abs(f.standstill_s - within_s) < kClear * f.sd_s) {
     doing->Warn(name + ": too close to the limit for a forecast to be sure");
   }
-  if (f.holds && speed_unit_s > f.fastest_unit_s - kClear * f.fastest_sd_unit_s) {
+  const bool is_servo = doing->axes().drawing(axis).is_servo;
+  if (!is_servo && f.holds &&
+      speed_unit_s > f.fastest_unit_s - kClear * f.fastest_sd_unit_s) {
     doing->Warn(fmt::format(
         "{}: its field holds up to {:.1f} +- {:.1f} {}/s: steps may be lost",
         name,

@@ -36,14 +36,53 @@ MachineFault Unreadable(const std::string& command, const std::string& answer) {
 
 }  // namespace
 
-MotorTrouble TroubleOf(const MachineFault& fault) {
-  const auto says = [&](const char* words) {
-    return fault.reply.find(words) != std::string::npos;
+std::optional<MotorCondition> ConditionOf(const MachineFault& fault,
+                                          const MotorStageDrawing& drawing) {
+  using Kind = MotorCondition::Kind;
+  // "X is blocked at 121.700: ...", "G1: X MIN switch not found within 250".
+  const auto named = [&](const std::string& words) -> std::optional<std::size_t> {
+    const std::size_t at = fault.reply.find(words);
+    if (at == std::string::npos || at == 0) return std::nullopt;
+    const auto letter = static_cast<char>(std::tolower(fault.reply[at - 1]));
+    return MotorAxisNamed(std::string(1, letter));
   };
-  if (says("switch not found")) return MotorTrouble::kSwitchMissing;
-  if (says("index not found")) return MotorTrouble::kIndexMissing;
-  if (says("is blocked")) return MotorTrouble::kBlocked;
-  return MotorTrouble::kOther;
+  const auto within = [&](std::size_t axis) {
+    return fmt::format("within {:g} {}",
+                       NumberBehind(fault.reply, "within").value_or(0),
+                       drawing.axes[axis].unit());
+  };
+  if (const auto axis = named(" is blocked at")) {
+    return MotorCondition{
+        .kind = Kind::kBlocked,
+        .axis = *axis,
+        .words = fmt::format("motion of {} is blocked at {:.1f} {}",
+                             MotorAxisName(*axis),
+                             NumberBehind(fault.reply, "at").value_or(0),
+                             drawing.axes[*axis].unit()),
+        .remedy = "is something in the way?"};
+  }
+  for (const std::string end : {"MIN", "MAX"}) {
+    if (const auto axis = named(" " + end + " switch not found")) {
+      return MotorCondition{.kind = Kind::kSwitchMissing,
+                            .axis = *axis,
+                            .words = fmt::format("end switch {} of {} not detected {}",
+                                                 end,
+                                                 MotorAxisName(*axis),
+                                                 within(*axis)),
+                            .remedy = "is its wire on?",
+                            .can_move = end == "MAX"};
+    }
+  }
+  if (const auto axis = named(" index not found")) {
+    return MotorCondition{
+        .kind = Kind::kIndexMissing,
+        .axis = *axis,
+        .words =
+            fmt::format("no index pulse of {} {}", MotorAxisName(*axis), within(*axis)),
+        .remedy = "is its wire on, is it enabled (M813)?",
+        .can_move = true};
+  }
+  return std::nullopt;
 }
 
 std::optional<double> NumberBehind(const std::string& line, const std::string& key) {
@@ -60,12 +99,11 @@ Expected<std::vector<std::string>> MotorAxes::Say(const std::string& line) {
   auto answer = bench_.link->Send(line, kPatience);
   if (answer) return answer;
   MachineFault fault = answer.error();
-  const MotorTrouble trouble = TroubleOf(fault);
-  if (trouble == MotorTrouble::kSwitchMissing ||
-      trouble == MotorTrouble::kIndexMissing) {
-    fault.kind = MachineFault::Kind::kNoTrigger;
+  if (const auto condition = ConditionOf(fault, bench_.drawing)) {
+    fault.kind = condition->kind == MotorCondition::Kind::kBlocked
+                     ? MachineFault::Kind::kAlarm
+                     : MachineFault::Kind::kNoTrigger;
   }
-  if (trouble == MotorTrouble::kBlocked) fault.kind = MachineFault::Kind::kAlarm;
   return tl::unexpected(fault);
 }
 
@@ -132,6 +170,10 @@ Expected<void> MotorAxes::Enable(std::size_t axis, bool on) {
 }
 
 Expected<bool> MotorAxes::IsPressed(std::size_t axis, bool is_min) {
+  const double known_s = 2 * (bench_.drawing.poll_s + bench_.drawing.transfer_s);
+  if (const auto waited = Do("G4 S" + GcodeNumber(known_s, 6)); !waited) {
+    return tl::unexpected(waited.error());
+  }
   const auto line = LineOf("M119", axis);
   if (!line) return tl::unexpected(line.error());
   const std::string pin =
@@ -221,6 +263,10 @@ Expected<void> MotorAxes::SetLimits(std::size_t axis,
   if (const auto wide = Do(Code("M208 S0", axis, 1e5)); !wide) return wide;
   if (const auto low = Do(Code("M208 S1", axis, min_unit)); !low) return low;
   return Do(Code("M208 S0", axis, max_unit));
+}
+
+Expected<double> MotorAxes::Delay_s(std::size_t axis) {
+  return Field(816, axis);
 }
 
 Expected<void> MotorAxes::SetDelay_s(std::size_t axis, double delay_s) {

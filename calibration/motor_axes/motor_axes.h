@@ -16,11 +16,9 @@ struct MotorBench {
   Gauge* gauge = nullptr;  ///< `laser.x` reads where x's carriage is; none: nullptr.
   MotorStageDrawing drawing{};
   double gauge_sigma_unit = 0.0005;  ///< Standard uncertainty of one reading.
-  /// From one closing of a switch to the next, by its data sheet [mm, deg].
-  double switch_sigma_unit = 0.01;
-  double inertia_sigma = 0.03;    ///< Of the inertias, as a fraction.
-  double stop_filter_s = 0.0005;  ///< Of the controller's emergency input,
-  double stepper_stop_s = 0.004;  ///< and its ramp for steppers.
+  double inertia_sigma = 0.03;       ///< Of the inertias, as a fraction.
+  double stop_filter_s = 0.0005;     ///< Of the controller's emergency input,
+  double stepper_stop_s = 0.004;     ///< and its ramp for steppers.
 };
 
 /// What M814 tells of an axis.
@@ -43,9 +41,18 @@ struct StopSays {
   bool is_disabled = false;
 };
 
-/// The conditions that the published text names.
-enum class MotorTrouble { kSwitchMissing, kIndexMissing, kBlocked, kOther };
-MotorTrouble TroubleOf(const MachineFault& fault);
+/// A condition of the published error handling, as it was met on the way.
+struct MotorCondition {
+  enum class Kind { kSwitchMissing, kIndexMissing, kMismatch, kBacklash, kBlocked };
+  Kind kind = Kind::kBlocked;
+  std::size_t axis = 0;
+  std::string words{};    ///< For the log, without its speed.
+  std::string remedy{};   ///< For the operator.
+  bool can_move = false;  ///< Safe mode is slow then, else without power.
+};
+/// nullopt: another fault.
+std::optional<MotorCondition> ConditionOf(const MachineFault& fault,
+                                          const MotorStageDrawing& drawing);
 
 /// Speaks to a motor controller (docs/motor-axes.md has its G-code). Axes are numbers
 /// of kMotorAxisLetters, distances mm or deg, counts those of the motor's own counter
@@ -66,6 +73,7 @@ class MotorAxes {
   Expected<void> SeekIndex(std::size_t axis, double by_unit, double speed_unit_s);
   Expected<void> WaitComplete() { return Do("M400"); }
   Expected<void> Enable(std::size_t axis, bool on);
+  /// As it is, once the expander was asked twice.
   Expected<bool> IsPressed(std::size_t axis, bool is_min);
   Expected<std::int64_t> Count(std::size_t axis);
   Expected<DriveSays> Drive(std::size_t axis);
@@ -82,7 +90,8 @@ class MotorAxes {
   Expected<double> Field(int code, std::size_t axis);
   Expected<void> SetField(int code, std::size_t axis, double value);
   Expected<void> SetLimits(std::size_t axis, double min_unit, double max_unit);
-  /// M816: the axis' moves begin so much later.
+  /// M816: the axis' moves begin so much later. Not stored.
+  Expected<double> Delay_s(std::size_t axis);
   Expected<void> SetDelay_s(std::size_t axis, double delay_s);
   Expected<void> Store(std::size_t axis);
   /// A line of the controller's error log.

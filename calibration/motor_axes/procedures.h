@@ -48,6 +48,16 @@ struct MotorFindings {
   std::optional<double> lost_unit{};  ///< Of a stepper homed before; 0: no steps.
 };
 
+/// One entry of "What was done".
+struct MotorDone {
+  std::string quantity{};
+  std::string unit{};              ///< Of before and after.
+  std::optional<double> before{};  ///< Of the same quantity, where that is known.
+  double after = 0;
+  Verdict verdict = Verdict::kMeasured;
+  std::string message{};
+};
+
 struct MotorResult {
   ProcedureResult result{};
   MotorFindings found{};

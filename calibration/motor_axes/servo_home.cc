@@ -1,7 +1,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "calibration/motor_axes/doing.h"
+#include <fmt/format.h>
+
+#include "calibration/motor_axes/switch_looks.h"
 #include "sim/base/mutant.h"
 #include "sim/base/units.h"
 
@@ -9,7 +11,6 @@ namespace caltwin {
 namespace {
 
 constexpr double kUsualBackOff_unit = 2;
-constexpr double kHunt = 1.2;    // Turns that are gone to look for an index.
 constexpr double kTwoSided = 4;  // |offset| beyond a turn's 1/4: not this switch.
 
 /// What one homing has in hand; counts from the axis' old zero.
@@ -18,10 +19,9 @@ struct Homing {
   double pulses_per_unit = 1;
   double lead_unit = 1;
   double slow_unit_s = 1;
-  double seen_unit_s = 0;  ///< Speed with which it was seen at the switch,
-  double sigma_unit = 0;   ///< and how sure one look at it is.
-  int looks = 1;           ///< Of which at_switch is the mean.
-  std::int64_t at_switch = 0;
+  SwitchSeek seek{};
+  SwitchLooks looks{};         ///< At the switch; as published one.
+  std::int64_t at_switch = 0;  ///< Their mean.
   std::int64_t backed_off = 0;
   std::int64_t index = 0;
 
@@ -42,121 +42,72 @@ double Below(double sigmas) {
   return std::erfc(sigmas / std::sqrt(2.0)) / 2;
 }
 
-// The share of homings whose back-off ends on the other side of an index.
-double WrongTurns(const Homing& homing) {
-  const double to_unit = homing.after_back_off_unit();
-  return Below(to_unit / homing.sigma_unit) +
-         Below((homing.lead_unit - to_unit) / homing.sigma_unit);
+// The share of homings, each with one look, whose back-off ends on the other side of an
+// index, if that stood so much farther.
+double WrongTurns(const Homing& homing, double farther_unit = 0) {
+  const double to_unit = homing.after_back_off_unit() + farther_unit;
+  const double sigma_unit = homing.looks.sigma_unit;
+  return Below(to_unit / sigma_unit) + Below((homing.lead_unit - to_unit) / sigma_unit);
 }
 
-// On to the next index; back and again at half the speed where none comes.
+double BackOff_unit(const MotorDoing& doing) {
+  return doing.options().back_off_unit.value_or(kUsualBackOff_unit);
+}
+
 bool HuntIndex(Homing* homing, MotorDoing* doing) {
-  MotorAxes& axes = doing->axes();
-  const std::size_t axis = homing->axis;
-  double speed_unit_s = homing->slow_unit_s;
-  for (int attempt = 0; attempt <= doing->options().retries; ++attempt) {
-    if (!doing->Did(axes.ClearDrive(axis))) return false;
-    const auto found = axes.SeekIndex(axis, kHunt * homing->lead_unit, speed_unit_s);
-    if (found) {
-      if (!doing->Did(axes.WaitComplete())) return false;
-      const auto says = doing->Got(axes.Drive(axis));
-      if (!says || !says->index) return false;
-      homing->index = *says->index;
-      return true;
-    }
-    if (TroubleOf(found.error()) != MotorTrouble::kIndexMissing) {
-      doing->Fail(found.error());
-      return false;
-    }
-    doing->Log(axis,
-               fmt::format("no index pulse of {} within one revolution at {:g} {}/s",
-                           MotorAxisName(axis),
-                           speed_unit_s,
-                           axes.drawing(axis).unit()));
-    if (!doing->Did(axes.MoveBy(axis, -kHunt * homing->lead_unit, speed_unit_s))) {
-      return false;
-    }
-    if (attempt < doing->options().retries) ++doing->done().found.retries;
-    speed_unit_s /= 2;
-  }
-  doing->Alert(axis,
-               fmt::format("index of {} missing: is its wire on, is it enabled (M813)?",
-                           MotorAxisName(axis)));
-  doing->SafeSlow(axis);
-  return false;
-}
-
-// A second look at the switch, so slow that the expander's period is little.
-bool LookAgain(double back_off_unit, Homing* homing, MotorDoing* doing) {
-  MotorAxes& axes = doing->axes();
-  const double fine_unit_s = kSecondLook * homing->slow_unit_s;
-  homing->seen_unit_s = fine_unit_s;
-  homing->sigma_unit = SwitchSigma(axes.bench(), fine_unit_s);
-  return doing->Did(axes.MoveBy(homing->axis, back_off_unit, homing->slow_unit_s)) &&
-         doing->Did(axes.SeekSwitch(homing->axis, -2 * back_off_unit, fine_unit_s));
+  const auto index =
+      FindIndex(homing->axis, homing->lead_unit, homing->slow_unit_s, doing);
+  if (index) homing->index = *index;
+  return index.has_value();
 }
 
 // How far an index stands beyond the cut, by the switch; below 0: its next one is home.
 double BeyondCut(const Homing& homing, const MotorDoing& doing) {
-  const double back_off_unit =
-      doing.options().back_off_unit.value_or(kUsualBackOff_unit);
-  return homing.offset_unit() - back_off_unit - kCut_turns * homing.lead_unit;
-}
-
-// One more look at the switch, as slow as the second.
-std::optional<double> NextLook(double back_off_unit,
-                               const Homing& homing,
-                               MotorDoing* doing) {
-  MotorAxes& axes = doing->axes();
-  const std::size_t axis = homing.axis;
-  const double fine_unit_s = homing.seen_unit_s;
-  const auto now = doing->Got(axes.Count(axis));
-  const auto late_unit = SeenLate(axis, fine_unit_s, doing);
-  if (!now || !late_unit) return std::nullopt;
-  const double above_unit =
-      static_cast<double>(*now - homing.at_switch) / homing.pulses_per_unit;
-  const bool is_done =
-      doing->Did(axes.MoveBy(axis, back_off_unit - above_unit, homing.slow_unit_s)) &&
-      doing->Did(axes.SeekSwitch(axis, -2 * back_off_unit, fine_unit_s)) &&
-      doing->Did(axes.WaitComplete());
-  const auto count = is_done ? doing->Got(axes.Count(axis)) : std::nullopt;
-  if (!count) return std::nullopt;
-  return static_cast<double>(*count) + *late_unit * homing.pulses_per_unit;
+  return homing.offset_unit() - BackOff_unit(doing) - kCut_turns * homing.lead_unit;
 }
 
 // Looks at the switch until their mean says clearly on which side of the cut the index
 // is: n looks scatter sqrt(n) less than one.
 bool LookUntilClear(Homing* homing, MotorDoing* doing) {
-  const MotorOptions& o = doing->options();
-  const double back_off_unit = o.back_off_unit.value_or(kUsualBackOff_unit);
-  double sum_pulses = static_cast<double>(homing->at_switch);
-  const int most = Mutant("home_looks_once", kMostLooks, 1);
+  const auto most =
+      static_cast<std::size_t>(std::max(kMostLooks, doing->options().touches));
+  SwitchLooks& looks = homing->looks;
+  const std::size_t first = looks.at_pulses.size();
   const auto is_clear = [&] {
     return std::abs(BeyondCut(*homing, *doing)) >=
-           o.reach_sigmas * homing->sigma_unit / std::sqrt(homing->looks);
+           doing->options().reach_sigmas * looks.mean_sd_unit();
   };
-  while (homing->looks < most && !is_clear()) {
-    const auto seen_pulses = NextLook(back_off_unit, *homing, doing);
-    if (!seen_pulses) return false;
-    sum_pulses += *seen_pulses;
-    ++homing->looks;
-    homing->at_switch = std::llround(sum_pulses / homing->looks);
-  }
-  if (homing->looks > 1) {
-    doing->Say(
-        fmt::format("the switch of {} was looked at {} times: the index is near "
-                    "where its turn is decided",
-                    MotorAxisName(homing->axis),
-                    homing->looks));
-  }
   if (is_clear()) return true;
-  const double sigma_unit = homing->sigma_unit / std::sqrt(homing->looks);
+  // From where the index was found: as if it had come from there to the switch.
+  const auto now = doing->Got(doing->axes().Count(homing->axis));
+  if (!now) return false;
+  const double above_unit =
+      static_cast<double>(*now - homing->at_switch) / homing->pulses_per_unit;
+  if (!doing->Did(
+          doing->axes().MoveBy(homing->axis, -above_unit, homing->slow_unit_s))) {
+    return false;
+  }
+  while (looks.at_pulses.size() < Mutant("home_looks_once", most, first) &&
+         !is_clear()) {
+    if (!LookAtSwitch(homing->seek, homing->pulses_per_unit, &looks, doing)) {
+      return false;
+    }
+    homing->at_switch = std::llround(looks.mean_pulses());
+  }
+  doing->Say(
+      fmt::format("the switch of {} was looked at {} times: the index is near "
+                  "where its turn is decided",
+                  MotorAxisName(homing->axis),
+                  looks.at_pulses.size()));
+  if (is_clear()) return true;
+  const double share =
+      Below(std::abs(BeyondCut(*homing, *doing)) / looks.mean_sd_unit());
   doing->Warn(fmt::format(
       "{:.2g} % of first homings of {} would be a turn off, {} looks do not tell which "
       "index is home: move its switch's flag by a quarter of a turn ({:g} {})",
-      PercentFromFraction(Below(std::abs(BeyondCut(*homing, *doing)) / sigma_unit)),
+      PercentFromFraction(share),
       MotorAxisName(homing->axis),
-      homing->looks,
+      looks.at_pulses.size(),
       kCut_turns * homing->lead_unit,
       doing->axes().drawing(homing->axis).unit()));
   return true;
@@ -185,22 +136,28 @@ bool BackOffFarther(Homing* homing, MotorDoing* doing) {
   return true;
 }
 
+// How near the index is is known as well as the looks at the switch are: the share
+// holds between what it would be two standard deviations nearer and farther.
 void WarnOfReach(const Homing& homing, MotorDoing* doing) {
   const double to_unit = homing.after_back_off_unit();
   const double near_unit = std::min(to_unit, homing.lead_unit - to_unit);
-  const double share = WrongTurns(homing);
+  const double sigma_unit = homing.looks.sigma_unit;
+  const double away = to_unit < homing.lead_unit / 2 ? 2 : -2;
+  const double by_unit = away * homing.looks.mean_sd_unit();
   const MotorAxisDrawing& d = doing->axes().drawing(homing.axis);
   doing->Warn(
       fmt::format("the back-off of {} ends {:.1f} {} from an index, {:.1f} times the "
-                  "switch's scatter ({:.1f} {}): {:.2g} % of homings would be a turn "
-                  "({:g} {}) off",
+                  "switch's scatter ({:.1f} {}): {:.2g} % ({:.2g} to {:.2g}) of "
+                  "homings with one look would be a turn ({:g} {}) off",
                   MotorAxisName(homing.axis),
                   UmFromMm(near_unit),
                   d.fine_unit(),
-                  near_unit / homing.sigma_unit,
-                  UmFromMm(homing.sigma_unit),
+                  near_unit / sigma_unit,
+                  UmFromMm(sigma_unit),
                   d.fine_unit(),
-                  PercentFromFraction(share),
+                  PercentFromFraction(WrongTurns(homing)),
+                  PercentFromFraction(WrongTurns(homing, by_unit)),
+                  PercentFromFraction(WrongTurns(homing, -by_unit)),
                   homing.lead_unit,
                   d.unit()));
 }
@@ -211,12 +168,15 @@ bool CountTurns(double stored_unit, Homing* homing, MotorDoing* doing) {
   const double turns = std::round(off_unit / homing->lead_unit);
   const double rest_unit = off_unit - turns * homing->lead_unit;
   if (std::abs(rest_unit) > homing->lead_unit / kTwoSided) {
-    doing->Alert(homing->axis,
-                 fmt::format("the index of {} stands {:+.3f} {} from where it was over "
-                             "the switch: has a switch or a coupling moved?",
-                             MotorAxisName(homing->axis),
-                             rest_unit,
-                             doing->axes().drawing(homing->axis).unit()));
+    doing->Meet({.kind = MotorCondition::Kind::kMismatch,
+                 .axis = homing->axis,
+                 .words = fmt::format(
+                     "the index of {} stands {:+.3f} {} from where it was over "
+                     "the switch",
+                     MotorAxisName(homing->axis),
+                     rest_unit,
+                     doing->axes().drawing(homing->axis).unit()),
+                 .remedy = "has a switch or a coupling moved?"});
     return false;
   }
   const double pulses = turns * homing->lead_unit * homing->pulses_per_unit;
@@ -228,46 +188,92 @@ bool CountTurns(double stored_unit, Homing* homing, MotorDoing* doing) {
   return true;
 }
 
-bool ToSwitch(Homing* homing, MotorDoing* doing) {
+// To the switch at that speed, corrected to the mean of several looks; and back off.
+bool ToSwitch(double speed_unit_s, Homing* homing, MotorDoing* doing) {
   MotorAxes& axes = doing->axes();
   const std::size_t axis = homing->axis;
-  const double back_off_unit =
-      doing->options().back_off_unit.value_or(kUsualBackOff_unit);
-  const auto speed_unit_s = FindMinSwitch(axis, doing);
-  if (!speed_unit_s) return false;
-  homing->slow_unit_s = *speed_unit_s;
-  homing->seen_unit_s = *speed_unit_s;
-  homing->sigma_unit = SwitchSigma(axes.bench(), *speed_unit_s);
-  if (!doing->options().is_as_published && !LookAgain(back_off_unit, homing, doing)) {
-    return false;
-  }
+  homing->slow_unit_s = speed_unit_s;
+  if (!FindMinSwitch(axis, speed_unit_s, doing)) return false;
   if (!doing->Did(axes.WaitComplete())) return false;
-  const auto at_switch = doing->Got(axes.Count(axis));
-  if (!at_switch) return false;
-  if (!doing->Did(axes.MoveBy(axis, back_off_unit, homing->slow_unit_s))) return false;
-  const auto backed_off = doing->Got(axes.Count(axis));
-  if (!backed_off) return false;
-  homing->at_switch = *at_switch;
+  auto stands = doing->Got(axes.Count(axis));
+  if (!stands) return false;
+  homing->looks = {.at_pulses = {static_cast<double>(*stands)},
+                   .sigma_unit = SwitchSigma(axes.bench(), axis, speed_unit_s)};
   if (!doing->options().is_as_published) {
-    const auto late_unit = SeenLate(axis, kSecondLook * *speed_unit_s, doing);
-    if (!late_unit) return false;
-    homing->at_switch += std::llround(*late_unit * homing->pulses_per_unit);
+    homing->seek = {.axis = axis,
+                    .sense = -1,
+                    .came_unit_s = speed_unit_s,
+                    .fine_unit_s = kSecondLook * speed_unit_s};
+    auto looks = LookFinely(
+        homing->seek, doing->options().touches, homing->pulses_per_unit, doing);
+    if (!looks) return false;
+    homing->looks = *std::move(looks);
+    stands = doing->Got(axes.Count(axis));
+    if (!stands) return false;
   }
-  homing->backed_off = *backed_off;
-  return true;
+  homing->at_switch = std::llround(homing->looks.mean_pulses());
+  const double beyond_unit =
+      static_cast<double>(*stands - homing->at_switch) / homing->pulses_per_unit;
+  const double back_unit = BackOff_unit(*doing) - beyond_unit;
+  if (!doing->Did(axes.MoveBy(axis, back_unit, speed_unit_s))) return false;
+  const auto backed_off = doing->Got(axes.Count(axis));
+  if (backed_off) homing->backed_off = *backed_off;
+  return backed_off.has_value();
 }
 
 bool Correct(double stored_unit, Homing* homing, MotorDoing* doing) {
   const double to_unit = homing->after_back_off_unit();
   const double near_unit = std::min(to_unit, homing->lead_unit - to_unit);
-  const bool is_near = near_unit < doing->options().reach_sigmas * homing->sigma_unit;
+  const bool is_near =
+      near_unit < doing->options().reach_sigmas * homing->looks.sigma_unit;
   if (is_near) WarnOfReach(*homing, doing);
   if (stored_unit != 0) return CountTurns(stored_unit, homing, doing);
   if (!LookUntilClear(homing, doing)) return false;
-  const double reach_unit = doing->options().reach_sigmas * homing->sigma_unit;
+  const double reach_unit = doing->options().reach_sigmas * homing->looks.sigma_unit;
   const bool is_next = Mutant(
       "home_cut_within_reach", BeyondCut(*homing, *doing) < 0, near_unit < reach_unit);
   return !(is_near || is_next) || BackOffFarther(homing, doing);
+}
+
+}  // namespace
+
+namespace {
+
+// Zero, what it is called and how sure that is.
+void KeepHome(double stored_unit, const Homing& homing, MotorDoing* doing) {
+  MotorAxes& axes = doing->axes();
+  const std::size_t axis = homing.axis;
+  const bool is_as_published = doing->options().is_as_published;
+  const auto stands = doing->Got(axes.Count(axis));
+  if (!stands) return;
+  const std::int64_t latched =
+      Mutant("home_where_it_stopped", homing.index, homing.index + 40);
+  const std::int64_t zero = is_as_published ? *stands : latched;
+  const double offset_unit =
+      static_cast<double>(zero - homing.at_switch) / homing.pulses_per_unit;
+  const bool is_kept = doing->Did(axes.SetZero(axis, zero)) &&
+                       doing->Did(axes.SetField(206, axis, offset_unit)) &&
+                       doing->Did(axes.Store(axis));
+  if (!is_kept) return;
+  const std::string name = "home_offset." + MotorAxisName(axis);
+  const std::string unit = axes.drawing(axis).unit();
+  doing->Step({.quantity = name,
+               .unit = unit,
+               .before = stored_unit,
+               .after = offset_unit,
+               .verdict = Verdict::kApplied,
+               .message = is_as_published
+                              ? "zero is where the axis stood after the index"
+                              : "zero is the index itself, as latched"});
+  if (is_as_published) {
+    // The text states no uncertainty.
+    doing->Found(
+        {.name = name, .unit = unit, .value = offset_unit, .identifiable = true});
+    return;
+  }
+  const auto gap_unit = CompensatedGap(axis, "home_offset", doing);
+  if (!gap_unit) return;
+  doing->Found(name, unit, OfCarriage(offset_unit, *gap_unit, homing.looks.Budget()));
 }
 
 }  // namespace
@@ -279,41 +285,23 @@ MotorResult RunServoHome(MotorAxes* axes, const MotorOptions& options) {
   const auto pulses = doing.Got(axes->Field(92, axis));
   const auto stored_unit = doing.Got(axes->Field(206, axis));
   const auto per_rev = doing.Got(axes->Field(812, axis));
-  if (!pulses || !stored_unit || !per_rev) return doing.Take();
-  if (!doing.Did(axes->ForgetHome(axis))) return doing.Take();
+  const auto top_unit_s = doing.TopSpeed_unit_s(axis);
+  if (!pulses || !stored_unit || !per_rev || !top_unit_s) return doing.Take();
   homing.pulses_per_unit = *pulses;
   homing.lead_unit = *per_rev / *pulses;
   HintAtScale(axis, *pulses, *per_rev, &doing);
-  if (!ToSwitch(&homing, &doing) || !HuntIndex(&homing, &doing)) return doing.Take();
+  const double slow_unit_s = options.slow * *top_unit_s;
+  if (!StopsBehindASwitch(axis, slow_unit_s, &doing)) return doing.Take();
+  if (!doing.Did(axes->ForgetHome(axis))) return doing.Take();
+  const bool is_there = doing.TrySlower(slow_unit_s, [&](double speed_unit_s) {
+    return ToSwitch(speed_unit_s, &homing, &doing);
+  }) && HuntIndex(&homing, &doing);
+  if (!is_there) return doing.Take();
   doing.done().found.wrong_turn_probability = WrongTurns(homing);
-  const auto stands = doing.Got(axes->Count(axis));
-  if (!stands) return doing.Take();
   if (!options.is_as_published && !Correct(*stored_unit, &homing, &doing)) {
     return doing.Take();
   }
-  const std::int64_t latched =
-      Mutant("home_where_it_stopped", homing.index, homing.index + 40);
-  const std::int64_t zero = options.is_as_published ? *stands : latched;
-  const double offset_unit = static_cast<double>(zero - homing.at_switch) / *pulses;
-  const bool is_kept = doing.Did(axes->SetZero(axis, zero)) &&
-                       doing.Did(axes->SetField(206, axis, offset_unit)) &&
-                       doing.Did(axes->Store(axis));
-  if (!is_kept) return doing.Take();
-  const std::string name = "home_offset." + MotorAxisName(axis);
-  doing.Step(name,
-             *stored_unit,
-             offset_unit,
-             Verdict::kApplied,
-             options.is_as_published ? "zero is where the axis stood after the index"
-                                     : "zero is the index itself, as latched");
-  const auto gap_unit = CompensatedGap(axis, "home_offset", &doing);
-  if (!gap_unit) return doing.Take();
-  doing.Found(
-      name,
-      axes->drawing(axis).unit(),
-      OfCarriage(offset_unit,
-                 *gap_unit,
-                 SwitchBudget(axes->bench(), homing.seen_unit_s, homing.looks)));
+  KeepHome(*stored_unit, homing, &doing);
   return doing.Take();
 }
 

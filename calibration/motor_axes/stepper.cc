@@ -1,6 +1,8 @@
 #include <cmath>
 
-#include "calibration/motor_axes/doing.h"
+#include <fmt/format.h>
+
+#include "calibration/motor_axes/switch_looks.h"
 #include "sim/base/mutant.h"
 #include "sim/base/units.h"
 
@@ -8,9 +10,9 @@ namespace caltwin {
 namespace {
 
 constexpr double kUsualBackOff_unit = 5;
-constexpr double kClear_unit = 0.3;  // Before a fine touch: beyond any hysteresis.
-constexpr double kGentle = 0.5;      // Of the acceleration, on the way to a switch.
+constexpr double kGentle = 0.5;  // Of the acceleration, on the way to a switch.
 constexpr double kLostSigmas = 6;
+constexpr double kFullSteps = 4;  // A magnetic cycle.
 
 /// Where a switch was seen [pulses].
 struct Seen {
@@ -19,44 +21,15 @@ struct Seen {
   std::vector<Contribution> budget{};
 };
 
-/// Which switch, and how fast the axis came to stand beyond it.
-struct AtSwitch {
-  int sense = -1;  ///< Of the way to it.
-  double came_unit_s = 0;
-};
-
-// So often from so near, so slowly: the mean.
-std::optional<Seen> TouchFinely(std::size_t axis,
-                                const AtSwitch& at,
+std::optional<Seen> TouchFinely(const SwitchSeek& seek,
                                 double pulses_per_unit,
                                 MotorDoing* doing) {
-  MotorAxes& axes = doing->axes();
-  const MotorOptions& o = doing->options();
-  const auto late_unit = SeenLate(axis, o.fine_unit_s, doing);
-  const auto came_late_unit = SeenLate(axis, at.came_unit_s, doing);
-  if (!late_unit || !came_late_unit) return std::nullopt;
-  // It may stand farther beyond by half the expander's period. From too near the switch
-  // would not have opened, and would be seen at once.
-  const double beyond_unit =
-      *came_late_unit + at.came_unit_s * axes.bench().drawing.poll_s / 2;
-  Seen seen;
-  const int touches = Mutant("stepper_home_last_touch", o.touches, 1);
-  for (int i = 0; i < touches; ++i) {
-    const double back_unit = kClear_unit + (i == 0 ? beyond_unit : 0);
-    const double to_unit = 5 * kClear_unit + back_unit;
-    const bool is_done =
-        doing->Did(axes.MoveBy(axis, -at.sense * back_unit, 10 * o.fine_unit_s)) &&
-        doing->Did(axes.SeekSwitch(axis, at.sense * to_unit, o.fine_unit_s)) &&
-        doing->Did(axes.WaitComplete());
-    if (!is_done) return std::nullopt;
-    const auto count = doing->Got(axes.Count(axis));
-    if (!count) return std::nullopt;
-    seen.pulses += static_cast<double>(*count) / touches;
-  }
-  seen.pulses -= at.sense * *late_unit * pulses_per_unit;
-  seen.sd_unit = SwitchSigma(axes.bench(), o.fine_unit_s) / std::sqrt(touches);
-  seen.budget = SwitchBudget(axes.bench(), o.fine_unit_s, touches);
-  return seen;
+  const int touches = Mutant("stepper_home_last_touch", doing->options().touches, 1);
+  const auto looks = LookFinely(seek, touches, pulses_per_unit, doing);
+  if (!looks) return std::nullopt;
+  return Seen{.pulses = looks->mean_pulses(),
+              .sd_unit = looks->mean_sd_unit(),
+              .budget = looks->Budget()};
 }
 
 // The published second approach, at part of the speed.
@@ -67,43 +40,79 @@ std::optional<Seen> SecondTouch(std::size_t axis,
   const MotorOptions& o = doing->options();
   const double back_unit = o.back_off_unit.value_or(kUsualBackOff_unit);
   const double speed_unit_s = o.second * slow_unit_s;
+  if (!doing->Did(axes.MoveBy(axis, back_unit, slow_unit_s))) return std::nullopt;
+  const auto pressed = doing->Got(axes.IsPressed(axis, /*is_min=*/true));
+  if (!pressed) return std::nullopt;
+  if (*pressed) {
+    doing->Fail({.reply = fmt::format("a back-off of {:g} {} does not open the MIN "
+                                      "switch of {}: choose a larger one",
+                                      back_unit,
+                                      axes.drawing(axis).unit(),
+                                      MotorAxisName(axis))});
+    return std::nullopt;
+  }
   const bool is_done =
-      doing->Did(axes.MoveBy(axis, back_unit, slow_unit_s)) &&
       doing->Did(axes.SeekSwitch(axis, -2 * back_unit, speed_unit_s)) &&
       doing->Did(axes.WaitComplete());
-  if (!is_done) return std::nullopt;
-  const auto count = doing->Got(axes.Count(axis));
+  const auto count = is_done ? doing->Got(axes.Count(axis)) : std::nullopt;
   if (!count) return std::nullopt;
-  return Seen{static_cast<double>(*count),
-              SwitchSigma(axes.bench(), speed_unit_s),
-              SwitchBudget(axes.bench(), speed_unit_s)};
+  return Seen{.pulses = static_cast<double>(*count),
+              .sd_unit = SwitchSigma(axes.bench(), axis, speed_unit_s)};
 }
 
-// Of an axis that was homed before: its switch is where it was, or steps were lost.
+// Of an axis that was homed before. A rotor that was let go is caught whole magnetic
+// cycles away: less than half of one is its home's or its switch's doing.
 void TellLostSteps(std::size_t axis,
                    const Seen& seen,
                    double pulses,
                    MotorDoing* doing) {
   const MotorAxisDrawing& d = doing->axes().drawing(axis);
+  const std::string name = MotorAxisName(axis);
   const double off_unit = seen.pulses / pulses + doing->options().final_back_off_unit;
-  const bool has_lost =
-      std::abs(off_unit) >= kLostSigmas * std::sqrt(2.0) * seen.sd_unit;
-  doing->done().found.lost_unit = has_lost ? off_unit : 0;
-  if (!has_lost) {
-    doing->Say(fmt::format("{} had lost no steps: {:+.1f} {} from its home",
-                           MotorAxisName(axis),
-                           UmFromMm(off_unit),
-                           d.fine_unit()));
-    return;
+  const double cycle_unit = kFullSteps * d.lead_unit / d.full_steps_per_rev;
+  const double cycles = std::round(off_unit / cycle_unit);
+  const double rest_unit = off_unit - cycles * cycle_unit;
+  const double clear_unit = kLostSigmas * std::sqrt(2.0) * seen.sd_unit;
+  if (clear_unit > cycle_unit / 2) {
+    doing->Warn(fmt::format(
+        "{}: the switch scatters too much ({:.1f} {}) to tell a lost magnetic cycle "
+        "({:g} {})",
+        name,
+        UmFromMm(seen.sd_unit),
+        d.fine_unit(),
+        cycle_unit,
+        d.unit()));
   }
-  const double cycles = off_unit * d.full_steps_per_rev / d.lead_unit / 4;
-  doing->Log(axis,
-             fmt::format("{} had lost {:.3f} {}, {:.1f} magnetic cycles of four full "
-                         "steps",
-                         MotorAxisName(axis),
-                         off_unit,
-                         d.unit(),
-                         cycles));
+  const bool has_lost = Mutant("steps_lost_without_a_cycle",
+                               cycles != 0 && std::abs(off_unit) > clear_unit,
+                               std::abs(off_unit) > clear_unit);
+  doing->done().found.lost_unit = has_lost ? off_unit : 0;
+  if (has_lost) {
+    doing->Log(
+        axis,
+        fmt::format("{} had lost {:.3f} {}, {:+.0f} magnetic cycles of four full "
+                    "steps",
+                    name,
+                    off_unit,
+                    d.unit(),
+                    cycles));
+  } else {
+    doing->Say(
+        fmt::format("{} had lost no steps: {:+.1f} {} from its home, a magnetic "
+                    "cycle is {:g}",
+                    name,
+                    UmFromMm(off_unit),
+                    d.fine_unit(),
+                    UmFromMm(cycle_unit)));
+  }
+  if (std::abs(rest_unit) > clear_unit) {
+    doing->Warn(
+        fmt::format("{}: {:+.1f} {} of that are no whole cycle: was it homed "
+                    "as published, or has its switch moved?",
+                    name,
+                    UmFromMm(rest_unit),
+                    d.fine_unit()));
+  }
 }
 
 // Half the acceleration for as long as it lives.
@@ -126,111 +135,88 @@ class GentleStart {
   double usual_unit_s2_ = 0;
 };
 
+// The MIN switch as the procedure sees it, at that speed.
+std::optional<Seen> SeeSwitch(std::size_t axis,
+                              double speed_unit_s,
+                              double pulses_per_unit,
+                              MotorDoing* doing) {
+  const MotorOptions& o = doing->options();
+  if (!FindMinSwitch(axis, speed_unit_s, doing)) return std::nullopt;
+  auto seen = SecondTouch(axis, speed_unit_s, doing);
+  if (!seen || o.is_as_published) return seen;
+  return TouchFinely({.axis = axis,
+                      .sense = -1,
+                      .came_unit_s = o.second * speed_unit_s,
+                      .fine_unit_s = o.fine_unit_s},
+                     pulses_per_unit,
+                     doing);
+}
+
+// Zero, the rest from it, and what is told of both.
+void KeepStepperHome(const Seen& seen,
+                     double pulses,
+                     double slow_unit_s,
+                     MotorDoing* doing) {
+  MotorAxes& axes = doing->axes();
+  const MotorOptions& o = doing->options();
+  const std::size_t axis = o.axes.front();
+  const MotorAxisDrawing& d = axes.drawing(axis);
+  const double zero = seen.pulses + o.final_back_off_unit * pulses;
+  const bool is_kept =
+      doing->Did(axes.SetZero(axis, std::llround(zero))) &&
+      doing->Did(axes.MoveTo(axis, 0, slow_unit_s)) &&
+      doing->Did(axes.MoveTo(axis, o.safe_unit - o.final_back_off_unit, slow_unit_s)) &&
+      doing->Did(axes.SetField(206, axis, o.final_back_off_unit)) &&
+      doing->Did(axes.Store(axis));
+  if (!is_kept) return;
+  const std::string name = "home_offset." + MotorAxisName(axis);
+  doing->Step({.quantity = name,
+               .unit = d.unit(),
+               .after = o.final_back_off_unit,
+               .verdict = Verdict::kApplied,
+               .message = fmt::format("zero stands {:g} {} from the switch, told to "
+                                      "{:.1f} {}",
+                                      o.final_back_off_unit,
+                                      d.unit(),
+                                      UmFromMm(seen.sd_unit),
+                                      d.fine_unit())});
+  if (o.is_as_published) {
+    // The text states no uncertainty.
+    doing->Found({.name = name,
+                  .unit = d.unit(),
+                  .value = o.final_back_off_unit,
+                  .identifiable = true});
+    return;
+  }
+  const auto gap_unit = CompensatedGap(axis, "home_offset", doing);
+  if (!gap_unit) return;
+  doing->Found(
+      name, d.unit(), OfCarriage(o.final_back_off_unit, *gap_unit, seen.budget));
+}
+
 }  // namespace
 
 MotorResult RunStepperHome(MotorAxes* axes, const MotorOptions& options) {
   MotorDoing doing("stepper_home", options, axes);
   const std::size_t axis = options.axes.front();
-  const MotorAxisDrawing& d = axes->drawing(axis);
   const auto pulses = doing.Got(axes->Field(92, axis));
   const auto says = doing.Got(axes->Drive(axis));
   const auto per_rev = doing.Got(axes->Field(812, axis));
-  if (!pulses || !says || !per_rev) return doing.Take();
-  if (!doing.Did(axes->ForgetHome(axis))) return doing.Take();
+  const auto top_unit_s = doing.TopSpeed_unit_s(axis);
+  if (!pulses || !says || !per_rev || !top_unit_s) return doing.Take();
   HintAtScale(axis, *pulses, *per_rev, &doing);
+  const double slow_unit_s = options.slow * *top_unit_s;
   GentleStart gentle(axis, &doing);
-  const auto slow_unit_s = FindMinSwitch(axis, &doing);
   std::optional<Seen> seen;
-  if (slow_unit_s) seen = SecondTouch(axis, *slow_unit_s, &doing);
+  if (StopsBehindASwitch(axis, slow_unit_s, &doing) &&
+      doing.Did(axes->ForgetHome(axis))) {
+    seen = doing.TrySlower(slow_unit_s, [&](double speed_unit_s) {
+      return SeeSwitch(axis, speed_unit_s, *pulses, &doing);
+    });
+  }
   if (!gentle.End() || !seen) return doing.Take();
-  if (!options.is_as_published) {
-    seen = TouchFinely(axis,
-                       {.sense = -1, .came_unit_s = options.second * *slow_unit_s},
-                       *pulses,
-                       &doing);
-  }
-  if (!seen) return doing.Take();
   if (says->was_homed) TellLostSteps(axis, *seen, *pulses, &doing);
-  const double zero = seen->pulses + options.final_back_off_unit * *pulses;
-  const double slow = *slow_unit_s;
-  const bool is_kept =
-      doing.Did(axes->SetZero(axis, std::llround(zero))) &&
-      doing.Did(axes->MoveTo(axis, 0, slow)) &&
-      doing.Did(
-          axes->MoveTo(axis, options.safe_unit - options.final_back_off_unit, slow)) &&
-      doing.Did(axes->SetField(206, axis, options.final_back_off_unit)) &&
-      doing.Did(axes->Store(axis));
-  if (!is_kept) return doing.Take();
-  const std::string name = "home_offset." + MotorAxisName(axis);
-  doing.Step(name,
-             0,
-             options.final_back_off_unit,
-             Verdict::kApplied,
-             fmt::format("zero stands {:g} {} from the switch, told to {:.1f} {}",
-                         options.final_back_off_unit,
-                         d.unit(),
-                         UmFromMm(seen->sd_unit),
-                         d.fine_unit()));
-  const auto gap_unit = CompensatedGap(axis, "home_offset", &doing);
-  if (!gap_unit) return doing.Take();
-  doing.Found(
-      name, d.unit(), OfCarriage(options.final_back_off_unit, *gap_unit, seen->budget));
-  return doing.Take();
-}
-
-MotorResult RunTravelLimits(MotorAxes* axes, const MotorOptions& options) {
-  MotorDoing doing("travel_limits", options, axes);
-  const std::size_t axis = options.axes.front();
-  const MotorAxisDrawing& d = axes->drawing(axis);
-  const auto pulses = doing.Got(axes->Field(92, axis));
-  const auto offset_unit = doing.Got(axes->Field(206, axis));
-  const auto says = doing.Got(axes->Drive(axis));
-  if (!pulses || !offset_unit || !says) return doing.Take();
-  if (!says->is_homed) {
-    doing.Fail({.reply = MotorAxisName(axis) + " is not homed: home it first"});
-    return doing.Take();
-  }
-  const double speed_unit_s = options.slow * d.max_velocity_unit_s;
-  const double reach_unit = 1.2 * (d.max_switch_unit - d.min_switch_unit);
-  if (!doing.Did(axes->MoveTo(axis, 0, speed_unit_s))) return doing.Take();
-  const auto found = axes->SeekSwitch(axis, reach_unit, speed_unit_s);
-  if (!found) {
-    doing.Alert(axis,
-                fmt::format("end switch MAX of {} not detected ({})",
-                            MotorAxisName(axis),
-                            found.error().reply));
-    doing.SafeSlow(axis);
-    return doing.Take();
-  }
-  if (!doing.Did(axes->WaitComplete())) return doing.Take();
-  const auto count = doing.Got(axes->Count(axis));
-  if (!count) return doing.Take();
-  std::optional<Seen> seen{{static_cast<double>(*count),
-                            SwitchSigma(axes->bench(), speed_unit_s),
-                            SwitchBudget(axes->bench(), speed_unit_s)}};
-  if (!options.is_as_published) {
-    seen =
-        TouchFinely(axis, {.sense = +1, .came_unit_s = speed_unit_s}, *pulses, &doing);
-  }
-  if (!seen) return doing.Take();
-  const double travel_unit = seen->pulses / *pulses;
-  const double low_unit = std::min(0.0, options.margin_unit - *offset_unit);
-  const double high_unit = travel_unit - options.margin_unit;
-  const bool is_kept =
-      doing.Did(axes->SetLimits(axis, low_unit, high_unit)) &&
-      doing.Did(axes->MoveTo(axis, (low_unit + high_unit) / 2, speed_unit_s)) &&
-      doing.Did(axes->Store(axis));
-  if (!is_kept) return doing.Take();
-  const std::string name = "travel." + MotorAxisName(axis);
-  doing.Step(
-      name,
-      d.max_unit,
-      travel_unit,
-      Verdict::kApplied,
-      fmt::format("working range {:.3f} .. {:.3f} {}", low_unit, high_unit, d.unit()));
-  const auto gap_unit = CompensatedGap(axis, "travel", &doing);
-  if (!gap_unit) return doing.Take();
-  doing.Found(name, d.unit(), OfCarriage(travel_unit, *gap_unit, seen->budget));
+  KeepStepperHome(*seen, *pulses, slow_unit_s, &doing);
   return doing.Take();
 }
 

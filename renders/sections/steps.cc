@@ -39,7 +39,7 @@ double Resolution(const Step& step, std::string_view unit) {
 }
 
 std::string StepRow(const Step& step, std::size_t number) {
-  const std::string unit = UnitOfName(step.name);
+  const std::string unit = step.unit.empty() ? UnitOfName(step.name) : step.unit;
   const double resolution = Resolution(step, unit);
   const std::string variant =
       step.variant.empty()
@@ -55,7 +55,7 @@ std::string StepRow(const Step& step, std::size_t number) {
       variant,
       step.iteration,
       Escaped(step.name),
-      NumberText(step.before, resolution),
+      step.has_before ? NumberText(step.before, resolution) : "",
       NumberText(step.after, resolution),
       Escaped(UnitText(unit)),
       BadgeKind(step.verdict),

@@ -86,6 +86,7 @@ MotorAxisDrawing ReadMotorAxis(YamlMap map, MotorAxisDrawing axis) {
   read.Length("min_switch", &axis.min_switch_unit, kLength);
   read.Length("max_switch", &axis.max_switch_unit, kLength);
   read.Length("switch_hysteresis", &axis.switch_hysteresis_unit, {0, 10});
+  read.Length("switch_scatter", &axis.switch_scatter_unit, {1e-6, 10});
   read.Length("stop", &axis.stop_unit, {0.01, 100});
   read.Length("index_from_switch", &axis.index_from_switch_unit, {0, 1e4});
   RequireOrder(axis, &map);

@@ -42,7 +42,9 @@ struct MotorAxisDrawing {
   double min_switch_unit = -8;  ///< Where the carriage closes the switch; on beyond it.
   double max_switch_unit = 208;          ///< Likewise.
   double switch_hysteresis_unit = 0.05;  ///< Travel back until it opens.
-  double stop_unit = 4;                  ///< The hard stops stand so far beyond.
+  /// Standard deviation from one closing to the next, by its data sheet.
+  double switch_scatter_unit = 0.01;
+  double stop_unit = 4;                 ///< The hard stops stand so far beyond.
   double index_from_switch_unit = 6.3;  ///< From the MIN switch to an index, towards +.
 
   double pulses_per_unit() const { return pulses_per_rev / lead_unit; }

@@ -1,0 +1,133 @@
+#include "calibration/motor_axes/switch_looks.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include <fmt/format.h>
+
+#include "sim/base/mutant.h"
+#include "sim/base/units.h"
+
+namespace caltwin {
+namespace {
+
+constexpr double kClear_unit = 0.3;  // Before a fine look.
+constexpr int kMostSteps = 4;        // So often back until the switch is open.
+
+// chi-squared that k degrees of freedom exceed in one of 10 000 (Wilson and Hilferty,
+// to 3 % from two degrees on).
+double ChiSquaredLimit(double k) {
+  constexpr double kSigmas = 3.719;
+  const double part = 2 / (9 * k);
+  return k * std::pow(1 - part + kSigmas * std::sqrt(part), 3);
+}
+
+double SumOfSquares(const SwitchLooks& looks) {
+  const double mean = looks.mean_pulses();
+  double sum = 0;
+  for (const double at : looks.at_pulses) sum += (at - mean) * (at - mean);
+  return sum;
+}
+
+// Back by so much, and again until the switch is open.
+bool BackUntilOpen(const SwitchSeek& seek, double back_unit, MotorDoing* doing) {
+  MotorAxes& axes = doing->axes();
+  for (int i = 0; i < kMostSteps; ++i) {
+    const bool is_back = doing->Did(
+        axes.MoveBy(seek.axis, -seek.sense * back_unit, 10 * seek.fine_unit_s));
+    if (!is_back) return false;
+    const auto pressed = doing->Got(axes.IsPressed(seek.axis, seek.sense < 0));
+    if (!pressed) return false;
+    if (Mutant("switch_look_from_closed", !*pressed, true)) return true;
+  }
+  doing->Fail({.reply = fmt::format("the {} switch of {} stays closed {:.3g} {} before "
+                                    "where it closed: it cannot be looked at again",
+                                    seek.sense < 0 ? "MIN" : "MAX",
+                                    MotorAxisName(seek.axis),
+                                    kMostSteps * back_unit,
+                                    axes.drawing(seek.axis).unit())});
+  return false;
+}
+
+}  // namespace
+
+double SwitchLooks::mean_pulses() const {
+  return std::accumulate(at_pulses.begin(), at_pulses.end(), 0.0) /
+         static_cast<double>(at_pulses.size());
+}
+
+double SwitchLooks::mean_sd_unit() const {
+  return sigma_unit / std::sqrt(static_cast<double>(at_pulses.size()));
+}
+
+std::vector<Contribution> SwitchLooks::Budget() const {
+  const auto n = static_cast<double>(at_pulses.size());
+  if (scatters) {
+    return {{.input = "switch, as seen", .u = mean_sd_unit(), .dof = n - 1}};
+  }
+  std::vector<Contribution> budget = drawn;
+  for (Contribution& input : budget) input.u /= std::sqrt(n);
+  return budget;
+}
+
+bool LookAtSwitch(const SwitchSeek& seek,
+                  double pulses_per_unit,
+                  SwitchLooks* looks,
+                  MotorDoing* doing) {
+  MotorAxes& axes = doing->axes();
+  const MotorAxisDrawing& d = axes.drawing(seek.axis);
+  const double came_unit_s =
+      looks->at_pulses.empty() ? seek.came_unit_s : seek.fine_unit_s;
+  const auto came_late_unit = SeenLate(seek.axis, came_unit_s, doing);
+  const auto late_unit = SeenLate(seek.axis, seek.fine_unit_s, doing);
+  if (!came_late_unit || !late_unit) return false;
+  // It may stand farther beyond by half the expander's period.
+  const double beyond_unit =
+      *came_late_unit + came_unit_s * axes.bench().drawing.poll_s / 2;
+  const double back_unit = beyond_unit + d.switch_hysteresis_unit + kClear_unit;
+  const double to_unit = kMostSteps * back_unit + 5 * kClear_unit;
+  const bool is_there =
+      BackUntilOpen(seek, back_unit, doing) &&
+      doing->Did(axes.SeekSwitch(seek.axis, seek.sense * to_unit, seek.fine_unit_s)) &&
+      doing->Did(axes.WaitComplete());
+  const auto count = is_there ? doing->Got(axes.Count(seek.axis)) : std::nullopt;
+  if (!count) return false;
+  looks->at_pulses.push_back(static_cast<double>(*count) -
+                             seek.sense * *late_unit * pulses_per_unit);
+  return true;
+}
+
+std::optional<SwitchLooks> LookFinely(const SwitchSeek& seek,
+                                      int times,
+                                      double pulses_per_unit,
+                                      MotorDoing* doing) {
+  const MotorBench& bench = doing->axes().bench();
+  SwitchLooks looks{.sigma_unit = SwitchSigma(bench, seek.axis, seek.fine_unit_s),
+                    .drawn = SwitchBudget(bench, seek.axis, seek.fine_unit_s)};
+  for (int i = 0; i < times; ++i) {
+    if (!LookAtSwitch(seek, pulses_per_unit, &looks, doing)) return std::nullopt;
+  }
+  if (times < 2) return looks;
+  const double squares_unit2 =
+      SumOfSquares(looks) / (pulses_per_unit * pulses_per_unit);
+  const double of_drawn = squares_unit2 / (looks.sigma_unit * looks.sigma_unit);
+  looks.scatters =
+      Mutant("switch_scatter_believed", of_drawn > ChiSquaredLimit(times - 1), false);
+  if (!looks.scatters) return looks;
+  const double drawn_unit = looks.sigma_unit;
+  looks.sigma_unit = std::sqrt(squares_unit2 / (times - 1));
+  const MotorAxisDrawing& d = doing->axes().drawing(seek.axis);
+  doing->Warn(fmt::format(
+      "the {} switch of {} scatters by {:.1f} {} over {} looks, {:.1f} as drawn "
+      "(switch_scatter): is it loose or worn? What was seen counts",
+      seek.sense < 0 ? "MIN" : "MAX",
+      MotorAxisName(seek.axis),
+      UmFromMm(looks.sigma_unit),
+      d.fine_unit(),
+      times,
+      UmFromMm(drawn_unit)));
+  return looks;
+}
+
+}  // namespace caltwin
