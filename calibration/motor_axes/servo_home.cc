@@ -10,7 +10,7 @@
 namespace caltwin {
 namespace {
 
-constexpr double kUsualBackOff_unit = 2;
+constexpr double kUsualBackOffOf = 2;
 constexpr double kTwoSided = 4;  // |offset| beyond a turn's 1/4: not this switch.
 
 /// What one homing has in hand; counts from the axis' old zero.
@@ -50,8 +50,8 @@ double WrongTurns(const Homing& homing, double farther_unit = 0) {
   return Below(to_unit / sigma_unit) + Below((homing.lead_unit - to_unit) / sigma_unit);
 }
 
-double BackOff_unit(const MotorDoing& doing) {
-  return doing.options().back_off_unit.value_or(kUsualBackOff_unit);
+double BackOffOf(const MotorDoing& doing) {
+  return doing.options().back_off_unit.value_or(kUsualBackOffOf);
 }
 
 bool HuntIndex(Homing* homing, MotorDoing* doing) {
@@ -63,7 +63,7 @@ bool HuntIndex(Homing* homing, MotorDoing* doing) {
 
 // How far an index stands beyond the cut, by the switch; below 0: its next one is home.
 double BeyondCut(const Homing& homing, const MotorDoing& doing) {
-  return homing.offset_unit() - BackOff_unit(doing) - kCut_turns * homing.lead_unit;
+  return homing.offset_unit() - BackOffOf(doing) - kCut_turns * homing.lead_unit;
 }
 
 // Looks at the switch until their mean says clearly on which side of the cut the index
@@ -214,7 +214,7 @@ bool ToSwitch(double speed_unit_s, Homing* homing, MotorDoing* doing) {
   homing->at_switch = std::llround(homing->looks.mean_pulses());
   const double beyond_unit =
       static_cast<double>(*stands - homing->at_switch) / homing->pulses_per_unit;
-  const double back_unit = BackOff_unit(*doing) - beyond_unit;
+  const double back_unit = BackOffOf(*doing) - beyond_unit;
   if (!doing->Did(axes.MoveBy(axis, back_unit, speed_unit_s))) return false;
   const auto backed_off = doing->Got(axes.Count(axis));
   if (backed_off) homing->backed_off = *backed_off;

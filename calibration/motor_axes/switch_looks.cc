@@ -12,8 +12,8 @@
 namespace caltwin {
 namespace {
 
-constexpr double kClear_unit = 0.3;  // Before a fine look.
-constexpr int kMostSteps = 4;        // So often back until the switch is open.
+constexpr double kClearSigmas = 8;  // From one closing to the next: sqrt(2) of it.
+constexpr int kMostSteps = 4;       // So often back until the switch is open.
 
 // chi-squared that k degrees of freedom exceed in one of 10 000 (Wilson and Hilferty,
 // to 3 % from two degrees on).
@@ -85,8 +85,8 @@ bool LookAtSwitch(const SwitchSeek& seek,
   // It may stand farther beyond by half the expander's period.
   const double beyond_unit =
       *came_late_unit + came_unit_s * axes.bench().drawing.poll_s / 2;
-  const double back_unit = beyond_unit + d.switch_hysteresis_unit + kClear_unit;
-  const double to_unit = kMostSteps * back_unit + 5 * kClear_unit;
+  const double back_unit = beyond_unit + d.switch_hysteresis_unit + looks->clear_unit;
+  const double to_unit = kMostSteps * back_unit + 5 * looks->clear_unit;
   const bool is_there =
       BackUntilOpen(seek, back_unit, doing) &&
       doing->Did(axes.SeekSwitch(seek.axis, seek.sense * to_unit, seek.fine_unit_s)) &&
@@ -98,26 +98,51 @@ bool LookAtSwitch(const SwitchSeek& seek,
   return true;
 }
 
+namespace {
+
+bool LookOften(const SwitchSeek& seek,
+               int times,
+               double pulses_per_unit,
+               SwitchLooks* looks,
+               MotorDoing* doing) {
+  looks->at_pulses.clear();
+  for (int i = 0; i < times; ++i) {
+    if (!LookAtSwitch(seek, pulses_per_unit, looks, doing)) return false;
+  }
+  return true;
+}
+
+// Of one look, by the looks.
+double SeenSigmaOf(const SwitchLooks& looks, double pulses_per_unit) {
+  const auto n = static_cast<double>(looks.at_pulses.size());
+  return std::sqrt(SumOfSquares(looks) / (n - 1)) / pulses_per_unit;
+}
+
+}  // namespace
+
 std::optional<SwitchLooks> LookFinely(const SwitchSeek& seek,
                                       int times,
                                       double pulses_per_unit,
                                       MotorDoing* doing) {
   const MotorBench& bench = doing->axes().bench();
+  const MotorAxisDrawing& d = doing->axes().drawing(seek.axis);
   SwitchLooks looks{.sigma_unit = SwitchSigma(bench, seek.axis, seek.fine_unit_s),
                     .drawn = SwitchBudget(bench, seek.axis, seek.fine_unit_s)};
-  for (int i = 0; i < times; ++i) {
-    if (!LookAtSwitch(seek, pulses_per_unit, &looks, doing)) return std::nullopt;
-  }
-  if (times < 2) return looks;
-  const double squares_unit2 =
-      SumOfSquares(looks) / (pulses_per_unit * pulses_per_unit);
-  const double of_drawn = squares_unit2 / (looks.sigma_unit * looks.sigma_unit);
-  looks.scatters =
-      Mutant("switch_scatter_believed", of_drawn > ChiSquaredLimit(times - 1), false);
-  if (!looks.scatters) return looks;
   const double drawn_unit = looks.sigma_unit;
-  looks.sigma_unit = std::sqrt(squares_unit2 / (times - 1));
-  const MotorAxisDrawing& d = doing->axes().drawing(seek.axis);
+  looks.clear_unit = std::max(looks.clear_unit, kClearSigmas * drawn_unit);
+  if (!LookOften(seek, times, pulses_per_unit, &looks, doing)) return std::nullopt;
+  if (times < 2) return looks;
+  const double seen = SeenSigmaOf(looks, pulses_per_unit) / drawn_unit;
+  const bool is_more = (times - 1) * seen * seen > ChiSquaredLimit(times - 1);
+  looks.scatters = Mutant("switch_scatter_believed", is_more, false);
+  if (!looks.scatters) return looks;
+  // Anew from as far as the looks may have seen too little of it: what four degrees of
+  // freedom tell is three times too small in one of a hundred.
+  constexpr double kTold = 3;
+  looks.clear_unit = std::max(
+      looks.clear_unit, kTold * kClearSigmas * SeenSigmaOf(looks, pulses_per_unit));
+  if (!LookOften(seek, times, pulses_per_unit, &looks, doing)) return std::nullopt;
+  looks.sigma_unit = std::max(SeenSigmaOf(looks, pulses_per_unit), drawn_unit);
   doing->Warn(fmt::format(
       "the {} switch of {} scatters by {:.1f} {} over {} looks, {:.1f} as drawn "
       "(switch_scatter): is it loose or worn? What was seen counts",

@@ -23,6 +23,9 @@ struct SwitchLooks {
   /// more.
   double sigma_unit = 0;
   bool scatters = false;  ///< Clearly more than drawn.
+  /// From where it opened to where the next look begins: beyond where it may close
+  /// next.
+  double clear_unit = 0.3;
   std::vector<Contribution> drawn{};
 
   double mean_pulses() const;
@@ -42,7 +45,7 @@ bool LookAtSwitch(const SwitchSeek& seek,
 ///   sum (p_i - mean)^2 / sigma^2
 ///
 /// is beyond chi-squared of n - 1 with 99.99 %, the switch scatters more than drawn; it
-/// is warned of, and what was seen is stated.
+/// is looked at anew from far enough for that, warned of, and what was seen is stated.
 std::optional<SwitchLooks> LookFinely(const SwitchSeek& seek,
                                       int times,
                                       double pulses_per_unit,
