@@ -106,7 +106,6 @@ bool MotorDoing::Absorb(MotorResult inner) {
   };
   append(&inner.result.messages, &done_.result.messages);
   append(&inner.result.steps, &done_.result.steps);
-  append(&inner.result.estimates, &done_.result.estimates);
   append(&inner.result.observability, &done_.result.observability);
   MotorFindings& found = done_.found;
   found.alerts += inner.found.alerts;

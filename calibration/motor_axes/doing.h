@@ -72,8 +72,8 @@ class MotorDoing {
     done_.result.observability.push_back({statement, {{name, 1.0}}});
     done_.result.ending = Ending::kConfounded;
   }
-  /// All that another procedure found and did on the way, its ending too where it is
-  /// not done.
+  /// What another procedure found and did on the way, but for its estimates, which are
+  /// not what this one is asked; its ending too where it is not done.
   bool Absorb(MotorResult inner);
   void Fail(const MachineFault& fault);
   template <typename T>
