@@ -42,16 +42,6 @@ bool GoToMiddle(MotorDoing* doing) {
   });
 }
 
-std::optional<double> CommonSpeed_unit_s(MotorDoing* doing) {
-  double slowest_unit_s = std::numeric_limits<double>::max();
-  for (const std::size_t axis : doing->options().axes) {
-    const auto top_unit_s = doing->TopSpeed_unit_s(axis);
-    if (!top_unit_s) return std::nullopt;
-    slowest_unit_s = std::min(slowest_unit_s, *top_unit_s);
-  }
-  return doing->options().medium * slowest_unit_s;
-}
-
 // From the middle and back, all together, several times.
 std::optional<Moments> MoveAndTime(double speed_unit_s, MotorDoing* doing) {
   MotorAxes& axes = doing->axes();
@@ -236,7 +226,7 @@ MotorResult RunAxisSync(MotorAxes* axes, const MotorOptions& options) {
     return doing.Take();
   }
   if (!HomeAll(&doing)) return doing.Take();
-  const auto common_unit_s = CommonSpeed_unit_s(&doing);
+  const auto common_unit_s = doing.CommonSpeed_unit_s();
   if (!common_unit_s) return doing.Take();
   double speed_unit_s = *common_unit_s;
   const auto before = doing.TrySlower(*common_unit_s, [&](double attempt_unit_s) {

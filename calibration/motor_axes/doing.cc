@@ -1,6 +1,7 @@
 #include "calibration/motor_axes/doing.h"
 
 #include <algorithm>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -149,6 +150,16 @@ std::optional<double> MotorDoing::TopSpeed_unit_s(std::size_t axis) {
   const auto kept_unit_s = Got(axes_->Field(203, axis));
   if (!kept_unit_s) return std::nullopt;
   return std::min(*kept_unit_s, axes_->drawing(axis).max_velocity_unit_s);
+}
+
+std::optional<double> MotorDoing::CommonSpeed_unit_s() {
+  double slowest_unit_s = std::numeric_limits<double>::max();
+  for (const std::size_t axis : options_.axes) {
+    const auto top_unit_s = TopSpeed_unit_s(axis);
+    if (!top_unit_s) return std::nullopt;
+    slowest_unit_s = std::min(slowest_unit_s, *top_unit_s);
+  }
+  return options_.medium * slowest_unit_s;
 }
 
 MotorResult MotorDoing::Take() {

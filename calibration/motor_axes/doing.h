@@ -90,6 +90,8 @@ class MotorDoing {
   bool IsHomed(std::size_t axis);
   /// The highest speed in force: the drawing's, or what M203 has below that.
   std::optional<double> TopSpeed_unit_s(std::size_t axis);
+  /// `medium` of what the slowest of the options' axes can.
+  std::optional<double> CommonSpeed_unit_s();
 
   MotorResult& done() { return done_; }
   const MotorOptions& options() const { return options_; }

@@ -12,16 +12,6 @@
 namespace caltwin {
 namespace {
 
-std::optional<double> CommonSpeed_unit_s(MotorDoing* doing) {
-  double slowest_unit_s = std::numeric_limits<double>::max();
-  for (const std::size_t axis : doing->options().axes) {
-    const auto top_unit_s = doing->TopSpeed_unit_s(axis);
-    if (!top_unit_s) return std::nullopt;
-    slowest_unit_s = std::min(slowest_unit_s, *top_unit_s);
-  }
-  return doing->options().medium * slowest_unit_s;
-}
-
 // Where the move begins; slower where something hinders that. (The stop itself is tried
 // at one speed: slower it would be another one.)
 bool GoToStart(MotorDoing* doing) {
@@ -278,7 +268,7 @@ MotorResult RunEmergencyStop(MotorAxes* axes, const MotorOptions& options) {
   for (const std::size_t axis : options.axes) {
     if (!doing.IsHomed(axis)) return doing.Take();
   }
-  const auto common_unit_s = CommonSpeed_unit_s(&doing);
+  const auto common_unit_s = doing.CommonSpeed_unit_s();
   if (!common_unit_s) return doing.Take();
   const double speed_unit_s = *common_unit_s;
   const auto forecasts = ForetellStops(speed_unit_s, &doing);

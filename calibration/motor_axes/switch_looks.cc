@@ -16,7 +16,7 @@ constexpr double kClearSigmas = 8;  // From one closing to the next: sqrt(2) of 
 constexpr int kMostSteps = 4;       // So often back until the switch is open.
 
 // chi-squared that k degrees of freedom exceed in one of 10 000 (Wilson and Hilferty,
-// to 3 % from two degrees on).
+// to 5 % from two degrees on).
 double ChiSquaredLimit(double k) {
   constexpr double kSigmas = 3.719;
   const double part = 2 / (9 * k);
@@ -137,7 +137,7 @@ std::optional<SwitchLooks> LookFinely(const SwitchSeek& seek,
   looks.scatters = Mutant("switch_scatter_believed", is_more, false);
   if (!looks.scatters) return looks;
   // Anew from as far as the looks may have seen too little of it: what four degrees of
-  // freedom tell is three times too small in one of a hundred.
+  // freedom tell is three times too small in one of fifty.
   constexpr double kTold = 3;
   looks.clear_unit = std::max(
       looks.clear_unit, kTold * kClearSigmas * SeenSigmaOf(looks, pulses_per_unit));
