@@ -156,6 +156,14 @@ MachineFile ReadMachineFile(const fs::path& file) {
         "run, compare levelling, simulate, plan, diagnose (closed loops too), "
         "validate and render know it");
   }
+  if (read.machine.z_station) {
+    throw InputError(
+        {.file = file.string()},
+        "this machine is a printer's station of nozzle, switch and probe, which this "
+        "command does not know",
+        "run, calibrate (z_calibration, probe_accuracy, switch_offset), serve, "
+        "simulate, plan, diagnose and validate know it");
+  }
   if (read.machine.delta) {
     throw InputError(
         {.file = file.string()},

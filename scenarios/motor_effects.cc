@@ -26,6 +26,7 @@ struct MotorParameter {
 };
 
 constexpr std::size_t kNoAxis = kNumMotorAxes;
+constexpr double kLeast_kg = 1e-6;  // Of a load.
 
 void AddObstacle(double at_unit, std::size_t axis, BuiltMotorStage* built) {
   // Nobody can stand in it: it is on the side of the start where it lies.
@@ -112,7 +113,7 @@ const std::array kParameters = {
                    {-1e4, 1e4},
                    [](double v, std::size_t i, BuiltMotorStage* b) {
                      double& load = b->motors[i].drawing.load_inertia;
-                     load = std::max(load + v, 1e-6);
+                     load = std::max(load + v, kLeast_kg);
                    }},
     MotorParameter{"rail_friction",
                    "added",
@@ -137,6 +138,17 @@ const std::array kParameters = {
                      b->faults[i].start_delay_s = v;
                    },
                    true}};
+
+// As declared, but for places (between the axis' hard stops) and loads (something is
+// left of it).
+Bounds BoundsOf(const MotorParameter& parameter, const MotorAxisDrawing& d) {
+  if (parameter.name == "at") {
+    return {d.min_switch_unit - d.stop_unit, d.max_switch_unit + d.stop_unit};
+  }
+  if (parameter.effect == "load") return {kLeast_kg - d.load_inertia, 1e4};
+  if (parameter.effect == "index_position") return {0, d.lead_unit};
+  return parameter.bounds;
+}
 
 std::string KeyOf(const MotorParameter& parameter, bool is_rotary) {
   if (parameter.unit.empty()) return std::string(parameter.name);
@@ -183,13 +195,22 @@ void ReadEffect(const std::string& key,
       value.Fail(
           fmt::format("is of servos; {} is an open-loop stepper", MotorAxisName(axis)));
     }
+    const Distribution drawn =
+        number->NumberOrDistribution(BoundsOf(parameter, drawing.axes[axis]));
+    const auto* plain = std::get_if<double>(&drawn);
+    if (effect == "switch_missing" && (!plain || (*plain != 0 && *plain != 1))) {
+      number->Fail("is neither 0 nor 1", "1: the switch is dead");
+    }
     specs->push_back({.effect = effect,
                       .parameter = std::string(parameter.name),
                       .axis = axis,
-                      .value = number->NumberOrDistribution(parameter.bounds),
+                      .value = drawn,
                       .unit = std::string(parameter.unit)});
   }
   map.NoMoreKeys();
+  if (effect == "pulse_loss" && found > 0 && !map.Has("fraction")) {
+    value.Fail("loses no pulse", "say how many: {fraction: 0.01, ...}");
+  }
   if (found == 0 && map.faults()->empty()) {
     std::vector<std::string> keys;
     for (const MotorParameter& parameter : kParameters) {

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "sim/base/input_error.h"
 #include "sim/link/reply.h"
 
 namespace caltwin {
@@ -72,13 +73,31 @@ Expected<void> MotorStageGauge::Zero(std::string_view id) {
       MachineFault{.reply = fmt::format("the gauge '{}' has no zero", id)});
 }
 
+void SetFields(const MotorScenario& scenario,
+               const std::filesystem::path& file,
+               MotorAxes* axes) {
+  for (const auto& [code, field] : scenario.settings) {
+    const auto set = axes->SetField(code, field.first, field.second);
+    if (set) continue;
+    throw InputError(
+        {.file = file.string()},
+        fmt::format("settings: the controller refuses M{} of {} = {:g}: {}",
+                    code,
+                    MotorAxisName(field.first),
+                    field.second,
+                    set.error().reply));
+  }
+}
+
 double TrueHome(const MotorStageFirmware& firmware,
                 const MotorStageRig& rig,
                 std::size_t axis) {
   const MotorAxisDrawing& d = rig.built().motors[axis].drawing;
   const double start_unit = rig.built().faults[axis].start_unit;
   const double lost_pulses = LostPulses(rig, axis);
-  const double zero_pulses = static_cast<double>(firmware.zero_count(axis));
+  // Count 0 begins beside where it stood at power-up (MotorFaults::pulse_part).
+  const double zero_pulses = static_cast<double>(firmware.zero_count(axis)) -
+                             rig.built().faults[axis].pulse_part;
   return start_unit + (zero_pulses + lost_pulses) / d.pulses_per_unit() -
          d.min_switch_unit;
 }

@@ -1,10 +1,12 @@
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "calibration/motor_axes/motor_axes.h"
+#include "scenarios/motor_scenario.h"
 #include "sim/base/rng.h"
 #include "sim/firmware/dialects/motor_stage.h"
 #include "sim/twin/motor_rig.h"
@@ -43,6 +45,12 @@ class MotorStageGauge : public Gauge {
   double sigma_unit_;
   Rng noise_;
 };
+
+/// Sets the fields of the record that the scenario's or truth file's `settings` name.
+/// Throws InputError where the controller refuses one.
+void SetFields(const MotorScenario& scenario,
+               const std::filesystem::path& file,
+               MotorAxes* axes);
 
 /// Where the axis' zero truly stands, beyond its MIN switch as drawn [mm, deg].
 double TrueHome(const MotorStageFirmware& firmware,

@@ -59,19 +59,7 @@ class MotorRun {
       bench.gauge_sigma_unit = *motor_.laser_sigma_unit;
     }
     MotorAxes axes(bench);
-    for (const auto& [code, field] : motor_.settings) {
-      const auto set = axes.SetField(code, field.first, field.second);
-      if (!set) {
-        throw InputError(
-            {.file = scenario_.file.string()},
-            fmt::format("settings: the controller refuses M{} of {} = {:g}: "
-                        "{}",
-                        code,
-                        MotorAxisName(field.first),
-                        field.second,
-                        set.error().reply));
-      }
-    }
+    SetFields(motor_, scenario_.file, &axes);
     for (std::size_t i = 0; i < motor_.calibrate.size(); ++i) {
       const MotorStep& step = motor_.calibrate[i];
       options_.progress(step.name);
@@ -97,18 +85,6 @@ class MotorRun {
   }
 
  private:
-  static MotorResult Call(const std::string& name,
-                          const MotorOptions& o,
-                          MotorAxes* axes) {
-    if (name == "servo_home") return RunServoHome(axes, o);
-    if (name == "stepper_home") return RunStepperHome(axes, o);
-    if (name == "index_verify") return RunIndexVerify(axes, o);
-    if (name == "travel_limits") return RunTravelLimits(axes, o);
-    if (name == "axis_sync") return RunAxisSync(axes, o);
-    if (name == "emergency_stop") return RunEmergencyStop(axes, o);
-    return RunMotorBacklash(axes, o);
-  }
-
   static MotorResult SendLines(const MotorStep& step, Link* link) {
     MotorResult done;
     for (const std::string& line : step.lines) {
@@ -136,7 +112,10 @@ class MotorRun {
     for (const std::string& line : step.lines) {
       const auto answer = link->Send(line, std::chrono::milliseconds(600'000));
       if (answer) continue;
-      done.result.messages.push_back("the machine said: " + answer.error().reply);
+      const std::string& said = answer.error().reply;
+      done.result.messages.push_back("the machine said: " + said);
+      const bool is_cut = said.find("the power went") != std::string::npos;
+      if (!is_cut) done.result.ending = Ending::kRefused;
       break;
     }
     done.result.messages.push_back(
@@ -155,7 +134,7 @@ class MotorRun {
   MotorResult Do(const MotorStep& step, MotorAxes* axes, Link* link) {
     if (step.name == "gcode") return SendLines(step, link);
     if (step.name == "power_cut") return CutPower(step, link);
-    return Call(step.name, step.options, axes);
+    return RunMotorProcedure(step.name, step.options, axes);
   }
 
   void Take(const MotorStep& step, MotorAxes* axes, Link* link, RunResult* result) {

@@ -120,26 +120,47 @@ std::string UnitKey(const MotorOptions& o, const MotorStageDrawing& drawing) {
   return is_rotary ? "_deg" : "_mm";
 }
 
-// In the unit of the axes, which stands in the key: safe_mm, safe_deg, fine_deg_s.
+// The shortest travel and the lowest highest speed of the axes.
+struct Reach {
+  double travel_unit = 1e9, speed_unit_s = 1e9;
+};
+Reach ReachOf(const MotorOptions& o, const MotorStageDrawing& drawing) {
+  Reach reach;
+  for (const std::size_t axis : o.axes) {
+    const MotorAxisDrawing& d = drawing.axes[axis];
+    reach.travel_unit = std::min(reach.travel_unit, d.max_unit - d.min_unit);
+    reach.speed_unit_s = std::min(reach.speed_unit_s, d.max_velocity_unit_s);
+  }
+  return reach;
+}
+
+// In the unit of the axes, which stands in the key: safe_mm, safe_deg, fine_deg_s. None
+// is longer than the axes' travel.
 void ReadLengths(const std::string& name,
                  const std::string& unit,
+                 const Reach& reach,
                  YamlMap* map,
                  MotorOptions* o) {
-  constexpr Bounds kDistance{1e-3, 1e3};
+  const Bounds distance{1e-3, reach.travel_unit};
+  // To and fro from the middle; three of them from zero; two within a move.
+  const double of_travel = name == "axis_sync"        ? 2.0
+                           : name == "motor_backlash" ? 3.0
+                                                      : 2.5;
   const auto read = [&](const std::string& key, Bounds bounds, double* value) {
     if (Heeds(name, key)) *value = map->NumberOr(key + unit, *value, bounds);
   };
-  read("final_back_off", kDistance, &o->final_back_off_unit);
-  read("safe", kDistance, &o->safe_unit);
-  read("distance", kDistance, &o->distance_unit);
-  read("tolerance", kDistance, &o->tolerance_unit);
-  read("margin", {0, 1e3}, &o->margin_unit);
+  read("final_back_off", distance, &o->final_back_off_unit);
+  read("safe", distance, &o->safe_unit);
+  read("distance", {1e-3, reach.travel_unit / of_travel}, &o->distance_unit);
+  read("tolerance", distance, &o->tolerance_unit);
+  read("margin", {0, reach.travel_unit / 2}, &o->margin_unit);
   if (Heeds(name, "fine")) {
-    o->fine_unit_s = map->NumberOr("fine" + unit + "_s", o->fine_unit_s, {1e-3, 100});
+    o->fine_unit_s =
+        map->NumberOr("fine" + unit + "_s", o->fine_unit_s, {1e-3, reach.speed_unit_s});
   }
   if (!Heeds(name, "back_off")) return;
   if (const auto back = map->Optional("back_off" + unit)) {
-    o->back_off_unit = back->Number(kDistance);
+    o->back_off_unit = back->Number(distance);
   }
 }
 
@@ -191,8 +212,15 @@ MotorStep ReadMotorStep(const std::string& name,
         "as_published";
   }
   ReadStepAxes(name, drawing, &map, &o);
-  ReadLengths(name, UnitKey(o, drawing), &map, &o);
+  ReadLengths(name, UnitKey(o, drawing), ReachOf(o, drawing), &map, &o);
   ReadNumbers(name, &map, &o);
+  if (name == "motor_backlash" && o.distance_unit <= 2 * o.tolerance_unit) {
+    value.Fail(fmt::format("goes {:g} from either side, not more than twice its "
+                           "tolerance of {:g}",
+                           o.distance_unit,
+                           o.tolerance_unit),
+               "a gap of the tolerance would not be crossed");
+  }
   o.retries = static_cast<int>(map.IntegerOr("retries", o.retries, 0, 10));
   map.NoMoreKeys();
   return step;
@@ -219,6 +247,8 @@ void ReadSettings(YamlMap map, MotorScenario* scenario) {
     for (std::size_t i = 0; i < kNumMotorAxes; ++i) {
       const bool is_rotary = scenario->drawing.axes[i].is_rotary;
       if (setting.is_rotary.value_or(is_rotary) != is_rotary) continue;
+      // Of a stepper nothing counts turns against a stored offset.
+      if (setting.code == 206 && !scenario->drawing.axes[i].is_servo) continue;
       const auto number = by_axis.Optional(MotorAxisName(i));
       if (!number) continue;
       const Bounds bounds = setting.code == 206 ? Bounds{-1e4, 1e4} : Bounds{1e-3, 1e7};
@@ -290,14 +320,28 @@ void ReadExpectation(YamlMap map, MotorScenario* scenario) {
 
 }  // namespace
 
-MotorScenario ReadMotorScenario(YamlMap* map, const MotorStageDrawing& drawing) {
-  MotorScenario scenario{.drawing = drawing};
+void ReadMotorTruth(YamlMap* map, MotorScenario* scenario) {
   if (const auto effects = map->Optional("effects")) {
-    scenario.effects = ReadMotorEffects(effects->Map(), drawing);
+    scenario->effects = ReadMotorEffects(effects->Map(), scenario->drawing);
   }
   if (const auto settings = map->Optional("settings")) {
-    ReadSettings(settings->Map(), &scenario);
+    ReadSettings(settings->Map(), scenario);
   }
+}
+
+std::vector<MotorStep> ReadMotorSteps(const YamlValue& list,
+                                      const MotorStageDrawing& drawing) {
+  std::vector<MotorStep> steps;
+  for (const NamedStep& step :
+       ReadNamedSteps(list, kProcedures, "procedure of a motor stage")) {
+    steps.push_back(ReadMotorStep(step.name, step.options, drawing));
+  }
+  return steps;
+}
+
+MotorScenario ReadMotorScenario(YamlMap* map, const MotorStageDrawing& drawing) {
+  MotorScenario scenario{.drawing = drawing};
+  ReadMotorTruth(map, &scenario);
   if (const auto instruments = map->Optional("instruments")) {
     YamlMap by_name = instruments->Map();
     if (const auto laser = by_name.Optional("laser")) {
@@ -309,10 +353,7 @@ MotorScenario ReadMotorScenario(YamlMap* map, const MotorStageDrawing& drawing) 
     by_name.NoMoreKeys();
   }
   if (const auto calibrate = map->Required("calibrate")) {
-    for (const NamedStep& step :
-         ReadNamedSteps(*calibrate, kProcedures, "procedure of a motor stage")) {
-      scenario.calibrate.push_back(ReadMotorStep(step.name, step.options, drawing));
-    }
+    scenario.calibrate = ReadMotorSteps(*calibrate, drawing);
   }
   if (const auto expect = map->Optional("expect")) {
     ReadExpectation(expect->Map(), &scenario);

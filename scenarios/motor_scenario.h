@@ -48,6 +48,14 @@ struct MotorScenario {
 /// Reads the keys of a motor stage's scenario that are its own.
 MotorScenario ReadMotorScenario(YamlMap* map, const MotorStageDrawing& drawing);
 
+/// Reads the `effects` and `settings` of such a scenario or truth file; `scenario` has
+/// its drawing already.
+void ReadMotorTruth(YamlMap* map, MotorScenario* scenario);
+
+/// Reads a list of procedures, as in `calibrate:`.
+std::vector<MotorStep> ReadMotorSteps(const YamlValue& list,
+                                      const MotorStageDrawing& drawing);
+
 /// The stage that the effects make, their numbers drawn.
 BuiltMotorStage DrawMotorStage(const MotorScenario& scenario,
                                std::uint64_t seed,

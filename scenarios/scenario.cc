@@ -153,7 +153,7 @@ void ReadBody(YamlMap* map, Scenario* scenario) {
     scenario->motor = ReadMotorScenario(map, scenario->motor->drawing);
   } else if (machine.delta) {
     scenario->delta = ReadDeltaScenario(map, machine, effects);
-  } else if (map->Has("station")) {
+  } else if (map->Has("station") || machine.z_station) {
     scenario->z_offset = ReadZOffsetScenario(map, machine);
   } else if (machine.triple_z) {
     scenario->triple_z = ReadTripleZScenario(map, machine, effects);

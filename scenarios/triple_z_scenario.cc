@@ -44,6 +44,9 @@ void ReadGrid(YamlMap* map, TripleZOptions* options) {
   if (numbers.size() != 2) return;
   options->columns = static_cast<int>(numbers[0]);
   options->rows = static_cast<int>(numbers[1]);
+  if (numbers[0] != options->columns || numbers[1] != options->rows) {
+    grid->Fail("is no pair of whole numbers", "as in `grid: [3, 3]`");
+  }
   if (options->at_screws && !options->holds_out) {
     grid->Fail("is not touched with `at: screws`", "leave one of them out");
   }

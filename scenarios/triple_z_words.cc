@@ -39,18 +39,7 @@ std::span<const Word> TripleZProcedureWords() {
           "Where the screws stand and which driver turns which: raises each alone by "
           "test_mm and touches a grid, or (from: rounds) watches two levelling rounds. "
           "Names swapped motors and pivots that are off; corrected writes M671 as "
-          "found."},
-      Word{"z_calibration",
-           "Klipper's: the nozzle and the probe's body on the endstop switch, the "
-           "probe on "
-           "the bed; offset = probe - (switch - nozzle + switch_offset). In a scenario "
-           "with "
-           "a `station:`; beside it the steps probe_accuracy (samples, of: endstop or "
-           "probe), switch_offset (the stepwise descent), gcode, change."},
-      Word{"probe_accuracy",
-           "PROBE_Z_ACCURACY or PROBE_ACCURACY: maximum, minimum, range, average, "
-           "median, "
-           "standard deviation, and whether a switch is worn."}};
+          "found."}};
   return kWords;
 }
 

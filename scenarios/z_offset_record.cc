@@ -38,6 +38,12 @@ ZOffsetRecord::ZOffsetRecord(const ZCalibrationConfig& config, double sigma_mm)
   header_.instruments["probe"] = {.kind = "probe", .sigma_um = UmFromMm(sigma_mm)};
   header_.instruments["feeler"] = {
       .kind = "feeler", .sigma_um = kFeelerSigma_um, .resolution_um = kFeelerStep_um};
+  SetSwitchOffset_mm(config.switch_offset_mm);
+}
+
+void ZOffsetRecord::SetSwitchOffset_mm(double value) {
+  settings_ = fmt::format("s{}", header_.settings.size() + 1);
+  header_.settings[settings_].switch_offset_mm = value;
 }
 
 Row ZOffsetRecord::RowOf(const std::string& campaign,
@@ -50,6 +56,7 @@ Row ZOffsetRecord::RowOf(const std::string& campaign,
                                                        : RowKind::kTouch,
           .setup = std::string(FeatureOf(reading)),
           .home = fmt::format("h{}", when.homing),
+          .settings = settings_,
           .t_s = std::round(10 * when.at_s) / 10};
   row.temp_nozzle_c = when.nozzle_c;
   row.temp_bed_c = when.bed_c;
@@ -63,7 +70,8 @@ Row ZOffsetRecord::RowOf(const std::string& campaign,
 }
 
 void ZOffsetRecord::AddTouches(const std::string& campaign,
-                               std::span<const ZTouched> touches) {
+                               std::span<const ZTouched> touches,
+                               bool is_wiped) {
   for (const ZTouched& touch : touches) {
     header_.campaigns[campaign].instrument = "probe";
     const ZReading reading = ReadingOf(touch.touch);
@@ -74,6 +82,7 @@ void ZOffsetRecord::AddTouches(const std::string& campaign,
       row.cmd_mm[1] = touch.place_mm[1];
     }
     row.feed_mm_s = touch.feed_mm_s;
+    row.nozzle_wiped = is_wiped ? 1 : 0;
     // The controller calls the switch position_endstop, the drawing its height.
     row.value_mm = Shown_mm(touch.height_mm - position_endstop_mm_ +
                             drawing_.switch_mm - nominal_mm);
@@ -83,12 +92,13 @@ void ZOffsetRecord::AddTouches(const std::string& campaign,
 
 void ZOffsetRecord::AddGap(const std::string& campaign,
                            const ZCircumstances& when,
-                           double gcode_mm,
-                           double gap_mm) {
+                           const FeelerReading& read,
+                           bool is_wiped) {
   const std::string name = campaign + "_gap";
   header_.campaigns[name].instrument = "feeler";
-  Row row = RowOf(name, ZReading::kGapUnderNozzle, when, Shown_mm(gcode_mm));
-  row.value_mm = Shown_mm(gap_mm - gcode_mm);
+  Row row = RowOf(name, ZReading::kGapUnderNozzle, when, Shown_mm(read.gcode_mm));
+  row.nozzle_wiped = is_wiped ? 1 : 0;
+  row.value_mm = Shown_mm(read.gap_mm - read.gcode_mm);
   rows_.rows.push_back(std::move(row));
 }
 

@@ -3,7 +3,7 @@
 #include <span>
 #include <string>
 
-#include "sim/firmware/dialects/klipper_z.h"
+#include "scenarios/z_offset_link.h"
 #include "sim/machine/z_station_drawing.h"
 #include "sim/measure/data_header.h"
 #include "sim/measure/row.h"
@@ -19,12 +19,18 @@ class ZOffsetRecord {
   /// @param sigma_mm  of the switches, as stated
   ZOffsetRecord(const ZCalibrationConfig& config, double sigma_mm);
 
-  void AddTouches(const std::string& campaign, std::span<const ZTouched> touches);
+  /// `is_wiped`: the nozzle was, before them; so for a gap.
+  void AddTouches(const std::string& campaign,
+                  std::span<const ZTouched> touches,
+                  bool is_wiped);
   /// A feeler gauge's reading with the nozzle commanded to `gcode_mm`.
   void AddGap(const std::string& campaign,
               const ZCircumstances& when,
-              double gcode_mm,
-              double gap_mm);
+              const FeelerReading& read,
+              bool is_wiped);
+
+  /// From now on this switch_offset is in force.
+  void SetSwitchOffset_mm(double value);
 
   const DataHeader& header() const { return header_; }
   const RowTable& rows() const { return rows_; }
@@ -37,6 +43,7 @@ class ZOffsetRecord {
 
   double position_endstop_mm_;
   ZStationDrawing drawing_{};
+  std::string settings_{};  ///< Id of those in force.
   DataHeader header_{};
   RowTable rows_{};
 };

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <ctime>
 #include <limits>
 #include <memory>
@@ -10,8 +9,8 @@
 
 #include <fmt/format.h>
 
-#include "calibration/z_offset/procedures.h"
 #include "scenarios/judging.h"
+#include "scenarios/z_offset_link.h"
 #include "scenarios/z_offset_record.h"
 #include "sim/base/units.h"
 #include "sim/link/transcript.h"
@@ -20,21 +19,6 @@ namespace caltwin {
 namespace {
 
 constexpr double kRecovered_mm = 0.01;
-
-class KlipperZWire : public Link {
- public:
-  explicit KlipperZWire(KlipperZ* klipper) : klipper_(klipper) {}
-  Expected<std::vector<std::string>> Send(
-      std::string_view line, std::chrono::milliseconds /*patience*/) override {
-    const Reply reply = klipper_->Execute(line);
-    if (!reply.error) return reply.lines;
-    return tl::unexpected(
-        MachineFault{.reply = reply.lines.empty() ? "!!" : reply.lines.back()});
-  }
-
- private:
-  KlipperZ* klipper_;
-};
 
 class ZOffsetRun {
  public:
@@ -68,7 +52,8 @@ class ZOffsetRun {
       recorder = std::make_unique<RecordingLink>(&wire_, options_.transcript);
     }
     ZOffsetClient client(recorder ? static_cast<Link*>(recorder.get()) : &wire_,
-                         klipper_.config().end_gcode);
+                         {.before_switch_gcode = klipper_.config().before_switch_gcode,
+                          .end_gcode = klipper_.config().end_gcode});
     for (const ZOffsetStep& step : z_.calibrate) {
       options_.progress(step.name);
       // As homing alone leaves it.
@@ -76,7 +61,8 @@ class ZOffsetRun {
       if (is_first) result.position_error_before_p95_mm = std::abs(Error_mm());
       const std::size_t before = klipper_.touched().size();
       const ProcedureResult done = Take(step, &client);
-      record_.AddTouches(step.name, std::span(klipper_.touched()).subspan(before));
+      record_.AddTouches(
+          step.name, std::span(klipper_.touched()).subspan(before), twin_.is_wiped());
       ending_ = done.ending;
       const auto append = [](const auto& from, auto* to) {
         to->insert(to->end(), from.begin(), from.end());
@@ -120,6 +106,7 @@ class ZOffsetRun {
     if (step.name == "switch_offset") return FindSwitchOffset(step, client);
     if (step.name == "change") {
       SetStation(step.change, seed_, options_.sample, twin_.station());
+      twin_.Wipe(false);
       return {};
     }
     ProcedureResult result;
@@ -135,52 +122,57 @@ class ZOffsetRun {
     return result;
   }
 
-  // A feeler gauge tells hundredths.
   ProcedureResult FindSwitchOffset(const ZOffsetStep& step, ZOffsetClient* client) {
     const double before_mm = klipper_.config().switch_offset_mm;
-    ProcedureResult result =
-        RunSwitchOffset(client, before_mm, [&]() -> std::optional<double> {
-          constexpr double kFeeler_mm = 0.01;
-          const auto carriage_mm = CarriageNow_mm(client);
-          const auto nought_mm = klipper_.CarriageAtNought_mm(twin_.middle_mm());
-          if (!carriage_mm || !nought_mm) return std::nullopt;
-          const double gap_mm = twin_.Gap_mm(*carriage_mm, twin_.middle_mm());
-          const double read_mm = std::round(gap_mm / kFeeler_mm) * kFeeler_mm;
-          record_.AddGap(step.name, klipper_.now(), *carriage_mm - *nought_mm, read_mm);
-          return read_mm;
-        });
+    const FeelerHands hands{.gap_mm = [&](double) -> std::optional<double> {
+                              const auto read = ReadFeeler(klipper_, twin_, client);
+                              if (!read) return std::nullopt;
+                              record_.AddGap(
+                                  step.name, klipper_.now(), *read, twin_.is_wiped());
+                              return read->gap_mm;
+                            },
+                            .wipe =
+                                [&] {
+                                  twin_.Wipe();
+                                  return true;
+                                }};
+    ProcedureResult result = RunSwitchOffset(
+        client,
+        {.is_as_published = step.is_as_published, .in_force_mm = before_mm},
+        {.gap_mm = [&](double) { return ReadGap_mm(step.name, client); },
+         .wipe =
+             [&] {
+               twin_.Wipe();
+               return true;
+             }});
     if (result.estimates.empty() || !step.applies) return result;
     const double after_mm = result.estimates.back().value;
-    klipper_.SetSwitchOffset_mm(after_mm);
-    result.steps.push_back({.procedure = "z_calibration",
-                            .variant = "corrected",
-                            .name = "switch_offset",
-                            .before = before_mm,
-                            .after = after_mm,
-                            .verdict = Verdict::kApplied,
-                            .message = "from the gap under the nozzle"});
+    // Klipper does not start with one below 0.
+    const bool is_taken = after_mm >= 0;
+    if (is_taken) {
+      klipper_.SetSwitchOffset_mm(after_mm);
+      record_.SetSwitchOffset_mm(after_mm);
+    } else {
+      result.ending = Ending::kRefused;
+    }
+    result.steps.push_back(
+        {.procedure = "switch_offset",
+         .variant = step.is_as_published ? "as_published" : "corrected",
+         .name = "switch_offset",
+         .before = before_mm,
+         .after = is_taken ? after_mm : before_mm,
+         .verdict = is_taken ? Verdict::kApplied : Verdict::kRefused,
+         .message = is_taken ? "from the gap under the nozzle"
+                             : "Klipper takes none below 0: does the body of the "
+                               "switch touch as it should?"});
     return result;
   }
 
-  // Where the carriage would stand over the middle of the bed, by what the controller
-  // says of its G-code height.
-  std::optional<double> CarriageNow_mm(ZOffsetClient* client) const {
-    const auto at_nought_mm = klipper_.CarriageAtNought_mm(twin_.middle_mm());
-    const auto position = client->Say("GET_POSITION");
-    if (!at_nought_mm || !position) return std::nullopt;
-    // The base is in the position already, and in what is nought.
-    std::optional<double> z_mm, base_mm;
-    for (const std::string& line : *position) {
-      double read_mm = 0;
-      if (std::sscanf(line.c_str(), "gcode: X:%*f Y:%*f Z:%lf", &read_mm) == 1) {
-        z_mm = read_mm;
-      }
-      if (std::sscanf(line.c_str(), "gcode base: X:%*f Y:%*f Z:%lf", &read_mm) == 1) {
-        base_mm = read_mm;
-      }
-    }
-    if (!z_mm || !base_mm) return std::nullopt;
-    return *at_nought_mm + *z_mm - *base_mm;
+  std::optional<double> ReadGap_mm(const std::string& campaign, ZOffsetClient* client) {
+    const auto read = ReadFeeler(klipper_, twin_, client);
+    if (!read) return std::nullopt;
+    record_.AddGap(campaign, klipper_.now(), *read, twin_.is_wiped());
+    return read->gap_mm;
   }
 
   // Of the clean nozzle over the middle of the bed.

@@ -47,8 +47,8 @@ std::vector<StationSpec> ReadStation(YamlMap map) {
     if (!value) continue;
     specs.push_back({key.key, value->NumberOrDistribution(key.bounds)});
     const double* const number = std::get_if<double>(&specs.back().value);
-    if (key.member == &ZStation::dock_misses && number && *number != 0 &&
-        *number != 1) {
+    const bool is_yes_or_no = number && (*number == 0 || *number == 1);
+    if (key.member == &ZStation::dock_misses && !is_yes_or_no) {
       value->Fail("is neither 0 nor 1", "1: the probe stays in its dock");
     }
   }
@@ -91,9 +91,13 @@ BedMeshConfig ReadMesh(YamlMap map) {
   return mesh;
 }
 
-ZCalibrationConfig ReadConfig(YamlMap map, const Eigen::Vector2d& middle_mm) {
+ZCalibrationConfig ReadConfig(YamlMap map, const Machine& machine) {
+  const AxisDrawing &x = machine.axis(Axis::kX), &y = machine.axis(Axis::kY);
   ZCalibrationConfig c;
-  c.middle_mm = middle_mm;
+  c.middle_mm = {x.mid_mm(), y.mid_mm()};
+  c.least_mm = {x.min_mm, y.min_mm};
+  c.most_mm = {x.max_mm, y.max_mm};
+  c.position_max_mm = machine.axis(Axis::kZ).max_mm;
   if (const auto mesh = map.Optional("bed_mesh")) c.bed_mesh = ReadMesh(mesh->Map());
   if (const auto at = map.Optional("probe_bed_at_mm")) c.probe_bed_at_mm = PlaceOf(*at);
   c.probe_z_offset_mm = map.NumberOr("probe_z_offset_mm", 0, {-50, 50});
@@ -144,18 +148,12 @@ ZOffsetStep ReadStep(const std::string& name, const YamlValue& value) {
   }
   if (name == "switch_offset") {
     if (const auto flag = map.Optional("apply")) step.applies = flag->Flag();
+    step.is_as_published =
+        map.WordOr("variant", "corrected", {"as_published", "corrected"}) ==
+        "as_published";
   }
   map.NoMoreKeys();
   return step;
-}
-
-std::vector<ZOffsetStep> ReadSteps(const YamlValue& list) {
-  std::vector<ZOffsetStep> steps;
-  for (const NamedStep& step :
-       ReadNamedSteps(list, kSteps, "step of a nozzle's height")) {
-    steps.push_back(ReadStep(step.name, step.options));
-  }
-  return steps;
 }
 
 void ReadExpectation(YamlMap map, ZOffsetScenario* scenario) {
@@ -188,21 +186,28 @@ void ReadExpectation(YamlMap map, ZOffsetScenario* scenario) {
 
 }  // namespace
 
+std::vector<ZOffsetStep> ReadZOffsetSteps(const YamlValue& list) {
+  std::vector<ZOffsetStep> steps;
+  for (const NamedStep& step :
+       ReadNamedSteps(list, kSteps, "step of a nozzle's height")) {
+    steps.push_back(ReadStep(step.name, step.options));
+  }
+  return steps;
+}
+
 ZOffsetScenario ReadZOffsetScenario(YamlMap* map, const Machine& machine) {
   ZOffsetScenario scenario;
-  const Eigen::Vector2d middle_mm(machine.axis(Axis::kX).mid_mm(),
-                                  machine.axis(Axis::kY).mid_mm());
   if (const auto station = map->Optional("station")) {
     scenario.station = ReadStation(station->Map());
   }
   if (const auto settings = map->Optional("settings")) {
-    scenario.settings = ReadConfig(settings->Map(), middle_mm);
+    scenario.settings = ReadConfig(settings->Map(), machine);
   } else {
     Faults none;
-    scenario.settings = ReadConfig(ReadYamlText("{}", "", &none), middle_mm);
+    scenario.settings = ReadConfig(ReadYamlText("{}", "", &none), machine);
   }
   if (const auto calibrate = map->Required("calibrate")) {
-    scenario.calibrate = ReadSteps(*calibrate);
+    scenario.calibrate = ReadZOffsetSteps(*calibrate);
   }
   if (const auto expect = map->Optional("expect")) {
     ReadExpectation(expect->Map(), &scenario);

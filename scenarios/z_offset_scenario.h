@@ -27,6 +27,7 @@ struct ZOffsetStep {
   int samples = 10;
   bool is_endstop = true;
   bool applies = true;
+  bool is_as_published = false;
 };
 
 /// What a scenario of a nozzle's height has of its own (`station:`).
@@ -41,6 +42,9 @@ struct ZOffsetScenario {
 
 /// Reads `station:`, `settings:`, `calibrate:`, `expect:`.
 ZOffsetScenario ReadZOffsetScenario(YamlMap* map, const Machine& machine);
+
+/// Reads a list of its steps, as in `calibrate:`.
+std::vector<ZOffsetStep> ReadZOffsetSteps(const YamlValue& list);
 
 /// Reads `station: {KEY: number or distribution}`.
 std::vector<StationSpec> ReadStation(YamlMap map);

@@ -101,13 +101,22 @@ Addition GainOf(const Open& before, const Atlas& with) {
 bool Has(const Plan& plan, const CampaignChoice& choice) {
   return std::ranges::any_of(plan.campaigns, [&](const PlannedCampaign& one) {
     if (one.id != choice.campaign.id) return false;
-    for (const char* option : {"axis", "plane"}) {
+    for (const char* option : {"axis", "plane", "wiped"}) {
       const auto mine = choice.campaign.options.AsWritten();
       const auto its = one.options.AsWritten();
       if (mine.contains(option) && mine.at(option) != its.at(option)) return false;
     }
     return true;
   });
+}
+
+// What else an option may say that makes another campaign of it.
+std::vector<std::string_view> OtherWords(const PlanOption& option) {
+  if (option.name == "wiped") return {"true"};
+  if (option.name != "axis" && option.name != "plane") return {};
+  std::vector<std::string_view> words(option.words.begin(), option.words.end());
+  std::erase(words, option.otherwise);
+  return words;
 }
 
 }  // namespace
@@ -118,11 +127,13 @@ std::vector<CampaignChoice> CampaignChoices() {
     const PlannedCampaign usual = DefaultCampaign(kind.id);
     choices.push_back({usual, {}});
     for (const PlanOption& option : kind.options) {
-      if (option.name != "axis" && option.name != "plane") continue;
-      for (const std::string_view word : option.words) {
-        if (word == option.otherwise) continue;
+      for (const std::string_view word : OtherWords(option)) {
         CampaignChoice choice{usual, {{std::string(option.name), std::string(word)}}};
-        choice.campaign.options.Set(option.name, std::string(word));
+        if (option.type == OptionType::kFlag) {
+          choice.campaign.options.Set(option.name, true);
+        } else {
+          choice.campaign.options.Set(option.name, std::string(word));
+        }
         choice.campaign.options.MarkWritten(option.name);
         choices.push_back(std::move(choice));
       }

@@ -15,6 +15,7 @@
 #include "calibration/diagnosis/settings_of_rows.h"
 #include "calibration/diagnosis/triple_z_correction.h"
 #include "calibration/diagnosis/unseen_rows.h"
+#include "calibration/diagnosis/z_station_correction.h"
 #include "sim/base/input_error.h"
 #include "sim/base/units.h"
 #include "sim/effects/predict.h"
@@ -378,6 +379,9 @@ std::vector<CorrectionFile> CorrectionFor(ControllerKind controller,
   }
   if (observed.machine().triple_z) {
     return {{.text = TripleZCorrectionText(controller, diagnosis, observed)}};
+  }
+  if (observed.machine().z_station) {
+    return {{.text = ZStationCorrectionText(controller, diagnosis, observed)}};
   }
   return Writer(controller, diagnosis, observed, name).Make();
 }

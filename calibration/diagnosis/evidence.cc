@@ -183,7 +183,13 @@ Evidence::Foretold Evidence::Foretell(const std::vector<int>& group_of) const {
     // The prior alone is left of what only this group tells: small, never nothing.
     Eigen::MatrixXd others = Eigen::MatrixXd::Identity(q, q);
     others.noalias() -= own.transpose() * own;
-    const Cholesky cholesky(others);
+    Cholesky cholesky(others);
+    if (!cholesky.is_definite()) {
+      // Beside rows without noise a prior is less than what 16 digits hold.
+      constexpr double kRounding = 1e-12;
+      others.diagonal().array() += kRounding;
+      cholesky = Cholesky(others);
+    }
     Require(cholesky.is_definite(), "every nuisance has a prior");
     const Eigen::MatrixXd half = cholesky.SolveLowerEach(own.transpose());
     const Eigen::VectorXd left = foretold.residual_mm(rows);

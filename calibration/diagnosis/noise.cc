@@ -41,6 +41,7 @@ std::string ReplicateKey(const Observed& o, Eigen::Index i) {
          {row.temp_nozzle_c, row.temp_bed_c, row.temp_chamber_c}) {
       add(temp_c, 1);
     }
+    key += at.is_wiped ? "|wiped" : "|";
   }
   return key;
 }
@@ -97,13 +98,30 @@ Eigen::MatrixXd Whitener::operator()(const Eigen::MatrixXd& columns_mm) const {
   return white;
 }
 
+namespace {
+
+// A printer that levels by its screws counts a touch in whole steps of Z.
+double CountedIn_mm(const Observed& observed, const std::string& name) {
+  if (!observed.machine().triple_z) return 0;
+  for (Eigen::Index i = 0; i < observed.num_rows(); ++i) {
+    const bool is_touch = observed.at(i).kind == RowKind::kTouch;
+    if (!is_touch || observed.row(i).campaign != name) continue;
+    return 1 / observed.machine().axis(Axis::kZ).steps_per_mm() / std::sqrt(12.0);
+  }
+  return 0;
+}
+
+}  // namespace
+
 double RoundedTo_mm(const Observed& observed, const std::string& name) {
   const DataHeader& header = observed.header();
+  const double counted_mm = CountedIn_mm(observed, name);
   const auto campaign = header.campaigns.find(name);
-  if (campaign == header.campaigns.end()) return 0;
+  if (campaign == header.campaigns.end()) return counted_mm;
   const auto instrument = header.instruments.find(campaign->second.instrument);
-  if (instrument == header.instruments.end()) return 0;
-  return MmFromUm(instrument->second.resolution_um) / std::sqrt(12.0);
+  if (instrument == header.instruments.end()) return counted_mm;
+  return std::max(counted_mm,
+                  MmFromUm(instrument->second.resolution_um) / std::sqrt(12.0));
 }
 
 namespace {
@@ -209,7 +227,8 @@ Eigen::VectorXd GuessSigma_mm(const Observed& observed,
     double sigma = kSigmaOfMedian * Median(sizes[c]);
     if (Known(pure.sigma_mm[c])) sigma = std::min(sigma, pure.sigma_mm[c]);
     if (Known(stated)) sigma = stated;
-    sigma_mm[i] = std::max(sigma, kLeastSigma_mm);
+    const double rounded_mm = RoundedTo_mm(observed, observed.campaigns()[c]);
+    sigma_mm[i] = std::max({sigma, rounded_mm, kLeastSigma_mm});
   }
   return sigma_mm;
 }

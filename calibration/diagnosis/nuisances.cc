@@ -2,31 +2,20 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <map>
-#include <set>
 
 #include <Eigen/Geometry>
-#include <fmt/format.h>
 
 #include "calibration/diagnosis/candidates.h"
-#include "calibration/diagnosis/delta_lines.h"
 #include "calibration/diagnosis/free_form.h"
-#include "calibration/diagnosis/rounding.h"
+#include "calibration/diagnosis/nuisances_of_kinematics.h"
 #include "sim/base/units.h"
-#include "sim/effects/drive.h"
 
 namespace caltwin {
 namespace {
 
-// How far a machine may be off before another word than calibration is needed.
-constexpr double kScaleSd_ppm = 3e4;
-constexpr double kBacklashSd_mm = 0.2;
-constexpr double kPretravelSd_mm = 0.1;
-constexpr double kWholeSteps = 1;  // 1: all of it; 0: a servo, or a finer microstep.
+// How far what stands on a machine may be off.
 constexpr double kSlopeSd_mrad = 30;
-constexpr double kArmSd_mm = 2;
-constexpr double kPlacementSd_mm = 100;
 constexpr double kTurnSd_mrad = 100;
 constexpr double kHysteresisSd_mm = 0.1;
 // How far a plate laid on the bed may lie from its plane: a speck of 10 um under one
@@ -36,32 +25,6 @@ constexpr double kPlateSlopeSd_mrad = 0.05;
 // where each stood, and the machine drew differently, each with the stated scatter.
 constexpr double kFreedomShare = 0.2;
 constexpr double kHomingsApart = 2;
-
-using OfRow = std::function<double(Eigen::Index)>;
-
-class Builder {
- public:
-  explicit Builder(const Observed& observed) : observed_(observed) {}
-
-  // Adds a column unless it is nothing, or but a constant where that cannot be told.
-  void Add(const std::string& name,
-           const std::string& unit,
-           double prior_sd,
-           const OfRow& of_row,
-           double offset = 0,
-           bool reported = true) {
-    Eigen::VectorXd column(observed_.num_rows());
-    for (Eigen::Index i = 0; i < column.size(); ++i) column[i] = of_row(i);
-    if (column.cwiseAbs().maxCoeff() == 0) return;
-    nuisances_.push_back({name, unit, column, prior_sd, offset, reported});
-  }
-
-  std::vector<Nuisance> Take() { return std::move(nuisances_); }
-
- private:
-  const Observed& observed_;
-  std::vector<Nuisance> nuisances_{};
-};
 
 // Where a row's artefact lies, or which zero its gauge has.
 std::string PlacementKey(const Row& row) {
@@ -73,102 +36,6 @@ std::string PlacementKey(const Row& row) {
   return key;
 }
 
-void AddAxes(const Observed& o, Builder* builder) {
-  for (const Axis axis : kAxes) {
-    const int i = Index(axis);
-    const auto k = static_cast<std::size_t>(i);
-    const AxisDrawing& drawing = o.machine().axis(axis);
-    const auto motion = [&](Eigen::Index row) {
-      return o.MotionSign(row) * o.at(row).n[i];
-    };
-    const double set = o.machine().settings.steps_per_mm[k];
-    const double set_ppm = set > 0 ? (set / drawing.steps_per_mm() - 1) * 1e6 : 0;
-    builder->Add(
-        "scale." + Name(axis),
-        "ppm",
-        kScaleSd_ppm,
-        [&](Eigen::Index row) {
-          return motion(row) * (o.at(row).q_mm[i] - drawing.home_mm()) * 1e-6;
-        },
-        set_ppm);
-    builder->Add("backlash." + Name(axis), "mm", kBacklashSd_mm, [&](Eigen::Index row) {
-      return -motion(row) * o.at(row).dir[i] / 2;
-    });
-    // Whether its controller stands at whole steps, the rows say.
-    builder->Add(
-        "whole_steps." + Name(axis),
-        "",
-        kWholeSteps,
-        [&](Eigen::Index row) { return motion(row) * RoundedBy_mm(o, row, axis); },
-        /*offset=*/0,
-        /*reported=*/false);
-    builder->Add(
-        "probe_pretravel." + Name(axis),
-        "mm",
-        kPretravelSd_mm,
-        [&](Eigen::Index row) {
-          if (o.at(row).kind != RowKind::kTouch) return 0.0;
-          // Of 1 / sqrt(sum (n_i / p_i)^2) by p_i.
-          const Vec3<double>& p_mm = o.pretravel_mm();
-          const Vec3<double>& n = o.at(row).n;
-          const double along_mm = 1 / n.cwiseQuotient(p_mm).norm();
-          return -n[i] * n[i] * std::pow(along_mm / p_mm[i], 3);
-        },
-        o.pretravel_mm()[i]);
-  }
-}
-
-// The knobs of a delta that its baseline holds, each line with all that it turns.
-void AddDelta(const Observed& o, Builder* builder) {
-  const auto add = [&](std::string_view name, double prior_sd) {
-    const auto turns = KnobsOfLine(name, 1);
-    const auto first = static_cast<std::size_t>(turns[0].knob);
-    builder->Add(
-        std::string(name),
-        std::string(kDeltaKnobs[first].unit),
-        prior_sd,
-        [&](Eigen::Index row) {
-          const At& at = o.at(row);
-          Vec3<double> moved_mm = Vec3<double>::Zero();
-          for (const auto& [knob, by] : turns) {
-            moved_mm += at.delta->by_knob.col(knob) * by *
-                        kDeltaKnobs[static_cast<std::size_t>(knob)].per_unit;
-          }
-          return o.MotionSign(row) * at.n.dot(moved_mm);
-        },
-        o.knobs()[first]);
-  };
-  for (const int knob :
-       {kEndstopKnob, kEndstopKnob + 1, kRadiusKnob, kAngleKnob, kAngleKnob + 1}) {
-    const DeltaKnob& declared = kDeltaKnobs[static_cast<std::size_t>(knob)];
-    add(declared.name, declared.prior_sd);
-  }
-  add("arm_length", kArmSd_mm);
-  add("scale", kScaleSd_ppm);
-}
-
-// Scale and backlash that all three screws of a bed share; like a gantry's z.
-void AddScrews(const Observed& o, Builder* builder) {
-  const int z = Index(Axis::kZ);
-  const AxisDrawing& drawing = o.machine().axis(Axis::kZ);
-  const auto motion = [&](Eigen::Index row) {
-    return o.MotionSign(row) * o.at(row).n[z];
-  };
-  const double set = o.machine().settings.steps_per_mm[static_cast<std::size_t>(z)];
-  builder->Add(
-      "scale.z",
-      "ppm",
-      kScaleSd_ppm,
-      [&](Eigen::Index row) {
-        const Vec3<double>& weights = o.at(row).triple_z->weights;
-        return -motion(row) * weights.dot(*MotorsOf_mm(o.at(row))) * 1e-6;
-      },
-      set > 0 ? (set / drawing.steps_per_mm() - 1) * 1e6 : 0);
-  builder->Add("backlash.z", "mm", kBacklashSd_mm, [&](Eigen::Index row) {
-    return -motion(row) * o.at(row).dir[z] / 2;
-  });
-}
-
 // What a slope of the bed of one would do to every row, along x or y.
 Eigen::VectorXd SlopeColumn(const Observed& o, std::size_t slope) {
   Injected unit{.effect = *FindEffect("bed_tilt"), .axis = "", .values = {0, 0}};
@@ -177,12 +44,8 @@ Eigen::VectorXd SlopeColumn(const Observed& o, std::size_t slope) {
 }
 
 // A bed on screws stands anew after each homing.
-void AddBedPlanes(const Observed& o, Builder* builder) {
-  std::vector<std::string> homes;
-  for (Eigen::Index i = 0; i < o.num_rows(); ++i) {
-    const std::string& home = o.row(i).home;
-    if (std::ranges::find(homes, home) == homes.end()) homes.push_back(home);
-  }
+void AddBedPlanes(const Observed& o, NuisanceList* builder) {
+  const std::vector<std::string> homes = HomesOf(o, /*only_touches=*/false);
   for (std::size_t h = 0; h < homes.size(); ++h) {
     const std::string name =
         homes.size() == 1 ? "bed_plane." : "bed_plane." + homes[h] + ".";
@@ -204,7 +67,7 @@ void AddBedPlanes(const Observed& o, Builder* builder) {
   }
 }
 
-void AddBedPlane(const Observed& o, Builder* builder) {
+void AddBedPlane(const Observed& o, NuisanceList* builder) {
   for (std::size_t slope = 0; slope < 2; ++slope) {
     const Eigen::VectorXd column = SlopeColumn(o, slope);
     builder->Add(slope == 0 ? "bed_plane.slope_x" : "bed_plane.slope_y",
@@ -234,7 +97,7 @@ std::map<std::string, Placement> PlacementsOf(const Observed& o) {
   return placements;
 }
 
-void AddPlacements(const Observed& o, Builder* builder) {
+void AddPlacements(const Observed& o, NuisanceList* builder) {
   const auto placements = PlacementsOf(o);
   const auto num_plates = std::ranges::count_if(placements, [](const auto& entry) {
     return !entry.second.is_gauge && entry.second.only_faces_up;
@@ -277,7 +140,7 @@ void AddPlacements(const Observed& o, Builder* builder) {
 }
 
 // The size of an artefact, within what its certificate leaves open.
-void AddSizes(const Observed& o, Builder* builder) {
+void AddSizes(const Observed& o, NuisanceList* builder) {
   const auto block_size = FindEffect("block_size");
   for (const auto& [id, artefact] : o.header().artefacts) {
     if (artefact.u_um <= 0 || !block_size) continue;
@@ -293,7 +156,7 @@ void AddSizes(const Observed& o, Builder* builder) {
 void AddFreedom(const std::string& name,
                 const Eigen::MatrixXd& columns_mm,
                 const Eigen::VectorXd& sds,
-                Builder* builder) {
+                NuisanceList* builder) {
   for (Eigen::Index k = 0; k < columns_mm.cols(); ++k) {
     builder->Add(
         name + ".form",
@@ -307,7 +170,7 @@ void AddFreedom(const std::string& name,
 
 // A table without a formula: smooth functions of its covariates, by as much as a named
 // effect may deviate from its shape.
-void AddFreedomOfMap(const Observed& o, const Injected& effect, Builder* builder) {
+void AddFreedomOfMap(const Observed& o, const Injected& effect, NuisanceList* builder) {
   constexpr int kTerms = 13;
   const MapWords words = EffectAt(effect.effect).name == PitchMap::kDeclaration.name
                              ? MapWords{.channel = effect.axis,
@@ -328,7 +191,9 @@ void AddFreedomOfMap(const Observed& o, const Injected& effect, Builder* builder
 // What was found earlier and is in the model keeps the freedom that it was found with:
 // its size by a fifth, its form as a finding's. Of homings, each its own place: the
 // model knows how far they scatter, not where each stood.
-void AddFreedomOfEffect(const Observed& o, const Injected& effect, Builder* builder) {
+void AddFreedomOfEffect(const Observed& o,
+                        const Injected& effect,
+                        NuisanceList* builder) {
   const Effect& declaration = EffectAt(effect.effect);
   std::vector<double> forms;
   double size = 0;
@@ -360,7 +225,7 @@ void AddFreedomOfEffect(const Observed& o, const Injected& effect, Builder* buil
              builder);
 }
 
-void AddFreedoms(const Observed& o, Builder* builder) {
+void AddFreedoms(const Observed& o, NuisanceList* builder) {
   for (const Injected& effect : o.effects()) {
     const std::string_view name = EffectAt(effect.effect).name;
     if (EffectAt(effect.effect).sight) {
@@ -372,50 +237,14 @@ void AddFreedoms(const Observed& o, Builder* builder) {
   }
 }
 
-// Z counts from where it was homed, and of what is touched the heights are known only
-// roughly. A gap is what it is.
-void AddStation(const Observed& o, Builder* builder) {
-  std::vector<std::string> homes;
-  for (Eigen::Index i = 0; i < o.num_rows(); ++i) {
-    const bool is_new = std::ranges::find(homes, o.row(i).home) == homes.end();
-    if (o.at(i).kind == RowKind::kTouch && is_new) homes.push_back(o.row(i).home);
-  }
-  for (const ZReading reading :
-       {ZReading::kNozzleOnSwitch, ZReading::kBodyOnSwitch, ZReading::kProbeOnBed}) {
-    builder->Add(fmt::format("height.{}", FeatureOf(reading)),
-                 "mm",
-                 kPlacementSd_mm,
-                 [&](Eigen::Index row) { return o.at(row).station == reading; });
-  }
-  // The first one's is in those heights.
-  for (std::size_t h = 1; h < homes.size(); ++h) {
-    builder->Add(
-        "homed." + homes[h],
-        "mm",
-        kPlacementSd_mm,
-        [&](Eigen::Index row) {
-          return o.at(row).kind == RowKind::kTouch && o.row(row).home == homes[h];
-        },
-        /*offset=*/0,
-        /*reported=*/false);
-  }
-}
-
 }  // namespace
 
 std::vector<Nuisance> BaselineOf(const Observed& observed) {
-  Builder builder(observed);
+  NuisanceList builder(observed);
+  AddKinematics(observed, &builder);
   if (observed.machine().z_station) {
-    AddStation(observed, &builder);
     AddFreedoms(observed, &builder);
     return builder.Take();
-  }
-  if (observed.machine().delta) {
-    AddDelta(observed, &builder);
-  } else if (observed.machine().triple_z) {
-    AddScrews(observed, &builder);
-  } else {
-    AddAxes(observed, &builder);
   }
   if (observed.machine().triple_z) {
     AddBedPlanes(observed, &builder);

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
+#include <variant>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
@@ -19,6 +21,19 @@
 
 namespace caltwin {
 namespace {
+
+// Standard deviation of what was believed before.
+double PriorSd(const Distribution& prior) {
+  if (const auto* normal = std::get_if<Normal>(&prior)) return normal->sd;
+  if (const auto* uniform = std::get_if<Uniform>(&prior)) {
+    return (uniform->max - uniform->min) / std::sqrt(12.0);
+  }
+  if (const auto* spread = std::get_if<LogNormal>(&prior)) {
+    const double variance = std::pow(std::log(spread->factor), 2);
+    return spread->median * std::exp(variance / 2) * std::sqrt(std::expm1(variance));
+  }
+  return std::numeric_limits<double>::infinity();
+}
 
 constexpr double kFormStep = 1e-3;
 constexpr double kFarthest = 0.25;  // A form may move by so much of its value.
@@ -297,8 +312,8 @@ class Final {
         const double value = refined.effect.values[i];
         sds[i] = name == "at_t_s" ? JumpSd_s(observed_, value)
                                   : std::sqrt(covariance(form, form));
-        // A grid's neighbours are told apart at best.
-        if (!(sds[i] < 1e6)) sds[i] = std::abs(value);
+        // What the rows say little of, or in steps, is known as it was before.
+        sds[i] = std::min(sds[i], PriorSd(parameters[i].prior));
         ++form;
       }
     }

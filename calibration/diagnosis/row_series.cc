@@ -120,14 +120,18 @@ double RepeatDeviation_mm(const std::vector<RowSeries>& all) {
   bool is_repeated = false;
   for (const RowSeries& series : all) {
     // At a printer's station repeats are also equally warm, to 1 K, and of one homing.
-    using Pose = std::tuple<std::array<double, 3>, double, long, std::string>;
+    using Pose = std::tuple<std::array<double, 3>, double, long, std::string, bool>;
     std::map<Pose, std::vector<double>> at_pose;
     for (const Row* row : series.rows) {
       std::array<double, 3> pose_mm = row->cmd_mm;
       for (double& number : pose_mm) number = Known(number) ? number : 0;
       const bool is_heated = Known(row->temp_nozzle_c);
       const long warm_c = is_heated ? std::lround(row->temp_nozzle_c) : 0;
-      at_pose[{pose_mm, SenseAlongNormal(*row), warm_c, is_heated ? row->home : ""}]
+      at_pose[{pose_mm,
+               SenseAlongNormal(*row),
+               warm_c,
+               is_heated ? row->home : "",
+               row->nozzle_wiped == 1}]
           .push_back(row->value_mm);
     }
     for (const auto& [pose, values_mm] : at_pose) {

@@ -77,6 +77,19 @@ double HalfWaySd_s(std::size_t axis, double speed_unit_s, const MotorDoing& doin
   return pulse_s * std::sqrt((1 + 2.0 / 3) / 12 / doing.options().repeats);
 }
 
+// How fast the axes are half way: a short move is over before it gets to its speed.
+std::optional<double> HalfWaySpeed_unit_s(double speed_unit_s, MotorDoing* doing) {
+  double least_unit_s2 = std::numeric_limits<double>::max();
+  for (const std::size_t axis : doing->options().axes) {
+    const auto in_force = doing->Got(doing->axes().Field(201, axis));
+    if (!in_force) return std::nullopt;
+    least_unit_s2 = std::min(least_unit_s2, *in_force);
+  }
+  const double most_unit_s = std::sqrt(least_unit_s2 * doing->options().distance_unit);
+  return Mutant(
+      "sync_sd_of_asked_speed", std::min(speed_unit_s, most_unit_s), speed_unit_s);
+}
+
 double Latest(const Moments& moments) {
   double latest_s = 0;
   for (const auto& [axis, at_s] : moments) latest_s = std::max(latest_s, at_s);
@@ -180,20 +193,23 @@ double SkewSd_s(const Moments& moments, double speed_unit_s, const MotorDoing& d
 }
 
 // Sets the delays, tries them, and takes them back where the axes are farther apart.
-void Align(const Moments& before, double speed_unit_s, MotorDoing* doing) {
+struct MoveSpeed {
+  double asked_unit_s = 0, half_way_unit_s = 0;
+};
+void Align(const Moments& before, const MoveSpeed& speed, MotorDoing* doing) {
   constexpr double kWorseBy = 3;  // Standard deviations.
   const auto in_force = DelaysInForce(doing);
   if (!in_force) return;
   const Delays aligned = Aligned(*in_force, before);
   if (!SetDelays(aligned, doing)) return;
-  const auto after = MoveAndTime(speed_unit_s, doing);
+  const auto after = MoveAndTime(speed.asked_unit_s, doing);
   if (!after) return;
   const double was_s = Skew_s(before), is_s = Skew_s(*after);
   doing->Say(fmt::format("axes were apart by {:.3f} ms, with the delays {:.3f} ms",
                          was_s / SFromMs(1.0),
                          is_s / SFromMs(1.0)));
   const bool is_worse =
-      is_s > was_s + kWorseBy * SkewSd_s(before, speed_unit_s, *doing);
+      is_s > was_s + kWorseBy * SkewSd_s(before, speed.half_way_unit_s, *doing);
   if (is_worse) {
     doing->Warn("that is worse: the delays are as they were");
     SetDelays(*in_force, doing);
@@ -235,8 +251,13 @@ MotorResult RunAxisSync(MotorAxes* axes, const MotorOptions& options) {
   });
   if (!before) return doing.Take();
   doing.done().found.skew_s = Skew_s(*before);
-  TellLeads(*before, speed_unit_s, &doing);
-  if (!options.is_as_published) Align(*before, speed_unit_s, &doing);
+  const auto half_way_unit_s = HalfWaySpeed_unit_s(speed_unit_s, &doing);
+  if (!half_way_unit_s) return doing.Take();
+  TellLeads(*before, *half_way_unit_s, &doing);
+  if (options.is_as_published) return doing.Take();
+  Align(*before,
+        {.asked_unit_s = speed_unit_s, .half_way_unit_s = *half_way_unit_s},
+        &doing);
   return doing.Take();
 }
 

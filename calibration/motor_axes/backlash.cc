@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kGentle = 0.5;      // Of the friction: so a carriage does not coast.
 constexpr double kHunts_pulses = 1;  // Of a servo at rest, farthest to nearest.
-constexpr double kWorseBy = 3;       // Standard uncertainties that a check may be off.
+constexpr double kWorseBy = 4;       // Standard uncertainties that a check may be off.
 constexpr double kIsThere = 2;       // Of them a gap must be to be one.
 
 /// A gap with its standard uncertainty [mm, deg].
@@ -87,16 +87,13 @@ std::optional<Gap> MeasureGap(double speed_unit_s, MotorDoing* doing) {
 }
 
 // Slow enough at the end that rail friction stops the carriage with its motor.
-bool Gently(MotorDoing* doing, double* before_unit_s2) {
-  MotorAxes& axes = doing->axes();
+bool Gently(MotorDoing* doing) {
   const std::size_t axis = doing->options().axes.front();
-  const MotorAxisDrawing& d = axes.drawing(axis);
-  const auto before = doing->Got(axes.Field(201, axis));
-  if (!before) return false;
-  *before_unit_s2 = *before;
+  const MotorAxisDrawing& d = doing->axes().drawing(axis);
+  const auto usual = doing->Got(doing->axes().Field(201, axis));
   const double friction_unit_s2 = d.friction / d.load_inertia / d.si_per_unit();
-  return doing->Did(
-      axes.SetField(201, axis, std::min(*before, kGentle * friction_unit_s2)));
+  return usual &&
+         doing->SetForNow(201, axis, std::min(*usual, kGentle * friction_unit_s2));
 }
 
 MotorResult AsPublished(MotorDoing doing) {
@@ -168,34 +165,38 @@ std::optional<Gap> WithinTolerance(double speed_unit_s, MotorDoing* doing) {
 }
 
 // Compensates, looks whether both senses meet now, and keeps it or takes it back.
-void ApplyGap(const Gap& gap, double speed_unit_s, MotorDoing* doing) {
+void ApplyGap(const Gap& gap,
+              double before_unit,
+              double speed_unit_s,
+              MotorDoing* doing) {
   MotorAxes& axes = doing->axes();
   const std::size_t axis = doing->options().axes.front();
   const std::string name = "backlash." + MotorAxisName(axis);
-  const auto before = doing->Got(axes.Field(425, axis));
-  if (!before || !doing->Did(axes.SetField(425, axis, gap.value_unit))) return;
+  const std::string unit = axes.drawing(axis).unit();
+  if (!doing->Did(axes.SetField(425, axis, gap.value_unit))) return;
   const auto check = MeasureGap(speed_unit_s, doing);
   if (!check) return;
-  const bool is_better = std::abs(check->left_unit) <=
-                         std::max(std::abs(gap.left_unit),
-                                  kWorseBy * std::hypot(gap.sd_unit, check->sd_unit));
-  if (!is_better) {
-    doing->Did(axes.SetField(425, axis, *before));
+  const double sd_unit = std::hypot(gap.sd_unit, check->sd_unit);
+  const std::string words = fmt::format(
+      "compensated, the two senses differ by {:+.4f} {}", check->left_unit, unit);
+  if (Mutant("motor_backlash_check_passes",
+             std::abs(check->left_unit) > kWorseBy * sd_unit,
+             false)) {
+    doing->Warn(words + ": that is no gap alone, M425 is as it was");
     doing->Step({.quantity = name,
-                 .unit = axes.drawing(axis).unit(),
-                 .before = before,
-                 .after = *before,
+                 .unit = unit,
+                 .before = before_unit,
+                 .after = before_unit,
                  .verdict = Verdict::kRolledBack,
-                 .message = "the check was worse"});
+                 .message = "the check failed"});
     return;
   }
-  doing->Say(fmt::format("compensated, the two senses differ by {:+.4f} {}",
-                         check->left_unit,
-                         axes.drawing(axis).unit()));
-  if (!doing->Did(axes.Store(axis))) return;
+  doing->Say(words);
+  doing->KeepAsItIs(425, axis);
+  if (!doing->Store(axis)) return;
   doing->Step({.quantity = name,
-               .unit = axes.drawing(axis).unit(),
-               .before = before,
+               .unit = unit,
+               .before = before_unit,
                .after = gap.value_unit,
                .verdict = Verdict::kApplied,
                .message = "opposite approaches, read by the gauge"});
@@ -206,8 +207,40 @@ void ApplyGap(const Gap& gap, double speed_unit_s, MotorDoing* doing) {
                   MotorAxisName(axis)));
 }
 
+// There is none: what was compensated before is not any more.
+void ForgetGap(double before_unit, MotorDoing* doing) {
+  const std::size_t axis = doing->options().axes.front();
+  if (before_unit == 0) return;
+  doing->KeepAsItIs(425, axis);
+  if (!doing->Store(axis)) return;
+  doing->Step({.quantity = "backlash." + MotorAxisName(axis),
+               .unit = doing->axes().drawing(axis).unit(),
+               .before = before_unit,
+               .after = 0,
+               .verdict = Verdict::kApplied,
+               .message = "no gap is seen, none is compensated"});
+}
+
+// A carriage that coasts on beyond its motor reads as less than no gap.
+bool Coasts(const Gap& gap, MotorDoing* doing) {
+  const std::size_t axis = doing->options().axes.front();
+  const bool is_less = gap.value_unit < -kWorseBy * gap.sd_unit;
+  if (!Mutant("motor_backlash_below_none", is_less, false)) return false;
+  doing->Confess(
+      fmt::format("the gap of {} reads {:+.4f} +- {:.4f} {}, less than none: its "
+                  "carriage coasts on when the motor stands, it has less friction or "
+                  "more load than drawn",
+                  MotorAxisName(axis),
+                  gap.value_unit,
+                  gap.sd_unit,
+                  doing->axes().drawing(axis).unit()),
+      "backlash." + MotorAxisName(axis));
+  doing->Say("nothing was written");
+  return true;
+}
+
 // What is not clearly a gap is not written; a gauge that cannot tell is said to be one.
-void Judge(const Gap& gap, double speed_unit_s, MotorDoing* doing) {
+void Judge(const Gap& gap, double before_unit, double speed_unit_s, MotorDoing* doing) {
   const std::size_t axis = doing->options().axes.front();
   const MotorAxisDrawing& d = doing->axes().drawing(axis);
   const std::string name = "backlash." + MotorAxisName(axis);
@@ -222,21 +255,19 @@ void Judge(const Gap& gap, double speed_unit_s, MotorDoing* doing) {
     doing->Say("nothing was written");
     return;
   }
+  if (Coasts(gap, doing)) return;
   doing->Found(name, d.unit(), WithBudget(gap.value_unit, gap.budget));
   if (Mutant("motor_backlash_writes_noise",
              gap.value_unit > kIsThere * gap.sd_unit,
              true)) {
-    ApplyGap(gap, speed_unit_s, doing);
+    ApplyGap(gap, before_unit, speed_unit_s, doing);
     return;
   }
   doing->Say(fmt::format("no gap of {} is seen: less than {:.4f} {}",
                          MotorAxisName(axis),
                          std::max(0.0, gap.value_unit) + kIsThere * gap.sd_unit,
                          d.unit()));
-  const auto before = doing->Got(doing->axes().Field(425, axis));
-  if (before && *before > 0) {
-    ApplyGap({.sd_unit = gap.sd_unit, .left_unit = gap.left_unit}, speed_unit_s, doing);
-  }
+  ForgetGap(before_unit, doing);
 }
 
 }  // namespace
@@ -254,14 +285,17 @@ MotorResult RunMotorBacklash(MotorAxes* axes, const MotorOptions& options) {
     return doing.Take();
   }
   const auto top_unit_s = doing.TopSpeed_unit_s(axis);
-  double before_unit_s2 = 0;
-  if (!top_unit_s || !Gently(&doing, &before_unit_s2)) return doing.Take();
+  const auto before_unit = doing.Got(axes->Field(425, axis));
+  // Measured as if nothing were compensated.
+  const bool may_begin =
+      top_unit_s && before_unit && Gently(&doing) &&
+      (Mutant("motor_backlash_on_top", false, true) || doing.SetForNow(425, axis, 0));
+  if (!may_begin) return doing.Take();
   const double medium_unit_s = options.medium * *top_unit_s;
   const auto gap = doing.TrySlower(medium_unit_s, [&](double speed_unit_s) {
     return WithinTolerance(speed_unit_s, &doing);
   });
-  if (gap) Judge(*gap, medium_unit_s, &doing);
-  doing.Did(axes->SetField(201, axis, before_unit_s2));
+  if (gap) Judge(*gap, *before_unit, medium_unit_s, &doing);
   return doing.Take();
 }
 

@@ -33,8 +33,7 @@ void MotorDoing::SafeOff(std::size_t axis) {
 void MotorDoing::SafeSlow(std::size_t axis) {
   ++done_.found.safe_modes;
   const double most_unit_s = axes_->drawing(axis).max_velocity_unit_s / 10;
-  const bool is_kept =
-      Did(axes_->SetField(203, axis, most_unit_s)) && Did(axes_->Store(axis));
+  const bool is_kept = Did(axes_->SetField(203, axis, most_unit_s)) && Store(axis);
   if (!is_kept) return;
   Say(fmt::format("safe mode: {} moves at no more than {:g} {}/s (M203, stored)",
                   MotorAxisName(axis),
@@ -42,12 +41,38 @@ void MotorDoing::SafeSlow(std::size_t axis) {
                   axes_->drawing(axis).unit()));
 }
 
+bool MotorDoing::SetForNow(int code, std::size_t axis, double value) {
+  const auto before = Got(axes_->Field(code, axis));
+  if (!before || !Did(axes_->SetField(code, axis, value))) return false;
+  for_now_.try_emplace({code, axis}, *before);
+  return true;
+}
+
+void MotorDoing::KeepAsItIs(int code, std::size_t axis) {
+  for_now_.erase({code, axis});
+}
+
+bool MotorDoing::PutBack() {
+  bool all_are = true;
+  for (const auto& [field, value] : std::exchange(for_now_, {})) {
+    all_are = Did(axes_->SetField(field.first, field.second, value)) && all_are;
+  }
+  return all_are;
+}
+
+bool MotorDoing::Store(std::size_t axis) {
+  const bool is_put_back = Mutant("motor_stores_what_is_for_now", true, false);
+  return (!is_put_back || PutBack()) && Did(axes_->Store(axis));
+}
+
+// The speed first: the log keeps a hundred bytes.
 void MotorDoing::LogCondition(double speed_unit_s) {
   Log(condition_->axis,
-      fmt::format("{}, at {:g} {}/s",
-                  condition_->words,
+      fmt::format("at {:g} {}/s: {}",
                   speed_unit_s,
-                  axes_->drawing(condition_->axis).unit()));
+                  axes_->drawing(condition_->axis).unit(),
+                  condition_->words));
+  logged_.second = condition_->words;
 }
 
 void MotorDoing::TryAgainAt(double speed_unit_s) {
@@ -64,8 +89,6 @@ void MotorDoing::GiveUp() {
   const MotorCondition condition = *std::exchange(condition_, std::nullopt);
   std::string words = condition.words;
   if (!condition.remedy.empty()) words += ": " + condition.remedy;
-  // What is logged stands there with its speed.
-  if (logged_.second.starts_with(condition.words)) logged_.second = condition.words;
   Alert(condition.axis, words);
   if (condition.can_move) {
     SafeSlow(condition.axis);
@@ -167,6 +190,7 @@ MotorResult MotorDoing::Take() {
     Log(condition_->axis, condition_->words);
     GiveUp();
   }
+  PutBack();
   return std::move(done_);
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -97,6 +98,14 @@ class MotorDoing {
   const MotorOptions& options() const { return options_; }
   MotorAxes& axes() { return *axes_; }
   const MotorAxes& axes() const { return *axes_; }
+  /// A field of the record that holds until Store or Take puts it back, so that it is
+  /// never stored. Asked for again, what was first there is put back.
+  bool SetForNow(int code, std::size_t axis, double value);
+  /// What SetForNow has set stays as it is from now on.
+  void KeepAsItIs(int code, std::size_t axis);
+  bool PutBack();
+  /// What was set for now is put back, and the record stored.
+  bool Store(std::size_t axis);
   MotorResult Take();
 
  private:
@@ -107,8 +116,9 @@ class MotorDoing {
   std::string name_;
   const MotorOptions& options_;
   MotorAxes* axes_;
-  std::optional<MotorCondition> condition_{};     // Met, not yet seen to.
-  std::pair<std::size_t, std::string> logged_{};  // Last.
+  std::map<std::pair<int, std::size_t>, double> for_now_{};  // What was there before.
+  std::optional<MotorCondition> condition_{};                // Met, not yet seen to.
+  std::pair<std::size_t, std::string> logged_{};             // Last.
   MotorResult done_{};
 };
 
@@ -127,9 +137,13 @@ std::optional<std::int64_t> FindIndex(std::size_t axis,
                                       double speed_unit_s,
                                       MotorDoing* doing);
 
-/// Warns where the record's turn (M812 / M92) differs from the drawn one by more than a
-/// percent: every distance that homing goes, and the turns it counts, would be off.
-void HintAtScale(std::size_t axis,
+/// Hunting an index goes towards +: comes back from the upper end of the travel (its
+/// limit, M208), so that two and a half turns are left. Wants a homed axis.
+bool MakeRoom(std::size_t axis, MotorDoing* doing);
+
+/// Warns where the record's turn (M812 / M92) differs from the drawn one by more than
+/// 0.1 %: every distance, and the turns counted, would be off. Fails beyond 10 %.
+bool HintAtScale(std::size_t axis,
                  double pulses_per_unit,
                  double pulses_per_rev,
                  MotorDoing* doing);

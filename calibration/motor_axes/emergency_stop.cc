@@ -12,6 +12,8 @@
 namespace caltwin {
 namespace {
 
+constexpr double kFromMin_unit = 10;  // Where the move begins.
+
 // Where the move begins; slower where something hinders that. (The stop itself is tried
 // at one speed: slower it would be another one.)
 bool GoToStart(MotorDoing* doing) {
@@ -19,24 +21,59 @@ bool GoToStart(MotorDoing* doing) {
   return std::ranges::all_of(doing->options().axes, [&](std::size_t axis) {
     const MotorAxisDrawing& d = axes.drawing(axis);
     return doing->TrySlower(d.max_velocity_unit_s / 2, [&](double speed_unit_s) {
-      return doing->Did(axes.MoveTo(axis, d.min_unit + 10, speed_unit_s));
+      return doing->Did(axes.MoveTo(axis, d.min_unit + kFromMin_unit, speed_unit_s));
     });
   });
+}
+
+// The acceleration of all of them together: the least in force (M201).
+std::optional<double> CommonAcceleration_unit_s2(MotorDoing* doing) {
+  double least_unit_s2 = std::numeric_limits<double>::max();
+  for (const std::size_t axis : doing->options().axes) {
+    const auto in_force = doing->Got(doing->axes().Field(201, axis));
+    if (!in_force) return std::nullopt;
+    const double drawn = doing->axes().drawing(axis).acceleration_unit_s2;
+    least_unit_s2 =
+        std::min(least_unit_s2, Mutant("stop_timed_as_drawn", *in_force, drawn));
+  }
+  return least_unit_s2;
+}
+
+// Room for speeding up, some way at that speed, and slowing down; else it says what the
+// travel allows.
+bool HasRoom(double way_unit, double slowest_unit_s2, MotorDoing* doing) {
+  for (const std::size_t axis : doing->options().axes) {
+    const MotorAxisDrawing& d = doing->axes().drawing(axis);
+    const double room_unit = d.max_unit - d.min_unit - kFromMin_unit;
+    if (way_unit <= room_unit) continue;
+    const double most_unit_s =
+        std::sqrt(std::max(0.0, room_unit - 2 * doing->options().distance_unit) *
+                  slowest_unit_s2);
+    doing->Fail({.reply = fmt::format(
+                     "{0} needs {1:.4g} {2} to get to that speed and back with {3:.4g} "
+                     "{2}/s2 (M201), and has {4:.4g}: nothing moved. Up to {5:.3g} "
+                     "{2}/s its stop can be tried",
+                     MotorAxisName(axis),
+                     way_unit,
+                     d.unit(),
+                     slowest_unit_s2,
+                     room_unit,
+                     most_unit_s)});
+    return false;
+  }
+  return true;
 }
 
 // Into the move, and the relay opens half way.
 bool StopInMotion(double speed_unit_s, MotorDoing* doing) {
   MotorAxes& axes = doing->axes();
   const MotorOptions& o = doing->options();
-  double slowest_unit_s2 = std::numeric_limits<double>::max();
-  for (const std::size_t axis : o.axes) {
-    slowest_unit_s2 =
-        std::min(slowest_unit_s2, axes.drawing(axis).acceleration_unit_s2);
-  }
-  if (!GoToStart(doing)) return false;
-  const double ramp_unit = speed_unit_s * speed_unit_s / slowest_unit_s2;
+  const auto slowest_unit_s2 = CommonAcceleration_unit_s2(doing);
+  if (!slowest_unit_s2) return false;
+  const double ramp_unit = speed_unit_s * speed_unit_s / *slowest_unit_s2;
   const double way_unit = ramp_unit + 2 * o.distance_unit;
-  const double half_s = (way_unit / speed_unit_s + speed_unit_s / slowest_unit_s2) / 2;
+  if (!HasRoom(way_unit, *slowest_unit_s2, doing) || !GoToStart(doing)) return false;
+  const double half_s = (way_unit / speed_unit_s + speed_unit_s / *slowest_unit_s2) / 2;
   if (!doing->Did(axes.ArmRelay(half_s))) return false;
   const auto moved = axes.MoveTogether(o.axes, way_unit, speed_unit_s);
   if (moved) {
@@ -45,6 +82,23 @@ bool StopInMotion(double speed_unit_s, MotorDoing* doing) {
   }
   if (moved.error().reply.find("emergency stop") != std::string::npos) return true;
   doing->Fail(moved.error());
+  return false;
+}
+
+// Whether it went as fast as was foretold: else its stop tells nothing of that.
+bool WentAsTold(std::size_t axis,
+                const StopSays& says,
+                double speed_unit_s,
+                MotorDoing* doing) {
+  constexpr double kSame = 0.01;
+  if (std::abs(std::abs(says.told_unit_s) / speed_unit_s - 1) <= kSame) return true;
+  doing->Fail(
+      {.reply = fmt::format("{} went at {:.4g} {}/s when the contact opened, not "
+                            "at {:.4g}: its stop tells nothing of that",
+                            MotorAxisName(axis),
+                            std::abs(says.told_unit_s),
+                            doing->axes().drawing(axis).unit(),
+                            speed_unit_s)});
   return false;
 }
 
@@ -58,11 +112,10 @@ void CompareWithForecast(std::size_t axis,
                          const StopSays& says,
                          MotorDoing* doing) {
   constexpr double kClear = 3;  // Standard deviations.
-  const MotorBench& bench = doing->axes().bench();
   const MotorAxisDrawing& d = doing->axes().drawing(axis);
-  const double late_s = says.standstill_s - f.standstill_s;
-  if (late_s <= kClear * std::hypot(f.sd_s, says.sd_s)) return;
-  const double brake_s = says.standstill_s - bench.stop_filter_s;
+  const double brake_s = says.standstill_s - says.brakes_s;
+  const double late_s = brake_s - f.braked_s;
+  if (late_s <= kClear * std::hypot(f.braked_sd_s, says.sd_s)) return;
   doing->Warn(fmt::format(
       "{} stood after {} ms, {} were foretold: it brakes like {:.3g} {} in place of "
       "{:g}, or its motor gives {:.0f} % of its force, or its load came late across a "
@@ -70,10 +123,10 @@ void CompareWithForecast(std::size_t axis,
       MotorAxisName(axis),
       Milliseconds(says.standstill_s),
       Milliseconds(f.standstill_s),
-      d.total_inertia() * brake_s / (f.standstill_s - bench.stop_filter_s),
+      d.total_inertia() * brake_s / f.braked_s,
       d.is_rotary ? "kg m2" : "kg",
       d.total_inertia(),
-      PercentFromFraction((f.standstill_s - bench.stop_filter_s) / brake_s)));
+      PercentFromFraction(f.braked_s / brake_s)));
 }
 
 // The verdict as measured; where it is worse than the foretold one, a warning. A load
@@ -124,12 +177,12 @@ void TellKnock(std::size_t axis, const StopSays& says, MotorDoing* doing) {
       MotorAxisName(axis)));
 }
 
-bool ReadStops(const StopForecasts& forecasts, MotorDoing* doing) {
+bool ReadStops(const StopForecasts& forecasts, double speed_unit_s, MotorDoing* doing) {
   const MotorOptions& o = doing->options();
   double slowest_s = 0;
   for (const std::size_t axis : o.axes) {
     const auto says = doing->Got(doing->axes().LastStop(axis));
-    if (!says) return false;
+    if (!says || !WentAsTold(axis, *says, speed_unit_s, doing)) return false;
     const bool is_servo = doing->axes().drawing(axis).is_servo;
     if (is_servo) slowest_s = std::max(slowest_s, says->standstill_s);
     const std::string name = MotorAxisName(axis);
@@ -166,7 +219,7 @@ using IndexCounts = std::map<std::size_t, double>;
 // The counter at the next index.
 std::optional<double> NextIndex(std::size_t axis, MotorDoing* doing) {
   const auto top_unit_s = doing->TopSpeed_unit_s(axis);
-  if (!top_unit_s) return std::nullopt;
+  if (!top_unit_s || !MakeRoom(axis, doing)) return std::nullopt;
   const auto index = FindIndex(axis,
                                doing->axes().drawing(axis).lead_unit,
                                doing->options().slow * *top_unit_s,
@@ -275,7 +328,7 @@ MotorResult RunEmergencyStop(MotorAxes* axes, const MotorOptions& options) {
   if (!forecasts) return doing.Take();
   const auto indices = IndicesBefore(&doing);
   if (!indices || !StopInMotion(speed_unit_s, &doing) ||
-      !ReadStops(*forecasts, &doing) || !doing.Did(axes->Resume())) {
+      !ReadStops(*forecasts, speed_unit_s, &doing) || !doing.Did(axes->Resume())) {
     return doing.Take();
   }
   for (const std::size_t axis : options.axes) {

@@ -59,26 +59,49 @@ bool LeaveSwitch(std::size_t axis, double speed_unit_s, MotorDoing* doing) {
 
 }  // namespace
 
-void HintAtScale(std::size_t axis,
+bool HintAtScale(std::size_t axis,
                  double pulses_per_unit,
                  double pulses_per_rev,
                  MotorDoing* doing) {
-  constexpr double kClear = 0.01;  // Screws and gears are surer than that.
+  constexpr double kClear = 0.001;  // What steps per mm are to be right to.
+  constexpr double kHopeless = 0.1;
   const MotorAxisDrawing& d = doing->axes().drawing(axis);
   const double turn_unit = pulses_per_rev / pulses_per_unit;
-  if (std::abs(turn_unit / d.lead_unit - 1) <= kClear) return;
-  doing->Warn(
-      fmt::format("a turn of {0} is {1:.6g} {2} by its record ({3:.6g} pulses by M812, "
-                  "{4:.6g} a {2} "
-                  "by M92) and {5:.6g} as drawn: its home would be wrong, set M92 "
-                  "(steps per {2}) or "
-                  "M812 first",
-                  MotorAxisName(axis),
-                  turn_unit,
-                  d.unit(),
-                  pulses_per_rev,
-                  pulses_per_unit,
-                  d.lead_unit));
+  const double off = std::abs(turn_unit / d.lead_unit - 1);
+  if (off <= kClear) return true;
+  const std::string words = fmt::format(
+      "a turn of {0} is {1:.6g} {2} by its record ({3:.6g} pulses by M812, {4:.6g} a "
+      "{2} "
+      "by M92) and {5:.6g} as drawn: its home would be wrong, set M92 (steps per {2}) "
+      "or "
+      "M812 first",
+      MotorAxisName(axis),
+      turn_unit,
+      d.unit(),
+      pulses_per_rev,
+      pulses_per_unit,
+      d.lead_unit);
+  if (off <= kHopeless) {
+    doing->Warn(words);
+    return true;
+  }
+  doing->Fail({.reply = words + "; nothing moved"});
+  return false;
+}
+
+bool MakeRoom(std::size_t axis, MotorDoing* doing) {
+  constexpr double kTurns = 2.5;
+  MotorAxes& axes = doing->axes();
+  const MotorAxisDrawing& d = axes.drawing(axis);
+  const auto high_unit = doing->Got(axes.Field(208, axis));
+  const auto count = doing->Got(axes.Count(axis));
+  const auto pulses = doing->Got(axes.Field(92, axis));
+  const auto top_unit_s = doing->TopSpeed_unit_s(axis);
+  if (!high_unit || !count || !pulses || !top_unit_s) return false;
+  const double last_unit = std::min(*high_unit, d.max_unit) - kTurns * d.lead_unit;
+  if (static_cast<double>(*count) / *pulses <= last_unit) return true;
+  return doing->Did(
+      axes.MoveTo(axis, last_unit, doing->options().medium * *top_unit_s));
 }
 
 std::optional<double> SeenLate(std::size_t axis,
@@ -145,11 +168,15 @@ std::optional<Uncertain> CompensatedGap(std::size_t axis,
     return Uncertain{.value = *gap_unit, .sd = 1 / *pulses, .identifiable = true};
   }
   const std::string name = MotorAxisName(axis);
+  const bool is_servo = doing->axes().drawing(axis).is_servo;
   doing->done().result.observability.push_back(
-      {fmt::format("a switch does not tell {0}.{1} from half a gap behind the motor; "
-                   "motor_backlash with a gauge on the carriage does",
-                   quantity,
-                   name),
+      {fmt::format(
+           "a switch does not tell {0}.{1} from half a gap behind the motor; {2}",
+           quantity,
+           name,
+           is_servo ? "motor_backlash with a gauge on the carriage does"
+                    : "a gauge on the carriage, read from both sides, does "
+                      "(M425 then)"),
        {{quantity + "." + name, std::sqrt(0.8)},
         {"backlash." + name, -std::sqrt(0.2)}}});
   return Uncertain{};

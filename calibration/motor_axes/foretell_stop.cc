@@ -38,9 +38,10 @@ std::string ForetoldWords(std::size_t axis,
         "motor stands",
         f.coasts_s / SFromMs(1.0));
   }
-  if (within_s <= doing.axes().bench().stop_filter_s && d.is_servo) {
+  const double brakes_after_s = doing.axes().bench().BrakesAfter_s();
+  if (within_s <= brakes_after_s && d.is_servo) {
     words += fmt::format("; at no speed it is, its input alone takes {:g} ms",
-                         doing.axes().bench().stop_filter_s / SFromMs(1.0));
+                         brakes_after_s / SFromMs(1.0));
   } else if (!IsFeasible(f, within_s)) {
     words += fmt::format("; {} {:.0f} {}/s it is",
                          f.coasts_s > 0 ? "at" : "up to",

@@ -73,6 +73,7 @@ std::optional<Turn> Verify(double speed_unit_s,
                            MotorDoing* doing) {
   const MotorOptions& o = doing->options();
   const std::size_t axis = o.axes.front();
+  if (!o.is_as_published && !MakeRoom(axis, doing)) return std::nullopt;
   if (!o.is_as_published || start->attempts > 0) {
     const auto reference = FindIndex(axis, start->lead_unit, slow_unit_s, doing);
     if (!reference) return std::nullopt;
@@ -121,8 +122,7 @@ void KeepSlow(double speed_unit_s, MotorDoing* doing) {
                   MotorAxisName(axis),
                   speed_unit_s,
                   axes.drawing(axis).unit()));
-  if (!doing->Did(axes.SetField(203, axis, speed_unit_s)) ||
-      !doing->Did(axes.Store(axis))) {
+  if (!doing->Did(axes.SetField(203, axis, speed_unit_s)) || !doing->Store(axis)) {
     return;
   }
   doing->Absorb(RunServoHome(&axes, {.axes = {axis}, .slow = doing->options().slow}));

@@ -69,7 +69,10 @@ std::optional<MotorCondition> ConditionOf(const MachineFault& fault,
                                                  end,
                                                  MotorAxisName(*axis),
                                                  within(*axis)),
-                            .remedy = "is its wire on?",
+                            .remedy = drawing.axes[*axis].is_servo
+                                          ? "is its wire on?"
+                                          : "is its wire on, or is something in the "
+                                            "way? A stepper does not tell",
                             .can_move = end == "MAX"};
     }
   }
@@ -213,13 +216,16 @@ Expected<StopSays> MotorAxes::LastStop(std::size_t axis) {
   if (!line) return tl::unexpected(line.error());
   const auto standstill_s = NumberBehind(*line, "standstill_s");
   if (!standstill_s) return tl::unexpected(Unreadable("M818", *line));
-  return StopSays{.standstill_s = *standstill_s,
-                  .sd_s = NumberBehind(*line, "sd_s").value_or(0),
-                  .path_unit = NumberBehind(*line, "path").value_or(0),
-                  .peak_a = NumberBehind(*line, "peak_a").value_or(0),
-                  .stood = NumberBehind(*line, "stood").value_or(0) == 1,
-                  .is_knocked = NumberBehind(*line, "knocked").value_or(0) == 1,
-                  .is_disabled = NumberBehind(*line, "enabled").value_or(1) == 0};
+  return StopSays{
+      .standstill_s = *standstill_s,
+      .sd_s = NumberBehind(*line, "sd_s").value_or(0),
+      .brakes_s = NumberBehind(*line, "brakes_s").value_or(bench_.BrakesAfter_s()),
+      .told_unit_s = NumberBehind(*line, "told").value_or(0),
+      .path_unit = NumberBehind(*line, "path").value_or(0),
+      .peak_a = NumberBehind(*line, "peak_a").value_or(0),
+      .stood = NumberBehind(*line, "stood").value_or(0) == 1,
+      .is_knocked = NumberBehind(*line, "knocked").value_or(0) == 1,
+      .is_disabled = NumberBehind(*line, "enabled").value_or(1) == 0};
 }
 
 Expected<void> MotorAxes::ArmRelay(double after_s) {

@@ -17,8 +17,11 @@ struct MotorBench {
   MotorStageDrawing drawing{};
   double gauge_sigma_unit = 0.0005;  ///< Standard uncertainty of one reading.
   double inertia_sigma = 0.03;       ///< Of the inertias, as a fraction.
-  double stop_filter_s = 0.0005;     ///< Of the controller's emergency input,
-  double stepper_stop_s = 0.004;     ///< and its ramp for steppers.
+  double stop_filter_s = 0.0005;     ///< Of the controller's emergency input;
+  double stop_tick_s = 0.00025;      ///< brakes act at its next tick,
+  double stepper_stop_s = 0.004;     ///< and so does its ramp for steppers.
+  /// From the contact until brakes act, in the mean.
+  double BrakesAfter_s() const { return stop_filter_s + stop_tick_s / 2; }
 };
 
 /// What M814 tells of an axis.
@@ -33,7 +36,9 @@ struct DriveSays {
 
 /// What M818 tells of an axis.
 struct StopSays {
-  double standstill_s = 0, sd_s = 0;
+  double standstill_s = 0, sd_s = 0;  ///< From the contact.
+  double brakes_s = 0;                ///< Of it, until its brake acted.
+  double told_unit_s = 0;  ///< The speed that it was told when the contact opened.
   double path_unit = 0;
   double peak_a = 0;
   bool stood = false;

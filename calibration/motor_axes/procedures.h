@@ -92,6 +92,11 @@ MotorResult RunAxisSync(MotorAxes* axes, const MotorOptions& options);
 /// inertia, speed and current, then measured; what happened to positions; resume.
 MotorResult RunEmergencyStop(MotorAxes* axes, const MotorOptions& options);
 
+/// The one of that id. Throws std::logic_error where there is none.
+MotorResult RunMotorProcedure(std::string_view name,
+                              const MotorOptions& options,
+                              MotorAxes* axes);
+
 /// A stop that is asked about; lengths are mm, of a rotary axis deg.
 struct StopAsked {
   double speed_unit_s = 0;
@@ -103,8 +108,9 @@ struct StopAsked {
 
 /// How long a servo brakes from a speed, input filter included:
 ///
-///   t = t_filter + v M / (F + friction)
+///   t = t_filter + t_tick / 2 + v M / (F + friction)
 ///
+/// (brakes act at the first tick after the filter: +- t_tick / sqrt(12))
 /// while motor and load both move, also where a gap parts them: F brakes one, friction
 /// the other, and what is left is shared when they meet. A motor that stands before its
 /// load has crossed the gap b, b > v^2 (1 - aL / aM) / 2 aM, with aM = F / M_motor and
@@ -117,6 +123,8 @@ struct StopForecast {
   double standstill_s = 0;
   /// From that of inertia and gap; of a stepper a quarter of its rotor's swing.
   double sd_s = 0;
+  /// Of a servo, of those: from where its brake acts.
+  double braked_s = 0, braked_sd_s = 0;
   double path_unit = 0;
   double fastest_unit_s = 0;     ///< That still stops in time, or still holds; 0: none.
   double fastest_sd_unit_s = 0;  ///< Of a stepper.

@@ -179,6 +179,21 @@ bool CountTurns(double stored_unit, Homing* homing, MotorDoing* doing) {
                  .remedy = "has a switch or a coupling moved?"});
     return false;
   }
+  // A switch's scatter turns home by one at most.
+  if (Mutant("home_believes_any_offset", std::abs(turns) > 1, false)) {
+    doing->Meet(
+        {.kind = MotorCondition::Kind::kMismatch,
+         .axis = homing->axis,
+         .words = fmt::format("the index of {} is {:+g} turns from where it was "
+                              "over the switch (M206, {:.3f} {})",
+                              MotorAxisName(homing->axis),
+                              turns,
+                              stored_unit,
+                              doing->axes().drawing(homing->axis).unit()),
+         .remedy = "is that another machine's record, or was the switch moved? "
+                   "M206 0 homes it as at first"});
+    return false;
+  }
   const double pulses = turns * homing->lead_unit * homing->pulses_per_unit;
   homing->index -= Mutant("home_ignores_turns", std::llround(pulses), 0LL);
   if (turns != 0) {
@@ -253,7 +268,7 @@ void KeepHome(double stored_unit, const Homing& homing, MotorDoing* doing) {
       static_cast<double>(zero - homing.at_switch) / homing.pulses_per_unit;
   const bool is_kept = doing->Did(axes.SetZero(axis, zero)) &&
                        doing->Did(axes.SetField(206, axis, offset_unit)) &&
-                       doing->Did(axes.Store(axis));
+                       doing->Store(axis);
   if (!is_kept) return;
   const std::string name = "home_offset." + MotorAxisName(axis);
   const std::string unit = axes.drawing(axis).unit();
@@ -289,10 +304,12 @@ MotorResult RunServoHome(MotorAxes* axes, const MotorOptions& options) {
   if (!pulses || !stored_unit || !per_rev || !top_unit_s) return doing.Take();
   homing.pulses_per_unit = *pulses;
   homing.lead_unit = *per_rev / *pulses;
-  HintAtScale(axis, *pulses, *per_rev, &doing);
+  if (!HintAtScale(axis, *pulses, *per_rev, &doing)) return doing.Take();
   const double slow_unit_s = options.slow * *top_unit_s;
   if (!StopsBehindASwitch(axis, slow_unit_s, &doing)) return doing.Take();
-  if (!doing.Did(axes->ForgetHome(axis))) return doing.Take();
+  // A compensation would drive a back-off on by as much, past an index perhaps.
+  const bool may_begin = options.is_as_published || doing.SetForNow(425, axis, 0);
+  if (!may_begin || !doing.Did(axes->ForgetHome(axis))) return doing.Take();
   const bool is_there = doing.TrySlower(slow_unit_s, [&](double speed_unit_s) {
     return ToSwitch(speed_unit_s, &homing, &doing);
   }) && HuntIndex(&homing, &doing);

@@ -115,26 +115,6 @@ void TellLostSteps(std::size_t axis,
   }
 }
 
-// Half the acceleration for as long as it lives.
-class GentleStart {
- public:
-  GentleStart(std::size_t axis, MotorDoing* doing) : axis_(axis), doing_(doing) {
-    const auto usual = doing->Got(doing->axes().Field(201, axis));
-    if (!usual) return;
-    usual_unit_s2_ = *usual;
-    doing->Did(doing->axes().SetField(201, axis, kGentle * *usual));
-  }
-  bool End() {
-    return usual_unit_s2_ > 0 &&
-           doing_->Did(doing_->axes().SetField(201, axis_, usual_unit_s2_));
-  }
-
- private:
-  std::size_t axis_;
-  MotorDoing* doing_;
-  double usual_unit_s2_ = 0;
-};
-
 // The MIN switch as the procedure sees it, at that speed.
 std::optional<Seen> SeeSwitch(std::size_t axis,
                               double speed_unit_s,
@@ -166,8 +146,7 @@ void KeepStepperHome(const Seen& seen,
       doing->Did(axes.SetZero(axis, std::llround(zero))) &&
       doing->Did(axes.MoveTo(axis, 0, slow_unit_s)) &&
       doing->Did(axes.MoveTo(axis, o.safe_unit - o.final_back_off_unit, slow_unit_s)) &&
-      doing->Did(axes.SetField(206, axis, o.final_back_off_unit)) &&
-      doing->Did(axes.Store(axis));
+      doing->Did(axes.SetField(206, axis, o.final_back_off_unit)) && doing->Store(axis);
   if (!is_kept) return;
   const std::string name = "home_offset." + MotorAxisName(axis);
   doing->Step({.quantity = name,
@@ -204,17 +183,19 @@ MotorResult RunStepperHome(MotorAxes* axes, const MotorOptions& options) {
   const auto per_rev = doing.Got(axes->Field(812, axis));
   const auto top_unit_s = doing.TopSpeed_unit_s(axis);
   if (!pulses || !says || !per_rev || !top_unit_s) return doing.Take();
-  HintAtScale(axis, *pulses, *per_rev, &doing);
+  const auto usual_unit_s2 = doing.Got(axes->Field(201, axis));
   const double slow_unit_s = options.slow * *top_unit_s;
-  GentleStart gentle(axis, &doing);
-  std::optional<Seen> seen;
-  if (StopsBehindASwitch(axis, slow_unit_s, &doing) &&
-      doing.Did(axes->ForgetHome(axis))) {
-    seen = doing.TrySlower(slow_unit_s, [&](double speed_unit_s) {
-      return SeeSwitch(axis, speed_unit_s, *pulses, &doing);
-    });
-  }
-  if (!gentle.End() || !seen) return doing.Take();
+  const bool may_begin = usual_unit_s2 &&
+                         HintAtScale(axis, *pulses, *per_rev, &doing) &&
+                         (options.is_as_published || doing.SetForNow(425, axis, 0)) &&
+                         doing.SetForNow(201, axis, kGentle * *usual_unit_s2) &&
+                         StopsBehindASwitch(axis, slow_unit_s, &doing) &&
+                         doing.Did(axes->ForgetHome(axis));
+  if (!may_begin) return doing.Take();
+  const auto seen = doing.TrySlower(slow_unit_s, [&](double speed_unit_s) {
+    return SeeSwitch(axis, speed_unit_s, *pulses, &doing);
+  });
+  if (!doing.PutBack() || !seen) return doing.Take();
   if (says->was_homed) TellLostSteps(axis, *seen, *pulses, &doing);
   KeepStepperHome(*seen, *pulses, slow_unit_s, &doing);
   return doing.Take();

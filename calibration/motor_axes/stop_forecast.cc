@@ -74,6 +74,11 @@ Braked BrakedBy(const MotorAxisDrawing& d, double heavier) {
           .friction = d.friction};
 }
 
+// The contact opens anywhere between two ticks.
+double TickSd_s(const MotorBench& bench) {
+  return bench.stop_tick_s / std::sqrt(12.0);
+}
+
 StopForecast ForecastServo(const MotorBench& bench,
                            const MotorAxisDrawing& d,
                            const StopAsked& asked) {
@@ -84,10 +89,12 @@ StopForecast ForecastServo(const MotorBench& bench,
   const double by_gap_s =
       StandsAfter(usual, asked.speed_unit_s, asked.gap_unit + asked.gap_sd_unit).at_s -
       stands.at_s;
-  const double brakes_s = asked.within_s - bench.stop_filter_s;
-  return {.standstill_s = bench.stop_filter_s + stands.at_s,
-          .sd_s = std::hypot(by_inertia_s, by_gap_s),
-          .path_unit = asked.speed_unit_s * (bench.stop_filter_s + stands.at_s / 2),
+  const double brakes_s = asked.within_s - bench.BrakesAfter_s();
+  return {.standstill_s = bench.BrakesAfter_s() + stands.at_s,
+          .sd_s = std::hypot(by_inertia_s, by_gap_s, TickSd_s(bench)),
+          .braked_s = stands.at_s,
+          .braked_sd_s = std::hypot(by_inertia_s, by_gap_s),
+          .path_unit = asked.speed_unit_s * (bench.BrakesAfter_s() + stands.at_s / 2),
           .fastest_unit_s = FastestInTime(usual, asked.gap_unit, brakes_s),
           .coasts_s = stands.coasts_s};
 }
@@ -104,9 +111,10 @@ StopForecast ForecastStepper(const MotorBench& bench,
   const double cycle_unit = 4 * d.lead_unit / d.full_steps_per_rev;
   const double swing_s =
       std::sqrt(2 * std::numbers::pi * inertia * cycle_unit / d.largest_force());
-  StopForecast f{.standstill_s = bench.stop_filter_s + ramp_s,
-                 .sd_s = swing_s / 4,
-                 .path_unit = asked.speed_unit_s * (bench.stop_filter_s + ramp_s / 2)};
+  StopForecast f{
+      .standstill_s = bench.BrakesAfter_s() + ramp_s,
+      .sd_s = std::hypot(swing_s / 4, TickSd_s(bench)),
+      .path_unit = asked.speed_unit_s * (bench.BrakesAfter_s() + ramp_s / 2)};
   const double ramped = inertia / ramp_s;
   f.fastest_unit_s = (d.largest_force() + d.friction) / (ramped + falls);
   f.fastest_sd_unit_s =

@@ -41,12 +41,16 @@ bool BackUntilOpen(const SwitchSeek& seek, double back_unit, MotorDoing* doing) 
     if (!pressed) return false;
     if (Mutant("switch_look_from_closed", !*pressed, true)) return true;
   }
-  doing->Fail({.reply = fmt::format("the {} switch of {} stays closed {:.3g} {} before "
-                                    "where it closed: it cannot be looked at again",
+  doing->Meet({.kind = MotorCondition::Kind::kBacklash,
+               .axis = seek.axis,
+               .words = fmt::format("the {} switch of {} stays closed {:.3g} {} back "
+                                    "from where it closed: excessive backlash, or it "
+                                    "sticks",
                                     seek.sense < 0 ? "MIN" : "MAX",
                                     MotorAxisName(seek.axis),
                                     kMostSteps * back_unit,
-                                    axes.drawing(seek.axis).unit())});
+                                    axes.drawing(seek.axis).unit()),
+               .can_move = true});
   return false;
 }
 
@@ -63,7 +67,7 @@ double SwitchLooks::mean_sd_unit() const {
 
 std::vector<Contribution> SwitchLooks::Budget() const {
   const auto n = static_cast<double>(at_pulses.size());
-  if (scatters) {
+  if (is_seen) {
     return {{.input = "switch, as seen", .u = mean_sd_unit(), .dof = n - 1}};
   }
   std::vector<Contribution> budget = drawn;
@@ -133,6 +137,10 @@ std::optional<SwitchLooks> LookFinely(const SwitchSeek& seek,
   if (!LookOften(seek, times, pulses_per_unit, &looks, doing)) return std::nullopt;
   if (times < 2) return looks;
   const double seen = SeenSigmaOf(looks, pulses_per_unit) / drawn_unit;
+  // Five looks seldom prove a switch that scatters twice as much: what they show counts
+  // where it is more, with as many degrees of freedom as it has.
+  looks.is_seen = Mutant("switch_looks_not_believed", seen > 1, false);
+  if (looks.is_seen) looks.sigma_unit = seen * drawn_unit;
   const bool is_more = (times - 1) * seen * seen > ChiSquaredLimit(times - 1);
   looks.scatters = Mutant("switch_scatter_believed", is_more, false);
   if (!looks.scatters) return looks;
@@ -142,6 +150,7 @@ std::optional<SwitchLooks> LookFinely(const SwitchSeek& seek,
   looks.clear_unit = std::max(
       looks.clear_unit, kTold * kClearSigmas * SeenSigmaOf(looks, pulses_per_unit));
   if (!LookOften(seek, times, pulses_per_unit, &looks, doing)) return std::nullopt;
+  looks.is_seen = true;
   looks.sigma_unit = std::max(SeenSigmaOf(looks, pulses_per_unit), drawn_unit);
   doing->Warn(fmt::format(
       "the {} switch of {} scatters by {:.1f} {} over {} looks, {:.1f} as drawn "

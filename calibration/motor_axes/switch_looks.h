@@ -19,9 +19,9 @@ struct SwitchSeek {
 /// Where a switch was seen to be passed, again and again [pulses].
 struct SwitchLooks {
   std::vector<double> at_pulses{};
-  /// Of one look [mm, deg]: as drawn (SwitchSigma), or as seen where that is clearly
-  /// more.
+  /// Of one look [mm, deg]: as drawn (SwitchSigma), or as seen where that is more.
   double sigma_unit = 0;
+  bool is_seen = false;   ///< It is what was seen.
   bool scatters = false;  ///< Clearly more than drawn.
   /// From where it opened to where the next look begins: beyond where it may close
   /// next.
@@ -40,7 +40,8 @@ bool LookAtSwitch(const SwitchSeek& seek,
                   SwitchLooks* looks,
                   MotorDoing* doing);
 
-/// Looks `times` times, then compares the looks with each other: where
+/// Looks `times` times, then compares the looks with each other. What they scatter by
+/// counts where it is more than drawn (with n - 1 degrees of freedom). Where
 ///
 ///   sum (p_i - mean)^2 / sigma^2
 ///

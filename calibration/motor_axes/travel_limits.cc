@@ -114,7 +114,7 @@ void KeepLimits(const Travel& travel,
   const bool is_kept =
       doing->Did(axes.SetLimits(axis, low_unit, high_unit)) &&
       doing->Did(axes.MoveTo(axis, (low_unit + high_unit) / 2, speed_unit_s)) &&
-      doing->Did(axes.Store(axis));
+      doing->Store(axis);
   if (!is_kept) return;
   const std::string name = "travel." + MotorAxisName(axis);
   doing->Step(
@@ -149,7 +149,8 @@ MotorResult RunTravelLimits(MotorAxes* axes, const MotorOptions& options) {
   const Travel travel{
       .axis = axis, .pulses_per_unit = *pulses, .home_offset_unit = *offset_unit};
   const double slow_unit_s = options.slow * *top_unit_s;
-  if (!StopsBehindASwitch(axis, slow_unit_s, &doing)) return doing.Take();
+  const bool may_begin = options.is_as_published || doing.SetForNow(425, axis, 0);
+  if (!may_begin || !StopsBehindASwitch(axis, slow_unit_s, &doing)) return doing.Take();
   const auto looks = doing.TrySlower(slow_unit_s, [&](double speed_unit_s) {
     return GoToMax(travel, speed_unit_s, &doing);
   });

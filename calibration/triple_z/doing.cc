@@ -118,7 +118,8 @@ bool IsSmallEnough(const Vec3<double>& raise_mm,
   const double most_mm = raise_mm.cwiseAbs().maxCoeff();
   if (most_mm <= o.largest_mm) return true;
   doing->Refuse(
-      fmt::format("a screw would be moved by {:.3f} mm, more than {:g}: not done",
+      fmt::format("a screw would be moved by {:.3f} mm, more than {:g} (largest_mm): "
+                  "not done",
                   most_mm,
                   o.largest_mm));
   return false;

@@ -78,13 +78,17 @@ TripleZResult RunPivotsAndWiring(TripleZPrinter* printer,
   if (!stands) return doing.Take();
   const ScrewResponse response =
       FitScrewResponse(*stands, bench.drawn_mm, bench.sigma_mm, bench.is_sigma_stated);
-  doing.SayAll(WordsOfResponse(response, bench.drawn_mm));
+  if (response.is_told) doing.SayAll(WordsOfResponse(response, bench.drawn_mm));
   if (!response.is_told) {
-    doing.Confess(
-        "two rounds whose corrections are nearly alike tell one direction of the "
-        "screws' "
-        "places",
-        AlongBoth("pivot_position.z2.dx_mm", "pivot_position.z3.dy_mm"));
+    doing.Confess(options.from_rounds
+                      ? "two rounds whose corrections are nearly alike tell one "
+                        "direction of the screws' places: raise single screws, one by "
+                        "one"
+                      : fmt::format("touches that scatter by {:.3f} mm do not tell "
+                                    "where the screws stand: raise them by more "
+                                    "(test_mm), or mend the probe",
+                                    response.rms_mm),
+                  response.WeakestOf());
     return doing.Take();
   }
   doing.done().response = response;

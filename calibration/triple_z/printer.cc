@@ -5,6 +5,7 @@
 #include <cctype>
 #include <charconv>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 
 #include <fmt/format.h>
@@ -32,7 +33,9 @@ std::optional<double> StoppedHeight_mm(const std::vector<std::string>& lines) {
     double value = 0;
     const auto read = std::from_chars(
         line.data() + at + kKey.size(), line.data() + line.size(), value);
-    if (read.ec == std::errc()) return value;
+    const bool ends = read.ptr == line.data() + line.size() || *read.ptr == ' ';
+    constexpr double kHighest_mm = 1e4;
+    if (read.ec == std::errc() && ends && std::abs(value) < kHighest_mm) return value;
   }
   return std::nullopt;
 }

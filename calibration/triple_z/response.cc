@@ -108,13 +108,16 @@ ScrewResponse FitScrewResponse(std::span<const RaisedTouches> stands,
   constexpr double kLargestSd = 0.3;
   const LinearFit fit =
       SolveLinear(a / sigma_mm, r / sigma_mm, {.largest_sd = kLargestSd});
-  if (!fit.identifiable) return response;
-  response.by_driver = ByDriver(fit.x);
-  response.chi2_per_dof = fit.chi2_per_dof;
   response.rms_mm = fit.residuals.size() == 0
                         ? 0
                         : sigma_mm * std::sqrt(fit.residuals.squaredNorm() /
                                                static_cast<double>(rows));
+  if (fit.weakest.size() == kColumns) {
+    response.weakest = fit.weakest.tail<6>().normalized();
+  }
+  if (!fit.identifiable) return response;
+  response.by_driver = ByDriver(fit.x);
+  response.chi2_per_dof = fit.chi2_per_dof;
   for (int driver = 0; driver < kNumScrews; ++driver) {
     const auto place_mm = PlaceOf_mm(response.by_driver, driver);
     if (!place_mm) return response;
@@ -129,6 +132,19 @@ ScrewResponse FitScrewResponse(std::span<const RaisedTouches> stands,
   if (Mutant("tz_drivers_unmatched", true, false)) MatchDrivers(drawn_mm, &response);
   response.is_told = true;
   return response;
+}
+
+std::map<std::string, double> ScrewResponse::WeakestOf() const {
+  constexpr double kWorthNaming = 1e-3;
+  constexpr std::array<std::string_view, 3> kParts = {"", ".dx", ".dy"};
+  std::map<std::string, double> named;
+  for (Eigen::Index k = 0; k < weakest.size(); ++k) {
+    if (std::abs(weakest[k]) < kWorthNaming) continue;
+    named[fmt::format("response.{}{}",
+                      ScrewName(static_cast<int>(k / 3)),
+                      kParts[static_cast<std::size_t>(k % 3)])] = weakest[k];
+  }
+  return named;
 }
 
 Eigen::Matrix3d LevellingGain(const ScrewResponse& response,

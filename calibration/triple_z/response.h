@@ -2,6 +2,7 @@
 
 #include <array>
 #include <limits>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -34,6 +35,12 @@ struct ScrewResponse {
       0, 1, 2};  ///< Of each driver, by nearest screws.
   double rms_mm = 0;
   double chi2_per_dof = 0;
+
+  /// Of the six numbers that the drivers' responses are (first, second; 1, x, y), the
+  /// unit direction of which the touches tell least; 0 where there is no fit.
+  Eigen::Matrix<double, 6, 1> weakest = Eigen::Matrix<double, 6, 1>::Zero();
+  /// The same by name ("response.z1.dx"), as an Observability has it.
+  std::map<std::string, double> WeakestOf() const;
 
   double At(int driver, const Eigen::Vector2d& place_mm) const {
     return by_driver.row(driver).dot(Vec3<double>(1, place_mm[0], place_mm[1]));

@@ -43,21 +43,38 @@ std::optional<double> After(const std::vector<std::string>& lines,
   return std::nullopt;
 }
 
-// "G28" of "  g28 z ; home".
-std::string CommandOf(const std::string& line) {
-  std::istringstream words(line.substr(0, line.find(';')));
-  std::string command;
-  words >> command;
-  for (char& c : command) {
-    c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+// "G28", "Z" of "  g28 z ; home".
+std::vector<std::string> WordsOf(const std::string& line) {
+  std::istringstream text(line.substr(0, line.find(';')));
+  std::vector<std::string> words;
+  for (std::string word; text >> word;) {
+    for (char& c : word) {
+      c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+    }
+    words.push_back(word);
   }
-  return command;
+  return words;
+}
+
+// All axes, or Z among them.
+bool HomesZ(const std::string& line) {
+  const std::vector<std::string> words = WordsOf(line);
+  if (words.empty() || words.front() != "G28") return false;
+  return words.size() == 1 ||
+         std::any_of(words.begin() + 1, words.end(), [](auto& word) {
+           return word.starts_with('Z');
+         });
+}
+
+// Klipper's own port begins what it says with "// ".
+std::string WithoutMark(const std::string& line) {
+  return line.starts_with("// ") ? line.substr(3) : line;
 }
 
 bool HomesWithin(const std::string& macro) {
   std::istringstream lines(macro);
   for (std::string line; std::getline(lines, line);) {
-    if (CommandOf(line) == "G28") return true;
+    if (HomesZ(line)) return true;
   }
   return false;
 }
@@ -86,19 +103,37 @@ std::optional<ZCalibrationReading> ReadZCalibration(
 }
 
 Expected<std::vector<std::string>> ZOffsetClient::Say(const std::string& line) {
-  const auto answer = link_->Send(line, kPatience);
+  auto answer = link_->Send(line, kPatience);
   if (!answer) return answer;
-  const std::string command = CommandOf(line);
-  if (command == "CALIBRATE_Z") {
+  for (std::string& said : *answer) said = WithoutMark(said);
+  const std::vector<std::string> words = WordsOf(line);
+  if (!words.empty() && words.front() == "CALIBRATE_Z") {
     is_calibrated_ = true;
-    is_spoilt_ = Mutant("z_end_gcode_not_read", HomesWithin(end_gcode_), false);
-  } else if (command == "G28") {
+    if (const auto read = ReadZCalibration(*answer)) {
+      switch_offset_mm_ = read->SwitchOffset_mm();
+    }
+    const bool homes_late =
+        HomesWithin(macros_.before_switch_gcode) || HomesWithin(macros_.end_gcode);
+    is_spoilt_ = Mutant("z_end_gcode_not_read", homes_late, false);
+  } else if (HomesZ(line)) {
     is_spoilt_ = is_calibrated_;
   }
   return answer;
 }
 
-ProcedureResult RunZCalibration(ZOffsetClient* client, double switch_offset_mm) {
+ProcedureResult ZOffsetClient::Home() {
+  ProcedureResult result;
+  if (const auto homed = Say("G28"); !homed) Fail(homed.error(), &result);
+  return result;
+}
+
+std::optional<double> ZOffsetClient::GcodeBase_mm() {
+  const auto position = Say("GET_POSITION");
+  return position ? After(*position, "gcode base:", "Z:") : std::nullopt;
+}
+
+ProcedureResult RunZCalibration(ZOffsetClient* client,
+                                std::optional<double> switch_offset_mm) {
   ProcedureResult result;
   const auto answer = client->Say("CALIBRATE_Z");
   if (!answer) {
@@ -114,15 +149,13 @@ ProcedureResult RunZCalibration(ZOffsetClient* client, double switch_offset_mm) 
   }
   result.messages.push_back(answer->back());
   const double used_mm = reading->SwitchOffset_mm();
-  if (std::abs(used_mm - switch_offset_mm) > kPrinted_mm) {
+  if (switch_offset_mm && std::abs(used_mm - *switch_offset_mm) > kPrinted_mm) {
     result.messages.push_back(
         fmt::format("this offset was made with switch_offset {:.3f}, not {:.3f}",
                     used_mm,
-                    switch_offset_mm));
+                    *switch_offset_mm));
   }
-  const auto position = client->Say("GET_POSITION");
-  const auto base_mm =
-      position ? After(*position, "gcode base:", "Z:") : std::optional<double>();
+  const auto base_mm = client->GcodeBase_mm();
   if (base_mm && std::abs(*base_mm - reading->offset_mm) > kPrinted_mm) {
     result.messages.push_back(
         fmt::format("GET_POSITION has {:.6f} for it: somebody adjusted it", *base_mm));
@@ -137,7 +170,8 @@ ProcedureResult RunZCalibration(ZOffsetClient* client, double switch_offset_mm) 
   result.observability.push_back(
       {.statement =
            "the offset takes ooze on the nozzle and a wrong switch_offset for the "
-           "bed's height: only a gap measured under the nozzle tells them",
+           "bed's height: a gap measured under the nozzle tells their sum, after a "
+           "calibration with the nozzle wiped switch_offset alone",
        .blind_direction = {{"ooze", std::sqrt(0.5)},
                            {"switch_offset", -std::sqrt(0.5)}}});
   return result;
@@ -182,46 +216,120 @@ ProcedureResult RunProbeAccuracy(ZOffsetClient* client, bool is_endstop, int sam
   return result;
 }
 
-ProcedureResult RunSwitchOffset(ZOffsetClient* client,
-                                double switch_offset_mm,
-                                const std::function<std::optional<double>()>& gap_mm) {
-  constexpr std::array kHeights_mm = {5.0, 3.0, 1.0, 0.5, 0.3, 0.1};
-  constexpr double kTooNear_mm = 0.02;
-  ProcedureResult result;
+namespace {
+
+constexpr std::array kHeights_mm = {5.0, 3.0, 1.0, 0.5, 0.3, 0.1};
+constexpr double kTooNear_mm = 0.02;
+
+// How much wider the last gap was than its height; nullopt: `result` says why.
+std::optional<double> Descend(ZOffsetClient* client,
+                              const FeelerHands& hands,
+                              ProcedureResult* result) {
   double off_mm = 0;
-  for (const double height_mm : kHeights_mm) {
+  for (std::size_t i = 0; i < kHeights_mm.size(); ++i) {
+    const double height_mm = kHeights_mm[i];
     if (const auto moved = client->Say(fmt::format("G0 Z{}", height_mm)); !moved) {
-      Fail(moved.error(), &result);
-      return result;
+      Fail(moved.error(), result);
+      return std::nullopt;
     }
-    const auto gap = gap_mm();
-    if (!gap) {
-      Fail({.reply = "nobody measured the gap"}, &result);
-      return result;
+    const auto gap_mm = hands.gap_mm(height_mm);
+    if (!gap_mm) {
+      Fail({.reply = "nobody measured the gap"}, result);
+      return std::nullopt;
     }
-    off_mm = *gap - height_mm;
-    result.messages.push_back(
-        fmt::format("at Z{}: a gap of {:.3f} mm", height_mm, *gap));
-    // The next step down would be into the bed.
-    if (height_mm + off_mm < kTooNear_mm + height_mm / 2) break;
+    if (*gap_mm <= 0) {
+      Fail({.reply = fmt::format("a gap of {:.3f} mm at Z{}: the nozzle is on the bed",
+                                 *gap_mm,
+                                 height_mm)},
+           result);
+      return std::nullopt;
+    }
+    off_mm = *gap_mm - height_mm;
+    result->messages.push_back(
+        fmt::format("at Z{}: a gap of {:.3f} mm", height_mm, *gap_mm));
+    if (i + 1 == kHeights_mm.size()) break;
+    const double down_mm =
+        Mutant("z_descent_looks_not_ahead", height_mm - kHeights_mm[i + 1], 0.0);
+    if (*gap_mm - down_mm < kTooNear_mm) {
+      result->messages.push_back(
+          fmt::format("Z{} is left out: it would end on the bed", kHeights_mm[i + 1]));
+      break;
+    }
   }
+  return off_mm;
+}
+
+// The calibration that the descent goes by; false: there is none.
+bool Prepare(ZOffsetClient* client,
+             const SwitchOffsetOptions& options,
+             const FeelerHands& hands,
+             ProcedureResult* result) {
+  if (options.is_as_published) {
+    if (client->is_calibrated() && !client->is_spoilt()) return true;
+    Fail({.reply = client->is_spoilt()
+                       ? "Z was homed after CALIBRATE_Z: run z_calibration again first"
+                       : "there is no offset to go by: run z_calibration first"},
+         result);
+    return false;
+  }
+  if (!hands.wipe()) {
+    Fail({.reply = "nobody wiped the nozzle: plastic on it looks like switch_offset"},
+         result);
+    return false;
+  }
+  const ProcedureResult calibrated = RunZCalibration(client, options.in_force_mm);
+  result->messages.insert(
+      result->messages.end(), calibrated.messages.begin(), calibrated.messages.end());
+  result->steps = calibrated.steps;
+  result->ending = calibrated.ending;
+  result->fault = calibrated.fault;
+  if (calibrated.ending != Ending::kDone) return false;
+  if (!client->is_spoilt()) return true;
+  Fail({.reply = "its own macros home Z: this calibration holds nothing"}, result);
+  return false;
+}
+
+}  // namespace
+
+ProcedureResult RunSwitchOffset(ZOffsetClient* client,
+                                const SwitchOffsetOptions& options,
+                                const FeelerHands& hands) {
+  ProcedureResult result;
+  if (!Prepare(client, options, hands, &result)) return result;
+  const auto in_force_mm =
+      options.in_force_mm ? options.in_force_mm : client->switch_offset_mm();
+  if (!in_force_mm) {
+    Fail({.reply = "which switch_offset is in force is not known"}, &result);
+    return result;
+  }
+  const auto off_mm = Descend(client, hands, &result);
+  if (!off_mm) return result;
   // A nozzle that hangs too high needs a greater switch_offset.
   // One reading in whole leaves, however often it is taken: heights are multiples too.
-  const Uncertain told =
-      WithBudget(switch_offset_mm + off_mm,
+  Uncertain told =
+      WithBudget(*in_force_mm + *off_mm,
                  {{.input = "touches and steps of the machine", .u = kMachine_mm},
                   {.input = "feeler gauge's step",
                    .u = kFeelerStep_mm / std::sqrt(12.0),
                    .is_rectangular = true}});
+  if (options.is_as_published) {
+    // What hangs under the nozzle is in it, and nobody knows how much.
+    told.sd = 0;
+    told.budget = {};
+    result.observability.push_back(
+        {.statement = "switch_offset + ooze only: a nozzle that is wiped before it is "
+                      "calibrated tells them (variant: corrected)",
+         .blind_direction = {{"ooze", std::sqrt(0.5)},
+                             {"switch_offset", -std::sqrt(0.5)}}});
+  }
   result.estimates.push_back({.name = "switch_offset",
                               .unit = "mm",
                               .value = told.value,
                               .sd = told.sd,
                               .identifiable = true,
                               .budget = told.budget});
-  result.messages.push_back(fmt::format("switch_offset {:.3f} should be {:.3f}",
-                                        switch_offset_mm,
-                                        switch_offset_mm + off_mm));
+  result.messages.push_back(fmt::format(
+      "switch_offset {:.3f} should be {:.3f}", *in_force_mm, *in_force_mm + *off_mm));
   return result;
 }
 

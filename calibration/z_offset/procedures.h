@@ -28,34 +28,65 @@ std::optional<ZCalibrationReading> ReadZCalibration(
 /// it.
 class ZOffsetClient {
  public:
-  /// @param end_gcode  of printer.cfg's [z_calibration], which may home as well
-  explicit ZOffsetClient(Link* link, std::string end_gcode = "")
-      : link_(link), end_gcode_(std::move(end_gcode)) {}
+  /// Macros of printer.cfg's [z_calibration] that may home as well, too late: before
+  /// the switch, so between two touches, and at the end.
+  struct Macros {
+    std::string before_switch_gcode{};
+    std::string end_gcode{};
+  };
+  explicit ZOffsetClient(Link* link) : ZOffsetClient(link, Macros{}) {}
+  ZOffsetClient(Link* link, Macros macros) : link_(link), macros_(std::move(macros)) {}
 
   Expected<std::vector<std::string>> Say(const std::string& line);
-  /// G28 was sent after the last CALIBRATE_Z, or its own end_gcode homes: its offset no
-  /// longer holds.
+  /// G28; done, or what the machine said.
+  ProcedureResult Home();
+  /// The G-code offset of z in force (GET_POSITION); nullopt: it does not say.
+  std::optional<double> GcodeBase_mm();
+  /// The switch_offset that the last CALIBRATE_Z was made with, by its own line (to
+  /// 2 um: it has three decimals); nullopt before.
+  std::optional<double> switch_offset_mm() const { return switch_offset_mm_; }
+  bool is_calibrated() const { return is_calibrated_; }
+  /// Z was homed (G28, G28 Z) after the last CALIBRATE_Z began, by hand or by one of
+  /// its macros: its offset does not hold.
   bool is_spoilt() const { return is_spoilt_; }
 
  private:
   Link* link_;
-  std::string end_gcode_;
+  Macros macros_;
   bool is_calibrated_ = false, is_spoilt_ = false;
+  std::optional<double> switch_offset_mm_{};
 };
 
 /// CALIBRATE_Z, its line read, its formula checked, the offset asked back
-/// (GET_POSITION). `switch_offset_mm`: as printer.cfg has it.
-ProcedureResult RunZCalibration(ZOffsetClient* client, double switch_offset_mm);
+/// (GET_POSITION). `switch_offset_mm`: as printer.cfg has it; nullopt: nobody said.
+ProcedureResult RunZCalibration(ZOffsetClient* client,
+                                std::optional<double> switch_offset_mm);
 
 /// PROBE_Z_ACCURACY (or PROBE_ACCURACY): maximum, minimum, range, average, median,
 /// standard deviation, and what they mean for an offset. Verdict: worn above 10 um.
 ProcedureResult RunProbeAccuracy(ZOffsetClient* client, bool is_endstop, int samples);
 
+/// The hands that a descent needs.
+struct FeelerHands {
+  /// The gap under the nozzle, which is commanded to that height [mm].
+  std::function<std::optional<double>(double height_mm)> gap_mm{};
+  std::function<bool()> wipe{};  ///< The nozzle, clean; false: nobody did.
+};
+struct SwitchOffsetOptions {
+  bool is_as_published = false;
+  /// In force; nullopt: the one that the last CALIBRATE_Z was made with.
+  std::optional<double> in_force_mm{};
+};
 /// The stepwise descent: G0 Z5, 3, 1, 0.5, 0.3, 0.1 with the gap measured under the
 /// nozzle at each (a feeler gauge), and the switch_offset that would have made the last
-/// one right.
+/// one right. The next step is left out where it would end less than 0.02 mm over the
+/// bed.
+///
+/// As published it goes by the calibration that is in force, and takes ooze on the
+/// nozzle's tip for switch_offset: both leave the same gap. Corrected, the nozzle is
+/// wiped and calibrated (CALIBRATE_Z) first.
 ProcedureResult RunSwitchOffset(ZOffsetClient* client,
-                                double switch_offset_mm,
-                                const std::function<std::optional<double>()>& gap_mm);
+                                const SwitchOffsetOptions& options,
+                                const FeelerHands& hands);
 
 }  // namespace caltwin

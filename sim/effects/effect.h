@@ -161,6 +161,7 @@ struct TripleZAt {
 struct At {
   RowKind kind = RowKind::kTouch;
   std::optional<ZReading> station{};  ///< At a printer's station.
+  bool is_wiped = false;              ///< Its nozzle was, just before.
   /// Commanded tip position [mm], machine axes; for a touch that at the trigger.
   Vec3<double> q_mm = Vec3<double>::Zero();
   /// Sense of the last move of each axis, -1 .. 1 (between while it crosses its gap).

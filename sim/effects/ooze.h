@@ -11,7 +11,10 @@ namespace caltwin {
 /// before the nozzle does.
 ///
 ///   nozzle on switch = ... + ooze,  gap after calibration = ... + ooze,
-///   where T_nozzle >= flows   [mm]
+///   where T_nozzle >= flows, but for a nozzle that was wiped just before   [mm]
+///
+/// Plastic that is there whatever the temperature (flows at 20 degC) looks like a wrong
+/// switch_offset in every reading: only a wiped nozzle tells.
 struct Ooze {
   static constexpr std::array<std::string_view, 1> kAxes = {""};
   static constexpr std::array kParameters = {
@@ -36,7 +39,7 @@ struct Ooze {
     return {.channel = "nozzle", .covariates = {"temp"}};
   }
   static Forms Grid(const Machine&, std::string_view, const Extent&) {
-    return OfOne({60, 100, 130, 160, 180, 200, 220, 245});
+    return OfOne({20, 60, 100, 130, 160, 180, 200, 220, 245});
   }
   static constexpr Effect kDeclaration = {
       .name = "ooze",
@@ -46,14 +49,15 @@ struct Ooze {
       .parameters = kParameters,
       .formula =
           "nozzle on switch, and the gap after calibration: + thickness where "
-          "T_nozzle >= flows",
+          "T_nozzle >= flows, unless it was wiped just before",
       .source =
           "Drops and strings of PLA, PETG and ABS on brass nozzles: 0.05 to 0.5 mm; "
           "they flow from 150 to 200 degC.",
       .twin =
           "nozzle_temperature: growth begins with the first kelvin and does not show "
           "in "
-          "the gap. switch_offset: the same in the gap, cold as well.",
+          "the gap. switch_offset: the same in the gap, also where the nozzle was "
+          "wiped.",
       .words = {.plot =
                     "Nozzle on the switch against the nozzle's temperature: a step.",
                 .values = "0.05 to 0.5 mm.",
@@ -68,7 +72,7 @@ struct Ooze {
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {
-    if (asked.at.climate == nullptr) return;
+    if (asked.at.climate == nullptr || asked.at.is_wiped) return;
     const TemperatureLog& log = (*asked.at.climate)[Sensor::kNozzle];
     if (log.empty()) return;
     const double temp_c = log.first_c() + log.At_k(asked.at.t_s);

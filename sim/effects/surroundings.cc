@@ -195,6 +195,7 @@ At AtOf(const Row& row, const Machine& machine, const Settings& in_force) {
           "touches: switch.nozzle, switch.body, bed.probe; a gauge: bed.gap");
     }
     at.on_table = *at.station == ZReading::kProbeOnBed;
+    at.is_wiped = row.nozzle_wiped == 1;
   }
   return at;
 }

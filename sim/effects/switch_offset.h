@@ -35,8 +35,8 @@ struct SwitchOffset {
           "Microswitches release their body 0.4 to 0.7 mm above the trigger, each its "
           "own by some 0.1 mm; set by descending with a feeler gauge.",
       .twin =
-          "ooze: the same in the gap while hot; a cold, wiped nozzle tells. Touches "
-          "alone show neither apart.",
+          "ooze: the same in the gap; a gap after a calibration with the nozzle wiped "
+          "tells. Touches alone show neither apart.",
       .words = {.plot =
                     "Gap under the nozzle after calibration: off by the same, always.",
                 .values = "Some 0.05 to 0.2 mm when first set.",

@@ -159,6 +159,12 @@ void MotorMotion::HoldHere() {
 }
 
 MotorArrival MotorMotion::Perform(const MotorMove& move) {
+  const MotorArrival arrival = Go(move);
+  relay_s_.reset();  // It was armed for this move.
+  return arrival;
+}
+
+MotorArrival MotorMotion::Go(const MotorMove& move) {
   Under under{.path = TrapezoidPath(
                   move.length_unit, move.speed_unit_s, move.acceleration_unit_s2),
               .length = std::max(move.length_unit, 1e-12)};
@@ -188,8 +194,10 @@ MotorArrival MotorMotion::Perform(const MotorMove& move) {
       return arrival;
     }
     if (relay_s_ && under.t_s >= *relay_s_) {
+      // The input's interrupt has a time stamp; brakes act at ticks.
+      const double since_s = under.t_s - *relay_s_;
       relay_s_.reset();
-      EmergencyStop();
+      EmergencyStop(since_s);
       arrival.stopped = true;
       return arrival;
     }

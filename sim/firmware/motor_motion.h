@@ -51,8 +51,10 @@ struct MotorArrival {
 
 /// What an emergency stop did to an axis, as the controller saw it.
 struct StopReport {
-  double standstill_s = 0;  ///< From the contact; a stepper's: when its field stood.
-  double sd_s = 0;          ///< Of that; a stepper's is known.
+  double standstill_s = 0;   ///< From the contact; a stepper's: when its field stood.
+  double sd_s = 0;           ///< Of that; a stepper's is known.
+  double brakes_at_s = 0;    ///< From the contact until brakes and ramps began.
+  double told_pulses_s = 0;  ///< Its speed when the contact opened.
   double path_pulses = 0;
   double peak_a = 0;
   bool is_done = false;
@@ -102,7 +104,8 @@ class MotorMotion {
   void ArmRelay(double after_s) { relay_s_ = after_s; }
   /// Servos brake with all their current, steppers are ramped down; what stands is
   /// switched off when all do, and all refuse to move until ClearStop.
-  void EmergencyStop();
+  /// @param since_s  the input's contact opened so long ago, by its time stamp
+  void EmergencyStop(double since_s = 0);
   void ClearStop() { is_stopped_ = false; }
 
   bool is_stopped() const { return is_stopped_; }
@@ -132,11 +135,12 @@ class MotorMotion {
     double still_s = 0;                  ///< for so long.
   };
   using Slowings = std::array<Slowing, kNumMotorAxes>;
+  MotorArrival Go(const MotorMove& move);
   void Tick(const RigDrives& drives);
-  int FilterTicks() const;
+  int FilterTicks(double since_s) const;
   RigDrives Stopping(double braked_s, const Slowings& slowings);
   void WatchStop(bool brakes, Slowings* slowings);
-  StopReport ReportOf(std::size_t i, const Slowing& slowing) const;
+  StopReport ReportOf(std::size_t i, const Slowing& slowing, double brakes_at_s) const;
   RigDrives Holding() const;
   void Poll();
   void Watch(std::size_t i, const RigDrive& drive);

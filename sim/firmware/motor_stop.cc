@@ -17,10 +17,11 @@ constexpr double kHeld_s = 0.04;
 
 }  // namespace
 
-// Of the emergency stop's input.
-int MotorMotion::FilterTicks() const {
-  constexpr double kWhole = 1e-9;
-  return static_cast<int>(std::ceil(options_.stop_filter_s / tick_s_ - kWhole));
+// From now until the input's filter lets the contact through.
+int MotorMotion::FilterTicks(double since_s) const {
+  constexpr double kWhole = 1e-6;
+  const double left_s = options_.stop_filter_s - since_s;
+  return std::max(0, static_cast<int>(std::ceil(left_s / tick_s_ - kWhole)));
 }
 
 // Until the input's filter lets the contact through, all go on as they were told.
@@ -53,8 +54,13 @@ void MotorMotion::WatchStop(bool brakes, Slowings* slowings) {
   }
 }
 
-StopReport MotorMotion::ReportOf(std::size_t i, const Slowing& slowing) const {
+// @param brakes_at_s  from the contact to where brakes and ramps begin
+StopReport MotorMotion::ReportOf(std::size_t i,
+                                 const Slowing& slowing,
+                                 double brakes_at_s) const {
   StopReport report{
+      .brakes_at_s = brakes_at_s,
+      .told_pulses_s = slowing.told_pulses_s,
       .path_pulses = std::abs(static_cast<double>(rig_->Count(i) - slowing.from)),
       .peak_a = axes_[i].peak_a,
       .is_done = slowing.still_s >= kHeld_s};
@@ -63,13 +69,13 @@ StopReport MotorMotion::ReportOf(std::size_t i, const Slowing& slowing) const {
       options_.is_servo[i]
           ? StandstillOf(slowing.counts, tick_s_, slowing.told_pulses_s)
           : Standstill{.at_s = options_.stepper_stop_s};
-  report.standstill_s = FilterTicks() * tick_s_ + braked.at_s;
+  report.standstill_s = brakes_at_s + braked.at_s;
   report.sd_s = braked.sd_s;
   report.is_knocked = braked.is_knocked;
   return report;
 }
 
-void MotorMotion::EmergencyStop() {
+void MotorMotion::EmergencyStop(double since_s) {
   Slowings slowings{};
   for (std::size_t i = 0; i < kNumMotorAxes; ++i) {
     const auto counted = static_cast<double>(rig_->Count(i) - count_before_[i]);
@@ -79,19 +85,21 @@ void MotorMotion::EmergencyStop() {
     slowings[i].near = slowings[i].from;
     axes_[i].peak_a = 0;
   }
+  const int filter_ticks = FilterTicks(since_s);
+  const int brake_ticks = filter_ticks + Mutant("stop_brakes_late", 0, 2);
   bool all_stand = false;
   const int most = static_cast<int>(std::ceil(kPatience_s / tick_s_));
   for (int tick = 0; !all_stand && tick < most; ++tick) {
-    const double braked_s = (tick - FilterTicks()) * tick_s_;
-    Tick(Stopping(braked_s, slowings));
-    WatchStop(braked_s >= 0, &slowings);
+    const double braked_s = (tick - filter_ticks) * tick_s_;
+    Tick(Stopping((tick - brake_ticks) * tick_s_, slowings));
+    WatchStop(tick >= brake_ticks, &slowings);
     all_stand = braked_s >= options_.stepper_stop_s &&
                 std::ranges::all_of(slowings, [](const Slowing& each) {
                   return each.still_s >= kHeld_s;
                 });
   }
   for (std::size_t i = 0; i < kNumMotorAxes; ++i) {
-    axes_[i].stop = ReportOf(i, slowings[i]);
+    axes_[i].stop = ReportOf(i, slowings[i], since_s + filter_ticks * tick_s_);
     axes_[i].is_enabled = false;
     axes_[i].at_limit_s = 0;
   }

@@ -22,7 +22,8 @@ bool BeginsWith(std::string_view line, std::string_view words) {
 }
 
 bool IsFault(std::string_view line) {
-  return BeginsWith(line, "error:") || BeginsWith(line, "emergency stop");
+  return BeginsWith(line, "error:") || BeginsWith(line, "emergency stop") ||
+         line.starts_with("!!");
 }
 
 MachineFault::Kind KindOf(std::string_view reply) {
@@ -31,7 +32,8 @@ MachineFault::Kind KindOf(std::string_view reply) {
     return small.find(words) != std::string::npos;
   };
   if (says("emergency stop")) return MachineFault::Kind::kAlarm;
-  if (says("not triggered during") || says("not lose contact during")) {
+  if (says("not triggered during") || says("not lose contact during") ||
+      says("no trigger on ")) {
     return MachineFault::Kind::kNoTrigger;
   }
   return MachineFault::Kind::kRefused;

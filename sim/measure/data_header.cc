@@ -142,6 +142,7 @@ class HeaderReader {
     settings.backlash_mm = ByMotor(map, "backlash_mm", {0, 10});
     settings.probe_deflection_mm = ByMotor(map, "probe_deflection_mm", {-10, 10});
     settings.tip_radius_mm = OptionalNumber(map, "tip_radius_mm", {0, 50});
+    settings.switch_offset_mm = OptionalNumber(map, "switch_offset_mm", {-10, 10});
     map->NoMoreKeys();
     return settings;
   }

@@ -17,6 +17,7 @@ struct SettingsInForce {
   std::map<std::string, double> backlash_mm{};
   std::map<std::string, double> probe_deflection_mm{};
   std::optional<double> tip_radius_mm{};
+  std::optional<double> switch_offset_mm{};  ///< Of Klipper's [z_calibration].
 };
 
 /// What is known of one campaign: its instrument, and the plan it followed.

@@ -34,6 +34,7 @@ void EmitOne(const SettingsInForce& settings, YAML::Emitter* out) {
   EmitByMotor("backlash_mm", settings.backlash_mm, out);
   EmitByMotor("probe_deflection_mm", settings.probe_deflection_mm, out);
   EmitOptional("tip_radius_mm", settings.tip_radius_mm, out);
+  EmitOptional("switch_offset_mm", settings.switch_offset_mm, out);
 }
 
 void EmitOne(const Instrument& instrument, YAML::Emitter* out) {

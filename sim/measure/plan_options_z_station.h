@@ -34,12 +34,18 @@ inline constexpr PlanOption kSoak = {
     .otherwise = "600",
     .doc = "Time at the temperatures before anything is touched [s].",
     .bounds = {0, 1e5}};
+inline constexpr PlanOption kWiped = {
+    .name = "wiped",
+    .type = kFlag,
+    .otherwise = "false",
+    .doc = "Whether somebody wipes the nozzle before each round: no ooze then."};
 inline constexpr std::array kZOffset = {
     kRounds,
     kNozzleTemps,
     kBedTemps,
     kChamberTemps,
     kSoak,
+    kWiped,
     PlanOption{.name = "repeats",
                .type = kCount,
                .otherwise = "3",
@@ -70,6 +76,7 @@ inline constexpr std::array kZGap = {
                .bounds = kHeaterBounds},
     kChamberTemps,
     kSoak,
+    kWiped,
     PlanOption{.name = "heights_mm",
                .type = kNumbers,
                .otherwise = "[1, 0.5, 0.3]",

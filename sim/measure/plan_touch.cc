@@ -150,13 +150,10 @@ Vec3<double> HalfGrid_mm(const PlannedCampaign& campaign,
 std::vector<Vec3<double>> GridPoints_mm(const PlannedCampaign& campaign,
                                         const Vec3<double>& half_mm,
                                         const MeasuringSession& session) {
-  const auto& grid = campaign.options.Numbers("grid");
-  if (grid.size() != 2) session.Fail("needs two numbers in grid", "[7, 7]");
+  const auto [along_x, along_y] = GridOf(campaign, session);
   const auto place = [](int i, int count, double half) {
     return Rounded(half * (2.0 * i / (count - 1) - 1));
   };
-  const int along_x = static_cast<int>(grid[0]);
-  const int along_y = static_cast<int>(grid[1]);
   Vec3<double> middle_mm = session.Middle_mm();
   middle_mm[2] = campaign.options.Number("height_mm");
   std::vector<Vec3<double>> points_mm;

@@ -1,5 +1,6 @@
 #include "sim/measure/plan_touching.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -21,6 +22,18 @@ Row TouchOf(const std::string& setup,
     row.n[static_cast<std::size_t>(i)] = n[i];
   }
   return row;
+}
+
+std::pair<int, int> GridOf(const PlannedCampaign& campaign,
+                           const MeasuringSession& session) {
+  const auto& grid = campaign.options.Numbers("grid");
+  const auto is_whole = [](double number) {
+    return number == std::floor(number);
+  };
+  if (grid.size() != 2 || !std::ranges::all_of(grid, is_whole)) {
+    session.Fail("needs two whole numbers in grid", "[7, 7]");
+  }
+  return {static_cast<int>(grid[0]), static_cast<int>(grid[1])};
 }
 
 std::string ArtefactId(const PlannedCampaign& campaign, const std::string& usual) {

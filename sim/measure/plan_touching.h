@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "sim/measure/plan_session.h"
@@ -19,6 +20,9 @@ Row TouchOf(const std::string& setup,
             const std::string& feature,
             const Vec3<double>& at_mm,
             const Vec3<double>& n);
+/// Its `grid: [COLUMNS, ROWS]`, two whole numbers.
+std::pair<int, int> GridOf(const PlannedCampaign& campaign,
+                           const MeasuringSession& session);
 /// The artefact that the campaign names, else its usual one.
 std::string ArtefactId(const PlannedCampaign& campaign, const std::string& usual);
 /// Touches every row at every feed, in random order.

@@ -25,8 +25,7 @@ double PlaceAlong_mm(const AxisDrawing& axis, double margin_mm, int i, int count
 
 std::vector<Vec3<double>> BedPoints_mm(const PlannedCampaign& campaign,
                                        const MeasuringSession& session) {
-  const auto& grid = campaign.options.Numbers("grid");
-  if (grid.size() != 2) session.Fail("has a grid of other than two numbers", "[5, 5]");
+  const auto [columns, rows] = GridOf(campaign, session);
   const double margin_mm = campaign.options.Number("margin_mm");
   const AxisDrawing& x = session.machine().axis(Axis::kX);
   const AxisDrawing& y = session.machine().axis(Axis::kY);
@@ -34,7 +33,6 @@ std::vector<Vec3<double>> BedPoints_mm(const PlannedCampaign& campaign,
     session.Fail(fmt::format("has margin_mm = {:g}: nothing is left", margin_mm),
                  "choose a smaller margin");
   }
-  const int columns = static_cast<int>(grid[0]), rows = static_cast<int>(grid[1]);
   std::vector<Vec3<double>> points_mm;
   for (int i = 0; i < columns; ++i) {
     for (int j = 0; j < rows; ++j) {

@@ -41,6 +41,10 @@ void HoldAll(const Temperatures& at, MeasuringSession* session) {
   session->HoldAt(Sensor::kChamber, at.chamber_c);
 }
 
+void NoteWiping(const PlannedCampaign& campaign, Row* row) {
+  if (campaign.options.Flag("wiped")) row->nozzle_wiped = 1;
+}
+
 // For every round: its temperatures reached and soaked.
 template <typename Measure>
 void ForEveryRound(const PlannedCampaign& campaign,
@@ -69,6 +73,7 @@ void PlanZOffset(const PlannedCampaign& campaign, MeasuringSession* session) {
         const std::string feature(FeatureOf(reading));
         Row row = TouchOf(feature, feature, at_mm, Unit(Axis::kZ));
         row.rep = rep;
+        NoteWiping(campaign, &row);
         row.feed_mm_s = campaign.options.Number("feed_mm_s");
         session->Touch(std::move(row));
       }
@@ -90,6 +95,7 @@ void PlanZGap(const PlannedCampaign& campaign, MeasuringSession* session) {
               .setup = std::string(FeatureOf(ZReading::kGapUnderNozzle))};
       row.feature = row.setup;
       row.n = {0, 0, 1};
+      NoteWiping(campaign, &row);
       session->ReadGauge(std::move(row), kFeeler_s);
     }
   });

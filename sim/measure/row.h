@@ -36,6 +36,7 @@ struct Row {
   double temp_screw_c = kUnknown, temp_frame_c = kUnknown, temp_bed_c = kUnknown;
   double temp_chamber_c = kUnknown, temp_ambient_c = kUnknown;
   double temp_nozzle_c = kUnknown;
+  double nozzle_wiped = kUnknown;  ///< 1: just before, also before its calibration.
   std::array<double, 3> cmd_mm{kUnknown, kUnknown, kUnknown};
   std::array<double, 3> motor_mm{kUnknown, kUnknown, kUnknown};  ///< a b c or z1 z2 z3.
   std::array<double, 3> dir{kUnknown, kUnknown, kUnknown};

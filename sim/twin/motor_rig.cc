@@ -111,7 +111,10 @@ void MotorStageRig::SenseIndex(std::size_t i, double before_unit, double now_uni
   axes_[i].edges.push_back(static_cast<std::int64_t>(std::floor(pulses)));
 }
 
-void MotorStageRig::SenseSwitch(std::size_t i, SwitchEnd end, double carriage_unit) {
+void MotorStageRig::SenseSwitch(std::size_t i,
+                                SwitchEnd end,
+                                std::optional<double> before_unit,
+                                double carriage_unit) {
   const MotorAxisDrawing& d = built_.motors[i].drawing;
   const MotorFaults& faults = built_.faults[i];
   const bool is_min = end == SwitchEnd::kMin;
@@ -121,8 +124,13 @@ void MotorStageRig::SenseSwitch(std::size_t i, SwitchEnd end, double carriage_un
   // How far beyond the switch the carriage is.
   const double beyond_unit = is_min ? place_unit + each.scatter_unit - carriage_unit
                                     : carriage_unit - place_unit - each.scatter_unit;
+  // While the carriage leaves it, it does not close at the place of the next approach:
+  // only those would be left that lie behind the carriage.
+  const bool is_approached = !before_unit || (is_min ? carriage_unit < *before_unit
+                                                     : carriage_unit > *before_unit);
   if (!each.is_closed) {
-    each.is_closed = beyond_unit >= 0;
+    each.is_closed =
+        beyond_unit >= 0 && Mutant("motor_switch_closes_leaving", is_approached, true);
     return;
   }
   const double hysteresis_unit =
@@ -139,9 +147,10 @@ void MotorStageRig::SenseAll(std::size_t i, const MotorState& before) {
   const bool is_still = d.is_servo && now.motor_unit == before.motor_unit &&
                         now.carriage_unit == axis.sensed_unit;
   if (is_still) return;
-  axis.sensed_unit = now.carriage_unit;
-  SenseSwitch(i, SwitchEnd::kMin, now.carriage_unit);
-  SenseSwitch(i, SwitchEnd::kMax, now.carriage_unit);
+  const std::optional<double> sensed_unit =
+      std::exchange(axis.sensed_unit, now.carriage_unit);
+  SenseSwitch(i, SwitchEnd::kMin, sensed_unit, now.carriage_unit);
+  SenseSwitch(i, SwitchEnd::kMax, sensed_unit, now.carriage_unit);
   if (!d.is_servo) {
     axis.count = static_cast<std::int64_t>(std::llround(axis.last_told));
     return;

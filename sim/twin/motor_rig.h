@@ -35,8 +35,9 @@ struct BuiltMotorStage {
 /// The terminals of a simulated motor stage: counters, switches, index pulses,
 /// currents.
 ///
-/// Switches close where the carriage passes them, each time at another place by their
-/// scatter, and open their hysteresis later. A servo at rest stands within 0.8 of a
+/// Switches close where the carriage passes them on its way to them, each time at
+/// another place by their scatter (one drawn for each approach, whatever came before),
+/// and open their hysteresis later. A servo at rest stands within 0.8 of a
 /// pulse of where it is told to.
 class MotorStageRig : public MotorRig {
  public:
@@ -80,7 +81,10 @@ class MotorStageRig : public MotorRig {
   MotorDrive DriveOf(std::size_t axis, const RigDrive& told);
   void Rest(std::size_t axis, double told);
   void SenseIndex(std::size_t axis, double before_unit, double now_unit);
-  void SenseSwitch(std::size_t axis, SwitchEnd end, double carriage_unit);
+  void SenseSwitch(std::size_t axis,
+                   SwitchEnd end,
+                   std::optional<double> before_unit,
+                   double carriage_unit);
   void SenseAll(std::size_t axis, const MotorState& before);
 
   BuiltMotorStage built_;

@@ -30,6 +30,7 @@ ZStationTwin::ZStationTwin(const ZStation& station,
 void ZStationTwin::Heat(char what, double temp_c) {
   double& warmer_k = what == 'n' ? nozzle_k_ : what == 'b' ? bed_k_ : chamber_k_;
   warmer_k = temp_c - kCold_c;
+  if (what == 'n') is_wiped_ = false;
 }
 
 // The print surface over the bare, cold, flat bed.
@@ -54,7 +55,7 @@ double ZStationTwin::Gap_mm(double carriage_mm, const Eigen::Vector2d& at_mm) co
 
 ZStationBuild ZStationTwin::BuildAt(const Eigen::Vector2d& at_mm) const {
   const Eigen::Vector2d x_mm(kApart_mm / 2, 0), y_mm(0, kApart_mm / 2);
-  const bool has_ooze = kCold_c + nozzle_k_ >= station_.ooze_flows_c;
+  const bool has_ooze = !is_wiped_ && kCold_c + nozzle_k_ >= station_.ooze_flows_c;
   return {.tip_mm = TipOver_mm() - (has_ooze ? station_.ooze_mm : 0),
           .body_mm = station_.frame_mm_per_k * chamber_k_ - station_.body_mm,
           .trigger_mm = station_.trigger_mm + station_.trigger_mm_per_k * chamber_k_,

@@ -54,8 +54,11 @@ class ZStationTwin : public ZStationPlant {
   std::optional<double> Touch(ZTouch touch, const Eigen::Vector2d& at_mm) override;
   void Heat(char what, double temp_c) override;
 
-  /// An operator's act: another nozzle, another plate, a wipe.
+  /// An operator's act: another nozzle, another plate.
   ZStation* station() { return &station_; }
+  /// Another: the nozzle is clean until it is heated anew, or false: no longer.
+  void Wipe(bool is_wiped = true) { is_wiped_ = is_wiped; }
+  bool is_wiped() const { return is_wiped_; }
   const ZStation& station() const { return station_; }
   const Eigen::Vector2d& middle_mm() const { return middle_mm_; }
   /// Clear height of the clean nozzle's tip over the print surface there.
@@ -72,6 +75,7 @@ class ZStationTwin : public ZStationPlant {
   Eigen::Vector2d middle_mm_;
   std::unique_ptr<ZStationWorld> world_{};  ///< Null: in closed form.
   double nozzle_k_ = 0, bed_k_ = 0, chamber_k_ = 0;
+  bool is_wiped_ = false;
 };
 
 }  // namespace caltwin

@@ -52,7 +52,7 @@ TEST(ForecastStop, AcrossAGapIsWhatTwoMassesDo) {
         ForecastStop(bench, 0, {.speed_unit_s = speed_mm_s, .gap_unit = gap_mm});
 
     const double expected_s =
-        bench.stop_filter_s + StepUntilBothStand_s(x, speed_mm_s, gap_mm);
+        bench.BrakesAfter_s() + StepUntilBothStand_s(x, speed_mm_s, gap_mm);
     // A step at each of four events, and what an impact late by one makes of it.
     EXPECT_NEAR(f.standstill_s, expected_s, 2e-6 + 1e-4 * expected_s) << i;
     waits += f.coasts_s > 0 ? 1 : 0;
@@ -70,9 +70,9 @@ TEST(ForecastStop, IsLaterTheWiderTheGap) {
     const StopForecast f =
         ForecastStop(bench, 0, {.speed_unit_s = 40, .gap_unit = gap_mm});
     if (gap_mm == 0) {
-      EXPECT_DOUBLE_EQ(
-          f.standstill_s,
-          0.0005 + 0.040 * x.total_inertia() / (x.largest_force() + x.friction));
+      EXPECT_DOUBLE_EQ(f.standstill_s,
+                       bench.BrakesAfter_s() + 0.040 * x.total_inertia() /
+                                                   (x.largest_force() + x.friction));
     }
     EXPECT_GE(f.standstill_s, before_s) << gap_mm;
     before_s = f.standstill_s;
@@ -118,7 +118,8 @@ TEST(ForecastStop, OfAStepperHoldsUpToASpeedThatItsInertiaLeavesOpen) {
   EXPECT_NEAR(f.fastest_sd_unit_s, 300 * (v - heavier), 1e-3);
   // A quarter of 2 pi sqrt(M / k), k = 200 N 2 pi / 0.16 mm.
   const double stiffness = 200 * 2 * std::numbers::pi / 0.16e-3;
-  EXPECT_NEAR(f.sd_s, std::numbers::pi / 2 * std::sqrt(43.5 / stiffness), 1e-9);
+  const double swing_s = std::numbers::pi / 2 * std::sqrt(43.5 / stiffness);
+  EXPECT_NEAR(f.sd_s, std::hypot(swing_s, bench.stop_tick_s / std::sqrt(12.0)), 1e-9);
 }
 
 }  // namespace

@@ -78,38 +78,132 @@ TEST(ZCalibration, IsSpoiltByAHoming) {
 
 TEST(ZCalibration, IsSpoiltByItsOwnEnd) {
   Script wire(Answers{{"CALIBRATE_Z", kLine}});
-  ZOffsetClient client(&wire, "DETACH_PROBE\nG28\n");
+  ZOffsetClient client(&wire, {.end_gcode = "DETACH_PROBE\nG28\n"});
 
   client.Say("CALIBRATE_Z");
 
   EXPECT_TRUE(client.is_spoilt());
 }
 
+// Between the nozzle's touch and the body's the zero would be another.
+TEST(ZCalibration, IsSpoiltByAHomingBeforeTheSwitch) {
+  Script wire(Answers{{"CALIBRATE_Z", kLine}});
+  ZOffsetClient client(&wire, {.before_switch_gcode = "g28 z\nATTACH_PROBE"});
+
+  client.Say("CALIBRATE_Z");
+
+  EXPECT_TRUE(client.is_spoilt());
+}
+
+TEST(ZCalibration, IsNotSpoiltByHomingOtherAxes) {
+  Script wire(Answers{{"CALIBRATE_Z", kLine}});
+  ZOffsetClient client(&wire, {.before_switch_gcode = "G28 X Y\nATTACH_PROBE"});
+
+  client.Say("CALIBRATE_Z");
+  client.Say("G28 X Y");
+
+  EXPECT_FALSE(client.is_spoilt());
+}
+
+// Hands that read so much more than the height, and note how often they were asked.
+struct Hands {
+  double more_mm = 0;
+  bool wipes = true;
+  int asked = 0, wiped = 0;
+  FeelerHands Give() {
+    return {.gap_mm = [this](double height_mm) -> std::optional<double> {
+              ++asked;
+              return height_mm + more_mm;
+            },
+            .wipe =
+                [this] {
+                  ++wiped;
+                  return wipes;
+                }};
+  }
+};
+
 // A nozzle that hangs 0.2 mm too high everywhere wants a switch_offset greater by that.
 TEST(SwitchOffset, GrowsByWhatTheNozzleHangsTooHigh) {
-  Script wire(Answers{});
+  Script wire(Answers{{"CALIBRATE_Z", kLine}});
   ZOffsetClient client(&wire);
-  std::vector<double> gaps_mm = {5.2, 3.2, 1.2, 0.7, 0.5, 0.3};
-  std::size_t next = 0;
+  Hands hands{.more_mm = 0.2};
 
-  const ProcedureResult result = RunSwitchOffset(
-      &client, 0.475, [&]() -> std::optional<double> { return gaps_mm[next++]; });
+  const ProcedureResult result =
+      RunSwitchOffset(&client, {.in_force_mm = 0.475}, hands.Give());
 
   ASSERT_EQ(result.estimates.size(), 1U);
   EXPECT_NEAR(result.estimates[0].value, 0.675, 1e-9);
-  EXPECT_EQ(next, gaps_mm.size());
+  EXPECT_GT(result.estimates[0].sd, 0);
+  EXPECT_EQ(hands.asked, 6);
+  EXPECT_EQ(hands.wiped, 1);
 }
 
-TEST(SwitchOffset, StopsBeforeTheBed) {
-  Script wire(Answers{});
+// Three decimals of each height leave 2 um of it open.
+TEST(SwitchOffset, TakesTheOneThatTheCalibrationWasMadeWith) {
+  Script wire(Answers{{"CALIBRATE_Z", std::string("// ") + kLine}});
   ZOffsetClient client(&wire);
-  std::vector<double> gaps_mm = {4.3, 2.3, 0.3, -0.2, -0.4, -0.6};
-  std::size_t next = 0;
+  Hands hands;
 
-  RunSwitchOffset(
-      &client, 0.5, [&]() -> std::optional<double> { return gaps_mm[next++]; });
+  const ProcedureResult result = RunSwitchOffset(&client, {}, hands.Give());
 
-  EXPECT_EQ(next, 3U);  // From 0.3 mm half a millimetre down would be into it.
+  ASSERT_EQ(result.estimates.size(), 1U);
+  EXPECT_NEAR(result.estimates[0].value, 0.675, 0.002);
+}
+
+TEST(SwitchOffset, WithoutAWipedNozzleNothingIsTold) {
+  Script wire(Answers{{"CALIBRATE_Z", kLine}});
+  ZOffsetClient client(&wire);
+  Hands hands{.wipes = false};
+
+  const ProcedureResult result = RunSwitchOffset(&client, {}, hands.Give());
+
+  EXPECT_EQ(result.ending, Ending::kRefused);
+  EXPECT_TRUE(result.estimates.empty());
+}
+
+// As published it is the sum of both that is told, and said so.
+TEST(SwitchOffset, AsPublishedTakesOozeAlong) {
+  Script wire(Answers{{"CALIBRATE_Z", kLine}});
+  ZOffsetClient client(&wire);
+  Hands hands;
+  const SwitchOffsetOptions published{.is_as_published = true};
+
+  EXPECT_THAT(RunSwitchOffset(&client, published, hands.Give()).messages,
+              Contains(HasSubstr("run z_calibration first")));
+  client.Say("CALIBRATE_Z");
+  const ProcedureResult result = RunSwitchOffset(&client, published, hands.Give());
+  client.Say("G28");
+  const ProcedureResult spoilt = RunSwitchOffset(&client, published, hands.Give());
+
+  EXPECT_EQ(hands.wiped, 0);
+  ASSERT_EQ(result.observability.size(), 1U);
+  EXPECT_THAT(result.observability[0].statement,
+              HasSubstr("switch_offset + ooze only"));
+  EXPECT_THAT(spoilt.messages, Contains(HasSubstr("homed after CALIBRATE_Z")));
+}
+
+// Each next step is looked at before it is made, whatever the nozzle hangs too low by.
+TEST(SwitchOffset, NeverEndsOnTheBed) {
+  for (double low_mm = 0; low_mm < 2; low_mm += 0.01) {
+    Script wire(Answers{{"CALIBRATE_Z", kLine}});
+    ZOffsetClient client(&wire);
+    Hands hands{.more_mm = -low_mm};
+
+    const ProcedureResult result = RunSwitchOffset(&client, {}, hands.Give());
+
+    ASSERT_EQ(result.estimates.size(), 1U) << low_mm;
+    EXPECT_NEAR(result.estimates[0].value, 0.675 - low_mm, 0.002);
+  }
+}
+
+TEST(SwitchOffset, AGapThatIsNoneIsRefused) {
+  Script wire(Answers{{"CALIBRATE_Z", kLine}});
+  ZOffsetClient client(&wire);
+  Hands hands{.more_mm = -6};
+
+  EXPECT_THAT(RunSwitchOffset(&client, {}, hands.Give()).messages,
+              Contains(HasSubstr("the nozzle is on the bed")));
 }
 
 }  // namespace

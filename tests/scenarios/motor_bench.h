@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "scenarios/motor_link.h"
@@ -33,6 +35,7 @@ class WatchedRig : public MotorRig {
 
   double tick_s() const override { return inner_->tick_s(); }
   void Tick(const RigDrives& drives) override {
+    WatchContact(drives[0]);
     const double carriage_unit = inner_->State(0).carriage_unit;
     inner_->Tick(drives);
     const MotorState state = inner_->State(0);
@@ -52,7 +55,15 @@ class WatchedRig : public MotorRig {
     return inner_->TakeIndexEdges(axis);
   }
 
-  /// From where the brakes acted, the input's filter not counted.
+  /// The relay on the stop's input opens so long after x begins its next move.
+  void Arm(double after_s) { armed_s_ = after_s; }
+  /// From when that contact opened.
+  std::optional<double> stood_s() const {
+    const auto braked = braked_s();
+    if (!braked || !contact_s_) return std::nullopt;
+    return brakes_at_s_ - *contact_s_ + *braked;
+  }
+  /// From where the brakes acted.
   std::optional<double> braked_s() const {
     const double gone = (built_.gap_unit > 0 ? 0.05 : 0.001) * Momentum(0);
     const std::size_t end = momenta_.size();
@@ -75,6 +86,15 @@ class WatchedRig : public MotorRig {
   double Momentum(std::size_t tick) const {
     return tick < momenta_.size() ? momenta_[tick] : 0;
   }
+  // A move begins with the first tick that tells x to be elsewhere.
+  void WatchContact(const RigDrive& drive) {
+    const bool begins = drive.to_pulses != told_pulses_ && armed_s_.has_value();
+    if (begins) contact_s_ = time_s_ + *std::exchange(armed_s_, std::nullopt);
+    told_pulses_ = drive.to_pulses;
+    const bool is_first = drive.mode == RigDrive::Mode::kBrake && momenta_.empty();
+    if (is_first) brakes_at_s_ = time_s_;
+    time_s_ += tick_s();
+  }
   // From the tick before the brakes on, until the drive is told to follow again.
   void Note(RigDrive::Mode mode, double momentum) {
     if (mode == RigDrive::Mode::kBrake && momenta_.empty()) momenta_ = {before_};
@@ -85,9 +105,29 @@ class WatchedRig : public MotorRig {
 
   MotorStageRig* inner_;
   BuiltMotor built_;
+  double time_s_ = 0, brakes_at_s_ = 0, told_pulses_ = 0;
+  std::optional<double> armed_s_{}, contact_s_{};
   double before_ = 0;
   std::vector<double> momenta_{};
   bool is_over_ = false;
+};
+
+/// Passes lines on, and tells the rig of the relay that they arm (M817 S0.1).
+class ArmingLink : public Link {
+ public:
+  ArmingLink(Link* inner, WatchedRig* watched) : inner_(inner), watched_(watched) {}
+  Expected<std::vector<std::string>> Send(std::string_view line,
+                                          std::chrono::milliseconds patience) override {
+    constexpr std::string_view kArms = "M817 S";
+    if (line.starts_with(kArms)) {
+      watched_->Arm(std::stod(std::string(line.substr(kArms.size()))));
+    }
+    return inner_->Send(line, patience);
+  }
+
+ private:
+  Link* inner_;
+  WatchedRig* watched_;
 };
 
 /// A simulated stage with its controller, and what calibration has of it.
@@ -101,7 +141,8 @@ struct MotorBenchInATest {
         firmware(MotorFirmwareOf(built.drawing), &watched, &flash),
         wire(&firmware),
         gauge(&rig, 0.0005, seed, sample),
-        axes({.link = &wire, .gauge = &gauge, .drawing = built.drawing}) {}
+        arming(&wire, &watched),
+        axes({.link = &arming, .gauge = &gauge, .drawing = built.drawing}) {}
 
   /// Without power, by hand, with power again.
   void MoveByHand(std::size_t axis, double to_unit) {
@@ -116,6 +157,7 @@ struct MotorBenchInATest {
   MotorStageFirmware firmware;
   MotorStageWire wire;
   MotorStageGauge gauge;
+  ArmingLink arming;
   MotorAxes axes;
 };
 

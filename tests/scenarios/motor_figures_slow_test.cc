@@ -316,14 +316,13 @@ Verdicts StopMany(int machines, const Unlike& unlike) {
     }
     const MotorResult stopped =
         RunEmergencyStop(&bench.axes, {.axes = {kX}, .medium = 1});
-    const auto braked_s = bench.watched.braked_s();
-    const bool is_counted = braked_s && stopped.found.stopped_within;
+    const auto truth_s = bench.watched.stood_s();
+    const bool is_counted = truth_s && stopped.found.stopped_within;
     // Across a gap one light motor in a thousand leans on friction beyond its window.
     EXPECT_TRUE(is_counted || unlike.gap != Unlike::Gap::kNone)
         << i << stopped.result.fault;
-    if (!braked_s || !stopped.found.stopped_within) continue;
-    const double truth_s = 0.0005 + *braked_s;
-    Count(stopped, truth_s, &verdicts);
+    if (!is_counted) continue;
+    Count(stopped, *truth_s, &verdicts);
   }
   return verdicts;
 }

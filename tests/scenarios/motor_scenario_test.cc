@@ -52,6 +52,40 @@ TEST(MotorScenario, NamesWhatItCannotDo) {
               HasSubstr("changes nothing"));
 }
 
+// What lies beyond the drawing can stand there or be gone to by nobody.
+TEST(MotorScenario, RefusesWhatIsBeyondTheDrawing) {
+  const auto fault_of_effect = [](const std::string& effect) {
+    return FaultOf("effects: {" + effect + "}\ncalibrate: [{servo_home: {axis: x}}]\n");
+  };
+  const auto fault_of_step = [](const std::string& step) {
+    return FaultOf("calibrate: [{" + step + "}]\n");
+  };
+
+  EXPECT_THAT(fault_of_effect("start.x: {at_mm: 213}"), HasSubstr("-12"));
+  EXPECT_EQ(fault_of_effect("start.x: {at_mm: 211}"), "");
+  EXPECT_THAT(fault_of_effect("obstacle.x: {at_mm: -13}"), HasSubstr("-12"));
+  EXPECT_THAT(fault_of_effect("load.x: {added_kg: -12}"), HasSubstr("-12"));
+  EXPECT_EQ(fault_of_effect("load.x: {added_kg: -11}"), "");
+  EXPECT_THAT(fault_of_effect("pulse_loss.x: {above_mm_s: 50}"),
+              HasSubstr("loses no pulse"));
+  EXPECT_THAT(fault_of_effect("index_position.x: {from_switch_mm: 10.1}"),
+              HasSubstr("10"));
+  EXPECT_THAT(fault_of_step("stepper_home: {axis: u, safe_mm: 101}"), HasSubstr("100"));
+  EXPECT_THAT(fault_of_step("stepper_home: {axis: u, fine_mm_s: 61}"), HasSubstr("60"));
+  EXPECT_THAT(fault_of_step("travel_limits: {axis: u, margin_mm: 51}"),
+              HasSubstr("50"));
+  EXPECT_THAT(fault_of_step("axis_sync: {axes: [x, z], distance_mm: 121}"),
+              HasSubstr("60"));
+}
+
+// A line that the controller does not know is refused, not lost with the power.
+TEST(MotorScenario, AnUnknownLineBeforeAPowerCutIsRefused) {
+  const RunResult result =
+      RunScenario(ReadText("calibrate: [{power_cut: {lines: [\"M4711\"]}}]\n"), {});
+
+  EXPECT_EQ(result.outcome, "refused");
+}
+
 // An option that a procedure does not heed would be ignored in silence.
 TEST(MotorScenario, OptionsThatAProcedureDoesNotHeedAreRefused) {
   for (const char* step : {"servo_home: {axis: x, tolerance_mm: 1}",

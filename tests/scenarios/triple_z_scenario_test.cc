@@ -146,7 +146,8 @@ TEST(TripleZScenario, MovesBeyondTheLimitAreRefused) {
                   {});
 
   EXPECT_TRUE(result.passed);
-  EXPECT_THAT(result.messages, Contains(HasSubstr("more than 1: not done")));
+  EXPECT_THAT(result.messages,
+              Contains(HasSubstr("more than 1 (largest_mm): not done")));
   EXPECT_TRUE(result.steps.empty());
 }
 

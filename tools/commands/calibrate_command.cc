@@ -14,7 +14,9 @@
 #include "sim/measure/rows.h"
 #include "tools/commands/calibrate.h"
 #include "tools/commands/calibrate_delta.h"
+#include "tools/commands/calibrate_motors.h"
 #include "tools/commands/calibrate_triple_z.h"
+#include "tools/commands/calibrate_z_offset.h"
 #include "tools/commands/command.h"
 #include "tools/commands/progress.h"
 #include "tools/commands/terminal.h"
@@ -121,6 +123,10 @@ std::vector<ProcedureResult> Perform(const std::vector<CalibrationStep>& steps,
 }
 
 int Calibrate(const Options& options) {
+  if (const auto stage = MotorStageToCalibrate(options)) {
+    return CalibrateMotorsAtHand(options, *stage);
+  }
+  if (IsZOffset(options)) return CalibrateZOffsetAtHand(options);
   if (const auto file = MachineToCalibrate(options)) {
     if (file->machine.delta) return CalibrateDeltaAtHand(options, *file);
     if (file->machine.triple_z) return CalibrateTripleZAtHand(options, *file);
@@ -158,7 +164,7 @@ Action DeclareCalibrate(CLI::App* app) {
                   "scenario")
       ->required();
   app->add_option("--axis", options->axis, "for each procedure given by name alone")
-      ->check(CLI::IsMember({"x", "y", "z"}));
+      ->check(CLI::IsMember({"x", "y", "z", "a", "u", "v"}));
   app->add_option("--variant", options->variant, "as_published or corrected")
       ->check(CLI::IsMember({"as_published", "corrected"}));
   app->add_option(

@@ -21,6 +21,7 @@
 #include "calibration/diagnosis/replay.h"
 #include "calibration/diagnosis/triple_z_correction.h"
 #include "calibration/diagnosis/volumetric.h"
+#include "calibration/diagnosis/z_station_correction.h"
 #include "renders/diagnosis_report.h"
 #include "scenarios/interrupt.h"
 #include "sim/base/sha256.h"
@@ -283,6 +284,7 @@ void RequireSettings(const Options& options, const Machine& machine) {
   const ControllerKind controller = ControllerNamed(options.controller);
   if (machine.delta) RequireDeltaGeometry(controller);
   if (machine.triple_z) RequireScrewLevelling(controller);
+  if (machine.z_station) RequireZCalibration(controller);
 }
 
 void CheckSpares(const Options& options, const Believed& believed) {

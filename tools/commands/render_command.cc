@@ -41,7 +41,13 @@ struct Options {
 TwinConfig ConfigOf(const fs::path& file) {
   const FileKind kind = KindOf(file);
   if (kind == FileKind::kScenario) {
-    return MakeTwinConfig(ReadScenario(file));
+    const Scenario scenario = ReadScenario(file);
+    if (scenario.z_offset) {
+      throw InputError({.file = file.string()},
+                       "a nozzle's height is not drawn",
+                       "models/z_station/model.xml opens in any MuJoCo viewer");
+    }
+    return MakeTwinConfig(scenario);
   }
   if (kind == FileKind::kMachine) {
     const MachineFile machine = ReadMachineFile(file);

@@ -151,7 +151,9 @@ fs::path ReportFolder(const Options& options, const RunResult& result, bool is_m
 void WriteOutputs(const Options& options,
                   const std::vector<RunResult>& results,
                   bool is_many) {
-  if (!options.record.empty()) {
+  if (!options.record.empty() && results.front().rows.rows.empty()) {
+    std::cerr << "--record: nothing was touched or read, no file was written\n";
+  } else if (!options.record.empty()) {
     WriteRows(options.record, results.front().rows);
     WriteDataHeader(fs::path(options.record).replace_extension(".yaml"),
                     results.front().header);

@@ -12,6 +12,8 @@
 #include "tools/commands/command.h"
 #include "tools/commands/serve/serve.h"
 #include "tools/commands/simulated_printer.h"
+#include "tools/commands/simulated_stage.h"
+#include "tools/commands/simulated_station.h"
 #include "tools/commands/twin_options.h"
 
 namespace caltwin {
@@ -113,6 +115,32 @@ int ServePrinter(const Options& options) {
   return Listen(options, &printer.link());
 }
 
+int ServeStation(const Options& options) {
+  RequireDialect(options, "klipper");
+  if (!options.bench.empty()) {
+    throw InputError({.file = options.bench}, "a printer's station has no bench");
+  }
+  SimulatedStation station(options.twin);
+  Announce(fmt::format("z_station, {}, Klipper's z_calibration; Ctrl-C ends",
+                       options.twin.fidelity));
+  return Listen(options, &station.link());
+}
+
+int ServeMotors(const Options& options, const std::filesystem::path& machine) {
+  RequireDialect(options, "motor");
+  if (!options.bench.empty()) {
+    throw InputError({.file = options.bench},
+                     "a motor stage on a wire has no bench",
+                     "nobody at the other end reads its gauges");
+  }
+  const MotorStageDrawing drawing = ReadMotorStage(machine);
+  SimulatedStage stage(drawing, options.twin, /*sigma_unit=*/0);
+  Announce(fmt::format("{}, {}, the dialect of docs/motor-axes.md; Ctrl-C ends",
+                       drawing.name,
+                       options.twin.fidelity));
+  return Listen(options, &stage.link());
+}
+
 int Serve(Options options) {
   if (!options.port && options.pty.empty()) {
     throw InputError({},
@@ -120,10 +148,13 @@ int Serve(Options options) {
                      "--tcp PORT (0: any free one), --pty PATH, or both");
   }
   if (!options.bench.empty()) ReadBenchFile(options.bench, &options.twin);
-  const MachineFile file = ReadAnyMachineFile(
-      FindMachine(options.twin.machine, "", {.file = options.twin.machine}));
+  const std::filesystem::path machine =
+      FindMachine(options.twin.machine, "", {.file = options.twin.machine});
+  if (IsMotorStage(machine)) return ServeMotors(options, machine);
+  const MachineFile file = ReadAnyMachineFile(machine);
   if (file.machine.delta) return ServeDelta(options, file);
   if (file.machine.triple_z) return ServePrinter(options);
+  if (file.machine.z_station) return ServeStation(options);
   RequireDialect(options, "rrf");
   Twin twin(MakeTwinConfig(options.twin));
   Announce(fmt::format("{}, {}, RepRapFirmware's dialect; Ctrl-C ends",
@@ -155,8 +186,8 @@ Action DeclareServe(CLI::App* app) {
          "--dialect",
          options->dialect,
          "the controller's: rrf of a gantry or a triple-Z printer, marlin of a "
-         "delta")
-      ->check(CLI::IsMember({"rrf", "marlin"}));
+         "delta, klipper of a z_station, motor of a motor stage")
+      ->check(CLI::IsMember({"rrf", "marlin", "klipper", "motor"}));
   app->footer(
       "A terminal program or G-code sender connects as to a real machine. Only this "
       "computer can. Ctrl-C ends it.");

@@ -7,6 +7,7 @@
 #include "scenarios/machine_file.h"
 #include "sim/base/input_error.h"
 #include "sim/base/yaml.h"
+#include "sim/machine/motor_stage.h"
 #include "tools/commands/twin_options.h"
 
 namespace caltwin {
@@ -96,6 +97,10 @@ std::vector<NamedFile> FilesOf(const Machine& machine) {
 std::vector<NamedFile> MachineFiles(const std::string& name_or_path) {
   if (name_or_path.empty()) return {};
   const fs::path file = FindMachine(name_or_path, "", {.file = "--machine"});
+  if (IsMotorStage(file)) {
+    return {{"the machine file", file},
+            {"the model of the machine", ReadMotorStage(file).model}};
+  }
   return FilesOf(ReadAnyMachineFile(file).machine);
 }
 

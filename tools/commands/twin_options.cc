@@ -46,7 +46,8 @@ TwinConfig MakeTwinConfig(const TwinOptions& options, bool only_measures) {
   const std::filesystem::path file =
       FindMachine(options.machine, "", {.file = options.machine});
   MachineFile read = ReadAnyMachineFile(file);
-  if (!only_measures || !read.machine.triple_z) read = ReadMachineFile(file);
+  const bool only_by_rows = read.machine.triple_z || read.machine.z_station;
+  if (!only_measures || !only_by_rows) read = ReadMachineFile(file);
   std::vector<InjectedSpec> effects = read.effects;
   std::vector<SettingSpec> settings;
   if (!options.truth.empty()) {

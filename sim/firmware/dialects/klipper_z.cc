@@ -25,6 +25,11 @@ Reply Refusal(const std::string& text) {
   return {.lines = {"!! " + text}, .error = true};
 }
 
+Reply OutOfRange(const Eigen::Vector2d& place_mm, double z_mm) {
+  return Refusal(fmt::format(
+      "Move out of range: {:.3f} {:.3f} {:.3f}", place_mm[0], place_mm[1], z_mm));
+}
+
 std::string Upper(std::string text) {
   for (char& c : text)
     c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
@@ -126,7 +131,13 @@ Reply KlipperZ::Execute(std::string_view line) {
 }
 
 Reply KlipperZ::Obey(const std::string& command, const Words& words) {
-  if (command == "G28") return Home();
+  if (command == "G28") {
+    const bool is_without_z =
+        !words.contains("Z") && (words.contains("X") || words.contains("Y"));
+    if (!is_without_z) return Home();
+    now_.at_s += kHoming_s;
+    return {};
+  }
   if (command == "G0" || command == "G1") return Move(words);
   if (command == "SET_GCODE_OFFSET") return SetOffset(words);
   if (command == "GET_POSITION") return GetPosition();
@@ -149,8 +160,14 @@ Reply KlipperZ::Obey(const std::string& command, const Words& words) {
 }
 
 Reply KlipperZ::Heat(const std::string& command, const Words& words) {
-  constexpr double kCold_c = 20;
+  constexpr double kCold_c = 20, kHottest_c = 400;
   const double temp_c = NumberOf(words, "S").value_or(kCold_c);
+  if (temp_c < 0 || temp_c > kHottest_c) {
+    return Refusal(
+        fmt::format("Requested temperature ({:.1f}) out of range (0.0:{:.1f})",
+                    temp_c,
+                    kHottest_c));
+  }
   const char what = command == "M104" ? 'n' : command == "M140" ? 'b' : 'c';
   (what == 'n' ? now_.nozzle_c : what == 'b' ? now_.bed_c : now_.chamber_c) = temp_c;
   plant_->Heat(what, temp_c);
@@ -185,6 +202,12 @@ Reply KlipperZ::Home() {
   return {};
 }
 
+bool KlipperZ::IsInRange(const Eigen::Vector2d& place_mm, double z_mm) const {
+  return z_mm >= config_.position_min_mm && z_mm <= config_.position_max_mm &&
+         (place_mm.array() >= config_.least_mm.array()).all() &&
+         (place_mm.array() <= config_.most_mm.array()).all();
+}
+
 Reply KlipperZ::Move(const Words& words) {
   if (!is_homed_) return Refusal("Must home axis first");
   const double gcode_mm = z_mm_ - offset_mm_ - Mesh_mm(at_mm_);
@@ -192,9 +215,7 @@ Reply KlipperZ::Move(const Words& words) {
                                     NumberOf(words, "Y").value_or(at_mm_[1]));
   const double to_mm =
       NumberOf(words, "Z").value_or(gcode_mm) + offset_mm_ + Mesh_mm(to_place_mm);
-  if (to_mm < config_.position_min_mm) {
-    return Refusal(fmt::format("Move out of range: {:.3f}", to_mm));
-  }
+  if (!IsInRange(to_place_mm, to_mm)) return OutOfRange(to_place_mm, to_mm);
   Travel(to_place_mm);
   now_.at_s += std::abs(to_mm - z_mm_) / kTravel_mm_s;
   z_mm_ = to_mm;
@@ -303,8 +324,16 @@ Reply KlipperZ::Accuracy(ZTouch touch, const Words& words) {
   // PROBE_Z_ACCURACY takes what it is not told from [z_calibration], PROBE_ACCURACY
   // ten.
   const bool is_of_endstop = touch == ZTouch::kNozzleOnSwitch;
-  const int samples = static_cast<int>(
-      NumberOf(words, "SAMPLES").value_or(is_of_endstop ? config_.samples : 10));
+  const double wanted =
+      NumberOf(words, "SAMPLES").value_or(is_of_endstop ? config_.samples : 10);
+  constexpr double kMostSamples = 10'000;
+  if (wanted != std::floor(wanted) || wanted > kMostSamples) {
+    return Refusal(
+        fmt::format("unable to parse SAMPLES={:g}: a whole number up to {:g}",
+                    wanted,
+                    kMostSamples));
+  }
+  const int samples = static_cast<int>(wanted);
   if (std::min({way.down_mm_s, way.up_mm_s, way.up_mm}) <= 0 || samples < 1) {
     return Refusal(
         "PROBE_SPEED, LIFT_SPEED, SAMPLE_RETRACT_DIST and SAMPLES must be above 0");
@@ -338,14 +367,18 @@ Reply KlipperZ::ProbeBed() {
 }
 
 Reply KlipperZ::SetOffset(const Words& words) {
-  const double mesh_mm = Mesh_mm(at_mm_);
-  const double gcode_mm = z_mm_ - offset_mm_ - mesh_mm;
+  double offset_mm = offset_mm_;
   if (const auto z = NumberOf(words, "Z")) {
-    offset_mm_ = *z;  // Klipper does not look at Z_ADJUST beside it.
+    offset_mm = *z;  // Klipper does not look at Z_ADJUST beside it.
   } else if (const auto by = NumberOf(words, "Z_ADJUST")) {
-    offset_mm_ += *by;
+    offset_mm += *by;
   }
-  if (NumberOf(words, "MOVE").value_or(0) == 1) z_mm_ = gcode_mm + offset_mm_ + mesh_mm;
+  if (NumberOf(words, "MOVE").value_or(0) == 1) {
+    const double to_mm = z_mm_ + offset_mm - offset_mm_;
+    if (!IsInRange(at_mm_, to_mm)) return OutOfRange(at_mm_, to_mm);
+    z_mm_ = to_mm;
+  }
+  offset_mm_ = offset_mm;
   return {};
 }
 

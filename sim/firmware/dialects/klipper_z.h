@@ -52,8 +52,9 @@ struct ZCalibrationConfig {
   bool takes_median = false;  ///< samples_result: median, else average.
   double probing_speed_mm_s = 5, lifting_speed_mm_s = 5;
   double retract_mm = 2;
-  double position_min_mm = -5;
-  std::optional<double> max_deviation_mm{};  ///< Larger offsets are refused.
+  double position_min_mm = -5, position_max_mm = 300;  ///< Of z.
+  Eigen::Vector2d least_mm{0, 0}, most_mm{235, 235};   ///< Travel of x and y.
+  std::optional<double> max_deviation_mm{};            ///< Larger offsets are refused.
   std::string start_gcode{}, before_switch_gcode{}, end_gcode{};
   std::optional<BedMeshConfig> bed_mesh{};
   /// Where CALIBRATE_Z probes the bed; none: the mesh's reference point, or without a
@@ -117,6 +118,7 @@ class KlipperZ {
   Reply Obey(const std::string& command, const Words& words);
   Reply Home();
   Reply Move(const Words& words);
+  bool IsInRange(const Eigen::Vector2d& place_mm, double z_mm) const;
   Reply CalibrateZ();
   Reply Calibrate(const Eigen::Vector2d& bed_point_mm);
   Reply Accuracy(ZTouch touch, const Words& words);

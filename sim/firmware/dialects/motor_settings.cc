@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "sim/base/mutant.h"
 #include "sim/firmware/dialects/motor_stage.h"
 
 // What the controller keeps: the record of each axis, by M-code and in the flash.
@@ -249,13 +250,21 @@ Reply MotorStageFirmware::StoreRecords(const GcodeCommand& command) {
   return {};
 }
 
+// A record that was stored before its limits were measured holds the factory's.
+void MotorStageFirmware::LoadRecord(std::size_t i) {
+  const AxisCalibration& factory = options_.factory[i];
+  const auto stored = store_.Record(static_cast<std::uint8_t>(i));
+  const AxisCalibration& record = stored ? *stored : factory;
+  axes_[i].has_limits = record.min_position_pulses != factory.min_position_pulses ||
+                        record.max_position_pulses != factory.max_position_pulses;
+  axes_[i].has_limits =
+      Mutant("factory_limits_hold", axes_[i].has_limits, stored.has_value());
+  axes_[i].record = record;
+}
+
 Reply MotorStageFirmware::LoadRecords() {
   store_ = RecordStore(flash_);
-  for (std::size_t i = 0; i < kNumMotorAxes; ++i) {
-    const auto stored = store_.Record(static_cast<std::uint8_t>(i));
-    axes_[i].record = stored.value_or(options_.factory[i]);
-    axes_[i].has_limits = stored.has_value();
-  }
+  for (std::size_t i = 0; i < kNumMotorAxes; ++i) LoadRecord(i);
   return {};
 }
 
@@ -269,7 +278,8 @@ Reply MotorStageFirmware::FactoryReset(const GcodeCommand& command) {
     }
     if (is_all) break;
   }
-  return LoadRecords();
+  for (const std::size_t i : named) LoadRecord(i);
+  return {};
 }
 
 Reply MotorStageFirmware::History() const {

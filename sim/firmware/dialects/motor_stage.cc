@@ -107,7 +107,16 @@ std::string MotorStageFirmware::LimitFault(std::size_t i, double to_unit) const 
   const double low_unit = axis.record.min_position_pulses / axis.record.pulses_per_unit;
   const double high_unit =
       axis.record.max_position_pulses / axis.record.pulses_per_unit;
-  if (to_unit >= low_unit - 1e-9 && to_unit <= high_unit + 1e-9) return "";
+  constexpr double kRounding_unit = 1e-9;
+  const auto beyond = [&](double at_unit) {
+    return std::max({low_unit - at_unit, at_unit - high_unit, 0.0});
+  };
+  // What stands outside (at a switch) may come back.
+  const bool is_allowed = beyond(to_unit) <= kRounding_unit ||
+                          Mutant("limits_forbid_the_way_back",
+                                 beyond(to_unit) < beyond(CommandedAt(i)),
+                                 false);
+  if (is_allowed) return "";
   return fmt::format("{}{:g} is outside its limits {:g} .. {:g}; nothing moved",
                      LetterOf(i),
                      to_unit,
@@ -122,7 +131,7 @@ Reply MotorStageFirmware::Move(const GcodeCommand& command) {
   const auto hunt = static_cast<int>(command.Number('H').value_or(0));
   if (hunt != 0 && hunt != 4 && hunt != 5) return Refusal("H is 0, 4 or 5");
   MotorMove move;
-  std::array<double, kNumMotorAxes> way_unit{};
+  std::array<double, kNumMotorAxes> way_unit{}, far_unit{};
   double speed_part = 1e9, slow_part = 1e9;
   std::size_t moving = 0;
   for (std::size_t i = 0; i < kNumMotorAxes; ++i) {
@@ -142,13 +151,17 @@ Reply MotorStageFirmware::Move(const GcodeCommand& command) {
     move.to_pulses[i] = TargetFor(i, to_unit);
     move.watched = i;
     ++moving;
-    const double far_unit = std::abs(way_unit[i]);
-    move.length_unit = std::max(move.length_unit, far_unit);
+    // Its motor also goes what it takes up of the gap, and no faster for that.
+    far_unit[i] = Mutant("motor_gap_adds_no_way",
+                         std::abs(move.to_pulses[i] - motion_.axis(i).target_pulses) /
+                             axes_[i].record.pulses_per_unit,
+                         std::abs(way_unit[i]));
+    move.length_unit = std::max(move.length_unit, far_unit[i]);
   }
   if (moving == 0) return {};
   if (hunt != 0 && moving != 1) return Refusal("H4 and H5 move one axis");
   for (std::size_t i = 0; i < kNumMotorAxes; ++i) {
-    const double share = std::abs(way_unit[i]) / std::max(move.length_unit, 1e-12);
+    const double share = far_unit[i] / std::max(move.length_unit, 1e-12);
     if (!move.moves[i] || share == 0) continue;
     const AxisCalibration& record = axes_[i].record;
     speed_part = std::min(
@@ -280,11 +293,14 @@ Reply MotorStageFirmware::StopReports() const {
   for (std::size_t i = 0; i < kNumMotorAxes; ++i) {
     const MotorMotion::AxisState& axis = motion_.axis(i);
     reply.lines.push_back(
-        fmt::format("{} standstill_s {:.7f} sd_s {:.7f} path {:.5f} peak_a {:.3f} "
+        fmt::format("{} standstill_s {:.7f} sd_s {:.7f} brakes_s {:.7f} told {:.5f} "
+                    "path {:.5f} peak_a {:.3f} "
                     "stood {:d} enabled {:d} knocked {:d}",
                     LetterOf(i),
                     axis.stop.standstill_s,
                     axis.stop.sd_s,
+                    axis.stop.brakes_at_s,
+                    axis.stop.told_pulses_s / axes_[i].record.pulses_per_unit,
                     axis.stop.path_pulses / axes_[i].record.pulses_per_unit,
                     axis.stop.peak_a,
                     axis.stop.is_done,

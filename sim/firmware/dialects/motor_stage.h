@@ -72,6 +72,7 @@ class MotorStageFirmware {
   Reply Limits(const GcodeCommand& command);
   Reply Settings(const GcodeCommand& command);
   Reply StoreRecords(const GcodeCommand& command);
+  void LoadRecord(std::size_t axis);
   Reply LoadRecords();
   Reply FactoryReset(const GcodeCommand& command);
   Reply History() const;

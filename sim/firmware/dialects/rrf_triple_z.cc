@@ -168,6 +168,14 @@ Reply RrfTripleZ::Probe(const GcodeCommand& command) {
   if (is_split_) return Refusal("G30: the drivers of Z are not joined");
   const Eigen::Vector2d to_mm(NumberOf(command, 'X').value_or(at_mm_[0]),
                               NumberOf(command, 'Y').value_or(at_mm_[1]));
+  for (const char letter : {'X', 'Y', 'Z', 'P', 'S'}) {
+    if (command.Find(letter) != nullptr && !NumberOf(command, letter)) {
+      return Refusal(fmt::format("G30: {} is no number", letter));
+    }
+  }
+  if ((to_mm.array() < 0).any() || (to_mm.array() > options_.most_mm.array()).any()) {
+    return Refusal("G30: probe point is outside the travel of X and Y");
+  }
   const auto height = plant_->Touch(raised_mm(), to_mm[0], to_mm[1]);
   if (!height) return Refusal("Probe was not triggered during probing move");
   const double stopped_mm =
@@ -297,7 +305,10 @@ Reply RrfTripleZ::SetScrews(std::string_view line) {
     }
     options_.pivots_mm = pivots_mm;
   }
-  if (s && !s->empty()) options_.largest_mm = s->front();
+  if (s && (s->size() != 1 || !(s->front() > 0))) {
+    return Refusal("M671: S needs a number above 0");
+  }
+  if (s) options_.largest_mm = s->front();
   return {};
 }
 

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <chrono>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "calibration/z_offset/procedures.h"
+#include "sim/twin/z_station.h"
+
+namespace caltwin {
+
+/// The wire to a simulated printer with Klipper's z_calibration.
+class KlipperZWire : public Link {
+ public:
+  explicit KlipperZWire(KlipperZ* klipper) : klipper_(klipper) {}
+  Expected<std::vector<std::string>> Send(std::string_view line,
+                                          std::chrono::milliseconds patience) override;
+
+ private:
+  KlipperZ* klipper_;
+};
+
+/// A feeler gauge's reading under the nozzle, over the middle of the bed.
+struct FeelerReading {
+  double gcode_mm = 0;  ///< The height that was commanded.
+  double gap_mm = 0;    ///< In whole leaves of 0.01 mm.
+};
+/// nullopt where the controller does not say where it stands. Asks it GET_POSITION.
+std::optional<FeelerReading> ReadFeeler(const KlipperZ& klipper,
+                                        const ZStationTwin& twin,
+                                        ZOffsetClient* client);
+
+}  // namespace caltwin

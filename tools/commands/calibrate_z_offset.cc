@@ -1,0 +1,195 @@
+#include "tools/commands/calibrate_z_offset.h"
+
+#include <algorithm>
+#include <array>
+#include <iostream>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "calibration/z_offset/procedures.h"
+#include "scenarios/interrupt.h"
+#include "scenarios/interruptible_link.h"
+#include "scenarios/z_offset_scenario.h"
+#include "sim/link/open_link.h"
+#include "sim/link/transcript.h"
+#include "tools/commands/simulated_station.h"
+#include "tools/commands/terminal.h"
+#include "tools/commands/twin_options.h"
+
+namespace caltwin {
+namespace {
+
+std::vector<ZOffsetStep> StepsAsked(const CalibrateOptions& options) {
+  if (!options.axis.empty()) {
+    throw InputError({.file = "--axis"}, "a nozzle's height is along z alone");
+  }
+  Faults faults;
+  YamlMap map = ReadYamlText(ProceduresText(options), "--procedure", &faults);
+  auto steps = ReadZOffsetSteps(*map.Required("calibrate"));
+  faults.ThrowIfAny();
+  for (const ZOffsetStep& step : steps) {
+    if (step.name != "gcode" && step.name != "change") continue;
+    throw InputError({.file = "--procedure"},
+                     step.name + " is a step of scenarios only",
+                     "write a scenario and `caltwin run` it");
+  }
+  return steps;
+}
+
+void RefuseUnheeded(const CalibrateOptions& options) {
+  if (!options.record.empty()) {
+    throw InputError({.file = "--record"},
+                     "calibrating a nozzle's height writes no rows",
+                     "`caltwin run --record` of a scenario does; --transcript keeps "
+                     "each line");
+  }
+  if (!options.bench.empty()) {
+    throw InputError({.file = "--bench"}, "a nozzle's height needs no artefacts");
+  }
+  if (!IsTwin(options)) return;
+  const auto file = MachineToCalibrate(options);
+  if (file && file->machine.z_station) return;
+  throw InputError({.file = options.link},
+                   "this twin has no endstop switch and magnetic probe",
+                   "twin:z_station has; a scenario with `station:` puts one under any "
+                   "printer");
+}
+
+// A printer, the person in front of it, and a feeler gauge.
+class StationAtHand {
+ public:
+  explicit StationAtHand(const CalibrateOptions& options)
+      : person_(PersonAtHand(options)), gauge_(ReadingsOf(options.readings)) {
+    if (IsTwin(options)) {
+      twin_ = std::make_unique<SimulatedStation>(TwinOptionsOf(options.link));
+    } else {
+      wire_ = OpenLink(options.link);
+    }
+    link_ = std::make_unique<InterruptibleLink>(wire_ ? wire_.get() : &twin_->link());
+    if (options.transcript.empty()) return;
+    recorder_ = std::make_unique<RecordingLink>(link_.get(), options.transcript);
+  }
+
+  Link* link() { return recorder_ ? static_cast<Link*>(recorder_.get()) : link_.get(); }
+  void Save() const {
+    if (recorder_) recorder_->Save();
+  }
+  bool MayApply(const std::string& what) {
+    return person_->Do({.kind = Act::Kind::kConfirm, .text = what}).has_value();
+  }
+  bool Wipe() {
+    if (twin_) {
+      twin_->Wipe();
+      return true;
+    }
+    return person_->Do({.text = "Wipe the nozzle: nothing may hang under its tip."})
+        .has_value();
+  }
+  std::optional<double> Gap_mm(double height_mm, ZOffsetClient* client) {
+    if (twin_) return twin_->Gap_mm(client);
+    const auto read_mm = gauge_.Read_mm(fmt::format("feeler.{:g}", height_mm));
+    if (!read_mm) std::cerr << read_mm.error().reply << "\n";
+    return read_mm ? std::optional(*read_mm) : std::nullopt;
+  }
+
+ private:
+  std::unique_ptr<TerminalOperator> person_;
+  TerminalGauge gauge_;
+  std::unique_ptr<SimulatedStation> twin_{};
+  std::unique_ptr<Link> wire_{};
+  std::unique_ptr<InterruptibleLink> link_{};
+  std::unique_ptr<RecordingLink> recorder_{};
+};
+
+/// The G-code offset of before any step, and whether a new one is to stay.
+struct OffsetBefore {
+  std::optional<double> mm{};
+  bool is_replaced = false;
+};
+
+// CALIBRATE_Z sets the offset by itself. Who does not want it gets the old one back,
+// but at the end: a descent goes by the new one.
+ProcedureResult Calibrate(StationAtHand* at_hand,
+                          ZOffsetClient* client,
+                          OffsetBefore* before) {
+  ProcedureResult result = RunZCalibration(client, std::nullopt);
+  if (result.ending != Ending::kDone || !before->mm) return result;
+  result.steps.back().before = *before->mm;
+  if (at_hand->MayApply("z_calibration: keep this offset?")) {
+    before->is_replaced = true;
+    return result;
+  }
+  result.steps.back().verdict = Verdict::kMeasured;
+  result.messages.push_back(
+      fmt::format("the offset of before, {:.6f}, is put back at the end", *before->mm));
+  return result;
+}
+
+ProcedureResult PerformStep(const ZOffsetStep& step,
+                            StationAtHand* at_hand,
+                            ZOffsetClient* client,
+                            OffsetBefore* before) {
+  if (step.name == "z_calibration") return Calibrate(at_hand, client, before);
+  if (step.name == "probe_accuracy") {
+    return RunProbeAccuracy(client, step.is_endstop, step.samples);
+  }
+  ProcedureResult result = RunSwitchOffset(
+      client,
+      {.is_as_published = step.is_as_published},
+      {.gap_mm = [&](double height_mm) { return at_hand->Gap_mm(height_mm, client); },
+       .wipe =
+           [&] {
+             return at_hand->Wipe();
+           }});
+  if (!result.estimates.empty()) {
+    result.messages.push_back(fmt::format(
+        "write `switch_offset: {:.3f}` under [z_calibration] of printer.cfg, "
+        "restart, and calibrate again: no G-code sets it",
+        result.estimates.back().value));
+  }
+  return result;
+}
+
+void SetOffset(double offset_mm, ZOffsetClient* client) {
+  const auto set = client->Say(fmt::format("SET_GCODE_OFFSET Z={:.6f}", offset_mm));
+  if (set) return;
+  std::cerr << fmt::format("the offset of before, {:.6f}, could not be put back: {}\n",
+                           offset_mm,
+                           set.error().reply);
+}
+
+}  // namespace
+
+bool IsZOffset(const CalibrateOptions& options) {
+  constexpr std::array<std::string_view, 3> kNames = {
+      "z_calibration", "probe_accuracy", "switch_offset"};
+  if (options.procedures.empty()) return false;
+  const std::string& first = options.procedures.front();
+  return std::ranges::find(kNames, first.substr(0, first.find(':'))) != kNames.end();
+}
+
+int CalibrateZOffsetAtHand(const CalibrateOptions& options) {
+  const std::vector<ZOffsetStep> steps = StepsAsked(options);
+  RefuseUnheeded(options);
+  RefuseOverwritten(options);
+  StationAtHand at_hand(options);
+  ZOffsetClient client(at_hand.link());
+  std::vector<ProcedureResult> results;
+  results.push_back(client.Home());
+  OffsetBefore before{.mm = client.GcodeBase_mm()};
+  for (const ZOffsetStep& step : steps) {
+    if (results.back().ending != Ending::kDone || InterruptRequested()) break;
+    results.push_back(PerformStep(step, &at_hand, &client, &before));
+    PrintResult(step.name, results.back());
+  }
+  if (results.size() == 1) PrintResult("G28", results.back());
+  if (client.is_calibrated() && !before.is_replaced && before.mm) {
+    SetOffset(*before.mm, &client);
+  }
+  at_hand.Save();
+  if (!options.apply) std::cout << "Nothing was applied: --apply does that.\n";
+  return WorstOf(options, results);
+}
+
+}  // namespace caltwin

@@ -1,0 +1,38 @@
+#include "tools/commands/simulated_stage.h"
+
+namespace caltwin {
+namespace {
+
+MotorScenario TruthOf(const MotorStageDrawing& drawing, const TwinOptions& named) {
+  MotorScenario truth{.drawing = drawing};
+  if (named.truth.empty()) return truth;
+  Faults faults;
+  YamlMap map = ReadYamlFile(named.truth, &faults);
+  ReadMotorTruth(&map, &truth);
+  map.NoMoreKeys();
+  faults.ThrowIfAny();
+  return truth;
+}
+
+}  // namespace
+
+SimulatedStage::SimulatedStage(const MotorStageDrawing& drawing,
+                               const TwinOptions& named,
+                               double sigma_unit)
+    : SimulatedStage(TruthOf(drawing, named), named, sigma_unit) {}
+
+SimulatedStage::SimulatedStage(const MotorScenario& truth,
+                               const TwinOptions& named,
+                               double sigma_unit)
+    : rig_(DrawMotorStage(truth, named.seed, /*sample=*/0),
+           named.fidelity == "physics",
+           named.seed,
+           /*sample=*/0),
+      firmware_(MotorFirmwareOf(truth.drawing), &rig_, &flash_),
+      wire_(&firmware_),
+      gauge_(&rig_, sigma_unit, named.seed, /*sample=*/0) {
+  MotorAxes axes({.link = &wire_, .drawing = truth.drawing});
+  SetFields(truth, named.truth, &axes);
+}
+
+}  // namespace caltwin

@@ -1,0 +1,37 @@
+#pragma once
+
+#include "scenarios/z_offset_link.h"
+#include "tools/commands/twin_options.h"
+
+namespace caltwin {
+
+/// A simulated head over its switch and bed, with a controller that speaks Klipper's
+/// z_calibration and believes the station's drawing.
+class SimulatedStation {
+ public:
+  /// Reads the files that `named` names. Throws InputError; of truths with what acts by
+  /// time too, which a wire of single commands has not: it would not act.
+  explicit SimulatedStation(const TwinOptions& named);
+
+  Link& link() { return wire_; }
+  void Wipe() { twin_.Wipe(); }
+  /// A feeler under the nozzle, where it stands now.
+  std::optional<double> Gap_mm(ZOffsetClient* client) {
+    const auto read = ReadFeeler(klipper_, twin_, client);
+    return read ? std::optional(read->gap_mm) : std::nullopt;
+  }
+
+ private:
+  struct Parts {
+    ZStation station{};
+    ZCalibrationConfig config{};
+  };
+  static Parts PartsOf(const TwinOptions& named);
+  SimulatedStation(const Parts& parts, const TwinOptions& named);
+
+  ZStationTwin twin_;
+  KlipperZ klipper_;
+  KlipperZWire wire_{&klipper_};
+};
+
+}  // namespace caltwin
