@@ -151,6 +151,12 @@ void JudgeStandstill(std::size_t axis,
   if (std::abs(says.standstill_s - o.within_s) < kClear * says.sd_s) {
     words += ", but too close to it for the counter to be sure";
   }
+  const double crept_s = says.rests_s - says.standstill_s;
+  if (crept_s > 3 * doing->axes().bench().stop_tick_s) {
+    words +=
+        fmt::format("; it crept on, slower than a twentieth of that, until {:.2f} ms",
+                    says.rests_s / SFromMs(1.0));
+  }
   if (is_in_gap) {
     words += fmt::format(
         "; so says the motor's counter, its load stands after {:.2f} "

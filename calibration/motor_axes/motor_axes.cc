@@ -219,6 +219,7 @@ Expected<StopSays> MotorAxes::LastStop(std::size_t axis) {
   return StopSays{
       .standstill_s = *standstill_s,
       .sd_s = NumberBehind(*line, "sd_s").value_or(0),
+      .rests_s = NumberBehind(*line, "rests_s").value_or(0),
       .brakes_s = NumberBehind(*line, "brakes_s").value_or(bench_.BrakesAfter_s()),
       .told_unit_s = NumberBehind(*line, "told").value_or(0),
       .path_unit = NumberBehind(*line, "path").value_or(0),

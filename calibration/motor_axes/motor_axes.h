@@ -37,6 +37,7 @@ struct DriveSays {
 /// What M818 tells of an axis.
 struct StopSays {
   double standstill_s = 0, sd_s = 0;  ///< From the contact.
+  double rests_s = 0;                 ///< When its counter had come to rest.
   double brakes_s = 0;                ///< Of it, until its brake acted.
   double told_unit_s = 0;  ///< The speed that it was told when the contact opened.
   double path_unit = 0;

@@ -53,6 +53,7 @@ struct MotorArrival {
 struct StopReport {
   double standstill_s = 0;   ///< From the contact; a stepper's: when its field stood.
   double sd_s = 0;           ///< Of that; a stepper's is known.
+  double rests_s = 0;        ///< When its counter had come to rest.
   double brakes_at_s = 0;    ///< From the contact until brakes and ramps began.
   double told_pulses_s = 0;  ///< Its speed when the contact opened.
   double path_pulses = 0;

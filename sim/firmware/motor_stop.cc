@@ -71,6 +71,7 @@ StopReport MotorMotion::ReportOf(std::size_t i,
           : Standstill{.at_s = options_.stepper_stop_s};
   report.standstill_s = brakes_at_s + braked.at_s;
   report.sd_s = braked.sd_s;
+  report.rests_s = brakes_at_s + braked.rests_at_s;
   report.is_knocked = braked.is_knocked;
   return report;
 }

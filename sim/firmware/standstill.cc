@@ -60,6 +60,19 @@ std::size_t FirstAtRest(std::span<const std::int64_t> counts) {
   return from;
 }
 
+// From `from` on no tick has more counts than a twentieth of those at the told speed.
+std::size_t FirstSlow(std::span<const std::int64_t> counts, double told_pulses) {
+  constexpr double kSlow = 1.0 / 20;
+  const double slow_pulses = std::max(1.0, kSlow * std::abs(told_pulses));
+  std::size_t from = counts.size();
+  while (from > 1) {
+    const auto gone = static_cast<double>(counts[from - 1] - counts[from - 2]);
+    if (std::abs(gone) > slow_pulses) break;
+    --from;
+  }
+  return from;
+}
+
 // The vertex of the parabola through counts at ticks `from` to `to`, both included,
 // where it ends as they do.
 std::optional<Standstill> Vertex(std::span<const std::int64_t> counts,
@@ -144,12 +157,19 @@ Standstill StandstillOf(std::span<const std::int64_t> counts,
                         double speed_pulses_s) {
   if (counts.empty() || speed_pulses_s == 0) return {};
   const std::size_t at_rest = FirstAtRest(counts);
-  const Standstill seen{.at_s = static_cast<double>(at_rest) * tick_s, .sd_s = tick_s};
-  if (Mutant("standstill_by_last_pulse", false, true)) return seen;
-  if (const auto fitted = ByOnePath(counts, at_rest, tick_s, speed_pulses_s)) {
-    return *fitted;
-  }
-  return AfterAKnock(counts, at_rest, tick_s).value_or(seen);
+  const std::size_t slow =
+      std::min(at_rest, FirstSlow(counts, speed_pulses_s * tick_s));
+  const double rests_at_s = static_cast<double>(at_rest) * tick_s;
+  const Standstill seen{.at_s = Mutant("standstill_waits_for_creeping",
+                                       static_cast<double>(slow) * tick_s,
+                                       rests_at_s),
+                        .sd_s = tick_s};
+  std::optional<Standstill> fitted = ByOnePath(counts, at_rest, tick_s, speed_pulses_s);
+  if (!fitted) fitted = AfterAKnock(counts, at_rest, tick_s);
+  Standstill stood =
+      Mutant("standstill_by_last_pulse", true, false) ? fitted.value_or(seen) : seen;
+  stood.rests_at_s = rests_at_s;
+  return stood;
 }
 
 }  // namespace caltwin

@@ -63,6 +63,18 @@ TEST(StandstillOf, WithoutAnEvenBrakeIsWhenTheCounterCameToRest) {
   EXPECT_DOUBLE_EQ(stood.sd_s, kTick_s);
 }
 
+// Rattling with its load at two pulses a tick, after 100 a tick: it stands, and creeps.
+TEST(StandstillOf, CreepingIsNoMovingAnyMore) {
+  std::vector<std::int64_t> counts = {0, 100, 190, 240, 300, 310, 360, 380};
+  for (int tick = 0; tick < 20; ++tick) counts.push_back(counts.back() + 2);
+  counts.insert(counts.end(), 20, counts.back());
+
+  const Standstill stood = StandstillOf(counts, kTick_s, 100 / kTick_s);
+
+  EXPECT_DOUBLE_EQ(stood.at_s, 8 * kTick_s);
+  EXPECT_DOUBLE_EQ(stood.rests_at_s, 27 * kTick_s);
+}
+
 // Braked, pushed on by a load that comes across its gap, braked again: what counts are
 // those after it, whose speed nobody told.
 TEST(StandstillOf, AfterAKnockIsThatOfTheLastRunWithItsUncertainty) {

@@ -292,6 +292,18 @@ void Count(const MotorResult& stopped, double truth_s, Verdicts* verdicts) {
   verdicts->called_late += IsCalledLate(stopped) ? 1 : 0;
   verdicts->wants_measuring += WantsMeasuring(stopped) ? 1 : 0;
   const bool is_wrong = !is_foretold || !is_measured;
+  if (!is_measured) {
+    fmt::print("machine {}: stood after {:.3f} ms, measured {:.3f}\n",
+               verdicts->all,
+               truth_s / SFromMs(1.0),
+               *stopped.found.standstill_s / SFromMs(1.0));
+    for (const std::string& text : stopped.result.messages) {
+      if (text.find("stood after") != std::string::npos ||
+          text.find("stands after") != std::string::npos) {
+        fmt::print("  {}\n", text);
+      }
+    }
+  }
   verdicts->wrong_and_silent += is_wrong && !WantsMeasuring(stopped) ? 1 : 0;
   verdicts->worst_s = std::max(verdicts->worst_s, std::abs(off_s));
   verdicts->squares_s2 += off_s * off_s;
@@ -318,7 +330,7 @@ Verdicts StopMany(int machines, const Unlike& unlike) {
         RunEmergencyStop(&bench.axes, {.axes = {kX}, .medium = 1});
     const auto truth_s = bench.watched.stood_s();
     const bool is_counted = truth_s && stopped.found.stopped_within;
-    // Across a gap one light motor in a thousand leans on friction beyond its window.
+    // Across a gap a light motor may lean on friction beyond its window.
     EXPECT_TRUE(is_counted || unlike.gap != Unlike::Gap::kNone)
         << i << stopped.result.fault;
     if (!is_counted) continue;
@@ -368,8 +380,7 @@ TEST(MotorFigures, EmergencyStopVerdictsAcrossAGapAreRight) {
                     unknown.wants_measuring,
                     unknown.wrong_and_silent));
   EXPECT_GE(measured.foretold_right, 990);
-  // The counter alone falls short of 99 % (989 when this was written).
-  EXPECT_GE(measured.measured_right, 985);
+  EXPECT_GE(measured.measured_right, 990);
   EXPECT_GE(unknown.foretold_right, 970);
   EXPECT_LE(unknown.wrong_and_silent, 10);
 }

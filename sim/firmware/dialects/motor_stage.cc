@@ -292,20 +292,21 @@ Reply MotorStageFirmware::StopReports() const {
   Reply reply;
   for (std::size_t i = 0; i < kNumMotorAxes; ++i) {
     const MotorMotion::AxisState& axis = motion_.axis(i);
-    reply.lines.push_back(
-        fmt::format("{} standstill_s {:.7f} sd_s {:.7f} brakes_s {:.7f} told {:.5f} "
-                    "path {:.5f} peak_a {:.3f} "
-                    "stood {:d} enabled {:d} knocked {:d}",
-                    LetterOf(i),
-                    axis.stop.standstill_s,
-                    axis.stop.sd_s,
-                    axis.stop.brakes_at_s,
-                    axis.stop.told_pulses_s / axes_[i].record.pulses_per_unit,
-                    axis.stop.path_pulses / axes_[i].record.pulses_per_unit,
-                    axis.stop.peak_a,
-                    axis.stop.is_done,
-                    axis.is_enabled,
-                    axis.stop.is_knocked));
+    reply.lines.push_back(fmt::format(
+        "{} standstill_s {:.7f} sd_s {:.7f} rests_s {:.5f} brakes_s {:.7f} told {:.5f} "
+        "path {:.5f} peak_a {:.3f} "
+        "stood {:d} enabled {:d} knocked {:d}",
+        LetterOf(i),
+        axis.stop.standstill_s,
+        axis.stop.sd_s,
+        axis.stop.rests_s,
+        axis.stop.brakes_at_s,
+        axis.stop.told_pulses_s / axes_[i].record.pulses_per_unit,
+        axis.stop.path_pulses / axes_[i].record.pulses_per_unit,
+        axis.stop.peak_a,
+        axis.stop.is_done,
+        axis.is_enabled,
+        axis.stop.is_knocked));
   }
   return reply;
 }
