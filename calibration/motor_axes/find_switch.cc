@@ -164,7 +164,20 @@ std::optional<Uncertain> CompensatedGap(std::size_t axis,
   const auto gap_unit = doing->Got(doing->axes().Field(425, axis));
   const auto pulses = doing->Got(doing->axes().Field(92, axis));
   if (!gap_unit || !pulses) return std::nullopt;
-  if (*gap_unit > 0) {
+  const double tolerance_unit = doing->options().tolerance_unit;
+  const bool is_believed =
+      *gap_unit <= Mutant("motor_home_believes_any_gap", tolerance_unit, 1e9);
+  if (!is_believed) {
+    doing->Warn(fmt::format(
+        "M425 of {} holds {:g} {}, more than the mechanical tolerance of {:g}: it is "
+        "no "
+        "gap that was measured and is not taken off; run motor_backlash (corrected)",
+        MotorAxisName(axis),
+        *gap_unit,
+        doing->axes().drawing(axis).unit(),
+        tolerance_unit));
+  }
+  if (*gap_unit > 0 && is_believed) {
     return Uncertain{.value = *gap_unit, .sd = 1 / *pulses, .identifiable = true};
   }
   const std::string name = MotorAxisName(axis);
