@@ -10,21 +10,27 @@
 
 namespace caltwin {
 
-/// Passes everything on, but lets nothing through once Ctrl-C was pressed: a procedure
-/// ends at its next line, as if the link were lost, and the work done so far is kept.
+/// Passes everything on, but lets nothing through once Ctrl-C was pressed, so that a
+/// procedure ends at its next line, as if the link were lost, and the work done so far
+/// is kept. But for what moves nothing and puts back what was set for the time of a
+/// measurement: accelerations (M201), compensation of a gap (M425) and delays (M816).
 class InterruptibleLink final : public Link {
  public:
   /// `inner` is borrowed.
   explicit InterruptibleLink(Link* inner) : inner_(inner) {}
   Expected<std::vector<std::string>> Send(std::string_view line,
                                           std::chrono::milliseconds patience) override {
-    if (InterruptRequested()) {
+    if (InterruptRequested() && !PutsBack(line)) {
       return tl::unexpected(MachineFault{MachineFault::Kind::kLinkLost, "interrupted"});
     }
     return inner_->Send(line, patience);
   }
 
  private:
+  static bool PutsBack(std::string_view line) {
+    return line.starts_with("M201 ") || line.starts_with("M425 ") ||
+           line.starts_with("M816 ");
+  }
   Link* inner_;
 };
 

@@ -40,9 +40,9 @@ std::optional<FeelerReading> ReadFeeler(const KlipperZ& klipper,
                                         ZOffsetClient* client) {
   constexpr double kLeaf_mm = 0.01;
   const auto gcode_mm = GcodeHeight_mm(client);
-  const auto nought_mm = klipper.CarriageAtNought_mm(twin.middle_mm());
+  const auto nought_mm = klipper.CarriageAtNought_mm(klipper.at_mm());
   if (!gcode_mm || !nought_mm) return std::nullopt;
-  const double gap_mm = twin.Gap_mm(*nought_mm + *gcode_mm, twin.middle_mm());
+  const double gap_mm = twin.Gap_mm(*nought_mm + *gcode_mm, klipper.at_mm());
   return FeelerReading{*gcode_mm, std::round(gap_mm / kLeaf_mm) * kLeaf_mm};
 }
 

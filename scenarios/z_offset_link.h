@@ -22,7 +22,7 @@ class KlipperZWire : public Link {
   KlipperZ* klipper_;
 };
 
-/// A feeler gauge's reading under the nozzle, over the middle of the bed.
+/// A feeler gauge's reading under the nozzle, where it stands.
 struct FeelerReading {
   double gcode_mm = 0;  ///< The height that was commanded.
   double gap_mm = 0;    ///< In whole leaves of 0.01 mm.

@@ -138,7 +138,9 @@ class ZOffsetRun {
                                 }};
     ProcedureResult result = RunSwitchOffset(
         client,
-        {.is_as_published = step.is_as_published, .in_force_mm = before_mm},
+        {.is_as_published = step.is_as_published,
+         .in_force_mm = before_mm,
+         .at_mm = klipper_.BedPoint_mm().value_or(twin_.middle_mm())},
         {.gap_mm = [&](double) { return ReadGap_mm(step.name, client); },
          .wipe =
              [&] {
@@ -163,8 +165,7 @@ class ZOffsetRun {
          .after = is_taken ? after_mm : before_mm,
          .verdict = is_taken ? Verdict::kApplied : Verdict::kRefused,
          .message = is_taken ? "from the gap under the nozzle"
-                             : "Klipper takes none below 0: does the body of the "
-                               "switch touch as it should?"});
+                             : "Klipper takes none below 0"});
     return result;
   }
 

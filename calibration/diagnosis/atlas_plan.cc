@@ -119,6 +119,20 @@ std::vector<std::string_view> OtherWords(const PlanOption& option) {
   return words;
 }
 
+CampaignChoice Changed(const PlannedCampaign& usual,
+                       const PlanOption& option,
+                       const std::string& word) {
+  CampaignChoice choice{usual, {{std::string(option.name), word}}};
+  CampaignOptions& options = choice.campaign.options;
+  if (option.type == OptionType::kFlag) {
+    options.Set(option.name, true);
+  } else {
+    options.Set(option.name, word);
+  }
+  options.MarkWritten(option.name);
+  return choice;
+}
+
 }  // namespace
 
 std::vector<CampaignChoice> CampaignChoices() {
@@ -128,14 +142,7 @@ std::vector<CampaignChoice> CampaignChoices() {
     choices.push_back({usual, {}});
     for (const PlanOption& option : kind.options) {
       for (const std::string_view word : OtherWords(option)) {
-        CampaignChoice choice{usual, {{std::string(option.name), std::string(word)}}};
-        if (option.type == OptionType::kFlag) {
-          choice.campaign.options.Set(option.name, true);
-        } else {
-          choice.campaign.options.Set(option.name, std::string(word));
-        }
-        choice.campaign.options.MarkWritten(option.name);
-        choices.push_back(std::move(choice));
+        choices.push_back(Changed(usual, option, std::string(word)));
       }
     }
   }

@@ -138,10 +138,13 @@ std::map<std::string, std::set<Eigen::Index>> HeightsOf(const Observed& o) {
 // roughly. A gap is what it is.
 void AddStation(const Observed& o, NuisanceList* builder) {
   const std::vector<std::string> homes = HomesOf(o, /*only_touches=*/true);
-  for (const auto& [name, rows] : HeightsOf(o)) {
-    builder->Add("height." + name, "mm", kPlacementSd_mm, [&](Eigen::Index row) {
-      return rows.contains(row);
-    });
+  const auto heights = HeightsOf(o);
+  for (const auto& height : heights) {
+    const std::set<Eigen::Index>& rows = height.second;
+    builder->Add(
+        "height." + height.first, "mm", kPlacementSd_mm, [&](Eigen::Index row) {
+          return rows.contains(row);
+        });
   }
   // The first one's is in those heights.
   for (std::size_t h = 1; h < homes.size(); ++h) {

@@ -47,6 +47,15 @@ std::string SwitchOffsetText(const FindingParameter& off_um,
   }
   const double off_mm =
       Mutant("switch_offset_correction_sign", 1.0, -1.0) * MmFromUm(off_um.value);
+  if (*in_force_mm + off_mm < 0) {
+    return fmt::format(
+        "# switch_offset: it would be {:.4f}, and Klipper takes none below 0 (was "
+        "{:.4f}: "
+        "{}): does the body of the switch touch as it should?\n",
+        *in_force_mm + off_mm,
+        *in_force_mm,
+        said);
+  }
   return fmt::format("[z_calibration]\n# was {:.4f}: {}\nswitch_offset: {:.4f}\n",
                      *in_force_mm,
                      said,

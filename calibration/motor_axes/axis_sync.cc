@@ -25,6 +25,9 @@ bool HomeAll(MotorDoing* doing) {
     MotorOptions home = doing->options();
     home.axes = {axis};
     home.is_as_published = false;
+    if (!axes.drawing(axis).is_servo && !KeepHomeOffset(axis, &home, doing)) {
+      return false;
+    }
     const bool is_homed =
         doing->Absorb(axes.drawing(axis).is_servo ? RunServoHome(&axes, home)
                                                   : RunStepperHome(&axes, home));

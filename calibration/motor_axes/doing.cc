@@ -32,7 +32,12 @@ void MotorDoing::SafeOff(std::size_t axis) {
 
 void MotorDoing::SafeSlow(std::size_t axis) {
   ++done_.found.safe_modes;
-  const double most_unit_s = axes_->drawing(axis).max_velocity_unit_s / 10;
+  const auto in_force_unit_s = TopSpeed_unit_s(axis);
+  if (!in_force_unit_s) return;
+  const double most_unit_s =
+      Mutant("safe_mode_may_be_faster",
+             std::min(*in_force_unit_s, axes_->drawing(axis).max_velocity_unit_s / 10),
+             axes_->drawing(axis).max_velocity_unit_s / 10);
   const bool is_kept = Did(axes_->SetField(203, axis, most_unit_s)) && Store(axis);
   if (!is_kept) return;
   Say(fmt::format("safe mode: {} moves at no more than {:g} {}/s (M203, stored)",

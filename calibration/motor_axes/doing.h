@@ -137,6 +137,14 @@ std::optional<std::int64_t> FindIndex(std::size_t axis,
                                       double speed_unit_s,
                                       MotorDoing* doing);
 
+/// A stepper that is homed on the way gets the zero that it had: as far from its switch
+/// as M206 says, where it says so.
+bool KeepHomeOffset(std::size_t axis, MotorOptions* home, MotorDoing* doing);
+
+/// The axis has its zero so much farther to + than its limits (M208) were measured
+/// from: they go along. Nothing where none are in force.
+bool ShiftLimits(std::size_t axis, double farther_unit, MotorDoing* doing);
+
 /// Hunting an index goes towards +: comes back from the upper end of the travel (its
 /// limit, M208), so that two and a half turns are left. Wants a homed axis.
 bool MakeRoom(std::size_t axis, MotorDoing* doing);
@@ -181,6 +189,10 @@ std::vector<Contribution> SwitchBudget(const MotorBench& bench,
 Uncertain OfCarriage(double way_unit,
                      const Uncertain& gap_unit,
                      std::vector<Contribution> budget);
+
+/// Whether M425 may hold a gap at all: up to a fifth of a turn. The published procedure
+/// stores the way that it was told to go.
+bool MayBeAGap(double gap_unit, std::size_t axis, const MotorDoing& doing);
 
 /// The gap that the controller compensates (M425), known to a pulse; not identifiable
 /// where that is 0: then the procedure says that half of one would come in here.

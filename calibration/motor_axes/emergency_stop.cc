@@ -27,7 +27,7 @@ bool GoToStart(MotorDoing* doing) {
 }
 
 // The acceleration of all of them together: the least in force (M201).
-std::optional<double> CommonAcceleration_unit_s2(MotorDoing* doing) {
+std::optional<double> LeastAcceleration(MotorDoing* doing) {
   double least_unit_s2 = std::numeric_limits<double>::max();
   for (const std::size_t axis : doing->options().axes) {
     const auto in_force = doing->Got(doing->axes().Field(201, axis));
@@ -44,7 +44,10 @@ std::optional<double> CommonAcceleration_unit_s2(MotorDoing* doing) {
 bool HasRoom(double way_unit, double slowest_unit_s2, MotorDoing* doing) {
   for (const std::size_t axis : doing->options().axes) {
     const MotorAxisDrawing& d = doing->axes().drawing(axis);
-    const double room_unit = d.max_unit - d.min_unit - kFromMin_unit;
+    const auto high_unit = doing->Got(doing->axes().Field(208, axis));
+    if (!high_unit) return false;
+    const double room_unit =
+        std::min(d.max_unit, *high_unit) - d.min_unit - kFromMin_unit;
     if (way_unit <= room_unit) continue;
     const double most_unit_s =
         std::sqrt(std::max(0.0, room_unit - 2 * doing->options().distance_unit) *
@@ -68,7 +71,7 @@ bool HasRoom(double way_unit, double slowest_unit_s2, MotorDoing* doing) {
 bool StopInMotion(double speed_unit_s, MotorDoing* doing) {
   MotorAxes& axes = doing->axes();
   const MotorOptions& o = doing->options();
-  const auto slowest_unit_s2 = CommonAcceleration_unit_s2(doing);
+  const auto slowest_unit_s2 = LeastAcceleration(doing);
   if (!slowest_unit_s2) return false;
   const double ramp_unit = speed_unit_s * speed_unit_s / *slowest_unit_s2;
   const double way_unit = ramp_unit + 2 * o.distance_unit;
@@ -289,6 +292,7 @@ bool GoOn(std::size_t axis, const IndexCounts& before, MotorDoing* doing) {
     if (*kept) return true;
   } else {
     doing->Say(name + ": open-loop, its position is not certain: homed again");
+    if (!KeepHomeOffset(axis, &home, doing)) return false;
   }
   MotorResult homed = axes.drawing(axis).is_servo ? RunServoHome(&axes, home)
                                                   : RunStepperHome(&axes, home);
@@ -320,6 +324,21 @@ void TellVerdict(MotorDoing* doing) {
   doing->Say(words);
 }
 
+// Without power their rotors were anywhere, though nobody asked for them.
+void TellOtherSteppers(MotorDoing* doing) {
+  for (std::size_t axis = 0; axis < kNumMotorAxes; ++axis) {
+    const auto& asked = doing->options().axes;
+    const bool is_other = !doing->axes().drawing(axis).is_servo &&
+                          std::ranges::find(asked, axis) == asked.end();
+    if (!is_other) continue;
+    const auto says = doing->Got(doing->axes().Drive(axis));
+    if (!says || !says->was_homed || says->is_homed) continue;
+    doing->Warn(fmt::format(
+        "{} was without power in the stop, and is homed no more: home it again",
+        MotorAxisName(axis)));
+  }
+}
+
 }  // namespace
 
 MotorResult RunEmergencyStop(MotorAxes* axes, const MotorOptions& options) {
@@ -341,6 +360,7 @@ MotorResult RunEmergencyStop(MotorAxes* axes, const MotorOptions& options) {
     if (!GoOn(axis, *indices, &doing)) return doing.Take();
   }
   TellVerdict(&doing);
+  TellOtherSteppers(&doing);
   doing.Say("resumed");
   return doing.Take();
 }

@@ -89,6 +89,36 @@ bool HintAtScale(std::size_t axis,
   return false;
 }
 
+bool KeepHomeOffset(std::size_t axis, MotorOptions* home, MotorDoing* doing) {
+  const auto stored_unit = doing->Got(doing->axes().Field(206, axis));
+  if (!stored_unit) return false;
+  const bool is_kept = Mutant("inner_home_forgets_offset", *stored_unit > 0, false);
+  if (is_kept) home->final_back_off_unit = *stored_unit;
+  return true;
+}
+
+bool ShiftLimits(std::size_t axis, double farther_unit, MotorDoing* doing) {
+  constexpr double kSame_unit = 1e-3;
+  MotorAxes& axes = doing->axes();
+  const MotorAxisDrawing& d = axes.drawing(axis);
+  const auto high_unit = doing->Got(axes.Field(208, axis));
+  const auto low_unit = doing->Got(axes.LowerLimit(axis));
+  if (!high_unit || !low_unit) return false;
+  const bool is_factory = std::abs(*high_unit - d.max_unit) < kSame_unit &&
+                          std::abs(*low_unit - d.min_unit) < kSame_unit;
+  if (is_factory || std::abs(farther_unit) < kSame_unit) return true;
+  doing->Warn(
+      fmt::format("zero of {} stands {:+.3f} {} from where its limits were "
+                  "measured: they go along, {:.3f} .. {:.3f} now",
+                  MotorAxisName(axis),
+                  farther_unit,
+                  d.unit(),
+                  *low_unit - farther_unit,
+                  *high_unit - farther_unit));
+  return doing->Did(
+      axes.SetLimits(axis, *low_unit - farther_unit, *high_unit - farther_unit));
+}
+
 bool MakeRoom(std::size_t axis, MotorDoing* doing) {
   constexpr double kTurns = 2.5;
   MotorAxes& axes = doing->axes();
@@ -115,7 +145,10 @@ std::optional<double> SeenLate(std::size_t axis,
          speed_unit_s * speed_unit_s / (2 * *acceleration_unit_s2);
 }
 
-bool StopsBehindASwitch(std::size_t axis, double speed_unit_s, MotorDoing* doing) {
+bool StopsBehindASwitch(std::size_t axis,
+                        double speed_unit_s,
+                        MotorDoing* doing,
+                        std::string_view option) {
   MotorAxes& axes = doing->axes();
   const MotorAxisDrawing& d = axes.drawing(axis);
   const auto late_unit = SeenLate(axis, speed_unit_s, doing);
@@ -158,24 +191,26 @@ Uncertain OfCarriage(double way_unit,
   return WithBudget(way_unit, std::move(budget));
 }
 
+bool MayBeAGap(double gap_unit, std::size_t axis, const MotorDoing& doing) {
+  constexpr double kMost_turns = 0.2;
+  return gap_unit <= kMost_turns * doing.axes().drawing(axis).lead_unit;
+}
+
 std::optional<Uncertain> CompensatedGap(std::size_t axis,
                                         const std::string& quantity,
                                         MotorDoing* doing) {
   const auto gap_unit = doing->Got(doing->axes().Field(425, axis));
   const auto pulses = doing->Got(doing->axes().Field(92, axis));
   if (!gap_unit || !pulses) return std::nullopt;
-  const double tolerance_unit = doing->options().tolerance_unit;
   const bool is_believed =
-      *gap_unit <= Mutant("motor_home_believes_any_gap", tolerance_unit, 1e9);
+      Mutant("motor_home_believes_any_gap", MayBeAGap(*gap_unit, axis, *doing), true);
   if (!is_believed) {
     doing->Warn(fmt::format(
-        "M425 of {} holds {:g} {}, more than the mechanical tolerance of {:g}: it is "
-        "no "
-        "gap that was measured and is not taken off; run motor_backlash (corrected)",
+        "M425 of {} holds {:g} {}, more than a fifth of a turn: it is no gap that was "
+        "measured and is not taken off; run motor_backlash (corrected)",
         MotorAxisName(axis),
         *gap_unit,
-        doing->axes().drawing(axis).unit(),
-        tolerance_unit));
+        doing->axes().drawing(axis).unit()));
   }
   if (*gap_unit > 0 && is_believed) {
     return Uncertain{.value = *gap_unit, .sd = 1 / *pulses, .identifiable = true};

@@ -1,5 +1,6 @@
 #include "calibration/motor_axes/foretell_stop.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -45,7 +46,7 @@ std::string ForetoldWords(std::size_t axis,
   } else if (!IsFeasible(f, within_s)) {
     words += fmt::format("; {} {:.0f} {}/s it is",
                          f.coasts_s > 0 ? "at" : "up to",
-                         f.fastest_unit_s,
+                         std::min(f.fastest_unit_s, d.max_velocity_unit_s),
                          d.unit());
   }
   if (!f.holds) words += "; its field would let go, steps would be lost";
@@ -86,7 +87,7 @@ void WarnOfUnknownGap(std::size_t axis, double speed_unit_s, MotorDoing* doing) 
   if (f.standstill_s <= o.within_s) return;
   doing->Warn(fmt::format(
       "the gap of {} needs measuring: run motor_backlash (corrected) first. "
-      "None is known (M425 is 0); across one of {:g} {} it would stand "
+      "None is known by M425; across one of {:g} {} it would stand "
       "after {:.2f} ms",
       MotorAxisName(axis),
       o.tolerance_unit,
@@ -101,6 +102,10 @@ std::optional<KnownGap> GapOf(std::size_t axis, MotorDoing* doing) {
   const auto gap_unit = doing->Got(doing->axes().Field(425, axis));
   const auto pulses = doing->Got(doing->axes().Field(92, axis));
   if (!gap_unit || !pulses) return std::nullopt;
+  // What can be none is as unknown as where nothing stands there.
+  if (Mutant("stop_believes_any_gap", !MayBeAGap(*gap_unit, axis, *doing), false)) {
+    return KnownGap{};
+  }
   return KnownGap{.gap_unit = *gap_unit, .sd_unit = *gap_unit > 0 ? 1 / *pulses : 0};
 }
 

@@ -246,8 +246,7 @@ Expected<void> MotorAxes::SetZero(std::size_t axis, std::int64_t count) {
   return Do(Code("M811", axis, static_cast<double>(count)));
 }
 
-Expected<double> MotorAxes::Field(int code, std::size_t axis) {
-  const std::string command = Code(fmt::format("M{}", code), axis);
+Expected<double> MotorAxes::NumberOf(const std::string& command, std::size_t axis) {
   const auto line = LineOf(command, axis);
   if (!line) return tl::unexpected(line.error());
   double value = 0;
@@ -257,6 +256,14 @@ Expected<double> MotorAxes::Field(int code, std::size_t axis) {
     return tl::unexpected(Unreadable(command, *line));
   }
   return value;
+}
+
+Expected<double> MotorAxes::Field(int code, std::size_t axis) {
+  return NumberOf(Code(fmt::format("M{}", code), axis), axis);
+}
+
+Expected<double> MotorAxes::LowerLimit(std::size_t axis) {
+  return NumberOf(Code("M208 S1", axis), axis);
 }
 
 Expected<void> MotorAxes::SetField(int code, std::size_t axis, double value) {

@@ -95,6 +95,7 @@ class MotorAxes {
   /// A field of the record by its M-code (M92 M201 M203 M206 M425 M812 M813), in units.
   Expected<double> Field(int code, std::size_t axis);
   Expected<void> SetField(int code, std::size_t axis, double value);
+  Expected<double> LowerLimit(std::size_t axis);  ///< Field(208) is the upper one.
   Expected<void> SetLimits(std::size_t axis, double min_unit, double max_unit);
   /// M816: the axis' moves begin so much later. Not stored.
   Expected<double> Delay_s(std::size_t axis);
@@ -111,6 +112,7 @@ class MotorAxes {
  private:
   Expected<std::vector<std::string>> Say(const std::string& line);
   Expected<void> Do(const std::string& line);
+  Expected<double> NumberOf(const std::string& command, std::size_t axis);
   Expected<std::string> LineOf(const std::string& command, std::size_t axis);
 
   MotorBench bench_;

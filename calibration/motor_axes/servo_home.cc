@@ -254,6 +254,29 @@ bool Correct(double stored_unit, Homing* homing, MotorDoing* doing) {
 
 namespace {
 
+// Limits were measured from the zero of before; where nobody knows that any more they
+// are the factory's again.
+bool KeepLimits(double stored_unit,
+                double offset_unit,
+                const Homing& homing,
+                MotorDoing* doing) {
+  MotorAxes& axes = doing->axes();
+  if (stored_unit != 0) {
+    // To a turn: the rest is what the looks at the switch scatter by.
+    const double turns = std::round((offset_unit - stored_unit) / homing.lead_unit);
+    return ShiftLimits(homing.axis, turns * homing.lead_unit, doing);
+  }
+  const MotorAxisDrawing& d = axes.drawing(homing.axis);
+  const auto high_unit = doing->Got(axes.Field(208, homing.axis));
+  if (!high_unit) return false;
+  if (std::abs(*high_unit - d.max_unit) < 1e-3) return true;
+  doing->Warn(
+      fmt::format("the limits of {} were measured from a zero that M206 does not "
+                  "tell any more: they hold no longer, run travel_limits again",
+                  MotorAxisName(homing.axis)));
+  return doing->Did(axes.SetLimits(homing.axis, d.min_unit, d.max_unit));
+}
+
 // Zero, what it is called and how sure that is.
 void KeepHome(double stored_unit, const Homing& homing, MotorDoing* doing) {
   MotorAxes& axes = doing->axes();
@@ -266,9 +289,11 @@ void KeepHome(double stored_unit, const Homing& homing, MotorDoing* doing) {
   const std::int64_t zero = is_as_published ? *stands : latched;
   const double offset_unit =
       static_cast<double>(zero - homing.at_switch) / homing.pulses_per_unit;
-  const bool is_kept = doing->Did(axes.SetZero(axis, zero)) &&
-                       doing->Did(axes.SetField(206, axis, offset_unit)) &&
-                       doing->Store(axis);
+  const bool is_kept =
+      doing->Did(axes.SetZero(axis, zero)) &&
+      doing->Did(axes.SetField(206, axis, offset_unit)) &&
+      (is_as_published || KeepLimits(stored_unit, offset_unit, homing, doing)) &&
+      doing->Store(axis);
   if (!is_kept) return;
   const std::string name = "home_offset." + MotorAxisName(axis);
   const std::string unit = axes.drawing(axis).unit();

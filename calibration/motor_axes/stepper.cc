@@ -21,6 +21,12 @@ struct Seen {
   std::vector<Contribution> budget{};
 };
 
+/// The zero of before: so far from its switch (M206), in pulses of its counter.
+struct Zero {
+  double offset_unit = 0;
+  double pulses_per_unit = 1;
+};
+
 std::optional<Seen> TouchFinely(const SwitchSeek& seek,
                                 double pulses_per_unit,
                                 MotorDoing* doing) {
@@ -64,11 +70,11 @@ std::optional<Seen> SecondTouch(std::size_t axis,
 // cycles away: less than half of one is its home's or its switch's doing.
 void TellLostSteps(std::size_t axis,
                    const Seen& seen,
-                   double pulses,
+                   const Zero& zero,
                    MotorDoing* doing) {
   const MotorAxisDrawing& d = doing->axes().drawing(axis);
   const std::string name = MotorAxisName(axis);
-  const double off_unit = seen.pulses / pulses + doing->options().final_back_off_unit;
+  const double off_unit = seen.pulses / zero.pulses_per_unit + zero.offset_unit;
   const double cycle_unit = kFullSteps * d.lead_unit / d.full_steps_per_rev;
   const double cycles = std::round(off_unit / cycle_unit);
   const double rest_unit = off_unit - cycles * cycle_unit;
@@ -134,19 +140,25 @@ std::optional<Seen> SeeSwitch(std::size_t axis,
 
 // Zero, the rest from it, and what is told of both.
 void KeepStepperHome(const Seen& seen,
-                     double pulses,
+                     const Zero& before,
                      double slow_unit_s,
                      MotorDoing* doing) {
   MotorAxes& axes = doing->axes();
   const MotorOptions& o = doing->options();
   const std::size_t axis = o.axes.front();
   const MotorAxisDrawing& d = axes.drawing(axis);
-  const double zero = seen.pulses + o.final_back_off_unit * pulses;
+  const double zero = seen.pulses + o.final_back_off_unit * before.pulses_per_unit;
+  // A record that has never seen a home has no limits from it.
+  const double farther_unit =
+      before.offset_unit == 0 ? 0 : o.final_back_off_unit - before.offset_unit;
   const bool is_kept =
       doing->Did(axes.SetZero(axis, std::llround(zero))) &&
       doing->Did(axes.MoveTo(axis, 0, slow_unit_s)) &&
       doing->Did(axes.MoveTo(axis, o.safe_unit - o.final_back_off_unit, slow_unit_s)) &&
-      doing->Did(axes.SetField(206, axis, o.final_back_off_unit)) && doing->Store(axis);
+      doing->Did(axes.SetField(206, axis, o.final_back_off_unit)) &&
+      Mutant(
+          "home_leaves_limits_behind", ShiftLimits(axis, farther_unit, doing), true) &&
+      doing->Store(axis);
   if (!is_kept) return;
   const std::string name = "home_offset." + MotorAxisName(axis);
   doing->Step({.quantity = name,
@@ -184,20 +196,24 @@ MotorResult RunStepperHome(MotorAxes* axes, const MotorOptions& options) {
   const auto top_unit_s = doing.TopSpeed_unit_s(axis);
   if (!pulses || !says || !per_rev || !top_unit_s) return doing.Take();
   const auto usual_unit_s2 = doing.Got(axes->Field(201, axis));
+  const auto stored_unit = doing.Got(axes->Field(206, axis));
   const double slow_unit_s = options.slow * *top_unit_s;
-  const bool may_begin = usual_unit_s2 &&
+  const bool may_begin = usual_unit_s2 && stored_unit &&
                          HintAtScale(axis, *pulses, *per_rev, &doing) &&
                          (options.is_as_published || doing.SetForNow(425, axis, 0)) &&
                          doing.SetForNow(201, axis, kGentle * *usual_unit_s2) &&
                          StopsBehindASwitch(axis, slow_unit_s, &doing) &&
+                         (options.is_as_published ||
+                          StopsBehindASwitch(axis, options.fine_unit_s, &doing)) &&
                          doing.Did(axes->ForgetHome(axis));
   if (!may_begin) return doing.Take();
   const auto seen = doing.TrySlower(slow_unit_s, [&](double speed_unit_s) {
     return SeeSwitch(axis, speed_unit_s, *pulses, &doing);
   });
   if (!doing.PutBack() || !seen) return doing.Take();
-  if (says->was_homed) TellLostSteps(axis, *seen, *pulses, &doing);
-  KeepStepperHome(*seen, *pulses, slow_unit_s, &doing);
+  const Zero before{.offset_unit = *stored_unit, .pulses_per_unit = *pulses};
+  if (says->was_homed) TellLostSteps(axis, *seen, before, &doing);
+  KeepStepperHome(*seen, before, slow_unit_s, &doing);
   return doing.Take();
 }
 

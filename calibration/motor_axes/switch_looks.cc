@@ -85,11 +85,18 @@ bool LookAtSwitch(const SwitchSeek& seek,
       looks->at_pulses.empty() ? seek.came_unit_s : seek.fine_unit_s;
   const auto came_late_unit = SeenLate(seek.axis, came_unit_s, doing);
   const auto late_unit = SeenLate(seek.axis, seek.fine_unit_s, doing);
-  if (!came_late_unit || !late_unit) return false;
+  const auto acceleration_unit_s2 = doing->Got(axes.Field(201, seek.axis));
+  if (!came_late_unit || !late_unit || !acceleration_unit_s2) return false;
   // It may stand farther beyond by half the expander's period.
   const double beyond_unit =
       *came_late_unit + came_unit_s * axes.bench().drawing.poll_s / 2;
-  const double back_unit = beyond_unit + d.switch_hysteresis_unit + looks->clear_unit;
+  // And room to come up to the speed again before the switch may close.
+  const double run_up_unit =
+      Mutant("switch_look_without_run_up",
+             seek.fine_unit_s * seek.fine_unit_s / (2 * *acceleration_unit_s2),
+             0.0);
+  const double back_unit =
+      beyond_unit + d.switch_hysteresis_unit + looks->clear_unit + run_up_unit;
   const double to_unit = kMostSteps * back_unit + 5 * looks->clear_unit;
   const bool is_there =
       BackUntilOpen(seek, back_unit, doing) &&

@@ -150,7 +150,10 @@ MotorResult RunTravelLimits(MotorAxes* axes, const MotorOptions& options) {
       .axis = axis, .pulses_per_unit = *pulses, .home_offset_unit = *offset_unit};
   const double slow_unit_s = options.slow * *top_unit_s;
   const bool may_begin = options.is_as_published || doing.SetForNow(425, axis, 0);
-  if (!may_begin || !StopsBehindASwitch(axis, slow_unit_s, &doing)) return doing.Take();
+  const bool stops = StopsBehindASwitch(axis, slow_unit_s, &doing) &&
+                     (options.is_as_published ||
+                      StopsBehindASwitch(axis, options.fine_unit_s, &doing));
+  if (!may_begin || !stops) return doing.Take();
   const auto looks = doing.TrySlower(slow_unit_s, [&](double speed_unit_s) {
     return GoToMax(travel, speed_unit_s, &doing);
   });

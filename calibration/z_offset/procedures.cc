@@ -21,9 +21,8 @@ namespace {
 constexpr std::chrono::milliseconds kPatience{120'000};
 constexpr double kPrinted_mm = 0.0011;  // Three decimals, three of them.
 constexpr double kFeelerStep_mm = 0.01;
-// Of an offset: three means of five touches that scatter by 1 um each (0.77 um), and a
-// step's rounding. Nobody tells this procedure of a switch that scatters more.
-constexpr double kMachine_mm = 0.001;
+// A step of Z and the three decimals that are printed.
+constexpr double kMachine_mm = 0.0005;
 
 std::optional<double> After(const std::string& line, const std::string& key) {
   const std::size_t at = line.find(key);
@@ -31,7 +30,7 @@ std::optional<double> After(const std::string& line, const std::string& key) {
   const char* from = line.c_str() + at + key.size();
   char* end = nullptr;
   const double value = std::strtod(from, &end);
-  return end == from ? std::nullopt : std::optional(value);
+  return end == from || !std::isfinite(value) ? std::nullopt : std::optional(value);
 }
 
 std::optional<double> After(const std::vector<std::string>& lines,
@@ -103,15 +102,15 @@ std::optional<ZCalibrationReading> ReadZCalibration(
 }
 
 Expected<std::vector<std::string>> ZOffsetClient::Say(const std::string& line) {
+  const std::vector<std::string> words = WordsOf(line);
+  const bool calibrates = !words.empty() && words.front() == "CALIBRATE_Z";
+  has_tried_ = has_tried_ || calibrates;
   auto answer = link_->Send(line, kPatience);
   if (!answer) return answer;
   for (std::string& said : *answer) said = WithoutMark(said);
-  const std::vector<std::string> words = WordsOf(line);
-  if (!words.empty() && words.front() == "CALIBRATE_Z") {
+  if (calibrates) {
     is_calibrated_ = true;
-    if (const auto read = ReadZCalibration(*answer)) {
-      switch_offset_mm_ = read->SwitchOffset_mm();
-    }
+    last_ = ReadZCalibration(*answer);
     const bool homes_late =
         HomesWithin(macros_.before_switch_gcode) || HomesWithin(macros_.end_gcode);
     is_spoilt_ = Mutant("z_end_gcode_not_read", homes_late, false);
@@ -149,6 +148,14 @@ ProcedureResult RunZCalibration(ZOffsetClient* client,
   }
   result.messages.push_back(answer->back());
   const double used_mm = reading->SwitchOffset_mm();
+  if (used_mm < -kPrinted_mm) {
+    Fail(
+        {.reply = fmt::format("its figures contradict each other: this OFFSET was made "
+                              "with a switch_offset of {:.3f}, below 0",
+                              used_mm)},
+        &result);
+    return result;
+  }
   if (switch_offset_mm && std::abs(used_mm - *switch_offset_mm) > kPrinted_mm) {
     result.messages.push_back(
         fmt::format("this offset was made with switch_offset {:.3f}, not {:.3f}",
@@ -189,7 +196,7 @@ ProcedureResult RunProbeAccuracy(ZOffsetClient* client, bool is_endstop, int sam
   const std::string start = "probe accuracy results";
   const auto sd_mm = After(*answer, start, "standard deviation ");
   const auto range_mm = After(*answer, start, "range ");
-  if (!sd_mm || !range_mm) {
+  if (!sd_mm || !range_mm || *sd_mm < 0 || *range_mm < 0) {
     Fail({.reply = fmt::format("Could not parse '{}'",
                                answer->empty() ? "" : answer->back())},
          &result);
@@ -221,72 +228,153 @@ namespace {
 constexpr std::array kHeights_mm = {5.0, 3.0, 1.0, 0.5, 0.3, 0.1};
 constexpr double kTooNear_mm = 0.02;
 
+// As published; and before that one from which no switch_offset, none being below 0,
+// lets the nozzle down to the bed.
+std::vector<double> HeightsFrom_mm(double in_force_mm) {
+  std::vector<double> heights_mm(kHeights_mm.begin(), kHeights_mm.end());
+  const double safe_mm = std::ceil(in_force_mm) + 1;
+  if (Mutant("z_descent_first_step_blind", safe_mm > heights_mm.front(), false)) {
+    heights_mm.insert(heights_mm.begin(), safe_mm);
+  }
+  return heights_mm;
+}
+
+// The gap at a height; nullopt: `result` says why.
+std::optional<double> GapAt_mm(double height_mm,
+                               ZOffsetClient* client,
+                               const FeelerHands& hands,
+                               ProcedureResult* result) {
+  if (const auto moved = client->Say(fmt::format("G0 Z{}", height_mm)); !moved) {
+    Fail(moved.error(), result);
+    return std::nullopt;
+  }
+  const auto gap_mm = hands.gap_mm(height_mm);
+  if (!gap_mm || !std::isfinite(*gap_mm)) {
+    Fail({.reply = "nobody measured the gap"}, result);
+    return std::nullopt;
+  }
+  if (*gap_mm <= 0) {
+    Fail({.reply = fmt::format("a gap of {:.3f} mm at Z{}: the nozzle is on the bed",
+                               *gap_mm,
+                               height_mm)},
+         result);
+    return std::nullopt;
+  }
+  result->messages.push_back(
+      fmt::format("at Z{}: a gap of {:.3f} mm", height_mm, *gap_mm));
+  return gap_mm;
+}
+
 // How much wider the last gap was than its height; nullopt: `result` says why.
-std::optional<double> Descend(ZOffsetClient* client,
+std::optional<double> Descend(double in_force_mm,
+                              const Eigen::Vector2d& at_mm,
+                              ZOffsetClient* client,
                               const FeelerHands& hands,
                               ProcedureResult* result) {
+  const std::vector<double> heights_mm = HeightsFrom_mm(in_force_mm);
+  for (const std::string& line :
+       {std::string("G90"),
+        fmt::format("G0 Z{}", heights_mm.front()),
+        fmt::format("G0 X{:.3f} Y{:.3f}", at_mm[0], at_mm[1])}) {
+    if (const auto moved = client->Say(line); moved) continue;
+    Fail({.reply = "the nozzle did not get over the bed (" + line + ")"}, result);
+    return std::nullopt;
+  }
   double off_mm = 0;
-  for (std::size_t i = 0; i < kHeights_mm.size(); ++i) {
-    const double height_mm = kHeights_mm[i];
-    if (const auto moved = client->Say(fmt::format("G0 Z{}", height_mm)); !moved) {
-      Fail(moved.error(), result);
-      return std::nullopt;
-    }
-    const auto gap_mm = hands.gap_mm(height_mm);
-    if (!gap_mm) {
-      Fail({.reply = "nobody measured the gap"}, result);
-      return std::nullopt;
-    }
-    if (*gap_mm <= 0) {
-      Fail({.reply = fmt::format("a gap of {:.3f} mm at Z{}: the nozzle is on the bed",
-                                 *gap_mm,
-                                 height_mm)},
-           result);
-      return std::nullopt;
-    }
-    off_mm = *gap_mm - height_mm;
-    result->messages.push_back(
-        fmt::format("at Z{}: a gap of {:.3f} mm", height_mm, *gap_mm));
-    if (i + 1 == kHeights_mm.size()) break;
+  for (std::size_t i = 0; i < heights_mm.size(); ++i) {
+    const auto gap_mm = GapAt_mm(heights_mm[i], client, hands, result);
+    if (!gap_mm) return std::nullopt;
+    off_mm = *gap_mm - heights_mm[i];
+    if (i + 1 == heights_mm.size()) break;
     const double down_mm =
-        Mutant("z_descent_looks_not_ahead", height_mm - kHeights_mm[i + 1], 0.0);
+        Mutant("z_descent_looks_not_ahead", heights_mm[i] - heights_mm[i + 1], 0.0);
     if (*gap_mm - down_mm < kTooNear_mm) {
       result->messages.push_back(
-          fmt::format("Z{} is left out: it would end on the bed", kHeights_mm[i + 1]));
+          fmt::format("Z{} is left out: it would end on the bed", heights_mm[i + 1]));
       break;
     }
   }
+  client->Say(fmt::format("G0 Z{}", heights_mm.front()));
   return off_mm;
 }
 
-// The calibration that the descent goes by; false: there is none.
-bool Prepare(ZOffsetClient* client,
-             const SwitchOffsetOptions& options,
-             const FeelerHands& hands,
-             ProcedureResult* result) {
-  if (options.is_as_published) {
-    if (client->is_calibrated() && !client->is_spoilt()) return true;
-    Fail({.reply = client->is_spoilt()
-                       ? "Z was homed after CALIBRATE_Z: run z_calibration again first"
-                       : "there is no offset to go by: run z_calibration first"},
-         result);
-    return false;
+/// What a descent goes by: the offset in force less the mean of the calibrations, and
+/// how much one of them scatters.
+struct Footing {
+  double beyond_mean_mm = 0;
+  double sd_mm = 0;
+  int count = 1;
+};
+
+// As published: the calibration that is there.
+std::optional<Footing> AsItStands(ZOffsetClient* client, ProcedureResult* result) {
+  std::string why;
+  if (client->is_spoilt()) {
+    why = "Z was homed after CALIBRATE_Z: run z_calibration again first";
+  } else if (!client->is_calibrated() || !client->last()) {
+    why = "there is no offset to go by: run z_calibration first";
+  } else if (const auto base_mm = client->GcodeBase_mm();
+             base_mm && std::abs(*base_mm - client->last()->offset_mm) > kPrinted_mm) {
+    why = fmt::format(
+        "the offset in force is {:.6f}, CALIBRATE_Z had {:.6f}: somebody "
+        "adjusted it, run z_calibration again first",
+        *base_mm,
+        client->last()->offset_mm);
   }
+  if (why.empty()) return Footing{};
+  Fail({.reply = why}, result);
+  return std::nullopt;
+}
+
+// Wiped, and calibrated several times.
+std::optional<Footing> Calibrated(ZOffsetClient* client,
+                                  const SwitchOffsetOptions& options,
+                                  const FeelerHands& hands,
+                                  ProcedureResult* result) {
   if (!hands.wipe()) {
     Fail({.reply = "nobody wiped the nozzle: plastic on it looks like switch_offset"},
          result);
-    return false;
+    return std::nullopt;
   }
-  const ProcedureResult calibrated = RunZCalibration(client, options.in_force_mm);
-  result->messages.insert(
-      result->messages.end(), calibrated.messages.begin(), calibrated.messages.end());
-  result->steps = calibrated.steps;
-  result->ending = calibrated.ending;
-  result->fault = calibrated.fault;
-  if (calibrated.ending != Ending::kDone) return false;
-  if (!client->is_spoilt()) return true;
-  Fail({.reply = "its own macros home Z: this calibration holds nothing"}, result);
-  return false;
+  std::vector<double> offsets_mm;
+  ProcedureResult one;
+  for (int i = 0; i < options.calibrations; ++i) {
+    one = RunZCalibration(client, options.in_force_mm);
+    if (one.ending != Ending::kDone) break;
+    offsets_mm.push_back(client->last()->offset_mm);
+  }
+  result->messages = one.messages;
+  result->steps = one.steps;
+  result->ending = one.ending;
+  result->fault = one.fault;
+  if (one.ending != Ending::kDone) return std::nullopt;
+  if (client->is_spoilt()) {
+    Fail({.reply = "its own macros home Z: this calibration holds nothing"}, result);
+    return std::nullopt;
+  }
+  const auto count = static_cast<double>(offsets_mm.size());
+  double mean_mm = 0, squares_mm2 = 0;
+  for (const double offset_mm : offsets_mm) mean_mm += offset_mm / count;
+  for (const double offset_mm : offsets_mm) {
+    squares_mm2 += std::pow(offset_mm - mean_mm, 2);
+  }
+  return Footing{.beyond_mean_mm = offsets_mm.back() - mean_mm,
+                 .sd_mm = count > 1 ? std::sqrt(squares_mm2 / (count - 1)) : 0,
+                 .count = options.calibrations};
+}
+
+// One reading in whole leaves, however often it is taken: heights are multiples too.
+Uncertain Told(double value_mm, const Footing& footing) {
+  const auto count = static_cast<double>(footing.count);
+  return WithBudget(
+      value_mm,
+      {{.input = "scatter of the calibrations",
+        .u = Mutant("z_descent_forgets_scatter", footing.sd_mm / std::sqrt(count), 0.0),
+        .dof = std::max(1.0, count - 1)},
+       {.input = "steps of the machine", .u = kMachine_mm},
+       {.input = "feeler gauge's step",
+        .u = kFeelerStep_mm / std::sqrt(12.0),
+        .is_rectangular = true}});
 }
 
 }  // namespace
@@ -295,23 +383,18 @@ ProcedureResult RunSwitchOffset(ZOffsetClient* client,
                                 const SwitchOffsetOptions& options,
                                 const FeelerHands& hands) {
   ProcedureResult result;
-  if (!Prepare(client, options, hands, &result)) return result;
-  const auto in_force_mm =
-      options.in_force_mm ? options.in_force_mm : client->switch_offset_mm();
-  if (!in_force_mm) {
-    Fail({.reply = "which switch_offset is in force is not known"}, &result);
-    return result;
-  }
-  const auto off_mm = Descend(client, hands, &result);
-  if (!off_mm) return result;
-  // A nozzle that hangs too high needs a greater switch_offset.
-  // One reading in whole leaves, however often it is taken: heights are multiples too.
-  Uncertain told =
-      WithBudget(*in_force_mm + *off_mm,
-                 {{.input = "touches and steps of the machine", .u = kMachine_mm},
-                  {.input = "feeler gauge's step",
-                   .u = kFeelerStep_mm / std::sqrt(12.0),
-                   .is_rectangular = true}});
+  const auto footing = options.is_as_published
+                           ? AsItStands(client, &result)
+                           : Calibrated(client, options, hands, &result);
+  if (!footing) return result;
+  const double in_force_mm =
+      options.in_force_mm.value_or(client->last()->SwitchOffset_mm());
+  const auto wider_mm = Descend(in_force_mm, options.at_mm, client, hands, &result);
+  if (!wider_mm) return result;
+  // A nozzle that hangs too high needs a greater switch_offset; what the last
+  // calibration was higher than their mean is none of it.
+  const double should_mm = in_force_mm + *wider_mm - footing->beyond_mean_mm;
+  Uncertain told = Told(should_mm, *footing);
   if (options.is_as_published) {
     // What hangs under the nozzle is in it, and nobody knows how much.
     told.sd = 0;
@@ -328,8 +411,12 @@ ProcedureResult RunSwitchOffset(ZOffsetClient* client,
                               .sd = told.sd,
                               .identifiable = true,
                               .budget = told.budget});
-  result.messages.push_back(fmt::format(
-      "switch_offset {:.3f} should be {:.3f}", *in_force_mm, *in_force_mm + *off_mm));
+  result.messages.push_back(
+      fmt::format("switch_offset {:.3f} should be {:.3f}", in_force_mm, should_mm));
+  if (should_mm < 0) {
+    result.messages.push_back(
+        "Klipper takes none below 0: does the body of the switch touch as it should?");
+  }
   return result;
 }
 

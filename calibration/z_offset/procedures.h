@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "calibration/loop/outcome.h"
 #include "sim/link/link.h"
 
@@ -42,9 +44,10 @@ class ZOffsetClient {
   ProcedureResult Home();
   /// The G-code offset of z in force (GET_POSITION); nullopt: it does not say.
   std::optional<double> GcodeBase_mm();
-  /// The switch_offset that the last CALIBRATE_Z was made with, by its own line (to
-  /// 2 um: it has three decimals); nullopt before.
-  std::optional<double> switch_offset_mm() const { return switch_offset_mm_; }
+  /// The last CALIBRATE_Z's own line; nullopt: none was read.
+  const std::optional<ZCalibrationReading>& last() const { return last_; }
+  /// CALIBRATE_Z was sent, whatever came of it: it resets the offset of before.
+  bool has_tried() const { return has_tried_; }
   bool is_calibrated() const { return is_calibrated_; }
   /// Z was homed (G28, G28 Z) after the last CALIBRATE_Z began, by hand or by one of
   /// its macros: its offset does not hold.
@@ -53,8 +56,8 @@ class ZOffsetClient {
  private:
   Link* link_;
   Macros macros_;
-  bool is_calibrated_ = false, is_spoilt_ = false;
-  std::optional<double> switch_offset_mm_{};
+  bool has_tried_ = false, is_calibrated_ = false, is_spoilt_ = false;
+  std::optional<ZCalibrationReading> last_{};
 };
 
 /// CALIBRATE_Z, its line read, its formula checked, the offset asked back
@@ -76,15 +79,20 @@ struct SwitchOffsetOptions {
   bool is_as_published = false;
   /// In force; nullopt: the one that the last CALIBRATE_Z was made with.
   std::optional<double> in_force_mm{};
+  /// Over the bed, where CALIBRATE_Z probes it: a tilted bed is elsewhere beside that.
+  Eigen::Vector2d at_mm{117.5, 117.5};
+  int calibrations = 5;  ///< Corrected: their scatter is that of the last.
 };
 /// The stepwise descent: G0 Z5, 3, 1, 0.5, 0.3, 0.1 with the gap measured under the
 /// nozzle at each (a feeler gauge), and the switch_offset that would have made the last
-/// one right. The next step is left out where it would end less than 0.02 mm over the
-/// bed.
+/// one right. A step is left out where it would end less than 0.02 mm over the bed;
+/// where a switch_offset below 0 would be needed for the first one to be safe, it
+/// begins higher.
 ///
 /// As published it goes by the calibration that is in force, and takes ooze on the
 /// nozzle's tip for switch_offset: both leave the same gap. Corrected, the nozzle is
-/// wiped and calibrated (CALIBRATE_Z) first.
+/// wiped and calibrated (CALIBRATE_Z) first, several times: what it tells is of their
+/// mean, and as uncertain as they scatter.
 ProcedureResult RunSwitchOffset(ZOffsetClient* client,
                                 const SwitchOffsetOptions& options,
                                 const FeelerHands& hands);

@@ -13,7 +13,7 @@ namespace caltwin {
 ///   nozzle on switch = ... + ooze,  gap after calibration = ... + ooze,
 ///   where T_nozzle >= flows, but for a nozzle that was wiped just before   [mm]
 ///
-/// Plastic that is there whatever the temperature (flows at 20 degC) looks like a wrong
+/// Plastic that is there whatever the temperature (flows at 0) looks like a wrong
 /// switch_offset in every reading: only a wiped nozzle tells.
 struct Ooze {
   static constexpr std::array<std::string_view, 1> kAxes = {""};
@@ -26,10 +26,10 @@ struct Ooze {
                 .doc = "Under the tip, as the switch squashes it."},
       Parameter{.name = "flows_c",
                 .unit = "degC",
-                .min = 20,
+                .min = 0,
                 .max = 400,
                 .prior = Uniform{.min = 100, .max = 260},
-                .doc = "Nozzle temperature from which there is some.",
+                .doc = "Nozzle temperature from which there is some; 0: always.",
                 .role = Role::kForm}};
   static void Neutral(const Machine&, std::string_view, std::span<double> values) {
     values[0] = 0;
@@ -39,7 +39,7 @@ struct Ooze {
     return {.channel = "nozzle", .covariates = {"temp"}};
   }
   static Forms Grid(const Machine&, std::string_view, const Extent&) {
-    return OfOne({20, 60, 100, 130, 160, 180, 200, 220, 245});
+    return OfOne({0, 60, 100, 130, 160, 180, 200, 220, 245});
   }
   static constexpr Effect kDeclaration = {
       .name = "ooze",

@@ -159,12 +159,6 @@ void MotorMotion::HoldHere() {
 }
 
 MotorArrival MotorMotion::Perform(const MotorMove& move) {
-  const MotorArrival arrival = Go(move);
-  relay_s_.reset();  // It was armed for this move.
-  return arrival;
-}
-
-MotorArrival MotorMotion::Go(const MotorMove& move) {
   Under under{.path = TrapezoidPath(
                   move.length_unit, move.speed_unit_s, move.acceleration_unit_s2),
               .length = std::max(move.length_unit, 1e-12)};

@@ -103,6 +103,7 @@ class MotorMotion {
   void Enable(std::size_t axis, bool on);
   /// The relay on the emergency stop's input, so long after the next move begins.
   void ArmRelay(double after_s) { relay_s_ = after_s; }
+  void DisarmRelay() { relay_s_.reset(); }
   /// Servos brake with all their current, steppers are ramped down; what stands is
   /// switched off when all do, and all refuse to move until ClearStop.
   /// @param since_s  the input's contact opened so long ago, by its time stamp
@@ -136,7 +137,6 @@ class MotorMotion {
     double still_s = 0;                  ///< for so long.
   };
   using Slowings = std::array<Slowing, kNumMotorAxes>;
-  MotorArrival Go(const MotorMove& move);
   void Tick(const RigDrives& drives);
   int FilterTicks(double since_s) const;
   RigDrives Stopping(double braked_s, const Slowings& slowings);

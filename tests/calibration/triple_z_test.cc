@@ -299,6 +299,15 @@ class Parrot : public Link {
   std::string answer_;
 };
 
+TEST(TripleZPrinter, WhatIsNoHeightIsNotTakenForOne) {
+  for (const char* said : {"nan mm", "inf mm", "0.12e mm", "1e30 mm", "0.1;2 mm"}) {
+    Parrot wire(std::string("Stopped at height ") + said);
+    TripleZPrinter printer({.link = &wire, .drawn_mm = kDrawn_mm});
+
+    EXPECT_FALSE(printer.Probe({20, 20})) << said;
+  }
+}
+
 TEST(TripleZPrinter, NamesAReplyThatItCannotParse) {
   Parrot wire("Z probe value 530");
   TripleZPrinter printer({.link = &wire, .drawn_mm = kDrawn_mm});

@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -33,11 +34,13 @@ class Script : public Link {
   explicit Script(Answers answers) : answers_(std::move(answers)) {}
   Expected<std::vector<std::string>> Send(std::string_view line,
                                           std::chrono::milliseconds) override {
+    said.emplace_back(line);
     for (const auto& [start, answer] : answers_) {
       if (line.starts_with(start)) return std::vector<std::string>{answer};
     }
     return std::vector<std::string>{};
   }
+  std::vector<std::string> said{};
 
  private:
   Answers answers_;
@@ -130,13 +133,14 @@ TEST(SwitchOffset, GrowsByWhatTheNozzleHangsTooHigh) {
   Hands hands{.more_mm = 0.2};
 
   const ProcedureResult result =
-      RunSwitchOffset(&client, {.in_force_mm = 0.475}, hands.Give());
+      RunSwitchOffset(&client, {.in_force_mm = 0.475, .at_mm = {17, 18}}, hands.Give());
 
   ASSERT_EQ(result.estimates.size(), 1U);
   EXPECT_NEAR(result.estimates[0].value, 0.675, 1e-9);
   EXPECT_GT(result.estimates[0].sd, 0);
   EXPECT_EQ(hands.asked, 6);
   EXPECT_EQ(hands.wiped, 1);
+  EXPECT_THAT(wire.said, Contains("G0 X17.000 Y18.000"));
 }
 
 // Three decimals of each height leave 2 um of it open.
@@ -194,6 +198,76 @@ TEST(SwitchOffset, NeverEndsOnTheBed) {
 
     ASSERT_EQ(result.estimates.size(), 1U) << low_mm;
     EXPECT_NEAR(result.estimates[0].value, 0.675 - low_mm, 0.002);
+  }
+}
+
+// 5.1 too large Z5 would end in the bed: it begins at Z7.
+TEST(SwitchOffset, LooksAtItsFirstStepToo) {
+  Script wire(Answers{{"CALIBRATE_Z", kLine}});
+  ZOffsetClient client(&wire);
+  Hands hands{.more_mm = -5.1};
+
+  const ProcedureResult result =
+      RunSwitchOffset(&client, {.in_force_mm = 5.12}, hands.Give());
+
+  ASSERT_EQ(result.estimates.size(), 1U);
+  EXPECT_NEAR(result.estimates[0].value, 0.02, 1e-9);
+  EXPECT_THAT(wire.said, Contains("G0 Z7"));
+  EXPECT_THAT(wire.said, ::testing::Not(Contains("G0 Z5")));
+}
+
+// Calibrations that scatter make what is told as uncertain.
+TEST(SwitchOffset, IsAsUncertainAsCalibrationsScatter) {
+  class Scattering : public Link {
+   public:
+    Expected<std::vector<std::string>> Send(std::string_view line,
+                                            std::chrono::milliseconds) override {
+      if (line != "CALIBRATE_Z") return std::vector<std::string>{};
+      const double off_mm = 0.01 * (calls++ % 3 - 1);
+      return std::vector<std::string>{
+          ZCalibrationText(-0.3, 6.208, 7.013 + off_mm, 7.013 + off_mm - 7.183)};
+    }
+    int calls = 0;
+
+   private:
+    static std::string ZCalibrationText(double nozzle_mm,
+                                        double switch_mm,
+                                        double probe_mm,
+                                        double offset_mm) {
+      return fmt::format(
+          "Z-CALIBRATION: ENDSTOP=-0.300 NOZZLE={:.3f} SWITCH={:.3f} PROBE={:.3f} --> "
+          "OFFSET={:.6f}",
+          nozzle_mm,
+          switch_mm,
+          probe_mm,
+          offset_mm);
+    }
+  } wire;
+  ZOffsetClient client(&wire);
+  Hands hands;
+
+  const ProcedureResult result = RunSwitchOffset(&client, {}, hands.Give());
+
+  // -10 0 +10 -10 0 um: sd 8.4 um, a mean of five of them 3.7, k of four degrees.
+  ASSERT_EQ(result.estimates.size(), 1U);
+  EXPECT_GT(result.estimates[0].sd, 0.0045);
+  EXPECT_LT(result.estimates[0].sd, 0.0075);
+  // The last was 2 um higher than their mean.
+  EXPECT_NEAR(result.estimates[0].value, 0.675 - 0.002, 1e-3);
+}
+
+TEST(ZCalibration, FiguresThatAreNoneOrContradictEachOtherAreRefused) {
+  for (const char* line :
+       {"Z-CALIBRATION: ENDSTOP=-0.300 NOZZLE=nan SWITCH=6.208 PROBE=7.013 --> "
+        "OFFSET=-0.170",
+        "Z-CALIBRATION: ENDSTOP=-0.300 NOZZLE=-0.300 SWITCH=6.208 PROBE=7.013 --> "
+        "OFFSET=inf",
+        "Z-CALIBRATION: ENDSTOP=-0.300 NOZZLE=-0.300 SWITCH=6.208 PROBE=7.013 --> "
+        "OFFSET=5.000"}) {
+    Script wire(Answers{{"CALIBRATE_Z", line}});
+    ZOffsetClient client(&wire);
+
+    EXPECT_EQ(RunZCalibration(&client, std::nullopt).ending, Ending::kRefused) << line;
   }
 }
 

@@ -91,6 +91,39 @@ TEST_F(KlipperZTest, ReadsWordsAsKlipperDoes) {
 }
 
 // Samples as [z_calibration] has them, where the command does not say.
+// The endstop is elsewhere now: only what homes Z sees that.
+TEST_F(KlipperZTest, HomingOtherAxesLeavesZ) {
+  KlipperZ klipper(Config(), &heights_);
+  EXPECT_TRUE(klipper.Execute("G28 X Y").lines.empty());
+  EXPECT_TRUE(klipper.Execute("CALIBRATE_Z").error);  // Z was not homed.
+  klipper.Execute("G28");
+  const double before_mm = *klipper.CarriageAtNought_mm({0, 0});
+  heights_.nozzle += 1;
+
+  klipper.Execute("G28 X Y");
+  EXPECT_EQ(*klipper.CarriageAtNought_mm({0, 0}), before_mm);
+  klipper.Execute("G28 Z");
+  EXPECT_NEAR(*klipper.CarriageAtNought_mm({0, 0}), before_mm + 1, 1e-12);
+}
+
+TEST_F(KlipperZTest, RefusesWhatIsOutOfRange) {
+  KlipperZ klipper(Config(), &heights_);
+  klipper.Execute("G28");
+  klipper.Execute("ATTACH_PROBE");
+
+  for (const char* line : {"G0 Z99999",
+                           "G0 X-5000",
+                           "G0 Z-50",
+                           "SET_GCODE_OFFSET Z=-100 MOVE=1",
+                           "M104 S-9999",
+                           "M140 S401",
+                           "PROBE_ACCURACY SAMPLES=2.7",
+                           "PROBE_ACCURACY SAMPLES=3e9"}) {
+    EXPECT_TRUE(klipper.Execute(line).error) << line;
+  }
+  EXPECT_THAT(klipper.Execute("GET_POSITION").lines[3], HasSubstr("Z:0.000000"));
+}
+
 TEST_F(KlipperZTest, EndstopAccuracyTakesTheSectionsSamples) {
   ZCalibrationConfig config = Config();
   config.samples = 3;

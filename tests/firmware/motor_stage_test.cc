@@ -254,6 +254,57 @@ TEST_F(MotorStageFirmwareTest, LimitsHoldFromOneHomingToTheNext) {
 }
 
 // An encoder counts on without power; a stepper's rotor is anywhere.
+// At a switch it stands outside: nearer it may come, farther it may not.
+TEST_F(MotorStageFirmwareTest, WhatStandsOutsideItsLimitsMayComeBack) {
+  Say("M811 X0");
+  Say("G90 G1 X50 F6000");
+  Say("M208 X40 S0");
+  Say("M208 X0 S1");
+
+  EXPECT_THAT(Say("G1 X51"), Contains(HasSubstr("is outside its limits")));
+  EXPECT_THAT(Say("G1 X45"), IsEmpty());
+  EXPECT_THAT(Say("G1 X46"), Contains(HasSubstr("is outside its limits")));
+  EXPECT_THAT(Say("G1 X20"), IsEmpty());
+}
+
+// Stored with a record whose limits nobody measured, the factory's hold no more than
+// before.
+TEST_F(MotorStageFirmwareTest, LimitsOfTheFactoryDoNotHold) {
+  Say("M500 X");
+  Say("M501");
+  Say("M811 X0");
+
+  EXPECT_THAT(Say("G90 G1 X500 F60000"), IsEmpty());
+}
+
+// Armed for the next move, it does not wait for a later one.
+TEST_F(MotorStageFirmwareTest, TheRelayIsOfTheNextMoveAlone) {
+  Say("M817 S9");
+  Say("G91 G1 X1 F600");
+
+  EXPECT_THAT(Say("G1 X200 F600"), IsEmpty());
+}
+
+// 20 mm of gap on 10 mm of way: the motor goes 30, no faster than it was told.
+TEST_F(MotorStageFirmwareTest, TakesUpItsGapNoFasterThanItMoves) {
+  Say("M425 X20");
+  Say("G91");
+  const double before_s = firmware_.machine_time_s();
+  Say("G1 X-10 F600");
+
+  EXPECT_GT(firmware_.machine_time_s() - before_s, 3.0);
+}
+
+// Others have what they had, stored or not.
+TEST_F(MotorStageFirmwareTest, AResetOfOneAxisLeavesTheOthers) {
+  Say("M203 Y7");
+  Say("M203 X7");
+  Say("M502 X");
+
+  EXPECT_EQ(LineOf("M203 Y", 'Y'), "Y:7");
+  EXPECT_NE(LineOf("M203 X", 'X'), "X:7");
+}
+
 TEST_F(MotorStageFirmwareTest, AStepperWithoutPowerIsNotHomedAnyMore) {
   Say("M811 X0 U0");
   Say("M18 X U");

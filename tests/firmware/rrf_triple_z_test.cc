@@ -119,6 +119,15 @@ TEST_F(RrfTripleZTest, KeepsScrewsAsTheyAreSet) {
                           "maximum correction 5.00mm"));
 }
 
+TEST_F(RrfTripleZTest, ProbesWithinItsTravelAlone) {
+  firmware_.Execute("G28");
+
+  EXPECT_TRUE(firmware_.Execute("G30 X9999 Y20 S-1").error);
+  EXPECT_TRUE(firmware_.Execute("G30 Xfoo S-1").error);
+  EXPECT_TRUE(firmware_.Execute("M671 S-3").error);
+  EXPECT_FALSE(firmware_.Execute("G30 X230 Y20 S-1").error);
+}
+
 // The published timing: 15 to 20 s for 3x3 touches, 45 to 60 s for 5x5.
 TEST_F(RrfTripleZTest, GridsTakeAsLongAsPublished) {
   const auto grid_s = [&](int side) {

@@ -297,12 +297,6 @@ void Count(const MotorResult& stopped, double truth_s, Verdicts* verdicts) {
                verdicts->all,
                truth_s / SFromMs(1.0),
                *stopped.found.standstill_s / SFromMs(1.0));
-    for (const std::string& text : stopped.result.messages) {
-      if (text.find("stood after") != std::string::npos ||
-          text.find("stands after") != std::string::npos) {
-        fmt::print("  {}\n", text);
-      }
-    }
   }
   verdicts->wrong_and_silent += is_wrong && !WantsMeasuring(stopped) ? 1 : 0;
   verdicts->worst_s = std::max(verdicts->worst_s, std::abs(off_s));

@@ -138,6 +138,17 @@ TEST(TripleZScenario, OneIteratedRoundIsForetoldToo) {
   EXPECT_TRUE(RunScenario(scenario).passed);
 }
 
+TEST(TripleZScenario, GridsAreWholeAndTimedAgainstThePublishedTimes) {
+  EXPECT_THAT(FaultOf("calibrate: [{plane_tilt: {grid: [3.7, 2.2]}}]\n"),
+              HasSubstr("is no pair of whole numbers"));
+  const RunResult three = RunScenario(ReadText("calibrate: [plane_tilt]\n"), {});
+  const RunResult five =
+      RunScenario(ReadText("calibrate: [{plane_tilt: {grid: [5, 5]}}]\n"), {});
+
+  EXPECT_THAT(three.messages, Contains(HasSubstr("s: as the published 15 to 20 s")));
+  EXPECT_THAT(five.messages, Contains(HasSubstr("s: as the published 45 to 60 s")));
+}
+
 TEST(TripleZScenario, MovesBeyondTheLimitAreRefused) {
   const RunResult result =
       RunScenario(ReadText("effects: {bed_tilt: {slope_x_mrad: 20}}\n"

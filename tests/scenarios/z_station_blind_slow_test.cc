@@ -30,7 +30,7 @@ struct Hidden {
 };
 
 // Calibrations at temperatures in no order, the gap measured after every second one.
-std::string ScenarioText(const Hidden& hidden, Rng* rng) {
+std::string ScenarioText(const Hidden& hidden, const std::string& variant, Rng* rng) {
   constexpr int kRounds = 16, kCold_c = 20;
   constexpr std::array kNozzle_c = {25, 80, 140, 200, 220, 240};
   constexpr std::array kBed_c = {25, 60, 100};
@@ -50,7 +50,9 @@ std::string ScenarioText(const Hidden& hidden, Rng* rng) {
                         round == 0 ? kCold_c : one_of(kBed_c),
                         round == 0 ? kCold_c : one_of(kChamber_c));
     text += "  - z_calibration\n";
-    if (round % 2 == 0) text += "  - switch_offset: {apply: false}\n";
+    if (round % 2 == 0) {
+      text += "  - switch_offset: {apply: false, variant: " + variant + "}\n";
+    }
     if (2 * round == kRounds && !hidden.act.empty()) {
       text += fmt::format("  - change: {{{}}}\n", hidden.act);
     }
@@ -58,11 +60,13 @@ std::string ScenarioText(const Hidden& hidden, Rng* rng) {
   return text;
 }
 
-Diagnosis DiagnosisOf(const Hidden& hidden, std::uint64_t seed) {
+Diagnosis DiagnosisOf(const Hidden& hidden,
+                      std::uint64_t seed,
+                      const std::string& variant = "corrected") {
   const TempFolder folder;
   Rng rng(seed, 0, "z_station_blind");
   const auto file = folder / "hidden.yaml";
-  std::ofstream(file) << ScenarioText(hidden, &rng);
+  std::ofstream(file) << ScenarioText(hidden, variant, &rng);
   const Scenario scenario = ReadScenario(file);
   const RunResult result = RunScenario(scenario, {.seed = seed});
   const Machine machine =
@@ -147,6 +151,44 @@ TEST(ZStationBlind, WhatIsHiddenIsNamedAndSized) {
   }
   RecordProperty("found", found);
   EXPECT_GE(found, kMust * asked) << found << " of " << asked;
+}
+
+// Plastic that hangs there at any temperature and a wrong switch_offset leave the same
+// gap: without a wiped nozzle neither is named alone, and wiping is asked for.
+TEST(ZStationBlind, OozeAtAnyTemperatureIsNotTakenForTheSwitchOffset) {
+  constexpr std::uint64_t kSeeds = 10;
+  for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
+    const Hidden hidden{.station = kRigidNozzle + ", ooze_mm: 0.12"};
+    const Diagnosis unwiped = DiagnosisOf(hidden, seed, "as_published");
+    const Diagnosis wiped = DiagnosisOf(hidden, seed, "corrected");
+
+    EXPECT_EQ(unwiped.verdict, DiagnosisVerdict::kAmbiguous) << WhatWasSaid(unwiped);
+    ASSERT_EQ(unwiped.findings.size(), 1U) << seed;
+    const auto& candidates = unwiped.findings[0].candidates;
+    for (const char* cause : {"ooze", "switch_offset"}) {
+      EXPECT_NE(std::ranges::find(candidates, cause, &FindingCandidate::cause),
+                candidates.end())
+          << cause;
+    }
+    ASSERT_TRUE(unwiped.next_campaign) << seed;
+    EXPECT_EQ(unwiped.next_campaign->options.at("wiped"), "true");
+    ASSERT_EQ(wiped.findings.size(), 1U) << WhatWasSaid(wiped);
+    EXPECT_EQ(NameOf(wiped.findings[0]), "ooze") << seed;
+  }
+}
+
+// What a mesh touches has a height at each place, and no cause.
+TEST(ZStationBlind, AMeshIsNoFinding) {
+  const Scenario scenario =
+      ReadScenario(CALTWIN_SOURCE_DIR "/scenarios/z_offset_mesh_reference.yaml");
+  const RunResult result = RunScenario(scenario, {.fidelity = Fidelity::kFast});
+  const Machine machine =
+      ReadMachine(CALTWIN_SOURCE_DIR "/models/z_station/machine.yaml");
+
+  const Diagnosis diagnosis =
+      Diagnose(Observed(result.rows, result.header, machine, {}), {});
+
+  EXPECT_EQ(diagnosis.verdict, DiagnosisVerdict::kNone) << WhatWasSaid(diagnosis);
 }
 
 TEST(ZStationBlind, WhereNothingIsWrongNothingIsNamed) {

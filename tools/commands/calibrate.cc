@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <iostream>
 
 #include <fmt/format.h>
@@ -60,7 +61,8 @@ std::map<std::string, double> ReadingsOf(const std::vector<std::string>& given) 
     double value_mm = 0;
     const auto [end, error] =
         std::from_chars(number.data(), number.data() + number.size(), value_mm);
-    if (error != std::errc() || end != number.data() + number.size()) {
+    if (error != std::errc() || end != number.data() + number.size() ||
+        !std::isfinite(value_mm)) {
       throw InputError({.file = "--reading"},
                        fmt::format("'{}' is not ID=MILLIMETRES", text),
                        "such as --reading calliper.block.x=76.198");

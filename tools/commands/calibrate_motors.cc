@@ -49,6 +49,11 @@ void RefuseUnheeded(const CalibrateOptions& options, const TwinOptions& papers) 
                      "a motor stage's bench has no artefacts",
                      "it knows instruments: laser");
   }
+  if (!options.readings.empty()) {
+    throw InputError({.file = "--reading"},
+                     "a carriage is read at every approach, each time anew",
+                     "they are asked for at the terminal; a twin has its laser");
+  }
   if (IsTwin(options) || options.apply) return;
   throw InputError({.file = "--procedure"},
                    "procedures of motor axes home, move and store",
@@ -79,7 +84,7 @@ AtHand Take(const CalibrateOptions& options,
     at_hand.bench.gauge = &at_hand.twin->gauge();
   } else {
     at_hand.wire = OpenLink(options.link);
-    at_hand.gauge = std::make_unique<TerminalGauge>(ReadingsOf(options.readings));
+    at_hand.gauge = std::make_unique<TerminalGauge>(std::map<std::string, double>{});
     at_hand.bench.link = at_hand.wire.get();
     at_hand.bench.gauge = at_hand.gauge.get();
   }

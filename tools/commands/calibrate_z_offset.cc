@@ -47,6 +47,9 @@ void RefuseUnheeded(const CalibrateOptions& options) {
   if (!options.bench.empty()) {
     throw InputError({.file = "--bench"}, "a nozzle's height needs no artefacts");
   }
+  if (IsTwin(options) && !options.readings.empty()) {
+    throw InputError({.file = "--reading"}, "a twin has a feeler gauge of its own");
+  }
   if (!IsTwin(options)) return;
   const auto file = MachineToCalibrate(options);
   if (file && file->machine.z_station) return;
@@ -61,6 +64,10 @@ class StationAtHand {
  public:
   explicit StationAtHand(const CalibrateOptions& options)
       : person_(PersonAtHand(options)), gauge_(ReadingsOf(options.readings)) {
+    const auto file = MachineToCalibrate(options);
+    if (file && file->machine.z_station) {
+      bed_at_mm_ = file->machine.z_station->bed_at_mm;
+    }
     if (IsTwin(options)) {
       twin_ = std::make_unique<SimulatedStation>(TwinOptionsOf(options.link));
     } else {
@@ -78,6 +85,9 @@ class StationAtHand {
   bool MayApply(const std::string& what) {
     return person_->Do({.kind = Act::Kind::kConfirm, .text = what}).has_value();
   }
+  /// Where the bed is probed, by the machine file; a wire's is that of z_station unless
+  /// --machine says another.
+  const Eigen::Vector2d& bed_at_mm() const { return bed_at_mm_; }
   bool Wipe() {
     if (twin_) {
       twin_->Wipe();
@@ -96,6 +106,7 @@ class StationAtHand {
  private:
   std::unique_ptr<TerminalOperator> person_;
   TerminalGauge gauge_;
+  Eigen::Vector2d bed_at_mm_ = ZStationDrawing{}.bed_at_mm;
   std::unique_ptr<SimulatedStation> twin_{};
   std::unique_ptr<Link> wire_{};
   std::unique_ptr<InterruptibleLink> link_{};
@@ -136,13 +147,16 @@ ProcedureResult PerformStep(const ZOffsetStep& step,
   }
   ProcedureResult result = RunSwitchOffset(
       client,
-      {.is_as_published = step.is_as_published},
+      {.is_as_published = step.is_as_published, .at_mm = at_hand->bed_at_mm()},
       {.gap_mm = [&](double height_mm) { return at_hand->Gap_mm(height_mm, client); },
        .wipe =
            [&] {
              return at_hand->Wipe();
            }});
-  if (!result.estimates.empty()) {
+  // Made with a wrong switch_offset, this one is not kept.
+  for (Step& done : result.steps) done.verdict = Verdict::kMeasured;
+  if (!result.steps.empty()) before->is_replaced = false;
+  if (!result.estimates.empty() && result.estimates.back().value >= 0) {
     result.messages.push_back(fmt::format(
         "write `switch_offset: {:.3f}` under [z_calibration] of printer.cfg, "
         "restart, and calibrate again: no G-code sets it",
@@ -184,7 +198,7 @@ int CalibrateZOffsetAtHand(const CalibrateOptions& options) {
     PrintResult(step.name, results.back());
   }
   if (results.size() == 1) PrintResult("G28", results.back());
-  if (client.is_calibrated() && !before.is_replaced && before.mm) {
+  if (client.has_tried() && !before.is_replaced && before.mm) {
     SetOffset(*before.mm, &client);
   }
   at_hand.Save();

@@ -148,15 +148,30 @@ fs::path ReportFolder(const Options& options, const RunResult& result, bool is_m
          (options.seeds ? fmt::format("{}_seed_{}", stem, result.seed) : stem);
 }
 
+// A machine that its name does not find is named by its file, from the header's folder.
+DataHeader HeaderFor(const Options& options,
+                     const RunResult& result,
+                     const Machine& machine) {
+  DataHeader header = result.header;
+  const bool is_other = header.machine != machine.name;
+  const bool is_found = machine.file.parent_path().filename() == machine.name;
+  if (is_other || is_found || machine.file.empty()) return header;
+  std::error_code error;
+  const fs::path folder = fs::absolute(options.record).parent_path();
+  header.machine = fs::relative(fs::absolute(machine.file), folder, error).string();
+  return header;
+}
+
 void WriteOutputs(const Options& options,
                   const std::vector<RunResult>& results,
+                  const Machine& machine,
                   bool is_many) {
   if (!options.record.empty() && results.front().rows.rows.empty()) {
     std::cerr << "--record: nothing was touched or read, no file was written\n";
   } else if (!options.record.empty()) {
     WriteRows(options.record, results.front().rows);
     WriteDataHeader(fs::path(options.record).replace_extension(".yaml"),
-                    results.front().header);
+                    HeaderFor(options, results.front(), machine));
   }
   if (!options.report.empty()) {
     for (const RunResult& result : results) {
@@ -212,7 +227,9 @@ int Run(const Options& options) {
       std::cout << ResultText(results.front(), MayPaint());
     }
   }
-  if (!results.empty()) WriteOutputs(options, results, is_many);
+  if (!results.empty()) {
+    WriteOutputs(options, results, scenarios.front().machine.machine, is_many);
+  }
   return ExitCodeOf(results);
 }
 

@@ -10,8 +10,6 @@
 
 #include <fmt/format.h>
 
-#include "sim/base/mutant.h"
-
 namespace caltwin {
 namespace {
 
@@ -21,12 +19,8 @@ constexpr double kClear_mm = 10;
 constexpr double kTravelFlat_mm_s = 150;
 constexpr double kDock_s = 5;  // In and out of the magnets, slowly.
 
-Reply Refusal(const std::string& text) {
-  return {.lines = {"!! " + text}, .error = true};
-}
-
 Reply OutOfRange(const Eigen::Vector2d& place_mm, double z_mm) {
-  return Refusal(fmt::format(
+  return KlipperRefusal(fmt::format(
       "Move out of range: {:.3f} {:.3f} {:.3f}", place_mm[0], place_mm[1], z_mm));
 }
 
@@ -88,27 +82,8 @@ double Deviation(const std::vector<double>& values) {
 
 }  // namespace
 
-std::string ZCalibrationLine(double endstop_mm,
-                             double nozzle_mm,
-                             double switch_mm,
-                             double probe_mm,
-                             double offset_mm) {
-  return fmt::format(
-      "Z-CALIBRATION: ENDSTOP={:.3f} NOZZLE={:.3f} SWITCH={:.3f} PROBE={:.3f} --> "
-      "OFFSET={:.6f}",
-      endstop_mm,
-      nozzle_mm,
-      switch_mm,
-      probe_mm,
-      offset_mm);
-}
-
-double ZCalibrationOffset_mm(double nozzle_mm,
-                             double switch_mm,
-                             double probe_mm,
-                             double switch_offset_mm) {
-  return probe_mm - (switch_mm - nozzle_mm +
-                     Mutant("z_switch_offset_sign", 1.0, -1.0) * switch_offset_mm);
+Reply KlipperRefusal(const std::string& text) {
+  return {.lines = {"!! " + text}, .error = true};
 }
 
 Reply KlipperZ::Execute(std::string_view line) {
@@ -123,7 +98,7 @@ Reply KlipperZ::Execute(std::string_view line) {
     // G28 Z names an axis.
     if (word == words.end() || (command == "G28" && word->second.empty())) continue;
     if (!NumberOf(words, key)) {
-      return Refusal(fmt::format(
+      return KlipperRefusal(fmt::format(
           "Error on '{}': unable to parse {}", std::string(line), word->second));
     }
   }
@@ -156,14 +131,14 @@ Reply KlipperZ::Obey(const std::string& command, const Words& words) {
     return Heat(command, words);
   }
   if (command == "G90" || command == "M400") return {};
-  return Refusal(fmt::format("Unknown command:\"{}\"", command));
+  return KlipperRefusal(fmt::format("Unknown command:\"{}\"", command));
 }
 
 Reply KlipperZ::Heat(const std::string& command, const Words& words) {
   constexpr double kCold_c = 20, kHottest_c = 400;
   const double temp_c = NumberOf(words, "S").value_or(kCold_c);
   if (temp_c < 0 || temp_c > kHottest_c) {
-    return Refusal(
+    return KlipperRefusal(
         fmt::format("Requested temperature ({:.1f}) out of range (0.0:{:.1f})",
                     temp_c,
                     kHottest_c));
@@ -193,7 +168,7 @@ std::optional<std::string> KlipperZ::Lacks(ZTouch touch) const {
 
 Reply KlipperZ::Home() {
   const auto trigger = plant_->Touch(ZTouch::kNozzleOnSwitch, at_mm_);
-  if (!trigger) return Refusal("No trigger on z after full movement");
+  if (!trigger) return KlipperRefusal("No trigger on z after full movement");
   is_homed_ = true;
   zero_mm_ = *trigger - config_.position_endstop_mm;
   z_mm_ = config_.position_endstop_mm + kClear_mm;
@@ -209,7 +184,7 @@ bool KlipperZ::IsInRange(const Eigen::Vector2d& place_mm, double z_mm) const {
 }
 
 Reply KlipperZ::Move(const Words& words) {
-  if (!is_homed_) return Refusal("Must home axis first");
+  if (!is_homed_) return KlipperRefusal("Must home axis first");
   const double gcode_mm = z_mm_ - offset_mm_ - Mesh_mm(at_mm_);
   const Eigen::Vector2d to_place_mm(NumberOf(words, "X").value_or(at_mm_[0]),
                                     NumberOf(words, "Y").value_or(at_mm_[1]));
@@ -260,63 +235,8 @@ std::optional<double> KlipperZ::Touch(ZTouch touch, std::string* error) {
   return std::nullopt;
 }
 
-Reply KlipperZ::CalibrateZ() {
-  if (config_.switch_offset_mm < 0) {
-    return Refusal(
-        "Option 'switch_offset' in section 'z_calibration' must have minimum of 0.0");
-  }
-  if (config_.is_virtual_endstop) {
-    return Refusal("probe:z_virtual_endstop is not supported for Z calibration");
-  }
-  if (!is_homed_) return Refusal("Must home axes first");
-  const auto bed_point_mm = BedPoint_mm();
-  if (!bed_point_mm) {
-    return Refusal(
-        "Either the relative_reference_index of bed_mesh or a probe position on the "
-        "bed is required");
-  }
-  if (is_calibrating_) return Refusal("Macro CALIBRATE_Z called recursively");
-  is_calibrating_ = true;
-  const Reply reply = Calibrate(*bed_point_mm);
-  is_calibrating_ = false;
-  return reply;
-}
-
-Reply KlipperZ::Calibrate(const Eigen::Vector2d& bed_point_mm) {
-  offset_mm_ = 0;  // A previous one is reset.
-  if (const Reply started = Run(config_.start_gcode); started.error) return started;
-  std::string error;
-  std::array<double, 3> at_mm{};
-  constexpr std::array kTouches = {
-      ZTouch::kNozzleOnSwitch, ZTouch::kBodyOnSwitch, ZTouch::kProbeOnBed};
-  for (std::size_t i = 0; i < kTouches.size(); ++i) {
-    if (kTouches[i] == ZTouch::kBodyOnSwitch) {
-      const Reply before = Run(config_.before_switch_gcode);
-      if (before.error) return before;
-    }
-    if (const auto lacks = Lacks(kTouches[i])) return Refusal(*lacks);
-    if (kTouches[i] == ZTouch::kProbeOnBed) Travel(bed_point_mm);
-    const auto touched = Touch(kTouches[i], &error);
-    if (!touched) return Refusal(error);
-    at_mm[i] = *touched;
-  }
-  const double offset_mm =
-      ZCalibrationOffset_mm(at_mm[0], at_mm[1], at_mm[2], config_.switch_offset_mm);
-  const bool is_allowed =
-      std::abs(offset_mm) <= config_.max_deviation_mm.value_or(std::abs(offset_mm));
-  if (is_allowed) offset_mm_ = offset_mm;
-  if (const Reply ended = Run(config_.end_gcode); ended.error) return ended;
-  if (!is_allowed) {
-    return Refusal(fmt::format("Offset is greater than allowed: {:.3f} > {:.3f}",
-                               std::abs(offset_mm),
-                               *config_.max_deviation_mm));
-  }
-  return {.lines = {ZCalibrationLine(
-              config_.position_endstop_mm, at_mm[0], at_mm[1], at_mm[2], offset_mm_)}};
-}
-
 Reply KlipperZ::Accuracy(ZTouch touch, const Words& words) {
-  if (const auto lacks = Lacks(touch)) return Refusal(*lacks);
+  if (const auto lacks = Lacks(touch)) return KlipperRefusal(*lacks);
   const Way way{
       .down_mm_s = NumberOf(words, "PROBE_SPEED").value_or(config_.probing_speed_mm_s),
       .up_mm_s = NumberOf(words, "LIFT_SPEED").value_or(config_.lifting_speed_mm_s),
@@ -328,21 +248,21 @@ Reply KlipperZ::Accuracy(ZTouch touch, const Words& words) {
       NumberOf(words, "SAMPLES").value_or(is_of_endstop ? config_.samples : 10);
   constexpr double kMostSamples = 10'000;
   if (wanted != std::floor(wanted) || wanted > kMostSamples) {
-    return Refusal(
+    return KlipperRefusal(
         fmt::format("unable to parse SAMPLES={:g}: a whole number up to {:g}",
                     wanted,
                     kMostSamples));
   }
   const int samples = static_cast<int>(wanted);
   if (std::min({way.down_mm_s, way.up_mm_s, way.up_mm}) <= 0 || samples < 1) {
-    return Refusal(
+    return KlipperRefusal(
         "PROBE_SPEED, LIFT_SPEED, SAMPLE_RETRACT_DIST and SAMPLES must be above 0");
   }
   std::vector<double> at_mm;
   Reply reply;
   for (int i = 0; i < samples; ++i) {
     const auto at = TouchOnce(touch, way);
-    if (!at) return Refusal("No trigger on probe after full movement");
+    if (!at) return KlipperRefusal("No trigger on probe after full movement");
     at_mm.push_back(*at);
   }
   const auto [least, most] = std::ranges::minmax(at_mm);
@@ -359,10 +279,10 @@ Reply KlipperZ::Accuracy(ZTouch touch, const Words& words) {
 }
 
 Reply KlipperZ::ProbeBed() {
-  if (const auto lacks = Lacks(ZTouch::kProbeOnBed)) return Refusal(*lacks);
+  if (const auto lacks = Lacks(ZTouch::kProbeOnBed)) return KlipperRefusal(*lacks);
   std::string error;
   const auto at = Touch(ZTouch::kProbeOnBed, &error);
-  if (!at) return Refusal(error);
+  if (!at) return KlipperRefusal(error);
   return {.lines = {fmt::format("Result is z={:.6f}", *at)}};
 }
 
@@ -390,7 +310,7 @@ void KlipperZ::Travel(const Eigen::Vector2d& to_mm) {
 // A macro's path: to the dock, the probe in or out of its magnets. Whether the probe
 // came along only its switch could tell.
 Reply KlipperZ::Dock(bool attaches) {
-  if (!is_homed_) return Refusal("Must home axis first");
+  if (!is_homed_) return KlipperRefusal("Must home axis first");
   if (is_attached_ == attaches) return {};
   z_mm_ = std::max(z_mm_, kClear_mm);
   Travel(config_.dock_mm);

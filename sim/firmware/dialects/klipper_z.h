@@ -98,6 +98,10 @@ class KlipperZ {
   /// The carriage with the nozzle commanded to G-code height 0 over that place, the
   /// mesh added; nullopt: not homed.
   std::optional<double> CarriageAtNought_mm(const Eigen::Vector2d& at_mm) const;
+  /// Where the head stands over the bed.
+  const Eigen::Vector2d& at_mm() const { return at_mm_; }
+  /// Where CALIBRATE_Z probes the bed; nullopt: a mesh, and no point of reference.
+  std::optional<Eigen::Vector2d> BedPoint_mm() const;
   /// What the mesh in force adds there; 0 without one.
   double Mesh_mm(const Eigen::Vector2d& at_mm) const;
   const ZCalibrationConfig& config() const { return config_; }
@@ -128,8 +132,6 @@ class KlipperZ {
   Reply CalibrateMesh();
   Reply Dock(bool attaches);
   void Travel(const Eigen::Vector2d& to_mm);
-  /// Where CALIBRATE_Z probes the bed; nullopt: a mesh, and no point of reference.
-  std::optional<Eigen::Vector2d> BedPoint_mm() const;
   Reply Run(const std::string& macro);
   std::optional<std::string> Lacks(ZTouch touch) const;
   /// One touch in kinematic coordinates; nullopt: no trigger above position_min.
@@ -148,6 +150,9 @@ class KlipperZ {
   ZCircumstances now_{};
   std::vector<ZTouched> touched_{};
 };
+
+/// "!! text", as Klipper refuses.
+Reply KlipperRefusal(const std::string& text);
 
 /// The last line of CALIBRATE_Z.
 std::string ZCalibrationLine(double endstop_mm,

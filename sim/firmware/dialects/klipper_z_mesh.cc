@@ -7,14 +7,6 @@
 #include "sim/firmware/dialects/klipper_z.h"
 
 namespace caltwin {
-namespace {
-
-Reply Refusal(const std::string& text) {
-  return {.lines = {"!! " + text}, .error = true};
-}
-
-}  // namespace
-
 Eigen::Vector2d BedMeshConfig::PointAt_mm(int index) const {
   const Eigen::Array2d step_mm =
       (max_mm - min_mm).array() / Eigen::Array2d(count[0] - 1.0, count[1] - 1.0);
@@ -31,8 +23,9 @@ std::optional<Eigen::Vector2d> KlipperZ::BedPoint_mm() const {
 }
 
 Reply KlipperZ::CalibrateMesh() {
-  if (!config_.bed_mesh) return Refusal("Unknown command:\"BED_MESH_CALIBRATE\"");
-  if (const auto lacks = Lacks(ZTouch::kProbeOnBed)) return Refusal(*lacks);
+  if (!config_.bed_mesh)
+    return KlipperRefusal("Unknown command:\"BED_MESH_CALIBRATE\"");
+  if (const auto lacks = Lacks(ZTouch::kProbeOnBed)) return KlipperRefusal(*lacks);
   const BedMeshConfig& mesh = *config_.bed_mesh;
   mesh_mm_.clear();
   std::vector<double> heights_mm;
@@ -40,7 +33,7 @@ Reply KlipperZ::CalibrateMesh() {
   for (int i = 0; i < mesh.count[0] * mesh.count[1]; ++i) {
     Travel(mesh.PointAt_mm(i));
     const auto touched = Touch(ZTouch::kProbeOnBed, &error);
-    if (!touched) return Refusal(error);
+    if (!touched) return KlipperRefusal(error);
     heights_mm.push_back(*touched);
   }
   // Without a point of reference heights are the probe's own, over its z_offset.

@@ -75,7 +75,11 @@ Reply MotorStageFirmware::Obey(const GcodeCommand& command) {
     is_relative_ = command.code == 91;
     return {};
   }
-  if (command.Is('G', 0) || command.Is('G', 1)) return Move(command);
+  if (command.Is('G', 0) || command.Is('G', 1)) {
+    Reply reply = Move(command);
+    motion_.DisarmRelay();  // It was for this move, also if that was refused.
+    return reply;
+  }
   if (command.Is('G', 4)) {
     motion_.Wait(std::clamp(command.Number('S').value_or(0), 0.0, 3600.0));
     return {};
