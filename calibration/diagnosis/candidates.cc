@@ -162,6 +162,7 @@ Candidate FreeCandidate(FreeForm form) {
 
 // Whether nothing but senses and axes that stood still could show it.
 bool VariesWithSlivers(const Observed& observed, const Candidate& candidate) {
+  if (EffectAt(candidate.effect).sight->shows_at_rest) return false;
   const auto& words = candidate.shown.covariates;
   const auto is_still = [&](const std::string& word) {
     return word.starts_with("dir_") || IsSliver(observed, word);

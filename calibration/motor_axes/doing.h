@@ -128,7 +128,11 @@ class MotorDoing {
 bool FindMinSwitch(std::size_t axis, double speed_unit_s, MotorDoing* doing);
 
 /// Fails where an axis that fast is not stopped between a switch and its hard stop.
-bool StopsBehindASwitch(std::size_t axis, double speed_unit_s, MotorDoing* doing);
+/// `option`: whose speed that is.
+bool StopsBehindASwitch(std::size_t axis,
+                        double speed_unit_s,
+                        MotorDoing* doing,
+                        std::string_view option = "slow");
 
 /// On to the next index, slowly; back, and again at half the speed where none comes.
 /// @return the counter there

@@ -159,12 +159,13 @@ bool StopsBehindASwitch(std::size_t axis,
   doing->Fail({.reply = fmt::format(
                    "at {0:g} {1}/s {2} would stop up to {3:.2f} {1} beyond its switch, "
                    "and its hard stop is {4:g} beyond: nothing moved, choose a smaller "
-                   "'slow'",
+                   "'{5}'",
                    speed_unit_s,
                    d.unit(),
                    MotorAxisName(axis),
                    at_most_unit,
-                   d.stop_unit)});
+                   d.stop_unit,
+                   option)});
   return false;
 }
 

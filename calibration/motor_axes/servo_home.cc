@@ -272,7 +272,7 @@ bool KeepLimits(double stored_unit,
   if (std::abs(*high_unit - d.max_unit) < 1e-3) return true;
   doing->Warn(
       fmt::format("the limits of {} were measured from a zero that M206 does not "
-                  "tell any more: they hold no longer, run travel_limits again",
+                  "tell any more: those drawn hold, run travel_limits again",
                   MotorAxisName(homing.axis)));
   return doing->Did(axes.SetLimits(homing.axis, d.min_unit, d.max_unit));
 }

@@ -198,14 +198,14 @@ MotorResult RunStepperHome(MotorAxes* axes, const MotorOptions& options) {
   const auto usual_unit_s2 = doing.Got(axes->Field(201, axis));
   const auto stored_unit = doing.Got(axes->Field(206, axis));
   const double slow_unit_s = options.slow * *top_unit_s;
-  const bool may_begin = usual_unit_s2 && stored_unit &&
-                         HintAtScale(axis, *pulses, *per_rev, &doing) &&
-                         (options.is_as_published || doing.SetForNow(425, axis, 0)) &&
-                         doing.SetForNow(201, axis, kGentle * *usual_unit_s2) &&
-                         StopsBehindASwitch(axis, slow_unit_s, &doing) &&
-                         (options.is_as_published ||
-                          StopsBehindASwitch(axis, options.fine_unit_s, &doing)) &&
-                         doing.Did(axes->ForgetHome(axis));
+  const bool may_begin =
+      usual_unit_s2 && stored_unit && HintAtScale(axis, *pulses, *per_rev, &doing) &&
+      (options.is_as_published || doing.SetForNow(425, axis, 0)) &&
+      doing.SetForNow(201, axis, kGentle * *usual_unit_s2) &&
+      StopsBehindASwitch(axis, slow_unit_s, &doing) &&
+      (options.is_as_published ||
+       StopsBehindASwitch(axis, options.fine_unit_s, &doing, "fine")) &&
+      doing.Did(axes->ForgetHome(axis));
   if (!may_begin) return doing.Take();
   const auto seen = doing.TrySlower(slow_unit_s, [&](double speed_unit_s) {
     return SeeSwitch(axis, speed_unit_s, *pulses, &doing);

@@ -152,7 +152,7 @@ MotorResult RunTravelLimits(MotorAxes* axes, const MotorOptions& options) {
   const bool may_begin = options.is_as_published || doing.SetForNow(425, axis, 0);
   const bool stops = StopsBehindASwitch(axis, slow_unit_s, &doing) &&
                      (options.is_as_published ||
-                      StopsBehindASwitch(axis, options.fine_unit_s, &doing));
+                      StopsBehindASwitch(axis, options.fine_unit_s, &doing, "fine"));
   if (!may_begin || !stops) return doing.Take();
   const auto looks = doing.TrySlower(slow_unit_s, [&](double speed_unit_s) {
     return GoToMax(travel, speed_unit_s, &doing);

@@ -75,6 +75,7 @@ struct Sight {
   int harmonics = 0;
   /// As `shown`, on a triple-Z printer, where it differs.
   Shown (*shown_on_triple_z)(std::string_view axis) = nullptr;
+  bool shows_at_rest = false;  ///< Also where its covariates do not change.
 };
 
 /// The five things a person wants to know of a cause, in that order.

@@ -67,7 +67,7 @@ struct Ooze {
                     "Wipe the nozzle in start_gcode, or touch the switch below the "
                     "temperature at which it flows."},
       .neutral = Neutral,
-      .sight = Sight{.shown = In, .forms = Grid},
+      .sight = Sight{.shown = In, .forms = Grid, .shows_at_rest = true},
       .z_station_axes = kAxes};
 
   template <typename T>
