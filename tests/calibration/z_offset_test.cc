@@ -189,7 +189,8 @@ TEST(SwitchOffset, AsPublishedTakesOozeAlong) {
 
 // Each next step is looked at before it is made, whatever the nozzle hangs too low by.
 TEST(SwitchOffset, NeverEndsOnTheBed) {
-  for (double low_mm = 0; low_mm < 2; low_mm += 0.01) {
+  for (int hundredths = 0; hundredths < 200; ++hundredths) {
+    const double low_mm = 0.01 * hundredths;
     Script wire(Answers{{"CALIBRATE_Z", kLine}});
     ZOffsetClient client(&wire);
     Hands hands{.more_mm = -low_mm};

@@ -295,6 +295,12 @@ TEST_F(MotorStageFirmwareTest, TakesUpItsGapNoFasterThanItMoves) {
   EXPECT_GT(firmware_.machine_time_s() - before_s, 3.0);
 }
 
+TEST_F(MotorStageFirmwareTest, RefusesTimesAndEndsThatAreNone) {
+  for (const char* line : {"G4 S-1", "G4 S4000", "M817 S-1", "M208 X100 S2"}) {
+    EXPECT_THAT(Say(line), ElementsAre(HasSubstr("Error: "))) << line;
+  }
+}
+
 // Others have what they had, stored or not.
 TEST_F(MotorStageFirmwareTest, AResetOfOneAxisLeavesTheOthers) {
   Say("M203 Y7");

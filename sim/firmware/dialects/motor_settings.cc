@@ -143,9 +143,12 @@ Reply MotorStageFirmware::Settings(const GcodeCommand& command) {
       return Drives(command);
     case 816:
       return Delays(command);
-    case 817:
-      motion_.ArmRelay(std::max(0.0, command.Number('S').value_or(0)));
+    case 817: {
+      const double after_s = command.Number('S').value_or(0);
+      if (after_s < 0) return Refusal("M817 S: 0 s or more");
+      motion_.ArmRelay(after_s);
       return {};
+    }
     case 818:
       return StopReports();
     case 208:
@@ -214,7 +217,11 @@ Reply MotorStageFirmware::Delays(const GcodeCommand& command) {
 
 // M208 X0 S1: lower ends; M208 X200 S0: upper ends.
 Reply MotorStageFirmware::Limits(const GcodeCommand& command) {
-  const bool is_min = command.Number('S').value_or(0) == 1;
+  const double which = command.Number('S').value_or(0);
+  if (which != 0 && which != 1) {
+    return Refusal("M208 S: 1 is the lower end, 0 the upper");
+  }
+  const bool is_min = which == 1;
   Reply reply;
   for (const std::size_t i : Named(command)) {
     Axis& axis = axes_[i];

@@ -81,7 +81,12 @@ Reply MotorStageFirmware::Obey(const GcodeCommand& command) {
     return reply;
   }
   if (command.Is('G', 4)) {
-    motion_.Wait(std::clamp(command.Number('S').value_or(0), 0.0, 3600.0));
+    constexpr double kLongest_s = 3600;
+    const double wait_s = command.Number('S').value_or(0);
+    if (wait_s < 0 || wait_s > kLongest_s) {
+      return Refusal(fmt::format("G4 S: 0 to {:g} s", kLongest_s));
+    }
+    motion_.Wait(wait_s);
     return {};
   }
   if (command.letter == 'M') return Settings(command);
