@@ -35,20 +35,21 @@ TEST(MotorStageRig, CountsTheEdgesItPasses) {
 // Each approach has a place of its own, also where they scatter by four times the
 // switch's hysteresis: its mean, its standard deviation and no memory.
 TEST(MotorStageRig, ASwitchClosesAtAPlaceOfItsOwnEachTime) {
-  constexpr double kSigma_mm = 0.2, kStep_mm = 0.01, kFar_mm = 1.2;
-  constexpr int kApproaches = 2000;
+  constexpr double kSigma_mm = 0.2, kStep_mm = 0.01;
+  constexpr int kApproaches = 2000, kSteps = 120;  // From so many steps away.
   BuiltMotorStage built = BuiltAsDrawn(DrawnMotorStage());
   built.faults[0].switch_scatter_unit = kSigma_mm;
   MotorStageRig rig(built, /*is_physics=*/false, 1, 0);
   const double place_mm = built.drawing.axes[0].min_switch_unit;
   std::vector<double> closed_mm;
   for (int k = 0; k < kApproaches; ++k) {
-    double at_mm = place_mm + kFar_mm;
-    for (; !rig.IsPressed(0, SwitchEnd::kMin); at_mm -= kStep_mm) {
-      rig.MoveByHand(0, at_mm);
+    int steps = kSteps;
+    while (!rig.IsPressed(0, SwitchEnd::kMin)) {
+      --steps;
+      rig.MoveByHand(0, place_mm + steps * kStep_mm);
     }
-    closed_mm.push_back(at_mm + kStep_mm / 2 - place_mm);
-    for (; at_mm < place_mm + kFar_mm; at_mm += kStep_mm) rig.MoveByHand(0, at_mm);
+    closed_mm.push_back((steps + 0.5) * kStep_mm);
+    for (; steps <= kSteps; ++steps) rig.MoveByHand(0, place_mm + steps * kStep_mm);
     EXPECT_FALSE(rig.IsPressed(0, SwitchEnd::kMin));
   }
 
