@@ -156,8 +156,8 @@ void KeepStepperHome(const Seen& seen,
       doing->Did(axes.MoveTo(axis, 0, slow_unit_s)) &&
       doing->Did(axes.MoveTo(axis, o.safe_unit - o.final_back_off_unit, slow_unit_s)) &&
       doing->Did(axes.SetField(206, axis, o.final_back_off_unit)) &&
-      Mutant(
-          "home_leaves_limits_behind", ShiftLimits(axis, farther_unit, doing), true) &&
+      ShiftLimits(
+          axis, Mutant("home_leaves_limits_behind", farther_unit, 0.0), doing) &&
       doing->Store(axis);
   if (!is_kept) return;
   const std::string name = "home_offset." + MotorAxisName(axis);

@@ -274,7 +274,7 @@ TEST_F(MotorStageFirmwareTest, LimitsOfTheFactoryDoNotHold) {
   Say("M501");
   Say("M811 X0");
 
-  EXPECT_THAT(Say("G90 G1 X500 F60000"), IsEmpty());
+  EXPECT_THAT(Say("G90 G1 X1500 F600000"), IsEmpty());  // The factory has 1000.
 }
 
 // Armed for the next move, it does not wait for a later one.
