@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "calibration/z_offset/switch_offset.h"
 #include "scenarios/judging.h"
 #include "scenarios/z_offset_link.h"
 #include "scenarios/z_offset_record.h"
@@ -124,18 +125,6 @@ class ZOffsetRun {
 
   ProcedureResult FindSwitchOffset(const ZOffsetStep& step, ZOffsetClient* client) {
     const double before_mm = klipper_.config().switch_offset_mm;
-    const FeelerHands hands{.gap_mm = [&](double) -> std::optional<double> {
-                              const auto read = ReadFeeler(klipper_, twin_, client);
-                              if (!read) return std::nullopt;
-                              record_.AddGap(
-                                  step.name, klipper_.now(), *read, twin_.is_wiped());
-                              return read->gap_mm;
-                            },
-                            .wipe =
-                                [&] {
-                                  twin_.Wipe();
-                                  return true;
-                                }};
     ProcedureResult result = RunSwitchOffset(
         client,
         {.is_as_published = step.is_as_published,

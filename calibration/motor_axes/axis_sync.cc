@@ -195,10 +195,11 @@ double SkewSd_s(const Moments& moments, double speed_unit_s, const MotorDoing& d
   return std::sqrt(2.0) * worst_s;
 }
 
-// Sets the delays, tries them, and takes them back where the axes are farther apart.
 struct MoveSpeed {
   double asked_unit_s = 0, half_way_unit_s = 0;
 };
+
+// Sets the delays, tries them, and takes them back where the axes are farther apart.
 void Align(const Moments& before, const MoveSpeed& speed, MotorDoing* doing) {
   constexpr double kWorseBy = 3;  // Standard deviations.
   const auto in_force = DelaysInForce(doing);

@@ -155,10 +155,10 @@ bool MakeRoom(std::size_t axis, MotorDoing* doing);
 
 /// Warns where the record's turn (M812 / M92) differs from the drawn one by more than
 /// 0.1 %: every distance, and the turns counted, would be off. Fails beyond 10 %.
-bool HintAtScale(std::size_t axis,
-                 double pulses_per_unit,
-                 double pulses_per_rev,
-                 MotorDoing* doing);
+bool MayHomeAtScale(std::size_t axis,
+                    double pulses_per_unit,
+                    double pulses_per_rev,
+                    MotorDoing* doing);
 
 /// How far beyond a switch an axis stands that was stopped by it, in the mean [mm,
 /// deg]:

@@ -59,10 +59,10 @@ bool LeaveSwitch(std::size_t axis, double speed_unit_s, MotorDoing* doing) {
 
 }  // namespace
 
-bool HintAtScale(std::size_t axis,
-                 double pulses_per_unit,
-                 double pulses_per_rev,
-                 MotorDoing* doing) {
+bool MayHomeAtScale(std::size_t axis,
+                    double pulses_per_unit,
+                    double pulses_per_rev,
+                    MotorDoing* doing) {
   constexpr double kClear = 0.001;  // What steps per mm are to be right to.
   constexpr double kHopeless = 0.1;
   const MotorAxisDrawing& d = doing->axes().drawing(axis);

@@ -329,7 +329,7 @@ MotorResult RunServoHome(MotorAxes* axes, const MotorOptions& options) {
   if (!pulses || !stored_unit || !per_rev || !top_unit_s) return doing.Take();
   homing.pulses_per_unit = *pulses;
   homing.lead_unit = *per_rev / *pulses;
-  if (!HintAtScale(axis, *pulses, *per_rev, &doing)) return doing.Take();
+  if (!MayHomeAtScale(axis, *pulses, *per_rev, &doing)) return doing.Take();
   const double slow_unit_s = options.slow * *top_unit_s;
   if (!StopsBehindASwitch(axis, slow_unit_s, &doing)) return doing.Take();
   // A compensation would drive a back-off on by as much, past an index perhaps.

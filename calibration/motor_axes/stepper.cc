@@ -199,7 +199,7 @@ MotorResult RunStepperHome(MotorAxes* axes, const MotorOptions& options) {
   const auto stored_unit = doing.Got(axes->Field(206, axis));
   const double slow_unit_s = options.slow * *top_unit_s;
   const bool may_begin =
-      usual_unit_s2 && stored_unit && HintAtScale(axis, *pulses, *per_rev, &doing) &&
+      usual_unit_s2 && stored_unit && MayHomeAtScale(axis, *pulses, *per_rev, &doing) &&
       (options.is_as_published || doing.SetForNow(425, axis, 0)) &&
       doing.SetForNow(201, axis, kGentle * *usual_unit_s2) &&
       StopsBehindASwitch(axis, slow_unit_s, &doing) &&

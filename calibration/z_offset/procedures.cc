@@ -1,7 +1,6 @@
 #include "calibration/z_offset/procedures.h"
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <chrono>
 #include <cmath>
@@ -10,7 +9,6 @@
 
 #include <fmt/format.h>
 
-#include "calibration/estimate/expanded.h"
 #include "calibration/estimate/touch_noise.h"
 #include "sim/base/mutant.h"
 #include "sim/base/units.h"
@@ -19,10 +17,6 @@ namespace caltwin {
 namespace {
 
 constexpr std::chrono::milliseconds kPatience{120'000};
-constexpr double kPrinted_mm = 0.0011;  // Three decimals, three of them.
-constexpr double kFeelerStep_mm = 0.01;
-// A step of Z and the three decimals that are printed.
-constexpr double kMachine_mm = 0.0005;
 
 std::optional<double> After(const std::string& line, const std::string& key) {
   const std::size_t at = line.find(key);
@@ -78,7 +72,9 @@ bool HomesWithin(const std::string& macro) {
   return false;
 }
 
-void Fail(const MachineFault& fault, ProcedureResult* result) {
+}  // namespace
+
+void FailZOffset(const MachineFault& fault, ProcedureResult* result) {
   result->fault = fault.reply;
   result->ending = fault.reply.find("No trigger") != std::string::npos
                        ? Ending::kNoTrigger
@@ -86,8 +82,6 @@ void Fail(const MachineFault& fault, ProcedureResult* result) {
                                                                  : Ending::kRefused;
   result->messages.push_back("the machine said: " + fault.reply);
 }
-
-}  // namespace
 
 std::optional<ZCalibrationReading> ReadZCalibration(
     const std::vector<std::string>& lines) {
@@ -122,7 +116,7 @@ Expected<std::vector<std::string>> ZOffsetClient::Say(const std::string& line) {
 
 ProcedureResult ZOffsetClient::Home() {
   ProcedureResult result;
-  if (const auto homed = Say("G28"); !homed) Fail(homed.error(), &result);
+  if (const auto homed = Say("G28"); !homed) FailZOffset(homed.error(), &result);
   return result;
 }
 
@@ -136,34 +130,34 @@ ProcedureResult RunZCalibration(ZOffsetClient* client,
   ProcedureResult result;
   const auto answer = client->Say("CALIBRATE_Z");
   if (!answer) {
-    Fail(answer.error(), &result);
+    FailZOffset(answer.error(), &result);
     return result;
   }
   const auto reading = ReadZCalibration(*answer);
   if (!reading) {
-    Fail({.reply = fmt::format("Could not parse '{}' to CALIBRATE_Z",
-                               answer->empty() ? "" : answer->back())},
-         &result);
+    FailZOffset({.reply = fmt::format("Could not parse '{}' to CALIBRATE_Z",
+                                      answer->empty() ? "" : answer->back())},
+                &result);
     return result;
   }
   result.messages.push_back(answer->back());
   const double used_mm = reading->SwitchOffset_mm();
-  if (used_mm < -kPrinted_mm) {
-    Fail(
+  if (used_mm < -kPrintedHeights_mm) {
+    FailZOffset(
         {.reply = fmt::format("its figures contradict each other: this OFFSET was made "
                               "with a switch_offset of {:.3f}, below 0",
                               used_mm)},
         &result);
     return result;
   }
-  if (switch_offset_mm && std::abs(used_mm - *switch_offset_mm) > kPrinted_mm) {
+  if (switch_offset_mm && std::abs(used_mm - *switch_offset_mm) > kPrintedHeights_mm) {
     result.messages.push_back(
         fmt::format("this offset was made with switch_offset {:.3f}, not {:.3f}",
                     used_mm,
                     *switch_offset_mm));
   }
   const auto base_mm = client->GcodeBase_mm();
-  if (base_mm && std::abs(*base_mm - reading->offset_mm) > kPrinted_mm) {
+  if (base_mm && std::abs(*base_mm - reading->offset_mm) > kPrintedHeights_mm) {
     result.messages.push_back(
         fmt::format("GET_POSITION has {:.6f} for it: somebody adjusted it", *base_mm));
   }
@@ -190,16 +184,16 @@ ProcedureResult RunProbeAccuracy(ZOffsetClient* client, bool is_endstop, int sam
   const auto answer = client->Say(fmt::format(
       "{} SAMPLES={}", is_endstop ? "PROBE_Z_ACCURACY" : "PROBE_ACCURACY", samples));
   if (!answer) {
-    Fail(answer.error(), &result);
+    FailZOffset(answer.error(), &result);
     return result;
   }
   const std::string start = "probe accuracy results";
   const auto sd_mm = After(*answer, start, "standard deviation ");
   const auto range_mm = After(*answer, start, "range ");
   if (!sd_mm || !range_mm || *sd_mm < 0 || *range_mm < 0) {
-    Fail({.reply = fmt::format("Could not parse '{}'",
-                               answer->empty() ? "" : answer->back())},
-         &result);
+    FailZOffset({.reply = fmt::format("Could not parse '{}'",
+                                      answer->empty() ? "" : answer->back())},
+                &result);
     return result;
   }
   result.messages.push_back(answer->back());
@@ -220,203 +214,6 @@ ProcedureResult RunProbeAccuracy(ZOffsetClient* client, bool is_endstop, int sam
                 samples,
                 UmFromMm(*sd_mm) / std::sqrt(samples))
           : fmt::format("{:.1f} um from touch to touch", UmFromMm(*sd_mm)));
-  return result;
-}
-
-namespace {
-
-constexpr std::array kHeights_mm = {5.0, 3.0, 1.0, 0.5, 0.3, 0.1};
-constexpr double kTooNear_mm = 0.02;
-
-// As published; and before that one from which no switch_offset, none being below 0,
-// lets the nozzle down to the bed.
-std::vector<double> HeightsFrom_mm(double in_force_mm) {
-  std::vector<double> heights_mm(kHeights_mm.begin(), kHeights_mm.end());
-  const double safe_mm = std::ceil(in_force_mm) + 1;
-  if (Mutant("z_descent_first_step_blind", safe_mm > heights_mm.front(), false)) {
-    heights_mm.insert(heights_mm.begin(), safe_mm);
-  }
-  return heights_mm;
-}
-
-// The gap at a height; nullopt: `result` says why.
-std::optional<double> GapAt_mm(double height_mm,
-                               ZOffsetClient* client,
-                               const FeelerHands& hands,
-                               ProcedureResult* result) {
-  if (const auto moved = client->Say(fmt::format("G0 Z{}", height_mm)); !moved) {
-    Fail(moved.error(), result);
-    return std::nullopt;
-  }
-  const auto gap_mm = hands.gap_mm(height_mm);
-  if (!gap_mm || !std::isfinite(*gap_mm)) {
-    Fail({.reply = "nobody measured the gap"}, result);
-    return std::nullopt;
-  }
-  if (*gap_mm <= 0) {
-    Fail({.reply = fmt::format("a gap of {:.3f} mm at Z{}: the nozzle is on the bed",
-                               *gap_mm,
-                               height_mm)},
-         result);
-    return std::nullopt;
-  }
-  result->messages.push_back(
-      fmt::format("at Z{}: a gap of {:.3f} mm", height_mm, *gap_mm));
-  return gap_mm;
-}
-
-// How much wider the last gap was than its height; nullopt: `result` says why.
-std::optional<double> Descend(double in_force_mm,
-                              const Eigen::Vector2d& at_mm,
-                              ZOffsetClient* client,
-                              const FeelerHands& hands,
-                              ProcedureResult* result) {
-  const std::vector<double> heights_mm = HeightsFrom_mm(in_force_mm);
-  for (const std::string& line :
-       {std::string("G90"),
-        fmt::format("G0 Z{}", heights_mm.front()),
-        fmt::format("G0 X{:.3f} Y{:.3f}", at_mm[0], at_mm[1])}) {
-    if (const auto moved = client->Say(line); moved) continue;
-    Fail({.reply = "the nozzle did not get over the bed (" + line + ")"}, result);
-    return std::nullopt;
-  }
-  double off_mm = 0;
-  for (std::size_t i = 0; i < heights_mm.size(); ++i) {
-    const auto gap_mm = GapAt_mm(heights_mm[i], client, hands, result);
-    if (!gap_mm) return std::nullopt;
-    off_mm = *gap_mm - heights_mm[i];
-    if (i + 1 == heights_mm.size()) break;
-    const double down_mm =
-        Mutant("z_descent_looks_not_ahead", heights_mm[i] - heights_mm[i + 1], 0.0);
-    if (*gap_mm - down_mm < kTooNear_mm) {
-      result->messages.push_back(
-          fmt::format("Z{} is left out: it would end on the bed", heights_mm[i + 1]));
-      break;
-    }
-  }
-  client->Say(fmt::format("G0 Z{}", heights_mm.front()));
-  return off_mm;
-}
-
-/// What a descent goes by: the offset in force less the mean of the calibrations, and
-/// how much one of them scatters.
-struct Footing {
-  double beyond_mean_mm = 0;
-  double sd_mm = 0;
-  int count = 1;
-};
-
-// As published: the calibration that is there.
-std::optional<Footing> AsItStands(ZOffsetClient* client, ProcedureResult* result) {
-  std::string why;
-  if (client->is_spoilt()) {
-    why = "Z was homed after CALIBRATE_Z: run z_calibration again first";
-  } else if (!client->is_calibrated() || !client->last()) {
-    why = "there is no offset to go by: run z_calibration first";
-  } else if (const auto base_mm = client->GcodeBase_mm();
-             base_mm && std::abs(*base_mm - client->last()->offset_mm) > kPrinted_mm) {
-    why = fmt::format(
-        "the offset in force is {:.6f}, CALIBRATE_Z had {:.6f}: somebody "
-        "adjusted it, run z_calibration again first",
-        *base_mm,
-        client->last()->offset_mm);
-  }
-  if (why.empty()) return Footing{};
-  Fail({.reply = why}, result);
-  return std::nullopt;
-}
-
-// Wiped, and calibrated several times.
-std::optional<Footing> Calibrated(ZOffsetClient* client,
-                                  const SwitchOffsetOptions& options,
-                                  const FeelerHands& hands,
-                                  ProcedureResult* result) {
-  if (!hands.wipe()) {
-    Fail({.reply = "nobody wiped the nozzle: plastic on it looks like switch_offset"},
-         result);
-    return std::nullopt;
-  }
-  std::vector<double> offsets_mm;
-  ProcedureResult one;
-  for (int i = 0; i < options.calibrations; ++i) {
-    one = RunZCalibration(client, options.in_force_mm);
-    if (one.ending != Ending::kDone) break;
-    offsets_mm.push_back(client->last()->offset_mm);
-  }
-  result->messages = one.messages;
-  result->steps = one.steps;
-  result->ending = one.ending;
-  result->fault = one.fault;
-  if (one.ending != Ending::kDone) return std::nullopt;
-  if (client->is_spoilt()) {
-    Fail({.reply = "its own macros home Z: this calibration holds nothing"}, result);
-    return std::nullopt;
-  }
-  const auto count = static_cast<double>(offsets_mm.size());
-  double mean_mm = 0, squares_mm2 = 0;
-  for (const double offset_mm : offsets_mm) mean_mm += offset_mm / count;
-  for (const double offset_mm : offsets_mm) {
-    squares_mm2 += std::pow(offset_mm - mean_mm, 2);
-  }
-  return Footing{.beyond_mean_mm = offsets_mm.back() - mean_mm,
-                 .sd_mm = count > 1 ? std::sqrt(squares_mm2 / (count - 1)) : 0,
-                 .count = options.calibrations};
-}
-
-// One reading in whole leaves, however often it is taken: heights are multiples too.
-Uncertain Told(double value_mm, const Footing& footing) {
-  const auto count = static_cast<double>(footing.count);
-  return WithBudget(
-      value_mm,
-      {{.input = "scatter of the calibrations",
-        .u = Mutant("z_descent_forgets_scatter", footing.sd_mm / std::sqrt(count), 0.0),
-        .dof = std::max(1.0, count - 1)},
-       {.input = "steps of the machine", .u = kMachine_mm},
-       {.input = "feeler gauge's step",
-        .u = kFeelerStep_mm / std::sqrt(12.0),
-        .is_rectangular = true}});
-}
-
-}  // namespace
-
-ProcedureResult RunSwitchOffset(ZOffsetClient* client,
-                                const SwitchOffsetOptions& options,
-                                const FeelerHands& hands) {
-  ProcedureResult result;
-  const auto footing = options.is_as_published
-                           ? AsItStands(client, &result)
-                           : Calibrated(client, options, hands, &result);
-  if (!footing) return result;
-  const double in_force_mm =
-      options.in_force_mm.value_or(client->last()->SwitchOffset_mm());
-  const auto wider_mm = Descend(in_force_mm, options.at_mm, client, hands, &result);
-  if (!wider_mm) return result;
-  // A nozzle that hangs too high needs a greater switch_offset; what the last
-  // calibration was higher than their mean is none of it.
-  const double should_mm = in_force_mm + *wider_mm - footing->beyond_mean_mm;
-  Uncertain told = Told(should_mm, *footing);
-  if (options.is_as_published) {
-    // What hangs under the nozzle is in it, and nobody knows how much.
-    told.sd = 0;
-    told.budget = {};
-    result.observability.push_back(
-        {.statement = "switch_offset + ooze only: a nozzle that is wiped before it is "
-                      "calibrated tells them (variant: corrected)",
-         .blind_direction = {{"ooze", std::sqrt(0.5)},
-                             {"switch_offset", -std::sqrt(0.5)}}});
-  }
-  result.estimates.push_back({.name = "switch_offset",
-                              .unit = "mm",
-                              .value = told.value,
-                              .sd = told.sd,
-                              .identifiable = true,
-                              .budget = told.budget});
-  result.messages.push_back(
-      fmt::format("switch_offset {:.3f} should be {:.3f}", in_force_mm, should_mm));
-  if (should_mm < 0) {
-    result.messages.push_back(
-        "Klipper takes none below 0: does the body of the switch touch as it should?");
-  }
   return result;
 }
 

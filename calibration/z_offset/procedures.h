@@ -1,17 +1,18 @@
 #pragma once
 
-#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include <Eigen/Core>
-
 #include "calibration/loop/outcome.h"
 #include "sim/link/link.h"
 
 namespace caltwin {
+
+/// How far an offset may be from what three printed heights make of it [mm]: three
+/// decimals, three of them.
+inline constexpr double kPrintedHeights_mm = 0.0011;
 
 /// The heights of one CALIBRATE_Z, as its last line states them [mm].
 struct ZCalibrationReading {
@@ -60,6 +61,10 @@ class ZOffsetClient {
   std::optional<ZCalibrationReading> last_{};
 };
 
+/// `result` ends with what the machine said; that nothing triggered is read from its
+/// words.
+void FailZOffset(const MachineFault& fault, ProcedureResult* result);
+
 /// CALIBRATE_Z, its line read, its formula checked, the offset asked back
 /// (GET_POSITION). `switch_offset_mm`: as printer.cfg has it; nullopt: nobody said.
 ProcedureResult RunZCalibration(ZOffsetClient* client,
@@ -68,33 +73,5 @@ ProcedureResult RunZCalibration(ZOffsetClient* client,
 /// PROBE_Z_ACCURACY (or PROBE_ACCURACY): maximum, minimum, range, average, median,
 /// standard deviation, and what they mean for an offset. Verdict: worn above 10 um.
 ProcedureResult RunProbeAccuracy(ZOffsetClient* client, bool is_endstop, int samples);
-
-/// The hands that a descent needs.
-struct FeelerHands {
-  /// The gap under the nozzle, which is commanded to that height [mm].
-  std::function<std::optional<double>(double height_mm)> gap_mm{};
-  std::function<bool()> wipe{};  ///< The nozzle, clean; false: nobody did.
-};
-struct SwitchOffsetOptions {
-  bool is_as_published = false;
-  /// In force; nullopt: the one that the last CALIBRATE_Z was made with.
-  std::optional<double> in_force_mm{};
-  /// Over the bed, where CALIBRATE_Z probes it: a tilted bed is elsewhere beside that.
-  Eigen::Vector2d at_mm{117.5, 117.5};
-  int calibrations = 5;  ///< Corrected: their scatter is that of the last.
-};
-/// The stepwise descent: G0 Z5, 3, 1, 0.5, 0.3, 0.1 with the gap measured under the
-/// nozzle at each (a feeler gauge), and the switch_offset that would have made the last
-/// one right. A step is left out where it would end less than 0.02 mm over the bed;
-/// where a switch_offset below 0 would be needed for the first one to be safe, it
-/// begins higher.
-///
-/// As published it goes by the calibration that is in force, and takes ooze on the
-/// nozzle's tip for switch_offset: both leave the same gap. Corrected, the nozzle is
-/// wiped and calibrated (CALIBRATE_Z) first, several times: what it tells is of their
-/// mean, and as uncertain as they scatter.
-ProcedureResult RunSwitchOffset(ZOffsetClient* client,
-                                const SwitchOffsetOptions& options,
-                                const FeelerHands& hands);
 
 }  // namespace caltwin

@@ -1,16 +1,16 @@
 #include "tools/commands/calibrate_z_offset.h"
 
 #include <algorithm>
-#include <array>
 #include <iostream>
 #include <memory>
 
 #include <fmt/format.h>
 
-#include "calibration/z_offset/procedures.h"
+#include "calibration/z_offset/switch_offset.h"
 #include "scenarios/interrupt.h"
 #include "scenarios/interruptible_link.h"
 #include "scenarios/z_offset_scenario.h"
+#include "scenarios/z_offset_words.h"
 #include "sim/link/open_link.h"
 #include "sim/link/transcript.h"
 #include "tools/commands/simulated_station.h"
@@ -176,11 +176,11 @@ void SetOffset(double offset_mm, ZOffsetClient* client) {
 }  // namespace
 
 bool IsZOffset(const CalibrateOptions& options) {
-  constexpr std::array<std::string_view, 3> kNames = {
-      "z_calibration", "probe_accuracy", "switch_offset"};
   if (options.procedures.empty()) return false;
-  const std::string& first = options.procedures.front();
-  return std::ranges::find(kNames, first.substr(0, first.find(':'))) != kNames.end();
+  const std::string_view first = options.procedures.front();
+  const std::string_view name = first.substr(0, first.find(':'));
+  return std::ranges::any_of(ZOffsetProcedureWords(),
+                             [&](const Word& word) { return word.name == name; });
 }
 
 int CalibrateZOffsetAtHand(const CalibrateOptions& options) {
