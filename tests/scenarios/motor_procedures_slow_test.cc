@@ -1,5 +1,6 @@
 #include <array>
 #include <cmath>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -27,6 +28,90 @@ TEST(MotorBacklash, CorrectedRecoversTheGapWithItsUncertainty) {
   // chi-squared of 12: between these with 99.9 %.
   EXPECT_GT(squares, 2.2);
   EXPECT_LT(squares, 32.9);
+}
+
+/// A laser that somebody bumps: from that reading on it stands elsewhere.
+class BumpedGauge : public Gauge {
+ public:
+  BumpedGauge(Gauge* inner, int at_reading) : inner_(inner), left_(at_reading) {}
+  Expected<double> Read_mm(std::string_view id) override {
+    constexpr double kBump_mm = 0.5;
+    auto read_mm = inner_->Read_mm(id);
+    if (read_mm && left_-- <= 0) *read_mm += kBump_mm;
+    return read_mm;
+  }
+  Expected<void> Zero(std::string_view id) override { return inner_->Zero(id); }
+
+ private:
+  Gauge* inner_;
+  int left_;
+};
+
+// Between the two senses of one approach of the check: the gap itself was measured
+// well.
+TEST(MotorBacklash, ACheckThatFailsTakesTheCompensationBack) {
+  constexpr double kBefore_mm = 0.01;
+  constexpr int kReadings = 2 * MotorOptions{}.repeats;
+  BuiltMotorStage built = BuiltAsDrawn(DrawnMotorStage());
+  built.motors[0].gap_unit = 0.05;
+  MotorBenchInATest bench(built);
+  BumpedGauge bumped(&bench.gauge, kReadings + 1);
+  MotorAxes axes({.link = &bench.arming, .gauge = &bumped, .drawing = built.drawing});
+  axes.SetZero(0, 0);
+  axes.SetField(425, 0, kBefore_mm);
+
+  const MotorResult read = RunMotorBacklash(&axes, {.axes = {0}});
+
+  EXPECT_EQ(*axes.Field(425, 0), kBefore_mm);
+  EXPECT_EQ(read.found.warnings, 1);
+  ASSERT_FALSE(read.result.steps.empty());
+  EXPECT_EQ(read.result.steps.back().verdict, Verdict::kRolledBack);
+}
+
+// A switch that scatters twice as much as drawn is seldom proven to by five looks, but
+// what they show counts: the stated uncertainty is that of where homes lie.
+TEST(StepperHome, UncertaintyIsThatOfASwitchTwiceAsBadAsDrawn) {
+  constexpr std::size_t kU = 4;
+  constexpr int kHomings = 60;
+  std::vector<double> homes_mm;
+  double variance_mm2 = 0;
+  for (int i = 0; i < kHomings; ++i) {
+    BuiltMotorStage built = BuiltAsDrawn(DrawnMotorStage());
+    built.faults[kU].switch_scatter_unit =
+        2 * built.drawing.axes[kU].switch_scatter_unit;
+    MotorBenchInATest bench(built, /*is_physics=*/false, 1, i);
+    const MotorResult homed = RunStepperHome(&bench.axes, {.axes = {kU}});
+    variance_mm2 += std::pow(homed.result.estimates.at(0).sd, 2) / kHomings;
+    homes_mm.push_back(TrueHome(bench.firmware, bench.rig, kU));
+  }
+
+  double mean_mm = 0, squares_mm2 = 0;
+  for (const double home_mm : homes_mm) mean_mm += home_mm / kHomings;
+  for (const double home_mm : homes_mm) squares_mm2 += std::pow(home_mm - mean_mm, 2);
+  // chi-squared of 59: between these with 99.9 %.
+  EXPECT_GT(squares_mm2 / variance_mm2, 29.6);
+  EXPECT_LT(squares_mm2 / variance_mm2, 100.3);
+}
+
+// Of a move too short for its speed: the counters pass half the way more slowly.
+TEST(AxisSync, UncertaintyOfAShortMoveIsThatOfTheSpeedItGetsTo) {
+  constexpr double kDelay_s = 0.0007;
+  constexpr int kRepeats = 40;
+  double squares = 0;
+  for (int i = 0; i < kRepeats; ++i) {
+    BuiltMotorStage built = BuiltAsDrawn(DrawnMotorStage());
+    built.faults[1].start_delay_s = kDelay_s;
+    MotorBenchInATest bench(built, /*is_physics=*/false, 1, i);
+    bench.axes.SetZero(0, 0);
+    bench.axes.SetZero(1, 0);
+    const MotorResult read = RunAxisSync(
+        &bench.axes, {.is_as_published = true, .axes = {0, 1}, .distance_unit = 0.5});
+    const Estimate& lead = read.result.estimates.at(0);
+    squares += std::pow((lead.value - kDelay_s) / lead.sd, 2);
+  }
+  // chi-squared of 40: between these with 99.9 %.
+  EXPECT_GT(squares, 16.9);
+  EXPECT_LT(squares, 76.1);
 }
 
 // Nearly at the index or just beyond it: as often one pulse as none or two.
