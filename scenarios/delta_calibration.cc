@@ -79,9 +79,7 @@ class DeltaCalibration {
 
  private:
   void End(const MachineFault& fault) {
-    const bool is_lost = fault.kind == MachineFault::Kind::kLinkLost ||
-                         fault.kind == MachineFault::Kind::kTimeout;
-    result_.ending = is_lost ? Ending::kLinkLost : Ending::kAlarm;
+    result_.ending = EndingOfFault(fault);
     result_.fault = fault.reply;
   }
 

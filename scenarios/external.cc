@@ -9,7 +9,7 @@
 #include <fmt/ranges.h>
 
 #include "calibration/loop/controller.h"
-#include "calibration/loop/session.h"
+#include "calibration/loop/outcome.h"
 #include "scenarios/parameter_name.h"
 
 namespace caltwin {
@@ -128,7 +128,7 @@ std::string ExternalProtocol::Answer(std::string_view line) {
 }
 
 std::string ExternalProtocol::Fault(const MachineFault& fault) {
-  ending_ = EndingOfFault(Classified(fault));
+  ending_ = EndingOfFault(fault);
   fault_ = fault.reply;
   const char* prefix = fault.reply.starts_with("Error") ? "" : "Error: ";
   return fmt::format("{}{}\n{}", prefix, fault.reply, kOk);

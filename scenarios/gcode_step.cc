@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "calibration/loop/controller.h"
-#include "calibration/loop/session.h"
+#include "calibration/loop/outcome.h"
 
 namespace caltwin {
 namespace {
@@ -17,7 +17,7 @@ ProcedureResult SendLines(const std::vector<std::string>& lines, Bench* bench) {
   for (const std::string& line : lines) {
     const auto reply = bench->link->Send(line, kPatience);
     if (!reply) {
-      result.ending = EndingOfFault(Classified(reply.error()));
+      result.ending = EndingOfFault(reply.error());
       result.fault = reply.error().reply;
       result.messages.push_back(fmt::format("{}: {}", line, reply.error().reply));
       return result;

@@ -94,9 +94,7 @@ class MotorRun {
         continue;
       }
       done.result.messages.push_back("the machine said: " + answer.error().reply);
-      done.result.ending = answer.error().kind == MachineFault::Kind::kAlarm
-                               ? Ending::kAlarm
-                               : Ending::kRefused;
+      done.result.ending = EndingOfFault(answer.error());
       break;
     }
     return done;

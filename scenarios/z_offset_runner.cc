@@ -114,8 +114,7 @@ class ZOffsetRun {
     for (const std::string& line : step.lines) {
       const auto answer = client->Say(line);
       if (!answer) {
-        result.ending = Ending::kRefused;
-        result.messages.push_back("the machine said: " + answer.error().reply);
+        FailZOffset(answer.error(), &result);
         return result;
       }
       for (const std::string& said : *answer) result.messages.push_back(said);

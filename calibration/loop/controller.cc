@@ -104,7 +104,8 @@ std::optional<Vec3<double>> CountOf(std::string_view reply) {
 
 MachineFault Classified(MachineFault fault) {
   const bool no_contact = Contains(fault.reply, "was not triggered") ||
-                          Contains(fault.reply, "during probing move");
+                          Contains(fault.reply, "during probing move") ||
+                          Contains(fault.reply, "No trigger on");
   if (IsCollision(fault)) {
     fault.kind = MachineFault::Kind::kAlarm;
   } else if (fault.kind == MachineFault::Kind::kRefused && no_contact) {

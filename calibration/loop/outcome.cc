@@ -1,5 +1,6 @@
 #include "calibration/loop/outcome.h"
 
+#include "calibration/loop/controller.h"
 #include "sim/base/require.h"
 
 namespace caltwin {
@@ -17,6 +18,21 @@ std::string ToString(Verdict verdict) {
   }
   Require(false, "a verdict that has a name");
   return "";
+}
+
+Ending EndingOfFault(const MachineFault& fault) {
+  switch (Classified(fault).kind) {
+    case MachineFault::Kind::kAlarm:
+      return IsCollision(fault) ? Ending::kCollision : Ending::kAlarm;
+    case MachineFault::Kind::kRefused:
+      return Ending::kRefused;
+    case MachineFault::Kind::kNoTrigger:
+      return Ending::kNoTrigger;
+    case MachineFault::Kind::kTimeout:
+    case MachineFault::Kind::kLinkLost:
+      break;
+  }
+  return Ending::kLinkLost;
 }
 
 }  // namespace caltwin

@@ -7,6 +7,7 @@
 #include "calibration/estimate/correlation.h"
 #include "calibration/estimate/uncertain.h"
 #include "sim/base/yaml.h"
+#include "sim/link/link.h"
 
 namespace caltwin {
 
@@ -58,6 +59,9 @@ enum class Ending {
   kRefused,     ///< Nothing was applied: limit, operator, or a check before.
   kLinkLost
 };
+/// How a run ends on that fault, by its kind and its words (Classified). A machine that
+/// fell silent is taken for one that is gone.
+Ending EndingOfFault(const MachineFault& fault);
 
 struct ProcedureResult {
   Ending ending = Ending::kDone;

@@ -50,21 +50,6 @@ double ValueOf(const Settings& settings, Setting setting, Axis axis) {
   return settings.probe_deflection_mm[IndexOf(axis)];
 }
 
-Ending EndingOfFault(const MachineFault& fault) {
-  switch (fault.kind) {
-    case MachineFault::Kind::kAlarm:
-      return IsCollision(fault) ? Ending::kCollision : Ending::kAlarm;
-    case MachineFault::Kind::kRefused:
-      return Ending::kRefused;
-    case MachineFault::Kind::kNoTrigger:
-      return Ending::kNoTrigger;
-    case MachineFault::Kind::kTimeout:
-    case MachineFault::Kind::kLinkLost:
-      break;
-  }
-  return Ending::kLinkLost;
-}
-
 Session::Session(Bench* bench,
                  std::string procedure,
                  std::string variant,

@@ -119,9 +119,6 @@ class Session {
   ProcedureResult result_{};
 };
 
-/// What a person may read of how a run ended on a fault.
-Ending EndingOfFault(const MachineFault& fault);
-
 /// Runs `body` with the firmware's backlash compensation of `axis` at 0 and sets it
 /// back afterwards, also where `body` failed.
 template <typename Body>

@@ -160,10 +160,7 @@ void MotorDoing::Fail(const MachineFault& fault) {
     Meet(*std::move(condition));
     return;
   }
-  const auto kind = fault.kind;
-  done_.result.ending = kind == MachineFault::Kind::kLinkLost ? Ending::kLinkLost
-                        : kind == MachineFault::Kind::kAlarm  ? Ending::kAlarm
-                                                              : Ending::kRefused;
+  done_.result.ending = EndingOfFault(fault);
 }
 
 bool MotorDoing::IsHomed(std::size_t axis) {

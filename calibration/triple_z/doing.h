@@ -66,11 +66,7 @@ class Doing {
   }
   void Fail(const MachineFault& fault) {
     done_.result.fault = fault.reply;
-    const auto kind = fault.kind;
-    done_.result.ending = kind == MachineFault::Kind::kNoTrigger  ? Ending::kNoTrigger
-                          : kind == MachineFault::Kind::kLinkLost ? Ending::kLinkLost
-                          : kind == MachineFault::Kind::kAlarm    ? Ending::kAlarm
-                                                                  : Ending::kRefused;
+    done_.result.ending = EndingOfFault(fault);
     Say("the machine said: " + fault.reply);
   }
   /// The value, or nullopt and the fault noted.

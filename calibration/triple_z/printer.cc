@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "calibration/loop/controller.h"
 #include "sim/base/mutant.h"
 #include "sim/link/gcode.h"
 
@@ -88,13 +89,7 @@ Expected<double> TripleZPrinter::Probe(const Eigen::Vector2d& at_mm) {
   const std::string line =
       "G30 " + Word('X', at_mm[0]) + " " + Word('Y', at_mm[1]) + " S-1";
   const auto answer = Say(line);
-  if (!answer) {
-    MachineFault fault = answer.error();
-    if (fault.reply.find("not triggered") != std::string::npos) {
-      fault.kind = MachineFault::Kind::kNoTrigger;
-    }
-    return tl::unexpected(fault);
-  }
+  if (!answer) return tl::unexpected(Classified(answer.error()));
   ++touches_;
   z_mm_.reset();  // As far over the touch as the firmware dives.
   if (const auto height_mm = StoppedHeight_mm(*answer)) return *height_mm;

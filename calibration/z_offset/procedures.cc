@@ -76,10 +76,7 @@ bool HomesWithin(const std::string& macro) {
 
 void FailZOffset(const MachineFault& fault, ProcedureResult* result) {
   result->fault = fault.reply;
-  result->ending = fault.reply.find("No trigger") != std::string::npos
-                       ? Ending::kNoTrigger
-                   : fault.kind == MachineFault::Kind::kLinkLost ? Ending::kLinkLost
-                                                                 : Ending::kRefused;
+  result->ending = EndingOfFault(fault);
   result->messages.push_back("the machine said: " + fault.reply);
 }
 

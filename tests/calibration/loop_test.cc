@@ -175,6 +175,26 @@ TEST(Session, AKeptSettingIsLessSureThanItsEstimate) {
   EXPECT_EQ(kept.budget.at(1).input, "kept, not corrected");
 }
 
+// In the words of RepRapFirmware, of Klipper, and of a wire.
+TEST(EndingOfFault, GoesByTheFaultsKindAndItsWords) {
+  using Kind = MachineFault::Kind;
+  const auto ending = [](Kind kind, const std::string& reply) {
+    return EndingOfFault({.kind = kind, .reply = reply});
+  };
+
+  EXPECT_EQ(ending(Kind::kRefused, "Error: Probe was not triggered during probing move"),
+            Ending::kNoTrigger);
+  EXPECT_EQ(ending(Kind::kRefused, "!! No trigger on z after full movement"),
+            Ending::kNoTrigger);
+  EXPECT_EQ(ending(Kind::kNoTrigger, ""), Ending::kNoTrigger);
+  EXPECT_EQ(ending(Kind::kRefused, "!! Must home axis first"), Ending::kRefused);
+  EXPECT_EQ(ending(Kind::kAlarm, "Emergency stop: switch"), Ending::kAlarm);
+  EXPECT_EQ(ending(Kind::kAlarm, "Emergency stop: the stylus was bent"),
+            Ending::kCollision);
+  EXPECT_EQ(ending(Kind::kTimeout, "no answer"), Ending::kLinkLost);
+  EXPECT_EQ(ending(Kind::kLinkLost, "closed"), Ending::kLinkLost);
+}
+
 TEST(Catalog, ExplainsEveryProcedureAndRefusesUnknownOptions) {
   for (const Procedure& procedure : AllProcedures()) {
     EXPECT_FALSE(procedure.about.empty());
