@@ -182,8 +182,9 @@ TEST(EndingOfFault, GoesByTheFaultsKindAndItsWords) {
     return EndingOfFault({.kind = kind, .reply = reply});
   };
 
-  EXPECT_EQ(ending(Kind::kRefused, "Error: Probe was not triggered during probing move"),
-            Ending::kNoTrigger);
+  EXPECT_EQ(
+      ending(Kind::kRefused, "Error: Probe was not triggered during probing move"),
+      Ending::kNoTrigger);
   EXPECT_EQ(ending(Kind::kRefused, "!! No trigger on z after full movement"),
             Ending::kNoTrigger);
   EXPECT_EQ(ending(Kind::kNoTrigger, ""), Ending::kNoTrigger);
