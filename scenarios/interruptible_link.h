@@ -10,10 +10,19 @@
 
 namespace caltwin {
 
+/// Whether a line moves nothing, and puts back what was set for the time of a
+/// measurement: accelerations (M201), compensation of a gap (M425), delays (M816), a
+/// nozzle's offset (SET_GCODE_OFFSET without MOVE).
+inline bool PutsBack(std::string_view line) {
+  return line.starts_with("M201 ") || line.starts_with("M425 ") ||
+         line.starts_with("M816 ") ||
+         (line.starts_with("SET_GCODE_OFFSET Z=") &&
+          line.find("MOVE") == std::string_view::npos);
+}
+
 /// Passes everything on, but lets nothing through once Ctrl-C was pressed, so that a
 /// procedure ends at its next line, as if the link were lost, and the work done so far
-/// is kept. But for what moves nothing and puts back what was set for the time of a
-/// measurement: accelerations (M201), compensation of a gap (M425) and delays (M816).
+/// is kept. But for what PutsBack.
 class InterruptibleLink final : public Link {
  public:
   /// `inner` is borrowed.
@@ -27,10 +36,6 @@ class InterruptibleLink final : public Link {
   }
 
  private:
-  static bool PutsBack(std::string_view line) {
-    return line.starts_with("M201 ") || line.starts_with("M425 ") ||
-           line.starts_with("M816 ");
-  }
   Link* inner_;
 };
 

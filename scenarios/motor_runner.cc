@@ -153,13 +153,9 @@ class MotorRun {
     keep(done.found.stop_feasible, &found_.stop_feasible);
     keep(done.found.standstill_s, &found_.standstill_s);
     keep(done.found.stopped_within, &found_.stopped_within);
-    const auto append = [](const auto& from, auto* to) {
-      to->insert(to->end(), from.begin(), from.end());
-    };
-    append(last_.steps, &result->steps);
-    append(last_.messages, &result->messages);
-    append(last_.observability, &result->observability);
-    append(last_.correlations, &result->correlations);
+    AddDone(last_, result);
+    result->messages.insert(
+        result->messages.end(), last_.messages.begin(), last_.messages.end());
     AddEstimates(result);
   }
 

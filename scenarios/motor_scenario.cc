@@ -318,8 +318,6 @@ void ReadExpectation(YamlMap map, MotorScenario* scenario) {
   map.NoMoreKeys();
 }
 
-}  // namespace
-
 void ReadMotorTruth(YamlMap* map, MotorScenario* scenario) {
   if (const auto effects = map->Optional("effects")) {
     scenario->effects = ReadMotorEffects(effects->Map(), scenario->drawing);
@@ -327,6 +325,19 @@ void ReadMotorTruth(YamlMap* map, MotorScenario* scenario) {
   if (const auto settings = map->Optional("settings")) {
     ReadSettings(settings->Map(), scenario);
   }
+}
+
+}  // namespace
+
+MotorScenario ReadMotorTruthFile(const std::filesystem::path& file,
+                                 const MotorStageDrawing& drawing) {
+  MotorScenario truth{.drawing = drawing};
+  Faults faults;
+  YamlMap map = ReadYamlFile(file, &faults);
+  ReadMotorTruth(&map, &truth);
+  map.NoMoreKeys();
+  faults.ThrowIfAny();
+  return truth;
 }
 
 std::vector<MotorStep> ReadMotorSteps(const YamlValue& list,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <utility>
@@ -48,9 +49,10 @@ struct MotorScenario {
 /// Reads the keys of a motor stage's scenario that are its own.
 MotorScenario ReadMotorScenario(YamlMap* map, const MotorStageDrawing& drawing);
 
-/// Reads the `effects` and `settings` of such a scenario or truth file; `scenario` has
-/// its drawing already.
-void ReadMotorTruth(YamlMap* map, MotorScenario* scenario);
+/// Reads a file of `effects` and `settings` of such a stage. Throws InputError where it
+/// is not that.
+MotorScenario ReadMotorTruthFile(const std::filesystem::path& file,
+                                 const MotorStageDrawing& drawing);
 
 /// Reads a list of procedures, as in `calibrate:`.
 std::vector<MotorStep> ReadMotorSteps(const YamlValue& list,

@@ -7,6 +7,11 @@ namespace caltwin {
 std::span<const Word> MotorEffectWords() {
   static constexpr std::array kWords = {
       Word{
+          "backlash",
+          "A gap between motor and carriage, which stays until it is crossed; friction "
+          "stops the carriage. The motor's counter does not see it. gap_mm (gap_deg of "
+          "a rotary axis)."},
+      Word{
           "switch_scatter",
           "A limit switch closes at another place each time. sd_um: standard deviation "
           "from one closing to the next (sd_mdeg of a rotary axis, as all lengths are "

@@ -1,5 +1,6 @@
 #include "scenarios/result.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <nlohmann/json.hpp>
@@ -109,6 +110,22 @@ std::optional<Expanded> ExpandedOf(const ParameterResult& row) {
   if (!row.sd) return std::nullopt;
   if (!row.budget.empty()) return Expand(row.budget);
   return Expand(std::vector<Contribution>{{.input = "as stated", .u = *row.sd}});
+}
+
+void AddDone(const ProcedureResult& part, RunResult* result) {
+  const auto append = [](const auto& from, auto* to) {
+    to->insert(to->end(), from.begin(), from.end());
+  };
+  append(part.steps, &result->steps);
+  append(part.correlations, &result->correlations);
+  for (const Observability& o : part.observability) {
+    const auto same = [&](const Observability& known) {
+      return known.statement == o.statement;
+    };
+    if (std::ranges::none_of(result->observability, same)) {
+      result->observability.push_back(o);
+    }
+  }
 }
 
 std::vector<Correlations> AllCorrelations(const RunResult& result) {

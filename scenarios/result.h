@@ -84,6 +84,10 @@ struct RunResult {
 /// The tree of `caltwin run --json`.
 nlohmann::ordered_json ToJson(const RunResult& result);
 
+/// What a procedure did, and what it knows of its estimates, behind what others did
+/// before it; what it cannot tell is said once.
+void AddDone(const ProcedureResult& part, RunResult* result);
+
 /// Of its fits, and what its results have in common that were told one by one
 /// (SharedCorrelations).
 std::vector<Correlations> AllCorrelations(const RunResult& result);

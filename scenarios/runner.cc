@@ -127,15 +127,7 @@ void AddOnce(const std::string& message, std::vector<std::string>* messages) {
 
 void Collect(const std::vector<ProcedureResult>& results, RunResult* result) {
   for (const ProcedureResult& part : results) {
-    result->steps.insert(result->steps.end(), part.steps.begin(), part.steps.end());
-    result->correlations.insert(
-        result->correlations.end(), part.correlations.begin(), part.correlations.end());
-    for (const Observability& o : part.observability) {
-      const bool is_known = std::ranges::any_of(
-          result->observability,
-          [&](const Observability& known) { return known.statement == o.statement; });
-      if (!is_known) result->observability.push_back(o);
-    }
+    AddDone(part, result);
     for (const std::string& message : part.messages) {
       AddOnce(message, &result->messages);
     }

@@ -167,13 +167,9 @@ class TripleZRun {
     grew_ += static_cast<int>(
         std::ranges::count_if(done.steeper, [](double times) { return times > 1; }));
     confounded_ = confounded_ || last_.ending == Ending::kConfounded;
-    const auto append = [](const auto& from, auto* to) {
-      to->insert(to->end(), from.begin(), from.end());
-    };
-    append(last_.steps, &result->steps);
-    append(last_.messages, &result->messages);
-    append(last_.observability, &result->observability);
-    append(last_.correlations, &result->correlations);
+    AddDone(last_, result);
+    result->messages.insert(
+        result->messages.end(), last_.messages.begin(), last_.messages.end());
     for (const Estimate& estimate : last_.estimates) {
       const auto same = [&](const Estimate& had) {
         return had.name == estimate.name;

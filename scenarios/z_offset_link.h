@@ -24,8 +24,8 @@ class KlipperZWire : public Link {
 
 /// A feeler gauge's reading under the nozzle, where it stands.
 struct FeelerReading {
-  double gcode_mm = 0;  ///< The height that was commanded.
-  double gap_mm = 0;    ///< In whole leaves of 0.01 mm.
+  double height_mm = 0;  ///< Commanded, by a bed mesh in force too.
+  double gap_mm = 0;     ///< In whole leaves of 0.01 mm.
 };
 /// nullopt where the controller does not say where it stands. Asks it GET_POSITION.
 std::optional<FeelerReading> ReadFeeler(const KlipperZ& klipper,

@@ -96,9 +96,9 @@ void ZOffsetRecord::AddGap(const std::string& campaign,
                            bool is_wiped) {
   const std::string name = campaign + "_gap";
   header_.campaigns[name].instrument = "feeler";
-  Row row = RowOf(name, ZReading::kGapUnderNozzle, when, Shown_mm(read.gcode_mm));
+  Row row = RowOf(name, ZReading::kGapUnderNozzle, when, Shown_mm(read.height_mm));
   row.nozzle_wiped = is_wiped ? 1 : 0;
-  row.value_mm = Shown_mm(read.gap_mm - read.gcode_mm);
+  row.value_mm = Shown_mm(read.gap_mm - read.height_mm);
   rows_.rows.push_back(std::move(row));
 }
 

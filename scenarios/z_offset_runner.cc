@@ -65,14 +65,10 @@ class ZOffsetRun {
       record_.AddTouches(
           step.name, std::span(klipper_.touched()).subspan(before), twin_.is_wiped());
       ending_ = done.ending;
-      const auto append = [](const auto& from, auto* to) {
-        to->insert(to->end(), from.begin(), from.end());
-      };
-      append(done.steps, &result.steps);
-      append(done.messages, &result.messages);
-      append(done.observability, &result.observability);
-      append(done.correlations, &result.correlations);
-      append(done.estimates, &estimates_);
+      AddDone(done, &result);
+      result.messages.insert(
+          result.messages.end(), done.messages.begin(), done.messages.end());
+      AddEstimates(done.estimates, &result);
       if (ending_ != Ending::kDone) break;
     }
     if (client.is_spoilt()) {
@@ -190,7 +186,7 @@ class ZOffsetRun {
 
   double BuiltOf(const std::string& name) const {
     const ZStation& station = twin_.station();
-    if (name == "switch_offset") return station.trigger_mm;
+    if (name == "switch_offset") return twin_.Trigger_mm();
     // Of a worn switch: the deviation of a product of two uniform numbers.
     const double worn_mm = station.worn_mm * std::sqrt(1.0 / 9 - 1.0 / 16);
     return UmFromMm(name == "endstop_scatter"
@@ -198,8 +194,9 @@ class ZOffsetRun {
                         : station.probe_scatter_mm);
   }
 
-  void AddEstimates(RunResult* result) const {
-    for (const Estimate& estimate : estimates_) {
+  // Beside what is built, at once: it grows.
+  void AddEstimates(const std::vector<Estimate>& estimates, RunResult* result) const {
+    for (const Estimate& estimate : estimates) {
       ParameterResult row{.name = estimate.name,
                           .unit = estimate.unit,
                           .injected = BuiltOf(estimate.name),
@@ -209,6 +206,9 @@ class ZOffsetRun {
       row.error = estimate.value - row.injected;
       result->parameters.push_back(row);
     }
+  }
+
+  void AddError(RunResult* result) const {
     result->parameters.push_back({.name = "z_offset_error",
                                   .unit = "mm",
                                   .injected = 0,
@@ -232,10 +232,13 @@ class ZOffsetRun {
   }
 
   void Judge(RunResult* result) const {
-    AddEstimates(result);
-    result->messages.push_back(fmt::format(
-        "commanded to 0 the clean nozzle stands {:+.4f} mm over the print surface",
-        Error_mm()));
+    AddError(result);
+    result->messages.push_back(
+        std::isfinite(Error_mm())
+            ? fmt::format("commanded to 0 the clean nozzle stands {:+.4f} mm over the "
+                          "print surface",
+                          Error_mm())
+            : "Z is not homed: no height is known of the nozzle");
     for (const auto& [name, within] : z_.figures) {
       CheckFigure(name, within, FigureOf(name, *result), result);
     }
@@ -257,7 +260,6 @@ class ZOffsetRun {
   KlipperZ klipper_;
   ZOffsetRecord record_;
   KlipperZWire wire_;
-  std::vector<Estimate> estimates_{};
   Ending ending_ = Ending::kDone;
 };
 

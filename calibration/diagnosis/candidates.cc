@@ -117,10 +117,11 @@ bool CanTell(const Observed& o, const Effect& effect, const Shown& shown) {
 }
 
 // What shows in three rows or fewer cannot be told from outliers.
-bool ReachesFew(const Variant& variant) {
-  constexpr Eigen::Index kFew = 3;
+bool ReachesFew(const Observed& o, const Variant& variant) {
+  // At a station homing turns what one touch shows into what the two others do.
+  const Eigen::Index few = o.machine().z_station ? 2 : 3;
   const Eigen::VectorXd size = variant.columns_mm.rowwise().norm();
-  return (size.array() > 0.3 * size.maxCoeff()).count() <= kFew;
+  return (size.array() > 0.3 * size.maxCoeff()).count() <= few;
 }
 
 std::optional<Candidate> CandidateOf(const Observed& o,
@@ -143,7 +144,7 @@ std::optional<Candidate> CandidateOf(const Observed& o,
   }
   for (const std::vector<double>& forms : grid) {
     Variant variant = VariantOf(o, index, axis, forms);
-    if (variant.columns_mm.cols() == 0 || ReachesFew(variant)) continue;
+    if (variant.columns_mm.cols() == 0 || ReachesFew(o, variant)) continue;
     candidate.variants.push_back(std::move(variant));
   }
   if (candidate.variants.empty()) return std::nullopt;

@@ -7,6 +7,7 @@
 #include <numeric>
 #include <tuple>
 
+#include "calibration/diagnosis/rounding.h"
 #include "sim/base/median.h"
 #include "sim/base/units.h"
 
@@ -98,27 +99,9 @@ Eigen::MatrixXd Whitener::operator()(const Eigen::MatrixXd& columns_mm) const {
   return white;
 }
 
-namespace {
-
-// A printer that levels by its screws counts a touch in whole steps of Z; no switch of
-// a printer repeats to better than a tenth of a micrometre.
-double CountedIn_mm(const Observed& observed, const std::string& name) {
-  constexpr double kNoSwitch_mm = 1e-4;
-  if (observed.machine().z_station) return kNoSwitch_mm;
-  if (!observed.machine().triple_z) return 0;
-  for (Eigen::Index i = 0; i < observed.num_rows(); ++i) {
-    const bool is_touch = observed.at(i).kind == RowKind::kTouch;
-    if (!is_touch || observed.row(i).campaign != name) continue;
-    return 1 / observed.machine().axis(Axis::kZ).steps_per_mm() / std::sqrt(12.0);
-  }
-  return 0;
-}
-
-}  // namespace
-
 double RoundedTo_mm(const Observed& observed, const std::string& name) {
   const DataHeader& header = observed.header();
-  const double counted_mm = CountedIn_mm(observed, name);
+  const double counted_mm = CountedSigma_mm(observed, name);
   const auto campaign = header.campaigns.find(name);
   if (campaign == header.campaigns.end()) return counted_mm;
   const auto instrument = header.instruments.find(campaign->second.instrument);
@@ -217,6 +200,10 @@ Eigen::VectorXd GuessSigma_mm(const Observed& observed,
                               const Eigen::VectorXd& baseline_residual_mm) {
   constexpr int kEnoughReplicates = 10;
   const PureError pure = PureErrorOf(observed, kEnoughReplicates);
+  std::vector<double> rounded_mm;
+  for (const std::string& name : observed.campaigns()) {
+    rounded_mm.push_back(RoundedTo_mm(observed, name));
+  }
   std::vector<std::vector<double>> sizes(observed.campaigns().size());
   for (Eigen::Index i = 0; i < observed.num_rows(); ++i) {
     sizes[static_cast<std::size_t>(observed.campaign_of()[static_cast<std::size_t>(i)])]
@@ -230,8 +217,7 @@ Eigen::VectorXd GuessSigma_mm(const Observed& observed,
     double sigma = kSigmaOfMedian * Median(sizes[c]);
     if (Known(pure.sigma_mm[c])) sigma = std::min(sigma, pure.sigma_mm[c]);
     if (Known(stated)) sigma = stated;
-    const double rounded_mm = RoundedTo_mm(observed, observed.campaigns()[c]);
-    sigma_mm[i] = std::max({sigma, rounded_mm, kLeastSigma_mm});
+    sigma_mm[i] = std::max({sigma, rounded_mm[c], kLeastSigma_mm});
   }
   return sigma_mm;
 }

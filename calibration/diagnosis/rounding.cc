@@ -1,7 +1,16 @@
 #include "calibration/diagnosis/rounding.h"
 
+#include <algorithm>
 #include <cmath>
+#include <map>
+#include <numbers>
+#include <numeric>
+#include <string>
+#include <vector>
 
+#include <fmt/format.h>
+
+#include "calibration/diagnosis/noise.h"
 #include "sim/base/mutant.h"
 
 namespace caltwin {
@@ -19,6 +28,68 @@ double RoundingSigma_mm(const Observed& observed, Eigen::Index i) {
                     Mutant("delta_rounding_as_a_sigma", 12.0, 1.0);
   }
   return std::sqrt(variance_mm2);
+}
+
+namespace {
+
+constexpr double kNoSwitch_mm = 1e-4;  // No switch of a printer repeats to better.
+
+// How many count the same at one place, as a reading finds it in the mean.
+double AlikeOf(const Observed& observed, const std::vector<Eigen::Index>& rows) {
+  constexpr double kSame_mm = 1e-6;
+  std::map<std::string, double> counts;
+  for (const Eigen::Index i : rows) {
+    const Row& row = observed.row(i);
+    ++counts[fmt::format("{}|{:.3f}|{:.3f}|{}",
+                         row.feature,
+                         row.cmd_mm[0],
+                         row.cmd_mm[1],
+                         std::llround(row.value_mm / kSame_mm))];
+  }
+  double squares = 0;
+  for (const auto& [key, count] : counts) squares += count * count;
+  return squares / static_cast<double>(rows.size());
+}
+
+// By repeats; 0 where there are few.
+double Scatter_mm(const Observed& observed, const std::vector<Eigen::Index>& rows) {
+  constexpr double kEnough = 10;
+  std::map<std::string, std::vector<double>> repeats;
+  for (const Eigen::Index i : rows) {
+    repeats[ReplicateKey(observed, i)].push_back(observed.residual_mm()[i]);
+  }
+  double squares_mm2 = 0, dof = 0;
+  for (const auto& [key, values_mm] : repeats) {
+    const auto count = static_cast<double>(values_mm.size());
+    const double mean_mm =
+        std::accumulate(values_mm.begin(), values_mm.end(), 0.0) / count;
+    for (const double value_mm : values_mm) {
+      squares_mm2 += std::pow(value_mm - mean_mm, 2);
+    }
+    dof += count - 1;
+  }
+  return dof < kEnough ? 0 : std::sqrt(squares_mm2 / dof);
+}
+
+}  // namespace
+
+double CountedSigma_mm(const Observed& observed, const std::string& campaign) {
+  const Machine& machine = observed.machine();
+  if (!machine.z_station && !machine.triple_z) return 0;
+  std::vector<Eigen::Index> rows;
+  for (Eigen::Index i = 0; i < observed.num_rows(); ++i) {
+    const bool is_touch = observed.at(i).kind == RowKind::kTouch;
+    if (is_touch && observed.row(i).campaign == campaign) rows.push_back(i);
+  }
+  const double least_mm = machine.z_station ? kNoSwitch_mm : 0;
+  if (rows.empty()) return least_mm;
+  const double step_mm = 1 / machine.axis(Axis::kZ).steps_per_mm();
+  const double carried = 2 * std::numbers::pi * Scatter_mm(observed, rows) / step_mm;
+  const double in_common =
+      Mutant("rounding_averages_out",
+             (AlikeOf(observed, rows) - 1) * std::exp(-carried * carried),
+             0.0);
+  return std::max(least_mm, step_mm / std::sqrt(12.0)) * std::sqrt(1 + in_common);
 }
 
 double RoundedBy_mm(const Observed& observed, Eigen::Index i, Axis axis) {

@@ -17,4 +17,14 @@ double RoundingSigma_mm(const Observed& observed, Eigen::Index i);
 /// of touches, which end anywhere, and where no steps are stated. Repeats share it.
 double RoundedBy_mm(const Observed& observed, Eigen::Index i, Axis axis);
 
+/// What counting a touch in whole motor steps of Z leaves open, of a campaign on a
+/// printer that levels by its screws or at a station; 0 of others [mm].
+///
+///   (step / sqrt(12)) sqrt(1 + (n - 1) exp(-(2 pi s)^2))
+///
+/// Readings of one place that count the same step have its rounding in common: of n of
+/// them as much is in their mean. Noise of s steps, as repeats show it, carries them
+/// over steps and parts them.
+double CountedSigma_mm(const Observed& observed, const std::string& campaign);
+
 }  // namespace caltwin

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "sim/base/dense.h"
+#include "sim/base/mutant.h"
 #include "sim/base/rng.h"
 #include "sim/base/units.h"
 
@@ -48,7 +49,8 @@ std::vector<NoiseWorld> WorldsOf(const Observed& observed,
     const double prior =
         rate == 0 ? 0.5 : 0.5 / static_cast<double>(kWanders_um_per_sqrt_h.size() - 1);
     const double log_none = evidence.log_none() + std::log(prior);
-    const double noise_scale = std::sqrt(evidence.chi2() / evidence.dof());
+    const double noise_scale =
+        std::min(1.0, std::sqrt(evidence.chi2() / evidence.dof()));
     worlds.push_back({WanderOf(rate), std::move(evidence), log_none, noise_scale});
   }
   return worlds;
@@ -160,7 +162,8 @@ struct InFull {
 InFull WithFreedom(const NoiseWorld& world,
                    const Candidate& candidate,
                    const Variant& variant,
-                   const Tolerance& tolerance) {
+                   const Tolerance& tolerance,
+                   double plain) {
   const Eigen::Index k = variant.columns_mm.cols(), m = tolerance.columns_mm.cols();
   Eigen::MatrixXd columns(variant.columns_mm.rows(), k + m);
   columns << variant.columns_mm, tolerance.columns_mm;
@@ -180,6 +183,12 @@ InFull WithFreedom(const NoiseWorld& world,
   inner.diagonal() += prior.cwiseInverse();
   const Eigen::VectorXd mean = Cholesky(inner).Solve(projected.match);
   full.sizes_mm = mean.head(k);
+  if (m > 0) {
+    // As likely beforehand: it has its textbook shape and no freedom is spent.
+    full.log_bayes = Mutant("textbook_pays_for_freedom",
+                            LogSum({full.log_bayes, plain}) - std::numbers::ln2,
+                            full.log_bayes);
+  }
   if (candidate.must_be_positive) {
     full.log_bayes += LogPositive(projected, prior, world.noise_scale);
   }
@@ -190,17 +199,18 @@ InFull WithFreedom(const NoiseWorld& world,
 // One variant in full; remembers it where it is the best so far.
 double Refine(const NoiseWorld& world,
               const Candidate& candidate,
-              std::size_t variant,
+              const Scored& plain,
               Tolerances* tolerances,
               double* best,
               Weighed* weighed) {
   const InFull full = WithFreedom(world,
                                   candidate,
-                                  candidate.variants[variant],
-                                  tolerances->Of(weighed->candidate, variant));
+                                  candidate.variants[plain.variant],
+                                  tolerances->Of(weighed->candidate, plain.variant),
+                                  plain.log_bayes);
   if (full.log_bayes + world.log_none > *best) {
     *best = full.log_bayes + world.log_none;
-    weighed->variant = variant;
+    weighed->variant = plain.variant;
     weighed->scale_mm = full.scale_mm;
     weighed->sizes_mm = full.sizes_mm;
     weighed->deviation_mm = full.deviation_mm;
@@ -226,7 +236,7 @@ Weighed WeighOne(const std::vector<NoiseWorld>& worlds,
       const bool is_close = scores[s].log_bayes > scores[0].log_bayes - kHopeless_nats;
       if (s < kVariantsInFull && is_close) {
         scores[s].log_bayes =
-            Refine(world, candidate, scores[s].variant, tolerances, &best, &weighed);
+            Refine(world, candidate, scores[s], tolerances, &best, &weighed);
       }
       of_variants.push_back(scores[s].log_bayes + per_variant);
     }

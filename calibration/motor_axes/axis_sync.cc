@@ -59,7 +59,12 @@ std::optional<Moments> MoveAndTime(double speed_unit_s, MotorDoing* doing) {
     for (const std::size_t axis : o.axes) {
       const auto says = doing->Got(axes.Drive(axis));
       if (!says) return std::nullopt;
-      if (!axes.drawing(axis).is_servo || !says->half_way_s) continue;
+      if (!axes.drawing(axis).is_servo) continue;
+      if (!says->half_way_s) {
+        doing->Fail({.reply = "the controller did not see " + MotorAxisName(axis) +
+                              " pass the middle of its move"});
+        return std::nullopt;
+      }
       moments[axis] += *says->half_way_s / o.repeats;
     }
     if (!doing->Did(axes.MoveTogether(o.axes, -o.distance_unit, speed_unit_s)) ||
@@ -171,7 +176,10 @@ void TellLeads(const Moments& moments, double speed_unit_s, MotorDoing* doing) {
   for (const auto& [axis, at_s] : moments) {
     const double early_s = Latest(moments) - at_s;
     const std::string name = "start_lead." + MotorAxisName(axis);
-    doing->Found(name, "s", LeadOf(axis, moments, speed_unit_s, *doing));
+    // The text measures, and estimates nothing.
+    if (!doing->options().is_as_published) {
+      doing->Found(name, "s", LeadOf(axis, moments, speed_unit_s, *doing));
+    }
     doing->Step({.quantity = name,
                  .unit = "s",
                  .after = early_s,

@@ -101,6 +101,9 @@ class MotorDoing {
   /// A field of the record that holds until Store or Take puts it back, so that it is
   /// never stored. Asked for again, what was first there is put back.
   bool SetForNow(int code, std::size_t axis, double value);
+  /// A servo reacts as soon as it can for now: a delay that axis_sync set (M816) would
+  /// have it stop the later behind a switch.
+  bool WithoutDelay(std::size_t axis);
   /// What SetForNow has set stays as it is from now on.
   void KeepAsItIs(int code, std::size_t axis);
   bool PutBack();

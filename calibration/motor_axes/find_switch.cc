@@ -72,7 +72,8 @@ bool MayHomeAtScale(std::size_t axis,
   const std::string words = fmt::format(
       "a turn of {0} is {1:.6g} {2} by its record ({3:.6g} pulses by M812, {4:.6g} a "
       "{2} "
-      "by M92) and {5:.6g} as drawn: its home would be wrong, set M92 (steps per {2}) "
+      "by M92) and {5:.6g} as drawn: its lengths would be wrong, set M92 (steps per "
+      "{2}) "
       "or "
       "M812 first",
       MotorAxisName(axis),
@@ -234,6 +235,18 @@ std::optional<Uncertain> CompensatedGap(std::size_t axis,
 bool FindMinSwitch(std::size_t axis, double speed_unit_s, MotorDoing* doing) {
   MotorAxes& axes = doing->axes();
   const MotorAxisDrawing& drawing = axes.drawing(axis);
+  constexpr double kPatience_s = 3600;
+  const double search_s = BetweenSwitches(drawing) / speed_unit_s;
+  if (search_s > kPatience_s) {
+    doing->Fail({.reply = fmt::format(
+                     "at {:.3g} {}/s the switch of {} would be looked for for up to "
+                     "{:.1f} h: is M203 meant to be so low?",
+                     speed_unit_s,
+                     drawing.unit(),
+                     MotorAxisName(axis),
+                     search_s / kPatience_s)});
+    return false;
+  }
   if (!doing->Did(axes.Enable(axis, true))) return false;
   if (!LeaveSwitch(axis, speed_unit_s, doing)) return false;
   const auto found =

@@ -137,6 +137,7 @@ MotorResult RunIndexVerify(MotorAxes* axes, const MotorOptions& options) {
   const auto per_rev = doing.Got(axes->Field(812, axis));
   const auto top_unit_s = doing.TopSpeed_unit_s(axis);
   if (!pulses || !per_rev || !top_unit_s || !doing.IsHomed(axis)) return doing.Take();
+  if (!MayHomeAtScale(axis, *pulses, *per_rev, &doing)) return doing.Take();
   Start start{.per_rev = *per_rev, .lead_unit = *per_rev / *pulses};
   if (!Mutant("index_verify_starts_on_index", options.is_as_published, true)) {
     start.from_unit = start.lead_unit / 2;

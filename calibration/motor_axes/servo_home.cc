@@ -333,7 +333,8 @@ MotorResult RunServoHome(MotorAxes* axes, const MotorOptions& options) {
   const double slow_unit_s = options.slow * *top_unit_s;
   if (!StopsBehindASwitch(axis, slow_unit_s, &doing)) return doing.Take();
   // A compensation would drive a back-off on by as much, past an index perhaps.
-  const bool may_begin = options.is_as_published || doing.SetForNow(425, axis, 0);
+  const bool may_begin = options.is_as_published ||
+                         (doing.SetForNow(425, axis, 0) && doing.WithoutDelay(axis));
   if (!may_begin || !doing.Did(axes->ForgetHome(axis))) return doing.Take();
   const bool is_there = doing.TrySlower(slow_unit_s, [&](double speed_unit_s) {
     return ToSwitch(speed_unit_s, &homing, &doing);

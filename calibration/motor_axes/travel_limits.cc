@@ -141,15 +141,18 @@ MotorResult RunTravelLimits(MotorAxes* axes, const MotorOptions& options) {
   MotorDoing doing("travel_limits", options, axes);
   const std::size_t axis = options.axes.front();
   const auto pulses = doing.Got(axes->Field(92, axis));
+  const auto per_rev = doing.Got(axes->Field(812, axis));
   const auto offset_unit = doing.Got(axes->Field(206, axis));
   const auto top_unit_s = doing.TopSpeed_unit_s(axis);
-  if (!pulses || !offset_unit || !top_unit_s || !doing.IsHomed(axis)) {
+  if (!pulses || !per_rev || !offset_unit || !top_unit_s || !doing.IsHomed(axis)) {
     return doing.Take();
   }
   const Travel travel{
       .axis = axis, .pulses_per_unit = *pulses, .home_offset_unit = *offset_unit};
   const double slow_unit_s = options.slow * *top_unit_s;
-  const bool may_begin = options.is_as_published || doing.SetForNow(425, axis, 0);
+  const bool may_begin = MayHomeAtScale(axis, *pulses, *per_rev, &doing) &&
+                         (options.is_as_published ||
+                          (doing.SetForNow(425, axis, 0) && doing.WithoutDelay(axis)));
   const bool stops = StopsBehindASwitch(axis, slow_unit_s, &doing) &&
                      (options.is_as_published ||
                       StopsBehindASwitch(axis, options.fine_unit_s, &doing, "fine"));

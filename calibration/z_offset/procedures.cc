@@ -122,6 +122,18 @@ std::optional<double> ZOffsetClient::GcodeBase_mm() {
   return position ? After(*position, "gcode base:", "Z:") : std::nullopt;
 }
 
+std::optional<ZOffsetClient::Heights> ZOffsetClient::HeightsNow() {
+  const auto position = Say("GET_POSITION");
+  if (!position) return std::nullopt;
+  // The base is in the position already, a mesh only in the toolhead's.
+  const auto gcode_mm = After(*position, "gcode:", "Z:");
+  const auto base_mm = After(*position, "gcode base:", "Z:");
+  if (!gcode_mm || !base_mm) return std::nullopt;
+  const auto toolhead_mm = After(*position, "toolhead:", "Z:");
+  return Heights{.gcode_mm = *gcode_mm - *base_mm,
+                 .mesh_mm = toolhead_mm ? *toolhead_mm - *gcode_mm : 0};
+}
+
 ProcedureResult RunZCalibration(ZOffsetClient* client,
                                 std::optional<double> switch_offset_mm) {
   ProcedureResult result;

@@ -45,6 +45,12 @@ class ZOffsetClient {
   ProcedureResult Home();
   /// The G-code offset of z in force (GET_POSITION); nullopt: it does not say.
   std::optional<double> GcodeBase_mm();
+  /// Where the controller says that the nozzle is (GET_POSITION) [mm].
+  struct Heights {
+    double gcode_mm = 0;  ///< As commanded, over the G-code offset.
+    double mesh_mm = 0;   ///< By which a bed mesh in force lifts it there.
+  };
+  std::optional<Heights> HeightsNow();
   /// The last CALIBRATE_Z's own line; nullopt: none was read.
   const std::optional<ZCalibrationReading>& last() const { return last_; }
   /// CALIBRATE_Z was sent, whatever came of it: it resets the offset of before.

@@ -19,26 +19,20 @@ constexpr double kFeelerStep_mm = 0.01;
 // A step of Z and the three decimals that are printed.
 constexpr double kMachine_mm = 0.0005;
 
-// As published; and before that one from which no switch_offset, none being below 0,
-// lets the nozzle down to the bed.
-std::vector<double> HeightsFrom_mm(double in_force_mm) {
+// As published; and before that one from which neither a switch_offset, none being
+// below 0, nor a bed mesh lets the nozzle down to the bed.
+std::vector<double> HeightsFrom_mm(double in_force_mm, double mesh_mm) {
   std::vector<double> heights_mm(kHeights_mm.begin(), kHeights_mm.end());
-  const double safe_mm = std::ceil(in_force_mm) + 1;
+  const double safe_mm = std::ceil(in_force_mm - std::min(mesh_mm, 0.0)) + 1;
   if (Mutant("z_descent_first_step_blind", safe_mm > heights_mm.front(), false)) {
     heights_mm.insert(heights_mm.begin(), safe_mm);
   }
   return heights_mm;
 }
 
-// The gap at a height; nullopt: `result` says why.
-std::optional<double> GapAt_mm(double height_mm,
-                               ZOffsetClient* client,
-                               const FeelerHands& hands,
-                               ProcedureResult* result) {
-  if (const auto moved = client->Say(fmt::format("G0 Z{}", height_mm)); !moved) {
-    FailZOffset(moved.error(), result);
-    return std::nullopt;
-  }
+std::optional<double> Measured_mm(double height_mm,
+                                  const FeelerHands& hands,
+                                  ProcedureResult* result) {
   const auto gap_mm = hands.gap_mm(height_mm);
   if (!gap_mm || !std::isfinite(*gap_mm)) {
     FailZOffset({.reply = "nobody measured the gap"}, result);
@@ -57,38 +51,114 @@ std::optional<double> GapAt_mm(double height_mm,
   return gap_mm;
 }
 
-// How much wider the last gap was than its height; nullopt: `result` says why.
-std::optional<double> Descend(double in_force_mm,
-                              const Eigen::Vector2d& at_mm,
-                              ZOffsetClient* client,
-                              const FeelerHands& hands,
-                              ProcedureResult* result) {
-  const std::vector<double> heights_mm = HeightsFrom_mm(in_force_mm);
+/// A gap, and the height that was commanded for it.
+struct Gap {
+  double height_mm = 0, gap_mm = 0;
+  double off_mm() const { return gap_mm - height_mm; }
+};
+
+// Whether a step down narrowed the gap by as much, but for what a person with feeler
+// gauges may be off: leaves, and a part of what is measured by many of them.
+bool Agree(const Gap& above, const Gap& here) {
+  constexpr double kLeaves_mm = 0.05, kPart = 0.05;
+  const double may_mm = kLeaves_mm + kPart * above.height_mm;
+  return Mutant("z_descent_believes_any_gap",
+                std::abs(here.off_mm() - above.off_mm()) <= may_mm,
+                true);
+}
+
+// The gap at a height; nullopt: `result` says why. Measured once more where it
+// contradicts the one above.
+std::optional<Gap> GapAt(double height_mm,
+                         const Gap* above,
+                         ZOffsetClient* client,
+                         const FeelerHands& hands,
+                         ProcedureResult* result) {
+  if (const auto moved = client->Say(fmt::format("G0 Z{}", height_mm)); !moved) {
+    FailZOffset(moved.error(), result);
+    return std::nullopt;
+  }
+  auto gap_mm = Measured_mm(height_mm, hands, result);
+  if (!gap_mm) return std::nullopt;
+  if (!above || Agree(*above, {height_mm, *gap_mm})) return Gap{height_mm, *gap_mm};
+  result->messages.push_back(fmt::format(
+      "from Z{} to Z{} the gap went from {:.3f} to {:.3f} mm: measured once more",
+      above->height_mm,
+      height_mm,
+      above->gap_mm,
+      *gap_mm));
+  gap_mm = Measured_mm(height_mm, hands, result);
+  if (!gap_mm) return std::nullopt;
+  if (Agree(*above, {height_mm, *gap_mm})) return Gap{height_mm, *gap_mm};
+  FailZOffset({.reply = fmt::format(
+                   "the gaps contradict each other: {:.3f} mm at Z{}, {:.3f} mm at Z{}",
+                   above->gap_mm,
+                   above->height_mm,
+                   *gap_mm,
+                   height_mm)},
+              result);
+  return std::nullopt;
+}
+
+// To where CALIBRATE_Z probes the bed, well over it.
+std::optional<ZOffsetClient::Heights> GoOverTheBed(double in_force_mm,
+                                                   const Eigen::Vector2d& at_mm,
+                                                   ZOffsetClient* client,
+                                                   ProcedureResult* result) {
+  constexpr double kMesh_mm = 10;  // No mesh is deeper.
+  const double safe_mm = HeightsFrom_mm(in_force_mm, 0).front() + kMesh_mm;
   for (const std::string& line :
        {std::string("G90"),
-        fmt::format("G0 Z{}", heights_mm.front()),
+        fmt::format("G0 Z{}", safe_mm),
         fmt::format("G0 X{:.3f} Y{:.3f}", at_mm[0], at_mm[1])}) {
     if (const auto moved = client->Say(line); moved) continue;
     FailZOffset({.reply = "the nozzle did not get over the bed (" + line + ")"},
                 result);
     return std::nullopt;
   }
-  double off_mm = 0;
+  return client->HeightsNow().value_or(ZOffsetClient::Heights{});
+}
+
+// A mesh is 0 at its own point of reference, which need not be where the bed is probed.
+void TellMesh(double mesh_mm, ProcedureResult* result) {
+  if (std::abs(mesh_mm) < kMachine_mm) return;
+  result->messages.push_back(fmt::format(
+      "the bed mesh moves the nozzle by {:+.3f} mm where CALIBRATE_Z probes the bed, "
+      "and the first layer with it: taken off here. Have its "
+      "relative_reference_index at that place",
+      mesh_mm));
+}
+
+// How much wider the last gap was than its height; nullopt: `result` says why.
+std::optional<double> Descend(double in_force_mm,
+                              const SwitchOffsetOptions& options,
+                              ZOffsetClient* client,
+                              const FeelerHands& hands,
+                              ProcedureResult* result) {
+  const auto over = GoOverTheBed(in_force_mm, options.at_mm, client, result);
+  if (!over) return std::nullopt;
+  const std::vector<double> heights_mm = HeightsFrom_mm(in_force_mm, over->mesh_mm);
+  Gap gap;
   for (std::size_t i = 0; i < heights_mm.size(); ++i) {
-    const auto gap_mm = GapAt_mm(heights_mm[i], client, hands, result);
-    if (!gap_mm) return std::nullopt;
-    off_mm = *gap_mm - heights_mm[i];
+    const Gap* const above = options.is_as_published || i == 0 ? nullptr : &gap;
+    const auto next = GapAt(heights_mm[i], above, client, hands, result);
+    if (!next) return std::nullopt;
+    gap = *next;
     if (i + 1 == heights_mm.size()) break;
     const double down_mm =
         Mutant("z_descent_looks_not_ahead", heights_mm[i] - heights_mm[i + 1], 0.0);
-    if (*gap_mm - down_mm < kTooNear_mm) {
+    if (gap.gap_mm - down_mm < kTooNear_mm) {
       result->messages.push_back(
           fmt::format("Z{} is left out: it would end on the bed", heights_mm[i + 1]));
       break;
     }
   }
+  // A mesh may fade with height: as it is where the last gap was measured.
+  const double mesh_mm = client->HeightsNow().value_or(*over).mesh_mm;
   client->Say(fmt::format("G0 Z{}", heights_mm.front()));
-  return off_mm;
+  if (options.is_as_published) return gap.off_mm();
+  TellMesh(mesh_mm, result);
+  return gap.off_mm() - Mutant("z_descent_forgets_mesh", mesh_mm, 0.0);
 }
 
 /// What a descent goes by: the offset in force less the mean of the calibrations, and
@@ -179,7 +249,7 @@ ProcedureResult RunSwitchOffset(ZOffsetClient* client,
   if (!footing) return result;
   const double in_force_mm =
       options.in_force_mm.value_or(client->last()->SwitchOffset_mm());
-  const auto wider_mm = Descend(in_force_mm, options.at_mm, client, hands, &result);
+  const auto wider_mm = Descend(in_force_mm, options, client, hands, &result);
   if (!wider_mm) return result;
   // A nozzle that hangs too high needs a greater switch_offset; what the last
   // calibration was higher than their mean is none of it.

@@ -32,7 +32,9 @@ struct SwitchOffsetOptions {
 /// As published it goes by the calibration that is in force, and takes ooze on the
 /// nozzle's tip for switch_offset: both leave the same gap. Corrected, the nozzle is
 /// wiped and calibrated (CALIBRATE_Z) first, several times: what it tells is of their
-/// mean, and as uncertain as they scatter.
+/// mean, and as uncertain as they scatter. What a bed mesh in force adds at that place
+/// is taken off, and a gap that contradicts the one above it is measured once more,
+/// then refused.
 ProcedureResult RunSwitchOffset(ZOffsetClient* client,
                                 const SwitchOffsetOptions& options,
                                 const FeelerHands& hands);

@@ -87,6 +87,7 @@ void MotorMotion::Watch(std::size_t i, const RigDrive& drive) {
   axis.told_pulses_s = (drive.to_pulses - axis.last_drive_pulses) / tick_s_;
   axis.last_drive_pulses = drive.to_pulses;
   for (const std::int64_t count : rig_->TakeIndexEdges(i)) {
+    if (!axis.index_enabled) continue;
     ++axis.index_edges;
     axis.last_index = count;
   }
@@ -130,16 +131,16 @@ bool MotorMotion::IsFound(const MotorMove& move, const Under& under) const {
 }
 
 // When the counter passes half of the way, between two ticks in proportion.
-void MotorMotion::NoteHalfWay(const MotorMove& move, Under* under) {
+void MotorMotion::NoteHalfWay() {
   for (std::size_t i = 0; i < kNumMotorAxes; ++i) {
     AxisState& axis = axes_[i];
-    if (!move.moves[i] || axis.half_way_s || under->way[i] == 0) continue;
-    const double half = under->way[i] / 2;
-    const auto gone = static_cast<double>(rig_->Count(i) - under->from_count[i]);
+    if (axis.half_way_s || last_.way[i] == 0) continue;
+    const double half = last_.way[i] / 2;
+    const auto gone = static_cast<double>(rig_->Count(i) - last_.from_count[i]);
     if (gone / half < 1) continue;
-    const auto before = static_cast<double>(count_before_[i] - under->from_count[i]);
+    const auto before = static_cast<double>(count_before_[i] - last_.from_count[i]);
     const double part = gone == before ? 1 : (half - before) / (gone - before);
-    axis.half_way_s = under->t_s - tick_s_ * (1 - part);
+    axis.half_way_s = last_.t_s - tick_s_ * (1 - part);
   }
 }
 
@@ -159,9 +160,10 @@ void MotorMotion::HoldHere() {
 }
 
 MotorArrival MotorMotion::Perform(const MotorMove& move) {
-  Under under{.path = TrapezoidPath(
-                  move.length_unit, move.speed_unit_s, move.acceleration_unit_s2),
-              .length = std::max(move.length_unit, 1e-12)};
+  last_ = {.path = TrapezoidPath(
+               move.length_unit, move.speed_unit_s, move.acceleration_unit_s2),
+           .length = std::max(move.length_unit, 1e-12)};
+  Under& under = last_;
   double latest_s = 0;
   for (std::size_t i = 0; i < kNumMotorAxes; ++i) {
     under.from[i] = axes_[i].target_pulses;
@@ -177,7 +179,7 @@ MotorArrival MotorMotion::Perform(const MotorMove& move) {
   while (under.t_s < under.path.duration_s() + latest_s) {
     under.t_s += tick_s_;
     Tick(DrivesOf(move, under));
-    NoteHalfWay(move, &under);
+    NoteHalfWay();
     if (!arrival.found && IsFound(move, under)) {
       arrival.found = true;
       under.path.StopFrom(under.t_s, move.acceleration_unit_s2);
@@ -213,6 +215,9 @@ std::optional<std::size_t> MotorMotion::WaitInPosition(double patience_s) {
     if (!late) return std::nullopt;
     Tick(Holding());
     waited_s += tick_s_;
+    // A drive that follows late passes its half way after the path has ended.
+    last_.t_s += tick_s_;
+    NoteHalfWay();
   }
   return late;
 }

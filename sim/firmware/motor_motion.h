@@ -85,6 +85,7 @@ class MotorMotion {
     double peak_a = 0;
     double last_drive_pulses = 0;  ///< Told for the last tick,
     double told_pulses_s = 0;      ///< and how fast that is.
+    bool index_enabled = true;     ///< Else its edges are not latched (M813).
     std::int64_t index_edges = 0;
     std::optional<std::int64_t> last_index{};
     std::optional<double> half_way_s{};        ///< Of the last move, from its start.
@@ -147,7 +148,7 @@ class MotorMotion {
   void Watch(std::size_t i, const RigDrive& drive);
   bool IsFound(const MotorMove& move, const Under& under) const;
   RigDrives DrivesOf(const MotorMove& move, const Under& under);
-  void NoteHalfWay(const MotorMove& move, Under* under);
+  void NoteHalfWay();
   std::optional<std::size_t> Blocked() const;
   void HoldHere();
 
@@ -160,6 +161,7 @@ class MotorMotion {
   bool has_news_ = false;
   std::array<AxisState, kNumMotorAxes> axes_{};
   std::array<std::int64_t, kNumMotorAxes> count_before_{};
+  Under last_{};
   std::optional<double> relay_s_{};
   bool is_stopped_ = false;
 };

@@ -73,8 +73,14 @@ MotorDrive MotorStageRig::DriveOf(std::size_t i, const RigDrive& told) {
   const MotorAxisDrawing& d = built_.motors[i].drawing;
   double pulses = told.to_pulses;
   if (!axis.delayed.empty()) {
+    // Off or braking it is told nothing: from there on it begins where it stands.
+    if (told.mode != RigDrive::Mode::kFollow) {
+      std::ranges::fill(axis.delayed, static_cast<double>(axis.count));
+    }
     // Between ticks in proportion.
-    axis.delayed.push_back(pulses);
+    axis.delayed.push_back(told.mode == RigDrive::Mode::kFollow
+                               ? pulses
+                               : static_cast<double>(axis.count));
     pulses = (1 - axis.delay_part) * axis.delayed[1] +
              axis.delay_part * axis.delayed.front();
     axis.delayed.erase(axis.delayed.begin());

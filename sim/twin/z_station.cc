@@ -53,12 +53,16 @@ double ZStationTwin::Gap_mm(double carriage_mm, const Eigen::Vector2d& at_mm) co
   return carriage_mm + TipOver_mm() - Surface_mm(at_mm);
 }
 
+double ZStationTwin::Trigger_mm() const {
+  return station_.trigger_mm + station_.trigger_mm_per_k * chamber_k_;
+}
+
 ZStationBuild ZStationTwin::BuildAt(const Eigen::Vector2d& at_mm) const {
   const Eigen::Vector2d x_mm(kApart_mm / 2, 0), y_mm(0, kApart_mm / 2);
   const bool has_ooze = !is_wiped_ && kCold_c + nozzle_k_ >= station_.ooze_flows_c;
   return {.tip_mm = TipOver_mm() - (has_ooze ? station_.ooze_mm : 0),
           .body_mm = station_.frame_mm_per_k * chamber_k_ - station_.body_mm,
-          .trigger_mm = station_.trigger_mm + station_.trigger_mm_per_k * chamber_k_,
+          .trigger_mm = Trigger_mm(),
           // The switch stands on the bed's edge and rises with it.
           .switch_mm = station_.switch_mm + station_.bed_mm_per_k * bed_k_,
           .surface_mm = Surface_mm(at_mm),

@@ -61,6 +61,8 @@ class ZStationTwin : public ZStationPlant {
   bool is_wiped() const { return is_wiped_; }
   const ZStation& station() const { return station_; }
   const Eigen::Vector2d& middle_mm() const { return middle_mm_; }
+  /// The probe's body over what its knob touches, at the trigger, as warm as it is.
+  double Trigger_mm() const;
   /// Clear height of the clean nozzle's tip over the print surface there.
   double Gap_mm(double carriage_mm, const Eigen::Vector2d& at_mm) const;
 

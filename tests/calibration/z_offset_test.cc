@@ -217,6 +217,64 @@ TEST(SwitchOffset, LooksAtItsFirstStepToo) {
   EXPECT_THAT(wire.said, ::testing::Not(Contains("G0 Z5")));
 }
 
+/// Hands that type that gap at a height, so often.
+struct MistypingHands {
+  double at_mm = 0, gap_mm = 0;
+  int times = 1;
+  FeelerHands Give() {
+    return {.gap_mm = [this](double height_mm) -> std::optional<double> {
+              return height_mm == at_mm && times-- > 0 ? gap_mm : height_mm + 0.05;
+            },
+            .wipe =
+                [] {
+                  return true;
+                }};
+  }
+};
+
+// 1.15 for 0.15: the nozzle went down, and the gap grew.
+TEST(SwitchOffset, AGapThatContradictsTheOneAboveIsMeasuredOnceMore) {
+  Script wire(Answers{{"CALIBRATE_Z", kLine}});
+  ZOffsetClient client(&wire);
+  MistypingHands once{.at_mm = 0.1, .gap_mm = 1.15};
+  MistypingHands twice{.at_mm = 3, .gap_mm = 0.1, .times = 2};
+
+  const ProcedureResult mended = RunSwitchOffset(&client, {}, once.Give());
+  const ProcedureResult refused = RunSwitchOffset(&client, {}, twice.Give());
+
+  ASSERT_EQ(mended.estimates.size(), 1U);
+  EXPECT_NEAR(mended.estimates[0].value, 0.725, 0.002);
+  EXPECT_THAT(mended.messages, Contains(HasSubstr("measured once more")));
+  EXPECT_EQ(refused.ending, Ending::kRefused);
+  EXPECT_TRUE(refused.estimates.empty());
+  EXPECT_THAT(refused.fault, HasSubstr("the gaps contradict each other"));
+}
+
+// Toolhead less gcode, as GET_POSITION has them.
+TEST(SwitchOffset, WhatAMeshAddsThereIsTakenOff) {
+  class Meshed : public Link {
+   public:
+    Expected<std::vector<std::string>> Send(std::string_view line,
+                                            std::chrono::milliseconds) override {
+      if (line == "CALIBRATE_Z") return std::vector<std::string>{kLine};
+      if (line != "GET_POSITION") return std::vector<std::string>{};
+      return std::vector<std::string>{"toolhead: X:0.0 Y:0.0 Z:4.630 E:0.0",
+                                      "gcode: X:0.0 Y:0.0 Z:4.830 E:0.0",
+                                      "gcode base: X:0.0 Y:0.0 Z:-0.170 E:0.0"};
+    }
+  };
+  Meshed wire;
+  ZOffsetClient client(&wire);
+  Hands hands{.more_mm = -0.2};
+
+  const ProcedureResult result = RunSwitchOffset(&client, {}, hands.Give());
+
+  ASSERT_EQ(result.estimates.size(), 1U);
+  EXPECT_NEAR(result.estimates[0].value, 0.675, 0.002);
+  EXPECT_THAT(result.messages,
+              Contains(HasSubstr("the bed mesh moves the nozzle by -0.200 mm")));
+}
+
 // Calibrations that scatter make what is told as uncertain.
 TEST(SwitchOffset, IsAsUncertainAsCalibrationsScatter) {
   class Scattering : public Link {

@@ -54,6 +54,44 @@ TEST(RoundingSigma, UnderATowerIsNearlyThatOfOneStep) {
   EXPECT_LT(RoundingSigma_mm(observed, 0), one_step_mm);
 }
 
+// At a station, whose switch is touched again and again at one place.
+Observed TouchedAtStation(const std::vector<double>& values_mm) {
+  static const Machine kStation =
+      ReadMachine(CALTWIN_SOURCE_DIR "/models/z_station/machine.yaml");
+  std::vector<Row> rows;
+  for (const double value_mm : values_mm) {
+    Row row{.row = static_cast<std::int64_t>(rows.size()) + 1,
+            .campaign = "z_offset",
+            .kind = RowKind::kTouch,
+            .setup = "switch.nozzle"};
+    row.cmd_mm = {120, 230, 1.5};
+    row.n = {0, 0, 1};
+    row.feature = "switch.nozzle";
+    row.value_mm = value_mm;
+    rows.push_back(row);
+  }
+  return {{.rows = rows}, {}, kStation, {}};
+}
+
+// A step of Z is 0.3125 um. 25 touches that count the same have its rounding in common,
+// five times as much as would be left of each by itself; noise of a step parts them.
+TEST(CountedSigma, OfTouchesThatCountTheSameDoesNotAverageOut) {
+  constexpr int kTouches = 25;
+  constexpr double kStepOfZ_mm = 0.0003125;
+  const double one_mm = std::max(1e-4, kStepOfZ_mm / std::sqrt(12.0));
+  Rng rng(1, 0, "touches");
+  std::vector<double> noisy_mm;
+  for (int i = 0; i < kTouches; ++i) {
+    noisy_mm.push_back(std::round(rng.Normal()) * kStepOfZ_mm);
+  }
+
+  EXPECT_NEAR(
+      CountedSigma_mm(TouchedAtStation(std::vector<double>(kTouches, 0)), "z_offset"),
+      std::sqrt(kTouches) * one_mm,
+      1e-9);
+  EXPECT_NEAR(CountedSigma_mm(TouchedAtStation(noisy_mm), "z_offset"), one_mm, 1e-9);
+}
+
 TEST(RoundingSigma, IsNotAssumedWhereNobodyStatesSteps) {
   EXPECT_EQ(RoundingSigma_mm(Touched({Touch(0, 0, 0)}, {}), 0), 0);
 }

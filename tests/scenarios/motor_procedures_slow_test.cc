@@ -104,8 +104,8 @@ TEST(AxisSync, UncertaintyOfAShortMoveIsThatOfTheSpeedItGetsTo) {
     MotorBenchInATest bench(built, /*is_physics=*/false, 1, i);
     bench.axes.SetZero(0, 0);
     bench.axes.SetZero(1, 0);
-    const MotorResult read = RunAxisSync(
-        &bench.axes, {.is_as_published = true, .axes = {0, 1}, .distance_unit = 0.5});
+    const MotorResult read =
+        RunAxisSync(&bench.axes, {.axes = {0, 1}, .distance_unit = 0.5});
     const Estimate& lead = read.result.estimates.at(0);
     squares += std::pow((lead.value - kDelay_s) / lead.sd, 2);
   }

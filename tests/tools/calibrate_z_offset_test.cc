@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include "scenarios/interruptible_link.h"
 #include "tests/base/temp_folder.h"
 #include "tests/tools/run_command.h"
 
@@ -51,6 +52,15 @@ TEST(CalibrateZOffset, WithoutConsentTheOffsetOfBeforeIsPutBack) {
   EXPECT_THAT(lines, HasSubstr("SET_GCODE_OFFSET Z=0.000000"));
   EXPECT_THAT(applied.out, HasSubstr("applied"));
   EXPECT_THAT(applied.out, Not(HasSubstr("put back")));
+}
+
+// After Ctrl-C too: it moves nothing.
+TEST(InterruptibleLink, LetsTheOffsetOfBeforeBePutBack) {
+  EXPECT_TRUE(PutsBack("SET_GCODE_OFFSET Z=0.000000"));
+  EXPECT_FALSE(PutsBack("SET_GCODE_OFFSET Z=0.000000 MOVE=1"));
+  EXPECT_FALSE(PutsBack("SET_GCODE_OFFSET Z_ADJUST=0.1"));
+  EXPECT_FALSE(PutsBack("CALIBRATE_Z"));
+  EXPECT_TRUE(PutsBack("M425 X0.05"));
 }
 
 TEST(CalibrateZOffset, ADescentWithoutACalibrationHasNothingToGoBy) {

@@ -41,8 +41,12 @@ std::string ProceduresText(const CalibrateOptions& options) {
   for (const std::string& procedure : options.procedures) {
     const bool is_plain = procedure.find(':') == std::string::npos;
     std::string keys;
-    if (is_plain && !options.axis.empty())
-      keys += fmt::format("axis: {}", options.axis);
+    if (is_plain && !options.axis.empty()) {
+      const bool is_of_several =
+          procedure == "axis_sync" || procedure == "emergency_stop";
+      keys += is_of_several ? fmt::format("axes: [{}]", options.axis)
+                            : fmt::format("axis: {}", options.axis);
+    }
     if (is_plain && !options.variant.empty()) {
       keys += fmt::format("{}variant: {}", keys.empty() ? "" : ", ", options.variant);
     }

@@ -93,8 +93,10 @@ class StationAtHand {
       twin_->Wipe();
       return true;
     }
-    return person_->Do({.text = "Wipe the nozzle: nothing may hang under its tip."})
-        .has_value();
+    const auto done =
+        person_->Do({.text = "Wipe the nozzle: nothing may hang under its tip."});
+    if (!done) std::cerr << done.error().reply << "\n";
+    return done.has_value();
   }
   std::optional<double> Gap_mm(double height_mm, ZOffsetClient* client) {
     if (twin_) return twin_->Gap_mm(client);

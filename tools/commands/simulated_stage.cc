@@ -4,14 +4,8 @@ namespace caltwin {
 namespace {
 
 MotorScenario TruthOf(const MotorStageDrawing& drawing, const TwinOptions& named) {
-  MotorScenario truth{.drawing = drawing};
-  if (named.truth.empty()) return truth;
-  Faults faults;
-  YamlMap map = ReadYamlFile(named.truth, &faults);
-  ReadMotorTruth(&map, &truth);
-  map.NoMoreKeys();
-  faults.ThrowIfAny();
-  return truth;
+  return named.truth.empty() ? MotorScenario{.drawing = drawing}
+                             : ReadMotorTruthFile(named.truth, drawing);
 }
 
 }  // namespace

@@ -6,7 +6,10 @@
 #include <optional>
 
 #include <fmt/format.h>
+#include <poll.h>
 #include <unistd.h>
+
+#include "scenarios/interrupt.h"
 
 namespace caltwin {
 namespace {
@@ -15,11 +18,27 @@ tl::unexpected<MachineFault> Refused(const std::string& text) {
   return tl::unexpected(MachineFault{MachineFault::Kind::kRefused, text});
 }
 
+// Until there is a line to read, or Ctrl-C was pressed.
+bool WaitForLine() {
+  constexpr int kLook_ms = 100;
+  while (!InterruptRequested()) {
+    if (std::cin.rdbuf()->in_avail() > 0) return true;
+    pollfd input{.fd = STDIN_FILENO, .events = POLLIN, .revents = 0};
+    if (poll(&input, 1, kLook_ms) > 0) return true;
+  }
+  return false;
+}
+
 std::optional<std::string> AskLine(const std::string& prompt) {
   std::cerr << prompt << std::flush;
   std::string answer;
-  if (!std::getline(std::cin, answer)) return std::nullopt;
+  if (!WaitForLine() || !std::getline(std::cin, answer)) return std::nullopt;
   return answer;
+}
+
+// Why nobody answered.
+tl::unexpected<MachineFault> NoAnswer() {
+  return Refused(InterruptRequested() ? "interrupted" : "the terminal was closed");
 }
 
 std::optional<double> NumberIn(const std::string& text) {
@@ -51,7 +70,7 @@ Expected<void> TerminalOperator::Do(const Act& act) {
   }
   const auto answer = AskLine(
       act.text + (confirm ? " [y/n] " : " Press Enter when done, n to refuse. "));
-  if (!answer) return Refused("the terminal was closed");
+  if (!answer) return NoAnswer();
   const bool agreed =
       confirm ? *answer == "y" || *answer == "yes" : *answer != "n" && *answer != "no";
   if (agreed) return {};
@@ -71,7 +90,7 @@ Expected<double> TerminalGauge::Read_mm(std::string_view id) {
     if (const auto value_mm = NumberIn(*answer)) return *value_mm;
     std::cerr << fmt::format("'{}' is not a number of millimetres\n", *answer);
   }
-  return Refused("the terminal was closed");
+  return NoAnswer();
 }
 
 Expected<void> TerminalGauge::Zero(std::string_view id) {

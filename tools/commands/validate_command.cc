@@ -1,3 +1,4 @@
+#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -11,6 +12,7 @@
 #include "scenarios/delta_effects.h"
 #include "scenarios/file_kind.h"
 #include "scenarios/machine_file.h"
+#include "scenarios/motor_scenario.h"
 #include "scenarios/scenario.h"
 #include "scenarios/study/study.h"
 #include "sim/machine/machine.h"
@@ -27,19 +29,30 @@ struct Options {
   std::vector<std::string> files{};
 };
 
+void ReadTruthOf(const std::filesystem::path& machine_file, const std::string& file) {
+  if (IsMotorStage(machine_file)) {
+    ReadMotorTruthFile(file, ReadMotorStage(machine_file));
+    return;
+  }
+  const Machine machine = ReadMachine(machine_file);
+  if (machine.delta) {
+    ReadDeltaTruthFile(file, machine);
+  } else {
+    ReadTruthFile(file, machine);
+  }
+}
+
 // A truth file does not say whose it is: sound if it is sound of any kind of machine,
 // else told as of the kind that it fits best.
 void ReadTruth(const std::string& file) {
   std::optional<InputError> least;
-  for (const char* name : {"gantry_router", "delta_printer", "triple_z_printer"}) {
+  for (const char* name : {"gantry_router",
+                           "delta_printer",
+                           "triple_z_printer",
+                           "z_station",
+                           "motor_stage"}) {
     try {
-      const Machine machine =
-          ReadMachine(ShareFolder() / "models" / name / "machine.yaml");
-      if (machine.delta) {
-        ReadDeltaTruthFile(file, machine);
-      } else {
-        ReadTruthFile(file, machine);
-      }
+      ReadTruthOf(ShareFolder() / "models" / name / "machine.yaml", file);
       return;
     } catch (const InputError& error) {
       const std::string_view text = error.what();

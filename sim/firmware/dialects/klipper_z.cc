@@ -21,7 +21,7 @@ constexpr double kDock_s = 5;  // In and out of the magnets, slowly.
 
 Reply OutOfRange(const Eigen::Vector2d& place_mm, double z_mm) {
   return KlipperRefusal(fmt::format(
-      "Move out of range: {:.3f} {:.3f} {:.3f}", place_mm[0], place_mm[1], z_mm));
+      "Move out of range: {:.9g} {:.9g} {:.9g}", place_mm[0], place_mm[1], z_mm));
 }
 
 std::string Upper(std::string text) {

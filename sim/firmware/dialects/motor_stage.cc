@@ -187,6 +187,16 @@ Reply MotorStageFirmware::Move(const GcodeCommand& command) {
 }
 
 Reply MotorStageFirmware::Arrived(const GcodeCommand& command, const MotorMove& move) {
+  for (std::size_t i = 0; i < kNumMotorAxes; ++i) {
+    motion_.axis(i).index_enabled =
+        Mutant("index_cannot_be_off", axes_[i].record.index_enabled, true);
+  }
+  if (move.until == MotorMove::Until::kIndex &&
+      !motion_.axis(move.watched).index_enabled) {
+    return Refusal(fmt::format("{0}: the index of {1} is off (M813 {1}1 has it on)",
+                               command.Name(),
+                               LetterOf(move.watched)));
+  }
   const MotorArrival arrival = motion_.Perform(move);
   if (arrival.stopped) return Refusal("emergency stop during the move");
   if (arrival.blocked) {
