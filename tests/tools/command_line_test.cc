@@ -1,10 +1,7 @@
 #include <array>
 #include <cstdio>
 #include <filesystem>
-#include <iterator>
-#include <sstream>
 #include <string>
-#include <vector>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -292,20 +289,6 @@ TEST(Validate, TellsTheKindByTheTopLevelKey) {
                     HasSubstr("good.yaml: scenario, no faults\n")));
 }
 
-// As it does not say whose it is, of any kind of machine.
-TEST(Validate, KnowsATruthFileOfEveryKindOfMachine) {
-  for (const char* effect : {"backlash.x: {gap_mm: 0.05}",
-                             "tower_radius.a: {error_mm: 0.1}",
-                             "screw_pitch.z2: {error_ppm: 300}",
-                             "ooze: {thickness_um: 80}",
-                             "switch_scatter.x: {sd_um: 10}"}) {
-    const std::string truth =
-        Written("t.yaml", fmt::format("effects:\n  {}\n", effect));
-    EXPECT_THAT(Caltwin("validate " + truth).out, HasSubstr("t.yaml: truth, no faults"))
-        << effect;
-  }
-}
-
 TEST(Validate, AFileOfNoKindSaysWhichKeysTell) {
   const Finished run = Caltwin("validate " + Written("odd.yaml", "colour: red\n"));
 
@@ -322,32 +305,6 @@ TEST(Explain, ListsAndExplains) {
   const Finished typo = Caltwin("explain baklash");
   EXPECT_THAT(typo.code, Eq(2));
   EXPECT_THAT(typo.err, HasSubstr("did you mean 'backlash'?"));
-}
-
-// What a reader lists as known when it refuses a key.
-std::vector<std::string> KeysThatAreKnown(const std::string& scenario) {
-  const std::string said = Caltwin("run " + Written("keys.yaml", scenario)).err;
-  constexpr std::string_view kLists = "It knows: ";
-  const std::size_t at = said.find(kLists);
-  if (at == std::string::npos) return {};
-  std::string list = said.substr(at + kLists.size());
-  list = list.substr(0, list.find('\n'));
-  std::ranges::replace(list, ',', ' ');
-  std::istringstream words(list);
-  return {std::istream_iterator<std::string>(words), {}};
-}
-
-TEST(Explain, KnowsEveryKeyOfANozzlesHeight) {
-  const std::string machine = "machine: triple_z_printer\ncalibrate: [z_calibration]\n";
-  for (const std::string part : {"station: {nonsense: 1}",
-                                 "station: {}\nsettings: {nonsense: 1}",
-                                 "station: {}\nsettings: {bed_mesh: {nonsense: 1}}"}) {
-    const auto keys = KeysThatAreKnown(machine + part + "\n");
-    EXPECT_THAT(keys.size(), ::testing::Ge(4u)) << part;
-    for (const std::string& key : keys) {
-      EXPECT_THAT(Caltwin("explain " + key).out, HasSubstr("nozzle's height)")) << key;
-    }
-  }
 }
 
 TEST(NewMachine, IsAValidFileAndNeverOverwrites) {
