@@ -34,7 +34,7 @@ struct NoiseWorld {
   double wander_mm2_per_s = 0;
   Evidence evidence;
   double log_none = 0;
-  double noise_scale = 1;  ///< sqrt(chi2 / dof): sigma's common factor.
+  double noise_scale = 1;  ///< sqrt(chi2 / dof), at most 1: sigma's common factor.
 };
 
 std::vector<NoiseWorld> WorldsOf(const Observed& observed,
@@ -49,8 +49,11 @@ std::vector<NoiseWorld> WorldsOf(const Observed& observed,
     const double prior =
         rate == 0 ? 0.5 : 0.5 / static_cast<double>(kWanders_um_per_sqrt_h.size() - 1);
     const double log_none = evidence.log_none() + std::log(prior);
+    // Not more than the rows' own: what a cause adds to "nothing there" is no noise,
+    // and would hold sizes as much nearer to 0.
+    const double left = std::sqrt(evidence.chi2() / evidence.dof());
     const double noise_scale =
-        std::min(1.0, std::sqrt(evidence.chi2() / evidence.dof()));
+        Mutant("sizes_held_by_what_is_there", std::min(1.0, left), left);
     worlds.push_back({WanderOf(rate), std::move(evidence), log_none, noise_scale});
   }
   return worlds;
