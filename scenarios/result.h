@@ -69,6 +69,9 @@ struct RunResult {
   std::vector<std::string> messages{};
   double position_error_before_p95_mm = 0;  ///< At 1000 seeded poses, both senses.
   double position_error_after_p95_mm = 0;
+  /// Both are instead how far the clean nozzle, commanded to 0 over the middle of the
+  /// bed, is from its surface.
+  bool is_error_of_nozzle = false;
   double machine_time_s = 0;
   double cpu_s = 0;
   int touches = 0;

@@ -141,10 +141,12 @@ std::string ChecksText(const RunResult& result, bool colour) {
   const double before_mm = result.position_error_before_p95_mm;
   const double after_mm = result.position_error_after_p95_mm;
   if (before_mm != 0 || after_mm != 0) {  // Motors and offsets have none.
-    lines.push_back(
-        fmt::format("position error (p95): {:.4f} mm before, {:.4f} mm after",
-                    before_mm,
-                    after_mm));
+    lines.push_back(fmt::format("{}: {:.4f} mm before, {:.4f} mm after",
+                                result.is_error_of_nozzle
+                                    ? "height of the nozzle at 0, off by"
+                                    : "position error (p95)",
+                                before_mm,
+                                after_mm));
   }
   return ListText("Checks", lines);
 }

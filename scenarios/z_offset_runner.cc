@@ -58,8 +58,10 @@ class ZOffsetRun {
     for (const ZOffsetStep& step : z_.calibrate) {
       options_.progress(step.name);
       // As homing alone leaves it.
-      const bool is_first = step.name == "z_calibration" && result.steps.empty();
-      if (is_first) result.position_error_before_p95_mm = std::abs(Error_mm());
+      const bool calibrates =
+          step.name == "z_calibration" || step.name == "switch_offset";
+      const bool is_first = calibrates && result.steps.empty();
+      if (is_first) result.position_error_before_p95_mm = HeightError_mm();
       const std::size_t before = klipper_.touched().size();
       const ProcedureResult done = Take(step, &client);
       record_.AddTouches(
@@ -80,7 +82,8 @@ class ZOffsetRun {
     result.rows = record_.rows();
     result.touches = klipper_.touches();
     result.machine_time_s = klipper_.machine_time_s();
-    result.position_error_after_p95_mm = std::abs(Error_mm());
+    result.position_error_after_p95_mm = HeightError_mm();
+    result.is_error_of_nozzle = true;
     Judge(&result);
     result.cpu_s = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
     return result;
@@ -162,6 +165,11 @@ class ZOffsetRun {
 
   // Of the clean nozzle over the middle of the bed.
   double Error_mm() const { return ErrorAt_mm(twin_.middle_mm()); }
+
+  // 0 where nothing was homed: no height is known then.
+  double HeightError_mm() const {
+    return std::isfinite(Error_mm()) ? std::abs(Error_mm()) : 0;
+  }
 
   double ErrorAt_mm(const Eigen::Vector2d& at_mm) const {
     const auto carriage_mm = klipper_.CarriageAtNought_mm(at_mm);

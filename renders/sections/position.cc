@@ -24,7 +24,7 @@ std::string Bar(std::string_view label, double error_mm, double largest_mm) {
 }
 
 std::string Change(double before_mm, double after_mm) {
-  if (after_mm <= 0) return "";
+  if (after_mm <= 0 || before_mm <= 0) return "";
   const double ratio = before_mm / after_mm;
   if (ratio >= 1) return fmt::format(" That is {:.3g} times smaller.", ratio);
   return fmt::format(" That is {:.3g} times larger.", 1 / ratio);
@@ -39,11 +39,14 @@ std::string PositionSection(const RunResult& result,
   const double largest_mm = std::max(before_mm, after_mm);
   if (largest_mm <= 0) return "";
   return fmt::format(
-      "<p>At 1000 poses all over the travel, approached in both senses and the mean "
-      "offset removed, 95 of 100 are reached with a smaller error than this.{} It is "
-      "the "
-      "closed forms' answer for the machine as built, with the settings of then; the "
-      "calibration never sees it.</p>\n{}{}",
+      "<p>{}{} It is the closed forms' answer for the machine as built, with the "
+      "settings of then; the calibration never sees it.</p>\n{}{}",
+      result.is_error_of_nozzle
+          ? "Commanded to 0 over the middle of the bed, the clean nozzle is so far "
+            "from "
+            "its surface: as homing alone leaves it, and at the end."
+          : "At 1000 poses all over the travel, approached in both senses and the mean "
+            "offset removed, 95 of 100 are reached with a smaller error than this.",
       Change(before_mm, after_mm),
       Bar("before", before_mm, largest_mm),
       Bar("after", after_mm, largest_mm));
