@@ -11,6 +11,11 @@
 #include "sim/base/units.h"
 
 namespace caltwin {
+
+bool TakesSeveralAxes(std::string_view procedure) {
+  return procedure == "axis_sync" || procedure == "emergency_stop";
+}
+
 namespace {
 
 constexpr std::array<std::string_view, 9> kProcedures = {"servo_home",
@@ -58,8 +63,7 @@ void ReadStepAxes(const std::string& name,
                   YamlMap* map,
                   MotorOptions* o) {
   const bool is_stepper_step = name == "stepper_home";
-  const bool takes_several = name == "axis_sync" || name == "emergency_stop";
-  if (takes_several) {
+  if (TakesSeveralAxes(name)) {
     o->axes.clear();
     if (const auto axes = map->Required("axes")) {
       for (const YamlValue& each : axes->List()) {

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -53,6 +54,9 @@ MotorScenario ReadMotorScenario(YamlMap* map, const MotorStageDrawing& drawing);
 /// is not that.
 MotorScenario ReadMotorTruthFile(const std::filesystem::path& file,
                                  const MotorStageDrawing& drawing);
+
+/// Whether a procedure is given `axes: [x, y]`, not `axis: x`.
+bool TakesSeveralAxes(std::string_view procedure);
 
 /// Reads a list of procedures, as in `calibrate:`.
 std::vector<MotorStep> ReadMotorSteps(const YamlValue& list,

@@ -98,7 +98,8 @@ class Evidence {
   double chi2_ = 0, dof_ = 0, log_none_ = 0;
 };
 
-/// The same without an `Evidence`: for a right-hand side of its own.
+/// The same without an `Evidence`: for a right-hand side of its own. Columns explain at
+/// most what leaves half of the noise, dof / 2.
 double LogBayesOf(const Projected& projected,
                   const Eigen::VectorXd& prior,
                   double chi2,

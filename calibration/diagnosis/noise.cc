@@ -161,20 +161,32 @@ PureError Pooled(const Observed& observed,
   }
   for (std::size_t c = 0; c < num_campaigns; ++c) {
     if (pure.dof[c] < least_dof) continue;
-    pure.sigma_mm[c] = std::max(std::sqrt(sum[c] / pure.dof[c]),
-                                RoundedTo_mm(observed, observed.campaigns()[c]));
+    pure.sigma_mm[c] = std::sqrt(sum[c] / pure.dof[c]);
+  }
+  return pure;
+}
+
+PureError NoLessThanRounded(const Observed& observed, PureError pure) {
+  for (std::size_t c = 0; c < pure.sigma_mm.size(); ++c) {
+    if (!Known(pure.sigma_mm[c])) continue;
+    pure.sigma_mm[c] =
+        std::max(pure.sigma_mm[c], RoundedTo_mm(observed, observed.campaigns()[c]));
   }
   return pure;
 }
 
 }  // namespace
 
-PureError PureErrorOf(const Observed& observed, int least_dof) {
+PureError RepeatsOf(const Observed& observed, int least_dof) {
   const std::vector<bool> none(static_cast<std::size_t>(observed.num_rows()), false);
   return Pooled(
       observed, ReplicatesOf(observed, none), least_dof, [&](const auto& members) {
         return AboutMean(members, observed.residual_mm());
       });
+}
+
+PureError PureErrorOf(const Observed& observed, int least_dof) {
+  return NoLessThanRounded(observed, RepeatsOf(observed, least_dof));
 }
 
 PureError PureErrorOf(const Observed& observed,
@@ -183,17 +195,19 @@ PureError PureErrorOf(const Observed& observed,
                       int least_dof) {
   Groups groups = ReplicatesOf(observed, left_out);
   if (!observed.has_times()) {
-    return Pooled(observed, groups, least_dof, [&](const auto& members) {
-      return AboutMean(members, left_mm);
-    });
+    return NoLessThanRounded(
+        observed, Pooled(observed, groups, least_dof, [&](const auto& members) {
+          return AboutMean(members, left_mm);
+        }));
   }
   for (auto& [key, members] : groups) {
     std::ranges::stable_sort(
         members, {}, [&](Eigen::Index i) { return observed.at(i).t_s; });
   }
-  return Pooled(observed, groups, least_dof, [&](const auto& members) {
-    return AboutNext(members, left_mm);
-  });
+  return NoLessThanRounded(
+      observed, Pooled(observed, groups, least_dof, [&](const auto& members) {
+        return AboutNext(members, left_mm);
+      }));
 }
 
 Eigen::VectorXd GuessSigma_mm(const Observed& observed,

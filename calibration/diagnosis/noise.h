@@ -42,8 +42,10 @@ struct PureError {
   std::vector<double> sigma_mm{};
   std::vector<int> dof{};
 };
+PureError RepeatsOf(const Observed& observed, int least_dof);
+/// The same, but no less than what is rounded (RoundedTo_mm).
 PureError PureErrorOf(const Observed& observed, int least_dof);
-/// The same of what is left of the rows, those left out aside; where rows have times
+/// That of what is left of the rows, those left out aside; where rows have times
 /// from each replicate to the next, so that a slow drift between them is none of it.
 PureError PureErrorOf(const Observed& observed,
                       const Eigen::VectorXd& left_mm,

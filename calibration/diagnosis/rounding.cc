@@ -4,7 +4,6 @@
 #include <cmath>
 #include <map>
 #include <numbers>
-#include <numeric>
 #include <string>
 #include <vector>
 
@@ -52,23 +51,12 @@ double AlikeOf(const Observed& observed, const std::vector<Eigen::Index>& rows) 
 }
 
 // By repeats; 0 where there are few.
-double Scatter_mm(const Observed& observed, const std::vector<Eigen::Index>& rows) {
-  constexpr double kEnough = 10;
-  std::map<std::string, std::vector<double>> repeats;
-  for (const Eigen::Index i : rows) {
-    repeats[ReplicateKey(observed, i)].push_back(observed.residual_mm()[i]);
-  }
-  double squares_mm2 = 0, dof = 0;
-  for (const auto& [key, values_mm] : repeats) {
-    const auto count = static_cast<double>(values_mm.size());
-    const double mean_mm =
-        std::accumulate(values_mm.begin(), values_mm.end(), 0.0) / count;
-    for (const double value_mm : values_mm) {
-      squares_mm2 += std::pow(value_mm - mean_mm, 2);
-    }
-    dof += count - 1;
-  }
-  return dof < kEnough ? 0 : std::sqrt(squares_mm2 / dof);
+double Scatter_mm(const Observed& observed, Eigen::Index row) {
+  constexpr int kEnough = 10;
+  const auto campaign =
+      static_cast<std::size_t>(observed.campaign_of()[static_cast<std::size_t>(row)]);
+  const double sigma_mm = RepeatsOf(observed, kEnough).sigma_mm[campaign];
+  return Known(sigma_mm) ? sigma_mm : 0;
 }
 
 }  // namespace
@@ -84,7 +72,8 @@ double CountedSigma_mm(const Observed& observed, const std::string& campaign) {
   const double least_mm = machine.z_station ? kNoSwitch_mm : 0;
   if (rows.empty()) return least_mm;
   const double step_mm = 1 / machine.axis(Axis::kZ).steps_per_mm();
-  const double carried = 2 * std::numbers::pi * Scatter_mm(observed, rows) / step_mm;
+  const double carried =
+      2 * std::numbers::pi * Scatter_mm(observed, rows.front()) / step_mm;
   const double in_common =
       Mutant("rounding_averages_out",
              (AlikeOf(observed, rows) - 1) * std::exp(-carried * carried),

@@ -81,12 +81,14 @@ std::optional<Gap> GapAt(double height_mm,
   auto gap_mm = Measured_mm(height_mm, hands, result);
   if (!gap_mm) return std::nullopt;
   if (!above || Agree(*above, {height_mm, *gap_mm})) return Gap{height_mm, *gap_mm};
-  result->messages.push_back(fmt::format(
+  const std::string why = fmt::format(
       "from Z{} to Z{} the gap went from {:.3f} to {:.3f} mm: measured once more",
       above->height_mm,
       height_mm,
       above->gap_mm,
-      *gap_mm));
+      *gap_mm);
+  result->messages.push_back(why);
+  if (hands.say) hands.say(why);
   gap_mm = Measured_mm(height_mm, hands, result);
   if (!gap_mm) return std::nullopt;
   if (Agree(*above, {height_mm, *gap_mm})) return Gap{height_mm, *gap_mm};

@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <optional>
+#include <string>
 
 #include <Eigen/Core>
 
@@ -14,6 +15,8 @@ struct FeelerHands {
   /// The gap under the nozzle, which is commanded to that height [mm].
   std::function<std::optional<double>(double height_mm)> gap_mm{};
   std::function<bool()> wipe{};  ///< The nozzle, clean; false: nobody did.
+  /// Told at once why a gap is asked for again; may be empty.
+  std::function<void(const std::string& why)> say{};
 };
 struct SwitchOffsetOptions {
   bool is_as_published = false;

@@ -75,12 +75,11 @@ MotorDrive MotorStageRig::DriveOf(std::size_t i, const RigDrive& told) {
   if (!axis.delayed.empty()) {
     // Off or braking it is told nothing: from there on it begins where it stands.
     if (told.mode != RigDrive::Mode::kFollow) {
-      std::ranges::fill(axis.delayed, static_cast<double>(axis.count));
+      pulses = static_cast<double>(axis.count);
+      std::ranges::fill(axis.delayed, pulses);
     }
     // Between ticks in proportion.
-    axis.delayed.push_back(told.mode == RigDrive::Mode::kFollow
-                               ? pulses
-                               : static_cast<double>(axis.count));
+    axis.delayed.push_back(pulses);
     pulses = (1 - axis.delay_part) * axis.delayed[1] +
              axis.delay_part * axis.delayed.front();
     axis.delayed.erase(axis.delayed.begin());

@@ -1,29 +1,46 @@
 #include <array>
 #include <cmath>
+#include <functional>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "calibration/estimate/touch_noise.h"
 #include "calibration/motor_axes/procedures.h"
 #include "tests/scenarios/motor_bench.h"
 
 namespace caltwin {
 namespace {
 
+/// How far the first estimate of each of so many stages is from the truth, in its own
+/// standard deviations: chi-squared of as many.
+double SquaresOf(int stages,
+                 const BuiltMotorStage& built,
+                 const std::function<MotorResult(MotorAxes*)>& measure,
+                 double truth) {
+  double squares = 0;
+  for (int i = 0; i < stages; ++i) {
+    MotorBenchInATest bench(built, /*is_physics=*/false, 1, i);
+    bench.axes.SetZero(0, 0);
+    bench.axes.SetZero(1, 0);
+    const MotorResult read = measure(&bench.axes);
+    const Estimate& estimate = read.result.estimates.at(0);
+    squares += std::pow((estimate.value - truth) / estimate.sd, 2);
+  }
+  return squares;
+}
+
 // The stated uncertainty is the scatter of repeats, and covers the truth.
 TEST(MotorBacklash, CorrectedRecoversTheGapWithItsUncertainty) {
   constexpr double kGap_mm = 0.05;
-  constexpr int kRepeats = 12;
-  double squares = 0;
-  for (int i = 0; i < kRepeats; ++i) {
-    BuiltMotorStage built = BuiltAsDrawn(DrawnMotorStage());
-    built.motors[0].gap_unit = kGap_mm;
-    MotorBenchInATest bench(built, /*is_physics=*/false, 1, i);
-    bench.axes.SetZero(0, 0);
-    const MotorResult read = RunMotorBacklash(&bench.axes, {.axes = {0}});
-    const Estimate& gap = read.result.estimates.at(0);
-    squares += std::pow((gap.value - kGap_mm) / gap.sd, 2);
-  }
+  BuiltMotorStage built = BuiltAsDrawn(DrawnMotorStage());
+  built.motors[0].gap_unit = kGap_mm;
+
+  const double squares = SquaresOf(
+      12,
+      built,
+      [](MotorAxes* axes) { return RunMotorBacklash(axes, {.axes = {0}}); },
+      kGap_mm);
 
   // chi-squared of 12: between these with 99.9 %.
   EXPECT_GT(squares, 2.2);
@@ -85,9 +102,7 @@ TEST(StepperHome, UncertaintyIsThatOfASwitchTwiceAsBadAsDrawn) {
     homes_mm.push_back(TrueHome(bench.firmware, bench.rig, kU));
   }
 
-  double mean_mm = 0, squares_mm2 = 0;
-  for (const double home_mm : homes_mm) mean_mm += home_mm / kHomings;
-  for (const double home_mm : homes_mm) squares_mm2 += std::pow(home_mm - mean_mm, 2);
+  const double squares_mm2 = (kHomings - 1) * std::pow(Scatter(homes_mm), 2);
   // chi-squared of 59: between these with 99.9 %.
   EXPECT_GT(squares_mm2 / variance_mm2, 29.6);
   EXPECT_LT(squares_mm2 / variance_mm2, 100.3);
@@ -96,19 +111,17 @@ TEST(StepperHome, UncertaintyIsThatOfASwitchTwiceAsBadAsDrawn) {
 // Of a move too short for its speed: the counters pass half the way more slowly.
 TEST(AxisSync, UncertaintyOfAShortMoveIsThatOfTheSpeedItGetsTo) {
   constexpr double kDelay_s = 0.0007;
-  constexpr int kRepeats = 40;
-  double squares = 0;
-  for (int i = 0; i < kRepeats; ++i) {
-    BuiltMotorStage built = BuiltAsDrawn(DrawnMotorStage());
-    built.faults[1].start_delay_s = kDelay_s;
-    MotorBenchInATest bench(built, /*is_physics=*/false, 1, i);
-    bench.axes.SetZero(0, 0);
-    bench.axes.SetZero(1, 0);
-    const MotorResult read =
-        RunAxisSync(&bench.axes, {.axes = {0, 1}, .distance_unit = 0.5});
-    const Estimate& lead = read.result.estimates.at(0);
-    squares += std::pow((lead.value - kDelay_s) / lead.sd, 2);
-  }
+  BuiltMotorStage built = BuiltAsDrawn(DrawnMotorStage());
+  built.faults[1].start_delay_s = kDelay_s;
+
+  const double squares = SquaresOf(
+      40,
+      built,
+      [](MotorAxes* axes) {
+        return RunAxisSync(axes, {.axes = {0, 1}, .distance_unit = 0.5});
+      },
+      kDelay_s);
+
   // chi-squared of 40: between these with 99.9 %.
   EXPECT_GT(squares, 16.9);
   EXPECT_LT(squares, 76.1);

@@ -9,6 +9,7 @@
 
 #include "calibration/estimate/shared_inputs.h"
 #include "scenarios/interrupt.h"
+#include "scenarios/motor_scenario.h"
 #include "scenarios/result_text.h"
 #include "sim/base/input_error.h"
 #include "tools/commands/command.h"
@@ -42,10 +43,8 @@ std::string ProceduresText(const CalibrateOptions& options) {
     const bool is_plain = procedure.find(':') == std::string::npos;
     std::string keys;
     if (is_plain && !options.axis.empty()) {
-      const bool is_of_several =
-          procedure == "axis_sync" || procedure == "emergency_stop";
-      keys += is_of_several ? fmt::format("axes: [{}]", options.axis)
-                            : fmt::format("axis: {}", options.axis);
+      keys += TakesSeveralAxes(procedure) ? fmt::format("axes: [{}]", options.axis)
+                                          : fmt::format("axis: {}", options.axis);
     }
     if (is_plain && !options.variant.empty()) {
       keys += fmt::format("{}variant: {}", keys.empty() ? "" : ", ", options.variant);
@@ -132,8 +131,12 @@ void PrintResult(const std::string& name, const ProcedureResult& result) {
   for (const std::string& message : result.messages) {
     std::cout << "  " << message << "\n";
   }
-  if (!result.fault.empty())
-    std::cout << "  the machine said: " << result.fault << "\n";
+  // Some procedures have said so already.
+  const std::string said = "the machine said: " + result.fault;
+  if (!result.fault.empty() &&
+      std::ranges::find(result.messages, said) == result.messages.end()) {
+    std::cout << "  " << said << "\n";
+  }
 }
 
 bool StopsTheRest(const ProcedureResult& result) {

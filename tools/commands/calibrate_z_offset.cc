@@ -151,9 +151,10 @@ ProcedureResult PerformStep(const ZOffsetStep& step,
       client,
       {.is_as_published = step.is_as_published, .at_mm = at_hand->bed_at_mm()},
       {.gap_mm = [&](double height_mm) { return at_hand->Gap_mm(height_mm, client); },
-       .wipe =
-           [&] {
-             return at_hand->Wipe();
+       .wipe = [&] { return at_hand->Wipe(); },
+       .say =
+           [](const std::string& why) {
+             std::cerr << why << "\n";
            }});
   // Made with a wrong switch_offset, this one is not kept.
   for (Step& done : result.steps) done.verdict = Verdict::kMeasured;
