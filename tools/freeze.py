@@ -177,7 +177,7 @@ class Freezer:
                 ("summary", json_text(out / "s/summary.json")))]
 
     def said(self, *words):
-        text = re.sub(r"[\d.]+ s$", "", run([self.binary, *words]), flags=re.MULTILINE)
+        text = re.sub(r" *[\d.e-]+ s$", "", run([self.binary, *words]), flags=re.MULTILINE)
         return [self.answer("said " + " ".join(words), text)]
 
 
