@@ -19,8 +19,7 @@ function(caltwin_layer name)
     set(scope PUBLIC)
     target_compile_options(caltwin_${name} PRIVATE ${caltwin_warnings})
     target_compile_definitions(caltwin_${name} PRIVATE
-      CALTWIN_SOURCE_DIR="${PROJECT_SOURCE_DIR}" CALTWIN_VERSION="${PROJECT_VERSION}"
-      $<$<BOOL:${CALTWIN_MUTANTS}>:CALTWIN_MUTANTS>)
+      CALTWIN_SOURCE_DIR="${PROJECT_SOURCE_DIR}" CALTWIN_VERSION="${PROJECT_VERSION}")
     if(ARG_ONCE)
       target_compile_options(caltwin_${name} PRIVATE ${caltwin_optimise_once})
       caltwin_precompile(caltwin_${name} once)

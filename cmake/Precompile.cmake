@@ -43,7 +43,6 @@ function(caltwin_precompile target kind)
     target_include_directories(${owner} PRIVATE ${PROJECT_SOURCE_DIR})
     target_link_libraries(${owner} PRIVATE Eigen3::Eigen fmt::fmt nlohmann_json::nlohmann_json
       tl::expected mujoco::mujoco yaml-cpp "$<$<STREQUAL:${kind},tests>:GTest::gtest;GTest::gmock>")
-    target_compile_definitions(${owner} PRIVATE $<$<BOOL:${CALTWIN_MUTANTS}>:CALTWIN_MUTANTS>)
     target_compile_options(${owner} PRIVATE ${caltwin_warnings}
       $<$<NOT:$<STREQUAL:${kind},layers>>:${caltwin_optimise_once}>
       # ccache: what it kept is older than the headers.

@@ -10,7 +10,6 @@
 #include "scenarios/delta_link.h"
 #include "scenarios/delta_procedures.h"
 #include "scenarios/delta_verdict.h"
-#include "sim/base/mutant.h"
 #include "sim/base/units.h"
 #include "sim/link/gcode.h"
 
@@ -39,8 +38,7 @@ void TakeGeometry(const GcodeCommand& m665,
   const double arm_mm = m665.Number('L').value_or(MeanOfTowers(drawn.arm_mm));
   for (std::size_t i = 0; i < 3; ++i) {
     settings->radius_mm[i] = m665.Number('R').value_or(drawn.radius_mm[i]);
-    settings->arm_mm[i] = arm_mm + Mutant("delta_believed_trims_ignored", 1.0, 0.0) *
-                                       m665.Number("ABC"[i]).value_or(0);
+    settings->arm_mm[i] = arm_mm + m665.Number("ABC"[i]).value_or(0);
     settings->angle_rad[i] =
         drawn.angle_rad[i] + RadFromDeg(m665.Number("XYZ"[i]).value_or(0));
   }
@@ -96,8 +94,7 @@ class DeltaCalibration {
     const std::string line = fmt::format("G33 P{}{}", step_.points, step_.words);
     const auto agreed =
         Ask(fmt::format("{} sets what it finds by itself. Run it?", line));
-    result_.messages = wire.Say(
-        Mutant("g33_never_dry", agreed.has_value(), true) ? line : AsDryRun(line));
+    result_.messages = wire.Say(agreed.has_value() ? line : AsDryRun(line));
     if (wire.fault()) {
       End(*wire.fault_itself());
       return;
@@ -197,7 +194,7 @@ class DeltaCalibration {
         Ask(fmt::format("Send and store (M500)\n{}{}?",
                         lines,
                         outcome.mesh.nodes > 0 ? "and a mesh (M421, M420)" : ""));
-    if (Mutant("delta_set_unasked", !agreed, false)) {
+    if (!agreed) {
       if (result_.ending == Ending::kDone) result_.ending = Ending::kRefused;
       AddSteps(before, outcome.settings, Verdict::kRefused, agreed.error().reply);
       return;
@@ -276,9 +273,7 @@ Expected<BelievedDelta> ReadBelievedDelta(Link* link, const DeltaModel<double>& 
   }
   TakeGeometry(*m665, drawn, &height_mm, &believed.settings);
   for (std::size_t i = 0; i < 3; ++i) {
-    believed.settings.endstop_mm[i] =
-        height_mm - Mutant("delta_believed_endstop_sign", 1.0, -1.0) *
-                        m666->Number("XYZ"[i]).value_or(0);
+    believed.settings.endstop_mm[i] = height_mm - m666->Number("XYZ"[i]).value_or(0);
   }
   return believed;
 }

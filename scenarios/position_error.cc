@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "sim/base/mutant.h"
 #include "sim/base/require.h"
 
 namespace caltwin {
@@ -11,8 +10,7 @@ double P95AboutMean_mm(const std::vector<Vec3<double>>& errors_mm) {
   Require(errors_mm.size() >= 2, "a quantile is of several errors");
   Vec3<double> sum_mm = Vec3<double>::Zero();
   for (const Vec3<double>& error_mm : errors_mm) sum_mm += error_mm;
-  const Vec3<double> mean_mm = sum_mm / static_cast<double>(errors_mm.size()) *
-                               Mutant("position_mean_left", 1.0, 0.0);
+  const Vec3<double> mean_mm = sum_mm / static_cast<double>(errors_mm.size());
   std::vector<double> sizes_mm;
   for (const Vec3<double>& error_mm : errors_mm) {
     sizes_mm.push_back((error_mm - mean_mm).norm());

@@ -8,7 +8,6 @@
 #include <fmt/ranges.h>
 
 #include "scenarios/parameter_name.h"
-#include "sim/base/mutant.h"
 #include "sim/effects/injected.h"
 
 namespace caltwin {
@@ -83,8 +82,7 @@ std::vector<std::string> NamesOf(const Trial& trial, const Expectation& expect) 
 
 bool Holds(const ParameterExpectation& expected, const ParameterResult& row) {
   if (expected.truth_within) {
-    const double tolerance = Mutant("tolerance_ignored", *expected.truth_within, 1e9);
-    if (!row.error || !(std::abs(*row.error) <= tolerance)) return false;
+    if (!row.error || !(std::abs(*row.error) <= *expected.truth_within)) return false;
   }
   return !expected.identifiable || *expected.identifiable == row.identifiable;
 }
@@ -113,11 +111,7 @@ ParameterResult MakeRow(const Trial& trial,
     row.identifiable = true;
     row.recovered = after;
   }
-  // A mutant that compares with what the firmware believed proves that the tests look
-  // at the built machine.
-  const double truth =
-      Mutant("verdict_against_setting", row.injected, after.value_or(row.injected));
-  if (row.recovered) row.error = *row.recovered - truth;
+  if (row.recovered) row.error = *row.recovered - row.injected;
   if (expected != nullptr) {
     row.tolerance = expected->truth_within;
     if (expected->truth_within || expected->identifiable) {
@@ -155,7 +149,7 @@ bool Diverges(const Trial& trial, const ParameterResult& row) {
     const double after = std::abs(step.after - row.injected);
     if (after > before && after > floor) ++grown;
   }
-  return grown >= Mutant("diverges_after_one_pass", 2, 1);
+  return grown >= 2;
 }
 
 // The machine read "no gap" where there is one.
@@ -320,8 +314,7 @@ std::string JudgeOutcome(const Trial& trial,
       table, [&](const ParameterResult& row) { return row.error.has_value(); });
   const double growth_mm =
       trial.position_error_after_mm - trial.position_error_before_mm;
-  if (missed || !anything || growth_mm > kNoWorse_mm)
-    return Mutant("misses_is_recovers", "misses", "recovers");
+  if (missed || !anything || growth_mm > kNoWorse_mm) return "misses";
   return "recovers";
 }
 
@@ -330,11 +323,7 @@ std::vector<CheckResult> MakeChecks(const Trial& trial,
                                     const std::vector<ParameterResult>& table,
                                     const std::string& outcome) {
   std::vector<CheckResult> checks;
-  Add(&checks,
-      "outcome",
-      expect.outcome,
-      outcome,
-      outcome == expect.outcome || Mutant("outcome_ignored", false, true));
+  Add(&checks, "outcome", expect.outcome, outcome, outcome == expect.outcome);
   for (const ParameterExpectation& expected : expect.parameters) {
     const auto row = std::ranges::find(table, expected.name, &ParameterResult::name);
     CheckParameter(trial, expected, *row, &checks);

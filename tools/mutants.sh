@@ -1,23 +1,26 @@
 #!/usr/bin/env bash
-# Runs the tests against every planted mistake (sim/base/mutant.h) and writes the table
-# of docs/mutants.md: each must turn at least one test red.
+# Runs the tests against every planted mistake (tests/mutants.yaml) and writes the table
+# of docs/mutants.md: each must turn at least one test red. The mistakes are planted into a
+# copy of the tree, as choices at run time, and the copy is built once.
 #
-#   tools/mutants.sh             all of them
+#   tools/mutants.sh             all of them: a night's work
 #   tools/mutants.sh NAME...     only these; the table is not written
+#   tools/mutants.sh --check     every entry still fits its file (CI)
 set -euo pipefail
 cd "$(dirname "$0")/.."
-build=${CALTWIN_MUTANTS_BUILD:-build-mutants}
-tools/setup.sh
+tools/setup.sh python3-yaml
+export PATH=/usr/bin:$PATH # Debian's python3, which has python3-yaml.
+if [[ ${1:-} == --check ]]; then exec python3 tools/mutants.py check; fi
+copy=$PWD/${CALTWIN_MUTANTS_BUILD:-build-mutants}
+build=$copy/build
+python3 tools/mutants.py plant "$copy"
+ln -sfn "$PWD/third_party" "$copy/third_party"
 echo "mutants: building the mistakes into $build"
-cmake -S . -B "$build" -G Ninja -DCALTWIN_MUTANTS=ON >/dev/null
-ninja -C "$build" >/dev/null
+(cd "$copy" && tools/build.sh "$build")
 
-# NAME<TAB>FILE of every mutant in the sources, once each.
-list() {
-  git ls-files sim calibration scenarios | xargs cat | tr '\n' ' ' |
-    grep -oE 'Mutant(<[^>]*>)?\(\s*"[a-z0-9_]+"' | sed -E 's/.*"([a-z0-9_]+)".*/\1/' | sort -u
-}
-where() { git grep -lE "\"$1\"" -- sim calibration scenarios | head -n 1; }
+# NAME<TAB>FILE of every mutant, once each.
+list() { python3 tools/mutants.py list | cut -f 1; }
+where() { python3 tools/mutants.py list | sed -nE "s/^$1\t//p"; }
 
 # The first test that fails under the mutant, unit tests first; empty: it survives.
 killer() {
@@ -55,7 +58,7 @@ if [ $# -eq 0 ]; then
   {
     echo '# Mutants'
     echo
-    echo 'Mistakes planted in the sources, built only with `-DCALTWIN_MUTANTS=ON`. Each must turn at'
+    echo 'Mistakes planted into a copy of the sources (tests/mutants.yaml). Each must turn at'
     echo 'least one test red; the last column names the first that does. Made by `tools/mutants.sh`.'
     echo
     echo "${#names[@]} mutants, $survivors survive."

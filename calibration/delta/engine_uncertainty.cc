@@ -6,7 +6,6 @@
 
 #include "calibration/estimate/expanded.h"
 #include "calibration/estimate/linear_fit.h"
-#include "sim/base/mutant.h"
 
 namespace caltwin {
 namespace {
@@ -89,8 +88,7 @@ EngineUncertainty UncertaintyOfHeightSquares(const DeltaModel<double>& found,
   const Eigen::MatrixXd gain = fit.covariance * a.transpose();
   const std::vector<int> lacking = KnobsBeside(engine.knobs);
   const Eigen::MatrixXd noise = gain * sigmas_mm.asDiagonal();
-  const Eigen::MatrixXd moved = Mutant("engine_model_taken_for_the_machine", 1.0, 0.0) *
-                                gain * ScaledSlopes(found, engine, lacking);
+  const Eigen::MatrixXd moved = gain * ScaledSlopes(found, engine, lacking);
   const Eigen::VectorXd reach = PriorsOf(engine.knobs);
   EngineUncertainty told;
   std::vector<std::string> names;

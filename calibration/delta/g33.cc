@@ -9,7 +9,6 @@
 
 #include "calibration/delta/g33_trace.h"
 #include "sim/base/input_error.h"
-#include "sim/base/mutant.h"
 #include "sim/base/units.h"
 
 namespace caltwin {
@@ -108,7 +107,7 @@ class Calibration {
     deviation_mm_ = Deviation_mm(*heights_mm, options_);
     if ((deviation_mm_ < limit_mm_ || is_forced()) &&
         deviation_mm_ > options_.precision_mm) {
-      if (Mutant("g33_keeps_the_last", deviation_mm_ < least_mm_, true)) {
+      if (deviation_mm_ < least_mm_) {
         best_ = outcome_.settings;
       }
       if (options_.points < 2) limit_mm_ = 0;  // Once is all it can do.
@@ -152,8 +151,7 @@ class Calibration {
     const G33Heights by = matrix * heights_mm;
     for (std::size_t i = 0; i < kNumTowers; ++i) {
       const auto tower = static_cast<Eigen::Index>(i);
-      outcome_.settings.endstop_mm[i] -=
-          Mutant("g33_endstop_sign", 1.0, -1.0) * by[tower];
+      outcome_.settings.endstop_mm[i] -= by[tower];
       outcome_.settings.radius_mm[i] += by[3];
       outcome_.settings.angle_rad[i] += RadFromDeg(by[4 + tower]);
     }

@@ -4,7 +4,6 @@
 
 #include <Eigen/LU>
 
-#include "sim/base/mutant.h"
 #include "sim/base/units.h"
 
 namespace caltwin {
@@ -86,8 +85,7 @@ double G33TuneA(const DeltaModel<double>& settings, double at_mm) {
     changed.angle_rad[static_cast<std::size_t>(tower)] += RadFromDeg(kStep);
     const G33Heights rise = Rise_mm(settings, changed, at_mm);
     const int clockwise = (2 * tower + 5) % 6 + 1, counter = 2 * tower + 2;
-    rise_mm +=
-        Mutant("g33_angle_sign", 1.0, -1.0) * (rise[clockwise] - rise[counter]) / 6;
+    rise_mm += (rise[clockwise] - rise[counter]) / 6;
   }
   return kStep / rise_mm / 3;
 }
@@ -120,7 +118,7 @@ G33Matrix G33Correction(const G33Case& what,
   const bool is_full = what.points >= 3;
   const bool use_towers = is_full || what.tower_angles;
   const bool use_opposite = is_full || !what.tower_angles;
-  const double share = is_full ? Mutant("g33_circle_counts_whole", 0.5, 1.0) : 1;
+  const double share = is_full ? 0.5 : 1;
   for (int i = 0; i < kNumTowers; ++i) {
     for (int k = 0; k < kNumTowers; ++k) {
       const double h = share * (i == k ? 1 : -0.5) * factors.h;

@@ -9,7 +9,6 @@
 
 #include "calibration/delta/joint_budget.h"
 #include "sim/base/dense.h"
-#include "sim/base/mutant.h"
 #include "sim/machine/delta_slopes.h"
 
 namespace caltwin {
@@ -89,8 +88,7 @@ class ReadDelta {
               Eigen::Index i,
               Rows* rows) const {
     const auto rod = static_cast<std::size_t>(read.rod);
-    const double own_mm =
-        Mutant("delta_calliper_other_rod", 1.0, -1.0) * build.rod_error_mm[rod];
+    const double own_mm = build.rod_error_mm[rod];
     const double length_mm = build.model.arm_mm[rod / 2] + own_mm;
     rows->residual[i] = (length_mm - read.length_mm) / read.sigma_mm;
     std::array<double, kNumDeltaKnobs> slopes{};
@@ -127,8 +125,7 @@ class Fitter {
       const auto at = static_cast<std::size_t>(knob);
       const DeltaKnob& is = kDeltaKnobs[at];
       const double sd = options.prior_sd.empty() ? is.prior_sd : options.prior_sd[at];
-      const bool has_mean = Mutant("delta_prior_forgets_its_mean", true, false) &&
-                            !options.prior_mean.empty();
+      const bool has_mean = !options.prior_mean.empty();
       const double mean = has_mean ? options.prior_mean[at] : 0;
       prior_.push_back(sd * is.per_unit);
       believed_.push_back(mean * is.per_unit);

@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "sim/base/mutant.h"
 #include "sim/base/require.h"
 #include "sim/base/units.h"
 
@@ -29,7 +28,7 @@ DeltaModel<double> Changed(const DeltaModel<double>& start, const Changes& by) {
   for (std::size_t i = 0; i < kNumTowers; ++i) {
     model.radius_mm[i] += by[0];
     model.endstop_mm[i] += by[3 + i];
-    model.arm_mm[i] += Mutant("klipper_arms_as_one", by[6 + i], by[6]);
+    model.arm_mm[i] += by[6 + i];
   }
   model.angle_rad[0] += RadFromDeg(by[1]);
   model.angle_rad[1] += RadFromDeg(by[2]);
@@ -70,8 +69,7 @@ bool Step(const DeltaModel<double>& start,
           const Changes& all,
           double* best_mm2) {
   const double before = *parameter;
-  for (const double to :
-       {before + step, before - Mutant("klipper_only_up", step, -step)}) {
+  for (const double to : {before + step, before - step}) {
     *parameter = to;
     const double error_mm2 = data.Error_mm2(Changed(start, all));
     if (error_mm2 < *best_mm2) {

@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "sim/base/input_error.h"
-#include "sim/base/mutant.h"
 #include "sim/base/require.h"
 #include "sim/base/units.h"
 
@@ -90,8 +89,7 @@ void Adjust(Factor factor, double by, Belief* belief) {
       model.angle_rad[0] += RadFromDeg(by);
       return;
     case Factor::kAngleB:
-      model.angle_rad[Mutant<std::size_t>("rrf_angle_of_another_tower", 1, 2)] +=
-          RadFromDeg(by);
+      model.angle_rad[1] += RadFromDeg(by);
       return;
     case Factor::kRods:
       KeepCarriages(&model, [&](std::size_t i) { model.arm_mm[i] += by; });

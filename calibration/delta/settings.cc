@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 
 #include "sim/base/dense.h"
-#include "sim/base/mutant.h"
 #include "sim/base/units.h"
 
 namespace caltwin {
@@ -175,10 +174,8 @@ std::string AsMarlin(const DeltaModel<double>& settings,
       settings.arm_mm[0] - arm_mm,
       settings.arm_mm[1] - arm_mm,
       settings.arm_mm[2] - arm_mm,
-      lowest_mm -
-          settings.endstop_mm[Mutant<std::size_t>("delta_swapped_towers", 0, 1)],
-      lowest_mm -
-          settings.endstop_mm[Mutant<std::size_t>("delta_swapped_towers", 1, 0)],
+      lowest_mm - settings.endstop_mm[0],
+      lowest_mm - settings.endstop_mm[1],
       lowest_mm - settings.endstop_mm[2]);
 }
 

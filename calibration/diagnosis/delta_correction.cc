@@ -11,7 +11,6 @@
 #include "calibration/diagnosis/extension.h"
 #include "calibration/diagnosis/settings_of_rows.h"
 #include "sim/base/input_error.h"
-#include "sim/base/mutant.h"
 #include "sim/base/units.h"
 #include "sim/effects/catalog.h"
 
@@ -89,8 +88,7 @@ class DeltaWriter {
       const AxisDrawing& drawing = observed_.machine().axes[i];
       const double set = settings.steps_per_mm[i];
       const double old = set > 0 ? set : drawing.steps_per_mm();
-      steps_per_mm_[i] = old / (1 + Mutant("delta_correction_belt_sign", 1.0, -1.0) *
-                                        found_.build.belt_scale[i]);
+      steps_per_mm_[i] = old / (1 + found_.build.belt_scale[i]);
       words += fmt::format(" {}{:.7g}", "XYZ"[i], steps_per_mm_[i]);
       Comment(
           fmt::format("steps/mm of tower {} were {:.6g}: its belt moves {:+.1f} ppm "

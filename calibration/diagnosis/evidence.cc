@@ -5,7 +5,6 @@
 
 #include "calibration/estimate/inner_products.h"
 #include "sim/base/dense.h"
-#include "sim/base/mutant.h"
 #include "sim/base/require.h"
 
 namespace caltwin {
@@ -148,9 +147,7 @@ double LogBayesOf(const Projected& projected,
   const double log_det = 2 * diagonal.array().log().sum();
   // What is left below the noise is no better for that: exact rows have whole steps.
   constexpr double kLeft = 0.5;  // Of what noise leaves.
-  const double most = Mutant("exact_rows_prove_more",
-                             std::clamp(1 - kLeft * dof / chi2, 0.0, 1 - 1e-12),
-                             1 - 1e-12);
+  const double most = std::clamp(1 - kLeft * dof / chi2, 0.0, 1 - 1e-12);
   const double explained = std::clamp(scaled.squaredNorm() / chi2, 0.0, most);
   return -0.5 * log_det - 0.5 * dof * std::log1p(-explained);
 }

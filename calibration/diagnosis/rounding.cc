@@ -10,7 +10,6 @@
 #include <fmt/format.h>
 
 #include "calibration/diagnosis/noise.h"
-#include "sim/base/mutant.h"
 
 namespace caltwin {
 
@@ -23,8 +22,7 @@ double RoundingSigma_mm(const Observed& observed, Eigen::Index i) {
     if (steps == stated->second.steps_per_mm.end() || steps->second <= 0) continue;
     const double slope =
         observed.at(i).n.dot(observed.at(i).delta->by_knob.col(kEndstopKnob + tower));
-    variance_mm2 += std::pow(slope / steps->second, 2) /
-                    Mutant("delta_rounding_as_a_sigma", 12.0, 1.0);
+    variance_mm2 += std::pow(slope / steps->second, 2) / 12.0;
   }
   return std::sqrt(variance_mm2);
 }
@@ -74,10 +72,7 @@ double CountedSigma_mm(const Observed& observed, const std::string& campaign) {
   const double step_mm = 1 / machine.axis(Axis::kZ).steps_per_mm();
   const double carried =
       2 * std::numbers::pi * Scatter_mm(observed, rows.front()) / step_mm;
-  const double in_common =
-      Mutant("rounding_averages_out",
-             (AlikeOf(observed, rows) - 1) * std::exp(-carried * carried),
-             0.0);
+  const double in_common = (AlikeOf(observed, rows) - 1) * std::exp(-carried * carried);
   return std::max(least_mm, step_mm / std::sqrt(12.0)) * std::sqrt(1 + in_common);
 }
 

@@ -13,7 +13,6 @@
 #include "calibration/diagnosis/settings_of_rows.h"
 #include "calibration/triple_z/plane.h"
 #include "sim/base/input_error.h"
-#include "sim/base/mutant.h"
 #include "sim/base/units.h"
 #include "sim/effects/predict.h"
 #include "sim/effects/surroundings.h"
@@ -113,8 +112,7 @@ class ScrewWriter {
 
   const Eigen::Vector2d& PlaceOfDriver_mm(int driver) const {
     const auto at = static_cast<std::size_t>(driver);
-    return places_mm_[Mutant(
-        "tz_correction_keeps_order", static_cast<std::size_t>(turned_[at]), at)];
+    return places_mm_[static_cast<std::size_t>(turned_[at])];
   }
 
   std::string InOrder(int coordinate, bool by_driver) const {
@@ -298,8 +296,7 @@ class ScrewWriter {
     std::array<std::string, kNumScrews> said;
     for (std::size_t i = 0; i < said.size(); ++i) {
       const Eigen::Vector2d from_mm = places_mm_[i] - middle_mm;
-      const double raise_mm = Mutant("tz_correction_raises_the_high", -1.0, 1.0) *
-                              (plane.a() * from_mm[0] + plane.b() * from_mm[1]);
+      const double raise_mm = -(plane.a() * from_mm[0] + plane.b() * from_mm[1]);
       const double sd_mm = std::hypot(RadFromMrad(slopes[0]->sd) * from_mm[0],
                                       RadFromMrad(slopes[1]->sd) * from_mm[1]);
       said[i] = fmt::format("{} {:+.3f} +- {:.3f} mm ({:+.3f} turns)",

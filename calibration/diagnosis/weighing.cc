@@ -7,7 +7,6 @@
 #include <numbers>
 
 #include "sim/base/dense.h"
-#include "sim/base/mutant.h"
 #include "sim/base/rng.h"
 #include "sim/base/units.h"
 
@@ -52,8 +51,7 @@ std::vector<NoiseWorld> WorldsOf(const Observed& observed,
     // Not more than the rows' own: what a cause adds to "nothing there" is no noise,
     // and would hold sizes as much nearer to 0.
     const double left = std::sqrt(evidence.chi2() / evidence.dof());
-    const double noise_scale =
-        Mutant("sizes_held_by_what_is_there", std::min(1.0, left), left);
+    const double noise_scale = std::min(1.0, left);
     worlds.push_back({WanderOf(rate), std::move(evidence), log_none, noise_scale});
   }
   return worlds;
@@ -188,9 +186,7 @@ InFull WithFreedom(const NoiseWorld& world,
   full.sizes_mm = mean.head(k);
   if (m > 0) {
     // As likely beforehand: it has its textbook shape and no freedom is spent.
-    full.log_bayes = Mutant("textbook_pays_for_freedom",
-                            LogSum({full.log_bayes, plain}) - std::numbers::ln2,
-                            full.log_bayes);
+    full.log_bayes = LogSum({full.log_bayes, plain}) - std::numbers::ln2;
   }
   if (candidate.must_be_positive) {
     full.log_bayes += LogPositive(projected, prior, world.noise_scale);

@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include "sim/base/input_error.h"
-#include "sim/base/mutant.h"
 #include "sim/base/units.h"
 #include "sim/effects/predict.h"
 
@@ -45,8 +44,7 @@ std::string SwitchOffsetText(const FindingParameter& off_um,
         "measured with several\n",
         said);
   }
-  const double off_mm =
-      Mutant("switch_offset_correction_sign", 1.0, -1.0) * MmFromUm(off_um.value);
+  const double off_mm = MmFromUm(off_um.value);
   if (*in_force_mm + off_mm < 0) {
     return fmt::format(
         "# switch_offset: it would be {:.4f}, and Klipper takes none below 0 (was "

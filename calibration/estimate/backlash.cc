@@ -4,7 +4,6 @@
 
 #include "calibration/estimate/expanded.h"
 #include "calibration/estimate/linear_fit.h"
-#include "sim/base/mutant.h"
 #include "sim/base/require.h"
 
 namespace caltwin {
@@ -68,10 +67,8 @@ ReleaseFit BacklashFromRelease(std::span<const TriggerRelease> feeds,
   Eigen::VectorXd r = Eigen::VectorXd::Zero(readings + 2);
   for (Eigen::Index row = 0; const TriggerRelease& feed : feeds) {
     Require(feed.difference_mm.sd > 0, "a reading has a standard deviation");
-    const double late_mm =
-        Mutant("release_latency_once", 2.0, 1.0) * feed.feed_mm_s * kLatencyUnit_s;
-    const double hysteresis = Mutant("release_hysteresis_sign", 1.0, -1.0);
-    AddRow({1, hysteresis, late_mm}, feed.difference_mm, row++, &a, &r);
+    const double late_mm = 2.0 * feed.feed_mm_s * kLatencyUnit_s;
+    AddRow({1, 1.0, late_mm}, feed.difference_mm, row++, &a, &r);
   }
   if (std::isfinite(hysteresis_mm.sd)) {
     AddRow({0, 1, 0},
@@ -120,10 +117,9 @@ Uncertain BacklashFromApproaches(std::span<const double> plus_mm,
                                  std::span<const double> minus_mm,
                                  double reading_sd_mm) {
   if (plus_mm.empty() || minus_mm.empty()) return {};
-  const double sense = Mutant("backlash_approach_sense", 1.0, -1.0);
   const double n_plus = static_cast<double>(plus_mm.size());
   const double n_minus = static_cast<double>(minus_mm.size());
-  return {.value = sense * (Mean(minus_mm) - Mean(plus_mm)),
+  return {.value = Mean(minus_mm) - Mean(plus_mm),
           .sd = reading_sd_mm * std::sqrt(1 / n_plus + 1 / n_minus),
           .identifiable = true};
 }
@@ -134,8 +130,7 @@ Uncertain BacklashFromDial(std::span<const double> readings_mm,
   Require(sense == 1 || sense == -1, "a sense is +1 or -1");
   if (readings_mm.empty()) return {};
   const double count = static_cast<double>(readings_mm.size());
-  const double each_sd_mm =
-      Mutant("dial_forgets_zeroing", std::sqrt(2.0), 1.0) * reading_sd_mm;
+  const double each_sd_mm = std::sqrt(2.0) * reading_sd_mm;
   return {.value = sense * Mean(readings_mm),
           .sd = each_sd_mm / std::sqrt(count),
           .identifiable = true};

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/base/mutant.h"
 #include "sim/base/units.h"
 #include "sim/effects/catalog.h"
 
@@ -69,7 +68,7 @@ void ToScale(const Machine& machine, Axis axis, BaselineValue* value) {
       machine.settings.steps_per_mm[static_cast<std::size_t>(Index(axis))];
   const double ratio = configured / value->value;
   value->sd = PpmFromFraction(ratio * value->sd / value->value);
-  value->value = PpmFromFraction(Mutant("baseline_scale_sign", ratio - 1, 1 - ratio));
+  value->value = PpmFromFraction(ratio - 1);
   value->name = "scale." + Name(axis);
   value->unit = "ppm";
 }

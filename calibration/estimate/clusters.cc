@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "calibration/estimate/touch_noise.h"
-#include "sim/base/mutant.h"
 #include "sim/base/require.h"
 
 namespace caltwin {
@@ -79,8 +78,7 @@ ClusterStatistics CompareClusters(std::span<const double> plus_mm,
   const double gap_mm = statistics.mean_plus_mm - statistics.mean_minus_mm;
   if (pooled.difference_mm2 > 0) {
     const double t = gap_mm / std::sqrt(pooled.difference_mm2);
-    statistics.p_value =
-        StudentTwoSided(t, Mutant("clusters_dof", pooled.dof, 2 * pooled.dof));
+    statistics.p_value = StudentTwoSided(t, pooled.dof);
   } else {
     statistics.p_value = gap_mm == 0 ? 1 : 0;
   }

@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "sim/base/mutant.h"
 #include "sim/base/require.h"
 
 namespace caltwin {
@@ -24,8 +23,7 @@ Correlations CorrelationsOf(std::string procedure,
     for (Eigen::Index j = 0; j < size; ++j) {
       const double both = std::sqrt(covariance(i, i) * covariance(j, j));
       if (i == j || !(both > 0)) continue;
-      of.matrix(i, j) = std::clamp(
-          Mutant("correlation_sign", 1.0, -1.0) * covariance(i, j) / both, -1.0, 1.0);
+      of.matrix(i, j) = std::clamp(covariance(i, j) / both, -1.0, 1.0);
     }
   }
   return of;

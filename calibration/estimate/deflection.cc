@@ -3,17 +3,12 @@
 #include <cmath>
 
 #include "calibration/estimate/expanded.h"
-#include "sim/base/mutant.h"
 
 namespace caltwin {
 
 Deflection DeflectionFromSpan(const DeflectionSpan& span) {
-  const double g = span.kind == SpanKind::kExternal
-                       ? Mutant("deflection_as_published_sign", 1.0, -1.0)
-                       : -1.0;
-  const double centres_mm =
-      span.span_mm.value +
-      g * Mutant("deflection_radius_for_diameter", 2.0, 1.0) * span.tip_radius_cfg_mm;
+  const double g = span.kind == SpanKind::kExternal ? 1.0 : -1.0;
+  const double centres_mm = span.span_mm.value + g * 2.0 * span.tip_radius_cfg_mm;
   const double k = span.mm_per_commanded_mm.value;
   const double combination_mm = g * (span.size_mm.value - k * centres_mm) / 2;
   std::vector<Contribution> budget{
@@ -23,8 +18,7 @@ Deflection DeflectionFromSpan(const DeflectionSpan& span) {
 
   Deflection deflection;
   deflection.combination_mm = WithBudget(combination_mm, budget);
-  const double half_backlash_mm =
-      Mutant("deflection_drops_half_backlash", span.backlash_mm.value / 2, 0.0);
+  const double half_backlash_mm = span.backlash_mm.value / 2;
   budget.push_back(InputOf("tip radius", 1, span.tip_radius_mm));
   budget.push_back(InputOf("gap left", -0.5, span.backlash_mm));
   deflection.pretravel_mm = WithBudget(

@@ -5,7 +5,6 @@
 #include <numbers>
 
 #include "calibration/estimate/clusters.h"
-#include "sim/base/mutant.h"
 #include "sim/base/require.h"
 
 namespace caltwin {
@@ -66,7 +65,7 @@ double EffectiveDof(std::span<const Contribution> budget) {
   for (const Contribution& input : budget) {
     const double square = input.u * input.u;
     variance += square;
-    per_dof += square * Mutant("welch_satterthwaite_squares", square, 1.0) / input.dof;
+    per_dof += square * square / input.dof;
   }
   if (per_dof == 0) return std::numeric_limits<double>::infinity();
   return variance * variance / per_dof;

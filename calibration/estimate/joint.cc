@@ -9,7 +9,6 @@
 #include "calibration/estimate/joint_model.h"
 #include "calibration/estimate/joint_robust.h"
 #include "calibration/estimate/linear_fit.h"
-#include "sim/base/mutant.h"
 
 namespace caltwin {
 namespace {
@@ -207,8 +206,7 @@ void AddEstimates(const JointModel& model,
     const double belief =
         std::isfinite(unknown.prior.sd) ? unknown.prior.sd : unknown.scale;
     const double alone_sd = std::sqrt(without_beliefs(i, i)) * unknown.scale;
-    const double limit =
-        Mutant("joint_prior_counts_as_measured", kNotLearned * belief, 1e300);
+    const double limit = kNotLearned * belief;
     fit->estimates.push_back({.name = unknown.name,
                               .unit = unknown.unit,
                               .value = values[i],
@@ -252,7 +250,7 @@ void AddResiduals(const JointModel& model,
   const auto rows = static_cast<double>(residuals.size());
   if (rows > 0) fit->rms_mm = std::sqrt(squares_mm2 / rows);
   const double paid = (jacobian * covariance).cwiseProduct(jacobian).sum();
-  fit->dof = Mutant("joint_dof_ignores_unknowns", rows - paid, rows);
+  fit->dof = rows - paid;
   if (fit->dof > 0.5) fit->chi2_per_dof = residuals.squaredNorm() / fit->dof;
 }
 

@@ -6,7 +6,6 @@
 
 #include <ceres/jet.h>
 
-#include "sim/base/mutant.h"
 #include "sim/base/require.h"
 #include "sim/effects/catalog.h"
 #include "sim/effects/injected.h"

@@ -7,7 +7,6 @@
 
 #include "calibration/estimate/joint_model.h"
 #include "sim/base/dense.h"
-#include "sim/base/mutant.h"
 #include "sim/base/require.h"
 
 namespace caltwin {
@@ -183,7 +182,7 @@ EnoughReadings EnoughOf(const JointProblem& problem, double most) {
     enough.readings.push_back(static_cast<std::size_t>(i));
   }
   if (told.empty()) return enough;
-  const double limit = Mutant("enough_on_average", 1.0, 1e9) * most * most * (1 + 1e-9);
+  const double limit = most * most * (1 + 1e-9);
   while (const auto least = LeastMissed(growing, enough.readings, all, told, limit)) {
     growing.LeaveOut(*least);
     std::erase(enough.readings, *least);

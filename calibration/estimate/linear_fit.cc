@@ -5,7 +5,6 @@
 
 #include <Eigen/SVD>
 
-#include "sim/base/mutant.h"
 #include "sim/base/require.h"
 
 namespace caltwin {
@@ -58,7 +57,7 @@ LinearFit SolveLinear(const Eigen::MatrixXd& a,
   fit.blind = spectrum.directions.rightCols(a.cols() - rank);
   fit.residuals = r - a * fit.x;
   const auto rows = static_cast<int>(a.rows());
-  fit.dof = Mutant("linear_fit_dof_ignores_rank", rows - fit.rank, rows);
+  fit.dof = rows - fit.rank;
   fit.chi2_per_dof = fit.dof > 0 ? fit.residuals.squaredNorm() / fit.dof : 0;
   return fit;
 }

@@ -7,7 +7,6 @@
 
 #include <fmt/format.h>
 
-#include "sim/base/mutant.h"
 #include "sim/base/require.h"
 #include "sim/base/units.h"
 
@@ -106,8 +105,7 @@ std::string Statement(const BlindGroup& group,
     Eigen::VectorXd sum = Eigen::VectorXd::Zero(basis.cols());
     sum[lead] = 1;
     for (const Eigen::Index row : group.rows) {
-      sum[pivots[static_cast<std::size_t>(row)]] =
-          Mutant("observability_sum_sign", -1.0, 1.0) * basis(row, lead);
+      sum[pivots[static_cast<std::size_t>(row)]] = -basis(row, lead);
     }
     if (!told.empty()) told += " and ";
     told += CombinationInWords(names, sum);

@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "sim/base/input_error.h"
-#include "sim/base/mutant.h"
 #include "sim/base/require.h"
 
 namespace caltwin {
@@ -94,8 +93,7 @@ std::vector<Observation> ObservationsOf(const RowTable& table,
           n.y() * arm_mm.x() - n.x() * arm_mm.y();
     }
     if (IsRelease(row)) {
-      observation.nuisances["probe_hysteresis"] =
-          Mutant("observation_hysteresis_sign", 1.0, -1.0);
+      observation.nuisances["probe_hysteresis"] = 1.0;
     }
     observations.push_back(std::move(observation));
   }

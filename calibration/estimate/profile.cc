@@ -4,7 +4,6 @@
 #include <cmath>
 #include <optional>
 
-#include "sim/base/mutant.h"
 #include "sim/base/require.h"
 
 namespace caltwin {
@@ -50,7 +49,7 @@ ProfileInterval ProfileOf(const std::function<double(double)>& objective,
         [&](double by_sd) { return objective(best + sense * by_sd * sd) - least; });
   };
   const auto low = towards(-1);
-  const auto high = towards(Mutant("profile_one_side", 1.0, -1.0));
+  const auto high = towards(1.0);
   return {.low = best - low.value_or(kFarthest_sd) * sd,
           .high = best + high.value_or(kFarthest_sd) * sd,
           .is_closed = low && high};

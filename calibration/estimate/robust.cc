@@ -7,7 +7,6 @@
 #include <Eigen/Dense>
 
 #include "sim/base/dense.h"
-#include "sim/base/mutant.h"
 #include "sim/base/require.h"
 
 namespace caltwin {
@@ -62,8 +61,7 @@ Eigen::MatrixXd SandwichByGroup(const Sandwich& fit, std::span<const int> groups
       rows.row(k) = fit.rows.row(group[static_cast<std::size_t>(k)]);
       residuals[k] = fit.residuals[group[static_cast<std::size_t>(k)]];
     }
-    const Eigen::MatrixXd hat =
-        Mutant("sandwich_without_leverage", 1.0, 0.0) * rows * bread * rows.transpose();
+    const Eigen::MatrixXd hat = rows * bread * rows.transpose();
     const Eigen::VectorXd pull = rows.transpose() * WithoutOwnPull(hat, residuals);
     meat += pull * pull.transpose();
   }

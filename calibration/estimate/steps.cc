@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "calibration/estimate/expanded.h"
-#include "sim/base/mutant.h"
 
 namespace caltwin {
 namespace {
@@ -52,9 +51,7 @@ Uncertain StepsFromMove(const MeasuredMove& move) {
 Uncertain StepsFromTwoSpans(const TwoSpans& spans) {
   const Part measured = Difference("readings", spans.span2_mm, spans.span1_mm);
   const Part certified = Difference("sizes", spans.size2_mm, spans.size1_mm);
-  return Ratio(spans.steps_per_mm,
-               Mutant("steps_two_spans_inverted", measured, certified),
-               Mutant("steps_two_spans_inverted", certified, measured));
+  return Ratio(spans.steps_per_mm, measured, certified);
 }
 
 Uncertain StepsFromTwoSpansAsPublished(const TwoSpans& spans) {
@@ -64,18 +61,15 @@ Uncertain StepsFromTwoSpansAsPublished(const TwoSpans& spans) {
 }
 
 Uncertain StepsFromOneSpan(const OneSpan& span) {
-  const double radii = Mutant("steps_one_span_radius_once", 2.0, 1.0);
-  const double sense = Mutant("steps_one_span_pretravel_sign", 1.0, -1.0);
+  const double radii = 2.0;
   const Part commanded{.value = span.span_mm.value + radii * span.tip_radius_cfg_mm,
                        .inputs = {InputOf("readings", 1, span.span_mm)}};
-  const Part gone{
-      .value = span.size_mm.value + 2 * span.tip_radius_mm.value -
-               sense * 2 * span.pretravel_mm.value -
-               Mutant("steps_one_span_drops_backlash", span.backlash_mm.value, 0.0),
-      .inputs = {InputOf("sizes", 1, span.size_mm),
-                 InputOf("tip radius", 2, span.tip_radius_mm),
-                 InputOf("pre-travel", -2, span.pretravel_mm),
-                 InputOf("gap", -1, span.backlash_mm)}};
+  const Part gone{.value = span.size_mm.value + 2 * span.tip_radius_mm.value -
+                           2 * span.pretravel_mm.value - span.backlash_mm.value,
+                  .inputs = {InputOf("sizes", 1, span.size_mm),
+                             InputOf("tip radius", 2, span.tip_radius_mm),
+                             InputOf("pre-travel", -2, span.pretravel_mm),
+                             InputOf("gap", -1, span.backlash_mm)}};
   return Ratio(span.steps_per_mm, commanded, gone);
 }
 

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "calibration/estimate/linear_fit.h"
-#include "sim/base/mutant.h"
 #include "sim/base/require.h"
 
 namespace caltwin {
@@ -36,7 +35,7 @@ TiltPlane FitTiltPlane(std::span<const Vec3<double>> points_mm,
   Eigen::VectorXd r(points_mm.size());
   for (Eigen::Index row = 0; const Vec3<double>& p : points_mm) {
     const Vec3<double> u = (p - centre_mm) / extent_mm;
-    a.row(row) << 1, u.x(), Mutant("tilt_plane_swaps_axes", u.y(), u.x());
+    a.row(row) << 1, u.x(), u.y();
     a.row(row) /= sigma_mm;
     r[row++] = (p.z() - centre_mm.z()) / sigma_mm;
   }

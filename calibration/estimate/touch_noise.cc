@@ -6,7 +6,6 @@
 #include <numeric>
 
 #include "calibration/estimate/clusters.h"
-#include "sim/base/mutant.h"
 #include "sim/base/require.h"
 
 namespace caltwin {
@@ -14,7 +13,7 @@ namespace {
 
 // Variance of rounding to a grid, for a value anywhere on it.
 double RoundingVariance(double step_mm) {
-  return step_mm * step_mm / Mutant("touch_noise_step_over_sqrt3", 12.0, 3.0);
+  return step_mm * step_mm / 12.0;
 }
 
 double SharedRoundingVariance(const TouchNoise& noise) {
@@ -67,8 +66,7 @@ double MeanSd_mm(const TouchNoise& noise, int count) {
   Require(count > 0, "a mean has readings");
   const double all = noise.sigma_mm * noise.sigma_mm + RoundingVariance(noise.step_mm);
   const double shared = std::min(all, SharedRoundingVariance(noise));
-  const int averaged = Mutant("touch_noise_mean_as_single", count, 1);
-  return std::sqrt(shared + (all - shared) / averaged);
+  return std::sqrt(shared + (all - shared) / count);
 }
 
 double Mean(std::span<const double> readings) {
@@ -83,7 +81,7 @@ double Scatter(std::span<const double> readings) {
   double sum = 0;
   for (const double reading : readings) sum += (reading - mean) * (reading - mean);
   const auto count = static_cast<double>(readings.size());
-  return std::sqrt(sum / Mutant("scatter_divides_by_n", count - 1, count));
+  return std::sqrt(sum / (count - 1));
 }
 
 Uncertain MeanTouch_mm(std::span<const double> readings_mm, const TouchNoise& noise) {

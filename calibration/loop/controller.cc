@@ -9,7 +9,6 @@
 
 #include <fmt/format.h>
 
-#include "sim/base/mutant.h"
 #include "sim/link/gcode.h"
 #include "sim/measure/row.h"
 
@@ -210,7 +209,7 @@ Expected<void> Controller::WriteBacklash(Axis axis, double gap_mm) {
 Expected<void> Controller::WriteDeflection(Axis axis, double deflection_mm) {
   std::array<double, 3> all_mm = settings_.probe_deflection_mm;
   const std::size_t i = static_cast<std::size_t>(Index(axis));
-  all_mm[Mutant("deflection_other_axis", i, (i + 1) % 3)] = deflection_mm;
+  all_mm[i] = deflection_mm;
   const std::string value = fmt::format("{{{}, {}, {}}}",
                                         GcodeNumber(all_mm[0], kGapDecimals),
                                         GcodeNumber(all_mm[1], kGapDecimals),
@@ -299,7 +298,7 @@ void Controller::NoteMove(const Vec3<double>& target_mm) {
     const double by_mm = target_mm[i] - position_mm_[i];
     if (std::abs(by_mm) <= kNoMove_mm) continue;
     const double sense = by_mm > 0 ? 1 : -1;
-    direction_[i] = Mutant("direction_flipped", sense, -sense);
+    direction_[i] = sense;
   }
   position_mm_ = target_mm;
 }

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 
-#include "sim/base/mutant.h"
 #include "sim/base/units.h"
 
 namespace caltwin {

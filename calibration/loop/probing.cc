@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "sim/base/mutant.h"
 #include "sim/base/units.h"
 
 namespace caltwin {
@@ -211,8 +210,7 @@ Row Probing::RowOf(const Face& face, const TouchPlan& plan) const {
   row.setup = SetupOf(face);
   row.home = HomeId();
   row.feature = face.feature;
-  row.value_mm = (tip_mm - face.at_mm).dot(face.n) -
-                 Mutant("tip_radius_added", radius_mm, -radius_mm);
+  row.value_mm = (tip_mm - face.at_mm).dot(face.n) - radius_mm;
   double variance_mm2 = 0;
   for (const Axis axis : kAxes) {
     const int i = Index(axis);
@@ -251,8 +249,7 @@ std::string Probing::SettingsId() {
                       known.backlash_mm == now.backlash_mm &&
                       known.probe_deflection_mm == now.probe_deflection_mm &&
                       known.tip_radius_mm == now.tip_radius_mm;
-    if (same)
-      return Mutant("stale_settings", ledger.settings_now = id, std::string("s1"));
+    if (same) return ledger.settings_now = id;
   }
   ledger.settings_now = fmt::format("s{}", ledger.settings.size() + 1);
   ledger.settings[ledger.settings_now] = now;

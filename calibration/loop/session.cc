@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include "calibration/estimate/expanded.h"
-#include "sim/base/mutant.h"
 #include "sim/base/require.h"
 #include "sim/base/units.h"
 
@@ -120,17 +119,17 @@ constexpr double kRounding = 1e-9;
 
 Expected<std::string> Session::WhyNot(const Proposal& proposal, double before) {
   const double change = proposal.after / before - 1;
-  const double limit = Mutant("no_limit", rules_.steps_limit, 1e9);
   if (proposal.setting == Setting::kStepsPerMm &&
-      !(std::abs(change) <= limit + kRounding)) {
+      !(std::abs(change) <= rules_.steps_limit + kRounding)) {
     Tell(Trouble::kUnreasonable);
     return fmt::format(
-        "{:.4f} would change {:.4f} by {:.1f} %, beyond the limit of {:.1f} % an "
+        "{:.4f} would change {:.4f} by {:.1f} %, beyond the limit of "
+        "{:.1f} % an "
         "iteration: not applied.",
         proposal.after,
         before,
         PercentFromFraction(change),
-        PercentFromFraction(limit));
+        PercentFromFraction(rules_.steps_limit));
   }
   const auto answer =
       bench_->person->Do({.kind = Act::Kind::kConfirm,
@@ -206,8 +205,7 @@ Expected<bool> Session::KeepOrRollBack(const Proposal& proposal,
                                        const Check& check) {
   constexpr double kSigmas = 3;
   const double grown = check.error_after - check.error_before;
-  const bool worse =
-      Mutant("keeps_worse", grown, -1.0) > 0 && check.error_after > kSigmas * check.sd;
+  const bool worse = grown > 0 && check.error_after > kSigmas * check.sd;
   if (!worse) return true;
   // What was kept as it stood has nothing to go back to.
   if (Believed(proposal.setting, proposal.axis) == before) return true;

@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "sim/base/mutant.h"
 #include "sim/link/gcode.h"
 
 namespace caltwin {
@@ -40,7 +39,7 @@ Expected<void> WriteFile(Session* session,
     const auto sent = session->controller().Send(
         fmt::format("echo {}\"{}\" \"{}\"", redirect, file, line));
     if (!sent) return tl::unexpected(sent.error());
-    redirect = Mutant("file_overwritten", ">>", ">");
+    redirect = ">>";
   }
   return {};
 }

@@ -7,7 +7,6 @@
 
 #include "calibration/estimate/expanded.h"
 #include "calibration/motor_axes/doing.h"
-#include "sim/base/mutant.h"
 #include "sim/base/units.h"
 
 namespace caltwin {
@@ -94,8 +93,7 @@ std::optional<double> HalfWaySpeed_unit_s(double speed_unit_s, MotorDoing* doing
     least_unit_s2 = std::min(least_unit_s2, *in_force);
   }
   const double most_unit_s = std::sqrt(least_unit_s2 * doing->options().distance_unit);
-  return Mutant(
-      "sync_sd_of_asked_speed", std::min(speed_unit_s, most_unit_s), speed_unit_s);
+  return std::min(speed_unit_s, most_unit_s);
 }
 
 double Latest(const Moments& moments) {
@@ -164,8 +162,7 @@ Delays Aligned(const Delays& in_force, const Moments& moments) {
   double least_s = std::numeric_limits<double>::max();
   for (const auto& [axis, delay_s] : in_force) {
     const double early_s = Latest(moments) - moments.at(axis);
-    delays[axis] = Mutant("sync_forgets_delays_in_force", delay_s, 0.0) +
-                   Mutant("sync_delays_the_latest", early_s, -early_s);
+    delays[axis] = delay_s + early_s;
     least_s = std::min(least_s, delays[axis]);
   }
   for (auto& [axis, delay_s] : delays) delay_s -= least_s;

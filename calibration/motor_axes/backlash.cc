@@ -5,7 +5,6 @@
 
 #include "calibration/estimate/expanded.h"
 #include "calibration/motor_axes/doing.h"
-#include "sim/base/mutant.h"
 
 namespace caltwin {
 namespace {
@@ -56,12 +55,8 @@ std::optional<Gap> MeasureGap(double speed_unit_s, MotorDoing* doing) {
   for (int i = 0; i < o.repeats; ++i) {
     const auto plus =
         ReadApproach(at_unit - o.distance_unit, at_unit, speed_unit_s, doing);
-    const auto minus = ReadApproach(Mutant("motor_backlash_one_side",
-                                           at_unit + o.distance_unit,
-                                           at_unit - o.distance_unit),
-                                    at_unit,
-                                    speed_unit_s,
-                                    doing);
+    const auto minus =
+        ReadApproach(at_unit + o.distance_unit, at_unit, speed_unit_s, doing);
     if (!plus || !minus) return std::nullopt;
     gap.value_unit +=
         (minus->beyond_counter_unit - plus->beyond_counter_unit) / o.repeats;
@@ -179,9 +174,7 @@ void ApplyGap(const Gap& gap,
   const double sd_unit = std::hypot(gap.sd_unit, check->sd_unit);
   const std::string words = fmt::format(
       "compensated, the two senses differ by {:+.4f} {}", check->left_unit, unit);
-  if (Mutant("motor_backlash_check_passes",
-             std::abs(check->left_unit) > kWorseBy * sd_unit,
-             false)) {
+  if (std::abs(check->left_unit) > kWorseBy * sd_unit) {
     doing->Warn(words + ": that is no gap alone, M425 is as it was");
     doing->Step({.quantity = name,
                  .unit = unit,
@@ -225,7 +218,7 @@ void ForgetGap(double before_unit, MotorDoing* doing) {
 bool Coasts(const Gap& gap, MotorDoing* doing) {
   const std::size_t axis = doing->options().axes.front();
   const bool is_less = gap.value_unit < -kWorseBy * gap.sd_unit;
-  if (!Mutant("motor_backlash_below_none", is_less, false)) return false;
+  if (!is_less) return false;
   doing->Confess(
       fmt::format("the gap of {} reads {:+.4f} +- {:.4f} {}, less than none: its "
                   "carriage coasts on when the motor stands, it has less friction or "
@@ -257,9 +250,7 @@ void Judge(const Gap& gap, double before_unit, double speed_unit_s, MotorDoing* 
   }
   if (Coasts(gap, doing)) return;
   doing->Found(name, d.unit(), WithBudget(gap.value_unit, gap.budget));
-  if (Mutant("motor_backlash_writes_noise",
-             gap.value_unit > kIsThere * gap.sd_unit,
-             true)) {
+  if (gap.value_unit > kIsThere * gap.sd_unit) {
     ApplyGap(gap, before_unit, speed_unit_s, doing);
     return;
   }
@@ -288,8 +279,7 @@ MotorResult RunMotorBacklash(MotorAxes* axes, const MotorOptions& options) {
   const auto before_unit = doing.Got(axes->Field(425, axis));
   // Measured as if nothing were compensated.
   const bool may_begin =
-      top_unit_s && before_unit && Gently(&doing) &&
-      (Mutant("motor_backlash_on_top", false, true) || doing.SetForNow(425, axis, 0));
+      top_unit_s && before_unit && Gently(&doing) && doing.SetForNow(425, axis, 0);
   if (!may_begin) return doing.Take();
   const double medium_unit_s = options.medium * *top_unit_s;
   const auto gap = doing.TrySlower(medium_unit_s, [&](double speed_unit_s) {

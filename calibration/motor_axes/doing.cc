@@ -5,8 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "sim/base/mutant.h"
-
 namespace caltwin {
 
 void MotorDoing::Log(std::size_t axis, const std::string& text) {
@@ -35,9 +33,7 @@ void MotorDoing::SafeSlow(std::size_t axis) {
   const auto in_force_unit_s = TopSpeed_unit_s(axis);
   if (!in_force_unit_s) return;
   const double most_unit_s =
-      Mutant("safe_mode_may_be_faster",
-             std::min(*in_force_unit_s, axes_->drawing(axis).max_velocity_unit_s / 10),
-             axes_->drawing(axis).max_velocity_unit_s / 10);
+      std::min(*in_force_unit_s, axes_->drawing(axis).max_velocity_unit_s / 10);
   const bool is_kept = Did(axes_->SetField(203, axis, most_unit_s)) && Store(axis);
   if (!is_kept) return;
   Say(fmt::format("safe mode: {} moves at no more than {:g} {}/s (M203, stored)",
@@ -54,8 +50,7 @@ bool MotorDoing::SetForNow(int code, std::size_t axis, double value) {
 }
 
 bool MotorDoing::WithoutDelay(std::size_t axis) {
-  return !axes_->drawing(axis).is_servo ||
-         Mutant("home_keeps_its_delay", false, true) || SetForNow(816, axis, 0);
+  return !axes_->drawing(axis).is_servo || SetForNow(816, axis, 0);
 }
 
 void MotorDoing::KeepAsItIs(int code, std::size_t axis) {
@@ -71,8 +66,7 @@ bool MotorDoing::PutBack() {
 }
 
 bool MotorDoing::Store(std::size_t axis) {
-  const bool is_put_back = Mutant("motor_stores_what_is_for_now", true, false);
-  return (!is_put_back || PutBack()) && Did(axes_->Store(axis));
+  return PutBack() && Did(axes_->Store(axis));
 }
 
 // The speed first: the log keeps a hundred bytes.

@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include "calibration/motor_axes/foretell_stop.h"
-#include "sim/base/mutant.h"
 #include "sim/base/units.h"
 
 namespace caltwin {
@@ -33,8 +32,7 @@ std::optional<double> LeastAcceleration(MotorDoing* doing) {
     const auto in_force = doing->Got(doing->axes().Field(201, axis));
     if (!in_force) return std::nullopt;
     const double drawn = doing->axes().drawing(axis).acceleration_unit_s2;
-    least_unit_s2 =
-        std::min(least_unit_s2, Mutant("stop_timed_as_drawn", *in_force, drawn));
+    least_unit_s2 = std::min(least_unit_s2, *in_force);
   }
   return least_unit_s2;
 }
@@ -257,11 +255,7 @@ std::optional<bool> KeptItsPosition(std::size_t axis,
   const auto per_rev = doing->Got(doing->axes().Field(812, axis));
   const auto after_pulses = per_rev ? NextIndex(axis, doing) : std::nullopt;
   if (!after_pulses) return std::nullopt;
-  const double reference_pulses =
-      Mutant("stop_index_read_after",
-             Mutant("stop_index_is_home", before_pulses, 0.0),
-             *after_pulses);
-  const double gone_pulses = *after_pulses - reference_pulses;
+  const double gone_pulses = *after_pulses - before_pulses;
   const double off_pulses = gone_pulses - *per_rev * std::round(gone_pulses / *per_rev);
   const bool is_kept = std::abs(off_pulses) <= doing->options().threshold_pulses;
   if (is_kept) {

@@ -4,7 +4,6 @@
 
 #include "calibration/estimate/expanded.h"
 #include "calibration/motor_axes/doing.h"
-#include "sim/base/mutant.h"
 
 namespace caltwin {
 namespace {
@@ -93,7 +92,7 @@ bool MayHomeAtScale(std::size_t axis,
 bool KeepHomeOffset(std::size_t axis, MotorOptions* home, MotorDoing* doing) {
   const auto stored_unit = doing->Got(doing->axes().Field(206, axis));
   if (!stored_unit) return false;
-  const bool is_kept = Mutant("inner_home_forgets_offset", *stored_unit > 0, false);
+  const bool is_kept = *stored_unit > 0;
   if (is_kept) home->final_back_off_unit = *stored_unit;
   return true;
 }
@@ -187,7 +186,7 @@ Uncertain OfCarriage(double way_unit,
                      const Uncertain& gap_unit,
                      std::vector<Contribution> budget) {
   if (gap_unit.identifiable) {
-    way_unit -= Mutant("motor_home_ignores_gap", gap_unit.value / 2, 0.0);
+    way_unit -= gap_unit.value / 2;
     budget.push_back({.input = "half the gap", .u = gap_unit.sd / 2});
   }
   return WithBudget(way_unit, std::move(budget));
@@ -204,8 +203,7 @@ std::optional<Uncertain> CompensatedGap(std::size_t axis,
   const auto gap_unit = doing->Got(doing->axes().Field(425, axis));
   const auto pulses = doing->Got(doing->axes().Field(92, axis));
   if (!gap_unit || !pulses) return std::nullopt;
-  const bool is_believed =
-      Mutant("motor_home_believes_any_gap", MayBeAGap(*gap_unit, axis, *doing), true);
+  const bool is_believed = MayBeAGap(*gap_unit, axis, *doing);
   if (!is_believed) {
     doing->Warn(fmt::format(
         "M425 of {} holds {:g} {}, more than a fifth of a turn: it is no gap that was "

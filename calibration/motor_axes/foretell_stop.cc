@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "sim/base/mutant.h"
 #include "sim/base/units.h"
 
 namespace caltwin {
@@ -103,7 +102,7 @@ std::optional<KnownGap> GapOf(std::size_t axis, MotorDoing* doing) {
   const auto pulses = doing->Got(doing->axes().Field(92, axis));
   if (!gap_unit || !pulses) return std::nullopt;
   // What can be none is as unknown as where nothing stands there.
-  if (Mutant("stop_believes_any_gap", !MayBeAGap(*gap_unit, axis, *doing), false)) {
+  if (!MayBeAGap(*gap_unit, axis, *doing)) {
     return KnownGap{};
   }
   return KnownGap{.gap_unit = *gap_unit, .sd_unit = *gap_unit > 0 ? 1 / *pulses : 0};
@@ -134,7 +133,7 @@ std::optional<StopForecasts> ForetellStops(double speed_unit_s, MotorDoing* doin
     WarnOfDoubt(axis, speed_unit_s, f, doing);
     const bool is_gap_open =
         doing->axes().drawing(axis).is_servo && gap->gap_unit == 0 && is_feasible;
-    if (Mutant("stop_trusts_unknown_gap", is_gap_open, false)) {
+    if (is_gap_open) {
       WarnOfUnknownGap(axis, speed_unit_s, doing);
     }
   }

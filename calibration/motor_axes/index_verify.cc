@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include "calibration/motor_axes/doing.h"
-#include "sim/base/mutant.h"
 
 namespace caltwin {
 namespace {
@@ -139,7 +138,7 @@ MotorResult RunIndexVerify(MotorAxes* axes, const MotorOptions& options) {
   if (!pulses || !per_rev || !top_unit_s || !doing.IsHomed(axis)) return doing.Take();
   if (!MayHomeAtScale(axis, *pulses, *per_rev, &doing)) return doing.Take();
   Start start{.per_rev = *per_rev, .lead_unit = *per_rev / *pulses};
-  if (!Mutant("index_verify_starts_on_index", options.is_as_published, true)) {
+  if (!options.is_as_published) {
     start.from_unit = start.lead_unit / 2;
   }
   double speed_unit_s = 0;

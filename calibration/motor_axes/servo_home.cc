@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include "calibration/motor_axes/switch_looks.h"
-#include "sim/base/mutant.h"
 #include "sim/base/units.h"
 
 namespace caltwin {
@@ -87,8 +86,7 @@ bool LookUntilClear(Homing* homing, MotorDoing* doing) {
           doing->axes().MoveBy(homing->axis, -above_unit, homing->slow_unit_s))) {
     return false;
   }
-  while (looks.at_pulses.size() < Mutant("home_looks_once", most, first) &&
-         !is_clear()) {
+  while (looks.at_pulses.size() < most && !is_clear()) {
     if (!LookAtSwitch(homing->seek, homing->pulses_per_unit, &looks, doing)) {
       return false;
     }
@@ -180,7 +178,7 @@ bool CountTurns(double stored_unit, Homing* homing, MotorDoing* doing) {
     return false;
   }
   // A switch's scatter turns home by one at most.
-  if (Mutant("home_believes_any_offset", std::abs(turns) > 1, false)) {
+  if (std::abs(turns) > 1) {
     doing->Meet(
         {.kind = MotorCondition::Kind::kMismatch,
          .axis = homing->axis,
@@ -195,7 +193,7 @@ bool CountTurns(double stored_unit, Homing* homing, MotorDoing* doing) {
     return false;
   }
   const double pulses = turns * homing->lead_unit * homing->pulses_per_unit;
-  homing->index -= Mutant("home_ignores_turns", std::llround(pulses), 0LL);
+  homing->index -= std::llround(pulses);
   if (turns != 0) {
     doing->Say(fmt::format(
         "{:+g} turn of the motor against the stored home: taken back", turns));
@@ -245,8 +243,7 @@ bool Correct(double stored_unit, Homing* homing, MotorDoing* doing) {
   if (stored_unit != 0) return CountTurns(stored_unit, homing, doing);
   if (!LookUntilClear(homing, doing)) return false;
   const double reach_unit = doing->options().reach_sigmas * homing->looks.sigma_unit;
-  const bool is_next = Mutant(
-      "home_cut_within_reach", BeyondCut(*homing, *doing) < 0, near_unit < reach_unit);
+  const bool is_next = BeyondCut(*homing, *doing) < 0;
   return !(is_near || is_next) || BackOffFarther(homing, doing);
 }
 
@@ -284,9 +281,7 @@ void KeepHome(double stored_unit, const Homing& homing, MotorDoing* doing) {
   const bool is_as_published = doing->options().is_as_published;
   const auto stands = doing->Got(axes.Count(axis));
   if (!stands) return;
-  const std::int64_t latched =
-      Mutant("home_where_it_stopped", homing.index, homing.index + 40);
-  const std::int64_t zero = is_as_published ? *stands : latched;
+  const std::int64_t zero = is_as_published ? *stands : homing.index;
   const double offset_unit =
       static_cast<double>(zero - homing.at_switch) / homing.pulses_per_unit;
   const bool is_kept =

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include "calibration/motor_axes/switch_looks.h"
-#include "sim/base/mutant.h"
 #include "sim/base/units.h"
 
 namespace caltwin {
@@ -30,7 +29,7 @@ struct Zero {
 std::optional<Seen> TouchFinely(const SwitchSeek& seek,
                                 double pulses_per_unit,
                                 MotorDoing* doing) {
-  const int touches = Mutant("stepper_home_last_touch", doing->options().touches, 1);
+  const int touches = doing->options().touches;
   const auto looks = LookFinely(seek, touches, pulses_per_unit, doing);
   if (!looks) return std::nullopt;
   return Seen{.pulses = looks->mean_pulses(),
@@ -89,9 +88,7 @@ void TellLostSteps(std::size_t axis,
         cycle_unit,
         d.unit()));
   }
-  const bool has_lost = Mutant("steps_lost_without_a_cycle",
-                               cycles != 0 && std::abs(off_unit) > clear_unit,
-                               std::abs(off_unit) > clear_unit);
+  const bool has_lost = cycles != 0 && std::abs(off_unit) > clear_unit;
   doing->done().found.lost_unit = has_lost ? off_unit : 0;
   if (has_lost) {
     doing->Log(
@@ -156,9 +153,7 @@ void KeepStepperHome(const Seen& seen,
       doing->Did(axes.MoveTo(axis, 0, slow_unit_s)) &&
       doing->Did(axes.MoveTo(axis, o.safe_unit - o.final_back_off_unit, slow_unit_s)) &&
       doing->Did(axes.SetField(206, axis, o.final_back_off_unit)) &&
-      ShiftLimits(
-          axis, Mutant("home_leaves_limits_behind", farther_unit, 0.0), doing) &&
-      doing->Store(axis);
+      ShiftLimits(axis, farther_unit, doing) && doing->Store(axis);
   if (!is_kept) return;
   const std::string name = "home_offset." + MotorAxisName(axis);
   doing->Step({.quantity = name,

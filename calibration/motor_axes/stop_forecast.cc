@@ -3,7 +3,6 @@
 #include <numbers>
 
 #include "calibration/motor_axes/procedures.h"
-#include "sim/base/mutant.h"
 
 namespace caltwin {
 namespace {
@@ -32,8 +31,7 @@ Standing StandsAfter(const Braked& b, double speed_unit_s, double gap_unit) {
   const double motor_s = speed_unit_s / motor_unit_s2;
   const double ahead_unit =
       speed_unit_s * motor_s / 2 * (1 - load_unit_s2 / motor_unit_s2);
-  const double left_unit =
-      Mutant("stop_forgets_gap", gap_unit, 0.0) - std::max(0.0, ahead_unit);
+  const double left_unit = gap_unit - std::max(0.0, ahead_unit);
   if (left_unit <= 0 || load_unit_s2 >= motor_unit_s2) {
     return {.at_s = speed_unit_s / together_unit_s2};
   }
@@ -69,8 +67,7 @@ double FastestInTime(const Braked& b, double gap_unit, double brake_s) {
 Braked BrakedBy(const MotorAxisDrawing& d, double heavier) {
   return {.inertia = heavier * d.total_inertia() * d.si_per_unit(),
           .motor_inertia = heavier * d.motor_inertia * d.si_per_unit(),
-          .force = Mutant(
-              "stop_forgets_current", d.largest_force(), 1.1 * d.largest_force()),
+          .force = d.largest_force(),
           .friction = d.friction};
 }
 

@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "sim/base/mutant.h"
 #include "sim/base/units.h"
 
 namespace caltwin {
@@ -39,7 +38,7 @@ bool BackUntilOpen(const SwitchSeek& seek, double back_unit, MotorDoing* doing) 
     if (!is_back) return false;
     const auto pressed = doing->Got(axes.IsPressed(seek.axis, seek.sense < 0));
     if (!pressed) return false;
-    if (Mutant("switch_look_from_closed", !*pressed, true)) return true;
+    if (!*pressed) return true;
   }
   doing->Meet({.kind = MotorCondition::Kind::kBacklash,
                .axis = seek.axis,
@@ -92,9 +91,7 @@ bool LookAtSwitch(const SwitchSeek& seek,
       *came_late_unit + came_unit_s * axes.bench().drawing.poll_s / 2;
   // And room to come up to the speed again before the switch may close.
   const double run_up_unit =
-      Mutant("switch_look_without_run_up",
-             seek.fine_unit_s * seek.fine_unit_s / (2 * *acceleration_unit_s2),
-             0.0);
+      seek.fine_unit_s * seek.fine_unit_s / (2 * *acceleration_unit_s2);
   const double back_unit =
       beyond_unit + d.switch_hysteresis_unit + looks->clear_unit + run_up_unit;
   const double to_unit = kMostSteps * back_unit + 5 * looks->clear_unit;
@@ -146,10 +143,10 @@ std::optional<SwitchLooks> LookFinely(const SwitchSeek& seek,
   const double seen = SeenSigmaOf(looks, pulses_per_unit) / drawn_unit;
   // Five looks seldom prove a switch that scatters twice as much: what they show counts
   // where it is more, with as many degrees of freedom as it has.
-  looks.is_seen = Mutant("switch_looks_not_believed", seen > 1, false);
+  looks.is_seen = seen > 1;
   if (looks.is_seen) looks.sigma_unit = seen * drawn_unit;
   const bool is_more = (times - 1) * seen * seen > ChiSquaredLimit(times - 1);
-  looks.scatters = Mutant("switch_scatter_believed", is_more, false);
+  looks.scatters = is_more;
   if (!looks.scatters) return looks;
   // Anew from as far as the looks may have seen too little of it: what four degrees of
   // freedom tell is three times too small in one of fifty.

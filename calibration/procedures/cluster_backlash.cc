@@ -7,7 +7,6 @@
 
 #include "calibration/estimate/clusters.h"
 #include "calibration/procedures/span.h"
-#include "sim/base/mutant.h"
 #include "sim/base/units.h"
 
 namespace caltwin {

@@ -8,7 +8,6 @@
 #include "calibration/procedures/ledge.h"
 #include "calibration/procedures/plan_model.h"
 #include "calibration/procedures/span.h"
-#include "sim/base/mutant.h"
 #include "sim/base/units.h"
 
 namespace caltwin {
@@ -177,8 +176,7 @@ double Off_mm(Session* session,
       2 * (known.tip_radius_mm.value - session->believed().tip_radius_mm);
   const double taken_off_mm =
       2 * deflection_mm + known.backlash_left_mm.value - tips_mm;
-  return std::abs(span.error_mm() +
-                  Mutant("deflection_unsigned", sign, -sign) * taken_off_mm);
+  return std::abs(span.error_mm() + sign * taken_off_mm);
 }
 
 }  // namespace

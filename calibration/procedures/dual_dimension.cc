@@ -7,7 +7,6 @@
 #include "calibration/estimate/steps.h"
 #include "calibration/procedures/plan_model.h"
 #include "calibration/procedures/span.h"
-#include "sim/base/mutant.h"
 
 namespace caltwin {
 namespace {
@@ -106,8 +105,7 @@ Expected<void> RunMacro(Session* session,
 
 Uncertain NewSteps(const TwoSizes& sizes, double believed, bool as_published) {
   const TwoSpans spans = AsTwoSpans(sizes, believed);
-  const bool inverted = Mutant("dual_inverted", as_published, !as_published);
-  return inverted ? StepsFromTwoSpansAsPublished(spans) : StepsFromTwoSpans(spans);
+  return as_published ? StepsFromTwoSpansAsPublished(spans) : StepsFromTwoSpans(spans);
 }
 
 }  // namespace

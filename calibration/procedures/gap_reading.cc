@@ -7,7 +7,6 @@
 
 #include "calibration/estimate/backlash.h"
 #include "calibration/estimate/expanded.h"
-#include "sim/base/mutant.h"
 #include "sim/base/units.h"
 
 namespace caltwin {
@@ -32,7 +31,7 @@ Expected<Uncertain> ReadGapLeft(Session* session,
   };
   std::vector<double> readings_mm;
   for (int i = 0; i < repeats; ++i) {
-    const double back_mm = Mutant("dial_without_lead_in", -lead_mm, lead_mm);
+    const double back_mm = -lead_mm;
     for (const double by_mm : {back_mm, 0.0}) {
       if (const auto gone = go(by_mm); !gone) return tl::unexpected(gone.error());
     }

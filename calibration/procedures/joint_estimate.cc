@@ -10,7 +10,6 @@
 #include "calibration/procedures/joint_uncertainty.h"
 #include "calibration/procedures/plan_model.h"
 #include "calibration/procedures/span.h"
-#include "sim/base/mutant.h"
 #include "sim/base/units.h"
 
 namespace caltwin {
@@ -33,7 +32,7 @@ Expected<void> MeasureWithoutCompensation(Session* session, const JointOptions& 
   auto measured = MeasureJointCampaign(session, o);
   for (const Axis axis : kAxes) {
     const double gap_mm = ValueOf(kept, Setting::kBacklash, axis);
-    if (gap_mm == Mutant("joint_leaves_compensation_off", 0.0, gap_mm)) continue;
+    if (gap_mm == 0.0) continue;
     const auto on = session->controller().WriteBacklash(axis, gap_mm);
     if (!on && measured) measured = on;
   }

@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "calibration/estimate/tilt_plane.h"
-#include "sim/base/mutant.h"
 #include "sim/base/units.h"
 #include "sim/machine/disc_overlap.h"
 
@@ -78,8 +77,7 @@ TiltReads ReadsOf(const Artefact& ledge,
                        .radius_mm = disc_radius_mm,
                        .half_mm = ledge.size_mm.head<2>() / 2},
                       -local_slope);
-  return {.rim_mm =
-              Mutant("ledge_forgets_the_rim", disc_radius_mm, 0.0) * local_slope.norm(),
+  return {.rim_mm = disc_radius_mm * local_slope.norm(),
           .underside_mm = -local_slope.dot(contact_mm),
           .reach_mm = disc_radius_mm + contact_mm.norm()};
 }

@@ -7,7 +7,6 @@
 #include "calibration/procedures/plane_tilt.h"
 #include "calibration/procedures/rough_steps.h"
 #include "calibration/procedures/verify.h"
-#include "sim/base/mutant.h"
 
 namespace caltwin {
 namespace {
@@ -80,8 +79,7 @@ Expected<void> RunAll(Session* session, const AllOptions& o) {
                                      .place = o.common.place});
     if (!verified) return verified;
   }
-  const bool persist = Mutant("not_persisted", o.persist, false);
-  return persist ? Persist(session, o.date) : Expected<void>{};
+  return o.persist ? Persist(session, o.date) : Expected<void>{};
 }
 
 namespace {

@@ -7,8 +7,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "sim/base/mutant.h"
-
 namespace caltwin {
 namespace {
 
@@ -64,8 +62,7 @@ void PlanModel::AddRelease(const Face& face,
                            const std::string& setup,
                            double v_mm_s) {
   Terms terms = TouchTerms(face, setup);
-  terms[NameOf(Setting::kBacklash, MainAxis(face))] =
-      Mutant("plan_release_like_trigger", 0.5, -0.5);
+  terms[NameOf(Setting::kBacklash, MainAxis(face))] = 0.5;
   terms["probe_hysteresis"] = 1;
   terms["trigger_latency"] = v_mm_s;
   AddRow(terms, Sd_mm(face, count));

@@ -9,7 +9,6 @@
 #include "calibration/estimate/tilt_plane.h"
 #include "calibration/procedures/scale_doubt.h"
 #include "calibration/procedures/span.h"
-#include "sim/base/mutant.h"
 #include "sim/base/units.h"
 
 namespace caltwin {
@@ -91,7 +90,6 @@ Expected<void> RunPlaneTilt(Session* session, const PlaneTiltOptions& o) {
         face, {.repeats = o.repeats, .campaign = "plane_tilt"});
     if (!touched) return tl::unexpected(touched.error());
     Vec3<double> point_mm = face.at_mm;
-    if (Mutant("tilt_axes_swapped", false, true)) std::swap(point_mm[0], point_mm[1]);
     point_mm[2] = face.at_mm[2] + Mean(touched->trigger_mm);
     points_mm.push_back(point_mm);
     touches.push_back(*touched);

@@ -13,7 +13,6 @@
 #include "calibration/procedures/plan_model.h"
 #include "calibration/procedures/scale_doubt.h"
 #include "calibration/procedures/span.h"
-#include "sim/base/mutant.h"
 #include "sim/base/units.h"
 
 namespace caltwin {
@@ -99,8 +98,7 @@ Expected<Releases> Measure(Session* session, const ReleaseOptions& o) {
       for (std::size_t i = 0; i < touched->trigger_mm.size(); ++i) {
         // Inward, the trigger lies beyond the release by b + hysteresis.
         const double difference_mm = touched->release_mm[i] - touched->trigger_mm[i];
-        all.difference_mm[feed_mm_s].push_back(
-            Mutant("release_sign", difference_mm, -difference_mm));
+        all.difference_mm[feed_mm_s].push_back(difference_mm);
       }
       if (feed_mm_s == feeds_mm_s.front()) {
         KeepSlowest(session, c.axis, *touched, &all);
@@ -259,9 +257,8 @@ Expected<void> RunRelease(Session* session, const ReleaseOptions& o) {
   const auto measure = [&] {
     return Measure(session, o);
   };
-  const bool leaves_on = Mutant("release_with_compensation", c.as_published, true);
   const auto measured =
-      leaves_on ? measure() : WithoutCompensation(session, c.axis, measure);
+      c.as_published ? measure() : WithoutCompensation(session, c.axis, measure);
   if (!measured) return tl::unexpected(measured.error());
   WarnOfScatter(session, "one face", measured->scatter_mm);
   if (o.statistics) PrintClusters(session, *measured, c.axis);

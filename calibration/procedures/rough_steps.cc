@@ -7,7 +7,6 @@
 
 #include "calibration/estimate/steps.h"
 #include "calibration/procedures/plan_model.h"
-#include "sim/base/mutant.h"
 #include "sim/base/units.h"
 
 namespace caltwin {
@@ -56,7 +55,7 @@ Expected<MeasuredMove> Measure(Session* session, const RoughOptions& o) {
   double sum_mm = 0;
   for (int i = 0; i < c.repeats; ++i) {
     // Led in, so that the move itself loses no gap.
-    const double back_mm = Mutant("rough_without_lead_in", -lead_mm, lead_mm);
+    const double back_mm = -lead_mm;
     for (const double by_mm : {back_mm, 0.0}) {
       if (const auto gone = go(by_mm); !gone) return tl::unexpected(gone.error());
     }

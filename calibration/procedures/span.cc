@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "calibration/estimate/clusters.h"
-#include "sim/base/mutant.h"
 #include "sim/base/units.h"
 
 namespace caltwin {
@@ -102,10 +101,9 @@ Expected<SpanReading> MeasureSpan(Session* session,
   reading.is_height = reading.faces.size() == 1;
   // Values are along the outward normals: a hole is as much smaller as a block larger.
   const double sign = reading.kind == SpanKind::kExternal ? 1 : -1;
-  reading.span_mm = {
-      .value = reading.size_mm.value + Mutant("bore_as_block", sign, 1.0) * outward_mm,
-      .sd = std::sqrt(variance_mm2),
-      .dof = noise.dof};
+  reading.span_mm = {.value = reading.size_mm.value + sign * outward_mm,
+                     .sd = std::sqrt(variance_mm2),
+                     .dof = noise.dof};
   reading.scatter_mm = Pooled_mm(reading.faces);
   WarnOfScatter(session, artefact.id, reading.scatter_mm);
   return reading;

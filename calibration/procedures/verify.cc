@@ -8,7 +8,6 @@
 #include "calibration/procedures/gap_reading.h"
 #include "calibration/procedures/plan_model.h"
 #include "calibration/procedures/span.h"
-#include "sim/base/mutant.h"
 #include "sim/base/units.h"
 
 namespace caltwin {
@@ -70,7 +69,7 @@ Expected<void> CheckSizes(Session* session,
     checks->sd_mm = span->span_mm.sd;
   }
   const Line line = FitLine(sizes_mm, errors_mm);
-  checks->slope = Mutant("verify_slope_ignored", line.slope, 0.0);
+  checks->slope = line.slope;
   // Heights have no datum: their common offset is the table's.
   if (!heights) checks->offset_mm = line.offset;
   for (const double error_mm : errors_mm) {

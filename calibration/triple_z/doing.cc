@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include "calibration/estimate/expanded.h"
-#include "sim/base/mutant.h"
 #include "sim/base/units.h"
 
 namespace caltwin {
@@ -97,9 +96,7 @@ bool HoldOut(TripleZPrinter* printer,
              const BedPlane& expected,
              Doing* doing) {
   if (!o.holds_out || doing->done().result.ending != Ending::kDone) return true;
-  auto touches = doing->Got(printer->ProbeAll(Mutant("tz_hold_out_of_the_fitted",
-                                                     CellMiddles(printer->bench(), o),
-                                                     PointsOf(*printer, o))));
+  auto touches = doing->Got(printer->ProbeAll(CellMiddles(printer->bench(), o)));
   if (!touches) return false;
   for (BedTouch& touch : *touches) touch.height_mm -= expected.At_mm(touch.at_mm);
   const LevelReport report = ReportLevel(*touches, 0);

@@ -7,7 +7,6 @@
 
 #include "calibration/estimate/expanded.h"
 #include "calibration/estimate/touch_noise.h"
-#include "sim/base/mutant.h"
 #include "sim/base/units.h"
 
 namespace caltwin {
@@ -57,7 +56,7 @@ Vec3<double> ScrewOffsets_mm(const BedPlane& plane,
     offsets_mm[i] = rule == OffsetRule::kExample ? z_mm : level_mm - z_mm;
   }
   if (rule == OffsetRule::kLevel) {
-    return Mutant("tz_offset_sign", 1.0, -1.0) * offsets_mm;
+    return offsets_mm;
   }
   return offsets_mm.array() - offsets_mm.minCoeff();
 }

@@ -11,7 +11,6 @@
 #include <fmt/format.h>
 
 #include "calibration/loop/controller.h"
-#include "sim/base/mutant.h"
 #include "sim/link/gcode.h"
 
 namespace caltwin {
@@ -199,7 +198,7 @@ void TripleZPrinter::CountAdjustments(const std::vector<std::string>& said) {
                     &made_mm[0],
                     &made_mm[1],
                     &made_mm[2]) == kNumScrews) {
-      raised_mm_ += Mutant("tz_adjustments_not_counted", 1.0, 0.0) * made_mm;
+      raised_mm_ += made_mm;
       return;
     }
   }

@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include "calibration/triple_z/doing.h"
-#include "sim/base/mutant.h"
 #include "sim/base/units.h"
 
 namespace caltwin {
@@ -36,7 +35,7 @@ bool Foretell(TripleZPrinter* printer,
   const LevellingFactor factor = FactorOf(response, believed_mm);
   doing->done().predicted_factor = factor.value;
   doing->Say(WordsOfGain(factor));
-  if (Mutant("tz_gain_not_heeded", factor.converges(), true)) return true;
+  if (factor.converges()) return true;
   doing->Refuse(factor.diverges()
                     ? "nothing was levelled: run pivots_and_wiring first"
                     : "nothing was levelled: run pivots_and_wiring first, or raise the "

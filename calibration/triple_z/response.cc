@@ -8,7 +8,6 @@
 
 #include "calibration/estimate/linear_fit.h"
 #include "calibration/estimate/touch_noise.h"
-#include "sim/base/mutant.h"
 
 namespace caltwin {
 namespace {
@@ -129,7 +128,7 @@ ScrewResponse FitScrewResponse(std::span<const RaisedTouches> stands,
   for (const Eigen::Vector2d& sd_mm : response.at_sd_mm) {
     if (!(sd_mm.maxCoeff() < kLargestSd_mm)) return response;
   }
-  if (Mutant("tz_drivers_unmatched", true, false)) MatchDrivers(drawn_mm, &response);
+  MatchDrivers(drawn_mm, &response);
   response.is_told = true;
   return response;
 }
@@ -155,7 +154,7 @@ Eigen::Matrix3d LevellingGain(const ScrewResponse& response,
       lifts(k, j) = response.At(j, believed_mm[static_cast<std::size_t>(k)]);
     }
   }
-  return Eigen::Matrix3d::Identity() - Mutant("tz_gain_of_a_third", 1.0, 0.3) * lifts;
+  return Eigen::Matrix3d::Identity() - lifts;
 }
 
 Eigen::Matrix3d LevellingGain(const Pivots<double>& standing_mm,
@@ -259,10 +258,8 @@ std::optional<HeldBed> HeldBedLike(const ScrewResponse& response,
         (spread_mm2.inverse() * (drawn_mm[screw] - middle_mm)).array() / sd_mm;
     off.segment<2>(row) = (response.at_mm[i] - drawn_mm[screw]).array() / sd_mm;
   }
-  const double inward = Mutant("tz_held_pivots_inward", 1.0, -1.0);
-  const HeldBed held{
-      .stiffness_ratio_mm2 = inward * pattern.dot(off) / pattern.squaredNorm(),
-      .sd_mm2 = 1 / pattern.norm()};
+  const HeldBed held{.stiffness_ratio_mm2 = pattern.dot(off) / pattern.squaredNorm(),
+                     .sd_mm2 = 1 / pattern.norm()};
   const double chi_squared = (off - held.stiffness_ratio_mm2 * pattern).squaredNorm();
   const bool is_like =
       held.stiffness_ratio_mm2 > kSure * held.sd_mm2 && chi_squared < kMostChiSquared;

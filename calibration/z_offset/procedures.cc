@@ -10,7 +10,6 @@
 #include <fmt/format.h>
 
 #include "calibration/estimate/touch_noise.h"
-#include "sim/base/mutant.h"
 #include "sim/base/units.h"
 
 namespace caltwin {
@@ -104,7 +103,7 @@ Expected<std::vector<std::string>> ZOffsetClient::Say(const std::string& line) {
     last_ = ReadZCalibration(*answer);
     const bool homes_late =
         HomesWithin(macros_.before_switch_gcode) || HomesWithin(macros_.end_gcode);
-    is_spoilt_ = Mutant("z_end_gcode_not_read", homes_late, false);
+    is_spoilt_ = homes_late;
   } else if (HomesZ(line)) {
     is_spoilt_ = is_calibrated_;
   }

@@ -8,7 +8,6 @@
 
 #include "calibration/estimate/expanded.h"
 #include "calibration/estimate/touch_noise.h"
-#include "sim/base/mutant.h"
 
 namespace caltwin {
 namespace {
@@ -24,7 +23,7 @@ constexpr double kMachine_mm = 0.0005;
 std::vector<double> HeightsFrom_mm(double in_force_mm, double mesh_mm) {
   std::vector<double> heights_mm(kHeights_mm.begin(), kHeights_mm.end());
   const double safe_mm = std::ceil(in_force_mm - std::min(mesh_mm, 0.0)) + 1;
-  if (Mutant("z_descent_first_step_blind", safe_mm > heights_mm.front(), false)) {
+  if (safe_mm > heights_mm.front()) {
     heights_mm.insert(heights_mm.begin(), safe_mm);
   }
   return heights_mm;
@@ -62,9 +61,7 @@ struct Gap {
 bool Agree(const Gap& above, const Gap& here) {
   constexpr double kLeaves_mm = 0.05, kPart = 0.05;
   const double may_mm = kLeaves_mm + kPart * above.height_mm;
-  return Mutant("z_descent_believes_any_gap",
-                std::abs(here.off_mm() - above.off_mm()) <= may_mm,
-                true);
+  return std::abs(here.off_mm() - above.off_mm()) <= may_mm;
 }
 
 // The gap at a height; nullopt: `result` says why. Measured once more where it
@@ -147,8 +144,7 @@ std::optional<double> Descend(double in_force_mm,
     if (!next) return std::nullopt;
     gap = *next;
     if (i + 1 == heights_mm.size()) break;
-    const double down_mm =
-        Mutant("z_descent_looks_not_ahead", heights_mm[i] - heights_mm[i + 1], 0.0);
+    const double down_mm = heights_mm[i] - heights_mm[i + 1];
     if (gap.gap_mm - down_mm < kTooNear_mm) {
       result->messages.push_back(
           fmt::format("Z{} is left out: it would end on the bed", heights_mm[i + 1]));
@@ -160,7 +156,7 @@ std::optional<double> Descend(double in_force_mm,
   client->Say(fmt::format("G0 Z{}", heights_mm.front()));
   if (options.is_as_published) return gap.off_mm();
   TellMesh(mesh_mm, result);
-  return gap.off_mm() - Mutant("z_descent_forgets_mesh", mesh_mm, 0.0);
+  return gap.off_mm() - mesh_mm;
 }
 
 /// What a descent goes by: the offset in force less the mean of the calibrations, and
@@ -228,15 +224,14 @@ std::optional<Footing> Calibrated(ZOffsetClient* client,
 // One reading in whole leaves, however often it is taken: heights are multiples too.
 Uncertain Told(double value_mm, const Footing& footing) {
   const auto count = static_cast<double>(footing.count);
-  return WithBudget(
-      value_mm,
-      {{.input = "scatter of the calibrations",
-        .u = Mutant("z_descent_forgets_scatter", footing.sd_mm / std::sqrt(count), 0.0),
-        .dof = std::max(1.0, count - 1)},
-       {.input = "steps of the machine", .u = kMachine_mm},
-       {.input = "feeler gauge's step",
-        .u = kFeelerStep_mm / std::sqrt(12.0),
-        .is_rectangular = true}});
+  return WithBudget(value_mm,
+                    {{.input = "scatter of the calibrations",
+                      .u = footing.sd_mm / std::sqrt(count),
+                      .dof = std::max(1.0, count - 1)},
+                     {.input = "steps of the machine", .u = kMachine_mm},
+                     {.input = "feeler gauge's step",
+                      .u = kFeelerStep_mm / std::sqrt(12.0),
+                      .is_rectangular = true}});
 }
 
 }  // namespace

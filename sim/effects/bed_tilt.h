@@ -1,6 +1,5 @@
 #pragma once
 
-#include "sim/base/mutant.h"
 #include "sim/base/units.h"
 #include "sim/effects/effect.h"
 
@@ -56,9 +55,8 @@ struct BedTilt {
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {
     if (!asked.at.on_table) return;
-    const auto x = Mutant<std::size_t>("bed_tilt_swapped_slopes", 0, 1);
-    const T slope_x = RadFromMrad(asked.p[x]);
-    const T slope_y = RadFromMrad(asked.p[1 - x]);
+    const T slope_x = RadFromMrad(asked.p[0]);
+    const T slope_y = RadFromMrad(asked.p[1]);
     const Vec3<double> middle_mm =
         asked.at.delta != nullptr ? Vec3<double>(0, 0, 0)
                                   : Vec3<double>(asked.machine.axis(Axis::kX).mid_mm(),

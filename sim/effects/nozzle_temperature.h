@@ -1,6 +1,5 @@
 #pragma once
 
-#include "sim/base/mutant.h"
 #include "sim/base/units.h"
 #include "sim/effects/effect.h"
 #include "sim/effects/forms.h"
@@ -69,7 +68,7 @@ struct NozzleTemperature {
   static void Add(const Asked<T>& asked, Errors<T>* errors) {
     if (asked.at.climate == nullptr) return;
     errors->nozzle_mm +=
-        Mutant("nozzle_growth_sign", 1.0, -1.0) * MmFromUm(asked.p[0]) *
+        MmFromUm(asked.p[0]) *
         (*asked.at.climate)[Sensor::kNozzle].Lagged_k(asked.at.t_s, asked.p[1]);
   }
 };

@@ -1,6 +1,5 @@
 #pragma once
 
-#include "sim/base/mutant.h"
 #include "sim/base/units.h"
 #include "sim/effects/effect.h"
 #include "sim/effects/forms.h"

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <span>
 
-#include "sim/base/mutant.h"
 #include "sim/effects/catalog.h"
 #include "sim/effects/drive.h"
 #include "sim/effects/effect.h"
@@ -67,16 +66,11 @@ Errors<T> ErrorsAt(const Machine& machine,
     const bool is_screws = at.triple_z && axis == Axis::kZ;
     if (at.steps_per_mm[i] > 0 && !is_screws) {
       errors.motion_mm[i] += (at.q_mm[i] - machine.axis(axis).home_mm()) *
-                             (Mutant("predict_scale_inverted",
-                                     T(at.steps_per_mm[i] / errors.steps_per_mm[i]),
-                                     T(errors.steps_per_mm[i] / at.steps_per_mm[i])) -
-                              1.0);
+                             (T(at.steps_per_mm[i] / errors.steps_per_mm[i]) - 1.0);
     }
-    const double sense = Mutant("predict_lost_motion_sense", 1.0, -1.0) * at.dir[i];
-    const double compensation_mm =
-        Mutant("predict_compensation_ignored", at.compensation_mm[i], 0.0);
-    errors.motion_mm[i] -= sense * (errors.lost_motion_mm[i] - compensation_mm) /
-                           Mutant("predict_lost_motion_whole", 2.0, 1.0);
+    const double sense = at.dir[i];
+    const double compensation_mm = at.compensation_mm[i];
+    errors.motion_mm[i] -= sense * (errors.lost_motion_mm[i] - compensation_mm) / 2.0;
   }
   add(/*drive=*/false, Vec3<T>(q_mm + errors.motion_mm));
   return errors;
@@ -88,10 +82,8 @@ template <typename T>
 T Pretravel_mm(const Errors<T>& errors, const Vec3<double>& n) {
   using std::sqrt;
   T sum(0);
-  const auto plus = Mutant<std::size_t>("predict_pretravel_sense", 0, 1);
   for (int i = 0; i < 3; ++i) {
-    const T& p_mm =
-        errors.pretravel_mm[static_cast<std::size_t>(i)][n[i] < 0 ? plus : 1 - plus];
+    const T& p_mm = errors.pretravel_mm[static_cast<std::size_t>(i)][n[i] < 0 ? 0 : 1];
     const T ratio = n[i] / p_mm;
     sum += ratio * ratio;
   }
@@ -116,7 +108,7 @@ T StationPart_mm(ZReading reading, const Errors<T>& errors) {
     case ZReading::kProbeOnBed:
       return errors.artefact_mm + knob_mm;
     case ZReading::kGapUnderNozzle:
-      return knob_mm + Mutant("station_gap_forgets_ooze", 1.0, 0.0) * errors.ooze_mm;
+      return knob_mm + errors.ooze_mm;
   }
   return T(0);
 }
@@ -142,10 +134,8 @@ T Value_mm(const At& at, const Errors<T>& errors) {
     return at.triple_z ? along_mm - errors.artefact_mm : along_mm;
   }
   return -along_mm - Pretravel_mm(errors, at.n) - errors.more_pretravel_mm -
-         Mutant("predict_latency_sign", 1.0, -1.0) * at.feed_mm_s * errors.latency_s +
-         Mutant("predict_tip_sign", 1.0, -1.0) *
-             (errors.tip_radius_mm - at.tip_radius_cfg_mm) +
-         errors.artefact_mm;
+         at.feed_mm_s * errors.latency_s +
+         (errors.tip_radius_mm - at.tip_radius_cfg_mm) + errors.artefact_mm;
 }
 
 template <typename T>

@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "sim/base/mutant.h"
 #include "sim/base/units.h"
 #include "sim/effects/effect.h"
 
@@ -59,8 +58,7 @@ struct Squareness {
     const T angle_rad = RadFromMrad(asked.p[0]);
     const Axis turned = asked.axis == "C0Y" ? Axis::kY : Axis::kZ;
     const Axis across = asked.axis == "A0Z" ? Axis::kY : Axis::kX;
-    const double sign =
-        asked.axis == "B0Z" ? Mutant("squareness_b0z_sign", 1.0, -1.0) : -1.0;
+    const double sign = asked.axis == "B0Z" ? 1.0 : -1.0;
     const T along_mm = asked.q_mm[Index(turned)] - asked.machine.axis(turned).mid_mm();
     errors->motion_mm[Index(across)] += sign * sin(angle_rad) * along_mm;
     errors->motion_mm[Index(turned)] += (cos(angle_rad) - 1.0) * along_mm;

@@ -1,6 +1,5 @@
 #pragma once
 
-#include "sim/base/mutant.h"
 #include "sim/base/units.h"
 #include "sim/effects/effect.h"
 #include "sim/effects/forms.h"
@@ -66,7 +65,7 @@ struct StationChange {
     if (asked.axis == "nozzle") {
       errors->nozzle_mm += step_mm;
     } else if (asked.at.on_table) {
-      errors->artefact_mm += Mutant("station_plate_sign", 1.0, -1.0) * step_mm;
+      errors->artefact_mm += step_mm;
     }
   }
 };

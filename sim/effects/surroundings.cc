@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "sim/base/input_error.h"
-#include "sim/base/mutant.h"
 
 namespace caltwin {
 namespace {
@@ -169,9 +168,7 @@ At AtOf(const Row& row, const Machine& machine, const Settings& in_force) {
     at.dir[i] = Known(row.dir[k]) ? row.dir[k] : 0;
     at.since_rev_mm[i] = row.since_rev_mm[k];
     if (Known(row.probe_off_mm[k])) at.probe_off_mm[i] = row.probe_off_mm[k];
-    at.steps_per_mm[i] = Mutant("observation_stale_settings",
-                                in_force.steps_per_mm[k],
-                                machine.settings.steps_per_mm[k]);
+    at.steps_per_mm[i] = in_force.steps_per_mm[k];
     at.compensation_mm[i] = in_force.backlash_mm[k];
   }
   if (row.kind == RowKind::kTouch) {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "sim/base/mutant.h"
 #include "sim/base/require.h"
 
 namespace caltwin {
@@ -14,8 +13,7 @@ std::int64_t BacklashCompensation::Take(std::int64_t delta_steps,
   Require(delta_steps != 0, "an axis that does not move takes no compensation");
   const int sense = delta_steps > 0 ? 1 : -1;
   const bool has_turned = sense != (sense_ == 0 ? 1 : sense_);
-  const int to_add = Mutant("firmware_backlash_sense", sense, -sense);
-  if (has_turned) target_ += to_add * gap_steps;
+  if (has_turned) target_ += sense * gap_steps;
   sense_ = sense;
   const auto most = std::max<std::int64_t>(
       1,

@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "sim/base/mutant.h"
 #include "sim/firmware/little_endian.h"
 
 namespace caltwin {
@@ -98,10 +97,7 @@ RecordBytes Encode(const AxisCalibration& record) {
   const auto number = [&](std::size_t at, double value) {
     put(at, 8, std::bit_cast<std::uint64_t>(value));
   };
-  number(kPulsesPerUnitAt,
-         Mutant("record_whole_pulses",
-                record.pulses_per_unit,
-                std::floor(record.pulses_per_unit)));
+  number(kPulsesPerUnitAt, record.pulses_per_unit);
   put(kPulsesPerRevAt, 4, record.pulses_per_rev);
   put(kHomeOffsetAt, 4, static_cast<std::uint32_t>(record.home_offset_pulses));
   put(kMinAt, 4, static_cast<std::uint32_t>(record.min_position_pulses));

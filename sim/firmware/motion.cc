@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/base/mutant.h"
-
 namespace caltwin {
 namespace {
 
@@ -126,9 +124,7 @@ void Motion::AccountForStop(const StepPlan& plan, const Segment& done, double ti
     const int i = Index(axis);
     AxisState& state = axes_[i];
     const std::int64_t motor = WholeSteps(exact[i]);
-    const double share_applied = Mutant("stop_applies_all_backlash", share, 1.0);
-    const auto applied =
-        WholeSteps(share_applied * static_cast<double>(plan.backlash[i]));
+    const auto applied = WholeSteps(share * static_cast<double>(plan.backlash[i]));
     state.backlash.Stopped(plan.backlash[i], applied);
     state.count = motor - state.zero - state.backlash.applied_steps();
     if (plan.delta[i] != 0) {
@@ -226,7 +222,7 @@ void Motion::KeepPosition() {
     AxisState& state = axes_[Index(axis)];
     const std::int64_t before = state.count;
     state.count = WholeSteps(state.commanded_mm * settings_->steps_per_mm[Index(axis)]);
-    state.zero += Mutant("new_steps_move_zero", before - state.count, std::int64_t{0});
+    state.zero += before - state.count;
   }
   NoteDone();
 }

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/base/mutant.h"
-
 namespace caltwin {
 namespace {
 

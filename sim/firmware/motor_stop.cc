@@ -2,7 +2,6 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "sim/base/mutant.h"
 #include "sim/firmware/motor_motion.h"
 #include "sim/firmware/standstill.h"
 
@@ -80,20 +79,18 @@ void MotorMotion::EmergencyStop(double since_s) {
   Slowings slowings{};
   for (std::size_t i = 0; i < kNumMotorAxes; ++i) {
     const auto counted = static_cast<double>(rig_->Count(i) - count_before_[i]);
-    slowings[i].told_pulses_s =
-        Mutant("stop_goes_on_by_counts", axes_[i].told_pulses_s, counted / tick_s_);
+    slowings[i].told_pulses_s = axes_[i].told_pulses_s;
     slowings[i].from = rig_->Count(i);
     slowings[i].near = slowings[i].from;
     axes_[i].peak_a = 0;
   }
   const int filter_ticks = FilterTicks(since_s);
-  const int brake_ticks = filter_ticks + Mutant("stop_brakes_late", 0, 2);
   bool all_stand = false;
   const int most = static_cast<int>(std::ceil(kPatience_s / tick_s_));
   for (int tick = 0; !all_stand && tick < most; ++tick) {
     const double braked_s = (tick - filter_ticks) * tick_s_;
-    Tick(Stopping((tick - brake_ticks) * tick_s_, slowings));
-    WatchStop(tick >= brake_ticks, &slowings);
+    Tick(Stopping((tick - filter_ticks) * tick_s_, slowings));
+    WatchStop(tick >= filter_ticks, &slowings);
     all_stand = braked_s >= options_.stepper_stop_s &&
                 std::ranges::all_of(slowings, [](const Slowing& each) {
                   return each.still_s >= kHeld_s;
@@ -104,7 +101,7 @@ void MotorMotion::EmergencyStop(double since_s) {
     axes_[i].is_enabled = false;
     axes_[i].at_limit_s = 0;
   }
-  is_stopped_ = Mutant("motor_stop_not_latched", true, false);
+  is_stopped_ = true;
   Wait(kAfterwards_s);
 }
 

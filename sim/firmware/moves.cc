@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include "sim/base/mutant.h"
 #include "sim/base/units.h"
 #include "sim/firmware/parts.h"
 
@@ -151,8 +150,7 @@ Reply Firmware::Parts::SetWorkOffset(const Words& words) {
   const Vec3<double> here_mm = motion.commanded_mm();
   for (const Axis axis : kAxes) {
     if (const auto mm = words.Number(CapitalLetter(axis))) {
-      const double shown_mm = Mutant("work_offset_sign", *mm, -*mm);
-      offset[Index(axis)] = *kind == 2 ? *mm : here_mm[Index(axis)] - shown_mm;
+      offset[Index(axis)] = *kind == 2 ? *mm : here_mm[Index(axis)] - *mm;
     }
   }
   return {};

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <vector>
 
-#include "sim/base/mutant.h"
 #include "sim/base/require.h"
 
 namespace caltwin {
@@ -43,12 +42,10 @@ PlannedMove MakeMove(const Vec3<double>& delta_mm,
 double JunctionFeed_mm_s(const PlannedMove& before,
                          const PlannedMove& after,
                          const MotionLimits& limits) {
-  return std::min({before.feed_mm_s,
-                   after.feed_mm_s,
-                   Tightest(limits.jerk_mm_s,
-                            Mutant("junction_ignores_the_turn",
-                                   Vec3<double>(after.along - before.along),
-                                   Vec3<double>(0, 0, 0)))});
+  return std::min(
+      {before.feed_mm_s,
+       after.feed_mm_s,
+       Tightest(limits.jerk_mm_s, Vec3<double>(after.along - before.along))});
 }
 
 void MoveQueue::Add(PlannedMove move) {

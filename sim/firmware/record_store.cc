@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 
-#include "sim/base/mutant.h"
 #include "sim/base/require.h"
 #include "sim/firmware/little_endian.h"
 
@@ -40,7 +39,7 @@ void Seal(Slot* slot) {
 bool IsWhole(std::span<const std::uint8_t> slot, std::uint32_t magic) {
   if (Get(slot, kMagicAt, 4) != magic) return false;
   const bool is_right = Get(slot, kCrcAt, 4) == Crc32(slot.first(kCrcAt));
-  return Mutant("store_ignores_checksum", is_right, true);
+  return is_right;
 }
 
 bool IsBlank(std::span<const std::uint8_t> slot) {
@@ -154,13 +153,11 @@ bool RecordStore::MoveToOtherSector() {
   sector_ = other;
   next_slot_ = 1;
   ++generation_;
-  const bool header_first = Mutant("store_header_first", false, true);
-  if (header_first && !WriteHeader(flash_, sector_, generation_)) return false;
   for (const HistoryEntry& entry : kept) {
     if (!Write(entry)) return false;
   }
   history_ = std::move(kept);
-  return header_first || WriteHeader(flash_, sector_, generation_);
+  return WriteHeader(flash_, sector_, generation_);
 }
 
 bool RecordStore::Append(HistoryEntry entry) {

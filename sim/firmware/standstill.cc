@@ -9,8 +9,6 @@
 
 #include <Eigen/Dense>
 
-#include "sim/base/mutant.h"
-
 namespace caltwin {
 namespace {
 
@@ -160,14 +158,10 @@ Standstill StandstillOf(std::span<const std::int64_t> counts,
   const std::size_t slow =
       std::min(at_rest, FirstSlow(counts, speed_pulses_s * tick_s));
   const double rests_at_s = static_cast<double>(at_rest) * tick_s;
-  const Standstill seen{.at_s = Mutant("standstill_waits_for_creeping",
-                                       static_cast<double>(slow) * tick_s,
-                                       rests_at_s),
-                        .sd_s = tick_s};
+  const Standstill seen{.at_s = static_cast<double>(slow) * tick_s, .sd_s = tick_s};
   std::optional<Standstill> fitted = ByOnePath(counts, at_rest, tick_s, speed_pulses_s);
   if (!fitted) fitted = AfterAKnock(counts, at_rest, tick_s);
-  Standstill stood =
-      Mutant("standstill_by_last_pulse", true, false) ? fitted.value_or(seen) : seen;
+  Standstill stood = fitted.value_or(seen);
   stood.rests_at_s = rests_at_s;
   return stood;
 }

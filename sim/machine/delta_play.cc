@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "sim/base/mutant.h"
 #include "sim/base/require.h"
 #include "sim/machine/delta_slopes.h"
 
@@ -27,10 +26,8 @@ std::optional<DeltaBuild<double>> WithPlayTaken(const DeltaBuild<double>& build,
     const AxisDrawing& drawing = machine.axes[i];
     const bool is_held = TowerLoad_n(drawing, *machine.delta, rises[i + kEndstopKnob]) <
                          drawing.rail_friction_n;
-    const double sense = is_held ? motor_dir[static_cast<Eigen::Index>(i)]
-                                 : Mutant("delta_play_hangs_on_top", -1.0, 1.0);
-    taken.model.endstop_mm[i] +=
-        sense * gaps_mm[i] / Mutant("delta_play_whole_gap", 2.0, 1.0);
+    const double sense = is_held ? motor_dir[static_cast<Eigen::Index>(i)] : -1.0;
+    taken.model.endstop_mm[i] += sense * gaps_mm[i] / 2.0;
   }
   return taken;
 }

@@ -5,8 +5,6 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
-#include "sim/base/mutant.h"
-
 namespace caltwin {
 namespace {
 
@@ -76,8 +74,7 @@ std::array<double, kNumDeltaKnobs> ClosedDelta::Slopes(
       const Vec3<double> turned = delta_chain::Rotated<double>(
           closed_.pose.cayley, vertical.cross(lower[k] + tip));
       pull += p;
-      by_angle += Mutant("delta_angle_sign", 1.0, -1.0) *
-                  p.dot(vertical.cross(upper[k]) - turned);
+      by_angle += p.dot(vertical.cross(upper[k]) - turned);
       by_twist += (side == 0 ? -1 : 1) * p.dot(vertical.cross(half));
       const double length = model.arm_mm[i] + build.rod_error_mm[k];
       slopes[kRodKnob + k] = 2 * lambda[static_cast<Eigen::Index>(k)] * length;
@@ -85,10 +82,7 @@ std::array<double, kNumDeltaKnobs> ClosedDelta::Slopes(
     }
     const double by_height = pull.dot(carriage.up);
     const double by_radius =
-        pull.dot(carriage.out) -
-        by_height *
-            Mutant("delta_arm_for_radius", model.radius_mm[i], model.arm_mm[i]) /
-            carriage.drop_mm;
+        pull.dot(carriage.out) - by_height * model.radius_mm[i] / carriage.drop_mm;
     slopes[kEndstopKnob + i] = by_height;
     slopes[kRadiusKnob] += by_radius;
     if (i < 2) slopes[kAngleKnob + i] = by_angle;

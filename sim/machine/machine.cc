@@ -5,8 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "sim/base/mutant.h"
-
 #ifndef CALTWIN_SOURCE_DIR
 #define CALTWIN_SOURCE_DIR "."
 #endif
@@ -209,8 +207,7 @@ bool WeightKeepsGapShut(Axis axis, const AxisDrawing& drawing) {
   if (axis != Axis::kZ) return false;
   const double hanging_n =
       drawing.moving_mass_kg * kGravity_m_s2 - drawing.counterbalance_n;
-  return std::abs(hanging_n) >
-         Mutant("weight_never_shuts_the_gap", 1.0, 1e9) * drawing.rail_friction_n;
+  return std::abs(hanging_n) > drawing.rail_friction_n;
 }
 
 double TowerLoad_n(const AxisDrawing& tower,

@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "sim/base/input_error.h"
-#include "sim/base/mutant.h"
 #include "sim/machine/delta_slopes.h"
 
 namespace caltwin {
@@ -76,9 +75,7 @@ std::optional<DeltaBuild<double>> WithPlayTakenByProbe(const DeltaBuild<double>&
   for (std::size_t i = 0; i < kNumTowers; ++i) {
     const AxisDrawing& drawing = machine.axes[i];
     const double hanging_n = TowerLoad_n(drawing, *machine.delta, (*rises)[i]);
-    const double pushed_n =
-        hanging_n -
-        Mutant("delta_probe_force_ignored", kProbePreload_n, 0.0) * (*rises)[i];
+    const double pushed_n = hanging_n - kProbePreload_n * (*rises)[i];
     if (gaps_mm[i] <= 0 || hanging_n < drawing.rail_friction_n ||
         pushed_n >= drawing.rail_friction_n) {
       continue;
@@ -94,7 +91,7 @@ std::optional<DeltaBuild<double>> WithPlayTakenByProbe(const DeltaBuild<double>&
       DriveDown_mm(std::move(gaps_and_rises), pretravel_mm - fall_mm) - coast_mm;
   for (const std::size_t i : lifted) {
     if (drive_mm < gaps_mm[i]) FailOpen(i, gaps_mm[i], pretravel_mm);
-    taken->model.endstop_mm[i] += Mutant("delta_gap_not_crossed", gaps_mm[i], 0.0);
+    taken->model.endstop_mm[i] += gaps_mm[i];
   }
   return taken;
 }

@@ -5,7 +5,6 @@
 
 #include <Eigen/Geometry>
 
-#include "sim/base/mutant.h"
 #include "sim/base/require.h"
 
 namespace caltwin {
@@ -151,9 +150,8 @@ void TripleZWorld::TurnBedBack() {
   const Vec3<double> normal =
       Eigen::Quaterniond(q[3], q[4], q[5], q[6]).normalized() * Vec3<double>::UnitZ();
   mjtNum* moment_n_m = data_->xfrc_applied + 6 * bed_body_ + 3;
-  const double held_n_m = Mutant("tz_held_twice_as_stiff", 1.0, 2.0) * held_n_m_;
-  moment_n_m[0] = held_n_m * normal[1] / normal[2];
-  moment_n_m[1] = -held_n_m * normal[0] / normal[2];
+  moment_n_m[0] = held_n_m_ * normal[1] / normal[2];
+  moment_n_m[1] = -held_n_m_ * normal[0] / normal[2];
 }
 
 void TripleZWorld::Step(const Vec3<double>& heights_mm) {

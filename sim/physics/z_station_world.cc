@@ -5,7 +5,6 @@
 
 #include <Eigen/Geometry>
 
-#include "sim/base/mutant.h"
 #include "sim/base/require.h"
 #include "sim/mjcf/spec.h"
 
@@ -111,9 +110,8 @@ std::optional<double> ZStationWorld::Lower(ZContact contact,
   while (carriage_mm > expected_mm - kMostTravel_mm) {
     Step(carriage_mm - kStep_mm);
     const double now_mm = inward_mm();
-    const double wanted_mm = Mutant("z_physics_at_contact", kInward_mm, 1e-3);
-    if (now_mm >= wanted_mm) {
-      const double part = (wanted_mm - before_mm) / (now_mm - before_mm);
+    if (now_mm >= kInward_mm) {
+      const double part = (kInward_mm - before_mm) / (now_mm - before_mm);
       return carriage_mm - part * kStep_mm;
     }
     before_mm = now_mm;

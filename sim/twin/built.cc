@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 
-#include "sim/base/mutant.h"
 #include "sim/base/units.h"
 #include "sim/effects/acts/acts.h"
 #include "sim/effects/acts/artefacts.h"
@@ -61,7 +60,7 @@ bool LeavesToolAlone(const Injected& effect) {
 }  // namespace
 
 double LagAfter_mm(double lag_mm, double travel_mm, double width_mm) {
-  const double half_mm = width_mm / Mutant("play_operator_whole_width", 2.0, 1.0);
+  const double half_mm = width_mm / 2.0;
   return std::clamp(lag_mm - travel_mm, -half_mm, half_mm);
 }
 

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/base/mutant.h"
-
 namespace caltwin {
 namespace {
 
@@ -46,7 +44,7 @@ void FastMotors::Coast(const BuiltMotor& motor, double force, AxisNow* now) cons
 
 void FastMotors::StopAtEnds(const BuiltMotor& motor, AxisNow* now) const {
   MotorState& state = now->state;
-  const double half_unit = Mutant("motor_fast_gap_doubled", 0.5, 1.0) * motor.gap_unit;
+  const double half_unit = 0.5 * motor.gap_unit;
   const double low_unit = motor.lowest_unit() - half_unit;
   const double high_unit = motor.highest_unit() + half_unit;
   if (state.motor_unit < low_unit || state.motor_unit > high_unit) {

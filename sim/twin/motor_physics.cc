@@ -5,8 +5,6 @@
 #include <numbers>
 #include <utility>
 
-#include "sim/base/mutant.h"
-
 namespace caltwin {
 
 PhysicsMotors::PhysicsMotors(const std::filesystem::path& model,
@@ -26,8 +24,7 @@ void PhysicsMotors::Place(std::size_t axis, double motor_unit) {
 double PhysicsMotors::InertiaFor(std::size_t axis, bool brakes) const {
   const MotorAxisDrawing& d = motors_[axis].drawing;
   if (motors_[axis].gap_unit == 0) return d.total_inertia();
-  const double most =
-      Mutant("motor_drive_swings_up", 0.75, 1.1) * (brakes ? 2 : 4.0 / 3);
+  const double most = 0.75 * (brakes ? 2 : 4.0 / 3);
   return std::min(d.total_inertia(), most * d.motor_inertia);
 }
 
@@ -40,13 +37,11 @@ double PhysicsMotors::ServoForce(std::size_t axis, const MotorDrive& drive) {
   const double off_unit = brakes ? 0 : drive.to_unit - world_.MotorAt(axis);
   const double force = InertiaFor(axis, brakes) * d.si_per_unit() *
                        (off_unit - unit_s * kTick_s) / (kTick_s * kTick_s);
-  const double most =
-      Mutant("motor_physics_no_current_limit", 1.0, 1e6) * d.largest_force();
+  const double most = d.largest_force();
   const double now = std::clamp(force, -most, most);
   // MuJoCo's speeds are those between its positions: a brake acts from the middle of
   // such a step on.
-  return Mutant("motor_brakes_a_step_early", begins, false) ? (force_[axis] + now) / 2
-                                                            : now;
+  return begins ? (force_[axis] + now) / 2 : now;
 }
 
 double PhysicsMotors::StepperForce(std::size_t axis, const MotorDrive& drive) {

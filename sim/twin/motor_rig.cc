@@ -4,7 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "sim/base/mutant.h"
 #include "sim/twin/motor_physics.h"
 
 namespace caltwin {
@@ -134,13 +133,10 @@ void MotorStageRig::SenseSwitch(std::size_t i,
   const bool is_approached = !before_unit || (is_min ? carriage_unit < *before_unit
                                                      : carriage_unit > *before_unit);
   if (!each.is_closed) {
-    each.is_closed =
-        beyond_unit >= 0 && Mutant("motor_switch_closes_leaving", is_approached, true);
+    each.is_closed = beyond_unit >= 0 && is_approached;
     return;
   }
-  const double hysteresis_unit =
-      Mutant("motor_switch_no_hysteresis", 1.0, 0.0) * d.switch_hysteresis_unit;
-  if (beyond_unit >= -hysteresis_unit) return;
+  if (beyond_unit >= -d.switch_hysteresis_unit) return;
   each.is_closed = false;
   each.scatter_unit = faults.switch_scatter_unit * switch_scatter_.Normal();
 }

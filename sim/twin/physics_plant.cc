@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "sim/base/mutant.h"
 #include "sim/effects/acts/acts.h"
 
 namespace caltwin {
@@ -104,8 +103,7 @@ double PhysicsPlant::TriggerSignal_mm() const {
 double PhysicsPlant::Signal_mm(const Watch& watch) const {
   if (watch.kind == Watch::Kind::kProbeTriggered) return TriggerSignal_mm();
   if (watch.kind == Watch::Kind::kProbeReleased) {
-    return -TriggerSignal_mm() - Mutant("physics_hysteresis_sign", 1.0, -1.0) *
-                                     built_.machine.probe.hysteresis_mm;
+    return -TriggerSignal_mm() - built_.machine.probe.hysteresis_mm;
   }
   if (WatchesSwitch(watch)) {
     return -BeforeSwitch_mm(watch, world_->Carriages_mm()[Index(watch.axis)]);
@@ -221,9 +219,8 @@ Outcome PhysicsPlant::Stopped(const Segment& segment,
   Outcome outcome{.stopped = true, .time_s = at_s};
   if (WatchesProbe(watch)) {
     triggered_ = watch.kind == Watch::Kind::kProbeTriggered;
-    outcome.time_s = std::min(
-        segment.profile.Duration_s(),
-        at_s + Mutant("physics_latency_dropped", 1.0, 0.0) * built_.probe.latency_s);
+    outcome.time_s =
+        std::min(segment.profile.Duration_s(), at_s + built_.probe.latency_s);
     while (t_s < outcome.time_s) {
       t_s += kTimestep_s;
       StepTo(segment.Steps(t_s));
@@ -267,10 +264,7 @@ Outcome PhysicsPlant::Perform(const Segment& segment, const Watch& watch) {
               .alarm = CollisionText()};
     }
     if (after_mm >= 0 && watch.kind != Watch::Kind::kNothing) {
-      const double part =
-          Mutant("physics_trigger_a_step_late",
-                 before_mm <= -1 ? 1 : before_mm / (before_mm - after_mm),
-                 2.0);
+      const double part = before_mm <= -1 ? 1 : before_mm / (before_mm - after_mm);
       const double at_s = std::min(duration_s, t_s - kTimestep_s * (1 - part));
       return Stopped(segment, watch, t_s, at_s);
     }

@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "sim/base/input_error.h"
-#include "sim/base/mutant.h"
 #include "sim/base/require.h"
 #include "sim/effects/predict.h"
 
@@ -80,8 +79,7 @@ TripleZMachine::TripleZMachine(const Machine& machine,
 Vec3<double> TripleZMachine::Nuts_mm(const At& at) const {
   const auto errors = ErrorsAt<double>(machine_, at, drives_);
   Vec3<double> nuts_mm =
-      *MotorsOf_mm(at) + Mutant("tz_physics_ignores_drives", 1.0, 0.0) *
-                             MotorsMoved_mm(at.triple_z->motor_dir, errors);
+      *MotorsOf_mm(at) + MotorsMoved_mm(at.triple_z->motor_dir, errors);
   // A gap that all share: the nozzle lags the bed's sense turned round.
   const double lost_mm = errors.lost_motion_mm[2] - at.compensation_mm[2];
   nuts_mm.array() += at.dir[2] * lost_mm / 2;

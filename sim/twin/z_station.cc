@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/base/mutant.h"
 #include "sim/base/units.h"
 #include "sim/machine/machine.h"
 

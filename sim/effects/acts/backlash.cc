@@ -1,4 +1,3 @@
-#include "sim/base/mutant.h"
 #include "sim/effects/acts/edits.h"
 
 namespace caltwin {
@@ -6,8 +5,7 @@ namespace caltwin {
 // Friction acts between carriage and rail, never on the play: there it would glue the
 // carriage to the nut and the gap would never show.
 void EditBacklash(const Machine&, const Injected& injected, Mjcf* model) {
-  model->SetGap(*AxisNamed(injected.axis),
-                Mutant("backlash_act_half_gap", 1.0, 0.5) * injected.values[0]);
+  model->SetGap(*AxisNamed(injected.axis), injected.values[0]);
 }
 
 }  // namespace caltwin

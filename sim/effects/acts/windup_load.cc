@@ -1,4 +1,3 @@
-#include "sim/base/mutant.h"
 #include "sim/base/units.h"
 #include "sim/effects/acts/edits.h"
 
@@ -8,9 +7,7 @@ namespace caltwin {
 void EditWindupLoad(const Machine&, const Injected& injected, Mjcf* model) {
   const double compliance_mm_per_n = MmFromUm(injected.values[0]);
   if (compliance_mm_per_n == 0) return;
-  model->SetDriveStiffness(
-      *AxisNamed(injected.axis),
-      Mutant("windup_stiffness_factor_2", 2.0, 1.0) / compliance_mm_per_n);
+  model->SetDriveStiffness(*AxisNamed(injected.axis), 2.0 / compliance_mm_per_n);
 }
 
 }  // namespace caltwin

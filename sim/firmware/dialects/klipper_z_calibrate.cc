@@ -4,7 +4,6 @@
 
 #include <fmt/format.h>
 
-#include "sim/base/mutant.h"
 #include "sim/firmware/dialects/klipper_z.h"
 
 namespace caltwin {
@@ -28,8 +27,7 @@ double ZCalibrationOffset_mm(double nozzle_mm,
                              double switch_mm,
                              double probe_mm,
                              double switch_offset_mm) {
-  return probe_mm - (switch_mm - nozzle_mm +
-                     Mutant("z_switch_offset_sign", 1.0, -1.0) * switch_offset_mm);
+  return probe_mm - (switch_mm - nozzle_mm + switch_offset_mm);
 }
 
 Reply KlipperZ::CalibrateZ() {

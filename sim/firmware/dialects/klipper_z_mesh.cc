@@ -3,7 +3,6 @@
 #include <array>
 #include <cmath>
 
-#include "sim/base/mutant.h"
 #include "sim/firmware/dialects/klipper_z.h"
 
 namespace caltwin {
@@ -19,7 +18,7 @@ std::optional<Eigen::Vector2d> KlipperZ::BedPoint_mm() const {
   if (!config_.bed_mesh) return config_.middle_mm;
   const auto& index = config_.bed_mesh->relative_reference_index;
   if (!index) return std::nullopt;
-  return config_.bed_mesh->PointAt_mm(Mutant("z_mesh_reference_ignored", *index, 0));
+  return config_.bed_mesh->PointAt_mm(*index);
 }
 
 Reply KlipperZ::CalibrateMesh() {
@@ -42,7 +41,7 @@ Reply KlipperZ::CalibrateMesh() {
           ? heights_mm[static_cast<std::size_t>(*mesh.relative_reference_index)]
           : config_.probe_z_offset_mm;
   for (double& height_mm : heights_mm) {
-    height_mm -= Mutant("z_mesh_not_relative", zero_mm, 0.0);
+    height_mm -= zero_mm;
   }
   mesh_mm_ = std::move(heights_mm);
   return {.lines = {"Mesh Bed Leveling Complete"}};

@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include "sim/base/input_error.h"
-#include "sim/base/mutant.h"
 #include "sim/base/units.h"
 
 namespace caltwin {
@@ -249,9 +248,7 @@ Reply MarlinDelta::SetEndstops(const GcodeCommand& command) {
   for (std::size_t i = 0; i < 3; ++i) {
     const auto below = command.Number("XYZ"[i]);
     // A carriage backs off from its endstop, never beyond it: Marlin ignores the rest.
-    if (below && *below <= 0)
-      settings_.endstop_mm[i] =
-          height_mm_ - Mutant("delta_endstop_sign", 1.0, -1.0) * *below;
+    if (below && *below <= 0) settings_.endstop_mm[i] = height_mm_ - *below;
   }
   is_homed_ = false;
   return {};

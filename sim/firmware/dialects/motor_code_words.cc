@@ -7,7 +7,6 @@
 
 #include <fmt/format.h>
 
-#include "sim/base/mutant.h"
 #include "sim/machine/motor_stage.h"
 
 namespace caltwin {
@@ -89,7 +88,7 @@ std::string MotorWordFault(const GcodeCommand& command) {
   const auto* code = std::ranges::find_if(kCodes, [&](const CodeWords& each) {
     return command.Is(each.letter, each.code);
   });
-  if (code == kCodes.end() || Mutant("motor_words_unchecked", false, true)) return "";
+  if (code == kCodes.end()) return "";
   for (const GcodeWord& word : command.words) {
     if (auto fault = FaultOf(word, *code); !fault.empty()) return fault;
     const auto times =

@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "sim/base/mutant.h"
 #include "sim/firmware/dialects/motor_stage.h"
 
 // What the controller keeps: the record of each axis, by M-code and in the flash.
@@ -264,8 +263,7 @@ void MotorStageFirmware::LoadRecord(std::size_t i) {
   const AxisCalibration& record = stored ? *stored : factory;
   axes_[i].has_limits = record.min_position_pulses != factory.min_position_pulses ||
                         record.max_position_pulses != factory.max_position_pulses;
-  axes_[i].has_limits =
-      Mutant("factory_limits_hold", axes_[i].has_limits, stored.has_value());
+  axes_[i].has_limits = axes_[i].has_limits;
   axes_[i].record = record;
 }
 

@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "sim/base/input_error.h"
-#include "sim/base/mutant.h"
 #include "sim/firmware/dialects/motor_code_words.h"
 
 namespace caltwin {
@@ -121,10 +120,8 @@ std::string MotorStageFirmware::LimitFault(std::size_t i, double to_unit) const 
     return std::max({low_unit - at_unit, at_unit - high_unit, 0.0});
   };
   // What stands outside (at a switch) may come back.
-  const bool is_allowed = beyond(to_unit) <= kRounding_unit ||
-                          Mutant("limits_forbid_the_way_back",
-                                 beyond(to_unit) < beyond(CommandedAt(i)),
-                                 false);
+  const bool is_allowed =
+      beyond(to_unit) <= kRounding_unit || (beyond(to_unit) < beyond(CommandedAt(i)));
   if (is_allowed) return "";
   return fmt::format("{}{:g} is outside its limits {:g} .. {:g}; nothing moved",
                      LetterOf(i),
@@ -161,10 +158,8 @@ Reply MotorStageFirmware::Move(const GcodeCommand& command) {
     move.watched = i;
     ++moving;
     // Its motor also goes what it takes up of the gap, and no faster for that.
-    far_unit[i] = Mutant("motor_gap_adds_no_way",
-                         std::abs(move.to_pulses[i] - motion_.axis(i).target_pulses) /
-                             axes_[i].record.pulses_per_unit,
-                         std::abs(way_unit[i]));
+    far_unit[i] = std::abs(move.to_pulses[i] - motion_.axis(i).target_pulses) /
+                  axes_[i].record.pulses_per_unit;
     move.length_unit = std::max(move.length_unit, far_unit[i]);
   }
   if (moving == 0) return {};
@@ -188,8 +183,7 @@ Reply MotorStageFirmware::Move(const GcodeCommand& command) {
 
 Reply MotorStageFirmware::Arrived(const GcodeCommand& command, const MotorMove& move) {
   for (std::size_t i = 0; i < kNumMotorAxes; ++i) {
-    motion_.axis(i).index_enabled =
-        Mutant("index_cannot_be_off", axes_[i].record.index_enabled, true);
+    motion_.axis(i).index_enabled = axes_[i].record.index_enabled;
   }
   if (move.until == MotorMove::Until::kIndex &&
       !motion_.axis(move.watched).index_enabled) {
@@ -232,7 +226,7 @@ Reply MotorStageFirmware::WaitForAll() {
 // M810 X: homing begins. Nobody knows where zero is, so no limit holds until M811.
 Reply MotorStageFirmware::ForgetHome(const GcodeCommand& command) {
   for (const std::size_t i : Named(command)) {
-    axes_[i].is_homed = Mutant("home_not_forgotten", false, axes_[i].is_homed);
+    axes_[i].is_homed = false;
   }
   return {};
 }

@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 
 #include "sim/base/input_error.h"
-#include "sim/base/mutant.h"
 #include "sim/link/gcode_frame.h"
 
 namespace caltwin {
@@ -212,8 +211,7 @@ Reply RrfTripleZ::Adjust() {
   const std::size_t count = points_.size();
   points_.clear();
   if (!corrections) return Refusal("Bed calibration: 3 points apart are needed");
-  const Vec3<double> raise_mm =
-      Mutant("tz_levelling_sign", 1.0, -1.0) * corrections->raise_mm;
+  const Vec3<double> raise_mm = corrections->raise_mm;
   if (raise_mm.cwiseAbs().maxCoeff() > options_.largest_mm) {
     return Refusal(fmt::format(
         "Some computed corrections exceed configured limit of {:.2f}mm: {:.3f} {:.3f} "
