@@ -25,7 +25,7 @@ set(caltwin_precompiled_libraries
 set(caltwin_precompiled_own
   calibration/diagnosis/candidates.h calibration/diagnosis/evidence.h
   calibration/estimate/observability.h calibration/procedures/catalog.h
-  scenarios/delta_effects.h scenarios/result.h sim/machine/screw_levelling.h
+  sim/kinds/delta/effects.h scenarios/result.h sim/machine/screw_levelling.h
   sim/measure/plan.h sim/measure/rows.h sim/twin/twin.h)
 list(TRANSFORM caltwin_precompiled_own PREPEND "${PROJECT_SOURCE_DIR}/")
 

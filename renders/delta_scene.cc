@@ -1,7 +1,7 @@
 #include "renders/delta_scene.h"
 
 #include "sim/base/input_error.h"
-#include "sim/twin/delta_plant.h"
+#include "sim/kinds/delta/plant.h"
 
 namespace caltwin {
 namespace {

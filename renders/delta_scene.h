@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "scenarios/scenario.h"
-#include "sim/physics/delta_world.h"
+#include "sim/kinds/delta/world.h"
 
 namespace caltwin {
 

@@ -1,6 +1,6 @@
 #include "renders/motor_stage_scene.h"
 
-#include "sim/twin/motor_mechanism.h"
+#include "sim/kinds/motor_stage/mechanism.h"
 
 namespace caltwin {
 

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "sim/physics/motor_stage_world.h"
-#include "sim/twin/motor_rig.h"
+#include "sim/kinds/motor_stage/rig.h"
+#include "sim/kinds/motor_stage/world.h"
 
 namespace caltwin {
 

@@ -3,8 +3,8 @@
 #include <memory>
 #include <vector>
 
-#include "sim/physics/triple_z_world.h"
-#include "sim/twin/triple_z_plant.h"
+#include "sim/kinds/triple_z/plant.h"
+#include "sim/kinds/triple_z/world.h"
 
 namespace caltwin {
 

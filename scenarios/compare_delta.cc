@@ -10,12 +10,12 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "calibration/delta/foretold_mesh.h"
-#include "calibration/delta/g33.h"
-#include "calibration/delta/joint.h"
-#include "calibration/delta/klipper_descent.h"
-#include "calibration/delta/rrf_least_squares.h"
-#include "calibration/delta/settings.h"
+#include "calibration/kinds/delta/foretold_mesh.h"
+#include "calibration/kinds/delta/g33.h"
+#include "calibration/kinds/delta/joint.h"
+#include "calibration/kinds/delta/klipper_descent.h"
+#include "calibration/kinds/delta/rrf_least_squares.h"
+#include "calibration/kinds/delta/settings.h"
 #include "scenarios/interrupt.h"
 #include "scenarios/study/summary.h"
 #include "sim/base/require.h"

@@ -9,7 +9,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "calibration/delta/bench.h"
+#include "calibration/kinds/delta/bench.h"
 #include "sim/machine/delta_touch.h"
 
 namespace caltwin {

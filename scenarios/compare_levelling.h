@@ -9,7 +9,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "calibration/triple_z/procedures.h"
+#include "calibration/kinds/triple_z/procedures.h"
 #include "scenarios/compare_delta.h"
 #include "sim/effects/effect.h"
 

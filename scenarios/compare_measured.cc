@@ -5,14 +5,14 @@
 
 #include <fmt/format.h>
 
-#include "calibration/delta/g33.h"
-#include "calibration/delta/klipper_descent.h"
-#include "calibration/delta/rrf_least_squares.h"
+#include "calibration/kinds/delta/g33.h"
+#include "calibration/kinds/delta/klipper_descent.h"
+#include "calibration/kinds/delta/rrf_least_squares.h"
 #include "scenarios/compare_delta.h"
 #include "scenarios/interrupt.h"
+#include "sim/kinds/delta/calliper.h"
 #include "sim/machine/measured_delta.h"
 #include "sim/machine/simulated_delta.h"
-#include "sim/twin/delta_calliper.h"
 
 namespace caltwin {
 namespace {

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "calibration/delta/settings.h"
+#include "calibration/kinds/delta/settings.h"
 #include "scenarios/delta_link.h"
 #include "scenarios/delta_procedures.h"
 #include "scenarios/delta_verdict.h"

@@ -2,10 +2,10 @@
 
 #include <string>
 
-#include "calibration/delta/bench.h"
+#include "calibration/kinds/delta/bench.h"
 #include "calibration/loop/outcome.h"
-#include "scenarios/delta_record.h"
 #include "scenarios/delta_scenario.h"
+#include "sim/kinds/delta/record.h"
 #include "sim/link/link.h"
 
 namespace caltwin {

@@ -8,8 +8,8 @@
 
 #include <fmt/format.h>
 
-#include "calibration/delta/foretold_mesh.h"
-#include "calibration/delta/settings.h"
+#include "calibration/kinds/delta/foretold_mesh.h"
+#include "calibration/kinds/delta/settings.h"
 
 namespace caltwin {
 namespace {

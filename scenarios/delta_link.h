@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "calibration/delta/bench.h"
+#include "calibration/kinds/delta/bench.h"
 #include "sim/firmware/dialects/marlin_delta.h"
 #include "sim/link/link.h"
 

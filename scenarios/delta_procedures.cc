@@ -6,13 +6,13 @@
 
 #include <fmt/format.h>
 
-#include "calibration/delta/change.h"
-#include "calibration/delta/engine_uncertainty.h"
-#include "calibration/delta/foretold_mesh.h"
-#include "calibration/delta/klipper_descent.h"
-#include "calibration/delta/klipper_fit.h"
-#include "calibration/delta/rrf_least_squares.h"
-#include "calibration/delta/settings.h"
+#include "calibration/kinds/delta/change.h"
+#include "calibration/kinds/delta/engine_uncertainty.h"
+#include "calibration/kinds/delta/foretold_mesh.h"
+#include "calibration/kinds/delta/klipper_descent.h"
+#include "calibration/kinds/delta/klipper_fit.h"
+#include "calibration/kinds/delta/rrf_least_squares.h"
+#include "calibration/kinds/delta/settings.h"
 #include "scenarios/delta_link.h"
 #include "scenarios/delta_verdict.h"
 #include "sim/base/units.h"

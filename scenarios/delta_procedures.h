@@ -2,9 +2,9 @@
 
 #include <optional>
 
-#include "calibration/delta/bench.h"
-#include "calibration/delta/g33.h"
-#include "calibration/delta/joint.h"
+#include "calibration/kinds/delta/bench.h"
+#include "calibration/kinds/delta/g33.h"
+#include "calibration/kinds/delta/joint.h"
 #include "calibration/loop/outcome.h"
 #include "scenarios/delta_scenario.h"
 

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "calibration/delta/joint.h"
+#include "calibration/kinds/delta/joint.h"
 #include "scenarios/delta_link.h"
 #include "scenarios/delta_procedures.h"
 #include "scenarios/delta_twin.h"

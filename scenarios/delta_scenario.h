@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "scenarios/delta_effects.h"
 #include "sim/base/yaml.h"
+#include "sim/kinds/delta/effects.h"
 #include "sim/machine/machine.h"
 
 namespace caltwin {

@@ -4,13 +4,13 @@
 #include <string>
 #include <vector>
 
-#include "calibration/delta/bench.h"
-#include "calibration/delta/g33.h"
+#include "calibration/kinds/delta/bench.h"
+#include "calibration/kinds/delta/g33.h"
 #include "scenarios/delta_link.h"
-#include "scenarios/delta_record.h"
 #include "sim/firmware/dialects/marlin_delta.h"
-#include "sim/twin/delta_calliper.h"
-#include "sim/twin/delta_plant.h"
+#include "sim/kinds/delta/calliper.h"
+#include "sim/kinds/delta/plant.h"
+#include "sim/kinds/delta/record.h"
 #include "sim/twin/twin.h"
 
 namespace caltwin {

@@ -4,10 +4,10 @@
 #include <optional>
 #include <string_view>
 
-#include "calibration/delta/joint.h"
+#include "calibration/kinds/delta/joint.h"
 #include "scenarios/delta_scenario.h"
 #include "scenarios/result.h"
-#include "sim/twin/delta_plant.h"
+#include "sim/kinds/delta/plant.h"
 
 namespace caltwin {
 

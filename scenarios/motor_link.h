@@ -5,11 +5,11 @@
 #include <string_view>
 #include <vector>
 
-#include "calibration/motor_axes/motor_axes.h"
+#include "calibration/kinds/motor_stage/motor_axes.h"
 #include "scenarios/motor_scenario.h"
 #include "sim/base/rng.h"
 #include "sim/firmware/dialects/motor_stage.h"
-#include "sim/twin/motor_rig.h"
+#include "sim/kinds/motor_stage/rig.h"
 
 namespace caltwin {
 

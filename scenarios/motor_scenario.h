@@ -7,10 +7,10 @@
 #include <utility>
 #include <vector>
 
-#include "calibration/motor_axes/procedures.h"
+#include "calibration/kinds/motor_stage/procedures.h"
 #include "scenarios/delta_scenario.h"
 #include "sim/base/yaml.h"
-#include "sim/twin/motor_rig.h"
+#include "sim/kinds/motor_stage/rig.h"
 
 namespace caltwin {
 

@@ -5,8 +5,8 @@
 #include <string_view>
 #include <vector>
 
-#include "calibration/triple_z/printer.h"
-#include "sim/twin/triple_z_plant.h"
+#include "calibration/kinds/triple_z/printer.h"
+#include "sim/kinds/triple_z/plant.h"
 
 namespace caltwin {
 

@@ -10,13 +10,13 @@
 
 #include <fmt/format.h>
 
-#include "calibration/triple_z/doing.h"
+#include "calibration/kinds/triple_z/doing.h"
 #include "scenarios/interrupt.h"
 #include "scenarios/interruptible_link.h"
 #include "scenarios/judging.h"
 #include "scenarios/triple_z_link.h"
-#include "scenarios/triple_z_record.h"
 #include "sim/base/units.h"
+#include "sim/kinds/triple_z/record.h"
 #include "sim/link/transcript.h"
 
 namespace caltwin {

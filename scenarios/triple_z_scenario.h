@@ -5,13 +5,13 @@
 #include <utility>
 #include <vector>
 
-#include "calibration/triple_z/procedures.h"
+#include "calibration/kinds/triple_z/procedures.h"
 #include "scenarios/delta_scenario.h"
 #include "scenarios/external.h"
 #include "sim/base/yaml.h"
 #include "sim/effects/injected.h"
+#include "sim/kinds/triple_z/plant.h"
 #include "sim/machine/machine.h"
-#include "sim/twin/triple_z_plant.h"
 
 namespace caltwin {
 

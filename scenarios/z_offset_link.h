@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
-#include "calibration/z_offset/procedures.h"
-#include "sim/twin/z_station.h"
+#include "calibration/kinds/z_station/procedures.h"
+#include "sim/kinds/z_station/station.h"
 
 namespace caltwin {
 

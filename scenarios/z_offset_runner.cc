@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-#include "calibration/z_offset/switch_offset.h"
+#include "calibration/kinds/z_station/switch_offset.h"
 #include "scenarios/judging.h"
 #include "scenarios/z_offset_link.h"
 #include "scenarios/z_offset_record.h"

@@ -8,8 +8,8 @@
 #include "scenarios/delta_scenario.h"
 #include "sim/base/yaml.h"
 #include "sim/firmware/dialects/klipper_z.h"
+#include "sim/kinds/z_station/station.h"
 #include "sim/machine/machine.h"
-#include "sim/twin/z_station.h"
 
 namespace caltwin {
 

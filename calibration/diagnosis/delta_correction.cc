@@ -5,11 +5,11 @@
 
 #include <fmt/format.h>
 
-#include "calibration/delta/settings.h"
 #include "calibration/diagnosis/as_found.h"
 #include "calibration/diagnosis/delta_lines.h"
 #include "calibration/diagnosis/extension.h"
 #include "calibration/diagnosis/settings_of_rows.h"
+#include "calibration/kinds/delta/settings.h"
 #include "sim/base/input_error.h"
 #include "sim/base/units.h"
 #include "sim/effects/catalog.h"

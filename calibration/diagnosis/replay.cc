@@ -17,8 +17,8 @@
 #include "calibration/estimate/linear_fit.h"
 #include "sim/base/input_error.h"
 #include "sim/base/units.h"
-#include "sim/twin/perform.h"
-#include "sim/twin/perform_delta.h"
+#include "sim/kinds/delta/perform.h"
+#include "sim/kinds/perform.h"
 
 namespace caltwin {
 namespace {

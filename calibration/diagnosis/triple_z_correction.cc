@@ -11,7 +11,7 @@
 
 #include "calibration/diagnosis/extension.h"
 #include "calibration/diagnosis/settings_of_rows.h"
-#include "calibration/triple_z/plane.h"
+#include "calibration/kinds/triple_z/plane.h"
 #include "sim/base/input_error.h"
 #include "sim/base/units.h"
 #include "sim/effects/predict.h"

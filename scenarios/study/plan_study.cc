@@ -9,8 +9,8 @@
 #include "sim/base/normals.h"
 #include "sim/base/units.h"
 #include "sim/effects/predict.h"
+#include "sim/kinds/perform.h"
 #include "sim/measure/in_force.h"
-#include "sim/twin/perform.h"
 
 namespace caltwin {
 

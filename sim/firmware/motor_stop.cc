@@ -78,7 +78,6 @@ StopReport MotorMotion::ReportOf(std::size_t i,
 void MotorMotion::EmergencyStop(double since_s) {
   Slowings slowings{};
   for (std::size_t i = 0; i < kNumMotorAxes; ++i) {
-    const auto counted = static_cast<double>(rig_->Count(i) - count_before_[i]);
     slowings[i].told_pulses_s = axes_[i].told_pulses_s;
     slowings[i].from = rig_->Count(i);
     slowings[i].near = slowings[i].from;

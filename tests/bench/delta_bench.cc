@@ -4,11 +4,11 @@
 
 #include <benchmark/benchmark.h>
 
-#include "calibration/delta/joint.h"
+#include "calibration/kinds/delta/joint.h"
 #include "sim/base/rng.h"
 #include "sim/base/units.h"
+#include "sim/kinds/delta/world.h"
 #include "sim/machine/simulated_delta.h"
-#include "sim/physics/delta_world.h"
 
 namespace caltwin {
 namespace {

@@ -6,7 +6,7 @@
 #include <Eigen/Cholesky>
 #include <gtest/gtest.h>
 
-#include "calibration/delta/rrf_least_squares.h"
+#include "calibration/kinds/delta/rrf_least_squares.h"
 #include "sim/base/units.h"
 #include "sim/machine/delta.h"
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "calibration/delta/bench.h"
+#include "calibration/kinds/delta/bench.h"
 #include "sim/base/units.h"
 #include "sim/machine/measured_delta.h"
 #include "sim/machine/simulated_delta.h"

@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
-#include "calibration/delta/engine_uncertainty.h"
-#include "calibration/delta/rrf_least_squares.h"
+#include "calibration/kinds/delta/engine_uncertainty.h"
+#include "calibration/kinds/delta/rrf_least_squares.h"
 #include "sim/base/units.h"
 #include "sim/machine/simulated_delta.h"
 

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
-#include "calibration/delta/g33.h"
-#include "calibration/delta/klipper_descent.h"
+#include "calibration/kinds/delta/g33.h"
+#include "calibration/kinds/delta/klipper_descent.h"
 #include "sim/base/rng.h"
 #include "tests/calibration/delta_engine_rows.h"
 

@@ -1,9 +1,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "calibration/delta/foretold_mesh.h"
-#include "calibration/delta/rrf_least_squares.h"
-#include "calibration/delta/settings.h"
+#include "calibration/kinds/delta/foretold_mesh.h"
+#include "calibration/kinds/delta/rrf_least_squares.h"
+#include "calibration/kinds/delta/settings.h"
 #include "sim/measure/import/klipper_mesh.h"
 #include "tests/calibration/delta_engine_rows.h"
 

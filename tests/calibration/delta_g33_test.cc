@@ -6,8 +6,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "calibration/delta/g33.h"
-#include "calibration/delta/settings.h"
+#include "calibration/kinds/delta/g33.h"
+#include "calibration/kinds/delta/settings.h"
 #include "sim/base/input_error.h"
 #include "tests/calibration/delta_engine_rows.h"
 

@@ -7,9 +7,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "calibration/delta/change.h"
-#include "calibration/delta/rrf_least_squares.h"
-#include "calibration/delta/settings.h"
+#include "calibration/kinds/delta/change.h"
+#include "calibration/kinds/delta/rrf_least_squares.h"
+#include "calibration/kinds/delta/settings.h"
 #include "sim/base/rng.h"
 #include "tests/calibration/delta_engine_rows.h"
 

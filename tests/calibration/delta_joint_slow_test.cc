@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "calibration/delta/joint.h"
+#include "calibration/kinds/delta/joint.h"
 #include "sim/base/rng.h"
 #include "sim/machine/simulated_delta.h"
 

@@ -4,9 +4,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "calibration/delta/foretold_mesh.h"
-#include "calibration/delta/joint.h"
-#include "calibration/delta/settings.h"
+#include "calibration/kinds/delta/foretold_mesh.h"
+#include "calibration/kinds/delta/joint.h"
+#include "calibration/kinds/delta/settings.h"
 #include "sim/base/rng.h"
 #include "sim/machine/delta_slopes.h"
 #include "sim/machine/simulated_delta.h"

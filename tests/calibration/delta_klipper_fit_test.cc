@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "calibration/delta/klipper_fit.h"
-#include "calibration/delta/mesh_shape.h"
+#include "calibration/kinds/delta/klipper_fit.h"
+#include "calibration/kinds/delta/mesh_shape.h"
 #include "sim/base/rng.h"
 #include "sim/base/units.h"
 #include "sim/measure/import/klipper_delta.h"

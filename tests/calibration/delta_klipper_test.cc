@@ -1,7 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "calibration/delta/klipper_descent.h"
+#include "calibration/kinds/delta/klipper_descent.h"
 #include "tests/calibration/delta_engine_rows.h"
 
 namespace caltwin {

@@ -1,7 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "calibration/delta/rrf_least_squares.h"
+#include "calibration/kinds/delta/rrf_least_squares.h"
 #include "sim/base/input_error.h"
 #include "tests/calibration/delta_engine_rows.h"
 

@@ -6,7 +6,7 @@
 
 #include "calibration/estimate/correlation.h"
 #include "calibration/estimate/tilt_plane.h"
-#include "calibration/triple_z/response.h"
+#include "calibration/kinds/triple_z/response.h"
 
 namespace caltwin {
 namespace {

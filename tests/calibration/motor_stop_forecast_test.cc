@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "calibration/motor_axes/procedures.h"
+#include "calibration/kinds/motor_stage/procedures.h"
 #include "sim/base/rng.h"
 
 namespace caltwin {

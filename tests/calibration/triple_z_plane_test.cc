@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "calibration/kinds/triple_z/plane.h"
 #include "calibration/procedures/scale_doubt.h"
-#include "calibration/triple_z/plane.h"
 #include "sim/base/rng.h"
 
 namespace caltwin {

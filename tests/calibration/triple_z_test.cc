@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "calibration/triple_z/procedures.h"
+#include "calibration/kinds/triple_z/procedures.h"
 #include "sim/base/rng.h"
 #include "sim/effects/drive.h"
 

@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "calibration/z_offset/switch_offset.h"
+#include "calibration/kinds/z_station/switch_offset.h"
 
 namespace caltwin {
 namespace {

@@ -5,8 +5,8 @@
 
 #include "calibration/diagnosis/closed_loop.h"
 #include "sim/effects/predict.h"
+#include "sim/kinds/perform.h"
 #include "sim/measure/in_force.h"
-#include "sim/twin/perform.h"
 
 namespace caltwin {
 namespace {

@@ -10,8 +10,8 @@
 
 #include "calibration/diagnosis/diagnosis.h"
 #include "calibration/diagnosis/volumetric.h"
+#include "sim/kinds/delta/perform.h"
 #include "sim/measure/plan.h"
-#include "sim/twin/perform_delta.h"
 
 namespace caltwin {
 namespace {

@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "calibration/diagnosis/diagnosis.h"
+#include "sim/kinds/perform.h"
 #include "sim/measure/plan.h"
-#include "sim/twin/perform.h"
 
 namespace caltwin {
 namespace {

@@ -7,8 +7,8 @@
 #include "calibration/diagnosis/replay.h"
 #include "calibration/diagnosis/volumetric.h"
 #include "sim/effects/predict.h"
+#include "sim/kinds/perform.h"
 #include "sim/measure/plan.h"
-#include "sim/twin/perform.h"
 
 namespace caltwin {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "calibration/diagnosis/correction.h"
 #include "sim/base/input_error.h"
-#include "sim/twin/triple_z_plant.h"
+#include "sim/kinds/triple_z/plant.h"
 
 namespace caltwin {
 namespace {

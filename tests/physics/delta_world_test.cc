@@ -1,11 +1,11 @@
-#include "sim/physics/delta_world.h"
-
 #include <cmath>
 #include <functional>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
+
+#include "sim/kinds/delta/world.h"
 
 namespace caltwin {
 namespace {

@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "calibration/delta/settings.h"
+#include "calibration/kinds/delta/settings.h"
 #include "scenarios/delta_twin.h"
 #include "scenarios/machine_file.h"
 

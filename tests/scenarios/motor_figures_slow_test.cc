@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "calibration/motor_axes/procedures.h"
+#include "calibration/kinds/motor_stage/procedures.h"
 #include "sim/base/units.h"
 #include "tests/scenarios/motor_bench.h"
 

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "calibration/estimate/touch_noise.h"
-#include "calibration/motor_axes/procedures.h"
+#include "calibration/kinds/motor_stage/procedures.h"
 #include "tests/scenarios/motor_bench.h"
 
 namespace caltwin {

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "calibration/motor_axes/doing.h"
+#include "calibration/kinds/motor_stage/doing.h"
 #include "scenarios/runner.h"
 #include "tests/scenarios/motor_bench.h"
 

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "calibration/triple_z/printer.h"
+#include "calibration/kinds/triple_z/printer.h"
 #include "scenarios/triple_z_link.h"
 
 namespace caltwin {

@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "calibration/triple_z/procedures.h"
+#include "calibration/kinds/triple_z/procedures.h"
 #include "sim/base/text_file.h"
 #include "sim/link/open_link.h"
 #include "tests/base/temp_folder.h"

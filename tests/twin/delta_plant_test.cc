@@ -1,10 +1,9 @@
-#include "sim/twin/delta_plant.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "sim/base/input_error.h"
 #include "sim/effects/catalog.h"
+#include "sim/kinds/delta/plant.h"
 
 namespace caltwin {
 namespace {

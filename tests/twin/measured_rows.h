@@ -9,8 +9,8 @@
 #include "sim/base/units.h"
 #include "sim/effects/catalog.h"
 #include "sim/effects/predict.h"
+#include "sim/kinds/perform.h"
 #include "sim/measure/plan.h"
-#include "sim/twin/perform.h"
 
 namespace caltwin {
 

@@ -1,5 +1,3 @@
-#include "sim/twin/motor_mechanism.h"
-
 #include <cmath>
 #include <memory>
 
@@ -7,7 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "sim/base/units.h"
-#include "sim/twin/motor_physics.h"
+#include "sim/kinds/motor_stage/mechanism.h"
+#include "sim/kinds/motor_stage/physics.h"
 
 namespace caltwin {
 namespace {

@@ -1,12 +1,11 @@
 // A delta that measures: MuJoCo against the exact chain, and the rows it writes.
 
-#include "sim/twin/perform_delta.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "sim/effects/catalog.h"
 #include "sim/effects/predict.h"
+#include "sim/kinds/delta/perform.h"
 #include "sim/measure/plan.h"
 
 namespace caltwin {

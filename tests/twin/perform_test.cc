@@ -1,4 +1,4 @@
-#include "sim/twin/perform.h"
+#include "sim/kinds/perform.h"
 
 #include <filesystem>
 
@@ -7,8 +7,8 @@
 
 #include "sim/base/input_error.h"
 #include "sim/base/text_file.h"
+#include "sim/kinds/readings.h"
 #include "sim/twin/measuring_machine.h"
-#include "sim/twin/readings.h"
 #include "tests/twin/measured_rows.h"
 
 namespace caltwin {

@@ -1,15 +1,14 @@
 // A triple-Z printer that measures: MuJoCo against the closed forms.
 
-#include "sim/twin/triple_z_machine.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "sim/effects/catalog.h"
 #include "sim/effects/predict.h"
 #include "sim/effects/surroundings.h"
+#include "sim/kinds/perform.h"
+#include "sim/kinds/triple_z/machine.h"
 #include "sim/measure/plan.h"
-#include "sim/twin/perform.h"
 
 namespace caltwin {
 namespace {

@@ -1,7 +1,5 @@
 // A printer's station that measures: MuJoCo against the closed forms.
 
-#include "sim/twin/z_station_machine.h"
-
 #include <cmath>
 #include <string>
 #include <vector>
@@ -10,8 +8,9 @@
 
 #include "sim/effects/catalog.h"
 #include "sim/effects/predict.h"
+#include "sim/kinds/perform.h"
+#include "sim/kinds/z_station/machine.h"
 #include "sim/measure/plan.h"
-#include "sim/twin/perform.h"
 
 namespace caltwin {
 namespace {

@@ -1,12 +1,12 @@
 // Where a nozzle's height is calibrated: MuJoCo against the closed form.
 
-#include "sim/twin/z_station.h"
-
 #include <array>
 #include <cmath>
 #include <vector>
 
 #include <gtest/gtest.h>
+
+#include "sim/kinds/z_station/station.h"
 
 namespace caltwin {
 namespace {

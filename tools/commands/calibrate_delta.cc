@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "calibration/delta/klipper_descent.h"
+#include "calibration/kinds/delta/klipper_descent.h"
 #include "scenarios/delta_calibration.h"
 #include "scenarios/delta_procedures.h"
 #include "scenarios/delta_twin.h"

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "calibration/triple_z/procedures.h"
+#include "calibration/kinds/triple_z/procedures.h"
 #include "scenarios/interruptible_link.h"
 #include "scenarios/triple_z_link.h"
 #include "scenarios/triple_z_scenario.h"

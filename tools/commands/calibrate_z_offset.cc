@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "calibration/z_offset/switch_offset.h"
+#include "calibration/kinds/z_station/switch_offset.h"
 #include "scenarios/interrupt.h"
 #include "scenarios/interruptible_link.h"
 #include "scenarios/z_offset_scenario.h"

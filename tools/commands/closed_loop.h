@@ -4,7 +4,7 @@
 #include <string>
 
 #include "calibration/diagnosis/closed_loop.h"
-#include "sim/twin/perform.h"
+#include "sim/kinds/perform.h"
 
 namespace caltwin {
 

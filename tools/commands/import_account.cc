@@ -5,9 +5,9 @@
 
 #include <fmt/format.h>
 
-#include "calibration/delta/klipper_fit.h"
-#include "calibration/delta/mesh_shape.h"
 #include "calibration/estimate/correlation.h"
+#include "calibration/kinds/delta/klipper_fit.h"
+#include "calibration/kinds/delta/mesh_shape.h"
 #include "sim/base/units.h"
 #include "sim/measure/import/klipper_delta.h"
 #include "sim/measure/import/klipper_mesh.h"

@@ -6,10 +6,10 @@
 
 #include <fmt/format.h>
 
-#include "scenarios/delta_effects.h"
 #include "scenarios/delta_scenario.h"
 #include "scenarios/machine_file.h"
 #include "sim/base/units.h"
+#include "sim/kinds/delta/effects.h"
 
 namespace caltwin {
 namespace {

@@ -6,8 +6,8 @@
 
 #include "scenarios/delta_twin.h"
 #include "scenarios/machine_file.h"
+#include "sim/kinds/delta/perform.h"
 #include "sim/machine/artefact.h"
-#include "sim/twin/perform_delta.h"
 #include "sim/twin/twin.h"
 
 namespace caltwin {

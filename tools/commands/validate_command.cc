@@ -9,12 +9,12 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "scenarios/delta_effects.h"
 #include "scenarios/file_kind.h"
 #include "scenarios/machine_file.h"
 #include "scenarios/motor_scenario.h"
 #include "scenarios/scenario.h"
 #include "scenarios/study/study.h"
+#include "sim/kinds/delta/effects.h"
 #include "sim/machine/machine.h"
 #include "sim/machine/motor_stage.h"
 #include "sim/measure/data_header.h"

@@ -1,0 +1,156 @@
+#include "calibration/kinds/triple_z/doing.h"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "calibration/estimate/expanded.h"
+#include "sim/base/units.h"
+
+namespace caltwin {
+namespace {
+
+Estimate SlopeEstimate(const std::string& name, const Uncertain& slope) {
+  const Uncertain in_mrad = Scaled(slope, MradFromRad(1.0));
+  return {.name = name,
+          .unit = "mrad",
+          .value = in_mrad.value,
+          .sd = in_mrad.sd,
+          .identifiable = in_mrad.identifiable,
+          .budget = in_mrad.budget};
+}
+
+// The grid that has a point in the middle of each cell of the probed one.
+std::vector<Eigen::Vector2d> CellMiddles(const TripleZBench& bench,
+                                         const TripleZOptions& o) {
+  std::vector<Eigen::Vector2d> middles;
+  const Eigen::Vector2d cells(o.columns - 1, o.rows - 1);
+  const Eigen::Vector2d from_mm = Eigen::Vector2d::Constant(o.margin_mm);
+  const Eigen::Vector2d cell_mm = (bench.most_mm - 2 * from_mm).cwiseQuotient(cells);
+  for (int j = 0; j < o.rows - 1; ++j) {
+    for (int i = 0; i < o.columns - 1; ++i) {
+      const Eigen::Vector2d at(i + 0.5, j + 0.5);
+      middles.emplace_back(from_mm + at.cwiseProduct(cell_mm));
+    }
+  }
+  return middles;
+}
+
+}  // namespace
+
+std::vector<Eigen::Vector2d> PointsOf(const TripleZPrinter& printer,
+                                      const TripleZOptions& o) {
+  const TripleZBench& bench = printer.bench();
+  if (!o.at_screws) return ProbeGrid(bench, o.columns, o.rows, o.margin_mm);
+  return {bench.drawn_mm.begin(), bench.drawn_mm.end()};
+}
+
+std::optional<BedPlane> ProbePlane(TripleZPrinter* printer,
+                                   const TripleZOptions& o,
+                                   Doing* doing,
+                                   std::vector<BedTouch>* touches) {
+  auto touched = doing->Got(printer->ProbeAll(PointsOf(*printer, o)));
+  if (!touched) return std::nullopt;
+  *touches = *std::move(touched);
+  const BedPlane plane = FitBedPlane(
+      *touches, printer->bench().sigma_mm, printer->bench().is_sigma_stated);
+  if (doing->done().plane) return plane;
+  doing->done().plane = plane;
+  auto& result = doing->done().result;
+  result.estimates.push_back(SlopeEstimate("bed_tilt.slope_x_mrad", plane.fit.slope_x));
+  result.estimates.push_back(SlopeEstimate("bed_tilt.slope_y_mrad", plane.fit.slope_y));
+  if (plane.is_told()) {
+    const double x = plane.fit.slope_x.sd, y = plane.fit.slope_y.sd;
+    const double both = plane.fit.slope_covariance;
+    doing->Correlate({"bed_tilt.slope_x_mrad", "bed_tilt.slope_y_mrad"},
+                     Eigen::Matrix2d{{x * x, both}, {both, y * y}});
+  }
+  doing->Say(fmt::format(
+      "plane z = {:.6f} x {:+.6f} y {:+.4f} from {} points, residual {:.4f} mm; tilt "
+      "{:.4f} deg along x, {:.4f} along y, {:.4f} in all",
+      plane.a(),
+      plane.b(),
+      plane.c_mm(),
+      plane.points,
+      plane.fit.rms_mm,
+      plane.TiltX_deg(),
+      plane.TiltY_deg(),
+      plane.Tilt_deg()));
+  doing->SayAll(PlaneVerdicts(plane));
+  return plane;
+}
+
+std::string WordsOfLevel(const LevelReport& report) {
+  return fmt::format(
+      "validation of {} points: mean {:.4f} mm, max {:.4f}, standard deviation "
+      "{:.4f}{}",
+      report.count,
+      report.mean_mm,
+      report.max_mm,
+      report.std_mm,
+      report.mean_mm < 0.1 ? "" : "; above the 0.1 mm that are asked");
+}
+
+bool HoldOut(TripleZPrinter* printer,
+             const TripleZOptions& o,
+             const BedPlane& expected,
+             Doing* doing) {
+  if (!o.holds_out || doing->done().result.ending != Ending::kDone) return true;
+  auto touches = doing->Got(printer->ProbeAll(CellMiddles(printer->bench(), o)));
+  if (!touches) return false;
+  for (BedTouch& touch : *touches) touch.height_mm -= expected.At_mm(touch.at_mm);
+  const LevelReport report = ReportLevel(*touches, 0);
+  doing->done().hold_out = report;
+  doing->Say(fmt::format(
+      "hold-out: {} points that were not fitted: mean {:.4f} mm, max {:.4f}",
+      report.count,
+      report.mean_mm,
+      report.max_mm));
+  return true;
+}
+
+bool IsSmallEnough(const Vec3<double>& raise_mm,
+                   const TripleZOptions& o,
+                   Doing* doing) {
+  const double most_mm = raise_mm.cwiseAbs().maxCoeff();
+  if (most_mm <= o.largest_mm) return true;
+  doing->Refuse(
+      fmt::format("a screw would be moved by {:.3f} mm, more than {:g} (largest_mm): "
+                  "not done",
+                  most_mm,
+                  o.largest_mm));
+  return false;
+}
+
+BedPlane LevelPlane(double level_mm) {
+  BedPlane plane;
+  plane.fit.height_mm.value = level_mm;
+  return plane;
+}
+
+std::optional<std::vector<RaisedTouches>> TryScrews(TripleZPrinter* printer,
+                                                    const TripleZOptions& o,
+                                                    Doing* doing) {
+  const auto points = ProbeGrid(printer->bench(), 3, 3, o.margin_mm);
+  std::vector<RaisedTouches> stands;
+  const auto touch = [&](const Vec3<double>& raised_mm) {
+    auto touches = doing->Got(printer->ProbeAll(points));
+    if (!touches) return false;
+    stands.push_back({raised_mm, *std::move(touches)});
+    return true;
+  };
+  if (!touch(Vec3<double>::Zero())) return std::nullopt;
+  for (int i = 0; i < kNumScrews; ++i) {
+    const Vec3<double> up_mm = o.test_mm * Vec3<double>::Unit(i);
+    if (!doing->Did(printer->Raise(up_mm)) || !touch(up_mm)) return std::nullopt;
+    if (!doing->Did(printer->Raise(-up_mm))) return std::nullopt;
+  }
+  return stands;
+}
+
+std::map<std::string, double> AlongBoth(const std::string& one,
+                                        const std::string& two) {
+  return {{one, std::sqrt(0.5)}, {two, std::sqrt(0.5)}};
+}
+
+}  // namespace caltwin
