@@ -12,6 +12,10 @@
 #include "renders/html.h"
 #include "renders/machine_scene.h"
 #include "renders/triple_z_scene.h"
+#include "scenarios/kinds/delta_scenario.h"
+#include "scenarios/kinds/gantry_scenario.h"
+#include "scenarios/kinds/gantry_trial.h"
+#include "scenarios/kinds/triple_z_scenario.h"
 #include "scenarios/runner.h"
 #include "scenarios/scenario.h"
 
@@ -74,7 +78,8 @@ ReportPicture MachineAsBuilt(const TwinConfig& config) {
 // Enlarged as far as its rods still reach.
 ReportPicture DeltaAsBuilt(const Scenario& scenario, std::uint64_t seed) {
   const Machine& machine = scenario.machine.machine;
-  const BuiltDelta built = DrawDelta(*scenario.delta, machine, seed, /*sample=*/0);
+  const BuiltDelta built =
+      DrawDelta(*scenario.kind.As<DeltaScenario>(), machine, seed, /*sample=*/0);
   for (double exaggerate = kExaggerate;; exaggerate /= 2) {
     try {
       const DeltaScene scene(machine, built, std::max(exaggerate, 1.0));
@@ -89,9 +94,11 @@ ReportPicture DeltaAsBuilt(const Scenario& scenario, std::uint64_t seed) {
 }
 
 ReportPicture TripleZAsBuilt(const Scenario& scenario, std::uint64_t seed) {
-  const TripleZScene scene(
-      DrawTripleZ(*scenario.triple_z, scenario.machine.machine, seed, /*sample=*/0),
-      kExaggerate);
+  const TripleZScene scene(DrawTripleZ(*scenario.kind.As<TripleZScenario>(),
+                                       scenario.machine.machine,
+                                       seed,
+                                       /*sample=*/0),
+                           kExaggerate);
   return {.title = "The machine as built.",
           .caption = fmt::format("Its bed's tilt is enlarged {} times.", kExaggerate),
           .png = PngBytes(DrawScene(scene.model(), scene.data(), Options()))};
@@ -164,16 +171,16 @@ std::vector<Arrow> ArrowsOf(const std::vector<PoseError>& errors,
 ReportPictures PicturesOf(const RunResult& result) {
   const Scenario scenario = ReadScenarioText(result.verbatim, result.scenario);
   ReportPictures pictures;
-  if (scenario.delta) {
+  if (scenario.kind.As<DeltaScenario>() != nullptr) {
     pictures.pictures.push_back(DeltaAsBuilt(scenario, result.seed));
     return pictures;
   }
-  if (scenario.motor) return pictures;     // Its axes are told by numbers.
-  if (scenario.z_offset) return pictures;  // Nothing of it is in a model.
-  if (scenario.triple_z) {
+  if (scenario.kind.As<TripleZScenario>() != nullptr) {
     pictures.pictures.push_back(TripleZAsBuilt(scenario, result.seed));
     return pictures;
   }
+  // The axes of motors are told by numbers, and nothing of a nozzle is in a model.
+  if (scenario.kind.As<GantryScenario>() == nullptr) return pictures;
   const TwinConfig config = MakeTwinConfig(scenario, {.seed = result.seed});
   pictures.pictures.push_back(MachineAsBuilt(config));
 

@@ -10,7 +10,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "scenarios/compare_delta.h"
+#include "scenarios/kinds/compare_delta.h"
 
 namespace caltwin {
 

@@ -1,13 +1,14 @@
 #include "scenarios/expectation.h"
 
-#include <fmt/format.h>
+#include <algorithm>
 
-#include "scenarios/parameter_name.h"
+#include <fmt/format.h>
 
 namespace caltwin {
 namespace {
 
-constexpr const char* kPositionError = "position_error_mm.p95";
+// Every run has them.
+constexpr std::array kFiguresOfAll = {"machine_time_s", "touches"};
 
 std::optional<double> OptionalNumber(YamlMap* map,
                                      const std::string& key,
@@ -23,15 +24,16 @@ Near ReadNear(YamlMap map) {
   return near;
 }
 
+// An expectation that is none would pass whatever happens.
+void RefuseEmpty(const YamlValue& value, const std::string& write) {
+  if (!value.is_map() || !value.Map().Entries().empty()) return;
+  value.Fail("expects nothing", "write " + write);
+}
+
 ParameterExpectation ReadParameter(const std::string& name, const YamlValue& value) {
   ParameterExpectation expected{.name = name};
-  if (!FindParameter(name)) {
-    const std::string nearest = NearestWord(name, AllParameterNames());
-    value.Fail("is no parameter that this version knows",
-               (nearest.empty() ? "" : fmt::format("did you mean '{}'? ", nearest)) +
-                   "`caltwin explain` lists them all");
-  }
   YamlMap map = value.Map();
+  RefuseEmpty(value, "{truth_within: ...} or {identifiable: ...}");
   expected.truth_within =
       OptionalNumber(&map, "truth_within", "in the parameter's own unit");
   if (const auto flag = map.Optional("identifiable")) {
@@ -57,26 +59,56 @@ ParameterExpectation ReadParameter(const std::string& name, const YamlValue& val
   return expected;
 }
 
+FigureExpectation ReadFigure(const std::string& name, const YamlValue& value) {
+  FigureExpectation expected{.name = name};
+  YamlMap bounds = value.Map();
+  RefuseEmpty(value, "{above: ...} or {below: ...}");
+  if (const auto above = bounds.Optional("above")) {
+    expected.within.above = above->Number();
+  }
+  if (const auto below = bounds.Optional("below")) {
+    expected.within.below = below->Number();
+  }
+  bounds.NoMoreKeys();
+  return expected;
+}
+
+void RefuseUnknown(const std::string& name,
+                   const YamlValue& value,
+                   const Expectable& expectable) {
+  std::vector<std::string> names = expectable.parameters;
+  names.insert(names.end(), expectable.figures.begin(), expectable.figures.end());
+  names.insert(names.end(), kFiguresOfAll.begin(), kFiguresOfAll.end());
+  const std::string nearest = NearestWord(name, names);
+  value.Fail("is no parameter that this version knows",
+             (nearest.empty() ? "" : fmt::format("did you mean '{}'? ", nearest)) +
+                 "`caltwin explain` lists them all");
+}
+
 }  // namespace
 
-Expectation ReadExpectation(YamlMap map) {
+Expectation ReadExpectation(YamlMap map, const Expectable& expectable) {
   Expectation expected;
   if (const auto outcome = map.Optional("outcome")) {
     expected.outcome = outcome->Word({kOutcomes.begin(), kOutcomes.end()});
-  }
-  if (const auto error = map.Optional(kPositionError)) {
-    YamlMap inner = error->Map();
-    expected.position_error_below_mm = inner.Number("below", kPositive, "in mm");
-    inner.NoMoreKeys();
   }
   if (const auto messages = map.Optional("messages")) {
     for (const YamlValue& text : messages->List()) {
       expected.messages.push_back(text.Text());
     }
   }
+  const auto has = [](const auto& names, const std::string& name) {
+    return std::ranges::find(names, name) != names.end();
+  };
   for (const auto& [name, value] : map.Entries()) {
-    if (name == "outcome" || name == kPositionError || name == "messages") continue;
-    expected.parameters.push_back(ReadParameter(name, value));
+    if (name == "outcome" || name == "messages") continue;
+    if (has(expectable.figures, name) || has(kFiguresOfAll, name)) {
+      expected.figures.push_back(ReadFigure(name, value));
+    } else if (has(expectable.parameters, name)) {
+      expected.parameters.push_back(ReadParameter(name, value));
+    } else {
+      RefuseUnknown(name, value, expectable);
+    }
   }
   return expected;
 }

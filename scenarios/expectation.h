@@ -9,7 +9,7 @@
 
 namespace caltwin {
 
-/// How a run may end; scenarios/verdict.h says by which rule.
+/// How a run may end, on every kind of machine; scenarios/judge.h says by which rule.
 inline constexpr std::array kOutcomes = {"recovers",
                                          "diverges",
                                          "no_trigger",
@@ -39,15 +39,34 @@ struct ParameterExpectation {
   double steps_within = 0;
 };
 
+/// Bounds of a figure that a scenario expects.
+struct Within {
+  std::optional<double> above{};
+  std::optional<double> below{};
+};
+
+/// What a scenario expects of one figure: `level_error_mm.mean: {below: 0.1}`.
+struct FigureExpectation {
+  std::string name{};
+  Within within{};
+};
+
+/// What scenarios of one kind of machine may expect, beside an outcome and messages.
+struct Expectable {
+  std::vector<std::string> parameters{};
+  std::vector<std::string> figures{};  ///< Those of every kind are not among them.
+};
+
 /// `expect:` of a scenario.
 struct Expectation {
   std::string outcome = "recovers";
   std::vector<ParameterExpectation> parameters{};
-  std::optional<double> position_error_below_mm{};
+  std::vector<FigureExpectation> figures{};
   std::vector<std::string> messages{};  ///< Each must occur in some message.
 };
 
-/// Reads `expect:`; names of parameters must be in the catalog.
-Expectation ReadExpectation(YamlMap map);
+/// Reads `expect:` of any kind of machine. An entry that expects nothing is a fault, as
+/// is a name that is not among `expectable`.
+Expectation ReadExpectation(YamlMap map, const Expectable& expectable);
 
 }  // namespace caltwin

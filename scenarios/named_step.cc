@@ -46,4 +46,12 @@ std::vector<NamedStep> ReadNamedSteps(const YamlValue& list,
   return steps;
 }
 
+void RefuseNamedStep(const std::string& name,
+                     const YamlValue& options,
+                     std::span<const std::string_view> known,
+                     std::string_view what) {
+  options.Fail(fmt::format("'{}' is no {}", name, what),
+               fmt::format("there are {}, gcode, external", fmt::join(known, ", ")));
+}
+
 }  // namespace caltwin

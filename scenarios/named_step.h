@@ -25,4 +25,10 @@ std::vector<NamedStep> ReadNamedSteps(const YamlValue& list,
                                       std::span<const std::string_view> known,
                                       std::string_view what);
 
+/// Adds the fault that `name` is "no WHAT", and which there are.
+void RefuseNamedStep(const std::string& name,
+                     const YamlValue& options,
+                     std::span<const std::string_view> known,
+                     std::string_view what);
+
 }  // namespace caltwin

@@ -28,6 +28,8 @@ struct ParameterResult {
   std::optional<double> error{};       ///< recovered - injected.
   std::optional<double> tolerance{};   ///< What was expected; none: nothing.
   std::optional<bool> passed{};
+  /// What the firmware believes at the end; none: no setting. Not written.
+  std::optional<double> believed{};
   bool identifiable = false;
   bool is_setting = false;
 };

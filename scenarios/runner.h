@@ -23,17 +23,13 @@ struct RunOptions {
   };
 };
 
-/// The twin of a scenario before anything is calibrated: its numbers drawn, the
-/// machine file's effects included. The same for the same seed and sample.
-TwinConfig MakeTwinConfig(const Scenario& scenario, const RunOptions& options = {});
+/// What the options leave of a scenario's own seed and fidelity.
+Chance ChanceOf(const Scenario& scenario, const RunOptions& options);
 
-/// 95 % quantile of the tip's position error [mm] at 1000 seeded poses within the
-/// travel, each reached in the sense + + + and in - - -, the mean offset over all of
-/// them removed. That offset is where the part's zero goes, so nobody cuts it.
-double PositionErrorP95_mm(const Twin& twin);
-
-/// Runs a scenario closed-loop and judges it. A fault of the machine ends it early and
-/// is an outcome; throws InputError for what only drawing the numbers can show.
+/// Runs a scenario closed-loop and judges it, whatever kind of machine it has: the
+/// steps speak G-code to the machine and read its instruments, nothing else. A fault of
+/// the machine ends it early and is an outcome; throws InputError for what only drawing
+/// the numbers can show.
 RunResult RunScenario(const Scenario& scenario, const RunOptions& options = {});
 
 }  // namespace caltwin

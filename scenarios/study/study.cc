@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "scenarios/kinds/kinds.h"
 #include "scenarios/study/adaptive.h"
 #include "scenarios/study/vary.h"
 #include "sim/base/sha256.h"
@@ -115,13 +116,9 @@ std::vector<StudyCase> CasesOf(const std::vector<Scenario>& scenarios,
       cases.push_back({.scenario = scenario});
       continue;
     }
-    if (scenario.delta || scenario.triple_z || scenario.motor || scenario.z_offset) {
-      compare->Fail("is known of a gantry alone",
-                    "name two scenarios, each with its own `calibrate:`");
-      continue;
-    }
     const std::string axis = UsualAxis(scenario, vary);
-    const std::vector<CalibrationStep> steps = ReadCalibrationSteps(*compare, axis);
+    const std::vector<CalibrationStep> steps =
+        ReadCalibrationSteps(*compare, *scenario.kind, axis);
     const std::vector<std::string> names = ContenderNames(*compare, steps);
     for (std::size_t i = 0; i < steps.size(); ++i) {
       cases.push_back({.scenario = scenario, .procedure = names[i]});
@@ -143,6 +140,7 @@ void ReadPlanStudy(const YamlValue& plan,
     varied.verbatim = ReadTextFile(file, kLargestFile_bytes);
     varied.machine = ReadAnyMachineFile(
         FindMachine(read.machine, file.parent_path(), {.file = file.string()}));
+    varied.kind = AnyKindScenario(UsualKind());
     varied.effects = varied.machine.effects;
     varied.notes = varied.machine.draws;
     if (vary) Vary(vary->Map(), &varied);
@@ -252,9 +250,7 @@ Study ReadStudy(const fs::path& file) {
     if (vary) {
       for (Scenario& scenario : scenarios) {
         Vary(vary->Map(), &scenario);
-        const bool has_artefacts = !scenario.delta && !scenario.triple_z;
-        if (!has_artefacts) continue;
-        RefuseUnknownArtefacts(scenario.effects, IdsOf(scenario.artefacts), &faults);
+        scenario.kind->CheckVaried(scenario, &faults);
       }
     }
     const auto compare = map.Optional("compare");

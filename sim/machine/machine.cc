@@ -328,4 +328,8 @@ fs::path FindMachine(const std::string& name_or_path,
                   name_or_path));
 }
 
+std::array<double, 3> TowerStepsPerMm(const Machine& machine) {
+  return machine.settings.steps_per_mm;
+}
+
 }  // namespace caltwin

@@ -104,6 +104,9 @@ struct Machine {
   const AxisDrawing& axis(Axis a) const { return axes[Index(a)]; }
 };
 
+/// Microsteps per mm of each tower, as its firmware counts.
+std::array<double, 3> TowerStepsPerMm(const Machine& machine);
+
 /// Reads and checks a machine file; throws InputError with every fault.
 /// `settings` keys left out are as drawn (steps per mm from the lead, 0 backlash and
 /// deflection, the probe's radius).

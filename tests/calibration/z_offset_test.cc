@@ -54,7 +54,7 @@ TEST(ZCalibration, NamesAnOffsetThatSomebodyAdjusted) {
   Script wire(
       Answers{{"CALIBRATE_Z", kLine},
               {"GET_POSITION", "gcode base: X:0.000000 Y:0.000000 Z:-0.120000"}});
-  ZOffsetClient client(&wire);
+  ZStationClient client(&wire);
 
   const ProcedureResult result = RunZCalibration(&client, 0.6);
 
@@ -66,7 +66,7 @@ TEST(ZCalibration, NamesAnOffsetThatSomebodyAdjusted) {
 
 TEST(ZCalibration, IsSpoiltByAHoming) {
   Script wire(Answers{{"CALIBRATE_Z", kLine}});
-  ZOffsetClient client(&wire);
+  ZStationClient client(&wire);
 
   client.Say("G28");
   client.Say("CALIBRATE_Z");
@@ -81,7 +81,7 @@ TEST(ZCalibration, IsSpoiltByAHoming) {
 
 TEST(ZCalibration, IsSpoiltByItsOwnEnd) {
   Script wire(Answers{{"CALIBRATE_Z", kLine}});
-  ZOffsetClient client(&wire, {.end_gcode = "DETACH_PROBE\nG28\n"});
+  ZStationClient client(&wire, {.end_gcode = "DETACH_PROBE\nG28\n"});
 
   client.Say("CALIBRATE_Z");
 
@@ -91,7 +91,7 @@ TEST(ZCalibration, IsSpoiltByItsOwnEnd) {
 // Between the nozzle's touch and the body's the zero would be another.
 TEST(ZCalibration, IsSpoiltByAHomingBeforeTheSwitch) {
   Script wire(Answers{{"CALIBRATE_Z", kLine}});
-  ZOffsetClient client(&wire, {.before_switch_gcode = "g28 z\nATTACH_PROBE"});
+  ZStationClient client(&wire, {.before_switch_gcode = "g28 z\nATTACH_PROBE"});
 
   client.Say("CALIBRATE_Z");
 
@@ -100,7 +100,7 @@ TEST(ZCalibration, IsSpoiltByAHomingBeforeTheSwitch) {
 
 TEST(ZCalibration, IsNotSpoiltByHomingOtherAxes) {
   Script wire(Answers{{"CALIBRATE_Z", kLine}});
-  ZOffsetClient client(&wire, {.before_switch_gcode = "G28 X Y\nATTACH_PROBE"});
+  ZStationClient client(&wire, {.before_switch_gcode = "G28 X Y\nATTACH_PROBE"});
 
   client.Say("CALIBRATE_Z");
   client.Say("G28 X Y");
@@ -129,7 +129,7 @@ struct Hands {
 // A nozzle that hangs 0.2 mm too high everywhere wants a switch_offset greater by that.
 TEST(SwitchOffset, GrowsByWhatTheNozzleHangsTooHigh) {
   Script wire(Answers{{"CALIBRATE_Z", kLine}});
-  ZOffsetClient client(&wire);
+  ZStationClient client(&wire);
   Hands hands{.more_mm = 0.2};
 
   const ProcedureResult result =
@@ -146,7 +146,7 @@ TEST(SwitchOffset, GrowsByWhatTheNozzleHangsTooHigh) {
 // Three decimals of each height leave 2 um of it open.
 TEST(SwitchOffset, TakesTheOneThatTheCalibrationWasMadeWith) {
   Script wire(Answers{{"CALIBRATE_Z", std::string("// ") + kLine}});
-  ZOffsetClient client(&wire);
+  ZStationClient client(&wire);
   Hands hands;
 
   const ProcedureResult result = RunSwitchOffset(&client, {}, hands.Give());
@@ -157,7 +157,7 @@ TEST(SwitchOffset, TakesTheOneThatTheCalibrationWasMadeWith) {
 
 TEST(SwitchOffset, WithoutAWipedNozzleNothingIsTold) {
   Script wire(Answers{{"CALIBRATE_Z", kLine}});
-  ZOffsetClient client(&wire);
+  ZStationClient client(&wire);
   Hands hands{.wipes = false};
 
   const ProcedureResult result = RunSwitchOffset(&client, {}, hands.Give());
@@ -169,7 +169,7 @@ TEST(SwitchOffset, WithoutAWipedNozzleNothingIsTold) {
 // As published it is the sum of both that is told, and said so.
 TEST(SwitchOffset, AsPublishedTakesOozeAlong) {
   Script wire(Answers{{"CALIBRATE_Z", kLine}});
-  ZOffsetClient client(&wire);
+  ZStationClient client(&wire);
   Hands hands;
   const SwitchOffsetOptions published{.is_as_published = true};
 
@@ -192,7 +192,7 @@ TEST(SwitchOffset, NeverEndsOnTheBed) {
   for (int hundredths = 0; hundredths < 200; ++hundredths) {
     const double low_mm = 0.01 * hundredths;
     Script wire(Answers{{"CALIBRATE_Z", kLine}});
-    ZOffsetClient client(&wire);
+    ZStationClient client(&wire);
     Hands hands{.more_mm = -low_mm};
 
     const ProcedureResult result = RunSwitchOffset(&client, {}, hands.Give());
@@ -205,7 +205,7 @@ TEST(SwitchOffset, NeverEndsOnTheBed) {
 // 5.1 too large Z5 would end in the bed: it begins at Z7.
 TEST(SwitchOffset, LooksAtItsFirstStepToo) {
   Script wire(Answers{{"CALIBRATE_Z", kLine}});
-  ZOffsetClient client(&wire);
+  ZStationClient client(&wire);
   Hands hands{.more_mm = -5.1};
 
   const ProcedureResult result =
@@ -235,7 +235,7 @@ struct MistypingHands {
 // 1.15 for 0.15: the nozzle went down, and the gap grew.
 TEST(SwitchOffset, AGapThatContradictsTheOneAboveIsMeasuredOnceMore) {
   Script wire(Answers{{"CALIBRATE_Z", kLine}});
-  ZOffsetClient client(&wire);
+  ZStationClient client(&wire);
   MistypingHands once{.at_mm = 0.1, .gap_mm = 1.15};
   MistypingHands twice{.at_mm = 3, .gap_mm = 0.1, .times = 2};
 
@@ -264,7 +264,7 @@ TEST(SwitchOffset, WhatAMeshAddsThereIsTakenOff) {
     }
   };
   Meshed wire;
-  ZOffsetClient client(&wire);
+  ZStationClient client(&wire);
   Hands hands{.more_mm = -0.2};
 
   const ProcedureResult result = RunSwitchOffset(&client, {}, hands.Give());
@@ -302,7 +302,7 @@ TEST(SwitchOffset, IsAsUncertainAsCalibrationsScatter) {
           offset_mm);
     }
   } wire;
-  ZOffsetClient client(&wire);
+  ZStationClient client(&wire);
   Hands hands;
 
   const ProcedureResult result = RunSwitchOffset(&client, {}, hands.Give());
@@ -324,7 +324,7 @@ TEST(ZCalibration, FiguresThatAreNoneOrContradictEachOtherAreRefused) {
         "Z-CALIBRATION: ENDSTOP=-0.300 NOZZLE=-0.300 SWITCH=6.208 PROBE=7.013 --> "
         "OFFSET=5.000"}) {
     Script wire(Answers{{"CALIBRATE_Z", line}});
-    ZOffsetClient client(&wire);
+    ZStationClient client(&wire);
 
     EXPECT_EQ(RunZCalibration(&client, std::nullopt).ending, Ending::kRefused) << line;
   }
@@ -332,7 +332,7 @@ TEST(ZCalibration, FiguresThatAreNoneOrContradictEachOtherAreRefused) {
 
 TEST(SwitchOffset, AGapThatIsNoneIsRefused) {
   Script wire(Answers{{"CALIBRATE_Z", kLine}});
-  ZOffsetClient client(&wire);
+  ZStationClient client(&wire);
   Hands hands{.more_mm = -6};
 
   EXPECT_THAT(RunSwitchOffset(&client, {}, hands.Give()).messages,

@@ -1,4 +1,4 @@
-#include "scenarios/compare_delta.h"
+#include "scenarios/kinds/compare_delta.h"
 
 #include <cmath>
 #include <numeric>

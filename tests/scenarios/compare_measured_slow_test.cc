@@ -1,7 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "scenarios/compare_measured.h"
+#include "scenarios/kinds/compare_measured.h"
 
 namespace caltwin {
 namespace {

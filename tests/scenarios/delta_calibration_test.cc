@@ -1,14 +1,13 @@
-#include "scenarios/delta_calibration.h"
-
 #include <algorithm>
 #include <sstream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "calibration/kinds/delta/calibrate.h"
 #include "calibration/kinds/delta/settings.h"
-#include "scenarios/delta_twin.h"
 #include "scenarios/machine_file.h"
+#include "sim/kinds/delta/twin.h"
 
 namespace caltwin {
 namespace {

@@ -1,4 +1,4 @@
-#include "scenarios/delta_scenario.h"
+#include "scenarios/kinds/delta_scenario.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -7,7 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "scenarios/delta_words.h"
+#include "scenarios/kinds/delta_words.h"
 #include "scenarios/machine_file.h"
 #include "scenarios/runner.h"
 #include "sim/effects/catalog.h"

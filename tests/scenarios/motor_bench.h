@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "scenarios/motor_link.h"
+#include "scenarios/kinds/motor_stage_wire.h"
 
 namespace caltwin {
 

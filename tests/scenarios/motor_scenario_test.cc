@@ -1,9 +1,8 @@
-#include "scenarios/motor_scenario.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "calibration/kinds/motor_stage/doing.h"
+#include "scenarios/kinds/motor_stage_scenario.h"
 #include "scenarios/runner.h"
 #include "tests/scenarios/motor_bench.h"
 

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "calibration/kinds/triple_z/printer.h"
-#include "scenarios/triple_z_link.h"
+#include "scenarios/kinds/triple_z_wire.h"
 
 namespace caltwin {
 namespace {

@@ -1,9 +1,9 @@
-#include "scenarios/triple_z_scenario.h"
+#include "scenarios/kinds/triple_z_scenario.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "scenarios/compare_levelling.h"
+#include "scenarios/kinds/compare_levelling.h"
 #include "scenarios/runner.h"
 #include "sim/effects/catalog.h"
 

@@ -1,10 +1,9 @@
-#include "scenarios/verdict.h"
-
 #include <algorithm>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "scenarios/kinds/gantry_verdict.h"
 #include "scenarios/parameter_name.h"
 #include "sim/effects/catalog.h"
 

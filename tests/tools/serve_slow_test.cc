@@ -10,10 +10,10 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "scenarios/delta_calibration.h"
-#include "scenarios/delta_twin.h"
+#include "calibration/kinds/delta/calibrate.h"
 #include "scenarios/machine_file.h"
 #include "sim/base/input_error.h"
+#include "sim/kinds/delta/twin.h"
 #include "sim/link/open_link.h"
 #include "tools/commands/serve/serve.h"
 

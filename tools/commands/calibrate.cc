@@ -9,7 +9,7 @@
 
 #include "calibration/estimate/shared_inputs.h"
 #include "scenarios/interrupt.h"
-#include "scenarios/motor_scenario.h"
+#include "scenarios/kinds/motor_stage_scenario.h"
 #include "scenarios/result_text.h"
 #include "sim/base/input_error.h"
 #include "tools/commands/command.h"

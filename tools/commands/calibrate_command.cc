@@ -7,6 +7,7 @@
 
 #include "calibration/loop/bench.h"
 #include "scenarios/interruptible_link.h"
+#include "scenarios/kinds/kinds.h"
 #include "scenarios/machine_file.h"
 #include "scenarios/scenario.h"
 #include "sim/link/open_link.h"
@@ -40,7 +41,7 @@ struct AtHand {
 std::vector<CalibrationStep> StepsOf(const Options& options) {
   Faults faults;
   YamlMap map = ReadYamlText(ProceduresText(options), "--procedure", &faults);
-  const auto steps = ReadCalibrationSteps(*map.Required("calibrate"));
+  const auto steps = ReadCalibrationSteps(*map.Required("calibrate"), *UsualKind());
   faults.ThrowIfAny();
   for (const CalibrationStep& step : steps) {
     if (step.external) {
@@ -126,7 +127,7 @@ int Calibrate(const Options& options) {
   if (const auto stage = MotorStageToCalibrate(options)) {
     return CalibrateMotorsAtHand(options, *stage);
   }
-  if (IsZOffset(options)) return CalibrateZOffsetAtHand(options);
+  if (IsZStation(options)) return CalibrateZStationAtHand(options);
   if (const auto file = MachineToCalibrate(options)) {
     if (file->machine.delta) return CalibrateDeltaAtHand(options, *file);
     if (file->machine.triple_z) return CalibrateTripleZAtHand(options, *file);

@@ -5,13 +5,15 @@
 
 #include <fmt/format.h>
 
+#include "calibration/kinds/delta/calibrate.h"
 #include "calibration/kinds/delta/klipper_descent.h"
-#include "scenarios/delta_calibration.h"
-#include "scenarios/delta_procedures.h"
-#include "scenarios/delta_twin.h"
+#include "calibration/kinds/delta/procedures.h"
 #include "scenarios/interrupt.h"
 #include "scenarios/interruptible_link.h"
+#include "scenarios/kinds/delta_g33.h"
+#include "scenarios/kinds/delta_scenario.h"
 #include "sim/base/units.h"
+#include "sim/kinds/delta/twin.h"
 #include "sim/link/open_link.h"
 #include "sim/link/transcript.h"
 #include "sim/measure/rows.h"
@@ -70,7 +72,7 @@ AtHand Take(const CalibrateOptions& options, const MachineFile& file) {
     named.instruments = papers.instruments;
     at_hand.twin = std::make_unique<DeltaTwin>(MakeDeltaTwinConfig(file, named));
     at_hand.bench.link = &at_hand.twin->link();
-    at_hand.bench.calliper = at_hand.twin->Calliper();
+    at_hand.bench.calliper = CalliperOf(at_hand.twin.get());
   } else {
     at_hand.wire = OpenLink(options.link);
     at_hand.bench.link = at_hand.wire.get();
@@ -100,7 +102,10 @@ int CalibrateDeltaAtHand(const CalibrateOptions& options, const MachineFile& fil
   at_hand.bench.record = &record;
   std::vector<ProcedureResult> results;
   for (const DeltaStep& step : steps) {
-    if (at_hand.twin) at_hand.twin->SetG33Variant(VariantOf(step));
+    if (at_hand.twin) {
+      at_hand.twin->SetG33(
+          MarlinG33(VariantOf(step), file.machine.delta->print_radius_mm));
+    }
     results.push_back(CalibrateDelta(step, at_hand.bench));
     PrintResult(step.name, results.back());
     if (StopsTheRest(results.back())) break;

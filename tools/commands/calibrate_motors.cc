@@ -8,7 +8,7 @@
 
 #include "scenarios/interrupt.h"
 #include "scenarios/interruptible_link.h"
-#include "scenarios/motor_scenario.h"
+#include "scenarios/kinds/motor_stage_scenario.h"
 #include "sim/base/units.h"
 #include "sim/link/open_link.h"
 #include "sim/link/transcript.h"
@@ -30,7 +30,7 @@ std::vector<MotorStep> StepsAsked(const CalibrateOptions& options,
   auto steps = ReadMotorSteps(*map.Required("calibrate"), drawing);
   faults.ThrowIfAny();
   for (const MotorStep& step : steps) {
-    if (step.name != "gcode" && step.name != "power_cut") continue;
+    if (step.name != "power_cut") continue;
     throw InputError({.file = "--procedure"},
                      step.name + " is a step of scenarios only",
                      "write a scenario and `caltwin run` it");

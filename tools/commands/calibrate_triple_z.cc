@@ -7,8 +7,8 @@
 
 #include "calibration/kinds/triple_z/procedures.h"
 #include "scenarios/interruptible_link.h"
-#include "scenarios/triple_z_link.h"
-#include "scenarios/triple_z_scenario.h"
+#include "scenarios/kinds/triple_z_scenario.h"
+#include "scenarios/kinds/triple_z_wire.h"
 #include "sim/link/open_link.h"
 #include "sim/link/transcript.h"
 #include "tools/commands/simulated_printer.h"
@@ -111,7 +111,7 @@ TripleZResult PerformStep(const TripleZStep& step,
 
 void RequireProcedures(const std::vector<TripleZStep>& steps) {
   for (const TripleZStep& step : steps) {
-    if (step.name != "gcode" && step.name != "move_triple_z") continue;
+    if (step.name != "move_triple_z") continue;
     throw InputError({.file = "--procedure"},
                      step.name + " is a step of scenarios only",
                      "write a scenario and `caltwin run` it");

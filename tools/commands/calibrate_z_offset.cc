@@ -9,8 +9,8 @@
 #include "calibration/kinds/z_station/switch_offset.h"
 #include "scenarios/interrupt.h"
 #include "scenarios/interruptible_link.h"
-#include "scenarios/z_offset_scenario.h"
-#include "scenarios/z_offset_words.h"
+#include "scenarios/kinds/z_station_scenario.h"
+#include "scenarios/kinds/z_station_words.h"
 #include "sim/link/open_link.h"
 #include "sim/link/transcript.h"
 #include "tools/commands/simulated_station.h"
@@ -20,16 +20,16 @@
 namespace caltwin {
 namespace {
 
-std::vector<ZOffsetStep> StepsAsked(const CalibrateOptions& options) {
+std::vector<ZStationStep> StepsAsked(const CalibrateOptions& options) {
   if (!options.axis.empty()) {
     throw InputError({.file = "--axis"}, "a nozzle's height is along z alone");
   }
   Faults faults;
   YamlMap map = ReadYamlText(ProceduresText(options), "--procedure", &faults);
-  auto steps = ReadZOffsetSteps(*map.Required("calibrate"));
+  auto steps = ReadZStationSteps(*map.Required("calibrate"));
   faults.ThrowIfAny();
-  for (const ZOffsetStep& step : steps) {
-    if (step.name != "gcode" && step.name != "change") continue;
+  for (const ZStationStep& step : steps) {
+    if (step.name != "change") continue;
     throw InputError({.file = "--procedure"},
                      step.name + " is a step of scenarios only",
                      "write a scenario and `caltwin run` it");
@@ -98,7 +98,7 @@ class StationAtHand {
     if (!done) std::cerr << done.error().reply << "\n";
     return done.has_value();
   }
-  std::optional<double> Gap_mm(double height_mm, ZOffsetClient* client) {
+  std::optional<double> Gap_mm(double height_mm, ZStationClient* client) {
     if (twin_) return twin_->Gap_mm(client);
     const auto read_mm = gauge_.Read_mm(fmt::format("feeler.{:g}", height_mm));
     if (!read_mm) std::cerr << read_mm.error().reply << "\n";
@@ -124,7 +124,7 @@ struct OffsetBefore {
 // CALIBRATE_Z sets the offset by itself. Who does not want it gets the old one back,
 // but at the end: a descent goes by the new one.
 ProcedureResult Calibrate(StationAtHand* at_hand,
-                          ZOffsetClient* client,
+                          ZStationClient* client,
                           OffsetBefore* before) {
   ProcedureResult result = RunZCalibration(client, std::nullopt);
   if (result.ending != Ending::kDone || !before->mm) return result;
@@ -139,9 +139,9 @@ ProcedureResult Calibrate(StationAtHand* at_hand,
   return result;
 }
 
-ProcedureResult PerformStep(const ZOffsetStep& step,
+ProcedureResult PerformStep(const ZStationStep& step,
                             StationAtHand* at_hand,
-                            ZOffsetClient* client,
+                            ZStationClient* client,
                             OffsetBefore* before) {
   if (step.name == "z_calibration") return Calibrate(at_hand, client, before);
   if (step.name == "probe_accuracy") {
@@ -168,7 +168,7 @@ ProcedureResult PerformStep(const ZOffsetStep& step,
   return result;
 }
 
-void SetOffset(double offset_mm, ZOffsetClient* client) {
+void SetOffset(double offset_mm, ZStationClient* client) {
   const auto set = client->Say(fmt::format("SET_GCODE_OFFSET Z={:.6f}", offset_mm));
   if (set) return;
   std::cerr << fmt::format("the offset of before, {:.6f}, could not be put back: {}\n",
@@ -178,24 +178,24 @@ void SetOffset(double offset_mm, ZOffsetClient* client) {
 
 }  // namespace
 
-bool IsZOffset(const CalibrateOptions& options) {
+bool IsZStation(const CalibrateOptions& options) {
   if (options.procedures.empty()) return false;
   const std::string_view first = options.procedures.front();
   const std::string_view name = first.substr(0, first.find(':'));
-  return std::ranges::any_of(ZOffsetProcedureWords(),
+  return std::ranges::any_of(ZStationProcedureWords(),
                              [&](const Word& word) { return word.name == name; });
 }
 
-int CalibrateZOffsetAtHand(const CalibrateOptions& options) {
-  const std::vector<ZOffsetStep> steps = StepsAsked(options);
+int CalibrateZStationAtHand(const CalibrateOptions& options) {
+  const std::vector<ZStationStep> steps = StepsAsked(options);
   RefuseUnheeded(options);
   RefuseOverwritten(options);
   StationAtHand at_hand(options);
-  ZOffsetClient client(at_hand.link());
+  ZStationClient client(at_hand.link());
   std::vector<ProcedureResult> results;
   results.push_back(client.Home());
   OffsetBefore before{.mm = client.GcodeBase_mm()};
-  for (const ZOffsetStep& step : steps) {
+  for (const ZStationStep& step : steps) {
     if (results.back().ending != Ending::kDone || InterruptRequested()) break;
     results.push_back(PerformStep(step, &at_hand, &client, &before));
     PrintResult(step.name, results.back());

@@ -5,11 +5,11 @@
 namespace caltwin {
 
 /// Whether the first procedure asked for is one of a nozzle's height.
-bool IsZOffset(const CalibrateOptions& options);
+bool IsZStation(const CalibrateOptions& options);
 
 /// `caltwin calibrate` of a nozzle's height: the twin z_station, or a printer with
 /// Klipper's z_calibration on a wire (its own port: serial:/tmp/printer). Homes first.
 /// Without --apply the offset that was in force before is put back.
-int CalibrateZOffsetAtHand(const CalibrateOptions& options);
+int CalibrateZStationAtHand(const CalibrateOptions& options);
 
 }  // namespace caltwin

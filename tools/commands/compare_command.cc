@@ -6,10 +6,10 @@
 #include <nlohmann/json.hpp>
 
 #include "scenarios/compare_backlash.h"
-#include "scenarios/compare_delta.h"
-#include "scenarios/compare_levelling.h"
-#include "scenarios/compare_measured.h"
 #include "scenarios/interrupt.h"
+#include "scenarios/kinds/compare_delta.h"
+#include "scenarios/kinds/compare_levelling.h"
+#include "scenarios/kinds/compare_measured.h"
 #include "sim/base/input_error.h"
 #include "sim/base/text_file.h"
 #include "tools/commands/command.h"

@@ -11,12 +11,12 @@
 #include <fmt/ranges.h>
 
 #include "calibration/procedures/catalog.h"
-#include "scenarios/delta_words.h"
 #include "scenarios/figure_words.h"
 #include "scenarios/keys.h"
-#include "scenarios/motor_effects.h"
-#include "scenarios/triple_z_words.h"
-#include "scenarios/z_offset_words.h"
+#include "scenarios/kinds/delta_words.h"
+#include "scenarios/kinds/motor_stage_effects.h"
+#include "scenarios/kinds/triple_z_words.h"
+#include "scenarios/kinds/z_station_words.h"
 #include "sim/effects/catalog.h"
 #include "sim/measure/plan_kinds.h"
 #include "tools/commands/command.h"
@@ -149,8 +149,8 @@ std::string Explanation(const std::string& name) {
   add(DeltaEffectWords(), "effect of a delta");
   add(DeltaProcedureWords(), "procedure of a delta");
   add(TripleZProcedureWords(), "procedure of a triple-Z printer");
-  add(ZOffsetProcedureWords(), "procedure of a nozzle's height");
-  add(ZOffsetKeyWords(), "key of a nozzle's height");
+  add(ZStationProcedureWords(), "procedure of a nozzle's height");
+  add(ZStationKeyWords(), "key of a nozzle's height");
   add(MotorEffectWords(), "effect of a motor axis");
   add(MotorProcedureWords(), "procedure of a motor axis");
   add(FigureWords(), "figure of a scenario");
@@ -192,8 +192,8 @@ std::string ListText() {
   add_names("Effects of a delta", DeltaEffectWords());
   add_names("Procedures of a delta", DeltaProcedureWords());
   add_names("Procedures of a triple-Z printer", TripleZProcedureWords());
-  add_names("Procedures of a nozzle's height", ZOffsetProcedureWords());
-  add_names("Keys of a nozzle's height", ZOffsetKeyWords());
+  add_names("Procedures of a nozzle's height", ZStationProcedureWords());
+  add_names("Keys of a nozzle's height", ZStationKeyWords());
   add_names("Effects of a motor axis", MotorEffectWords());
   add_names("Procedures of a motor axis", MotorProcedureWords());
   add_names("Figures of scenarios", FigureWords());
@@ -255,8 +255,8 @@ std::vector<std::string> AllNames() {
                            DeltaEffectWords(),
                            DeltaProcedureWords(),
                            TripleZProcedureWords(),
-                           ZOffsetProcedureWords(),
-                           ZOffsetKeyWords(),
+                           ZStationProcedureWords(),
+                           ZStationKeyWords(),
                            MotorEffectWords(),
                            MotorProcedureWords(),
                            FigureWords()}) {

@@ -13,6 +13,11 @@
 #include "renders/motor_stage_scene.h"
 #include "renders/triple_z_scene.h"
 #include "scenarios/file_kind.h"
+#include "scenarios/kinds/delta_scenario.h"
+#include "scenarios/kinds/gantry_trial.h"
+#include "scenarios/kinds/motor_stage_scenario.h"
+#include "scenarios/kinds/triple_z_scenario.h"
+#include "scenarios/kinds/z_station_scenario.h"
 #include "scenarios/machine_file.h"
 #include "scenarios/runner.h"
 #include "tools/commands/command.h"
@@ -42,7 +47,7 @@ TwinConfig ConfigOf(const fs::path& file) {
   const FileKind kind = KindOf(file);
   if (kind == FileKind::kScenario) {
     const Scenario scenario = ReadScenario(file);
-    if (scenario.z_offset) {
+    if (scenario.kind.As<ZStationScenario>() != nullptr) {
       throw InputError({.file = file.string()},
                        "a nozzle's height is not drawn",
                        "models/z_station/model.xml opens in any MuJoCo viewer");
@@ -73,10 +78,11 @@ std::optional<DeltaScene> DeltaOf(const Options& options) {
   const FileKind kind = KindOf(file);
   if (kind == FileKind::kScenario) {
     const Scenario scenario = ReadScenario(file);
-    if (!scenario.delta) return std::nullopt;
+    const auto* const delta = scenario.kind.As<DeltaScenario>();
+    if (delta == nullptr) return std::nullopt;
     const Machine& machine = scenario.machine.machine;
     return DeltaScene(machine,
-                      DrawDelta(*scenario.delta, machine, scenario.seed, /*sample=*/0),
+                      DrawDelta(*delta, machine, scenario.seed, /*sample=*/0),
                       options.exaggerate);
   }
   if (kind != FileKind::kMachine) return std::nullopt;
@@ -93,8 +99,9 @@ std::optional<TripleZScene> TripleZOf(const Options& options) {
   const FileKind kind = KindOf(file);
   if (kind == FileKind::kScenario) {
     const Scenario scenario = ReadScenario(file);
-    if (!scenario.triple_z) return std::nullopt;
-    return TripleZScene(DrawTripleZ(*scenario.triple_z,
+    const auto* const triple_z = scenario.kind.As<TripleZScenario>();
+    if (triple_z == nullptr) return std::nullopt;
+    return TripleZScene(DrawTripleZ(*triple_z,
                                     scenario.machine.machine,
                                     scenario.seed,
                                     /*sample=*/0),
@@ -113,8 +120,9 @@ std::optional<MotorStageScene> MotorStageOf(const Options& options) {
   const fs::path file = options.file;
   if (KindOf(file) == FileKind::kScenario) {
     const Scenario scenario = ReadScenario(file);
-    if (!scenario.motor) return std::nullopt;
-    return MotorStageScene(DrawMotorStage(*scenario.motor, scenario.seed, /*sample=*/0),
+    const auto* const motor = scenario.kind.As<MotorStageScenario>();
+    if (motor == nullptr) return std::nullopt;
+    return MotorStageScene(DrawMotorStage(*motor, scenario.seed, /*sample=*/0),
                            options.exaggerate);
   }
   if (!IsMotorStage(file)) return std::nullopt;

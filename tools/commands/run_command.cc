@@ -83,7 +83,7 @@ void RefuseForMany(const Options& options) {
 // Where nothing is touched there are no rows.
 void RefuseRecordOf(const Options& options, const std::vector<Scenario>& scenarios) {
   for (const Scenario& scenario : scenarios) {
-    if (options.record.empty() || !scenario.motor) continue;
+    if (options.record.empty() || scenario.kind->HasRows()) continue;
     throw InputError(
         {.file = "--record"},
         fmt::format("{} touches nothing: motors have no rows",

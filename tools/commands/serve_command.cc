@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "scenarios/interrupt.h"
+#include "scenarios/kinds/delta_g33.h"
 #include "tools/commands/command.h"
 #include "tools/commands/serve/serve.h"
 #include "tools/commands/simulated_printer.h"
@@ -95,6 +96,7 @@ int ServeDelta(const Options& options, const MachineFile& file) {
                      "it knows instruments: probe and calliper");
   }
   DeltaTwin twin(MakeDeltaTwinConfig(file, options.twin));
+  twin.SetG33(MarlinG33(G33Variant::kCorrected, file.machine.delta->print_radius_mm));
   Announce(fmt::format("{}, {}, Marlin's dialect; Ctrl-C ends",
                        file.machine.name,
                        ToString(twin.config().fidelity)));

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "scenarios/triple_z_link.h"
+#include "scenarios/kinds/triple_z_wire.h"
 #include "tools/commands/twin_options.h"
 
 namespace caltwin {

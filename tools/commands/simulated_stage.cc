@@ -3,8 +3,8 @@
 namespace caltwin {
 namespace {
 
-MotorScenario TruthOf(const MotorStageDrawing& drawing, const TwinOptions& named) {
-  return named.truth.empty() ? MotorScenario{.drawing = drawing}
+MotorStageTruth TruthOf(const MotorStageDrawing& drawing, const TwinOptions& named) {
+  return named.truth.empty() ? MotorStageTruth{.drawing = drawing}
                              : ReadMotorTruthFile(named.truth, drawing);
 }
 
@@ -15,7 +15,7 @@ SimulatedStage::SimulatedStage(const MotorStageDrawing& drawing,
                                double sigma_unit)
     : SimulatedStage(TruthOf(drawing, named), named, sigma_unit) {}
 
-SimulatedStage::SimulatedStage(const MotorScenario& truth,
+SimulatedStage::SimulatedStage(const MotorStageTruth& truth,
                                const TwinOptions& named,
                                double sigma_unit)
     : rig_(DrawMotorStage(truth, named.seed, /*sample=*/0),

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "scenarios/motor_link.h"
+#include "scenarios/kinds/motor_stage_wire.h"
 #include "tools/commands/twin_options.h"
 
 namespace caltwin {
@@ -19,7 +19,7 @@ class SimulatedStage {
   Gauge& gauge() { return gauge_; }
 
  private:
-  SimulatedStage(const MotorScenario& truth,
+  SimulatedStage(const MotorStageTruth& truth,
                  const TwinOptions& named,
                  double sigma_unit);
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "scenarios/z_offset_link.h"
+#include "scenarios/kinds/z_station_wire.h"
 #include "tools/commands/twin_options.h"
 
 namespace caltwin {
@@ -16,7 +16,7 @@ class SimulatedStation {
   Link& link() { return wire_; }
   void Wipe() { twin_.Wipe(); }
   /// A feeler under the nozzle, where it stands now.
-  std::optional<double> Gap_mm(ZOffsetClient* client) {
+  std::optional<double> Gap_mm(ZStationClient* client) {
     const auto read = ReadFeeler(klipper_, twin_, client);
     return read ? std::optional(read->gap_mm) : std::nullopt;
   }

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "scenarios/delta_scenario.h"
+#include "scenarios/kinds/delta_scenario.h"
 #include "scenarios/machine_file.h"
 #include "sim/base/units.h"
 #include "sim/kinds/delta/effects.h"
@@ -80,8 +80,9 @@ DeltaPerformConfig MakeDeltaConfig(const MachineFile& file,
 
 DeltaTwinConfig MakeDeltaTwinConfig(const MachineFile& file,
                                     const TwinOptions& options) {
-  DeltaScenario scenario{.settings = file.machine.delta->settings,
-                         .probe_sigma_mm = ProbeSigma_mm(options.instruments)};
+  DeltaScenario scenario;
+  scenario.settings = file.machine.delta->settings;
+  scenario.probe_sigma_mm = ProbeSigma_mm(options.instruments);
   if (!options.truth.empty()) {
     scenario.effects = ReadDeltaTruthFile(options.truth, file.machine);
   }

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "scenarios/delta_twin.h"
 #include "scenarios/machine_file.h"
 #include "sim/kinds/delta/perform.h"
+#include "sim/kinds/delta/twin.h"
 #include "sim/machine/artefact.h"
 #include "sim/twin/twin.h"
 

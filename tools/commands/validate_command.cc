@@ -10,8 +10,8 @@
 #include <fmt/format.h>
 
 #include "scenarios/file_kind.h"
+#include "scenarios/kinds/motor_stage_scenario.h"
 #include "scenarios/machine_file.h"
-#include "scenarios/motor_scenario.h"
 #include "scenarios/scenario.h"
 #include "scenarios/study/study.h"
 #include "sim/kinds/delta/effects.h"

@@ -73,7 +73,7 @@ bool HomesWithin(const std::string& macro) {
 
 }  // namespace
 
-void FailZOffset(const MachineFault& fault, ProcedureResult* result) {
+void FailZStation(const MachineFault& fault, ProcedureResult* result) {
   result->fault = fault.reply;
   result->ending = EndingOfFault(fault);
   result->messages.push_back("the machine said: " + fault.reply);
@@ -91,7 +91,7 @@ std::optional<ZCalibrationReading> ReadZCalibration(
   return ZCalibrationReading{*endstop, *nozzle, *on_switch, *probe, *offset};
 }
 
-Expected<std::vector<std::string>> ZOffsetClient::Say(const std::string& line) {
+Expected<std::vector<std::string>> ZStationClient::Say(const std::string& line) {
   const std::vector<std::string> words = WordsOf(line);
   const bool calibrates = !words.empty() && words.front() == "CALIBRATE_Z";
   has_tried_ = has_tried_ || calibrates;
@@ -110,18 +110,18 @@ Expected<std::vector<std::string>> ZOffsetClient::Say(const std::string& line) {
   return answer;
 }
 
-ProcedureResult ZOffsetClient::Home() {
+ProcedureResult ZStationClient::Home() {
   ProcedureResult result;
-  if (const auto homed = Say("G28"); !homed) FailZOffset(homed.error(), &result);
+  if (const auto homed = Say("G28"); !homed) FailZStation(homed.error(), &result);
   return result;
 }
 
-std::optional<double> ZOffsetClient::GcodeBase_mm() {
+std::optional<double> ZStationClient::GcodeBase_mm() {
   const auto position = Say("GET_POSITION");
   return position ? After(*position, "gcode base:", "Z:") : std::nullopt;
 }
 
-std::optional<ZOffsetClient::Heights> ZOffsetClient::HeightsNow() {
+std::optional<ZStationClient::Heights> ZStationClient::HeightsNow() {
   const auto position = Say("GET_POSITION");
   if (!position) return std::nullopt;
   // The base is in the position already, a mesh only in the toolhead's.
@@ -133,25 +133,25 @@ std::optional<ZOffsetClient::Heights> ZOffsetClient::HeightsNow() {
                  .mesh_mm = toolhead_mm ? *toolhead_mm - *gcode_mm : 0};
 }
 
-ProcedureResult RunZCalibration(ZOffsetClient* client,
+ProcedureResult RunZCalibration(ZStationClient* client,
                                 std::optional<double> switch_offset_mm) {
   ProcedureResult result;
   const auto answer = client->Say("CALIBRATE_Z");
   if (!answer) {
-    FailZOffset(answer.error(), &result);
+    FailZStation(answer.error(), &result);
     return result;
   }
   const auto reading = ReadZCalibration(*answer);
   if (!reading) {
-    FailZOffset({.reply = fmt::format("Could not parse '{}' to CALIBRATE_Z",
-                                      answer->empty() ? "" : answer->back())},
-                &result);
+    FailZStation({.reply = fmt::format("Could not parse '{}' to CALIBRATE_Z",
+                                       answer->empty() ? "" : answer->back())},
+                 &result);
     return result;
   }
   result.messages.push_back(answer->back());
   const double used_mm = reading->SwitchOffset_mm();
   if (used_mm < -kPrintedHeights_mm) {
-    FailZOffset(
+    FailZStation(
         {.reply = fmt::format("its figures contradict each other: this OFFSET was made "
                               "with a switch_offset of {:.3f}, below 0",
                               used_mm)},
@@ -186,22 +186,22 @@ ProcedureResult RunZCalibration(ZOffsetClient* client,
   return result;
 }
 
-ProcedureResult RunProbeAccuracy(ZOffsetClient* client, bool is_endstop, int samples) {
+ProcedureResult RunProbeAccuracy(ZStationClient* client, bool is_endstop, int samples) {
   constexpr double kWorn_mm = 0.01;
   ProcedureResult result;
   const auto answer = client->Say(fmt::format(
       "{} SAMPLES={}", is_endstop ? "PROBE_Z_ACCURACY" : "PROBE_ACCURACY", samples));
   if (!answer) {
-    FailZOffset(answer.error(), &result);
+    FailZStation(answer.error(), &result);
     return result;
   }
   const std::string start = "probe accuracy results";
   const auto sd_mm = After(*answer, start, "standard deviation ");
   const auto range_mm = After(*answer, start, "range ");
   if (!sd_mm || !range_mm || *sd_mm < 0 || *range_mm < 0) {
-    FailZOffset({.reply = fmt::format("Could not parse '{}'",
-                                      answer->empty() ? "" : answer->back())},
-                &result);
+    FailZStation({.reply = fmt::format("Could not parse '{}'",
+                                       answer->empty() ? "" : answer->back())},
+                 &result);
     return result;
   }
   result.messages.push_back(answer->back());

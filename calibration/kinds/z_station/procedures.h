@@ -29,7 +29,7 @@ std::optional<ZCalibrationReading> ReadZCalibration(
 
 /// Speaks to a printer with Klipper's z_calibration, and watches that nothing spoils
 /// it.
-class ZOffsetClient {
+class ZStationClient {
  public:
   /// Macros of printer.cfg's [z_calibration] that may home as well, too late: before
   /// the switch, so between two touches, and at the end.
@@ -37,8 +37,8 @@ class ZOffsetClient {
     std::string before_switch_gcode{};
     std::string end_gcode{};
   };
-  explicit ZOffsetClient(Link* link) : ZOffsetClient(link, Macros{}) {}
-  ZOffsetClient(Link* link, Macros macros) : link_(link), macros_(std::move(macros)) {}
+  explicit ZStationClient(Link* link) : ZStationClient(link, Macros{}) {}
+  ZStationClient(Link* link, Macros macros) : link_(link), macros_(std::move(macros)) {}
 
   Expected<std::vector<std::string>> Say(const std::string& line);
   /// G28; done, or what the machine said.
@@ -69,15 +69,15 @@ class ZOffsetClient {
 
 /// `result` ends with what the machine said; that nothing triggered is read from its
 /// words.
-void FailZOffset(const MachineFault& fault, ProcedureResult* result);
+void FailZStation(const MachineFault& fault, ProcedureResult* result);
 
 /// CALIBRATE_Z, its line read, its formula checked, the offset asked back
 /// (GET_POSITION). `switch_offset_mm`: as printer.cfg has it; nullopt: nobody said.
-ProcedureResult RunZCalibration(ZOffsetClient* client,
+ProcedureResult RunZCalibration(ZStationClient* client,
                                 std::optional<double> switch_offset_mm);
 
 /// PROBE_Z_ACCURACY (or PROBE_ACCURACY): maximum, minimum, range, average, median,
 /// standard deviation, and what they mean for an offset. Verdict: worn above 10 um.
-ProcedureResult RunProbeAccuracy(ZOffsetClient* client, bool is_endstop, int samples);
+ProcedureResult RunProbeAccuracy(ZStationClient* client, bool is_endstop, int samples);
 
 }  // namespace caltwin

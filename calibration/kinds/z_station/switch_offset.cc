@@ -34,11 +34,11 @@ std::optional<double> Measured_mm(double height_mm,
                                   ProcedureResult* result) {
   const auto gap_mm = hands.gap_mm(height_mm);
   if (!gap_mm || !std::isfinite(*gap_mm)) {
-    FailZOffset({.reply = "nobody measured the gap"}, result);
+    FailZStation({.reply = "nobody measured the gap"}, result);
     return std::nullopt;
   }
   if (*gap_mm <= 0) {
-    FailZOffset(
+    FailZStation(
         {.reply = fmt::format("a gap of {:.3f} mm at Z{}: the nozzle is on the bed",
                               *gap_mm,
                               height_mm)},
@@ -68,11 +68,11 @@ bool Agree(const Gap& above, const Gap& here) {
 // contradicts the one above.
 std::optional<Gap> GapAt(double height_mm,
                          const Gap* above,
-                         ZOffsetClient* client,
+                         ZStationClient* client,
                          const FeelerHands& hands,
                          ProcedureResult* result) {
   if (const auto moved = client->Say(fmt::format("G0 Z{}", height_mm)); !moved) {
-    FailZOffset(moved.error(), result);
+    FailZStation(moved.error(), result);
     return std::nullopt;
   }
   auto gap_mm = Measured_mm(height_mm, hands, result);
@@ -89,21 +89,22 @@ std::optional<Gap> GapAt(double height_mm,
   gap_mm = Measured_mm(height_mm, hands, result);
   if (!gap_mm) return std::nullopt;
   if (Agree(*above, {height_mm, *gap_mm})) return Gap{height_mm, *gap_mm};
-  FailZOffset({.reply = fmt::format(
-                   "the gaps contradict each other: {:.3f} mm at Z{}, {:.3f} mm at Z{}",
-                   above->gap_mm,
-                   above->height_mm,
-                   *gap_mm,
-                   height_mm)},
-              result);
+  FailZStation(
+      {.reply = fmt::format(
+           "the gaps contradict each other: {:.3f} mm at Z{}, {:.3f} mm at Z{}",
+           above->gap_mm,
+           above->height_mm,
+           *gap_mm,
+           height_mm)},
+      result);
   return std::nullopt;
 }
 
 // To where CALIBRATE_Z probes the bed, well over it.
-std::optional<ZOffsetClient::Heights> GoOverTheBed(double in_force_mm,
-                                                   const Eigen::Vector2d& at_mm,
-                                                   ZOffsetClient* client,
-                                                   ProcedureResult* result) {
+std::optional<ZStationClient::Heights> GoOverTheBed(double in_force_mm,
+                                                    const Eigen::Vector2d& at_mm,
+                                                    ZStationClient* client,
+                                                    ProcedureResult* result) {
   constexpr double kMesh_mm = 10;  // No mesh is deeper.
   const double safe_mm = HeightsFrom_mm(in_force_mm, 0).front() + kMesh_mm;
   for (const std::string& line :
@@ -111,11 +112,11 @@ std::optional<ZOffsetClient::Heights> GoOverTheBed(double in_force_mm,
         fmt::format("G0 Z{}", safe_mm),
         fmt::format("G0 X{:.3f} Y{:.3f}", at_mm[0], at_mm[1])}) {
     if (const auto moved = client->Say(line); moved) continue;
-    FailZOffset({.reply = "the nozzle did not get over the bed (" + line + ")"},
-                result);
+    FailZStation({.reply = "the nozzle did not get over the bed (" + line + ")"},
+                 result);
     return std::nullopt;
   }
-  return client->HeightsNow().value_or(ZOffsetClient::Heights{});
+  return client->HeightsNow().value_or(ZStationClient::Heights{});
 }
 
 // A mesh is 0 at its own point of reference, which need not be where the bed is probed.
@@ -131,7 +132,7 @@ void TellMesh(double mesh_mm, ProcedureResult* result) {
 // How much wider the last gap was than its height; nullopt: `result` says why.
 std::optional<double> Descend(double in_force_mm,
                               const SwitchOffsetOptions& options,
-                              ZOffsetClient* client,
+                              ZStationClient* client,
                               const FeelerHands& hands,
                               ProcedureResult* result) {
   const auto over = GoOverTheBed(in_force_mm, options.at_mm, client, result);
@@ -168,7 +169,7 @@ struct Footing {
 };
 
 // As published: the calibration that is there.
-std::optional<Footing> AsItStands(ZOffsetClient* client, ProcedureResult* result) {
+std::optional<Footing> AsItStands(ZStationClient* client, ProcedureResult* result) {
   std::string why;
   if (client->is_spoilt()) {
     why = "Z was homed after CALIBRATE_Z: run z_calibration again first";
@@ -184,17 +185,17 @@ std::optional<Footing> AsItStands(ZOffsetClient* client, ProcedureResult* result
         client->last()->offset_mm);
   }
   if (why.empty()) return Footing{};
-  FailZOffset({.reply = why}, result);
+  FailZStation({.reply = why}, result);
   return std::nullopt;
 }
 
 // Wiped, and calibrated several times.
-std::optional<Footing> Calibrated(ZOffsetClient* client,
+std::optional<Footing> Calibrated(ZStationClient* client,
                                   const SwitchOffsetOptions& options,
                                   const FeelerHands& hands,
                                   ProcedureResult* result) {
   if (!hands.wipe()) {
-    FailZOffset(
+    FailZStation(
         {.reply = "nobody wiped the nozzle: plastic on it looks like switch_offset"},
         result);
     return std::nullopt;
@@ -212,8 +213,8 @@ std::optional<Footing> Calibrated(ZOffsetClient* client,
   result->fault = one.fault;
   if (one.ending != Ending::kDone) return std::nullopt;
   if (client->is_spoilt()) {
-    FailZOffset({.reply = "its own macros home Z: this calibration holds nothing"},
-                result);
+    FailZStation({.reply = "its own macros home Z: this calibration holds nothing"},
+                 result);
     return std::nullopt;
   }
   return Footing{.beyond_mean_mm = offsets_mm.back() - Mean(offsets_mm),
@@ -236,7 +237,7 @@ Uncertain Told(double value_mm, const Footing& footing) {
 
 }  // namespace
 
-ProcedureResult RunSwitchOffset(ZOffsetClient* client,
+ProcedureResult RunSwitchOffset(ZStationClient* client,
                                 const SwitchOffsetOptions& options,
                                 const FeelerHands& hands) {
   ProcedureResult result;

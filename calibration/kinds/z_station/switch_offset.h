@@ -38,7 +38,7 @@ struct SwitchOffsetOptions {
 /// mean, and as uncertain as they scatter. What a bed mesh in force adds at that place
 /// is taken off, and a gap that contradicts the one above it is measured once more,
 /// then refused.
-ProcedureResult RunSwitchOffset(ZOffsetClient* client,
+ProcedureResult RunSwitchOffset(ZStationClient* client,
                                 const SwitchOffsetOptions& options,
                                 const FeelerHands& hands);
 

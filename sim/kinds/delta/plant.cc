@@ -16,10 +16,6 @@ DeltaMjcf ModelOfDelta(const Machine& machine) {
                                  : machine.model);
 }
 
-std::array<double, 3> TowerStepsPerMm(const Machine& machine) {
-  return machine.settings.steps_per_mm;
-}
-
 DeltaWorld WorldOfDelta(const Machine& machine, const BuiltDelta& built) {
   DeltaMjcf model = ModelOfDelta(machine);
   if (built.tip.pretravel_mm > 0) {

@@ -73,7 +73,4 @@ DeltaWorld WorldOfDelta(const Machine& machine, const BuiltDelta& built);
 /// The model that a delta's machine file names, or the one that every delta can be.
 DeltaMjcf ModelOfDelta(const Machine& machine);
 
-/// Microsteps per mm of each tower, as its firmware counts.
-std::array<double, 3> TowerStepsPerMm(const Machine& machine);
-
 }  // namespace caltwin

@@ -1,0 +1,164 @@
+#include "scenarios/kinds/gantry_scenario.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "scenarios/kinds/gantry_trial.h"
+#include "scenarios/parameter_name.h"
+#include "sim/effects/catalog.h"
+
+namespace caltwin {
+namespace {
+
+void RefuseTwice(const std::vector<InjectedSpec>& specs, Faults* faults) {
+  for (std::size_t i = 0; i < specs.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      if (specs[i].effect != specs[j].effect || specs[i].axis != specs[j].axis)
+        continue;
+      faults->Add(specs[i].place,
+                  "this effect is already in the machine file",
+                  "an effect is given once: leave it out here or there");
+    }
+  }
+}
+
+FirmwareOptions ReadFirmware(YamlMap map) {
+  FirmwareOptions options;
+  options.m400_ignores_backlash = map.FlagOr("m400_ignores_backlash", false);
+  if (const auto files = map.Optional("files")) {
+    for (const auto& [path, text] : files->Map().Entries()) {
+      options.files[path] = text.Text();
+    }
+  }
+  map.NoMoreKeys();
+  return options;
+}
+
+// What the file leaves out, as if `text` stood at that place.
+YamlMap Unwritten(const std::string& text, const YamlValue& at, Faults* faults) {
+  const Place place = at.place();
+  const auto lines = static_cast<std::size_t>(std::max(1, place.line) - 1);
+  const auto columns = static_cast<std::size_t>(std::max(1, place.column) - 1);
+  const YAML::Node node =
+      YAML::Load(std::string(lines, '\n') + std::string(columns, ' ') + text);
+  return {node, at.file(), at.path(), faults};
+}
+
+// The options of a procedure by its name alone: an axis where it needs one.
+YamlMap UsualOptions(const Procedure& procedure,
+                     const YamlValue& at,
+                     const std::string& usual_axis) {
+  Faults lacking;
+  if (!usual_axis.empty()) procedure.prepare(Unwritten("{}", at, &lacking));
+  return Unwritten(lacking.empty() ? "{}" : fmt::format("{{axis: {}}}", usual_axis),
+                   at,
+                   at.faults());
+}
+
+}  // namespace
+
+void GantryScenario::ReadKeys(YamlMap* map, Scenario* scenario) {
+  if (const auto effects = map->Optional("effects")) {
+    const auto more = ReadEffects(effects->Map(), scenario->machine.machine);
+    scenario->effects.insert(scenario->effects.end(), more.begin(), more.end());
+    RefuseTwice(scenario->effects, map->faults());
+  }
+  if (const auto settings = map->Optional("settings")) {
+    scenario->settings = ReadSettingSpecs(settings->Map());
+  }
+  if (const auto instruments = map->Optional("instruments")) {
+    scenario->instruments = ReadInstruments(instruments->Map());
+  }
+  if (const auto artefacts = map->Optional("artefacts")) {
+    scenario->artefacts = ReadArtefacts(artefacts->Map());
+  }
+  RefuseUnknownArtefacts(scenario->effects, IdsOf(scenario->artefacts), map->faults());
+  if (const auto firmware = map->Optional("firmware")) {
+    scenario->firmware = ReadFirmware(firmware->Map());
+  }
+}
+
+std::vector<std::string> GantryScenario::StepNames() const {
+  std::vector<std::string> names;
+  for (const Procedure& procedure : AllProcedures()) names.emplace_back(procedure.name);
+  return names;
+}
+
+CalibrationStep GantryScenario::ReadStep(const std::string& name,
+                                         const YamlValue& options,
+                                         const std::string& usual_axis) const {
+  CalibrationStep step{.name = name};
+  const Procedure* procedure = FindProcedure(name);
+  if (options.is_map()) step.variant = options.Map().TextOr("variant", "");
+  // An empty value means a procedure with all its options left out.
+  step.procedure = procedure->prepare(
+      options.is_null() ? UsualOptions(*procedure, options, usual_axis)
+                        : options.Map());
+  return step;
+}
+
+void GantryScenario::RefuseStep(const std::string& name,
+                                const YamlValue& options) const {
+  std::vector<std::string> names = StepNames();
+  names.insert(names.begin(), {"external", "gcode"});
+  const std::string nearest = NearestWord(name, names);
+  options.Fail("is no procedure that this version knows",
+               (nearest.empty() ? "" : fmt::format("did you mean '{}'? ", nearest)) +
+                   "`caltwin explain` lists them all");
+}
+
+Expectable GantryScenario::CanExpect() const {
+  return {.parameters = AllParameterNames(), .figures = {"position_error_mm.p95"}};
+}
+
+std::vector<std::string> GantryScenario::EffectNames() const {
+  std::vector<std::string> names;
+  for (const Effect* effect : AllEffects()) names.emplace_back(effect->name);
+  return names;
+}
+
+void GantryScenario::Vary(const std::string& effect,
+                          const std::string& parameter,
+                          const YamlValue& value,
+                          Scenario* scenario) {
+  VaryEffects(effect, parameter, value, scenario->machine.machine, &scenario->effects);
+}
+
+void GantryScenario::CheckVaried(const Scenario& scenario, Faults* faults) const {
+  RefuseUnknownArtefacts(scenario.effects, IdsOf(scenario.artefacts), faults);
+}
+
+std::unique_ptr<KindTrial> GantryScenario::Begin(const Scenario& scenario,
+                                                 const Chance& chance) const {
+  return std::make_unique<GantryTrial>(scenario, chance);
+}
+
+void ReplaceEffect(const InjectedSpec& varied,
+                   const std::string& parameter,
+                   std::vector<InjectedSpec>* effects) {
+  const auto found = std::ranges::find_if(*effects, [&](const InjectedSpec& spec) {
+    return spec.effect == varied.effect && spec.axis == varied.axis;
+  });
+  if (found == effects->end()) {
+    effects->push_back(varied);
+    return;
+  }
+  const auto parameters = EffectAt(varied.effect).parameters;
+  for (std::size_t p = 0; p < parameters.size(); ++p) {
+    if (parameters[p].name == parameter) found->values[p] = varied.values[p];
+  }
+}
+
+void VaryEffects(const std::string& effect,
+                 const std::string& parameter,
+                 const YamlValue& value,
+                 const Machine& machine,
+                 std::vector<InjectedSpec>* effects) {
+  for (const InjectedSpec& spec :
+       ReadEffects(value.Within(effect, parameter), machine)) {
+    ReplaceEffect(spec, parameter, effects);
+  }
+}
+
+}  // namespace caltwin

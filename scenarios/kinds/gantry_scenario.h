@@ -1,0 +1,44 @@
+#pragma once
+
+#include "scenarios/scenario.h"
+
+namespace caltwin {
+
+/// A gantry's part of a scenario. Its keys are members of Scenario itself: effects,
+/// settings, instruments, artefacts, firmware.
+class GantryScenario : public KindScenario {
+ public:
+  std::unique_ptr<KindScenario> Clone() const override {
+    return std::make_unique<GantryScenario>(*this);
+  }
+  void ReadKeys(YamlMap* map, Scenario* scenario) override;
+  std::vector<std::string> StepNames() const override;
+  CalibrationStep ReadStep(const std::string& name,
+                           const YamlValue& options,
+                           const std::string& usual_axis) const override;
+  void RefuseStep(const std::string& name, const YamlValue& options) const override;
+  Expectable CanExpect() const override;
+  std::vector<std::string> EffectNames() const override;
+  void Vary(const std::string& effect,
+            const std::string& parameter,
+            const YamlValue& value,
+            Scenario* scenario) override;
+  bool VariesMore() const override { return true; }
+  void CheckVaried(const Scenario& scenario, Faults* faults) const override;
+  std::unique_ptr<KindTrial> Begin(const Scenario& scenario,
+                                   const Chance& chance) const override;
+};
+
+/// The values that `varied` gives replace those of the same effect on the same axis.
+void ReplaceEffect(const InjectedSpec& varied,
+                   const std::string& parameter,
+                   std::vector<InjectedSpec>* effects);
+
+/// `vary: {EFFECT.PARAMETER: value}` of the catalogue's effects on that machine.
+void VaryEffects(const std::string& effect,
+                 const std::string& parameter,
+                 const YamlValue& value,
+                 const Machine& machine,
+                 std::vector<InjectedSpec>* effects);
+
+}  // namespace caltwin

@@ -1,0 +1,34 @@
+#include "scenarios/kinds/kinds.h"
+
+#include "scenarios/kinds/delta_scenario.h"
+#include "scenarios/kinds/gantry_scenario.h"
+#include "scenarios/kinds/motor_stage_scenario.h"
+#include "scenarios/kinds/triple_z_scenario.h"
+#include "scenarios/kinds/z_station_scenario.h"
+
+namespace caltwin {
+
+std::unique_ptr<KindScenario> UsualKind() {
+  return std::make_unique<GantryScenario>();
+}
+
+std::unique_ptr<KindScenario> ReadKind(const std::filesystem::path& file,
+                                       YamlMap* map,
+                                       MachineFile* machine) {
+  if (IsMotorStage(file)) {
+    auto stage = std::make_unique<MotorStageScenario>();
+    stage->drawing = ReadMotorStage(file);
+    machine->machine.name = stage->drawing.name;
+    return stage;
+  }
+  *machine = ReadAnyMachineFile(file);
+  if (machine->machine.delta) return std::make_unique<DeltaScenario>();
+  // A station may stand at any printer.
+  if (map->Has("station") || machine->machine.z_station) {
+    return std::make_unique<ZStationScenario>();
+  }
+  if (machine->machine.triple_z) return std::make_unique<TripleZScenario>();
+  return UsualKind();
+}
+
+}  // namespace caltwin

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "scenarios/keys.h"
+#include "scenarios/kinds/motor_stage_scenario.h"
+
+namespace caltwin {
+
+/// Reads `effects:` of a motor stage: `switch_scatter.x: {sd_um: 10}`. Lengths of a
+/// rotary axis are written `_deg` where linear ones have `_mm`; `_um` of it are
+/// thousandths of a degree.
+std::vector<MotorEffectSpec> ReadMotorEffects(YamlMap map,
+                                              const MotorStageDrawing& drawing);
+
+/// Every effect of a motor stage's axes, for messages.
+std::vector<std::string> MotorEffectNames();
+
+/// Builds that number into the stage.
+void ApplyMotorEffect(const MotorEffectSpec& spec,
+                      double value,
+                      BuiltMotorStage* built);
+
+/// What `caltwin explain` says of the effects and procedures of motor axes.
+std::span<const Word> MotorEffectWords();
+std::span<const Word> MotorProcedureWords();
+
+}  // namespace caltwin

@@ -1,0 +1,187 @@
+#include "scenarios/kinds/motor_stage_trial.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "sim/base/units.h"
+
+namespace caltwin {
+namespace {
+
+constexpr double kHolds = 5;  // Standard uncertainties that an estimate may be off.
+
+}  // namespace
+
+MotorStageTrial::MotorStageTrial(const MotorStageScenario& scenario,
+                                 const std::filesystem::path& file,
+                                 const Chance& chance)
+    : motor_(scenario),
+      file_(file),
+      chance_(chance),
+      rig_(DrawMotorStage(motor_, chance.seed, chance.sample),
+           chance.fidelity == Fidelity::kPhysics,
+           chance.seed,
+           chance.sample),
+      factory_(MotorFirmwareOf(motor_.drawing)),
+      firmware_(std::make_unique<MotorStageFirmware>(factory_, &rig_, &flash_)),
+      wire_(firmware_.get()),
+      gauge_(&rig_, motor_.laser_sigma_unit.value_or(0), chance.seed, chance.sample) {
+  bench_.gauge = &gauge_;
+  bench_.person = &hands_;
+}
+
+void MotorStageTrial::Connect(Link* link) {
+  bench_.link = link;
+  MotorBench bench{.link = link, .drawing = motor_.drawing};
+  if (motor_.laser_sigma_unit) {
+    bench.gauge = &gauge_;
+    bench.gauge_sigma_unit = *motor_.laser_sigma_unit;
+  }
+  axes_.emplace(bench);
+  SetFields(motor_, file_, &*axes_);
+}
+
+ProcedureResult MotorStageTrial::Take(const MotorStep& step) {
+  if (step.name == "power_cut") return CutPower(step);
+  const MotorResult done = RunMotorProcedure(step.name, step.options, &*axes_);
+  found_.alerts += done.found.alerts;
+  found_.retries += done.found.retries;
+  found_.warnings += done.found.warnings;
+  found_.safe_modes += done.found.safe_modes;
+  found_.positions_lost += done.found.positions_lost;
+  const auto keep = [](const auto& from, auto* to) {
+    if (from) *to = from;
+  };
+  keep(done.found.index_edges, &found_.index_edges);
+  keep(done.found.wrong_turn_probability, &found_.wrong_turn_probability);
+  keep(done.found.skew_s, &found_.skew_s);
+  keep(done.found.stop_feasible, &found_.stop_feasible);
+  keep(done.found.standstill_s, &found_.standstill_s);
+  keep(done.found.stopped_within, &found_.stopped_within);
+  return done.result;
+}
+
+void MotorStageTrial::EndStep(const CalibrationStep& /*step*/, ProcedureResult* done) {
+  for (const Estimate& estimate : done->estimates) {
+    const auto truth = BuiltOf(estimate.name, done->estimates);
+    if (!truth) continue;
+    std::erase_if(
+        told_, [&](const ParameterResult& had) { return had.name == estimate.name; });
+    told_.push_back({.name = estimate.name,
+                     .unit = estimate.unit,
+                     .injected = *truth,
+                     .recovered = estimate.value,
+                     .error = estimate.value - *truth,
+                     .identifiable = true});
+    SetUncertainty(estimate, &told_.back());
+  }
+}
+
+// The power goes while the lines are obeyed, after so many bytes that they store, and
+// comes back: what the flash holds is in force, and no axis is homed.
+ProcedureResult MotorStageTrial::CutPower(const MotorStep& step) {
+  ProcedureResult done;
+  Rng marks(chance_.seed, chance_.sample, "power_cut");
+  const std::uint64_t before = flash_.bytes_done();
+  flash_.CutAfter(step.after_bytes, &marks);
+  for (const std::string& line : step.lines) {
+    const auto answer = bench_.link->Send(line, std::chrono::milliseconds(600'000));
+    if (answer) continue;
+    const std::string& said = answer.error().reply;
+    done.messages.push_back("the machine said: " + said);
+    const bool is_cut = said.find("the power went") != std::string::npos;
+    if (!is_cut) done.ending = Ending::kRefused;
+    break;
+  }
+  done.messages.push_back(
+      fmt::format("the power went, {} bytes of the flash had been written since; it "
+                  "is back, and no axis is homed",
+                  flash_.bytes_done() - before));
+  flash_.PowerUp();
+  earlier_s_ += firmware_->machine_time_s();
+  MotorStageOptions again = factory_;
+  again.clock_unix_s += std::llround(earlier_s_);  // A clock with a battery.
+  firmware_ = std::make_unique<MotorStageFirmware>(again, &rig_, &flash_);
+  wire_.Connect(firmware_.get());
+  return done;
+}
+
+// The built value of an estimate, at once: homes move. nullopt: not known here.
+std::optional<double> MotorStageTrial::BuiltOf(
+    const std::string& name, const std::vector<Estimate>& together) const {
+  const std::size_t dot = name.find('.');
+  const auto axis = MotorAxisNamed(name.substr(dot + 1));
+  if (!axis) return std::nullopt;
+  const BuiltMotorStage& built = rig_.built();
+  const MotorAxisDrawing& d = built.motors[*axis].drawing;
+  const std::string what = name.substr(0, dot);
+  if (what == "backlash") return built.motors[*axis].gap_unit;
+  if (what == "home_offset") return TrueHome(*firmware_, rig_, *axis);
+  if (what == "travel") {
+    return d.max_switch_unit - d.min_switch_unit - TrueHome(*firmware_, rig_, *axis);
+  }
+  if (what != "start_lead") return std::nullopt;
+  double latest_s = 0;
+  for (const Estimate& other : together) {
+    const auto named = MotorAxisNamed(other.name.substr(other.name.find('.') + 1));
+    latest_s = std::max(latest_s, built.faults[*named].start_delay_s);
+  }
+  return latest_s - built.faults[*axis].start_delay_s;
+}
+
+void MotorStageTrial::Finish(RunResult* result) {
+  const auto history = bench_.link->Send("M504", std::chrono::milliseconds(1000));
+  if (history) history_ = history->size();
+  result->machine_time_s = earlier_s_ + firmware_->machine_time_s();
+}
+
+void MotorStageTrial::AddParameters(const Expectation& /*expect*/,
+                                    const std::vector<ProcedureResult>& /*results*/,
+                                    RunResult* result) {
+  result->parameters = told_;
+}
+
+TrueEnd MotorStageTrial::End(const std::vector<ProcedureResult>& /*results*/,
+                             RunResult* result) {
+  const bool hold =
+      std::ranges::all_of(result->parameters, [](const ParameterResult& row) {
+        const double allowed =
+            std::max(kHolds * row.sd.value_or(0), row.tolerance.value_or(0));
+        return std::abs(*row.error) <= allowed;
+      });
+  return {.told_wrong = !hold};
+}
+
+double MotorStageTrial::Figure(const std::string& name, const RunResult& /*result*/) {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  if (name == "alerts") return found_.alerts;
+  if (name == "retries") return found_.retries;
+  if (name == "warnings") return found_.warnings;
+  if (name == "safe_modes") return found_.safe_modes;
+  if (name == "index_edges") return found_.index_edges.value_or(-1);
+  if (name == "wrong_turn_probability") {
+    return found_.wrong_turn_probability.value_or(kNone);
+  }
+  if (name == "skew_ms") return found_.skew_s.value_or(kNone) / SFromMs(1.0);
+  if (name == "standstill_ms") {
+    return found_.standstill_s.value_or(kNone) / SFromMs(1.0);
+  }
+  if (name == "stop_feasible") {
+    return found_.stop_feasible ? static_cast<double>(*found_.stop_feasible) : kNone;
+  }
+  if (name == "stopped_within") {
+    return found_.stopped_within ? static_cast<double>(*found_.stopped_within) : kNone;
+  }
+  if (name == "positions_lost") return found_.positions_lost;
+  if (name == "history_entries") return static_cast<double>(history_);
+  const std::size_t axis = *MotorAxisNamed(name.substr(name.find('.') + 1));
+  if (name.starts_with("home.")) return TrueHome(*firmware_, rig_, axis);
+  const AxisCalibration& record = firmware_->record(axis);
+  return record.backlash_pulses / record.pulses_per_unit;
+}
+
+}  // namespace caltwin

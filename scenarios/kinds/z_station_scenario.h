@@ -1,0 +1,69 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "scenarios/scenario.h"
+#include "sim/base/yaml.h"
+#include "sim/firmware/dialects/klipper_z.h"
+#include "sim/kinds/z_station/station.h"
+#include "sim/machine/machine.h"
+
+namespace caltwin {
+
+/// One number of a station that a scenario gives, perhaps still to be drawn.
+struct StationSpec {
+  std::string key{};
+  Distribution value = 0.0;
+};
+
+/// One entry of such a scenario's `calibrate:`.
+struct ZStationStep {
+  std::string name{};  ///< z_calibration, probe_accuracy, switch_offset, change.
+  std::vector<StationSpec> change{};  ///< What an operator changes.
+  int samples = 10;
+  bool is_endstop = true;
+  bool applies = true;
+  bool is_as_published = false;
+};
+
+/// What a scenario of a nozzle's height has of its own (`station:`).
+class ZStationScenario : public KindScenario {
+ public:
+  std::vector<StationSpec> station{};
+  ZCalibrationConfig settings{};
+
+  std::unique_ptr<KindScenario> Clone() const override {
+    return std::make_unique<ZStationScenario>(*this);
+  }
+  void ReadKeys(YamlMap* map, Scenario* scenario) override;
+  std::vector<std::string> StepNames() const override;
+  CalibrationStep ReadStep(const std::string& name,
+                           const YamlValue& options,
+                           const std::string& usual_axis) const override;
+  void RefuseStep(const std::string& name, const YamlValue& options) const override;
+  Expectable CanExpect() const override;
+  std::vector<std::string> EffectNames() const override { return {"station"}; }
+  void Vary(const std::string& effect,
+            const std::string& parameter,
+            const YamlValue& value,
+            Scenario* scenario) override;
+  std::unique_ptr<KindTrial> Begin(const Scenario& scenario,
+                                   const Chance& chance) const override;
+};
+
+/// Reads a list of its procedures, as in `calibrate:`.
+std::vector<ZStationStep> ReadZStationSteps(const YamlValue& list);
+
+/// Reads `station: {KEY: number or distribution}`.
+std::vector<StationSpec> ReadStation(YamlMap map);
+
+/// Sets what the specs say, each drawn from its own stream.
+void SetStation(const std::vector<StationSpec>& specs,
+                std::uint64_t seed,
+                std::uint64_t sample,
+                ZStation* station);
+
+}  // namespace caltwin

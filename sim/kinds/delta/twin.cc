@@ -1,0 +1,73 @@
+#include "sim/kinds/delta/twin.h"
+
+#include "sim/base/input_error.h"
+
+namespace caltwin {
+namespace {
+
+// Of a touch inside the firmware: travel, descent and lift; with E, the probe stowed
+// and deployed.
+constexpr double kG33Touch_s = 3, kG33Stow_s = 2;
+
+}  // namespace
+
+DeltaTwin::DeltaTwin(const DeltaTwinConfig& config)
+    : config_(config),
+      simulated_(config_.machine,
+                 config_.built,
+                 config_.fidelity == Fidelity::kPhysics,
+                 config_.seed,
+                 config_.sample),
+      plant_(&simulated_, config_.machine, config_.built.scatter_mm, &record_),
+      calliper_(
+          config_.built.build, config_.calliper_sigma_mm, config_.seed, config_.sample),
+      marlin_(config_.machine.delta->model,
+              config_.settings,
+              TowerStepsPerMm(config_.machine),
+              &plant_,
+              [this](const GcodeCommand& words, DeltaModel<double>* settings) {
+                return AnswerG33(words, settings);
+              }),
+      wire_(&marlin_) {
+  marlin_.SetMeshRadius_mm(config_.machine.delta->print_radius_mm);
+}
+
+double DeltaTwin::machine_time_s() const {
+  return marlin_.machine_time_s() + kG33Touch_s * g33_touches_ +
+         kG33Stow_s * g33_stows_;
+}
+
+void DeltaTwin::BeginRecord(const std::string& campaign) {
+  plant_.Begin(campaign);
+  plant_.SetOffset(marlin_.probe_offset_mm());
+}
+
+std::vector<std::string> DeltaTwin::AnswerG33(const GcodeCommand& words,
+                                              DeltaModel<double>* settings) {
+  if (!g33_) return {"Unknown command: G33"};
+  const TouchOfBed touch = [this](
+                               const DeltaModel<double>& at, double x_mm, double y_mm) {
+    ++g33_touches_;
+    return plant_.Touch(at, x_mm, y_mm);
+  };
+  const int before = g33_touches_;
+  try {
+    G33Answer answer = g33_(words, *settings, marlin_.probe_offset_mm(), touch);
+    if (answer.stows) g33_stows_ += g33_touches_ - before;
+    *settings = answer.settings;
+    said_mm_ = answer.said_mm;
+    return std::move(answer.lines);
+  } catch (const InputError& implausible) {
+    return {implausible.what()};
+  }
+}
+
+Expected<std::vector<std::string>> MarlinDeltaWire::Send(
+    std::string_view line, std::chrono::milliseconds /*patience*/) {
+  const Reply reply = marlin_->Execute(line);
+  if (!reply.error) return reply.lines;
+  return tl::unexpected(
+      MachineFault{.reply = reply.lines.empty() ? "Error:" : reply.lines.back()});
+}
+
+}  // namespace caltwin
