@@ -25,10 +25,12 @@ bool AnyEnded(const std::vector<ProcedureResult>& results, Ending ending) {
   return std::ranges::find(results, ending, &ProcedureResult::ending) != results.end();
 }
 
-bool AnythingApplied(const std::vector<ProcedureResult>& results) {
+// A refusal ends a run; what it refused has changed nothing.
+bool WasRefused(const std::vector<ProcedureResult>& results) {
   return std::ranges::any_of(results, [](const ProcedureResult& result) {
-    return std::ranges::find(result.steps, Verdict::kApplied, &Step::verdict) !=
-           result.steps.end();
+    return result.ending == Ending::kRefused &&
+           std::ranges::find(result.steps, Verdict::kApplied, &Step::verdict) ==
+               result.steps.end();
   });
 }
 
@@ -166,8 +168,7 @@ std::string JudgeOutcome(const std::vector<ProcedureResult>& results,
   if (AnyEnded(results, Ending::kAlarm)) return "alarm";
   if (AnyEnded(results, Ending::kCollision)) return "collision";
   if (AnyEnded(results, Ending::kNoTrigger)) return "no_trigger";
-  if (AnyEnded(results, Ending::kRefused) && !AnythingApplied(results))
-    return "refused";
+  if (WasRefused(results)) return "refused";
   if (AnyEnded(results, Ending::kReadsZero) || end.reads_zero) return "reads_zero";
   if (AnyEnded(results, Ending::kConfounded)) return "confounded";
   const auto& figure = end.figure;

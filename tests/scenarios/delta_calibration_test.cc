@@ -5,7 +5,9 @@
 #include <gtest/gtest.h>
 
 #include "calibration/kinds/delta/calibrate.h"
+#include "calibration/kinds/delta/link_probe.h"
 #include "calibration/kinds/delta/settings.h"
+#include "scenarios/kinds/delta_g33.h"
 #include "scenarios/machine_file.h"
 #include "sim/kinds/delta/twin.h"
 
@@ -88,6 +90,14 @@ DeltaTwinConfig Crooked() {
   return config;
 }
 
+/// With a G33 in its controller.
+class ServedDelta : public DeltaTwin {
+ public:
+  explicit ServedDelta(const DeltaTwinConfig& config) : DeltaTwin(config) {
+    SetG33(MarlinG33(G33Variant::kCorrected, config.machine.delta->print_radius_mm));
+  }
+};
+
 const DeltaStep kJoint = {
     .name = "delta_joint", .points = 37, .knobs = FirmwareKnobs()};
 const DeltaStep kG33 = {.name = "g33", .points = 4, .words = " V1 T"};
@@ -100,7 +110,7 @@ ProcedureResult Calibrated(const DeltaStep& step,
   return CalibrateDelta(step,
                         {.link = link,
                          .person = &person,
-                         .calliper = twin->Calliper(),
+                         .calliper = CalliperOf(twin),
                          .machine = Drawn()});
 }
 
@@ -148,7 +158,7 @@ TEST(BelievedDelta, AnotherFirmwareIsRefusedWithAReason) {
 }
 
 TEST(DeltaCalibration, MakesTheBedFlatOverTheWire) {
-  DeltaTwin twin(Crooked());
+  ServedDelta twin(Crooked());
   HeardLink link(&twin.link());
   const double before_mm = HeightError_mm(twin);
 
@@ -163,7 +173,7 @@ TEST(DeltaCalibration, MakesTheBedFlatOverTheWire) {
 }
 
 TEST(DeltaCalibration, WithoutConsentNoSettingIsSent) {
-  DeltaTwin twin(Crooked()), applied(Crooked());
+  ServedDelta twin(Crooked()), applied(Crooked());
   HeardLink link(&twin.link()), other(&applied.link());
 
   const ProcedureResult refused = Calibrated(kJoint, /*agrees=*/false, &twin, &link);
@@ -181,7 +191,7 @@ TEST(DeltaCalibration, WithoutConsentNoSettingIsSent) {
 }
 
 TEST(DeltaCalibration, G33RunsDryWithoutConsent) {
-  DeltaTwin twin(Crooked());
+  ServedDelta twin(Crooked());
   HeardLink link(&twin.link());
   const auto before = twin.marlin().settings();
 
@@ -193,7 +203,7 @@ TEST(DeltaCalibration, G33RunsDryWithoutConsent) {
 }
 
 TEST(DeltaCalibration, G33TellsWhatItSet) {
-  DeltaTwin twin(Crooked());
+  ServedDelta twin(Crooked());
   HeardLink link(&twin.link());
 
   const ProcedureResult result =
@@ -208,7 +218,7 @@ TEST(DeltaCalibration, G33TellsWhatItSet) {
 }
 
 TEST(DeltaCalibration, ALostLinkSetsNothing) {
-  DeltaTwin twin(Crooked());
+  ServedDelta twin(Crooked());
   HeardLink link(&twin.link(), "G30 X-");
   const auto before = twin.marlin().settings();
 
@@ -220,7 +230,7 @@ TEST(DeltaCalibration, ALostLinkSetsNothing) {
 }
 
 TEST(DeltaCalibration, ARodThatNobodyReadSetsNothing) {
-  DeltaTwin twin(Crooked());
+  ServedDelta twin(Crooked());
   HeardLink link(&twin.link());
   Person person(/*agrees=*/true);
   DeltaStep step = kJoint;
@@ -242,7 +252,7 @@ TEST(DeltaCalibration, ARodThatNobodyReadSetsNothing) {
 }
 
 TEST(DeltaCalibration, EveryTouchIsWrittenDown) {
-  DeltaTwin twin(Crooked());
+  ServedDelta twin(Crooked());
   Person person(/*agrees=*/false);
   DeltaRecord record;
 

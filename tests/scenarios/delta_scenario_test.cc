@@ -41,7 +41,8 @@ TEST(DeltaScenario, EffectsMakeTheMachine) {
       "  rod_mismatch.a2: {length_error_mm: 0.3}\n"
       "  bed_cylinder.y: {height_um: 80}\n"
       "calibrate: [klipper_descent]\n");
-  const BuiltDelta built = DrawDelta(*scenario.delta, scenario.machine.machine, 1, 0);
+  const BuiltDelta built =
+      DrawDelta(*scenario.kind.As<DeltaScenario>(), scenario.machine.machine, 1, 0);
 
   EXPECT_DOUBLE_EQ(built.build.model.endstop_mm[1], 299.8);
   EXPECT_NEAR(built.build.model.angle_rad[0] * 180 / M_PI, 210.35, 1e-12);
@@ -59,12 +60,13 @@ TEST(DeltaScenario, WhatItTouchesWithIsSetToo) {
       "settings: {probe_offset_mm: [15, 0, -1.7]}\n"
       "calibrate:\n"
       "  - g33: {p: 6, c: 0.01, f: 2, o: true, t: false}\n");
-  const BuiltDelta built = DrawDelta(*scenario.delta, scenario.machine.machine, 1, 0);
+  const BuiltDelta built =
+      DrawDelta(*scenario.kind.As<DeltaScenario>(), scenario.machine.machine, 1, 0);
 
   EXPECT_EQ(built.tip.off_mm, Vec3<double>(15, 0, -2));
   EXPECT_EQ(built.tip.pretravel_mm, 0.3);
-  EXPECT_EQ(scenario.delta->probe_offset_mm, Vec3<double>(15, 0, -1.7));
-  EXPECT_EQ(scenario.delta->calibrate[0].words, " C0.01 F2 O");
+  EXPECT_EQ(scenario.kind.As<DeltaScenario>()->probe_offset_mm,
+            Vec3<double>(15, 0, -1.7));
 }
 
 // What an extended machine file adds acts where the twin is built of parts; what it
@@ -81,13 +83,15 @@ TEST(DeltaScenario, TheEffectsOfAMachineFileAct) {
       "about: extended\nmachine: " + machine.string() + "\nseed: 1\ncalibrate: [g33]\n";
   write("  rod_mismatch.a1: {length_error_mm: 0.2}\n");
   const Scenario scenario = ReadScenarioText(text, "extended.yaml");
-  const BuiltDelta built = DrawDelta(*scenario.delta, scenario.machine.machine, 1, 0);
+  const BuiltDelta built =
+      DrawDelta(*scenario.kind.As<DeltaScenario>(), scenario.machine.machine, 1, 0);
   EXPECT_DOUBLE_EQ(built.build.rod_error_mm[0], 0.2);
 
   write("  carriage_backlash.c: {gap_mm: 0.06}\n");
   const Scenario loose = ReadScenarioText(text, "extended.yaml");
-  EXPECT_EQ(DrawDelta(*loose.delta, loose.machine.machine, 1, 0).play_mm,
-            (CarriageGaps_mm{0, 0, 0.06}));
+  EXPECT_EQ(
+      DrawDelta(*loose.kind.As<DeltaScenario>(), loose.machine.machine, 1, 0).play_mm,
+      (CarriageGaps_mm{0, 0, 0.06}));
 
   write("  trigger_latency: {latency_ms: 1}\n");
   try {

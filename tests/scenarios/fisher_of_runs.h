@@ -15,6 +15,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "scenarios/kinds/delta_scenario.h"
+#include "scenarios/kinds/triple_z_scenario.h"
 #include "scenarios/study/study.h"
 #include "scenarios/study/vary.h"
 #include "sim/base/yaml.h"
@@ -179,7 +181,9 @@ class FisherOfRuns {
                   [](const SettingSpec& spec) { return spec.key == "steps_per_mm"; });
     if (!machine.triple_z) return;
     for (ScrewDrawing& screw : machine.triple_z->screws) screw.microsteps *= kFiner;
-    if (scenario->triple_z) scenario->triple_z->steps_per_mm *= kFiner;
+    if (auto* const printer = scenario->kind.As<TripleZScenario>()) {
+      printer->steps_per_mm *= kFiner;
+    }
   }
 
   // What a motor counts depends on the machine alone, not on the settings that a
@@ -190,7 +194,7 @@ class FisherOfRuns {
       if (std::abs(row.n[a]) > std::abs(row.n[touch.axis])) touch.axis = a;
     }
     const std::size_t a = touch.axis;
-    if (scenario.delta || scenario.triple_z) {
+    if (scenario.kind.As<DeltaScenario>() || scenario.kind.As<TripleZScenario>()) {
       touch.motor_mm = row.value_mm;
       return touch;
     }
@@ -206,7 +210,7 @@ class FisherOfRuns {
   // A setup lies where it happens to, along each axis touched, and turned.
   void AddPlaces(const std::vector<Touch>& touches) {
     places_ = Eigen::MatrixXd::Zero(slopes_.rows(), 0);
-    if (study_.cases.at(asked_.of_case).scenario.delta) return;
+    if (study_.cases.at(asked_.of_case).scenario.kind.As<DeltaScenario>()) return;
     std::set<std::pair<std::string, std::size_t>> places;
     std::set<std::string> turned;
     for (const Touch& touch : touches) {

@@ -161,7 +161,9 @@ TEST(MotorScenario, DrawsNumbersFromDistributionsAlikeForOneSeed) {
       "calibrate: [{servo_home: {axis: x}}]\n");
 
   const auto gap_mm = [&](std::uint64_t sample) {
-    return DrawMotorStage(*scenario.motor, 1, sample).motors[0].gap_unit;
+    return DrawMotorStage(*scenario.kind.As<MotorStageScenario>(), 1, sample)
+        .motors[0]
+        .gap_unit;
   };
   EXPECT_EQ(gap_mm(0), gap_mm(0));
   EXPECT_NE(gap_mm(0), gap_mm(1));
@@ -173,7 +175,7 @@ TEST(MotorScenario, AnObstacleLiesOnItsSideOfTheStart) {
     return DrawMotorStage(*ReadText("effects: {obstacle.x: {at_mm: " + at +
                                     "}, start.x: {at_mm: 60}}\n"
                                     "calibrate: [{servo_home: {axis: x}}]\n")
-                               .motor,
+                               .kind.As<MotorStageScenario>(),
                           1,
                           0);
   };

@@ -82,7 +82,9 @@ TEST(Scenario, EveryExpectationIsRead) {
   EXPECT_THAT(backlash.reads->within, DoubleEq(0.001));
   EXPECT_THAT(backlash.sd_below, Optional(0.1));
   EXPECT_THAT(backlash.truth_within_sd, Optional(4.0));
-  EXPECT_THAT(expect.position_error_below_mm, Optional(0.02));
+  ASSERT_THAT(expect.figures, SizeIs(1));
+  EXPECT_THAT(expect.figures[0].name, StrEq("position_error_mm.p95"));
+  EXPECT_THAT(expect.figures[0].within.below, Optional(0.02));
   EXPECT_THAT(expect.messages, ElementsAre("check the stylus"));
 }
 

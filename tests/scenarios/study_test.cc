@@ -10,6 +10,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "scenarios/kinds/gantry_trial.h"
+#include "scenarios/kinds/motor_stage_scenario.h"
+#include "scenarios/kinds/z_station_scenario.h"
 #include "scenarios/study/aggregate.h"
 #include "scenarios/study/run.h"
 #include "scenarios/study/summary.h"
@@ -152,7 +155,8 @@ TEST_F(StudyTest, VariesTheAxesOfAMotorStage) {
       "  vary: {switch_scatter.u.sd_um: 10,\n"
       "         start.u.at_mm: {uniform: {min: 30, max: 40}}}\n"
       "  trials: 2\n");
-  const MotorScenario& motor = *study.cases.at(0).scenario.motor;
+  const MotorStageTruth& motor =
+      *study.cases.at(0).scenario.kind.As<MotorStageScenario>();
   const MotorFaults first = DrawMotorStage(motor, 1, 0).faults[kU];
   const MotorFaults second = DrawMotorStage(motor, 1, 1).faults[kU];
 
@@ -172,7 +176,8 @@ TEST_F(StudyTest, VariesAStationForANozzlesHeight) {
         "calibrate:\n  - z_calibration\n");
   const Study study = Read("  vary: {station.trigger_mm: 0.6}\n  trials: 1\n");
   ZStation station;
-  SetStation(study.cases.at(0).scenario.z_offset->station, 1, 0, &station);
+  SetStation(
+      study.cases.at(0).scenario.kind.As<ZStationScenario>()->station, 1, 0, &station);
 
   EXPECT_EQ(station.trigger_mm, 0.6);
   EXPECT_EQ(station.plate_mm, 0.8);

@@ -34,7 +34,7 @@ TEST(TripleZScenario, ASwapNeedsNoNumber) {
       "calibrate: [plane_tilt]\n");
 
   const BuiltTripleZ built =
-      DrawTripleZ(*scenario.triple_z, scenario.machine.machine, 1, 0);
+      DrawTripleZ(*scenario.kind.As<TripleZScenario>(), scenario.machine.machine, 1, 0);
 
   ASSERT_EQ(built.effects.size(), 2U);
   for (const Injected& effect : built.effects) {

@@ -22,7 +22,7 @@ struct Bench {
   Machine machine{};
   std::vector<Injected> effects{
       {.effect = EffectIndex<Backlash>(), .axis = "x", .values = {0.05}}};
-  Trial trial{};
+  GantryTruth trial{};
 
   Bench() {
     machine.settings.steps_per_mm.fill(800);
@@ -54,8 +54,28 @@ const ParameterResult& RowOf(const std::vector<ParameterResult>& table,
   return *std::ranges::find(table, name, &ParameterResult::name);
 }
 
-std::string OutcomeOf(const Trial& trial, const Expectation& expect = {}) {
-  return JudgeOutcome(trial, MakeTable(trial, expect));
+// As the runner does it.
+RunResult Judged(const GantryTruth& trial, const Expectation& expect = {}) {
+  RunResult result{.parameters = MakeTable(trial, expect)};
+  const bool all_met = MeetExpectations(expect, &result);
+  const TrueEnd end = EndOfGantry(trial, result.parameters);
+  result.outcome = JudgeOutcome(trial.results, end, all_met);
+  CheckParameters(expect, trial.results, &result);
+  for (const FigureExpectation& figure : expect.figures) {
+    CheckFigure(figure, trial.position_error_after_mm, &result);
+  }
+  CheckMessages(expect.messages, trial.results, &result);
+  CheckOutcome(expect.outcome, &result);
+  return result;
+}
+
+std::vector<ParameterResult> TableOf(const GantryTruth& trial,
+                                     const Expectation& expect) {
+  return Judged(trial, expect).parameters;
+}
+
+std::string OutcomeOf(const GantryTruth& trial, const Expectation& expect = {}) {
+  return Judged(trial, expect).outcome;
 }
 
 TEST(Verdict, ComparesTheSettingWithWhatWasBuilt) {
@@ -66,7 +86,7 @@ TEST(Verdict, ComparesTheSettingWithWhatWasBuilt) {
   const Expectation expect{
       .parameters = {{.name = "backlash.x", .truth_within = 0.003}}};
 
-  const auto table = MakeTable(bench.trial, expect);
+  const auto table = TableOf(bench.trial, expect);
 
   const ParameterResult& row = RowOf(table, "backlash.x");
   EXPECT_THAT(row.injected, DoubleEq(0.05));
@@ -84,7 +104,7 @@ TEST(Verdict, AnErrorBeyondItsToleranceFails) {
   const Expectation expect{
       .parameters = {{.name = "backlash.x", .truth_within = 0.001}}};
 
-  EXPECT_THAT(RowOf(MakeTable(bench.trial, expect), "backlash.x").passed,
+  EXPECT_THAT(RowOf(TableOf(bench.trial, expect), "backlash.x").passed,
               Optional(false));
   EXPECT_THAT(OutcomeOf(bench.trial, expect), StrEq("misses"));
 }
@@ -93,7 +113,7 @@ TEST(Verdict, WhatWasMeasuredButNotAppliedIsAnEstimate) {
   Bench bench;
   bench.trial.results = {{.estimates = {Told("backlash.x", 0.051, 0.001, false)}}};
 
-  const auto table = MakeTable(bench.trial, {});
+  const auto table = TableOf(bench.trial, {});
 
   EXPECT_THAT(RowOf(table, "backlash.x").recovered, Optional(DoubleEq(0.051)));
   EXPECT_FALSE(RowOf(table, "backlash.x").is_setting);
@@ -106,7 +126,7 @@ TEST(Verdict, AChangeRolledBackLeavesTheSettingAsRecovered) {
                           .estimates = {Told("backlash.x", 0.048, 0.001, true)}},
                          {.estimates = {Told("backlash.x", 0.0600, 0.002, false)}}};
 
-  const auto table = MakeTable(bench.trial, {});
+  const auto table = TableOf(bench.trial, {});
 
   EXPECT_THAT(RowOf(table, "backlash.x").recovered, Optional(DoubleEq(0.048)));
   EXPECT_THAT(RowOf(table, "backlash.x").sd, Optional(DoubleEq(0.001)));
@@ -119,7 +139,7 @@ TEST(Verdict, WhatCannotBeToldHasNoNumbers) {
   const Expectation expect{
       .parameters = {{.name = "probe_pretravel.z", .identifiable = false}}};
 
-  const auto table = MakeTable(bench.trial, expect);
+  const auto table = TableOf(bench.trial, expect);
 
   const ParameterResult& row = RowOf(table, "probe_pretravel.z");
   EXPECT_FALSE(row.identifiable);
@@ -133,14 +153,14 @@ TEST(Verdict, AnExpectedTruthThatNobodyMeasuredFails) {
   const Bench bench;
   const Expectation expect{.parameters = {{.name = "backlash.y", .truth_within = 1}}};
 
-  EXPECT_THAT(RowOf(MakeTable(bench.trial, expect), "backlash.y").passed,
+  EXPECT_THAT(RowOf(TableOf(bench.trial, expect), "backlash.y").passed,
               Optional(false));
 }
 
 TEST(Verdict, InjectedAndNotMeasuredStaysInTheTable) {
   const Bench bench;
 
-  const auto table = MakeTable(bench.trial, {});
+  const auto table = TableOf(bench.trial, {});
 
   EXPECT_THAT(RowOf(table, "backlash.x").recovered, Eq(std::nullopt));
   EXPECT_THAT(RowOf(table, "backlash.x").passed, Eq(std::nullopt));
@@ -237,7 +257,7 @@ TEST(Verdict, AnotherOutcomeThanExpectedFailsItsCheck) {
   Bench bench;
   bench.trial.results = {{.ending = Ending::kAlarm}};
 
-  const auto checks = MakeChecks(bench.trial, {}, MakeTable(bench.trial, {}), "alarm");
+  const auto checks = Judged(bench.trial).checks;
 
   ASSERT_THAT(checks.size(), Eq(1u));
   EXPECT_FALSE(checks[0].passed);
@@ -253,9 +273,7 @@ TEST(Verdict, StepsMustComeInOrderAndNear) {
       .parameters = {
           {.name = "steps_per_mm.x", .steps = {816, 832}, .steps_within = 1}}};
   const auto passed = [&] {
-    return MakeChecks(bench.trial, expect, MakeTable(bench.trial, expect), "recovers")
-        .back()
-        .passed;
+    return Judged(bench.trial, expect).checks.back().passed;
   };
 
   EXPECT_TRUE(passed());

@@ -289,6 +289,56 @@ TEST(Validate, TellsTheKindByTheTopLevelKey) {
                     HasSubstr("good.yaml: scenario, no faults\n")));
 }
 
+// Of every kind of machine: a scenario whose program does that to itself or to caltwin.
+std::vector<std::string> EndedBy(const std::string& command) {
+  const std::string steps =
+      "calibrate:\n  - external: {command: [sh, -c, " + command + "]}\n";
+  std::vector<std::string> files;
+  for (const char* machine : {"gantry_router",
+                              "delta_printer",
+                              "triple_z_printer",
+                              "z_station",
+                              "motor_stage"}) {
+    files.push_back(
+        Written(std::string(machine) + ".yaml",
+                "machine: " + std::string(machine) + "\nfidelity: fast\n" + steps));
+  }
+  return files;
+}
+
+TEST(CommandLine, OnEveryKindOfMachineALostProgramExitsWithThree) {
+  for (const std::string& file : EndedBy("kill -9 $$")) {
+    EXPECT_THAT(Caltwin("run " + file).code, Eq(3)) << file;
+  }
+}
+
+TEST(CommandLine, OnEveryKindOfMachineAnInterruptExitsWith130) {
+  for (const std::string& file : EndedBy("kill -INT $PPID; sleep 9")) {
+    EXPECT_THAT(Caltwin("run " + file).code, Eq(130)) << file;
+  }
+}
+
+// Each with its place; of another kind's reader the message would be about effects.
+TEST(Validate, AFaultyTruthIsToldAsOfItsOwnKind) {
+  struct Case {
+    const char *text, *fault;
+  };
+  for (const Case& one :
+       {Case{"effects: {backlash.x: {gap: 0.05}}\n", "effects.backlash.x has no key"},
+        Case{"effects: {rod_mismatch.a1: {length_error: 1}}\n",
+             "effects.rod_mismatch.a1 has no key"},
+        Case{"effects: {pivot_position.z1: {dx: 1}}\n",
+             "effects.pivot_position.z1 has no key"},
+        Case{"effects: {ooze: {thickness: 1}}\n", "effects.ooze has no key"},
+        Case{"effects: {switch_scatter.x: {sd: 1}}\n",
+             "effects.switch_scatter.x has no key"}}) {
+    const Finished run = Caltwin("validate " + Written("t.yaml", one.text));
+    EXPECT_THAT(run.code, Eq(2));
+    EXPECT_THAT(run.err, HasSubstr(one.fault));
+    EXPECT_THAT(run.err, HasSubstr("t.yaml:1:"));
+  }
+}
+
 TEST(Validate, AFileOfNoKindSaysWhichKeysTell) {
   const Finished run = Caltwin("validate " + Written("odd.yaml", "colour: red\n"));
 

@@ -10,11 +10,10 @@
 #include <fmt/format.h>
 
 #include "scenarios/file_kind.h"
-#include "scenarios/kinds/motor_stage_scenario.h"
+#include "scenarios/kinds/truth_file.h"
 #include "scenarios/machine_file.h"
 #include "scenarios/scenario.h"
 #include "scenarios/study/study.h"
-#include "sim/kinds/delta/effects.h"
 #include "sim/machine/machine.h"
 #include "sim/machine/motor_stage.h"
 #include "sim/measure/data_header.h"
@@ -29,39 +28,6 @@ struct Options {
   std::vector<std::string> files{};
 };
 
-void ReadTruthOf(const std::filesystem::path& machine_file, const std::string& file) {
-  if (IsMotorStage(machine_file)) {
-    ReadMotorTruthFile(file, ReadMotorStage(machine_file));
-    return;
-  }
-  const Machine machine = ReadMachine(machine_file);
-  if (machine.delta) {
-    ReadDeltaTruthFile(file, machine);
-  } else {
-    ReadTruthFile(file, machine);
-  }
-}
-
-// A truth file does not say whose it is: sound if it is sound of any kind of machine,
-// else told as of the kind that it fits best.
-void ReadTruth(const std::string& file) {
-  std::optional<InputError> least;
-  for (const char* name : {"gantry_router",
-                           "delta_printer",
-                           "triple_z_printer",
-                           "z_station",
-                           "motor_stage"}) {
-    try {
-      ReadTruthOf(ShareFolder() / "models" / name / "machine.yaml", file);
-      return;
-    } catch (const InputError& error) {
-      const std::string_view text = error.what();
-      if (!least || text.size() < std::string_view(least->what()).size()) least = error;
-    }
-  }
-  throw *least;
-}
-
 // Reads a file as what it is, for what is to be noted of it; throws InputError where it
 // is not that.
 std::vector<std::string> Check(const std::string& file, FileKind kind) {
@@ -73,7 +39,7 @@ std::vector<std::string> Check(const std::string& file, FileKind kind) {
       ReadMotorStage(file);
       return {};
     case FileKind::kTruth:
-      ReadTruth(file);
+      CheckTruthFile(file);
       return {};
     case FileKind::kData:
       ReadRows(file);
