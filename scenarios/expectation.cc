@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 namespace caltwin {
 namespace {
@@ -79,10 +80,13 @@ void RefuseUnknown(const std::string& name,
   std::vector<std::string> names = expectable.parameters;
   names.insert(names.end(), expectable.figures.begin(), expectable.figures.end());
   names.insert(names.end(), kFiguresOfAll.begin(), kFiguresOfAll.end());
+  constexpr std::size_t kFew = 60;
   const std::string nearest = NearestWord(name, names);
-  value.Fail("is no parameter that this version knows",
-             (nearest.empty() ? "" : fmt::format("did you mean '{}'? ", nearest)) +
-                 "`caltwin explain` lists them all");
+  value.Fail(
+      "is no parameter that this version knows",
+      (nearest.empty() ? "" : fmt::format("did you mean '{}'? ", nearest)) +
+          (names.size() <= kFew ? fmt::format("it knows {}", fmt::join(names, ", "))
+                                : "`caltwin explain` lists them all"));
 }
 
 }  // namespace

@@ -25,15 +25,6 @@ bool AnyEnded(const std::vector<ProcedureResult>& results, Ending ending) {
   return std::ranges::find(results, ending, &ProcedureResult::ending) != results.end();
 }
 
-// A refusal ends a run; what it refused has changed nothing.
-bool WasRefused(const std::vector<ProcedureResult>& results) {
-  return std::ranges::any_of(results, [](const ProcedureResult& result) {
-    return result.ending == Ending::kRefused &&
-           std::ranges::find(result.steps, Verdict::kApplied, &Step::verdict) ==
-               result.steps.end();
-  });
-}
-
 void Add(RunResult* result,
          const std::string& name,
          const std::string& expected,
@@ -168,11 +159,12 @@ std::string JudgeOutcome(const std::vector<ProcedureResult>& results,
   if (AnyEnded(results, Ending::kAlarm)) return "alarm";
   if (AnyEnded(results, Ending::kCollision)) return "collision";
   if (AnyEnded(results, Ending::kNoTrigger)) return "no_trigger";
-  if (WasRefused(results)) return "refused";
+  if (!results.empty() && results.back().ending == Ending::kRefused) return "refused";
   if (AnyEnded(results, Ending::kReadsZero) || end.reads_zero) return "reads_zero";
   if (AnyEnded(results, Ending::kConfounded)) return "confounded";
   const auto& figure = end.figure;
-  if (figure && figure->after > figure->before + figure->noise) return "diverges";
+  // A machine that reaches nothing any more has no figure: that is worse too.
+  if (figure && !(figure->after <= figure->before + figure->noise)) return "diverges";
   if (!all_met || end.told_wrong || (figure && !figure->is_met)) return "misses";
   return "recovers";
 }

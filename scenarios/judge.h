@@ -43,7 +43,8 @@ bool MeetExpectations(const Expectation& expect, RunResult* result);
 /// - `diverges`: the error of what was calibrated grew in two or more passes, even if a
 ///   limit or an alarm then stopped it;
 /// - `alarm`, `collision`, `no_trigger`: how the machine stopped a procedure;
-/// - `refused`: a procedure was refused, and nothing of it was applied;
+/// - `refused`: a procedure was refused, which ends a run: by a limit, the operator, or
+///   a check before;
 /// - `reads_zero`: a procedure said so, or a size was read as none where there is one;
 /// - `confounded`: a procedure said that it cannot tell;
 /// - `diverges`: the figure that the kind is calibrated for is worse at truth than

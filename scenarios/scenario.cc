@@ -16,11 +16,8 @@ constexpr std::int64_t kLargestSeed = std::int64_t{1} << 53;  // JSON keeps it e
 void ReadMachineKey(YamlMap* map, const fs::path& folder, Scenario* scenario) {
   const auto machine = map->Required("machine");
   const std::string name = machine ? machine->Text() : "";
-  if (name.empty()) {
-    scenario->kind = AnyKindScenario(UsualKind());
-    return;
-  }
-  const fs::path file = FindMachine(name, folder, machine->place());
+  const fs::path file =
+      name.empty() ? fs::path{} : FindMachine(name, folder, machine->place());
   scenario->kind = AnyKindScenario(ReadKind(file, map, &scenario->machine));
   scenario->effects = scenario->machine.effects;
 }

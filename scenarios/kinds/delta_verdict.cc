@@ -195,6 +195,10 @@ void AddDeltaTable(const DeltaTruth& trial, RunResult* result) {
 
 TrueEnd EndOfDelta(const DeltaTruth& trial, RunResult* result) {
   const DeltaAccuracy before = AccuracyBefore(trial), after = AccuracyAfter(trial);
+  if (!std::isfinite(after.z_rms_mm)) {
+    result->messages.push_back(
+        "with these settings the machine does not reach all of its bed");
+  }
   result->messages.push_back(fmt::format(
       "the nozzle stands {:.1f} um rms off the bed ({:.1f} at most), {:.1f} before; "
       "prints are {:+.2f} um/mm wrong; the procedure says {:.4f} mm",

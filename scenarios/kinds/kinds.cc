@@ -15,6 +15,10 @@ std::unique_ptr<KindScenario> UsualKind() {
 std::unique_ptr<KindScenario> ReadKind(const std::filesystem::path& file,
                                        YamlMap* map,
                                        MachineFile* machine) {
+  if (file.empty()) {  // A fault already; the keys that there are are told.
+    map->Has("station");
+    return UsualKind();
+  }
   if (IsMotorStage(file)) {
     auto stage = std::make_unique<MotorStageScenario>();
     stage->drawing = ReadMotorStage(file);

@@ -9,7 +9,8 @@
 namespace caltwin {
 
 /// Reads the machine of a scenario into `machine`, and gives what its kind has of its
-/// own, not filled in yet. `map`: of the scenario, whose keys may tell the kind.
+/// own, not filled in yet. `file` may be empty: nobody says. `map`: of the scenario,
+/// whose keys may tell the kind.
 std::unique_ptr<KindScenario> ReadKind(const std::filesystem::path& file,
                                        YamlMap* map,
                                        MachineFile* machine);

@@ -131,7 +131,8 @@ TEST(DeltaScenario, TellsWhatItDoesNotKnow) {
   EXPECT_THAT(FaultOf("calibrate: [next_all]\n"),
               HasSubstr("'next_all' is no procedure of a delta"));
   EXPECT_THAT(FaultOf(calibrate + "expect: {flatness: {below: 1}}\n"),
-              HasSubstr("has no key 'flatness'"));
+              HasSubstr("expect.flatness is no parameter that this version knows\n"
+                        "  it knows endstop.a, "));
 }
 
 // By G-code alone, through whole motor steps: what G33 cannot know, the estimate says.

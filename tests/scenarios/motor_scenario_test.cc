@@ -101,10 +101,10 @@ TEST(MotorScenario, OptionsThatAProcedureDoesNotHeedAreRefused) {
 
 // 128 bytes a record: cut before its last byte the old one counts, after it the new.
 TEST(MotorScenario, APowerCutLeavesTheOldRecordOrTheNew) {
-  for (const auto& [bytes, home] : {std::pair("0", "X:0"),
-                                    std::pair("127", "X:0"),
-                                    std::pair("128", "X:77"),
-                                    std::pair("500", "X:77")}) {
+  for (const auto& [bytes, home] : {std::pair("0", "M206 X: X:0"),
+                                    std::pair("127", "M206 X: X:0"),
+                                    std::pair("128", "M206 X: X:77"),
+                                    std::pair("500", "M206 X: X:77")}) {
     const RunResult result = RunScenario(
         ReadText("calibrate: [{gcode: {lines: [\"M500 X\", \"M206 X77\"]}}, "
                  "{power_cut: {lines: [\"M500 X\"], after_bytes: " +

@@ -175,13 +175,16 @@ TEST(Verdict, TwoGrowingPassesDivergeEvenIfALimitStoppedThem) {
   EXPECT_THAT(OutcomeOf(bench.trial), StrEq("diverges"));
 }
 
-TEST(Verdict, OneWorseningPassIsNoDivergence) {
+// Whatever its passes say: the machine is worse than it was.
+TEST(Verdict, AMachineThatErrsMoreThanBeforeDiverges) {
   Bench bench;
   bench.trial.position_error_before_mm = 0.5;
   bench.trial.position_error_after_mm = 1.0;
   bench.trial.results = {{.steps = {Applied("steps_per_mm.x", 808, 816.1)}}};
+  EXPECT_THAT(OutcomeOf(bench.trial), StrEq("diverges"));
 
-  EXPECT_THAT(OutcomeOf(bench.trial), StrEq("misses"));
+  bench.trial.position_error_after_mm = 0.5;
+  EXPECT_THAT(OutcomeOf(bench.trial), StrEq("misses"));  // 16 steps/mm off.
 }
 
 TEST(Verdict, ASettingLeftWorseThanItWasMisses) {
@@ -208,15 +211,17 @@ TEST(Verdict, WanderingWithinTheUncertaintyIsNoDivergence) {
   EXPECT_THAT(OutcomeOf(bench.trial), StrEq("recovers"));
 }
 
-TEST(Verdict, RefusedMeansThatNothingWasApplied) {
+// A run that ends so has not recovered, whatever was done before.
+TEST(Verdict, ARefusalEndsARun) {
   Bench bench;
   bench.trial.results = {{.ending = Ending::kRefused}};
   EXPECT_THAT(OutcomeOf(bench.trial), StrEq("refused"));
 
-  bench.trial.results.push_back(
-      {.steps = {Applied("steps_per_mm.x", 808, 800)},
-       .estimates = {Told("steps_per_mm.x", 800, 0.01, true)}});
+  bench.trial.results = {{.steps = {Applied("steps_per_mm.x", 808, 800)},
+                          .estimates = {Told("steps_per_mm.x", 800, 0.01, true)}}};
   EXPECT_THAT(OutcomeOf(bench.trial), StrEq("recovers"));
+  bench.trial.results.push_back({.ending = Ending::kRefused});
+  EXPECT_THAT(OutcomeOf(bench.trial), StrEq("refused"));
 }
 
 TEST(Verdict, ZeroWhereThereIsAGapReadsZero) {

@@ -55,6 +55,16 @@ std::string ProceduresText(const CalibrateOptions& options) {
   return text;
 }
 
+void RefuseScenarioSteps(const CalibrateOptions& options) {
+  for (const std::string& procedure : options.procedures) {
+    const std::string name = procedure.substr(0, procedure.find(':'));
+    if (name != "gcode" && name != "external") continue;
+    throw InputError({.file = "--procedure"},
+                     name + " is a step of scenarios only",
+                     "write a scenario and `caltwin run` it");
+  }
+}
+
 std::map<std::string, double> ReadingsOf(const std::vector<std::string>& given) {
   std::map<std::string, double> readings;
   for (const std::string& text : given) {

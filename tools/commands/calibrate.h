@@ -42,6 +42,9 @@ std::optional<MachineFile> MachineToCalibrate(const CalibrateOptions& options);
 /// say its own.
 std::string ProceduresText(const CalibrateOptions& options);
 
+/// Throws InputError where a procedure is a step that only scenarios have.
+void RefuseScenarioSteps(const CalibrateOptions& options);
+
 /// --reading ID=MILLIMETRES by id. Throws InputError.
 std::map<std::string, double> ReadingsOf(const std::vector<std::string>& given);
 

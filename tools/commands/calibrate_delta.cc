@@ -33,6 +33,7 @@ struct AtHand {
 };
 
 std::vector<DeltaStep> StepsOf(const CalibrateOptions& options) {
+  RefuseScenarioSteps(options);
   Faults faults;
   YamlMap map = ReadYamlText(ProceduresText(options), "--procedure", &faults);
   auto steps = ReadDeltaSteps(*map.Required("calibrate"));

@@ -25,6 +25,7 @@ constexpr double kLaserSigma_um = 0.5;  // Where the bench does not say.
 
 std::vector<MotorStep> StepsAsked(const CalibrateOptions& options,
                                   const MotorStageDrawing& drawing) {
+  RefuseScenarioSteps(options);
   Faults faults;
   YamlMap map = ReadYamlText(ProceduresText(options), "--procedure", &faults);
   auto steps = ReadMotorSteps(*map.Required("calibrate"), drawing);

@@ -30,6 +30,7 @@ std::vector<TripleZStep> PrinterStepsOf(const CalibrateOptions& options) {
   if (!options.axis.empty()) {
     throw InputError({.file = "--axis"}, "a triple-Z printer is levelled as a whole");
   }
+  RefuseScenarioSteps(options);
   Faults faults;
   YamlMap map = ReadYamlText(ProceduresText(options), "--procedure", &faults);
   auto steps = ReadTripleZSteps(*map.Required("calibrate"));

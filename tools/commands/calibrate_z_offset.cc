@@ -24,6 +24,7 @@ std::vector<ZStationStep> StepsAsked(const CalibrateOptions& options) {
   if (!options.axis.empty()) {
     throw InputError({.file = "--axis"}, "a nozzle's height is along z alone");
   }
+  RefuseScenarioSteps(options);
   Faults faults;
   YamlMap map = ReadYamlText(ProceduresText(options), "--procedure", &faults);
   auto steps = ReadZStationSteps(*map.Required("calibrate"));
