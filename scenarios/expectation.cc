@@ -80,6 +80,7 @@ void RefuseUnknown(const std::string& name,
   std::vector<std::string> names = expectable.parameters;
   names.insert(names.end(), expectable.figures.begin(), expectable.figures.end());
   names.insert(names.end(), kFiguresOfAll.begin(), kFiguresOfAll.end());
+  names.insert(names.end(), {"outcome", "messages"});
   constexpr std::size_t kFew = 60;
   const std::string nearest = NearestWord(name, names);
   value.Fail(

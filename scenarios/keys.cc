@@ -88,21 +88,25 @@ constexpr std::array kStudyKeys = {
          "fixed memory; usual for linear."}};
 
 constexpr std::array kOutcomeWords = {
-    Word{"recovers",
-         "Every procedure ran to its end, every expected truth was met, and the "
-         "machine's position error did not grow."},
-    Word{"diverges",
-         "The error of one setting grew in two or more passes, even if a limit then "
-         "stopped it."},
+    Word{
+        "recovers",
+        "Every procedure ran to its end, every expected truth was met, and the machine "
+        "is at truth as good as its kind asks for (docs/scenarios.md)."},
+    Word{
+        "diverges",
+        "The error grew in two or more passes, even if a limit then stopped it; or the "
+        "machine is at truth worse than before, by more than chance."},
     Word{"no_trigger", "A probe move ended without the contact it was to find."},
     Word{"collision", "The stylus was bent beyond its overtravel."},
     Word{"reads_zero", "The reading is zero whatever the machine is like."},
     Word{"confounded", "The procedure said that it cannot tell."},
-    Word{"refused", "Nothing was applied."},
+    Word{"refused",
+         "A procedure was refused, which ends a run: by a limit, the operator, or a "
+         "check before."},
     Word{"alarm", "The machine stopped itself for another reason."},
-    Word{
-        "misses",
-        "All was done, but an expected truth was missed or the machine became worse."}};
+    Word{"misses",
+         "All was done, but an expected truth was missed, something told is wrong, or "
+         "the machine is not as good as its kind asks for."}};
 
 constexpr std::array kUncertaintyWords = {
     Word{"u",

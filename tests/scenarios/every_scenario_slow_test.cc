@@ -42,7 +42,7 @@ TEST(SignErrorOnTrial, IsCaughtByTheHiddenTruth) {
 
   EXPECT_FALSE(result.passed);
   EXPECT_FALSE(result.lost);
-  EXPECT_EQ(result.outcome, "misses");
+  EXPECT_EQ(result.outcome, "diverges");
 }
 
 }  // namespace
