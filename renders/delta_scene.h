@@ -2,7 +2,7 @@
 
 #include <memory>
 
-#include "scenarios/scenario.h"
+#include "sim/kinds/delta/plant.h"
 #include "sim/kinds/delta/world.h"
 
 namespace caltwin {
