@@ -354,23 +354,9 @@ std::optional<double> GcodeCommand::Number(char wanted) const {
   return word->number;
 }
 
-namespace {
-
-// "F O O": words without a command have no name but themselves.
-std::string WordsAlone(const std::vector<GcodeWord>& words) {
-  std::string name;
-  for (const GcodeWord& word : words) {
-    if (!name.empty()) name += ' ';
-    name += word.letter;
-  }
-  return name.empty() ? "a line without a command" : name;
-}
-
-}  // namespace
-
 std::string GcodeCommand::Name() const {
-  if (letter == 0) return WordsAlone(words);
-  std::string name(1, letter);
+  if (letter == 0 && words.empty()) return "a line without a command";
+  std::string name(1, letter == 0 ? words.front().letter : letter);
   if (code >= 0) name += fmt::format("{}", code);
   if (minor > 0) name += fmt::format(".{}", minor);
   return name;
