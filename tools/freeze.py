@@ -132,7 +132,7 @@ class Freezer:
             words = [self.binary, "calibrate", "--link", link, "--procedure", procedure, *more,
                      "--transcript", f"{folder}/t.txt"]
             text = run(words) + file_text(pathlib.Path(folder) / "t.txt")
-            return [self.answer(f"calibrate {link} {procedure} {' '.join(more)}", text.replace(folder, "OUT"))]
+            return [self.answer(" ".join(["calibrate", link, procedure, *more]), text.replace(folder, "OUT"))]
 
     def simulated(self, plan, truth=None):
         with tempfile.TemporaryDirectory() as folder:
