@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "sim/base/units.h"
+#include "sim/effects/catalog.h"
 
 namespace caltwin {
 namespace {
@@ -20,7 +21,7 @@ struct MotorParameter {
   /// Behind the name: "mm" (of a rotary axis deg), "mm_s", "um" (mdeg), "ms", "kg",
   /// "n", "".
   std::string_view unit;
-  Bounds bounds;
+  Bounds own;  ///< Where the catalogue has no such parameter.
   void (*act)(double value, std::size_t axis, BuiltMotorStage* built);
   bool servo_only = false;
 };
@@ -49,7 +50,7 @@ const std::array kParameters = {
     MotorParameter{"backlash",
                    "gap",
                    "mm",
-                   {0, 5},
+                   {},
                    [](double v, std::size_t i, BuiltMotorStage* b) {
                      b->motors[i].gap_unit = v;
                    }},
@@ -139,15 +140,16 @@ const std::array kParameters = {
                    },
                    true}};
 
-// As declared, but for places (between the axis' hard stops) and loads (something is
-// left of it).
+// As the effect is bounded on every machine, but for places (between the axis' hard
+// stops) and loads (something is left of it).
 Bounds BoundsOf(const MotorParameter& parameter, const MotorAxisDrawing& d) {
   if (parameter.name == "at") {
     return {d.min_switch_unit - d.stop_unit, d.max_switch_unit + d.stop_unit};
   }
   if (parameter.effect == "load") return {kLeast_kg - d.load_inertia, 1e4};
   if (parameter.effect == "index_position") return {0, d.lead_unit};
-  return parameter.bounds;
+  const std::string declared = fmt::format("{}_{}", parameter.name, parameter.unit);
+  return DeclaredBounds(parameter.effect, declared).value_or(parameter.own);
 }
 
 std::string KeyOf(const MotorParameter& parameter, bool is_rotary) {

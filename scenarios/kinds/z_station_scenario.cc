@@ -5,6 +5,8 @@
 
 #include "scenarios/kinds/z_station_trial.h"
 #include "scenarios/named_step.h"
+#include "sim/base/units.h"
+#include "sim/effects/catalog.h"
 
 namespace caltwin {
 namespace {
@@ -15,19 +17,35 @@ struct StationKey {
   double ZStation::*member;
 };
 
-constexpr std::array kKeys = {
+// As the effect is bounded on every machine, micrometres in mm.
+Bounds DeclaredBounds_mm(std::string_view effect, std::string_view parameter) {
+  const Bounds um = DeclaredBounds(effect, parameter).value();
+  return {MmFromUm(um.min), MmFromUm(um.max)};
+}
+
+const std::array kKeys = {
     StationKey{"switch_mm", {-20, 50}, &ZStation::switch_mm},
     StationKey{"nozzle_mm", {-5, 5}, &ZStation::nozzle_mm},
     StationKey{"ooze_mm", {0, 5}, &ZStation::ooze_mm},
     StationKey{"body_mm", {0, 50}, &ZStation::body_mm},
     StationKey{"trigger_mm", {-1, 5}, &ZStation::trigger_mm},
     StationKey{"plate_mm", {0, 20}, &ZStation::plate_mm},
-    StationKey{"bed_slope_x_mrad", {-50, 50}, &ZStation::bed_slope_x_mrad},
-    StationKey{"bed_slope_y_mrad", {-50, 50}, &ZStation::bed_slope_y_mrad},
-    StationKey{"bed_bowl_mm", {-2, 2}, &ZStation::bed_bowl_mm},
+    StationKey{"bed_slope_x_mrad",
+               *DeclaredBounds("bed_tilt", "slope_x_mrad"),
+               &ZStation::bed_slope_x_mrad},
+    StationKey{"bed_slope_y_mrad",
+               *DeclaredBounds("bed_tilt", "slope_y_mrad"),
+               &ZStation::bed_slope_y_mrad},
+    StationKey{"bed_bowl_mm",
+               DeclaredBounds_mm("bed_bowl", "height_um"),
+               &ZStation::bed_bowl_mm},
     StationKey{"dock_misses", {0, 1}, &ZStation::dock_misses},
-    StationKey{"endstop_scatter_mm", {0, 1}, &ZStation::endstop_scatter_mm},
-    StationKey{"probe_scatter_mm", {0, 1}, &ZStation::probe_scatter_mm},
+    StationKey{"endstop_scatter_mm",
+               DeclaredBounds_mm("trigger_scatter", "sd_um"),
+               &ZStation::endstop_scatter_mm},
+    StationKey{"probe_scatter_mm",
+               DeclaredBounds_mm("trigger_scatter", "sd_um"),
+               &ZStation::probe_scatter_mm},
     StationKey{"worn_mm", {0, 2}, &ZStation::worn_mm},
     StationKey{"nozzle_mm_per_k", {-0.1, 0.1}, &ZStation::nozzle_mm_per_k},
     StationKey{"bed_mm_per_k", {-0.1, 0.1}, &ZStation::bed_mm_per_k},

@@ -19,7 +19,7 @@ struct Backlash {
       Parameter{.name = "gap_mm",
                 .unit = "mm",
                 .min = 0,
-                .max = 2,
+                .max = 5,
                 .prior = LogNormal{.median = 0.05, .factor = 2.5},
                 .doc = "Travel lost at a reversal; a width, without sign."}};
   static void Neutral(const Machine&, std::string_view, std::span<double> values) {

@@ -58,6 +58,16 @@ Shown ShownOn(const Effect& effect, std::string_view axis, Kinematics kinematics
   return is_other ? sight.shown_on_triple_z(axis) : sight.shown(axis);
 }
 
+std::optional<Bounds> DeclaredBounds(std::string_view effect,
+                                     std::string_view parameter) {
+  const auto index = FindEffect(effect);
+  if (!index) return std::nullopt;
+  const auto& parameters = EffectAt(*index).parameters;
+  const auto found = std::ranges::find(parameters, parameter, &Parameter::name);
+  if (found == parameters.end()) return std::nullopt;
+  return Bounds{found->min, found->max};
+}
+
 bool HasAxis(const Effect& effect, std::string_view axis, Kinematics kinematics) {
   const auto same = [&](std::string_view word) {
     return word == axis || (word == kAnyAxis && !axis.empty());

@@ -175,6 +175,12 @@ std::vector<KnobTurn<double>> TurnsOf(const Injected& effect);
 std::vector<Injected> TurnBuild(std::span<const Injected> effects,
                                 DeltaBuild<double>* build);
 
+/// How far a parameter of an effect may go, in its declared unit: the same wherever the
+/// effect stands, also where a kind of machine builds it in as a part of its own.
+/// nullopt: no effect of that name has it.
+std::optional<Bounds> DeclaredBounds(std::string_view effect,
+                                     std::string_view parameter);
+
 /// The declared word for an axis as a file writes it: an alias becomes axes[0].
 std::string AxisOf(const Effect& effect, std::string_view written);
 

@@ -14,7 +14,7 @@ struct TriggerScatter {
       Parameter{.name = "sd_um",
                 .unit = "um",
                 .min = 0,
-                .max = 500,
+                .max = 1000,
                 .prior = LogNormal{.median = 1, .factor = 3},
                 .doc = "Standard deviation of one trigger along the normal."}};
   static void Neutral(const Machine&, std::string_view, std::span<double> values) {

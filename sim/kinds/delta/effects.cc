@@ -24,7 +24,7 @@ struct DeltaParameter {
   std::string_view cause{};
   std::string_view axes{};  ///< "" none, "t" tower, "xy" or "z" direction.
   std::string_view name{};
-  Bounds bounds{};
+  Bounds own{};  ///< Where the catalogue has no such parameter.
   void (*act)(BuiltDelta*, const DeltaTarget&, double) = nullptr;
 };
 
@@ -65,42 +65,42 @@ constexpr std::array kParameters = {
     DeltaParameter{"effector_tilt",
                    "",
                    "tilt_x_mrad",
-                   {-200, 200},
+                   {},
                    [](BuiltDelta* d, const DeltaTarget&, double v) {
                      d->build.tool_tilt_x_rad += RadFromMrad(v);
                    }},
     DeltaParameter{"effector_tilt",
                    "",
                    "tilt_y_mrad",
-                   {-200, 200},
+                   {},
                    [](BuiltDelta* d, const DeltaTarget&, double v) {
                      d->build.tool_tilt_y_rad += RadFromMrad(v);
                    }},
     DeltaParameter{"bed_tilt",
                    "",
                    "slope_x_mrad",
-                   {-50, 50},
+                   {},
                    [](BuiltDelta* d, const DeltaTarget&, double v) {
                      d->bed.slope_x += RadFromMrad(v);
                    }},
     DeltaParameter{"bed_tilt",
                    "",
                    "slope_y_mrad",
-                   {-50, 50},
+                   {},
                    [](BuiltDelta* d, const DeltaTarget&, double v) {
                      d->bed.slope_y += RadFromMrad(v);
                    }},
     DeltaParameter{"bed_bowl",
                    "",
                    "height_um",
-                   {-2000, 2000},
+                   {},
                    [](BuiltDelta* d, const DeltaTarget&, double v) {
                      d->bed.bowl_mm += MmFromUm(v);
                    }},
     DeltaParameter{"bed_cylinder",
                    "xy",
                    "height_um",
-                   {-2000, 2000},
+                   {},
                    [](BuiltDelta* d, const DeltaTarget& t, double v) {
                      (t.along == 'x' ? d->bed.cylinder_x_mm : d->bed.cylinder_y_mm) +=
                          MmFromUm(v);
@@ -108,14 +108,14 @@ constexpr std::array kParameters = {
     DeltaParameter{"bed_twist",
                    "",
                    "height_um",
-                   {-2000, 2000},
+                   {},
                    [](BuiltDelta* d, const DeltaTarget&, double v) {
                      d->bed.twist_mm += MmFromUm(v);
                    }},
     DeltaParameter{"trigger_scatter",
                    "",
                    "sd_um",
-                   {0, 1000},
+                   {},
                    [](BuiltDelta* d, const DeltaTarget&, double v) {
                      d->scatter_mm = std::hypot(d->scatter_mm, MmFromUm(v));
                    }},
@@ -143,10 +143,15 @@ constexpr std::array kParameters = {
     DeltaParameter{"probe_pretravel",
                    "z",
                    "pretravel_mm",
-                   {0.01, 2},
+                   {},
                    [](BuiltDelta* d, const DeltaTarget&, double v) {
                      d->tip.pretravel_mm = v;
                    }}};
+
+// As the effect is bounded on every machine.
+Bounds BoundsOf(const DeltaParameter& parameter) {
+  return DeclaredBounds(parameter.cause, parameter.name).value_or(parameter.own);
+}
 
 std::optional<DeltaTarget> TargetNamed(std::string_view axes, std::string_view axis) {
   if (axes.empty()) return axis.empty() ? std::optional(DeltaTarget{}) : std::nullopt;
@@ -203,7 +208,7 @@ void ReadEffect(const std::string& name,
     if (const auto number = map.Optional(std::string(parameter->name))) {
       effects->push_back({.name = name,
                           .parameter = std::string(parameter->name),
-                          .value = number->NumberOrDistribution(parameter->bounds),
+                          .value = number->NumberOrDistribution(BoundsOf(*parameter)),
                           .place = number->place()});
     }
   }
