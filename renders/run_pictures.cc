@@ -8,10 +8,10 @@
 
 #include <fmt/format.h>
 
-#include "renders/delta_scene.h"
 #include "renders/html.h"
+#include "renders/kinds/delta_scene.h"
+#include "renders/kinds/triple_z_scene.h"
 #include "renders/machine_scene.h"
-#include "renders/triple_z_scene.h"
 #include "scenarios/kinds/delta_scenario.h"
 #include "scenarios/kinds/gantry_scenario.h"
 #include "scenarios/kinds/gantry_trial.h"

@@ -8,6 +8,7 @@
 #include "sim/base/text_file.h"
 #include "sim/effects/catalog.h"
 #include "sim/effects/map_table.h"
+#include "sim/machine/kinds/kinds.h"
 
 namespace caltwin {
 
@@ -149,14 +150,14 @@ MachineFile ReadExtension(const fs::path& file, YamlMap* map) {
 
 MachineFile ReadMachineFile(const fs::path& file) {
   MachineFile read = ReadAnyMachineFile(file);
-  if (read.machine.triple_z) {
+  if (read.machine.kind == TripleZKind()) {
     throw InputError(
         {.file = file.string()},
         "this machine is a triple-Z printer, which serve and calibrate do not know",
         "run, compare levelling, simulate, plan, diagnose (closed loops too), "
         "validate and render know it");
   }
-  if (read.machine.z_station) {
+  if (read.machine.kind == ZStationKind()) {
     throw InputError(
         {.file = file.string()},
         "this machine is a printer's station of nozzle, switch and probe, which this "
@@ -164,7 +165,7 @@ MachineFile ReadMachineFile(const fs::path& file) {
         "run, calibrate (z_calibration, probe_accuracy, switch_offset), serve, "
         "simulate, plan, diagnose and validate know it");
   }
-  if (read.machine.delta) {
+  if (read.machine.kind == DeltaKind()) {
     throw InputError(
         {.file = file.string()},
         "this machine is a delta, which this command does not know",

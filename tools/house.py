@@ -11,6 +11,7 @@ import sys
 
 FOLDERS = ("sim/", "calibration/", "scenarios/", "renders/", "tools/")
 KIND = (r"((\.|->)(delta|triple_z|z_station|motor|z_offset)\b(?!\()|IsMotorStage\(|Kinematics::k"
+        r"|\b(Delta|TripleZ|ZStation)Kind\(\)|\bOwn<\w+>"
         r"|As<\w+Scenario>)")
 BRANCH = re.compile(r"\b(if|case|switch|while|return)\b.*" + KIND + r"|(\?|&&|\|\|).*" + KIND)
 NAMED = re.compile(r"(^|_)(delta|triple_z|z_station|z_offset|motor|gantry)(_|\.)|simulated_(stage|station|printer)")

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "calibration/diagnosis/delta_lines.h"
+#include "calibration/diagnosis/kinds/diagnosed_kind.h"
 #include "sim/base/units.h"
 #include "sim/effects/catalog.h"
 #include "sim/effects/injected.h"
@@ -94,7 +94,7 @@ std::optional<Injected> EffectOf(const Finding& finding) {
 bool BuildIn(const BaselineLine& line,
              const Machine& machine,
              std::vector<Injected>* effects) {
-  if (machine.delta) return false;  // Its lines turn its build.
+  if (DiagnosedAs(machine).turns_build()) return false;
   const std::string_view name(line.name);
   const std::string_view kind = name.substr(0, name.find('.'));
   const std::string_view word = name.substr(std::min(name.size(), kind.size() + 1));
@@ -128,33 +128,6 @@ AsFound AsFoundBy(const Observed& observed,
     }
   }
   return as_found;
-}
-
-namespace {
-
-// Of the first touch; the places of others are their own.
-std::string TouchedSetup(const Observed& observed) {
-  for (const Row& row : observed.table().rows) {
-    if (row.kind != RowKind::kTouch) continue;
-    return row.setup.empty() ? std::string(ArtefactOf(row)) : row.setup;
-  }
-  return "";
-}
-
-}  // namespace
-
-FoundDelta DeltaWithBaseline(const Observed& observed,
-                             const std::vector<BaselineLine>& lines) {
-  FoundDelta found{.build = observed.machine().delta->Build()};
-  const std::string bed_line = fmt::format("placement.{}.z", TouchedSetup(observed));
-  for (const BaselineLine& line : lines) {
-    for (const auto& [knob, by] : KnobsOfLine(line.name, line.value)) {
-      const double inside = by * kDeltaKnobs[static_cast<std::size_t>(knob)].per_unit;
-      TurnKnob(knob, inside, &found.build, &found.bed);
-    }
-    if (line.name == bed_line) found.bed.height_mm = line.value;
-  }
-  return found;
 }
 
 }  // namespace caltwin

@@ -37,12 +37,4 @@ AsFound AsFoundBy(const Observed& observed,
                   const std::vector<BaselineLine>& baseline,
                   const std::vector<Finding>& findings);
 
-/// A delta as drawn with these lines of its baseline built in.
-struct FoundDelta {
-  DeltaBuild<double> build{};
-  DeltaBed<double> bed{};  ///< As high as it was found where it was touched.
-};
-FoundDelta DeltaWithBaseline(const Observed& observed,
-                             const std::vector<BaselineLine>& lines);
-
 }  // namespace caltwin

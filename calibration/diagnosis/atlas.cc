@@ -135,11 +135,11 @@ Eigen::VectorXd WorstOf(const Evidence& evidence, const Sighted& sighted) {
 }
 
 std::vector<AtlasCause> UnseenOf(const std::vector<Candidate>& candidates,
-                                 Kinematics kinematics) {
+                                 const MachineKind* kind) {
   std::vector<AtlasCause> unseen;
   for (int index = 0; index < static_cast<int>(kNumEffects); ++index) {
     const Effect& effect = EffectAt(index);
-    const auto axes = AxesOn(effect, kinematics);
+    const auto axes = AxesOn(effect, kind);
     if (!effect.sight || axes.empty() || axes[0] == kAnyAxis) continue;
     for (const std::string_view axis : axes) {
       const bool is_seen = std::ranges::any_of(candidates, [&](const Candidate& one) {
@@ -274,7 +274,7 @@ Atlas AtlasOf(const Observed& observed,
               const Eigen::VectorXd& sigma_mm) {
   const std::vector<Nuisance> baseline = BaselineOf(observed);
   Atlas atlas{.absorbed = AbsorbedOf(observed, candidates, sigma_mm, baseline),
-              .unseen = UnseenOf(candidates, observed.machine().kinematics)};
+              .unseen = UnseenOf(candidates, observed.machine().kind)};
   const Evidence evidence(observed, {sigma_mm, 0}, baseline);
   std::vector<Sighted> visible;
   for (const Candidate& candidate : candidates) {

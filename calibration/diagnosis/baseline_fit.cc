@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "calibration/diagnosis/delta_lines.h"
 #include "calibration/diagnosis/evidence.h"
+#include "calibration/diagnosis/kinds/diagnosed_kind.h"
 #include "calibration/diagnosis/nuisances.h"
 #include "sim/base/median.h"
 
@@ -38,21 +38,6 @@ std::vector<bool> FarOut(const Observed& observed, const Eigen::VectorXd& left_m
   return far;
 }
 
-// How far a fitted baseline turns a delta's knobs.
-std::array<double, kNumDeltaKnobs> KnobsOf(const Observed& observed,
-                                           std::span<const Nuisance> baseline,
-                                           const Eigen::VectorXd& values) {
-  std::array<double, kNumDeltaKnobs> knobs = observed.knobs();
-  for (std::size_t k = 0; k < baseline.size(); ++k) {
-    const double value = values[static_cast<Eigen::Index>(k)];
-    for (const auto& [knob, by] : KnobsOfLine(baseline[k].name, value)) {
-      // The bed's plane is straight wherever it is taken.
-      if (knob < kBedKnob) knobs[static_cast<std::size_t>(knob)] += by;
-    }
-  }
-  return knobs;
-}
-
 }  // namespace
 
 FittedBaseline FitBaseline(const Observed& observed,
@@ -79,8 +64,10 @@ FittedBaseline FitBaseline(const Observed& observed,
     return value > kSure * fit.sds[k] ? value : kUnknown;
   };
   FittedBaseline at{.left_mm = fit.residual_mm};
-  if (observed.machine().delta) {
-    at.point.knobs = KnobsOf(observed, {baseline.data(), num_own}, fit.values);
+  const DiagnosedKind& kind = DiagnosedAs(observed.machine());
+  if (kind.turns_build()) {
+    at.point.turns =
+        kind.Turned(observed.turns(), {baseline.data(), num_own}, fit.values);
     return at;
   }
   for (const Axis axis : kAxes) {
@@ -109,8 +96,10 @@ Observed TurnedBy(const Observed& as_read,
                   const std::vector<Nuisance>& baseline,
                   const Eigen::VectorXd& values,
                   const Eigen::VectorXd& left_mm) {
-  if (!at.machine().delta) return at;
-  return as_read.AtFitted(left_mm, {.knobs = KnobsOf(at, baseline, values)});
+  const DiagnosedKind& kind = DiagnosedAs(at.machine());
+  if (!kind.turns_build()) return at;
+  return as_read.AtFitted(left_mm,
+                          {.turns = kind.Turned(at.turns(), baseline, values)});
 }
 
 bool AreApart(const Observed& one, const Observed& other) {
@@ -119,9 +108,10 @@ bool AreApart(const Observed& one, const Observed& other) {
   if ((moved_mm.cwiseQuotient(one.pretravel_mm()).cwiseAbs().array() > kPart).any()) {
     return true;
   }
-  for (std::size_t k = 0; k < one.knobs().size(); ++k) {
-    const double moved = one.knobs()[k] - other.knobs()[k];
-    if (std::abs(moved) > kPart * kDeltaKnobs[k].prior_sd) return true;
+  const std::vector<double> sds = DiagnosedAs(one.machine()).TurnSds();
+  for (std::size_t k = 0; k < sds.size(); ++k) {
+    const double moved = one.turns()[k] - other.turns()[k];
+    if (std::abs(moved) > kPart * sds[k]) return true;
   }
   for (Eigen::Index i = 0; i < one.num_rows(); ++i) {
     if ((one.at(i).dir - other.at(i).dir).cwiseAbs().maxCoeff() > kPart) return true;

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "calibration/diagnosis/kinds/diagnosed_kind.h"
 #include "sim/base/units.h"
 #include "sim/effects/predict.h"
 
@@ -93,7 +94,7 @@ double PeakOf(const Eigen::MatrixXd& columns) {
 }
 
 std::vector<std::string> AxesOf(const Observed& o, const Effect& effect) {
-  const auto axes = AxesOn(effect, o.machine().kinematics);
+  const auto axes = AxesOn(effect, o.machine().kind);
   if (axes.empty() || axes[0] != kAnyAxis) return {axes.begin(), axes.end()};
   std::set<std::string> ids;
   for (Eigen::Index i = 0; i < o.num_rows(); ++i) {
@@ -118,8 +119,7 @@ bool CanTell(const Observed& o, const Effect& effect, const Shown& shown) {
 
 // What shows in three rows or fewer cannot be told from outliers.
 bool ReachesFew(const Observed& o, const Variant& variant) {
-  // At a station homing turns what one touch shows into what the two others do.
-  const Eigen::Index few = o.machine().z_station ? 2 : 3;
+  const Eigen::Index few = DiagnosedAs(o.machine()).FewRows();
   const Eigen::VectorXd size = variant.columns_mm.rowwise().norm();
   return (size.array() > 0.3 * size.maxCoeff()).count() <= few;
 }
@@ -132,7 +132,7 @@ std::optional<Candidate> CandidateOf(const Observed& o,
   Candidate candidate{.effect = index,
                       .cause = std::string(effect.name),
                       .axis = axis,
-                      .shown = ShownOn(effect, axis, o.machine().kinematics)};
+                      .shown = ShownOn(effect, axis, o.machine().kind)};
   if (!CanTell(o, effect, candidate.shown)) return std::nullopt;
   const Roles roles = RolesOf(effect);
   candidate.must_be_positive = roles.sizes.size() == 1 && !roles.phase &&

@@ -9,6 +9,7 @@
 
 #include "calibration/diagnosis/atlas.h"
 #include "sim/base/require.h"
+#include "sim/machine/machine_kind.h"
 #include "sim/measure/plan_kinds.h"
 
 namespace caltwin {
@@ -142,11 +143,10 @@ namespace {
 
 // The first kind that is made for such a machine.
 std::string FirstCampaign(const Machine& machine) {
-  const bool is_gantry = machine.kinematics == Kinematics::kCartesian;
   const auto kinds = AllCampaignKinds();
   const auto first = std::ranges::find_if(kinds, [&](const CampaignKind& kind) {
-    return kind.PlanOn(machine.kinematics) != nullptr &&
-           (is_gantry || kind.plan == nullptr);
+    return kind.PlanOn(machine.kind) != nullptr &&
+           (machine.kind->axes_are_drives() || kind.PlanOn(CartesianKind()) == nullptr);
   });
   Require(first != kinds.end(), "every machine can perform a campaign");
   return std::string(first->id);

@@ -11,11 +11,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "calibration/diagnosis/delta_correction.h"
+#include "calibration/diagnosis/kinds/diagnosed_kind.h"
 #include "calibration/diagnosis/settings_of_rows.h"
-#include "calibration/diagnosis/triple_z_correction.h"
 #include "calibration/diagnosis/unseen_rows.h"
-#include "calibration/diagnosis/z_station_correction.h"
 #include "sim/base/input_error.h"
 #include "sim/base/units.h"
 #include "sim/effects/predict.h"
@@ -370,20 +368,19 @@ std::string ScrewTableSuffix(Axis axis) {
   return fmt::format(".{}.comp", Name(axis));
 }
 
+std::vector<CorrectionFile> CorrectionOfAxes(ControllerKind controller,
+                                             const Diagnosis& diagnosis,
+                                             const Observed& observed,
+                                             const std::string& name) {
+  return Writer(controller, diagnosis, observed, name).Make();
+}
+
 std::vector<CorrectionFile> CorrectionFor(ControllerKind controller,
                                           const Diagnosis& diagnosis,
                                           const Observed& observed,
                                           const std::string& name) {
-  if (observed.machine().delta) {
-    return {{.text = DeltaCorrectionText(controller, diagnosis, observed)}};
-  }
-  if (observed.machine().triple_z) {
-    return {{.text = TripleZCorrectionText(controller, diagnosis, observed)}};
-  }
-  if (observed.machine().z_station) {
-    return {{.text = ZStationCorrectionText(controller, diagnosis, observed)}};
-  }
-  return Writer(controller, diagnosis, observed, name).Make();
+  return DiagnosedAs(observed.machine())
+      .Correction(controller, diagnosis, observed, name);
 }
 
 }  // namespace caltwin

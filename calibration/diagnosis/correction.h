@@ -31,8 +31,12 @@ std::string ScrewTableSuffix(Axis axis);
 ///            takes the place of BACKLASH
 /// `name` is what the user calls the first file, by which it names the others.
 /// Squareness is small: products of two angles are neglected (1e-6 of the travel).
-/// Of a delta see delta_correction.h, of a bed on screws triple_z_correction.h, of a
-/// printer's station z_station_correction.h.
+std::vector<CorrectionFile> CorrectionOfAxes(ControllerKind controller,
+                                             const Diagnosis& diagnosis,
+                                             const Observed& observed,
+                                             const std::string& name);
+
+/// The same of any kind of machine: what its own numbers can do (kinds/).
 std::vector<CorrectionFile> CorrectionFor(ControllerKind controller,
                                           const Diagnosis& diagnosis,
                                           const Observed& observed,

@@ -6,6 +6,7 @@
 
 #include "sim/effects/drive.h"
 #include "sim/effects/map_table.h"
+#include "sim/machine/kinds/z_station/drawing.h"
 
 namespace caltwin {
 

@@ -10,6 +10,7 @@
 #include "calibration/diagnosis/bent.h"
 #include "calibration/diagnosis/diagnosis_words.h"
 #include "calibration/diagnosis/jump_size.h"
+#include "calibration/diagnosis/kinds/diagnosed_kind.h"
 #include "calibration/diagnosis/next_campaign.h"
 #include "calibration/diagnosis/nothing_found.h"
 #include "calibration/diagnosis/pitch_map.h"
@@ -111,7 +112,7 @@ class Reporter {
       });
       if (!is_found) diagnosis.absorbed.push_back({line.Name(), line.into});
     }
-    AddUnmoved(&diagnosis);
+    DiagnosedAs(observed_.machine()).AddUnseen(observed_, candidates_, &diagnosis);
     diagnosis.next_campaign = BestNext(observed_, candidates_, search_, /*seed=*/1);
     return diagnosis;
   }
@@ -199,31 +200,6 @@ class Reporter {
     diagnosis->evidence = diagnosis->weighed;
     diagnosis->evidence.resize(std::min(kLines, diagnosis->evidence.size()));
     diagnosis->sigma_mm = search_.circumstances.sigma_mm;
-  }
-
-  // Of a bed on screws: what no row can show, all screws moving alike.
-  void AddUnmoved(Diagnosis* diagnosis) const {
-    if (!observed_.machine().triple_z) return;
-    bool is_any_unmoved = false;
-    for (const int effect : {EffectIndex<PivotPosition>(),
-                             EffectIndex<MotorsSwapped>(),
-                             EffectIndex<OverconstrainedBed>()}) {
-      const bool is_shown = std::ranges::any_of(
-          candidates_, [&](const Candidate& one) { return one.effect == effect; });
-      if (is_shown) continue;
-      is_any_unmoved = true;
-      for (const std::string_view axis : EffectAt(effect).triple_z_axes) {
-        diagnosis->absorbed.push_back(
-            {axis.empty() ? std::string(EffectAt(effect).name)
-                          : fmt::format("{}.{}", EffectAt(effect).name, axis),
-             "all screws move alike"});
-      }
-    }
-    if (!is_any_unmoved) return;
-    diagnosis->remarks.push_back(
-        "No row moves a screw alone, so where the screws stand, whether two motors are "
-        "exchanged and whether the bed is held level cannot be seen: the campaign "
-        "screws_one_by_one shows them");
   }
 
   static DiagnosisVerdict VerdictOf(const std::vector<Finding>& findings) {

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "calibration/diagnosis/free_form.h"
+#include "calibration/diagnosis/kinds/diagnosed_kind.h"
 #include "sim/effects/drive.h"
 
 namespace caltwin {
@@ -49,12 +50,9 @@ bool IsFinerThanAStep(const Observed& observed,
   const Candidate& candidate = candidates[found.candidate];
   const auto drive = DriveNamed(candidate.shown.channel);
   if (!candidate.is_free() || !drive) return false;
-  // A delta's towers move every axis; screws under a bed are its z.
-  std::size_t motor = static_cast<std::size_t>(drive->index);
-  if (observed.machine().delta && !drive->is_motor) motor = 0;
-  if (observed.machine().triple_z && drive->is_motor) motor = 2;
+  const int motor = DiagnosedAs(observed.machine()).AxisOfMotor(*drive);
   return Peak_mm(found.variant.columns_mm * found.sizes_mm) <
-         1 / observed.machine().axes[motor].steps_per_mm();
+         1 / observed.machine().axes[static_cast<std::size_t>(motor)].steps_per_mm();
 }
 
 std::vector<Nuisance> NuisancesOf(const Observed& observed,

@@ -9,7 +9,9 @@
 #include <utility>
 #include <vector>
 
+#include "calibration/diagnosis/kinds/diagnosed_kind.h"
 #include "sim/effects/drive.h"
+#include "sim/machine/machine_kind.h"
 
 namespace caltwin {
 namespace {
@@ -68,7 +70,7 @@ std::vector<int> OrdersBeside(const Covariate& covariate, TermsOfTwo which) {
 bool IsLostMotion(const Observed& observed,
                   const std::string& channel,
                   const std::vector<std::string>& words) {
-  return observed.machine().kinematics == Kinematics::kCartesian && words.size() == 2 &&
+  return observed.machine().kind->axes_are_drives() && words.size() == 2 &&
          AxisNamed(channel) && words[0] == "dir_" + channel;
 }
 
@@ -153,7 +155,7 @@ FreeForm FreeFormOf(const Observed& observed,
 bool IsSliver(const Observed& observed, const std::string& word) {
   constexpr double kLeast_mm = 1;
   const auto axis = AxisNamed(word);
-  if (!axis || observed.machine().kinematics != Kinematics::kCartesian) return false;
+  if (!axis || !observed.machine().kind->axes_are_drives()) return false;
   double low_mm = HUGE_VAL, high_mm = -HUGE_VAL;
   for (Eigen::Index i = 0; i < observed.num_rows(); ++i) {
     const double command_mm =
@@ -181,15 +183,8 @@ std::vector<ChannelAndWords> BlocksOfMotors(const Machine& machine) {
         }
         blocks.push_back({name, {sense, motor}});
       };
-  if (machine.delta) {
-    for (const std::string tower : {"a", "b", "c"}) {
-      add(tower, "dir_" + tower, "motor_" + tower);
-    }
-  }
-  if (machine.triple_z) {
-    for (const std::string_view screw : kScrewAxes) {
-      add(std::string(screw), SenseCovariate(screw), DriveCovariate(screw));
-    }
+  for (const std::string_view motor : machine.kind->motors()) {
+    add(std::string(motor), SenseCovariate(motor), DriveCovariate(motor));
   }
   return blocks;
 }
@@ -199,7 +194,7 @@ std::vector<ChannelAndWords> BlocksOfMotors(const Machine& machine) {
 std::vector<FreeForm> AllFreeForms(const Observed& observed) {
   constexpr int kMostTerms = 20;
   std::vector<FreeForm> forms;
-  const bool is_printer = observed.machine().kinematics != Kinematics::kCartesian;
+  const bool is_printer = observed.machine().kind->touches_with_nozzle();
   const std::vector<std::string> place = {"x", "y"};
   std::vector<std::string> slivers = {"x", "y", "z"};
   std::erase_if(slivers, [&](const auto& word) { return !IsSliver(observed, word); });
@@ -216,12 +211,9 @@ std::vector<FreeForm> AllFreeForms(const Observed& observed) {
     FreeForm form = FreeFormOf(observed, channel, words, kMostTerms, which);
     if (form.columns_mm.cols() > 0) forms.push_back(std::move(form));
   };
-  if (observed.machine().z_station) {
-    for (const char* channel : {"z", "nozzle", "bed"}) {
-      for (const char* word : {"t", "temp"}) add(channel, {word});
-    }
-    return forms;
-  }
+  const auto own = DiagnosedAs(observed.machine()).FreeForms();
+  for (const auto& [channel, word] : own) add(channel, {word});
+  if (!own.empty()) return forms;
   const std::array<std::string, 3> letters = {"x", "y", "z"};
   for (const std::string& channel : letters) {
     for (const std::string& other : letters) add(channel, {other});

@@ -7,6 +7,7 @@
 
 #include "calibration/diagnosis/diagnosis_words.h"
 #include "sim/base/units.h"
+#include "sim/machine/machine_kind.h"
 
 namespace caltwin {
 
@@ -15,7 +16,7 @@ std::string RemarkOnJump(const Machine& machine, const Finding& finding) {
   constexpr double kFar_sds = 3, kFarOfTurn = 0.1;
   const auto axis = AxisNamed(finding.axis);
   const bool is_jump = finding.cause == "missed_steps" && !finding.parameters.empty();
-  if (!is_jump || !axis || machine.delta || machine.triple_z) return "";
+  if (!is_jump || !axis || !machine.kind->motors().empty()) return "";
   const AxisDrawing& drawing = machine.axis(*axis);
   const double turn_um =
       UmFromMm(kSteps * drawing.lead_mm / drawing.full_steps_per_rev);

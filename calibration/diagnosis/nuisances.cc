@@ -8,6 +8,7 @@
 
 #include "calibration/diagnosis/candidates.h"
 #include "calibration/diagnosis/free_form.h"
+#include "calibration/diagnosis/kinds/diagnosed_kind.h"
 #include "calibration/diagnosis/nuisances_of_kinematics.h"
 #include "sim/base/units.h"
 
@@ -43,40 +44,6 @@ Eigen::VectorXd SlopeColumn(const Observed& o, std::size_t slope) {
   return o.Change_mm(unit);
 }
 
-// A bed on screws stands anew after each homing.
-void AddBedPlanes(const Observed& o, NuisanceList* builder) {
-  const std::vector<std::string> homes = HomesOf(o, /*only_touches=*/false);
-  for (std::size_t h = 0; h < homes.size(); ++h) {
-    const std::string name =
-        homes.size() == 1 ? "bed_plane." : "bed_plane." + homes[h] + ".";
-    const auto within = [&](Eigen::Index row) {
-      return o.row(row).home == homes[h];
-    };
-    // The first one's height is that of the placements.
-    builder->Add(name + "height", "mm", kPlacementSd_mm, [&](Eigen::Index row) {
-      const double up = o.MotionSign(row) * o.at(row).n.z();
-      return h > 0 && within(row) ? -up : 0.0;
-    });
-    for (std::size_t slope = 0; slope < 2; ++slope) {
-      const Eigen::VectorXd column = SlopeColumn(o, slope);
-      builder->Add(name + (slope == 0 ? "slope_x" : "slope_y"),
-                   "mrad",
-                   kSlopeSd_mrad,
-                   [&](Eigen::Index row) { return within(row) ? column[row] : 0.0; });
-    }
-  }
-}
-
-void AddBedPlane(const Observed& o, NuisanceList* builder) {
-  for (std::size_t slope = 0; slope < 2; ++slope) {
-    const Eigen::VectorXd column = SlopeColumn(o, slope);
-    builder->Add(slope == 0 ? "bed_plane.slope_x" : "bed_plane.slope_y",
-                 "mrad",
-                 kSlopeSd_mrad,
-                 [&](Eigen::Index row) { return column[row]; });
-  }
-}
-
 struct Placement {
   Vec3<double> sum_mm = Vec3<double>::Zero();
   int count = 0;
@@ -97,7 +64,7 @@ std::map<std::string, Placement> PlacementsOf(const Observed& o) {
   return placements;
 }
 
-void AddPlacements(const Observed& o, NuisanceList* builder) {
+void AddPlacesOfAll(const Observed& o, NuisanceList* builder) {
   const auto placements = PlacementsOf(o);
   const auto num_plates = std::ranges::count_if(placements, [](const auto& entry) {
     return !entry.second.is_gauge && entry.second.only_faces_up;
@@ -210,7 +177,7 @@ void AddFreedomOfEffect(const Observed& o,
       .effect = effect.effect,
       .cause = std::string(declaration.name),
       .axis = effect.axis,
-      .shown = ShownOn(declaration, effect.axis, o.machine().kinematics)};
+      .shown = ShownOn(declaration, effect.axis, o.machine().kind)};
   const double size_mm = std::abs(size) / variant.size_per_mm;
   const bool is_homing = declaration.name == HomingScatter::kDeclaration.name;
   const double share = is_homing ? kHomingsApart : kFreedomShare;
@@ -239,23 +206,53 @@ void AddFreedoms(const Observed& o, NuisanceList* builder) {
 
 }  // namespace
 
+// A bed on screws stands anew after each homing.
+void AddBedPlanes(const Observed& o, NuisanceList* builder) {
+  const std::vector<std::string> homes = HomesOf(o, /*only_touches=*/false);
+  for (std::size_t h = 0; h < homes.size(); ++h) {
+    const std::string name =
+        homes.size() == 1 ? "bed_plane." : "bed_plane." + homes[h] + ".";
+    const auto within = [&](Eigen::Index row) {
+      return o.row(row).home == homes[h];
+    };
+    // The first one's height is that of the placements.
+    builder->Add(name + "height", "mm", kPlacementSd_mm, [&](Eigen::Index row) {
+      const double up = o.MotionSign(row) * o.at(row).n.z();
+      return h > 0 && within(row) ? -up : 0.0;
+    });
+    for (std::size_t slope = 0; slope < 2; ++slope) {
+      const Eigen::VectorXd column = SlopeColumn(o, slope);
+      builder->Add(name + (slope == 0 ? "slope_x" : "slope_y"),
+                   "mrad",
+                   kSlopeSd_mrad,
+                   [&](Eigen::Index row) { return within(row) ? column[row] : 0.0; });
+    }
+  }
+}
+
+void AddBedPlane(const Observed& o, NuisanceList* builder) {
+  for (std::size_t slope = 0; slope < 2; ++slope) {
+    const Eigen::VectorXd column = SlopeColumn(o, slope);
+    builder->Add(slope == 0 ? "bed_plane.slope_x" : "bed_plane.slope_y",
+                 "mrad",
+                 kSlopeSd_mrad,
+                 [&](Eigen::Index row) { return column[row]; });
+  }
+}
+
+void AddPlacements(const Observed& o, NuisanceList* builder) {
+  AddPlacesOfAll(o, builder);
+  AddSizes(o, builder);
+  builder->Add("probe_hysteresis", "mm", kHysteresisSd_mm, [&](Eigen::Index row) {
+    return IsRelease(o.row(row)) ? -1.0 : 0.0;
+  });
+}
+
 std::vector<Nuisance> BaselineOf(const Observed& observed) {
   NuisanceList builder(observed);
-  AddKinematics(observed, &builder);
-  if (observed.machine().z_station) {
-    AddFreedoms(observed, &builder);
-    return builder.Take();
-  }
-  if (observed.machine().triple_z) {
-    AddBedPlanes(observed, &builder);
-  } else {
-    AddBedPlane(observed, &builder);
-  }
-  AddPlacements(observed, &builder);
-  AddSizes(observed, &builder);
-  builder.Add("probe_hysteresis", "mm", kHysteresisSd_mm, [&](Eigen::Index row) {
-    return IsRelease(observed.row(row)) ? -1.0 : 0.0;
-  });
+  const DiagnosedKind& kind = DiagnosedAs(observed.machine());
+  kind.AddKinematics(observed, &builder);
+  kind.AddPlaces(observed, &builder);
   AddFreedoms(observed, &builder);
   return builder.Take();
 }

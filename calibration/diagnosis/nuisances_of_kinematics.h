@@ -11,6 +11,9 @@ namespace caltwin {
 
 /// How far a placement may be off [mm].
 inline constexpr double kPlacementSd_mm = 100;
+/// @name How far a machine may be off before another word than calibration is needed
+inline constexpr double kScaleSd_ppm = 3e4;
+inline constexpr double kBacklashSd_mm = 0.2;
 
 /// The lines of a baseline while they are gathered.
 class NuisanceList {
@@ -36,9 +39,11 @@ class NuisanceList {
 /// Homing sessions in the order of their first row (of touches alone).
 std::vector<std::string> HomesOf(const Observed& o, bool only_touches);
 
-/// What the machine's own kinematics may be off by: scale, backlash and pre-travel of a
-/// gantry's axes; a delta's knobs; scale and backlash that all screws of a bed share;
-/// the heights of a printer's station and where each homing left its zero.
-void AddKinematics(const Observed& o, NuisanceList* builder);
+/// @name The bed's plane, one of every homing where its screws make it anew
+void AddBedPlane(const Observed& o, NuisanceList* list);
+void AddBedPlanes(const Observed& o, NuisanceList* list);
+/// Where everything that is touched lies, how large it is within its certificate, and
+/// the probe's hysteresis.
+void AddPlacements(const Observed& o, NuisanceList* list);
 
 }  // namespace caltwin

@@ -8,13 +8,14 @@
 
 #include <fmt/format.h>
 
+#include "calibration/diagnosis/kinds/diagnosed_kind.h"
 #include "calibration/diagnosis/rounding.h"
 #include "sim/base/median.h"
 #include "sim/base/units.h"
-#include "sim/effects/delta_at.h"
 #include "sim/effects/gap_sense.h"
 #include "sim/effects/injected.h"
 #include "sim/effects/predict.h"
+#include "sim/machine/machine_kind.h"
 #include "sim/measure/in_force.h"
 
 namespace caltwin {
@@ -75,7 +76,8 @@ Observed::Observed(RowTable table,
       machine_(std::move(machine)),
       effects_(std::move(effects)),
       model_(effects_),
-      pretravel_mm_(Vec3<double>::Constant(machine_.probe.pretravel_mm)) {
+      pretravel_mm_(Vec3<double>::Constant(machine_.probe.pretravel_mm)),
+      turns_(drawn_turns()) {
   for (const Axis axis : kAxes) {
     pretravel_mm_[Index(axis)] =
         BuiltValue(machine_, effects_, EffectIndex<ProbePretravel>(), Name(axis), 0);
@@ -96,6 +98,10 @@ Observed::Observed(RowTable table,
   Linearise();
 }
 
+std::vector<double> Observed::drawn_turns() const {
+  return std::vector<double>(DiagnosedAs(machine_).TurnSds().size());
+}
+
 Observed Observed::With(const std::vector<Injected>& more) const {
   Observed copy = *this;
   copy.effects_.insert(copy.effects_.end(), more.begin(), more.end());
@@ -107,7 +113,7 @@ Observed Observed::With(const std::vector<Injected>& more) const {
 Observed Observed::AtFitted(const Eigen::VectorXd& left_mm,
                             const BaselinePoint& point) const {
   Observed copy = *this;
-  copy.knobs_ = point.knobs;
+  copy.turns_ = point.turns.empty() ? drawn_turns() : point.turns;
   for (const Axis axis : kAxes) {
     const double pretravel_mm = point.pretravel_mm[Index(axis)];
     if (!Known(pretravel_mm)) continue;
@@ -119,7 +125,7 @@ Observed Observed::AtFitted(const Eigen::VectorXd& left_mm,
   for (Eigen::Index i = 0; i < num_rows(); ++i) {
     At& where = copy.at_[static_cast<std::size_t>(i)];
     if (where.kind == RowKind::kTouch) where.q_mm -= left_mm[i] * where.n;
-    if (machine_.delta) continue;
+    if (!machine_.kind->moves_along_axes()) continue;
     where.dir = dir_[static_cast<std::size_t>(i)];
     const Vec3<double> lost_mm =
         ErrorsAt<double>(machine_, where, effects_).lost_motion_mm;
@@ -135,55 +141,9 @@ Observed Observed::AtNominal() const {
   return AtFitted(values_mm, {});
 }
 
-DeltaBuild<double> Observed::BelievedBuild() const {
-  DeltaBuild<double> build = machine_.delta->Build();
-  DeltaBed<double> bed;
-  for (int knob = 0; knob < kNumDeltaKnobs; ++knob) {
-    const auto k = static_cast<std::size_t>(knob);
-    TurnKnob(knob, knobs_[k] * kDeltaKnobs[k].per_unit, &build, &bed);
-  }
-  TurnBuild(effects_, &build);
-  return build;
-}
-
-// Each row of a delta at the motors that its pose was commanded with.
-void Observed::PlaceDelta() {
-  const DeltaModel<double>& settings = machine_.delta->settings;
-  const DeltaBuild<double> build = BelievedBuild();
-  std::vector<DeltaAt> placed(at_.size());
-  const double rim_mm = RimOf_mm(table_->rows);
-  for (std::size_t i = 0; i < at_.size(); ++i) {
-    const Row& row = table_->rows[i];
-    const Vec3<double>& q_mm = at_[i].q_mm;
-    const auto here = DeltaAtOf(build, settings, row, q_mm);
-    if (!here) {
-      throw InputError(row.place,
-                       fmt::format("row {}: the rods of this machine do not reach "
-                                   "({:.1f}, {:.1f}, {:.1f})",
-                                   row.row,
-                                   q_mm[0],
-                                   q_mm[1],
-                                   q_mm[2]),
-                       Known(row.motor_mm[0])
-                           ? "is it their machine file? motor_ columns are commanded "
-                             "travel, + down from the endstop"
-                           : "is it the machine file of these rows?");
-    }
-    placed[i] = *here;
-  }
-  for (DeltaAt& here : placed) here.rim_mm = rim_mm > 0 ? rim_mm : here.rim_mm;
-  delta_at_ = std::make_shared<const std::vector<DeltaAt>>(std::move(placed));
-  for (std::size_t i = 0; i < at_.size(); ++i) at_[i].delta = &(*delta_at_)[i];
-}
-
 void Observed::Linearise() {
   std::vector<Injected> model = model_;
-  if (machine_.delta) {
-    PlaceDelta();
-    // What turns the build is in the rows' places already.
-    DeltaBuild<double> turned;
-    model = TurnBuild(model_, &turned);
-  }
+  placed_ = DiagnosedAs(machine_).Place(*this, &at_, &model);
   const auto n = static_cast<Eigen::Index>(at_.size());
   residual_mm_.resize(n);
   true_q_mm_.resize(at_.size());
@@ -200,7 +160,7 @@ Eigen::VectorXd Observed::Change_mm(const Injected& effect) const {
   Eigen::VectorXd change(num_rows());
   for (Eigen::Index i = 0; i < num_rows(); ++i) {
     const At& where = at(i);
-    if (stage == Stage::kFrame && where.triple_z && where.triple_z->is_fixed) {
+    if (stage == Stage::kFrame && where.screws && where.screws->is_fixed) {
       change[i] = 0;
       continue;
     }
@@ -215,18 +175,8 @@ Eigen::VectorXd Observed::Change_mm(const Injected& effect) const {
     Vec3<double> motion_mm =
         errors.motion_mm - where.dir.cwiseProduct(errors.lost_motion_mm) / 2;
     motion_mm += MotionOfMotors_mm(where, errors);
-    const double along_mm = motion_mm.dot(where.n);
-    if (where.station) {
-      const double part_mm = StationPart_mm(*where.station, errors);
-      change[i] = where.kind == RowKind::kTouch ? part_mm - along_mm : part_mm;
-      continue;
-    }
-    const double surface_mm = where.triple_z ? errors.artefact_mm : 0;
-    change[i] = where.kind != RowKind::kTouch
-                    ? along_mm - surface_mm
-                    : -along_mm - errors.more_pretravel_mm -
-                          where.feed_mm_s * errors.latency_s + errors.tip_radius_mm +
-                          errors.artefact_mm;
+    errors.motion_mm = motion_mm;
+    change[i] = ReadWith_mm(where, errors, /*pretravel_mm=*/0.0, /*tip_radius_mm=*/0.0);
   }
   return change;
 }

@@ -9,6 +9,7 @@
 
 #include "sim/effects/catalog.h"
 #include "sim/effects/surroundings.h"
+#include "sim/machine/kinds/z_station/drawing.h"
 #include "sim/machine/machine.h"
 #include "sim/measure/data_header.h"
 #include "sim/measure/row.h"
@@ -21,8 +22,9 @@ struct BaselinePoint {
   Vec3<double> gap_mm = Vec3<double>::Zero();
   /// Pre-travel along each axis; kUnknown: the model's own.
   Vec3<double> pretravel_mm = Vec3<double>::Constant(kUnknown);
-  /// How far a delta's knobs are turned against its drawing, in their units.
-  std::array<double, kNumDeltaKnobs> knobs{};
+  /// How far the build is turned against its drawing (DiagnosedKind::TurnSds), in the
+  /// units of that; empty: not at all.
+  std::vector<double> turns{};
 };
 
 /// Measured rows made ready for diagnosis: the circumstances of each, what the model at
@@ -82,10 +84,8 @@ class Observed {
   /// where nobody said.
   double StatedSigma_mm(Eigen::Index i) const;
 
-  /// How far a delta's knobs are turned where the baseline is taken, in their units.
-  const std::array<double, kNumDeltaKnobs>& knobs() const { return knobs_; }
-  /// Of a delta: the build that its rows are straight about.
-  DeltaBuild<double> BelievedBuild() const;
+  /// How far the build is turned where the baseline is taken (DiagnosedKind::TurnSds).
+  const std::vector<double>& turns() const { return turns_; }
 
   /// Pre-travel along each axis that the baseline is linear about.
   const Vec3<double>& pretravel_mm() const { return pretravel_mm_; }
@@ -95,7 +95,7 @@ class Observed {
 
  private:
   void Linearise();
-  void PlaceDelta();
+  std::vector<double> drawn_turns() const;
 
   std::shared_ptr<const RowTable> table_;
   std::shared_ptr<const DataHeader> header_;
@@ -104,8 +104,8 @@ class Observed {
   std::vector<Injected> effects_;
   std::vector<Injected> model_{};  ///< effects_, and the baseline's point.
   Vec3<double> pretravel_mm_ = Vec3<double>::Zero();
-  std::array<double, kNumDeltaKnobs> knobs_{};
-  std::shared_ptr<const std::vector<DeltaAt>> delta_at_{};
+  std::vector<double> turns_{};
+  std::shared_ptr<const void> placed_{};  ///< What `at_` points into.
   std::vector<At> at_{};
   std::vector<Vec3<double>> dir_{};        ///< As the rows say.
   std::vector<Vec3<double>> true_q_mm_{};  ///< Where the axes stand, drive errors in.

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "sim/machine/machine_kind.h"
+
 namespace caltwin {
 namespace {
 
@@ -95,7 +97,7 @@ PlainFit FitPlain(const Observed& observed,
 
 Form FormOf(const Candidate& candidate, const Machine& machine) {
   if (IsRigid(candidate)) return Form::kExact;
-  const bool is_printer = machine.kinematics != Kinematics::kCartesian;
+  const bool is_printer = machine.kind->touches_with_nozzle();
   return is_printer && candidate.shown.channel == "bed" ? Form::kClose : Form::kLike;
 }
 

@@ -78,11 +78,11 @@ std::vector<Eigen::VectorXd> VisibleOf(const Observed& observed,
   return visible;
 }
 
-std::string ChannelOfFinding(const Finding& finding, Kinematics kinematics) {
+std::string ChannelOfFinding(const Finding& finding, const MachineKind* kind) {
   if (finding.map) return finding.map->channel;
   const auto effect = FindEffect(finding.cause);
   if (!effect || !EffectAt(*effect).sight) return finding.axis;
-  return ShownOn(EffectAt(*effect), finding.axis, kinematics).channel;
+  return ShownOn(EffectAt(*effect), finding.axis, kind).channel;
 }
 
 // Of a wave along the axis `covariate`; 0: it is none.
@@ -151,14 +151,13 @@ FindingSeries SeriesOf(const Observed& observed,
                        const Diagnosis& diagnosis,
                        const std::vector<bool>& out) {
   const auto [along, split_by] = DrawnAgainst(finding);
-  FindingSeries series{
-      .cause = finding.cause,
-      .axis = finding.axis,
-      .channel = ChannelOfFinding(finding, observed.machine().kinematics),
-      .covariate = along,
-      .is_by_order = finding.is_by_order,
-      .period_mm = PeriodOf_mm(finding, observed.machine(), along),
-      .split_by = split_by};
+  FindingSeries series{.cause = finding.cause,
+                       .axis = finding.axis,
+                       .channel = ChannelOfFinding(finding, observed.machine().kind),
+                       .covariate = along,
+                       .is_by_order = finding.is_by_order,
+                       .period_mm = PeriodOf_mm(finding, observed.machine(), along),
+                       .split_by = split_by};
   const Eigen::VectorXd shows = ChannelOf(observed, series.channel);
   std::vector<double> second, sigmas_um;
   for (Eigen::Index i = 0; i < observed.num_rows(); ++i) {

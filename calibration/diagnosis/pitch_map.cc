@@ -6,6 +6,8 @@
 #include <numbers>
 #include <vector>
 
+#include "sim/machine/machine_kind.h"
+
 namespace caltwin {
 namespace {
 
@@ -67,7 +69,7 @@ bool IsPitchMap(const Observed& observed,
   constexpr double kHolds = 0.8;
   const auto axis = AxisNamed(candidate.shown.channel);
   // Elsewhere motors have no axis of their own.
-  if (observed.machine().kinematics != Kinematics::kCartesian) return false;
+  if (!observed.machine().kind->axes_are_drives()) return false;
   if (!candidate.is_free() || !axis || candidate.shown.covariates.size() != 1 ||
       candidate.shown.covariates[0] != candidate.shown.channel) {
     return false;

@@ -8,8 +8,10 @@
 
 #include <fmt/format.h>
 
+#include "calibration/diagnosis/kinds/diagnosed_kind.h"
 #include "calibration/diagnosis/plausible_parts.h"
 #include "sim/base/units.h"
+#include "sim/machine/machine_kind.h"
 #include "sim/measure/rows.h"
 
 namespace caltwin {
@@ -307,13 +309,12 @@ std::vector<Doubt> Doubts(const RowTable& table,
                                 "than {}",
                                 table.rows.size(),
                                 kFewestRows),
-         .hint = machine != nullptr && machine->kinematics == Kinematics::kDelta
-                     ? "a delta's calibration takes 7 touches at least"
-                     : "a positioning test takes 5 positions, both senses, twice",
+         .hint = std::string(
+             DiagnosedAs(machine != nullptr ? *machine : Machine{}).FewestRowsHint()),
          .refuse = true});
     return doubts;
   }
-  const bool may_have_screws = machine == nullptr || machine->triple_z;
+  const bool may_have_screws = machine == nullptr || machine->kind->bed_is_on_screws();
   const RowTable alike = may_have_screws ? WithoutLoneScrews(table) : table;
   DoubtRows(table, &doubts);
   DoubtBlocks(InOrder(alike), &doubts);

@@ -55,8 +55,11 @@ void DoubtFaces(const std::vector<RowSeries>& all, std::vector<Doubt>* doubts);
 /// Campaigns whose touches all come out of the material that they touch.
 void DoubtApproach(const RowTable& table, std::vector<Doubt>* doubts);
 
-/// Whether an axis may stand at a position: within its travel and a twentieth of it; of
-/// a delta, where its rods reach, the other two at 0. Null: within 4 m of 0.
+/// Beyond its travel, as a part of it, an axis may stand: files are not that exact.
+inline constexpr double kBeyondTravel = 0.05;
+
+/// Whether an axis may stand at a position: within its travel and kBeyondTravel of it;
+/// on towers, where rods reach, the other two at 0. Null: within 4 m of 0.
 bool CanStandAt(const Machine* machine, int axis, double position_mm);
 
 /// Positions against the travel of the axes.

@@ -6,49 +6,22 @@
 
 #include <fmt/format.h>
 
+#include "calibration/diagnosis/kinds/diagnosed_kind.h"
 #include "calibration/diagnosis/plausible_parts.h"
 #include "sim/base/units.h"
+#include "sim/machine/machine_kind.h"
 
 namespace caltwin {
-namespace {
-
-constexpr double kBeyondTravel = 0.05;  // Of it: files are not that exact.
-
-// Of a delta: poses that its rods do not reach.
-void DoubtReach(const RowTable& table,
-                const DeltaDrawing& drawing,
-                std::vector<Doubt>* doubts) {
-  Doubt doubt{.kind = "outside_travel", .refuse = true};
-  for (const Row& row : table.rows) {
-    const Vec3<double> pose_mm(row.cmd_mm[0], row.cmd_mm[1], row.cmd_mm[2]);
-    if (pose_mm.allFinite() && !DeltaMotors_mm(drawing.settings, pose_mm).allFinite()) {
-      doubt.rows.push_back(row.row);
-    }
-  }
-  if (doubt.rows.empty()) return;
-  doubt.message = fmt::format(
-      "{} rows are commanded where the rods of this delta do not reach, the first is "
-      "row {}",
-      doubt.rows.size(),
-      doubt.rows.front());
-  doubt.hint = "the wrong machine file, or another unit or zero of the positions";
-  doubts->push_back(std::move(doubt));
-}
-
-}  // namespace
-
 bool CanStandAt(const Machine* machine, int axis, double position_mm) {
   constexpr double kFarthest_mm = 4000;  // No bench is longer.
   if (machine == nullptr) return std::abs(position_mm) <= kFarthest_mm;
-  if (machine->delta) {
-    const DeltaModel<double>& settings = machine->delta->settings;
-    Vec3<double> pose_mm = Vec3<double>::Zero();
-    pose_mm[axis] = position_mm;
-    const double highest_mm = *std::ranges::max_element(settings.endstop_mm);
-    return DeltaMotors_mm(settings, pose_mm).allFinite() &&
-           std::abs(pose_mm.z()) <= (1 + kBeyondTravel) * highest_mm;
-  }
-  const AxisDrawing& travel = machine->axes[static_cast<std::size_t>(axis)];
+  return DiagnosedAs(*machine).CanStandAt(*machine, axis, position_mm);
+}
+
+bool DiagnosedKind::CanStandAt(const Machine& machine,
+                               int axis,
+                               double position_mm) const {
+  const AxisDrawing& travel = machine.axes[static_cast<std::size_t>(axis)];
   const double beyond_mm = kBeyondTravel * (travel.max_mm - travel.min_mm);
   return position_mm >= travel.min_mm - beyond_mm &&
          position_mm <= travel.max_mm + beyond_mm;
@@ -57,10 +30,12 @@ bool CanStandAt(const Machine* machine, int axis, double position_mm) {
 void DoubtTravel(const RowTable& table,
                  const Machine& machine,
                  std::vector<Doubt>* doubts) {
-  if (machine.delta) {
-    DoubtReach(table, *machine.delta, doubts);
-    return;
-  }
+  DiagnosedAs(machine).DoubtTravel(table, machine, doubts);
+}
+
+void DiagnosedKind::DoubtTravel(const RowTable& table,
+                                const Machine& machine,
+                                std::vector<Doubt>* doubts) const {
   for (const Axis axis : kAxes) {
     const int index = Index(axis);
     const double min_mm = machine.axes[index].min_mm;
@@ -68,7 +43,7 @@ void DoubtTravel(const RowTable& table,
     Doubt doubt{.kind = "outside_travel", .refuse = true};
     for (const Row& row : table.rows) {
       const double position_mm = row.cmd_mm[index];
-      if (Known(position_mm) && !CanStandAt(&machine, index, position_mm)) {
+      if (Known(position_mm) && !CanStandAt(machine, index, position_mm)) {
         doubt.rows.push_back(row.row);
       }
     }
@@ -92,7 +67,7 @@ void DoubtReachInInches(const RowTable& table,
   constexpr double kInch_mm = MmFromInch(1.0);
   constexpr double kMostOfTravel = 0.6;
   constexpr std::size_t kFewest = 5;
-  if (machine.delta) return;
+  if (!machine.kind->moves_along_axes()) return;
   for (const Axis axis : kAxes) {
     const int index = Index(axis);
     const auto at = static_cast<std::size_t>(index);
@@ -133,7 +108,8 @@ void DoubtDrives(const DataHeader& header,
   for (const auto& [id, settings] : header.settings) {
     for (const Axis axis : kAxes) {
       const auto set = settings.steps_per_mm.find(Name(axis));
-      if (machine.delta || set == settings.steps_per_mm.end() || set->second <= 0) {
+      if (!machine.kind->moves_along_axes() || set == settings.steps_per_mm.end() ||
+          set->second <= 0) {
         continue;
       }
       const double drawn = machine.axis(axis).steps_per_mm();

@@ -11,14 +11,12 @@
 
 #include "calibration/diagnosis/as_found.h"
 #include "calibration/diagnosis/baseline_fit.h"
-#include "calibration/diagnosis/delta_lines.h"
+#include "calibration/diagnosis/kinds/diagnosed_kind.h"
 #include "calibration/diagnosis/nuisances.h"
 #include "calibration/diagnosis/whole_tables.h"
 #include "calibration/estimate/linear_fit.h"
 #include "sim/base/input_error.h"
 #include "sim/base/units.h"
-#include "sim/kinds/delta/perform.h"
-#include "sim/kinds/perform.h"
 
 namespace caltwin {
 namespace {
@@ -109,8 +107,10 @@ Extended ExtendedBy(const Observed& observed,
   Observed at = AtBaseline(observed, found);
   std::vector<Nuisance> baseline = BaselineOf(at);
   Eigen::VectorXd values = FitOf(at.residual_mm() - change_mm, baseline, sigma_mm);
-  // A delta's lines trade far before the rows tell them apart: straight only so far.
-  for (int round = 0; observed.machine().delta && round < kRounds; ++round) {
+  const DiagnosedKind& kind = DiagnosedAs(observed.machine());
+  // Lines that turn a build trade far before the rows tell them apart: straight only so
+  // far.
+  for (int round = 0; kind.turns_build() && round < kRounds; ++round) {
     Eigen::VectorXd left_mm = at.residual_mm() - change_mm;
     for (std::size_t k = 0; k < baseline.size(); ++k) {
       left_mm -= baseline[k].column_mm * values[static_cast<Eigen::Index>(k)];
@@ -130,7 +130,7 @@ Extended ExtendedBy(const Observed& observed,
   for (const Nuisance& one : baseline) {
     const bool is_left = open.contains(one.name) && !IsPlace(one.name);
     if (!is_left && !extended.as_found.built.contains(one.name)) {
-      if (observed.machine().delta && !KnobsOfLine(one.name, 0).empty()) continue;
+      if (kind.Turns(one.name)) continue;
       extended.not_built.push_back(one);
     }
   }
@@ -146,8 +146,8 @@ class Replayer {
         options_(options),
         sigma_mm_(SigmaOf(observed, diagnosis)),
         floor_mm_(diagnosis.gain.noise_floor_mm) {
-    // Of a delta they are known together, though not one by one.
-    if (observed.machine().delta) return;
+    // Lines that turn a build are known together, though not one by one.
+    if (DiagnosedAs(observed.machine()).turns_build()) return;
     for (const BaselineLine& line : diagnosis.baseline) {
       if (!line.is_determined) open_.insert(line.name);
     }
@@ -195,35 +195,13 @@ class Replayer {
     return values_mm;
   }
 
-  RowTable Performed(const Extended& twin, Fidelity fidelity) const {
-    if (observed_.machine().delta) {
-      return PerformDelta(DeltaTwinOf(twin, fidelity), observed_.table().rows);
-    }
-    return Perform({.machine = observed_.machine(),
-                    .effects = twin.as_found.effects,
-                    .header = observed_.header(),
-                    .fidelity = fidelity,
-                    .is_noisy = false,
-                    .interrupted = options_.interrupted},
-                   observed_.table().rows);
-  }
-
-  // The baseline is built in; the findings act.
-  DeltaPerformConfig DeltaTwinOf(const Extended& twin, Fidelity fidelity) const {
-    DeltaPerformConfig config{.machine = observed_.machine(),
-                              .effects = twin.as_found.effects,
-                              .header = observed_.header(),
-                              .fidelity = fidelity,
-                              .is_noisy = false,
-                              .interrupted = options_.interrupted};
-    const FoundDelta found = DeltaWithBaseline(observed_, twin.lines);
-    config.built.build = found.build;
-    config.built.bed = found.bed;
-    return config;
-  }
-
   Eigen::VectorXd Read_mm(const Extended& twin, Fidelity fidelity) {
-    const RowTable table = Performed(twin, fidelity);
+    const RowTable table = DiagnosedAs(observed_.machine())
+                               .Performed(observed_,
+                                          {.effects = twin.as_found.effects,
+                                           .lines = twin.lines,
+                                           .fidelity = fidelity,
+                                           .interrupted = options_.interrupted});
     Eigen::VectorXd values_mm = Eigen::VectorXd::Zero(observed_.num_rows());
     if (table.rows.size() < observed_.table().rows.size()) was_interrupted_ = true;
     for (std::size_t i = 0; i < table.rows.size(); ++i) {

@@ -9,27 +9,17 @@
 
 #include <fmt/format.h>
 
+#include "calibration/diagnosis/kinds/diagnosed_kind.h"
 #include "calibration/diagnosis/noise.h"
+#include "sim/machine/machine_kind.h"
 
 namespace caltwin {
 
 double RoundingSigma_mm(const Observed& observed, Eigen::Index i) {
-  const auto stated = observed.header().settings.find(observed.row(i).settings);
-  if (!observed.at(i).delta || stated == observed.header().settings.end()) return 0;
-  double variance_mm2 = 0;
-  for (int tower = 0; tower < kNumTowers; ++tower) {
-    const auto steps = stated->second.steps_per_mm.find(TowerName(tower));
-    if (steps == stated->second.steps_per_mm.end() || steps->second <= 0) continue;
-    const double slope =
-        observed.at(i).n.dot(observed.at(i).delta->by_knob.col(kEndstopKnob + tower));
-    variance_mm2 += std::pow(slope / steps->second, 2) / 12.0;
-  }
-  return std::sqrt(variance_mm2);
+  return DiagnosedAs(observed.machine()).Rounding_mm(observed, i);
 }
 
 namespace {
-
-constexpr double kNoSwitch_mm = 1e-4;  // No switch of a printer repeats to better.
 
 // How many count the same at one place, as a reading finds it in the mean.
 double AlikeOf(const Observed& observed, const std::vector<Eigen::Index>& rows) {
@@ -61,26 +51,26 @@ double Scatter_mm(const Observed& observed, Eigen::Index row) {
 
 double CountedSigma_mm(const Observed& observed, const std::string& campaign) {
   const Machine& machine = observed.machine();
-  if (!machine.z_station && !machine.triple_z) return 0;
+  const std::optional<double> least = DiagnosedAs(machine).LeastCounted_mm();
+  if (!least) return 0;
   std::vector<Eigen::Index> rows;
   for (Eigen::Index i = 0; i < observed.num_rows(); ++i) {
     const bool is_touch = observed.at(i).kind == RowKind::kTouch;
     if (is_touch && observed.row(i).campaign == campaign) rows.push_back(i);
   }
-  const double least_mm = machine.z_station ? kNoSwitch_mm : 0;
-  if (rows.empty()) return least_mm;
+  if (rows.empty()) return *least;
   const double step_mm = 1 / machine.axis(Axis::kZ).steps_per_mm();
   const double carried =
       2 * std::numbers::pi * Scatter_mm(observed, rows.front()) / step_mm;
   const double in_common = (AlikeOf(observed, rows) - 1) * std::exp(-carried * carried);
-  return std::max(least_mm, step_mm / std::sqrt(12.0)) * std::sqrt(1 + in_common);
+  return std::max(*least, step_mm / std::sqrt(12.0)) * std::sqrt(1 + in_common);
 }
 
 double RoundedBy_mm(const Observed& observed, Eigen::Index i, Axis axis) {
   constexpr double kNothing_mm = 1e-9;
   const At& at = observed.at(i);
   const auto stated = observed.header().settings.find(observed.row(i).settings);
-  const bool counts_axes = !observed.machine().delta && !observed.machine().triple_z;
+  const bool counts_axes = observed.machine().kind->motors().empty();
   if (!counts_axes || at.kind != RowKind::kPosition ||
       stated == observed.header().settings.end()) {
     return 0;

@@ -18,6 +18,7 @@
 #include "calibration/diagnosis/remains.h"
 #include "sim/base/require.h"
 #include "sim/base/units.h"
+#include "sim/machine/machine_kind.h"
 
 namespace caltwin {
 namespace {
@@ -160,7 +161,7 @@ class Scrutiny {
   // them would stand for any bend: there a table takes the place.
   bool GiveToRival(std::size_t i) {
     constexpr double kLikely = 0.05;
-    if (observed_.machine().kinematics == Kinematics::kCartesian) return false;
+    if (observed_.machine().kind->axes_are_drives()) return false;
     const Found before = found()[i];
     for (const Rival& rival : before.rivals) {
       const Candidate& other = candidates_[rival.candidate];

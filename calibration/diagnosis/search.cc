@@ -12,6 +12,7 @@
 #include "calibration/diagnosis/own_shape.h"
 #include "calibration/diagnosis/stories.h"
 #include "sim/base/units.h"
+#include "sim/machine/machine_kind.h"
 
 namespace caltwin {
 namespace {
@@ -205,8 +206,7 @@ class Searcher {
       // Beyond the usual margin only what would be a finding by itself; and not on a
       // printer, whose nozzle touches along one axis alone.
       const bool stands_alone =
-          other.log_odds > kNamingOdds &&
-          observed_.machine().kinematics == Kinematics::kCartesian;
+          other.log_odds > kNamingOdds && observed_.machine().kind->axes_are_drives();
       const double margin =
           stands_alone ? MarginOver(candidates_[top.candidate], free) : kOwnShape_nats;
       if (other.log_odds <= top.log_odds - margin) continue;

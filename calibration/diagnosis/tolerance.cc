@@ -80,11 +80,11 @@ void AddHarmonics(const Observed& o,
   }
 }
 
-// Whether it is a bend of a delta's bed over the place. Baseline and other bends take
+// Whether it is a bend of a round bed over the place. Baseline and other bends take
 // up most of one there: were its freedom any smooth function of the place, it would
 // take up the others.
-bool IsBendOfDeltaBed(const Observed& o, const Candidate& candidate) {
-  return o.machine().delta && candidate.shown.channel == "bed" &&
+bool IsBendOfRoundBed(const Observed& o, const Candidate& candidate) {
+  return o.num_rows() > 0 && o.at(0).rim_mm > 0 && candidate.shown.channel == "bed" &&
          std::ranges::all_of(candidate.shown.covariates, [](const std::string& word) {
            return word == "x" || word == "y";
          });
@@ -132,7 +132,7 @@ Tolerance ToleranceOf(const Observed& observed,
   const bool has_freedom = !candidate.is_free() &&
                            candidate.cause != HomingScatter::kDeclaration.name &&
                            !IsRigid(candidate);
-  if (has_freedom && IsBendOfDeltaBed(observed, candidate)) {
+  if (has_freedom && IsBendOfRoundBed(observed, candidate)) {
     AddBends(variant, &columns);
   } else if (has_freedom) {
     AddModulated(observed, candidate, variant, &columns);

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <deque>
+#include <memory>
 #include <numbers>
 #include <optional>
 #include <string>
@@ -12,11 +12,11 @@
 #include <fmt/format.h>
 
 #include "calibration/diagnosis/as_found.h"
+#include "calibration/diagnosis/kinds/diagnosed_kind.h"
 #include "calibration/diagnosis/settings_of_rows.h"
 #include "sim/base/rng.h"
 #include "sim/base/units.h"
 #include "sim/effects/catalog.h"
-#include "sim/effects/delta_at.h"
 #include "sim/effects/drive.h"
 #include "sim/effects/map_table.h"
 #include "sim/effects/predict.h"
@@ -51,7 +51,6 @@ class Volume {
   /// `as_drawn`: where the firmware's steps/mm were those of the drawing.
   Volume(const Observed& observed, std::uint64_t seed, bool as_drawn = false)
       : machine_(observed.machine()) {
-    const Settings settings = SettingsOfRows(observed);
     Rng rng(seed, 0, "volumetric");
     const auto n = static_cast<double>(observed.num_rows());
     for (int k = 0; k < kPoses; ++k) {
@@ -59,20 +58,8 @@ class Volume {
       at.kind = RowKind::kPosition;
       at.probe_off_mm.setZero();
       at.since_rev_mm.setConstant(kUnknown);
-      if (machine_.delta) {
-        PlaceOnDelta(observed, &rng, &at);
-        poses_.push_back(at);
-        continue;
-      }
-      for (const Axis axis : kAxes) {
-        const AxisDrawing& drawing = machine_.axis(axis);
-        const auto i = static_cast<std::size_t>(Index(axis));
-        at.q_mm[Index(axis)] = drawing.min_mm + rng.Uniform() * drawing.travel_mm();
-        at.dir[Index(axis)] = rng.Uniform() < 1.0 / 2 ? -1 : 1;
-        at.steps_per_mm[Index(axis)] =
-            as_drawn ? drawing.steps_per_mm() : settings.steps_per_mm[i];
-        at.compensation_mm[Index(axis)] = settings.backlash_mm[i];
-      }
+      placed_.push_back(
+          DiagnosedAs(machine_).PoseAnywhere(observed, as_drawn, &rng, &at));
       poses_.push_back(at);
     }
   }
@@ -88,32 +75,9 @@ class Volume {
   }
 
  private:
-  // Anywhere over its disc, as high as that is wide; where the rods of the machine as
-  // stated reach next to nothing of that, at the row it was drawn from.
-  void PlaceOnDelta(const Observed& observed, Rng* rng, At* at) {
-    constexpr int kMostDraws = 200;
-    const double radius_mm = machine_.delta->print_radius_mm;
-    const DeltaBuild<double> build = observed.BelievedBuild();
-    Row row;
-    for (double& dir : row.motor_dir) dir = rng->Uniform() < 1.0 / 2 ? -1 : 1;
-    std::optional<DeltaAt> here;
-    for (int drawn = 0; !here && drawn < kMostDraws; ++drawn) {
-      const double out_mm = radius_mm * std::sqrt(rng->Uniform());
-      const double angle = 2 * std::numbers::pi * rng->Uniform();
-      const Vec3<double> q_mm(out_mm * std::cos(angle),
-                              out_mm * std::sin(angle),
-                              radius_mm * rng->Uniform());
-      here = DeltaAtOf(build, machine_.delta->settings, row, q_mm);
-      if (here) at->q_mm = q_mm;
-    }
-    if (!here) return;
-    delta_.push_back(*here);
-    at->delta = &delta_.back();
-  }
-
   const Machine& machine_;
   std::vector<At> poses_{};
-  std::deque<DeltaAt> delta_{};  ///< That poses point to.
+  std::vector<std::shared_ptr<const void>> placed_{};  ///< What poses point into.
 };
 
 // What the baseline line would be had nothing been fitted.

@@ -20,7 +20,8 @@
 #include "scenarios/study/summary.h"
 #include "sim/base/require.h"
 #include "sim/base/units.h"
-#include "sim/machine/simulated_delta.h"
+#include "sim/machine/kinds/delta/model.h"
+#include "sim/machine/kinds/delta/simulated.h"
 
 namespace caltwin {
 namespace {

@@ -10,7 +10,8 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "calibration/kinds/delta/bench.h"
-#include "sim/machine/delta_touch.h"
+#include "sim/machine/kinds/delta/model.h"
+#include "sim/machine/kinds/delta/touch.h"
 
 namespace caltwin {
 

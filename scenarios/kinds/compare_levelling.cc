@@ -11,6 +11,7 @@
 #include "scenarios/kinds/triple_z_wire.h"
 #include "sim/base/units.h"
 #include "sim/effects/catalog.h"
+#include "sim/machine/kinds/triple_z/drawing.h"
 
 namespace caltwin {
 namespace {
@@ -100,7 +101,7 @@ Trial Try(const LevellingRival& rival,
           TripleZResult* result) {
   TripleZTwinPlant plant(
       built, /*is_physics=*/false, seed, static_cast<std::uint64_t>(number));
-  RrfTripleZ firmware(FirmwareOf(built.machine, built.machine.triple_z->pivots_mm()),
+  RrfTripleZ firmware(FirmwareOf(built.machine, TripleZOf(built.machine).pivots_mm()),
                       &plant);
   RrfTripleZWire wire(&firmware);
   TripleZPrinter printer(BenchOf(built.machine, &wire, kLevellingSigma_mm));
@@ -156,7 +157,7 @@ void CountForetelling(const BuiltTripleZ& built,
     by_driver_mm[i] = standing_mm[static_cast<std::size_t>(driver[i])];
   }
   const double truly =
-      SpectralRadius(LevellingGain(by_driver_mm, built.machine.triple_z->pivots_mm()));
+      SpectralRadius(LevellingGain(by_driver_mm, TripleZOf(built.machine).pivots_mm()));
   const bool says = iterated.predicted_factor.value_or(0) >= 1;
   foretelling->diverging += truly >= 1 ? 1 : 0;
   foretelling->foretold += truly >= 1 && says ? 1 : 0;

@@ -11,8 +11,9 @@
 #include "scenarios/interrupt.h"
 #include "scenarios/kinds/compare_delta.h"
 #include "sim/kinds/delta/calliper.h"
-#include "sim/machine/measured_delta.h"
-#include "sim/machine/simulated_delta.h"
+#include "sim/machine/kinds/delta/measured.h"
+#include "sim/machine/kinds/delta/model.h"
+#include "sim/machine/kinds/delta/simulated.h"
 
 namespace caltwin {
 namespace {

@@ -29,7 +29,7 @@ struct MeasuredTask {
   std::string note{};  ///< What is known of a figure that is not met.
 };
 
-/// Every task on the machine of sim/machine/measured_delta.h, those with noise
+/// Every task on the machine of sim/machine/kinds/delta/measured.h, those with noise
 /// `draws` times. `progress` hears the name of each. Ends early where
 /// InterruptRequested().
 std::vector<MeasuredTask> CompareMeasuredDelta(

@@ -1,5 +1,7 @@
 #include "scenarios/kinds/delta_g33.h"
 
+#include "sim/machine/kinds/delta/model.h"
+
 namespace caltwin {
 
 G33Program MarlinG33(G33Variant variant, double print_radius_mm) {

@@ -10,7 +10,8 @@
 #include "scenarios/kinds/gantry_scenario.h"
 #include "scenarios/named_step.h"
 #include "sim/effects/catalog.h"
-#include "sim/machine/delta_knobs.h"
+#include "sim/machine/kinds/delta/drawing.h"
+#include "sim/machine/kinds/delta/knobs.h"
 
 namespace caltwin {
 namespace {
@@ -67,8 +68,8 @@ void RequireDeltaParts(const DeltaEffects& effects, Faults* faults) {
 
 void DeltaScenario::ReadKeys(YamlMap* map, Scenario* scenario) {
   const Machine& machine = scenario->machine.machine;
-  settings = machine.delta->settings;
-  print_radius_mm = machine.delta->print_radius_mm;
+  settings = DeltaOf(machine).settings;
+  print_radius_mm = DeltaOf(machine).print_radius_mm;
   if (const auto value = map->Optional("effects")) {
     effects = ReadDeltaEffects(value->Map(), machine);
   }
@@ -78,7 +79,7 @@ void DeltaScenario::ReadKeys(YamlMap* map, Scenario* scenario) {
   RequireDeltaParts(effects, map->faults());
   if (const auto value = map->Optional("settings")) {
     YamlMap keys = value->Map();
-    ReadDeltaSettings(&keys, machine.delta->model, &settings);
+    ReadDeltaSettings(&keys, DeltaOf(machine).model, &settings);
     if (const auto offset = keys.Optional("probe_offset_mm")) {
       ReadProbeOffset(*offset, &probe_offset_mm);
     }

@@ -8,6 +8,7 @@
 #include "scenarios/scenario.h"
 #include "sim/base/yaml.h"
 #include "sim/kinds/delta/effects.h"
+#include "sim/machine/kinds/delta/model.h"
 #include "sim/machine/machine.h"
 
 namespace caltwin {

@@ -10,6 +10,8 @@
 #include "calibration/kinds/delta/setting_names.h"
 #include "scenarios/kinds/delta_g33.h"
 #include "sim/base/units.h"
+#include "sim/machine/kinds/delta/drawing.h"
+#include "sim/machine/kinds/delta/model.h"
 
 namespace caltwin {
 namespace {
@@ -44,7 +46,7 @@ DeltaTrial::DeltaTrial(const DeltaScenario& scenario,
                           .seed = chance.seed,
                           .sample = chance.sample})),
       truth_{.machine = machine_, .built = built_} {
-  twin_->SetG33(MarlinG33(G33Variant::kCorrected, machine_.delta->print_radius_mm));
+  twin_->SetG33(MarlinG33(G33Variant::kCorrected, DeltaOf(machine_).print_radius_mm));
   truth_.before = twin_->marlin().settings();
   bench_.gauge = &gauges_;
   bench_.person = &hands_;
@@ -55,7 +57,7 @@ void DeltaTrial::Connect(Link* link) {
   bench_.link = link;
   const Vec3<double>& offset_mm = delta_.probe_offset_mm;
   if (offset_mm.isZero(0)) return;
-  DeltaLinkProbe(link, machine_.delta->model, twin_->marlin().settings())
+  DeltaLinkProbe(link, DeltaOf(machine_).model, twin_->marlin().settings())
       .Say(fmt::format(
           "M851 X{:.2f} Y{:.2f} Z{:.3f}", offset_mm[0], offset_mm[1], offset_mm[2]));
 }
@@ -102,9 +104,9 @@ ProcedureResult DeltaTrial::Take(const DeltaStep& step) {
   truth_.tilt_x = truth_.tilt_y = 0;
   truth_.fit.reset();
   const DeltaModel<double> before = twin_->marlin().settings();
-  DeltaLinkProbe probe(bench_.link, machine_.delta->model, before);
+  DeltaLinkProbe probe(bench_.link, DeltaOf(machine_).model, before);
   if (step.name == "g33") {
-    twin_->SetG33(MarlinG33(VariantOf(step), machine_.delta->print_radius_mm));
+    twin_->SetG33(MarlinG33(VariantOf(step), DeltaOf(machine_).print_radius_mm));
     if (const auto blind = BlindnessOfG33(step.points)) {
       done.observability.push_back(*blind);
     }
@@ -129,7 +131,7 @@ ProcedureResult DeltaTrial::Take(const DeltaStep& step) {
 void DeltaTrial::AddSteps(const DeltaStep& step,
                           const DeltaModel<double>& before,
                           ProcedureResult* done) const {
-  const DeltaModel<double>& drawn = machine_.delta->model;
+  const DeltaModel<double>& drawn = DeltaOf(machine_).model;
   for (const char* name : kDeltaSettingNames) {
     const double was = *DeltaSettingNamed(before, drawn, name);
     const double is = *DeltaSettingNamed(twin_->marlin().settings(), drawn, name);
@@ -152,7 +154,7 @@ void DeltaTrial::AddTrims(const DeltaStep& step,
         before.arm_mm[i] - MeanOfTowers(before.arm_mm),
         after.arm_mm[i] - MeanOfTowers(after.arm_mm));
   }
-  const double drawn_rad = machine_.delta->model.angle_rad[2];
+  const double drawn_rad = DeltaOf(machine_).model.angle_rad[2];
   add("tower_angle.c",
       DegFromRad(before.angle_rad[2] - drawn_rad),
       DegFromRad(after.angle_rad[2] - drawn_rad));

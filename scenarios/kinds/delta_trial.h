@@ -9,6 +9,7 @@
 #include "scenarios/kinds/delta_verdict.h"
 #include "scenarios/kinds/nobody.h"
 #include "sim/kinds/delta/twin.h"
+#include "sim/machine/kinds/delta/model.h"
 
 namespace caltwin {
 

@@ -12,6 +12,9 @@
 #include "scenarios/position_error.h"
 #include "sim/base/rng.h"
 #include "sim/base/units.h"
+#include "sim/machine/kinds/delta/drawing.h"
+#include "sim/machine/kinds/delta/knobs.h"
+#include "sim/machine/kinds/delta/model.h"
 
 namespace caltwin {
 namespace {
@@ -25,7 +28,7 @@ const DeltaKnob& KnobOf(const DeltaEstimate& estimate) {
 }
 
 void AddSettings(const DeltaTruth& trial, RunResult* result) {
-  const DeltaModel<double>& drawn = trial.machine.delta->model;
+  const DeltaModel<double>& drawn = DeltaOf(trial.machine).model;
   for (const char* name : kDeltaSettingNames) {
     ParameterResult row{.name = name,
                         .unit = std::string(name).starts_with("tower") ? "deg" : "mm",
@@ -45,8 +48,8 @@ void AddSettings(const DeltaTruth& trial, RunResult* result) {
 void TakeEstimate(const DeltaTruth& trial,
                   const DeltaEstimate& estimate,
                   ParameterResult* row) {
-  row->recovered =
-      DeltaSettingNamed(trial.fit->build.model, trial.machine.delta->model, row->name);
+  row->recovered = DeltaSettingNamed(
+      trial.fit->build.model, DeltaOf(trial.machine).model, row->name);
   row->error = *row->recovered - row->injected;
   row->sd = estimate.sd;
   row->budget = estimate.budget;
@@ -59,8 +62,10 @@ ParameterResult RowOf(const DeltaTruth& trial, const DeltaEstimate& estimate) {
   ParameterResult row{.name = std::string(knob.name),
                       .unit = std::string(knob.unit),
                       .identifiable = estimate.sd_over_prior < kSaidNothing};
-  row.injected = KnobValue(
-      estimate.knob, trial.built.build, trial.built.bed, trial.machine.delta->Build());
+  row.injected = KnobValue(estimate.knob,
+                           trial.built.build,
+                           trial.built.bed,
+                           DeltaOf(trial.machine).Build());
   if (row.identifiable) {
     row.recovered = estimate.value;
     row.sd = estimate.sd;
@@ -101,7 +106,7 @@ double Drift_mm(const DeltaTruth& trial) {
   return DeltaHeightChange_mm(trial.built.build,
                               trial.after_first,
                               trial.after,
-                              trial.machine.delta->print_radius_mm);
+                              DeltaOf(trial.machine).print_radius_mm);
 }
 
 }  // namespace
@@ -110,7 +115,7 @@ double DeltaPositionP95_mm(const DeltaTruth& trial,
                            const DeltaModel<double>& settings,
                            const DeltaMesh& mesh) {
   constexpr int kPoses = 1000;
-  const double radius_mm = trial.machine.delta->print_radius_mm;
+  const double radius_mm = DeltaOf(trial.machine).print_radius_mm;
   Rng rng(1, 0, "position_error_mm"), senses(1, 0, "position_error_mm.senses");
   std::vector<Vec3<double>> errors_mm;
   for (int i = 0; i < kPoses; ++i) {
@@ -133,7 +138,7 @@ double DeltaReversal_mm(const DeltaTruth& trial) {
   constexpr int kPoints = 200;
   double most_mm = 0;
   for (const Eigen::Vector2d& at :
-       DiscPoints(kPoints, trial.machine.delta->print_radius_mm)) {
+       DiscPoints(kPoints, DeltaOf(trial.machine).print_radius_mm)) {
     const Vec3<double> motors_mm =
         DeltaMotors_mm<double>(trial.after, Vec3<double>(at[0], at[1], 0));
     const auto after = [&](double sense) {
@@ -161,7 +166,7 @@ DeltaAccuracy AccuracyOn(const DeltaTruth& trial,
         trial.machine, trial.built, motors_mm, Vec3<double>(Vec3<double>::Ones()));
   };
   return DeltaAccuracyOf(
-      nozzle_of, bed, settings, trial.machine.delta->print_radius_mm, mesh);
+      nozzle_of, bed, settings, DeltaOf(trial.machine).print_radius_mm, mesh);
 }
 
 // What a firmware that knows the bed's tilt would make of the same settings.

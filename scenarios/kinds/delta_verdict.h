@@ -9,6 +9,7 @@
 #include "scenarios/kinds/delta_scenario.h"
 #include "scenarios/result.h"
 #include "sim/kinds/delta/plant.h"
+#include "sim/machine/kinds/delta/model.h"
 
 namespace caltwin {
 

@@ -5,6 +5,9 @@
 #include "scenarios/kinds/motor_stage_scenario.h"
 #include "scenarios/kinds/triple_z_scenario.h"
 #include "scenarios/kinds/z_station_scenario.h"
+#include "sim/machine/kinds/delta/drawing.h"
+#include "sim/machine/kinds/triple_z/drawing.h"
+#include "sim/machine/kinds/z_station/drawing.h"
 
 namespace caltwin {
 
@@ -26,12 +29,14 @@ std::unique_ptr<KindScenario> ReadKind(const std::filesystem::path& file,
     return stage;
   }
   *machine = ReadAnyMachineFile(file);
-  if (machine->machine.delta) return std::make_unique<DeltaScenario>();
+  if (machine->machine.Own<DeltaDrawing>() != nullptr)
+    return std::make_unique<DeltaScenario>();
   // A station may stand at any printer.
-  if (map->Has("station") || machine->machine.z_station) {
+  if (map->Has("station") || machine->machine.Own<ZStationDrawing>() != nullptr) {
     return std::make_unique<ZStationScenario>();
   }
-  if (machine->machine.triple_z) return std::make_unique<TripleZScenario>();
+  if (machine->machine.Own<TripleZDrawing>() != nullptr)
+    return std::make_unique<TripleZScenario>();
   return UsualKind();
 }
 

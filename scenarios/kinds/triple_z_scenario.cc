@@ -9,6 +9,7 @@
 #include "scenarios/named_step.h"
 #include "sim/base/units.h"
 #include "sim/effects/catalog.h"
+#include "sim/machine/kinds/triple_z/drawing.h"
 
 namespace caltwin {
 namespace {
@@ -186,7 +187,7 @@ std::vector<TripleZStep> ReadTripleZSteps(const YamlValue& list) {
 void TripleZScenario::ReadKeys(YamlMap* map, Scenario* scenario) {
   const Machine& machine = scenario->machine.machine;
   effects = scenario->machine.effects;
-  believed_mm = machine.triple_z->pivots_mm();
+  believed_mm = TripleZOf(machine).pivots_mm();
   steps_per_mm = machine.settings.steps_per_mm[2];
   if (const auto value = map->Optional("effects")) {
     const auto read = ReadEffects(value->Map(), machine);

@@ -10,6 +10,7 @@
 #include "sim/base/yaml.h"
 #include "sim/effects/injected.h"
 #include "sim/kinds/triple_z/plant.h"
+#include "sim/machine/kinds/triple_z/drawing.h"
 #include "sim/machine/machine.h"
 
 namespace caltwin {

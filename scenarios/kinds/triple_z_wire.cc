@@ -9,6 +9,7 @@
 #include "sim/base/rng.h"
 #include "sim/effects/predict.h"
 #include "sim/effects/surroundings.h"
+#include "sim/machine/kinds/triple_z/drawing.h"
 
 namespace caltwin {
 namespace {
@@ -31,8 +32,8 @@ Vec3<double> OffAt_mm(const BuiltTripleZ& built,
   row.dir = {0, 0, sense};
   row.feature = "bed.top";
   for (std::size_t i = 0; i < row.motor_mm.size(); ++i) {
-    row.motor_mm[i] =
-        machine.triple_z->top_mm - sent_mm[2] + raised_mm[static_cast<Eigen::Index>(i)];
+    row.motor_mm[i] = TripleZOf(machine).top_mm - sent_mm[2] +
+                      raised_mm[static_cast<Eigen::Index>(i)];
     row.motor_dir[i] = -sense;
   }
   const At at = AtOf(row, machine, machine.settings);
@@ -71,7 +72,7 @@ RrfTripleZOptions FirmwareOf(const Machine& machine,
                              const Pivots<double>& believed_mm) {
   return {.pivots_mm = believed_mm,
           .steps_per_mm = machine.settings.steps_per_mm[2],
-          .top_mm = machine.triple_z->top_mm,
+          .top_mm = TripleZOf(machine).top_mm,
           .most_mm = Travel_mm(machine),
           .probe_mm_s = machine.probe.speeds_mm_s.back()};
 }
@@ -81,8 +82,8 @@ TripleZBench BenchOf(const Machine& machine, Link* link, double sigma_mm) {
   const double step_mm = 1 / machine.settings.steps_per_mm[2];
   return {
       .link = link,
-      .drawn_mm = machine.triple_z->pivots_mm(),
-      .top_mm = machine.triple_z->top_mm,
+      .drawn_mm = TripleZOf(machine).pivots_mm(),
+      .top_mm = TripleZOf(machine).top_mm,
       .most_mm = Travel_mm(machine),
       .sigma_mm = std::max(std::hypot(sigma_mm, step_mm / std::sqrt(12.0)), kBest_mm),
       .is_sigma_stated = sigma_mm > 0};

@@ -8,6 +8,7 @@
 #include "calibration/kinds/triple_z/printer.h"
 #include "scenarios/kinds/nobody.h"
 #include "sim/kinds/triple_z/plant.h"
+#include "sim/machine/kinds/triple_z/drawing.h"
 
 namespace caltwin {
 

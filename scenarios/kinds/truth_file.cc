@@ -12,7 +12,8 @@
 #include "scenarios/machine_file.h"
 #include "sim/effects/catalog.h"
 #include "sim/kinds/delta/effects.h"
-#include "sim/machine/motor_stage.h"
+#include "sim/machine/kinds/kinds.h"
+#include "sim/machine/kinds/motor_stage/drawing.h"
 
 namespace caltwin {
 
@@ -27,16 +28,18 @@ struct TruthKind {
   void (*read)(const fs::path& file, const fs::path& machine);
 };
 
-bool HasAxis(const std::string& cause, const std::string& axis, Kinematics kinematics) {
+bool HasAxis(const std::string& cause,
+             const std::string& axis,
+             const MachineKind* kind) {
   const auto effect = FindEffect(cause);
   if (!effect) return false;
-  const auto axes = AxesOn(EffectAt(*effect), kinematics);
+  const auto axes = AxesOn(EffectAt(*effect), kind);
   return std::ranges::find(axes, axis) != axes.end();
 }
 
-template <Kinematics kinematics>
+template <const MachineKind* (*kind)()>
 bool KnowsInCatalog(const std::string& cause, const std::string& axis) {
-  return HasAxis(cause, axis, kinematics);
+  return HasAxis(cause, axis, kind());
 }
 
 bool KnowsOfDelta(const std::string& cause, const std::string& /*axis*/) {
@@ -54,14 +57,14 @@ void ReadOfCatalog(const fs::path& file, const fs::path& machine) {
 }
 
 constexpr std::array kKinds = {
-    TruthKind{"gantry_router", KnowsInCatalog<Kinematics::kCartesian>, ReadOfCatalog},
+    TruthKind{"gantry_router", KnowsInCatalog<CartesianKind>, ReadOfCatalog},
     TruthKind{"delta_printer",
               KnowsOfDelta,
               [](const fs::path& file, const fs::path& machine) {
                 ReadDeltaTruthFile(file, ReadMachine(machine));
               }},
-    TruthKind{"triple_z_printer", KnowsInCatalog<Kinematics::kTripleZ>, ReadOfCatalog},
-    TruthKind{"z_station", KnowsInCatalog<Kinematics::kZStation>, ReadOfCatalog},
+    TruthKind{"triple_z_printer", KnowsInCatalog<TripleZKind>, ReadOfCatalog},
+    TruthKind{"z_station", KnowsInCatalog<ZStationKind>, ReadOfCatalog},
     TruthKind{"motor_stage",
               KnowsOfMotors,
               [](const fs::path& file, const fs::path& machine) {

@@ -10,6 +10,7 @@
 #include "sim/base/units.h"
 #include "sim/effects/predict.h"
 #include "sim/kinds/perform.h"
+#include "sim/machine/machine_kind.h"
 #include "sim/measure/in_force.h"
 
 namespace caltwin {
@@ -72,10 +73,12 @@ void RefuseWithoutArtefact(const std::vector<InjectedSpec>& effects,
 PlanStudy::PlanStudy(const fs::path& plan_file, Scenario varied, std::uint64_t seed)
     : varied_(std::move(varied)), seed_(seed) {
   const Machine& machine = varied_.machine.machine;
-  if (machine.delta) {
-    throw InputError({.file = plan_file.string()},
-                     "is a plan of a delta, which studies of plans do not know",
-                     "study a scenario of it");
+  if (!machine.kind->moves_along_axes()) {
+    throw InputError(
+        {.file = plan_file.string()},
+        fmt::format("is a plan of a {}, which studies of plans do not know",
+                    machine.kind->name()),
+        "study a scenario of it");
   }
   session_ = PlanSession(ReadPlan(plan_file), machine, seed);
   session_.header.settings["1"] = AsHeader(machine.settings);

@@ -42,7 +42,7 @@ struct Angular {
     return {.channel = "x", .covariates = {"z"}};
   }
   /// The tool against the bed: in z, by where it stands over it.
-  static Shown ShownOnTripleZ(std::string_view axis) {
+  static Shown ShownOnScrews(std::string_view axis) {
     if (axis == "EBY") return {.channel = "z", .covariates = {"x", "y"}};
     return {.channel = "z", .covariates = {axis == "EAZ" ? "y" : "x", "z"}};
   }
@@ -73,8 +73,7 @@ struct Angular {
                 .action = "Calibrate at the height of the work, lengthen the wheel "
                           "base, straighten the rail."},
       .neutral = Neutral,
-      .sight = Sight{.shown = ShownIn, .shown_on_triple_z = ShownOnTripleZ},
-      .triple_z_axes = kTripleZAxes};
+      .sight = Sight{.shown = ShownIn, .shown_on_screws = ShownOnScrews}};
 
   /// On a triple-Z printer the gantry leans, EAZ and EBZ, as the bed moves along z:
   /// about its middle, r = (x - mid, y - mid, 0).
@@ -82,7 +81,7 @@ struct Angular {
   static void Add(const Asked<T>& asked, Errors<T>* errors) {
     const Axis moving = MovingAxis(asked.axis);
     const Axis about = AxisOfRotation(asked.axis[1]);
-    if (asked.at.triple_z && moving == Axis::kZ) {
+    if (asked.at.screws && moving == Axis::kZ) {
       Vec3<T> lever_mm = asked.q_mm + asked.at.probe_off_mm.template cast<T>();
       for (const Axis axis : {Axis::kX, Axis::kY}) {
         lever_mm[Index(axis)] -= asked.machine.axis(axis).mid_mm();

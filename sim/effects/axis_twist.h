@@ -57,8 +57,7 @@ struct AxisTwist {
                           "axis_twist_compensation; or probe with the tool itself."},
       .neutral = Neutral,
       .aliases = kAliases,
-      .sight = Sight{.shown = ShownIn},
-      .triple_z_axes = kAxes};
+      .sight = Sight{.shown = ShownIn}};
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {

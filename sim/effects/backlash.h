@@ -46,8 +46,7 @@ struct Backlash {
                 .cause = "Worn or unloaded nut, loose bearing or coupling.",
                 .effect = "Circles flatten, pockets and bosses miss by the gap.",
                 .action = "Preload or replace the nut; else set M425 to the gap."},
-      .neutral = Neutral,
-      .triple_z_axes = kTripleZAxes};
+      .neutral = Neutral};
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {

@@ -47,9 +47,7 @@ struct BedBowl {
                 .action = "Surface or shim the table; a height map (mesh) corrects "
                           "it."},
       .neutral = Neutral,
-      .sight = Sight{.shown = ShownIn},
-      .delta_axes = kAxes,
-      .triple_z_axes = kAxes};
+      .sight = Sight{.shown = ShownIn}};
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {

@@ -49,15 +49,13 @@ struct BedCylinder {
                 .action = "Shim under the middle, surface the table, or use a height "
                           "map."},
       .neutral = Neutral,
-      .sight = Sight{.shown = ShownIn},
-      .delta_axes = kAxes,
-      .triple_z_axes = kAxes};
+      .sight = Sight{.shown = ShownIn}};
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {
     const T along = OnPlate(asked)[Index(*AxisNamed(asked.axis))];
-    // A delta's edges are on its rim.
-    const double at_edge = asked.at.delta != nullptr ? 0.5 : 1.0;
+    // The edges of a round bed are on its rim.
+    const double at_edge = asked.at.rim_mm > 0 ? 0.5 : 1.0;
     AddHeight(asked, T(MmFromUm(asked.p[0]) * at_edge * along * along), errors);
   }
 };

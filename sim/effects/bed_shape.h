@@ -10,12 +10,12 @@ namespace caltwin {
 
 /// Where a touched point lies on the plate, in the plate's own frame: from the middle
 /// of the travel, turned back by `artefact_turn_deg`, -1 .. 1 over the travel. Of the
-/// plate's own axes: a plate turned by 90 degrees takes its shape along. On a delta the
-/// rim (of the outermost touch) is where a square's corners would be.
+/// plate's own axes: a plate turned by 90 degrees takes its shape along. On a round bed
+/// the rim (of the outermost touch) is where a square's corners would be.
 template <typename T>
 Eigen::Matrix<T, 2, 1> OnPlate(const Asked<T>& asked) {
-  if (asked.at.delta != nullptr) {
-    const double edge_mm = asked.at.delta->rim_mm / std::numbers::sqrt2;
+  if (asked.at.rim_mm > 0) {
+    const double edge_mm = asked.at.rim_mm / std::numbers::sqrt2;
     return Vec3<T>(asked.q_mm + asked.at.probe_off_mm.template cast<T>())
                .template head<2>() /
            T(edge_mm);

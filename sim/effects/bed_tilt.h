@@ -38,7 +38,8 @@ struct BedTilt {
       .axes = kAxes,
       .parameters = kParameters,
       .formula =
-          "dz = s_x (x - x_mid) + s_y (y - y_mid); a delta's middle is its origin",
+          "dz = s_x (x - x_mid) + s_y (y - y_mid); the middle of a round bed is its "
+          "origin",
       .source = "Unsurfaced spoil boards: 0.5 to 5 mrad.",
       .twin =
           "squareness A0Z, B0Z: heights alone cannot tell; a side face at two heights "
@@ -48,9 +49,7 @@ struct BedTilt {
                 .cause = "Table shimmed or clamped unevenly.",
                 .effect = "Pockets vary in depth across the part.",
                 .action = "Shim or surface the table."},
-      .neutral = Neutral,
-      .delta_axes = kAxes,
-      .triple_z_axes = kAxes};
+      .neutral = Neutral};
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {
@@ -58,10 +57,10 @@ struct BedTilt {
     const T slope_x = RadFromMrad(asked.p[0]);
     const T slope_y = RadFromMrad(asked.p[1]);
     const Vec3<double> middle_mm =
-        asked.at.delta != nullptr ? Vec3<double>(0, 0, 0)
-                                  : Vec3<double>(asked.machine.axis(Axis::kX).mid_mm(),
-                                                 asked.machine.axis(Axis::kY).mid_mm(),
-                                                 0);
+        asked.at.rim_mm > 0 ? Vec3<double>(0, 0, 0)
+                            : Vec3<double>(asked.machine.axis(Axis::kX).mid_mm(),
+                                           asked.machine.axis(Axis::kY).mid_mm(),
+                                           0);
     const Vec3<T> r_mm =
         asked.q_mm + (asked.at.probe_off_mm - middle_mm).template cast<T>();
     const Vec3<double>& n = asked.at.n;

@@ -49,9 +49,7 @@ struct BedTwist {
                 .action = "Shim one corner by four times the height; a tilt correction "
                           "cannot mend it, a height map can."},
       .neutral = Neutral,
-      .sight = Sight{.shown = ShownIn},
-      .delta_axes = kAxes,
-      .triple_z_axes = kAxes};
+      .sight = Sight{.shown = ShownIn}};
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {

@@ -2,6 +2,7 @@
 
 #include "sim/base/units.h"
 #include "sim/effects/knob_turns.h"
+#include "sim/machine/kinds/delta/knobs.h"
 
 namespace caltwin {
 
@@ -45,8 +46,7 @@ struct BeltPitch {
            .action = "Tension the belts alike (by their tone), or set steps per mm of "
                      "that motor."},
       .neutral = Neutral,
-      .sight = Sight{.shown = In},
-      .delta_axes = kTowerAxes};
+      .sight = Sight{.shown = In}};
 
   template <typename T>
   static std::array<KnobTurn<T>, 1> Turns(std::string_view axis, std::span<const T> p) {

@@ -1,6 +1,9 @@
 #pragma once
 
 #include "sim/effects/drive.h"
+#include "sim/effects/linkage_at.h"
+#include "sim/machine/kinds/delta/drawing.h"
+#include "sim/machine/kinds/delta/knobs.h"
 
 namespace caltwin {
 
@@ -51,8 +54,7 @@ struct CarriageBacklash {
                 .action = "Adjust the eccentric nuts, preload the carriage, shorten "
                           "the belt clip."},
       .neutral = Neutral,
-      .sight = Sight{.shown = In},
-      .delta_axes = kTowerAxes};
+      .sight = Sight{.shown = In}};
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {
@@ -68,11 +70,11 @@ struct CarriageBacklash {
   // By the rail, so that the drive has to push it down.
   template <typename T>
   static bool IsHeld(const Asked<T>& asked, int tower) {
-    const DeltaAt* here = asked.at.delta;
-    if (here == nullptr || !asked.machine.delta) return true;
+    const LinkageAt* here = asked.at.linkage;
+    if (here == nullptr || asked.machine.template Own<DeltaDrawing>() == nullptr) return true;
     const AxisDrawing& drawing = asked.machine.axes[static_cast<std::size_t>(tower)];
     const double rise = here->by_knob(Index(Axis::kZ), kEndstopKnob + tower);
-    return TowerLoad_n(drawing, *asked.machine.delta, rise) < drawing.rail_friction_n;
+    return TowerLoad_n(drawing, DeltaOf(asked.machine), rise) < drawing.rail_friction_n;
   }
 };
 

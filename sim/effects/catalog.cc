@@ -5,6 +5,9 @@
 #include <type_traits>
 
 #include "sim/base/require.h"
+#include "sim/machine/kinds/delta/knobs.h"
+#include "sim/machine/kinds/delta/model.h"
+#include "sim/machine/machine_kind.h"
 
 namespace caltwin {
 namespace {
@@ -37,25 +40,18 @@ std::optional<int> FindEffect(std::string_view name) {
   return std::nullopt;
 }
 
-std::span<const std::string_view> AxesOn(const Effect& effect, Kinematics kinematics) {
-  switch (kinematics) {
-    case Kinematics::kDelta:
-      return effect.delta_axes;
-    case Kinematics::kTripleZ:
-      return effect.triple_z_axes;
-    case Kinematics::kZStation:
-      return effect.z_station_axes;
-    case Kinematics::kCartesian:
-      break;
-  }
-  return effect.axes;
+std::span<const std::string_view> AxesOn(const Effect& effect,
+                                         const MachineKind* kind) {
+  const auto own = kind->effects();
+  if (own.empty()) return effect.axes;
+  const auto found = std::ranges::find(own, effect.name, &KindEffect::effect);
+  return found == own.end() ? std::span<const std::string_view>() : found->axes;
 }
 
-Shown ShownOn(const Effect& effect, std::string_view axis, Kinematics kinematics) {
+Shown ShownOn(const Effect& effect, std::string_view axis, const MachineKind* kind) {
   const Sight& sight = *effect.sight;
-  const bool is_other =
-      kinematics == Kinematics::kTripleZ && sight.shown_on_triple_z != nullptr;
-  return is_other ? sight.shown_on_triple_z(axis) : sight.shown(axis);
+  const bool is_other = kind->bed_is_on_screws() && sight.shown_on_screws != nullptr;
+  return is_other ? sight.shown_on_screws(axis) : sight.shown(axis);
 }
 
 std::optional<Bounds> DeclaredBounds(std::string_view effect,
@@ -68,11 +64,11 @@ std::optional<Bounds> DeclaredBounds(std::string_view effect,
   return Bounds{found->min, found->max};
 }
 
-bool HasAxis(const Effect& effect, std::string_view axis, Kinematics kinematics) {
+bool HasAxis(const Effect& effect, std::string_view axis, const MachineKind* kind) {
   const auto same = [&](std::string_view word) {
     return word == axis || (word == kAnyAxis && !axis.empty());
   };
-  return std::ranges::any_of(AxesOn(effect, kinematics), same) ||
+  return std::ranges::any_of(AxesOn(effect, kind), same) ||
          std::ranges::any_of(effect.aliases, same);
 }
 

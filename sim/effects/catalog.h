@@ -67,6 +67,7 @@
 #include "sim/effects/trigger_scatter.h"
 #include "sim/effects/unknown_map.h"
 #include "sim/effects/windup_load.h"
+#include "sim/machine/kinds/delta/model.h"
 
 namespace caltwin {
 
@@ -160,13 +161,13 @@ extern template void AddErrors<double>(int, const Asked<double>&, Errors<double>
 
 /// What may stand after the dot of the effect's name on such a machine; empty: it does
 /// not have the effect.
-std::span<const std::string_view> AxesOn(const Effect& effect, Kinematics kinematics);
+std::span<const std::string_view> AxesOn(const Effect& effect, const MachineKind* kind);
 
 /// Where an effect that diagnosis may find shows on such a machine.
-Shown ShownOn(const Effect& effect, std::string_view axis, Kinematics kinematics);
+Shown ShownOn(const Effect& effect, std::string_view axis, const MachineKind* kind);
 
 /// Whether files may write this after the dot of the effect's name.
-bool HasAxis(const Effect& effect, std::string_view axis, Kinematics kinematics);
+bool HasAxis(const Effect& effect, std::string_view axis, const MachineKind* kind);
 
 /// What an effect turns of a delta's build; none where it does not act there.
 std::vector<KnobTurn<double>> TurnsOf(const Injected& effect);

@@ -5,6 +5,9 @@
 #include <string_view>
 
 #include "sim/effects/effect.h"
+#include "sim/effects/linkage_at.h"
+#include "sim/machine/kinds/delta/knobs.h"
+#include "sim/machine/kinds/triple_z/drawing.h"
 
 namespace caltwin {
 
@@ -40,16 +43,16 @@ inline std::string SenseCovariate(std::string_view name) {
 /// What a row's motors are told: a tower's travel down from its endstop, a screw's
 /// height over its. nullopt on a machine that has no motors beside its axes.
 inline std::optional<Vec3<double>> MotorsOf_mm(const At& at) {
-  if (at.delta != nullptr) return at.delta->motors_mm;
-  if (!at.triple_z) return std::nullopt;
-  const double up_mm = at.q_mm[2] - at.triple_z->stated_z_mm;
-  return at.triple_z->stated_mm - Vec3<double>::Constant(up_mm);
+  if (at.linkage != nullptr) return at.linkage->motors_mm;
+  if (!at.screws) return std::nullopt;
+  const double up_mm = at.q_mm[2] - at.screws->stated_z_mm;
+  return at.screws->stated_mm - Vec3<double>::Constant(up_mm);
 }
 /// In which sense each of them came.
 inline std::optional<Vec3<double>> MotorDirOf(const At& at) {
-  if (at.delta != nullptr) return at.delta->motor_dir;
-  if (!at.triple_z) return std::nullopt;
-  return at.triple_z->motor_dir;
+  if (at.linkage != nullptr) return at.linkage->motor_dir;
+  if (!at.screws) return std::nullopt;
+  return at.screws->motor_dir;
 }
 
 /// Where it stands by command [mm], motors as in MotorsOf_mm.
@@ -117,7 +120,7 @@ Vec3<T> BuiltWeights(const At& at, const Errors<T>& errors) {
   const Vec3<double> tip_mm = at.Tip_mm();
   Pivots<T> built_mm;
   for (std::size_t i = 0; i < built_mm.size(); ++i) {
-    built_mm[i] = at.triple_z->drawn_mm[i].template cast<T>() +
+    built_mm[i] = at.screws->drawn_mm[i].template cast<T>() +
                   errors.pivot_off_mm.col(static_cast<Eigen::Index>(i));
   }
   const T x_mm(tip_mm[0]), y_mm(tip_mm[1]);
@@ -132,15 +135,15 @@ Vec3<T> BuiltWeights(const At& at, const Errors<T>& errors) {
 ///   dz = -(W . (told + moved) - w . told),  W of the screws as built, w as drawn
 template <typename T>
 Vec3<T> MotionOfMotors_mm(const At& at, const Errors<T>& errors) {
-  if (at.delta != nullptr) {
+  if (at.linkage != nullptr) {
     // A carriage that is lower is one whose endstop is.
-    return -at.delta->by_knob.middleCols<3>(kEndstopKnob).cast<T>() *
-           MotorsMoved_mm(at.delta->motor_dir, errors);
+    return -at.linkage->by_knob.middleCols<3>(kEndstopKnob).cast<T>() *
+           MotorsMoved_mm(at.linkage->motor_dir, errors);
   }
-  if (!at.triple_z) return Vec3<T>::Zero();
-  const Vec3<T> moved_mm = MotorsMoved_mm(at.triple_z->motor_dir, errors);
+  if (!at.screws) return Vec3<T>::Zero();
+  const Vec3<T> moved_mm = MotorsMoved_mm(at.screws->motor_dir, errors);
   const Vec3<T> weights = BuiltWeights(at, errors);
-  const Vec3<T> more = weights - at.triple_z->weights.template cast<T>();
+  const Vec3<T> more = weights - at.screws->weights.template cast<T>();
   const Vec3<T> told_mm = MotorsOf_mm(at)->template cast<T>();
   return {T(0), T(0), -(more.dot(told_mm) + weights.dot(moved_mm))};
 }

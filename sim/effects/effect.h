@@ -10,7 +10,8 @@
 
 #include "sim/base/distribution.h"
 #include "sim/machine/axis.h"
-#include "sim/machine/delta_knobs.h"
+#include "sim/machine/kinds/triple_z/drawing.h"
+#include "sim/machine/kinds/z_station/drawing.h"
 #include "sim/machine/machine.h"
 #include "sim/measure/climate.h"
 #include "sim/measure/row.h"
@@ -73,8 +74,8 @@ struct Sight {
                                             const Extent& extent) = nullptr;
   /// Harmonics of a periodic effect, as columns of their own: 2 .. this. 0: not so.
   int harmonics = 0;
-  /// As `shown`, on a triple-Z printer, where it differs.
-  Shown (*shown_on_triple_z)(std::string_view axis) = nullptr;
+  /// As `shown`, of a machine whose bed is on screws, where it differs.
+  Shown (*shown_on_screws)(std::string_view axis) = nullptr;
   bool shows_at_rest = false;  ///< Also where its covariates do not change.
 };
 
@@ -96,6 +97,7 @@ struct Effect {
   Bucket bucket;
   Stage stage;
   /// Allowed after the dot on a cartesian machine; {""}: none. Empty: not there.
+  /// Another kind of machine says itself which effects it has (MachineKind::effects).
   std::span<const std::string_view> axes{};
   std::span<const Parameter> parameters;
   std::string_view formula;
@@ -110,41 +112,16 @@ struct Effect {
   std::span<const std::string_view> aliases{};
   /// What diagnosis may find; none: baseline, or injected only.
   std::optional<Sight> sight{};
-  /// As `axes`, on a delta.
-  std::span<const std::string_view> delta_axes{};
-  /// As `axes`, on a triple-Z printer.
-  std::span<const std::string_view> triple_z_axes{};
-  /// As `axes`, on a printer's station of nozzle, switch and probe.
-  std::span<const std::string_view> z_station_axes{};
 };
 
 /// In `axes`: any word, such as an artefact's id.
 inline constexpr std::string_view kAnyAxis = "*";
 
-/// The towers of a delta, after the dot.
-inline constexpr std::array<std::string_view, 3> kTowerAxes = {"a", "b", "c"};
-
-/// The one axis of which a printer's station has errors, after the dot.
-inline constexpr std::array<std::string_view, 1> kHeightAxis = {"z"};
-
-/// The screws of a triple-Z printer, after the dot.
+/// The screws under a bed, after the dot.
 inline constexpr std::array<std::string_view, 3> kScrewAxes = {"z1", "z2", "z3"};
 
-/// What a delta's reading has beside its pose: what its motors did, and how the nozzle
-/// moves with whatever may be wrong, about the machine as it is believed to be built.
-struct DeltaAt {
-  Vec3<double> motors_mm =
-      Vec3<double>::Zero();  ///< Commanded, down from the endstops.
-  Vec3<double> motor_dir = Vec3<double>::Zero();  ///< Sense of each in the approach.
-  Vec3<double> off_mm = Vec3<double>::Zero();     ///< Nozzle less commanded, by it.
-  /// Of the nozzle by the knobs of the machine itself, inside values.
-  Eigen::Matrix<double, 3, kNumDeltaKnobs> by_knob =
-      Eigen::Matrix<double, 3, kNumDeltaKnobs>::Zero();
-  double rim_mm = 100;  ///< How far out the outermost touch of the bed lies.
-};
-
-/// What a triple-Z printer's reading has beside its pose.
-struct TripleZAt {
+/// What a reading over a bed on screws has beside its pose.
+struct ScrewsAt {
   /// Commanded heights of the screws with the nozzle at `stated_z_mm`; all three go
   /// down as it rises.
   Vec3<double> stated_mm = Vec3<double>::Zero();
@@ -156,6 +133,8 @@ struct TripleZAt {
   /// Read by a gauge on the frame: what the gantry does, it does not feel.
   bool is_fixed = false;
 };
+
+struct LinkageAt;
 
 /// Where and under which circumstances an error is asked for: what is known of one
 /// reading, none of it a parameter.
@@ -195,9 +174,13 @@ struct At {
   double artefact_turn_deg = 0;
   /// Middle of what was touched of the artefact in this setup, machine axes.
   Vec3<double> artefact_mid_mm = Vec3<double>::Zero();
-  double radius_mm = 0;                 ///< Of a ball-bar's circle; 0: none.
-  const DeltaAt* delta = nullptr;       ///< On a delta; borrowed.
-  std::optional<TripleZAt> triple_z{};  ///< On a triple-Z printer.
+  double radius_mm = 0;  ///< Of a ball-bar's circle; 0: none.
+  /// How far out the outermost touch of a round bed lies; 0: the bed fills the travel.
+  double rim_mm = 0;
+  /// Where the tip follows the motors by a chain of links; null: axis by axis.
+  /// Borrowed.
+  const LinkageAt* linkage = nullptr;
+  std::optional<ScrewsAt> screws{};  ///< Over a bed on screws.
 
   /// Where the tip's centre (or what a gauge looks at) is by command, machine axes.
   Vec3<double> Tip_mm() const { return q_mm + probe_off_mm; }

@@ -2,6 +2,7 @@
 
 #include "sim/base/units.h"
 #include "sim/effects/effect.h"
+#include "sim/machine/kinds/delta/drawing.h"
 
 namespace caltwin {
 
@@ -50,13 +51,13 @@ struct EffectorTilt {
                     "Square the tool against the bed by a try square: no campaign "
                     "sees it."},
       .neutral = Neutral,
-      .sight = Sight{.shown = In},
-      .delta_axes = kAxes};
+      .sight = Sight{.shown = In}};
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {
-    if (!asked.machine.delta) return;
-    const double h_mm = asked.machine.delta->joint_height_mm;
+    const auto* delta = asked.machine.template Own<DeltaDrawing>();
+    if (delta == nullptr) return;
+    const double h_mm = delta->joint_height_mm;
     errors->motion_mm[0] -= h_mm * RadFromMrad(asked.p[1]);
     errors->motion_mm[1] += h_mm * RadFromMrad(asked.p[0]);
   }

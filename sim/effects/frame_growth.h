@@ -63,10 +63,7 @@ struct FrameGrowth {
                "the height again before finishing."},
       .neutral = Neutral,
       .aliases = kAliases,
-      .sight = Sight{.shown = In, .forms = Grid},
-      .delta_axes = kAxes,
-      .triple_z_axes = kAxes,
-      .z_station_axes = kAxes};
+      .sight = Sight{.shown = In, .forms = Grid}};
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {

@@ -68,10 +68,7 @@ struct FrameTemperature {
                      "temperature; enter the frame's where the firmware corrects it "
                      "(Klipper: z_thermal_adjust, temp_coeff in mm/K, the same sign)."},
       .neutral = Neutral,
-      .sight = Sight{.shown = In, .forms = Grid},
-      .delta_axes = kAxes,
-      .triple_z_axes = kAxes,
-      .z_station_axes = kAxes};
+      .sight = Sight{.shown = In, .forms = Grid}};
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {

@@ -53,8 +53,7 @@ struct GantrySag {
                           "it only if probed on a flat you trust."},
       .neutral = Neutral,
       .aliases = kAliases,
-      .sight = Sight{.shown = ShownIn},
-      .triple_z_axes = kAxes};
+      .sight = Sight{.shown = ShownIn}};
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {

@@ -58,8 +58,7 @@ struct HomingScatter {
            .action = "Home slowly a second time, move the switch near the axis, use an "
                      "index pulse or probe a fixed datum after homing."},
       .neutral = Neutral,
-      .sight = Sight{.shown = In},
-      .delta_axes = kTowerAxes};
+      .sight = Sight{.shown = In}};
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {

@@ -7,16 +7,17 @@
 
 #include "sim/effects/catalog.h"
 #include "sim/effects/predict.h"
+#include "sim/machine/machine_kind.h"
 
 namespace caltwin {
 namespace {
 
 constexpr Bounds kTableBounds_um{-10000, 10000};
 
-std::vector<std::string> KnownCauses(Kinematics kinematics) {
+std::vector<std::string> KnownCauses(const MachineKind* kind) {
   std::vector<std::string> names;
   for (const Effect* effect : AllEffects()) {
-    for (const std::string_view axis : AxesOn(*effect, kinematics)) {
+    for (const std::string_view axis : AxesOn(*effect, kind)) {
       names.push_back(axis.empty() ? std::string(effect->name)
                                    : fmt::format("{}.{}", effect->name, axis));
     }
@@ -26,24 +27,23 @@ std::vector<std::string> KnownCauses(Kinematics kinematics) {
 
 bool ReadName(const std::string& key,
               const YamlValue& value,
-              Kinematics kinematics,
+              const MachineKind* kind,
               InjectedSpec* spec) {
   const std::size_t dot = key.find('.');
   const std::string cause = key.substr(0, dot);
   spec->axis = dot == std::string::npos ? "" : key.substr(dot + 1);
   const std::optional<int> effect = FindEffect(cause);
-  if (!effect || AxesOn(EffectAt(*effect), kinematics).empty()) {
-    const std::string nearest = NearestWord(key, KnownCauses(kinematics));
-    value.Fail(effect
-                   ? fmt::format("is no effect of a {} machine", ToString(kinematics))
-                   : "is no effect that this version can inject",
+  if (!effect || AxesOn(EffectAt(*effect), kind).empty()) {
+    const std::string nearest = NearestWord(key, KnownCauses(kind));
+    value.Fail(effect ? fmt::format("is no effect of a {} machine", kind->name())
+                      : "is no effect that this version can inject",
                (nearest.empty() ? "" : fmt::format("did you mean '{}'? ", nearest)) +
                    "`caltwin explain` lists them all");
     return false;
   }
   spec->effect = *effect;
-  const auto axes = AxesOn(EffectAt(*effect), kinematics);
-  if (HasAxis(EffectAt(*effect), spec->axis, kinematics)) {
+  const auto axes = AxesOn(EffectAt(*effect), kind);
+  if (HasAxis(EffectAt(*effect), spec->axis, kind)) {
     spec->axis = AxisOf(EffectAt(*effect), spec->axis);
     return true;
   }
@@ -103,7 +103,7 @@ std::vector<InjectedSpec> ReadEffects(
   std::vector<InjectedSpec> specs;
   for (const auto& [key, value] : entries) {
     InjectedSpec spec{.place = value.place()};
-    if (!ReadName(key, value, machine.kinematics, &spec)) continue;
+    if (!ReadName(key, value, machine.kind, &spec)) continue;
     // Any two wirings of three motors share one.
     const bool is_swapped_before = std::ranges::any_of(specs, [&](const auto& one) {
       return one.effect == spec.effect && spec.effect == EffectIndex<MotorsSwapped>();

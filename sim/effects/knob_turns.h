@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "sim/effects/effect.h"
+#include "sim/effects/linkage_at.h"
 
 namespace caltwin {
 
@@ -22,15 +23,15 @@ template <typename T, std::size_t kNum>
 void AddTurns(const Asked<T>& asked,
               const std::array<KnobTurn<T>, kNum>& turns,
               Errors<T>* errors) {
-  if (asked.at.delta == nullptr) return;
+  if (asked.at.linkage == nullptr) return;
   for (const KnobTurn<T>& turn : turns) {
     if (turn.knob < 0) continue;
     errors->motion_mm +=
-        asked.at.delta->by_knob.col(turn.knob).template cast<T>() * turn.by;
+        asked.at.linkage->by_knob.col(turn.knob).template cast<T>() * turn.by;
   }
 }
 
-/// A tower's index among `kTowerAxes`; 0 where it is none.
+/// A tower's index among a b c; 0 where it is none.
 constexpr int TowerIndex(std::string_view axis) {
   return axis == "b" ? 1 : axis == "c" ? 2 : 0;
 }

@@ -65,10 +65,7 @@ struct MissedSteps {
                "Lower the acceleration or raise the current, look for what jams; home "
                "and measure again what came after the jump."},
       .neutral = Neutral,
-      .sight = Sight{.shown = In, .forms = Grid},
-      .delta_axes = kTowerAxes,
-      .triple_z_axes = kScrewAxes,
-      .z_station_axes = kHeightAxis};
+      .sight = Sight{.shown = In, .forms = Grid}};
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {

@@ -72,8 +72,7 @@ struct MotorsSwapped {
                "Exchange the cables, or the driver numbers (M584), or the positions "
                "in M671."},
       .neutral = Neutral,
-      .sight = Sight{.shown = In},
-      .triple_z_axes = kWirings};
+      .sight = Sight{.shown = In}};
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {

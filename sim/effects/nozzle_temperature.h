@@ -61,8 +61,7 @@ struct NozzleTemperature {
                "Calibrate at the nozzle's printing temperature (CALIBRATE_Z takes "
                "growth out), the tip wiped."},
       .neutral = Neutral,
-      .sight = Sight{.shown = In, .forms = Grid},
-      .z_station_axes = kAxes};
+      .sight = Sight{.shown = In, .forms = Grid}};
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {

@@ -66,8 +66,7 @@ struct Ooze {
                     "Wipe the nozzle in start_gcode, or touch the switch below the "
                     "temperature at which it flows."},
       .neutral = Neutral,
-      .sight = Sight{.shown = In, .forms = Grid, .shows_at_rest = true},
-      .z_station_axes = kAxes};
+      .sight = Sight{.shown = In, .forms = Grid, .shows_at_rest = true}};
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {

@@ -59,8 +59,7 @@ struct OverconstrainedBed {
                 .action = "Give two of three screws a joint (ball in groove, ball on "
                           "flat), or loosen the guides while levelling."},
       .neutral = Neutral,
-      .sight = Sight{.shown = In},
-      .triple_z_axes = kAxes};
+      .sight = Sight{.shown = In}};
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {

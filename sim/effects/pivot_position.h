@@ -2,6 +2,7 @@
 
 #include "sim/effects/drive.h"
 #include "sim/effects/effect.h"
+#include "sim/machine/kinds/triple_z/drawing.h"
 
 namespace caltwin {
 
@@ -54,8 +55,7 @@ struct PivotPosition {
                     "share; far off it diverges.",
                 .action = "Enter the positions found (M671 X Y, z_positions)."},
       .neutral = Neutral,
-      .sight = Sight{.shown = In},
-      .triple_z_axes = kScrewAxes};
+      .sight = Sight{.shown = In}};
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {

@@ -6,6 +6,7 @@
 #include "sim/effects/catalog.h"
 #include "sim/effects/drive.h"
 #include "sim/effects/effect.h"
+#include "sim/machine/kinds/z_station/drawing.h"
 
 namespace caltwin {
 
@@ -15,10 +16,10 @@ namespace caltwin {
 /// where the axes then truly stand (drive errors and lost motion added), so that a
 /// squareness on a wrong scale is exact.
 ///
-/// A triple-Z printer's `at.triple_z` adds where the bed stands by its screws. On a
-/// delta `at.delta` says where the nozzle stands beside its commanded place as the
-/// machine is believed to be built; effects that turn its build are straight about
-/// that.
+/// Over a bed on screws `at.screws` adds where the bed stands by its screws. Where
+/// links lead to the tip, `at.linkage` says where the nozzle stands beside its
+/// commanded place as the machine is believed to be built; effects that turn its build
+/// are straight about that.
 template <typename T>
 Errors<T> ErrorsAt(const Machine& machine,
                    const At& at,
@@ -34,7 +35,7 @@ Errors<T> ErrorsAt(const Machine& machine,
       const Stage stage = EffectAt(effect.effect).stage;
       if ((stage == Stage::kDrive) != drive) continue;
       // A gauge that stands on the frame does not feel what the gantry does.
-      if (stage == Stage::kFrame && at.triple_z && at.triple_z->is_fixed) continue;
+      if (stage == Stage::kFrame && at.screws && at.screws->is_fixed) continue;
       const Asked<T> asked{.p = effect.values,
                            .axis = effect.axis,
                            .machine = machine,
@@ -45,25 +46,25 @@ Errors<T> ErrorsAt(const Machine& machine,
   };
   const Vec3<T> q_mm = at.q_mm.template cast<T>();
   add(/*drive=*/true, q_mm);
-  if (at.delta != nullptr) {
-    errors.motion_mm += at.delta->off_mm.template cast<T>();
+  if (at.linkage != nullptr) {
+    errors.motion_mm += at.linkage->off_mm.template cast<T>();
     add(/*drive=*/false, Vec3<T>(q_mm + errors.motion_mm));
     errors.motion_mm += MotionOfMotors_mm(at, errors);
     return errors;
   }
-  if (at.triple_z) {
+  if (at.screws) {
     const int z = Index(Axis::kZ);
     if (at.steps_per_mm[z] > 0) {
       errors.motor_mm += MotorsOf_mm(at)->template cast<T>() *
                          (T(at.steps_per_mm[z] / errors.steps_per_mm[z]) - 1.0);
     }
-    errors.motion_mm[z] += at.triple_z->off_mm;
+    errors.motion_mm[z] += at.screws->off_mm;
     errors.motion_mm += MotionOfMotors_mm(at, errors);
   }
   for (const Axis axis : kAxes) {
     const int i = Index(axis);
     // A bed's screws have had theirs.
-    const bool is_screws = at.triple_z && axis == Axis::kZ;
+    const bool is_screws = at.screws && axis == Axis::kZ;
     if (at.steps_per_mm[i] > 0 && !is_screws) {
       errors.motion_mm[i] += (at.q_mm[i] - machine.axis(axis).home_mm()) *
                              (T(at.steps_per_mm[i] / errors.steps_per_mm[i]) - 1.0);
@@ -113,6 +114,26 @@ T StationPart_mm(ZReading reading, const Errors<T>& errors) {
   return T(0);
 }
 
+/// A reading with these errors, pre-travel and configured tip radius given: what
+/// Value_mm gives, and what one more effect changes.
+template <typename T>
+T ReadWith_mm(const At& at,
+              const Errors<T>& errors,
+              const T& pretravel_mm,
+              double tip_radius_cfg_mm) {
+  T along_mm = errors.motion_mm.dot(at.n.template cast<T>());
+  if (at.station) {
+    const T part_mm = StationPart_mm(*at.station, errors);
+    return at.kind == RowKind::kTouch ? part_mm - along_mm : part_mm;
+  }
+  if (at.kind != RowKind::kTouch) {
+    return at.screws ? along_mm - errors.artefact_mm : along_mm;
+  }
+  return -along_mm - pretravel_mm - errors.more_pretravel_mm -
+         at.feed_mm_s * errors.latency_s + (errors.tip_radius_mm - tip_radius_cfg_mm) +
+         errors.artefact_mm;
+}
+
 /// The one measurement model: `value_mm` of a row taken at `at` on a machine built with
 /// `effects`. Fast fidelity, estimates, atlas and diagnosis all come from ErrorsAt.
 ///
@@ -125,17 +146,9 @@ T StationPart_mm(ZReading reading, const Errors<T>& errors) {
 /// position = motion . n - artefact.
 template <typename T>
 T Value_mm(const At& at, const Errors<T>& errors) {
-  T along_mm = errors.motion_mm.dot(at.n.template cast<T>());
-  if (at.station) {
-    const T part_mm = StationPart_mm(*at.station, errors);
-    return at.kind == RowKind::kTouch ? part_mm - along_mm : part_mm;
-  }
-  if (at.kind != RowKind::kTouch) {
-    return at.triple_z ? along_mm - errors.artefact_mm : along_mm;
-  }
-  return -along_mm - Pretravel_mm(errors, at.n) - errors.more_pretravel_mm -
-         at.feed_mm_s * errors.latency_s +
-         (errors.tip_radius_mm - at.tip_radius_cfg_mm) + errors.artefact_mm;
+  const bool bends = at.kind == RowKind::kTouch && !at.station;
+  const T pretravel_mm = bends ? Pretravel_mm(errors, at.n) : T(0);
+  return ReadWith_mm(at, errors, pretravel_mm, at.tip_radius_cfg_mm);
 }
 
 template <typename T>

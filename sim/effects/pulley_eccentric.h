@@ -81,8 +81,7 @@ struct PulleyEccentric {
                "Replace the pulley by one clamped or pressed on; check its run-out "
                "with a dial: the amplitude is half of what it shows."},
       .neutral = Neutral,
-      .sight = Sight{.shown = In, .forms = Grid, .harmonics = 4},
-      .delta_axes = kTowerAxes};
+      .sight = Sight{.shown = In, .forms = Grid, .harmonics = 4}};
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {

@@ -57,10 +57,7 @@ struct RandomWalk {
                     "Measure in an order that is not the position's, return to a datum "
                     "often, keep campaigns short."},
       .neutral = Neutral,
-      .aliases = kAliases,
-      .delta_axes = kAxes,
-      .triple_z_axes = kAxes,
-      .z_station_axes = kAxes};
+      .aliases = kAliases};
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {

@@ -47,8 +47,7 @@ struct RodMismatch {
                 .action = "Measure the rods against each other on two pins and make "
                           "them alike; put the pairs that match best on one tower."},
       .neutral = Neutral,
-      .sight = Sight{.shown = In},
-      .delta_axes = kAxes};
+      .sight = Sight{.shown = In}};
 
   template <typename T>
   static std::array<KnobTurn<T>, 2> Turns(std::string_view axis, std::span<const T> p) {

@@ -48,8 +48,7 @@ struct ScrewBacklash {
                 .action = "Fit an anti-backlash nut or a heavier bed; always approach "
                           "from below."},
       .neutral = Neutral,
-      .sight = Sight{.shown = In},
-      .triple_z_axes = kScrewAxes};
+      .sight = Sight{.shown = In}};
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {

@@ -3,6 +3,7 @@
 #include "sim/effects/drive.h"
 #include "sim/effects/effect.h"
 #include "sim/effects/forms.h"
+#include "sim/machine/kinds/triple_z/drawing.h"
 
 namespace caltwin {
 
@@ -33,7 +34,8 @@ struct ScrewCyclic {
                 .role = Role::kForm}};
   static double Lead_mm(const Machine& machine, std::string_view axis) {
     const auto screw = static_cast<std::size_t>(DriveNamed(axis)->index);
-    return machine.triple_z ? machine.triple_z->screws[screw].lead_mm : 4;
+    const auto* screws = machine.Own<TripleZDrawing>();
+    return screws != nullptr ? screws->screws[screw].lead_mm : 4;
   }
   static void Neutral(const Machine& machine,
                       std::string_view axis,
@@ -71,8 +73,7 @@ struct ScrewCyclic {
                     "Let the screw's upper end go free, use a coupling that gives, "
                     "straighten or replace the screw."},
       .neutral = Neutral,
-      .sight = Sight{.shown = In, .forms = Grid, .harmonics = 4},
-      .triple_z_axes = kScrewAxes};
+      .sight = Sight{.shown = In, .forms = Grid, .harmonics = 4}};
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {

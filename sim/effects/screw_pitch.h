@@ -46,8 +46,7 @@ struct ScrewPitch {
                "Fit three screws of one batch; else set steps per mm of that motor "
                "where the firmware has one for each."},
       .neutral = Neutral,
-      .sight = Sight{.shown = In},
-      .triple_z_axes = kScrewAxes};
+      .sight = Sight{.shown = In}};
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {

@@ -55,8 +55,7 @@ struct StationChange {
                 .action = "Calibrate again after each change; if nobody changed "
                           "anything, look for a loose nozzle or a plate that slid."},
       .neutral = Neutral,
-      .sight = Sight{.shown = In, .forms = Grid},
-      .z_station_axes = kAxes};
+      .sight = Sight{.shown = In, .forms = Grid}};
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {

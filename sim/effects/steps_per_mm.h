@@ -46,8 +46,7 @@ struct StepsPerMm {
            .cause = "Wrong steps/mm setting, or a screw whose lead is not as marked.",
            .effect = "Parts are too large or too small in proportion to their size.",
            .action = "Set M92 to s_cfg * commanded / actual."},
-      .neutral = Neutral,
-      .triple_z_axes = kTripleZAxes};
+      .neutral = Neutral};
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {

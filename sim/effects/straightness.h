@@ -59,8 +59,7 @@ struct Straightness {
                 .action = "Measure against a straight-edge on both of its sides, then "
                           "shim or scrape the rail; firmware seldom corrects it."},
       .neutral = Neutral,
-      .sight = Sight{.shown = ShownIn},
-      .triple_z_axes = kTripleZAxes};
+      .sight = Sight{.shown = ShownIn}};
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {

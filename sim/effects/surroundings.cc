@@ -7,6 +7,9 @@
 #include <fmt/format.h>
 
 #include "sim/base/input_error.h"
+#include "sim/machine/kinds/triple_z/drawing.h"
+#include "sim/machine/kinds/z_station/drawing.h"
+#include "sim/machine/machine_kind.h"
 
 namespace caltwin {
 namespace {
@@ -122,10 +125,10 @@ void Surroundings::Complete(const Row& row, At* at) const {
 namespace {
 
 // Where the screws stand by what the row tells of them.
-TripleZAt TripleZAtOf(const Row& row, const TripleZDrawing& drawing, const At& at) {
+ScrewsAt ScrewsAtOf(const Row& row, const TripleZDrawing& drawing, const At& at) {
   constexpr double kNone_mm = 0;
   const Vec3<double> tip_mm = at.Tip_mm();
-  TripleZAt here{
+  ScrewsAt here{
       .drawn_mm = drawing.pivots_mm(),
       .weights = ScrewWeights<double>(drawing.pivots_mm(), tip_mm[0], tip_mm[1])};
   const double commanded_mm = Known(row.cmd_mm[2]) ? row.cmd_mm[2] : kNone_mm;
@@ -149,9 +152,8 @@ TripleZAt TripleZAtOf(const Row& row, const TripleZDrawing& drawing, const At& a
 At AtOf(const Row& row, const Machine& machine, const Settings& in_force) {
   At at{.kind = row.kind,
         .n = DirectionOf(row),
-        // What a delta moves is its nozzle, which is what touches.
         .tip_radius_cfg_mm =
-            machine.kinematics == Kinematics::kCartesian ? in_force.tip_radius_mm : 0,
+            machine.kind->touches_with_nozzle() ? 0 : in_force.tip_radius_mm,
         .feed_mm_s = Known(row.feed_mm_s) ? row.feed_mm_s : 0,
         .load_n = row.load_n,
         .on_table = row.kind == RowKind::kTouch,
@@ -160,11 +162,11 @@ At AtOf(const Row& row, const Machine& machine, const Settings& in_force) {
         .artefact = ArtefactOf(row)};
   if (Known(row.probe_angle_deg)) at.probe_angle_deg = row.probe_angle_deg;
   if (Known(row.artefact_turn_deg)) at.artefact_turn_deg = row.artefact_turn_deg;
+  const Vec3<double> middle_mm = machine.kind->Middle_mm(machine);
   for (const Axis axis : kAxes) {
     const int i = Index(axis);
     const auto k = static_cast<std::size_t>(i);
-    const double mid_mm = machine.delta ? 0 : machine.axis(axis).mid_mm();
-    at.q_mm[i] = Known(row.cmd_mm[k]) ? row.cmd_mm[k] : mid_mm;
+    at.q_mm[i] = Known(row.cmd_mm[k]) ? row.cmd_mm[k] : middle_mm[i];
     at.dir[i] = Known(row.dir[k]) ? row.dir[k] : 0;
     at.since_rev_mm[i] = row.since_rev_mm[k];
     if (Known(row.probe_off_mm[k])) at.probe_off_mm[i] = row.probe_off_mm[k];
@@ -175,11 +177,11 @@ At AtOf(const Row& row, const Machine& machine, const Settings& in_force) {
     at.q_mm += (row.value_mm + at.tip_radius_cfg_mm) * at.n - at.probe_off_mm;
   }
   if (IsRelease(row)) at.feed_mm_s = -at.feed_mm_s;
-  if (machine.triple_z) {
-    at.triple_z = TripleZAtOf(row, *machine.triple_z, at);
+  if (const auto* screws = machine.Own<TripleZDrawing>()) {
+    at.screws = ScrewsAtOf(row, *screws, at);
     at.on_table = true;  // Gauges too read how far the bed is.
   }
-  if (machine.z_station) {
+  if (machine.Own<ZStationDrawing>() != nullptr) {
     at.station = ZReadingOf(row.feature);
     if (!at.station || (*at.station == ZReading::kGapUnderNozzle) !=
                            (row.kind == RowKind::kPosition)) {

@@ -44,8 +44,7 @@ struct SwitchOffset {
                 .effect = "Every first layer is too high or too low by it.",
                 .action = "Add the value found to switch_offset in [z_calibration]."},
       .neutral = Neutral,
-      .sight = Sight{.shown = In},
-      .z_station_axes = kAxes};
+      .sight = Sight{.shown = In}};
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {

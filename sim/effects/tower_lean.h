@@ -56,8 +56,7 @@ struct TowerLean {
                 .action = "Square the tower against the bed, brace the frame, then "
                           "calibrate again."},
       .neutral = Neutral,
-      .sight = Sight{.shown = In},
-      .delta_axes = kTowerAxes};
+      .sight = Sight{.shown = In}};
 
   template <typename T>
   static std::array<KnobTurn<T>, 2> Turns(std::string_view axis, std::span<const T> p) {

@@ -2,6 +2,7 @@
 
 #include "sim/base/units.h"
 #include "sim/effects/knob_turns.h"
+#include "sim/machine/kinds/delta/knobs.h"
 
 namespace caltwin {
 
@@ -41,8 +42,7 @@ struct TowerRadius {
            .effect = "None that delta_radius and the tower angles do not take up.",
            .action = "Calibrate radius and angles."},
       .neutral = Neutral,
-      .sight = Sight{.shown = In},
-      .delta_axes = kTowerAxes};
+      .sight = Sight{.shown = In}};
 
   template <typename T>
   static std::array<KnobTurn<T>, 3> Turns(std::string_view axis, std::span<const T> p) {

@@ -45,8 +45,7 @@ struct TowerTwist {
            .action = "Loosen the tower, turn it until its face is square to the middle "
                      "of the bed."},
       .neutral = Neutral,
-      .sight = Sight{.shown = In},
-      .delta_axes = kTowerAxes};
+      .sight = Sight{.shown = In}};
 
   template <typename T>
   static std::array<KnobTurn<T>, 1> Turns(std::string_view axis, std::span<const T> p) {

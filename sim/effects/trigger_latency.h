@@ -39,9 +39,7 @@ struct TriggerLatency {
                 .effect = "Pre-travel that depends on the probing feed.",
                 .action = "Probe at the feed at which the deflection was measured."},
       .neutral = Neutral,
-      .sight = Sight{.shown = In},
-      .delta_axes = kAxes,
-      .triple_z_axes = kAxes};
+      .sight = Sight{.shown = In}};
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {

@@ -39,10 +39,7 @@ struct TriggerScatter {
                 .effect = "Calibration scatters; more touches average it.",
                 .action =
                     "Clean ball and face, slow the measuring touch, repeat more."},
-      .neutral = Neutral,
-      .delta_axes = kAxes,
-      .triple_z_axes = kAxes,
-      .z_station_axes = kAxes};
+      .neutral = Neutral};
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {

@@ -58,10 +58,7 @@ struct UnknownMap {
                 .action =
                     "Measure what the last lines here ask for, or look at the machine "
                     "where the table is steepest."},
-      .neutral = Neutral,
-      .delta_axes = kDeltaAxes,
-      .triple_z_axes = kTripleZAxes,
-      .z_station_axes = kStationAxes};
+      .neutral = Neutral};
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {

@@ -9,6 +9,7 @@
 #include "sim/kinds/readings.h"
 #include "sim/kinds/triple_z/machine.h"
 #include "sim/kinds/z_station/machine.h"
+#include "sim/machine/kinds/kinds.h"
 #include "sim/twin/measuring_machine.h"
 
 namespace caltwin {
@@ -30,12 +31,12 @@ class Reader {
  public:
   explicit Reader(const PerformConfig& config) : config_(config) {
     const bool is_physics = config.fidelity == Fidelity::kPhysics;
-    if (config.machine.z_station) {
+    if (config.machine.kind == ZStationKind()) {
       station_.emplace(config.machine, config.effects, is_physics);
       return;
     }
     if (!is_physics) return;
-    if (config.machine.triple_z) {
+    if (config.machine.kind == TripleZKind()) {
       triple_z_.emplace(config.machine, config.effects);
     } else {
       machine_.emplace(config.machine, config.effects);

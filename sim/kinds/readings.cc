@@ -3,6 +3,8 @@
 #include <cmath>
 
 #include "sim/base/units.h"
+#include "sim/machine/kinds/delta/drawing.h"
+#include "sim/machine/kinds/delta/model.h"
 #include "sim/measure/in_force.h"
 
 namespace caltwin {
@@ -54,8 +56,8 @@ const Instrument& Readings::InstrumentFor(const Row& row) const {
 
 Vec3<double> Readings::Reachable_mm(const Vec3<double>& q_mm,
                                     const Settings& settings) const {
-  if (config_.machine.delta) {
-    const DeltaModel<double>& model = config_.machine.delta->settings;
+  if (const auto* delta = config_.machine.Own<DeltaDrawing>()) {
+    const DeltaModel<double>& model = delta->settings;
     Vec3<double> motors_mm = DeltaMotors_mm(model, q_mm);
     for (int i = 0; i < kNumTowers; ++i) {
       const double steps_per_mm =

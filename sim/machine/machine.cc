@@ -5,6 +5,9 @@
 
 #include <fmt/format.h>
 
+#include "sim/machine/kinds/kinds.h"
+#include "sim/machine/machine_kind.h"
+
 #ifndef CALTWIN_SOURCE_DIR
 #define CALTWIN_SOURCE_DIR "."
 #endif
@@ -14,59 +17,6 @@ namespace caltwin {
 namespace fs = std::filesystem;
 
 namespace {
-
-// `drawing`: what holds for what the map leaves out. Only where it has no lead of its
-// own to offer must the map have one.
-AxisDrawing ReadAxis(Axis axis, YamlMap map, AxisDrawing drawing, bool needs_lead) {
-  drawing.min_mm = map.NumberOr("min_mm", 0, {-1e5, 1e5});
-  drawing.max_mm = map.Number("max_mm", {-1e5, 1e5});
-  if (drawing.max_mm <= drawing.min_mm) {
-    map.faults()->Add(map.place(),
-                      fmt::format("{}: max_mm = {} is not above min_mm = {}",
-                                  map.path(),
-                                  drawing.max_mm,
-                                  drawing.min_mm));
-  }
-  const std::string home =
-      map.WordOr("home", axis == Axis::kZ ? "max" : "min", {"min", "max"});
-  drawing.home = home == "min" ? HomeEnd::kMin : HomeEnd::kMax;
-  const bool has_pulley = map.Has("pulley_mm_per_rev");
-  const bool has_lead = map.Has("lead_mm");
-  if (has_pulley && has_lead) {
-    map.faults()->Add(map.place(),
-                      map.path() + " has both lead_mm and pulley_mm_per_rev",
-                      "a screw has a lead, a belt a pulley: keep one");
-  }
-  if (has_pulley || has_lead || needs_lead) {
-    drawing.is_belt = has_pulley;
-    drawing.lead_mm = map.Number(has_pulley ? "pulley_mm_per_rev" : "lead_mm",
-                                 {1e-3, 1e4},
-                                 "travel per motor turn");
-  }
-  drawing.full_steps_per_rev =
-      map.NumberOr("full_steps_per_rev", drawing.full_steps_per_rev, {1, 1e6});
-  drawing.microsteps = map.NumberOr("microsteps", drawing.microsteps, {1, 4096});
-  drawing.max_feed_mm_s =
-      map.NumberOr("max_feed_mm_s", drawing.max_feed_mm_s, {1e-3, 1e4});
-  drawing.acceleration_mm_s2 =
-      map.NumberOr("acceleration_mm_s2", drawing.acceleration_mm_s2, {1e-3, 1e6});
-  drawing.moving_mass_kg =
-      map.NumberOr("moving_mass_kg", drawing.moving_mass_kg, {0.01, 1e5});
-  drawing.rail_friction_n =
-      map.NumberOr("rail_friction_n", drawing.rail_friction_n, {0, 1e5});
-  const double weight_n = drawing.moving_mass_kg * kGravity_m_s2;
-  drawing.counterbalance_n =
-      axis == Axis::kZ ? map.NumberOr("counterbalance_n", weight_n, {0, 1e6}) : 0;
-  map.NoMoreKeys();
-  return drawing;
-}
-
-// A delta touches with its nozzle, unless a probe is stated. It does not give way; a
-// nanometre keeps the quotients of Pretravel_mm finite.
-ProbeDrawing NozzleAsProbe() {
-  constexpr double kRigid_mm = 1e-6;
-  return {.pretravel_mm = kRigid_mm, .hysteresis_mm = 0};
-}
 
 ProbeDrawing ReadProbe(YamlMap map, ProbeDrawing probe) {
   probe.tip_radius_mm = map.NumberOr(
@@ -103,118 +53,17 @@ void ReadByAxis(YamlMap* map,
   by_axis.NoMoreKeys();
 }
 
-// A belt of 20 teeth of 2 mm, down from the endstop.
-AxisDrawing TowerAxis(const DeltaDrawing& delta, std::size_t tower) {
-  return {.min_mm = 0,
-          .max_mm = delta.model.endstop_mm[tower] + delta.model.arm_mm[tower] / 4,
-          .home = HomeEnd::kMin,
-          .lead_mm = 40,
-          .is_belt = true,
-          .max_feed_mm_s = 200,
-          .acceleration_mm_s2 = 2000,
-          .moving_mass_kg = 0.15,
-          .rail_friction_n = 6};
-}
-
-// Belts along x and y, and along z the screws: the nozzle over a bed of 235 mm.
-void ReadTripleZAxes(YamlMap* map, Machine* machine) {
-  TripleZDrawing& triple_z = *machine->triple_z;
-  AxisDrawing belt{.max_mm = 235,
-                   .lead_mm = 40,
-                   .is_belt = true,
-                   .max_feed_mm_s = 200,
-                   .acceleration_mm_s2 = 3000,
-                   .moving_mass_kg = 0.5,
-                   .rail_friction_n = 2};
-  const ScrewDrawing& first = triple_z.screws[0];
-  AxisDrawing screw{.max_mm = triple_z.top_mm,
-                    .home = HomeEnd::kMax,
-                    .lead_mm = first.lead_mm,
-                    .full_steps_per_rev = first.full_steps_per_rev,
-                    .microsteps = first.microsteps,
-                    .max_feed_mm_s = 20,
-                    .acceleration_mm_s2 = 200,
-                    .moving_mass_kg = 2,
-                    .rail_friction_n = 5};
-  // Nothing hangs on a gap: every screw's is in its drive.
-  screw.counterbalance_n = screw.moving_mass_kg * kGravity_m_s2;
-  machine->axes = {belt, belt, screw};
-  if (const auto axes = map->Optional("axes")) {
-    YamlMap by_axis = axes->Map();
-    for (const Axis axis : kAxes) {
-      AxisDrawing& read = machine->axes[static_cast<std::size_t>(Index(axis))];
-      if (const auto drawing = by_axis.Optional(Name(axis))) {
-        read = ReadAxis(axis, drawing->Map(), read, /*needs_lead=*/false);
-      }
-    }
-    by_axis.NoMoreKeys();
-  }
-  // Commanded heights count from where the bed meets the nozzle.
-  machine->axes[2].home = HomeEnd::kMax;
-  triple_z.top_mm = machine->axes[2].max_mm;
-}
-
-// A cartesian machine names its axes; a delta's towers are alike but where they are
-// named.
-void ReadAxes(YamlMap* map, Machine* machine) {
-  if (machine->triple_z) {
-    ReadTripleZAxes(map, machine);
-    return;
-  }
-  if (machine->delta) {
-    for (std::size_t i = 0; i < kNumTowers; ++i) {
-      machine->axes[i] = TowerAxis(*machine->delta, i);
-    }
-  }
-  const auto axes = machine->delta ? map->Optional("axes") : map->Required("axes");
-  if (!axes) return;
-  YamlMap by_axis = axes->Map();
-  for (const Axis axis : kAxes) {
-    const std::string name = machine->delta ? TowerName(Index(axis)) : Name(axis);
-    const auto drawing =
-        machine->delta ? by_axis.Optional(name) : by_axis.Required(name);
-    if (!drawing) continue;
-    // What hangs on a tower's gap depends on the pose (TowerLoad_n).
-    AxisDrawing& read = machine->axes[static_cast<std::size_t>(Index(axis))];
-    read = machine->delta
-               ? ReadAxis(Axis::kX, drawing->Map(), read, /*needs_lead=*/false)
-               : ReadAxis(axis, drawing->Map(), {}, /*needs_lead=*/true);
-  }
-  by_axis.NoMoreKeys();
-}
-
 fs::path SourceFolder() {
   return CALTWIN_SOURCE_DIR;
 }
 
 }  // namespace
 
-std::string ToString(Kinematics kinematics) {
-  switch (kinematics) {
-    case Kinematics::kDelta:
-      return "delta";
-    case Kinematics::kTripleZ:
-      return "triple_z";
-    case Kinematics::kZStation:
-      return "z_station";
-    case Kinematics::kCartesian:
-      break;
-  }
-  return "cartesian";
-}
-
 bool WeightKeepsGapShut(Axis axis, const AxisDrawing& drawing) {
   if (axis != Axis::kZ) return false;
   const double hanging_n =
       drawing.moving_mass_kg * kGravity_m_s2 - drawing.counterbalance_n;
   return std::abs(hanging_n) > drawing.rail_friction_n;
-}
-
-double TowerLoad_n(const AxisDrawing& tower,
-                   const DeltaDrawing& delta,
-                   double nozzle_per_carriage) {
-  return kGravity_m_s2 *
-         (tower.moving_mass_kg + delta.effector_mass_kg * nozzle_per_carriage);
 }
 
 void ReadSettings(YamlMap* map, Settings* settings) {
@@ -239,18 +88,8 @@ Machine ReadMachine(YamlMap* map) {
                        "`caltwin run` runs their scenarios, scenarios/motor_*.yaml; "
                        "here a machine is cartesian, delta, triple_z or z_station");
     }
-    const std::string word =
-        kinematics->Word({"cartesian", "delta", "triple_z", "z_station"});
-    if (word == "delta") {
-      machine.kinematics = Kinematics::kDelta;
-      machine.delta = ReadDeltaDrawing(map);
-    } else if (word == "triple_z") {
-      machine.kinematics = Kinematics::kTripleZ;
-      machine.triple_z = ReadTripleZDrawing(map);
-    } else if (word == "z_station") {
-      machine.kinematics = Kinematics::kZStation;
-      machine.z_station = ReadZStationDrawing(map);
-    }
+    machine.kind = MachineKindNamed(kinematics->Word(MachineKindNames()));
+    machine.kind->ReadDrawing(map, &machine);
   }
   if (const auto model = map->Optional("model")) {
     machine.model = machine.file.parent_path() / model->Text();
@@ -260,26 +99,18 @@ Machine ReadMachine(YamlMap* map) {
                   "a path is relative to the machine file");
     }
   }
-  ReadAxes(map, &machine);
-  if (machine.delta) machine.probe = NozzleAsProbe();
+  machine.kind->ReadAxes(map, &machine);
+  machine.probe = machine.kind->ProbeAsDrawn();
   if (const auto probe = map->Optional("probe"))
     machine.probe = ReadProbe(probe->Map(), machine.probe);
-  const bool is_printer = machine.kinematics != Kinematics::kCartesian;
-  if (is_printer) machine.probe.tip_radius_mm = 0;  // Its nozzle is its tip.
+  if (machine.kind->touches_with_nozzle()) machine.probe.tip_radius_mm = 0;
   machine.settings.tip_radius_mm = machine.probe.tip_radius_mm;
   for (const Axis axis : kAxes) {
     machine.settings.steps_per_mm[Index(axis)] = machine.axis(axis).steps_per_mm();
   }
   if (const auto settings = map->Optional("settings")) {
     YamlMap settings_map = settings->Map();
-    if (machine.delta) {
-      ReadByTower(
-          &settings_map, "steps_per_mm", {1e-3, 1e7}, &machine.settings.steps_per_mm);
-      ReadDeltaSettings(&settings_map, machine.delta->model, &machine.delta->settings);
-      settings_map.NoMoreKeys();
-    } else {
-      ReadSettings(&settings_map, &machine.settings);
-    }
+    machine.kind->ReadSettings(&settings_map, &machine);
   }
   map->NoMoreKeys();
   return machine;

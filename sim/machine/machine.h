@@ -1,16 +1,13 @@
 #pragma once
 
+#include <any>
 #include <array>
 #include <filesystem>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "sim/base/yaml.h"
 #include "sim/machine/axis.h"
-#include "sim/machine/delta_drawing.h"
-#include "sim/machine/triple_z.h"
-#include "sim/machine/z_station_drawing.h"
 
 namespace caltwin {
 
@@ -46,21 +43,8 @@ inline constexpr double kGravity_m_s2 = 9.81;
 
 /// Whether the load hanging on `drawing` [N], its weight less the counterbalance,
 /// exceeds the rail friction, so that it, not the last direction, decides on which side
-/// of its gap the carriage rests. Only the vertical axis of a cartesian machine can; of
-/// a delta see TowerLoad_n.
+/// of its gap the carriage rests. Only the vertical axis of a cartesian machine can.
 bool WeightKeepsGapShut(Axis axis, const AxisDrawing& drawing);
-
-/// What hangs on a tower's drive: the carriage and its share of the effector, which is
-/// by how much the nozzle rises as that carriage does (virtual work; rods are taken to
-/// weigh nothing).
-///
-///   load = (carriage + effector dz / dcarriage) g   [N]
-///
-/// More than the rail's friction, and the weight, not the last direction, decides on
-/// which side of its gap the carriage rests: it hangs.
-double TowerLoad_n(const AxisDrawing& tower,
-                   const DeltaDrawing& delta,
-                   double nozzle_per_carriage);
 
 /// The touch probe as drawn.
 struct ProbeDrawing {
@@ -83,25 +67,33 @@ struct Settings {
   double tip_radius_mm = 1.0;
 };
 
-/// kZStation: a printer of which only its head's height is followed.
-enum class Kinematics { kCartesian, kDelta, kTripleZ, kZStation };
-/// "cartesian", "delta", "triple_z", "z_station".
-std::string ToString(Kinematics kinematics);
+class MachineKind;
+/// The kind whose axes are its drives: a gantry, a mill.
+const MachineKind* CartesianKind();
 
 /// A machine file: its drawing and the settings it starts with.
 struct Machine {
   std::string name{};
   std::filesystem::path file{};  ///< Where it was read from; empty if made in code.
-  Kinematics kinematics = Kinematics::kCartesian;
+  const MachineKind* kind = CartesianKind();  ///< `kinematics:`; never null.
   std::filesystem::path model{};  ///< MJCF, resolved; empty: a generic one is built.
-  std::array<AxisDrawing, 3> axes{};  ///< x y z; of a delta its towers a b c.
-  std::optional<DeltaDrawing> delta{};
-  std::optional<TripleZDrawing> triple_z{};  ///< Its axes are x y z all the same.
-  std::optional<ZStationDrawing> z_station{};
+  std::array<AxisDrawing, 3> axes{};  ///< x y z, or the kind's own three.
+  /// What only machines of its kind have in their drawing: a DeltaDrawing, say. Each
+  /// kind's drawing.h has the function that takes it out.
+  std::any own{};
   ProbeDrawing probe{};
   Settings settings{};
 
   const AxisDrawing& axis(Axis a) const { return axes[Index(a)]; }
+  /// Null where it is of another kind.
+  template <typename Drawing>
+  const Drawing* Own() const {
+    return std::any_cast<Drawing>(&own);
+  }
+  template <typename Drawing>
+  Drawing* Own() {
+    return std::any_cast<Drawing>(&own);
+  }
 };
 
 /// Microsteps per mm of each tower, as its firmware counts.

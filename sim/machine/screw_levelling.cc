@@ -4,6 +4,8 @@
 
 #include <Eigen/LU>
 
+#include "sim/machine/kinds/triple_z/drawing.h"
+
 namespace caltwin {
 namespace {
 

@@ -3,7 +3,7 @@
 #include <optional>
 #include <span>
 
-#include "sim/machine/triple_z.h"
+#include "sim/machine/kinds/triple_z/drawing.h"
 
 namespace caltwin {
 

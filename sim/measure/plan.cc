@@ -253,10 +253,10 @@ PlannedCampaign DefaultCampaign(std::string_view id) {
 
 namespace {
 
-std::string KindsFor(Kinematics kinematics) {
+std::string CampaignsOf(const MachineKind* machine) {
   std::vector<std::string_view> ids;
   for (const CampaignKind& kind : AllCampaignKinds()) {
-    if (kind.PlanOn(kinematics) != nullptr) ids.push_back(kind.id);
+    if (kind.PlanOn(machine) != nullptr) ids.push_back(kind.id);
   }
   return fmt::format("{}", fmt::join(ids, ", "));
 }
@@ -271,11 +271,11 @@ PlannedSession PlanSession(const Plan& plan,
     const CampaignKind* kind = FindCampaignKind(campaign.id);
     Require(kind != nullptr, fmt::format("no kind of campaign '{}'", campaign.id));
     const std::string& instrument = campaign.options.Text("instrument");
-    const auto plan_it = kind->PlanOn(machine.kinematics);
+    const auto plan_it = kind->PlanOn(machine.kind);
     if (plan_it == nullptr) {
       throw InputError(campaign.place,
                        fmt::format("'{}' is no campaign on this machine", campaign.id),
-                       fmt::format("it can perform {}", KindsFor(machine.kinematics)));
+                       fmt::format("it can perform {}", CampaignsOf(machine.kind)));
     }
     session.Begin(campaign,
                   instrument.empty() ? std::string(kind->instrument) : instrument);

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <array>
 
-#include "sim/measure/plan_options_delta.h"
+#include "sim/measure/kinds/delta_options.h"
+#include "sim/measure/kinds/triple_z_options.h"
+#include "sim/measure/kinds/z_station_options.h"
 #include "sim/measure/plan_options_gauge.h"
 #include "sim/measure/plan_options_touch.h"
-#include "sim/measure/plan_options_triple_z.h"
-#include "sim/measure/plan_options_z_station.h"
 
 namespace caltwin {
 namespace {
@@ -22,31 +22,31 @@ constexpr std::array kKinds = {
         "two loads wind-up.",
         "laser",
         of::kIso230,
-        PlanIso230},
+        {{{"cartesian", PlanIso230}}}},
     CampaignKind{"dense",
                  "A laser reads one axis in fine steps over 2.5 turns of its screw.",
                  "Waves of screw, pulley and motor steps, and the reversal itself.",
                  "laser",
                  of::kDense,
-                 PlanDense},
+                 {{{"cartesian", PlanDense}}}},
     CampaignKind{"abbe",
                  "The same laser line at two places of another axis.",
                  "Angular errors: pitch, yaw and roll act by their lever.",
                  "laser",
                  of::kAbbe,
-                 PlanAbbe},
+                 {{{"cartesian", PlanAbbe}}}},
     CampaignKind{"straightedge",
                  "The probe touches both sides of a straight-edge along an axis.",
                  "Straightness; both sides tell the edge's own bow from the machine's.",
                  "probe",
                  of::kStraightedge,
-                 PlanStraightedge},
+                 {{{"cartesian", PlanStraightedge}}}},
     CampaignKind{"square",
                  "The probe touches both legs of a square, then the square turned.",
                  "Squareness, apart from the square's own error.",
                  "probe",
                  of::kSquare,
-                 PlanSquare},
+                 {{{"cartesian", PlanSquare}}}},
     CampaignKind{"blocks",
                  "The probe touches the five free faces of a 1-2-3 block laid in three "
                  "ways.",
@@ -54,25 +54,21 @@ constexpr std::array kKinds = {
                  "block; with three feeds trigger latency.",
                  "probe",
                  of::kBlocks,
-                 PlanBlocks},
+                 {{{"cartesian", PlanBlocks}}}},
     CampaignKind{"plate",
                  "The probe touches a flat plate on a grid.",
                  "Bed plane and shape, sag of the gantry; with two probe offsets a "
                  "twist of the beam.",
                  "probe",
                  of::kPlate,
-                 PlanPlate,
-                 nullptr,
-                 PlanPlate},
+                 {{{"cartesian", PlanPlate}, {"triple_z", PlanPlate}}}},
     CampaignKind{"plate_turned_90",
                  "The same plate, turned by a quarter.",
                  "What turns with the plate is the plate's; what does not, the "
                  "machine's: gantry sag against a curved bed.",
                  "probe",
                  of::kPlate,
-                 PlanPlateTurned90,
-                 nullptr,
-                 PlanPlateTurned90},
+                 {{{"cartesian", PlanPlateTurned90}, {"triple_z", PlanPlateTurned90}}}},
     CampaignKind{
         "ring",
         "The probe touches the bore of a ring all around, the spindle turned in "
@@ -80,57 +76,53 @@ constexpr std::array kKinds = {
         "Lobing, stylus anisotropy, run-out and size of the tip.",
         "probe",
         of::kRing,
-        PlanRing,
-        PlanDeltaRing},
+        {{{"cartesian", PlanRing}, {"delta", PlanDeltaRing}}}},
     CampaignKind{"ballbar",
                  "A ball-bar reads circles in both senses at two feeds.",
                  "Servo mismatch and lag, reversal spikes, squareness, scale mismatch.",
                  "ballbar",
                  of::kBallbar,
-                 PlanBallbar},
+                 {{{"cartesian", PlanBallbar}}}},
     CampaignKind{"alternating",
                  "The probe touches two opposite faces in turn, for an hour from cold.",
                  "Drift of probe and machine: what has the sign of the face is the "
                  "probe's.",
                  "probe",
                  of::kAlternating,
-                 PlanAlternating},
+                 {{{"cartesian", PlanAlternating}}}},
     CampaignKind{"rehoming",
                  "The probe touches three faces of a datum after each of many homings.",
                  "Scatter of homing, lost steps.",
                  "probe",
                  of::kRehoming,
-                 PlanRehoming},
+                 {{{"cartesian", PlanRehoming}}}},
     CampaignKind{"drift",
                  "The probe touches two far posts, and a lip from above and below, for "
                  "hours through warm-up and cool-down.",
                  "Heat of screws, frame, bed and probe; growth with time.",
                  "probe",
                  of::kDrift,
-                 PlanDrift},
+                 {{{"cartesian", PlanDrift}}}},
     CampaignKind{"delta_grid",
                  "The nozzle of a delta touches its bed all over the disc.",
                  "Endstops, radius, angles, the bed's plane and shape, unlike rods.",
                  "probe",
                  of::kDeltaGrid,
-                 nullptr,
-                 PlanDeltaGrid},
+                 {{{"delta", PlanDeltaGrid}}}},
     CampaignKind{"delta_xy",
                  "A camera or dial on a delta reads marks of a plate along x and y.",
                  "Rod length and scale, leaning towers, belts: what heights alone "
                  "cannot tell apart.",
                  "camera",
                  of::kDeltaXy,
-                 nullptr,
-                 PlanDeltaXy},
+                 {{{"delta", PlanDeltaXy}}}},
     CampaignKind{
         "z_columns",
         "A height gauge reads columns over a delta's bed, from above and below.",
         "Leaning towers and belts, which grow with height; play of carriages.",
         "height_gauge",
         of::kZColumns,
-        nullptr,
-        PlanZColumns},
+        {{{"delta", PlanZColumns}}}},
     CampaignKind{
         "tz_grid",
         "The nozzle touches a bed that stands on three screws on a grid.",
@@ -138,9 +130,7 @@ constexpr std::array kKinds = {
         "twist of its beam.",
         "probe",
         of::kTzGrid,
-        nullptr,
-        nullptr,
-        PlanTzGrid},
+        {{{"triple_z", PlanTzGrid}}}},
     CampaignKind{
         "tz_heights",
         "A distance sensor on the head reads the bed on a grid at many heights, "
@@ -148,18 +138,14 @@ constexpr std::array kKinds = {
         "Pitch, waves and play of single screws, a gantry that leans.",
         "laser",
         of::kTzHeights,
-        nullptr,
-        nullptr,
-        PlanTzHeights},
+        {{{"triple_z", PlanTzHeights}}}},
     CampaignKind{"fixed_post",
                  "An indicator on a post that stands on the frame reads the bed over "
                  "each screw at many heights.",
                  "What is the screws' alone: a gantry that leans does not move it.",
                  "indicator",
                  of::kFixedPost,
-                 nullptr,
-                 nullptr,
-                 PlanFixedPost},
+                 {{{"triple_z", PlanFixedPost}}}},
     CampaignKind{
         "screws_one_by_one",
         "Each screw is moved up and down alone, and the bed touched on a grid.",
@@ -167,9 +153,7 @@ constexpr std::array kKinds = {
         "drivers: invisible while all move alike.",
         "probe",
         of::kScrewsOneByOne,
-        nullptr,
-        nullptr,
-        PlanScrewsOneByOne},
+        {{{"triple_z", PlanScrewsOneByOne}}}},
     CampaignKind{
         "z_offset",
         "The three touches of a nozzle's calibration (nozzle and probe on the "
@@ -177,10 +161,7 @@ constexpr std::array kKinds = {
         "Growth of nozzle, bed and probe, ooze, a nozzle or plate that was changed.",
         "probe",
         of::kZOffset,
-        nullptr,
-        nullptr,
-        nullptr,
-        PlanZOffset},
+        {{{"z_station", PlanZOffset}}}},
     CampaignKind{
         "z_gap",
         "Calibrated, and the gap under the nozzle then measured with a feeler gauge, "
@@ -188,10 +169,7 @@ constexpr std::array kKinds = {
         "What no touch of a switch sees: a wrong switch_offset; ooze against growth.",
         "feeler",
         of::kZGap,
-        nullptr,
-        nullptr,
-        nullptr,
-        PlanZGap}};
+        {{{"z_station", PlanZGap}}}}};
 
 }  // namespace
 

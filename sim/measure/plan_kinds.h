@@ -1,13 +1,22 @@
 #pragma once
 
+#include <array>
 #include <span>
 #include <string_view>
 
+#include "sim/machine/machine_kind.h"
 #include "sim/measure/plan.h"
 
 namespace caltwin {
 
 class MeasuringSession;
+
+/// What plans a campaign on one kind of machine.
+struct PlannedOn {
+  std::string_view kind{};  ///< Its word in files.
+  /// Adds the campaign's readings to the session.
+  void (*plan)(const PlannedCampaign& campaign, MeasuringSession* session) = nullptr;
+};
 
 /// A kind of measuring campaign: what `caltwin explain` says of it and how its readings
 /// are planned.
@@ -17,24 +26,14 @@ struct CampaignKind {
   std::string_view shows;       ///< Causes it is for, and why.
   std::string_view instrument;  ///< Default id of the instrument.
   std::span<const PlanOption> options;
-  /// Adds the campaign's readings to the session. Null on machines of another kind.
-  void (*plan)(const PlannedCampaign& campaign, MeasuringSession* session);
-  /// The same on a delta.
-  void (*plan_on_delta)(const PlannedCampaign& campaign,
-                        MeasuringSession* session) = nullptr;
-  /// The same on a triple-Z printer.
-  void (*plan_on_triple_z)(const PlannedCampaign& campaign,
-                           MeasuringSession* session) = nullptr;
-
-  /// The same at a printer's station.
-  void (*plan_on_z_station)(const PlannedCampaign& campaign,
-                            MeasuringSession* session) = nullptr;
+  std::array<PlannedOn, 2> on{};
 
   /// What plans it on that machine; null: nothing does.
-  auto PlanOn(Kinematics kinematics) const {
-    if (kinematics == Kinematics::kTripleZ) return plan_on_triple_z;
-    if (kinematics == Kinematics::kZStation) return plan_on_z_station;
-    return kinematics == Kinematics::kDelta ? plan_on_delta : plan;
+  auto PlanOn(const MachineKind* kind) const {
+    for (const PlannedOn& one : on) {
+      if (one.plan != nullptr && one.kind == kind->name()) return one.plan;
+    }
+    return PlannedOn{}.plan;
   }
 };
 
@@ -44,8 +43,7 @@ std::span<const CampaignKind> AllCampaignKinds();
 const CampaignKind* FindCampaignKind(std::string_view id);
 
 /// @name How each kind is performed: plan_gauge.cc, plan_touch.cc, plan_edges.cc,
-/// plan_time.cc, plan_delta.cc, plan_triple_z.cc,
-/// plan_z_station.cc
+/// plan_time.cc; kinds/
 void PlanIso230(const PlannedCampaign& campaign, MeasuringSession* session);
 void PlanDense(const PlannedCampaign& campaign, MeasuringSession* session);
 void PlanAbbe(const PlannedCampaign& campaign, MeasuringSession* session);

@@ -7,6 +7,8 @@
 #include <fmt/format.h>
 
 #include "sim/base/input_error.h"
+#include "sim/machine/kinds/triple_z/drawing.h"
+#include "sim/machine/machine_kind.h"
 
 namespace caltwin {
 namespace {
@@ -15,7 +17,6 @@ constexpr double kHoming_s = 25;
 constexpr double kTouchOverhead_s = 0.5;
 constexpr double kStandOff_mm = 4;
 constexpr double kRetract_mm = 2;
-constexpr double kStill_mm = 1e-9;  // Below this an axis has not moved.
 
 double MostFeed_mm_s(const Machine& machine, const Vec3<double>& travel_mm) {
   double most_mm_s = 1e9;
@@ -38,21 +39,11 @@ MeasuringSession::MeasuringSession(const Plan& plan,
   session_.header.machine = plan.machine;
   session_.header.instruments = plan.instruments;
   session_.header.tip_radius_mm = machine.settings.tip_radius_mm;
-  for (const Axis axis : kAxes) {
-    const AxisDrawing& drawing = machine.axis(axis);
-    const std::string name = machine.delta ? TowerName(Index(axis)) : Name(axis);
-    Transmission& transmission = session_.header.transmission[name];
-    (drawing.is_belt ? transmission.pulley_mm_per_rev : transmission.lead_mm) =
-        drawing.lead_mm;
-    transmission.full_steps_per_mm = drawing.full_steps_per_rev / drawing.lead_mm;
-  }
-  if (machine.triple_z) {
-    for (int i = 0; i < kNumScrews; ++i) {
-      const ScrewDrawing& screw = machine.triple_z->screws[static_cast<std::size_t>(i)];
-      Transmission& transmission = session_.header.transmission[ScrewName(i)];
-      transmission.lead_mm = screw.lead_mm;
-      transmission.full_steps_per_mm = screw.full_steps_per_rev / screw.lead_mm;
-    }
+  for (const DrawnDrive& drive : machine.kind->Drives(machine)) {
+    Transmission& transmission = session_.header.transmission[drive.name];
+    (drive.is_belt ? transmission.pulley_mm_per_rev : transmission.lead_mm) =
+        drive.lead_mm;
+    transmission.full_steps_per_mm = drive.full_steps_per_rev / drive.lead_mm;
   }
   Home();
 }
@@ -71,21 +62,11 @@ void MeasuringSession::Begin(const PlannedCampaign& campaign,
 void MeasuringSession::Home() {
   t_s_ += kHoming_s;
   ++homings_;
-  if (machine_.delta) {
-    q_mm_ = {0, 0, machine_.delta->settings.endstop_mm[0]};
-    sense_ = last_dir_ = {0, 0, 1};
-    motor_dir_.setConstant(-1);
-    since_rev_mm_.setConstant(q_mm_[2] / 2);
-    return;
-  }
-  for (const Axis axis : kAxes) {
-    const AxisDrawing& drawing = machine_.axis(axis);
-    const int i = Index(axis);
-    q_mm_[i] = drawing.home_mm();
-    sense_[i] = drawing.home == HomeEnd::kMin ? -1 : 1;
-    since_rev_mm_[i] = drawing.travel_mm() / 2;
-  }
-  last_dir_ = sense_;
+  const Homed homed = machine_.kind->AtHome(machine_);
+  q_mm_ = homed.q_mm;
+  sense_ = last_dir_ = homed.sense;
+  since_rev_mm_ = homed.since_rev_mm;
+  motor_dir_ = homed.motor_sense.value_or(motor_dir_);
 }
 
 void MeasuringSession::Wait(double s) {
@@ -111,21 +92,7 @@ void MeasuringSession::MoveTo(const Vec3<double>& q_mm, double feed_mm_s) {
     since_rev_mm_[i] = last_dir_[i] == sense_[i] ? since_rev_mm_[i] + gone_mm : gone_mm;
     sense_[i] = last_dir_[i];
   }
-  if (machine_.delta) {
-    const DeltaModel<double>& settings = machine_.delta->settings;
-    // At the end of the move: a carriage may turn back within it.
-    constexpr double kLast_mm = 0.01;
-    const Vec3<double> just_before_mm =
-        q_mm - travel_mm * (std::min(kLast_mm, length_mm) / length_mm);
-    const Vec3<double> moved_mm =
-        DeltaMotors_mm(settings, q_mm) - DeltaMotors_mm(settings, just_before_mm);
-    for (int i = 0; i < kNumTowers; ++i) {
-      motor_dir_[i] =
-          std::abs(moved_mm[i]) < kStill_mm ? 0 : std::copysign(1, moved_mm[i]);
-    }
-  }
-  // As the nozzle's height over the bed grows, the screws go down.
-  if (machine_.triple_z) motor_dir_.setConstant(-last_dir_[2]);
+  motor_dir_ = machine_.kind->MotorSenses(machine_, q_mm_, q_mm).value_or(motor_dir_);
   const double feed =
       std::min(std::max(feed_mm_s, kStill_mm), MostFeed_mm_s(machine_, travel_mm));
   t_s_ += length_mm / feed + feed / machine_.axis(Axis::kX).acceleration_mm_s2;
@@ -159,20 +126,11 @@ void MeasuringSession::Finish(Row row) {
     row.dir[k] = last_dir_[i];
     row.since_rev_mm[k] = std::round(since_rev_mm_[i] * 1e6) / 1e6;
   }
-  if (machine_.delta) {
-    const Vec3<double> motors_mm = DeltaMotors_mm<double>(
-        machine_.delta->settings, {row.cmd_mm[0], row.cmd_mm[1], row.cmd_mm[2]});
-    for (int i = 0; i < kNumTowers; ++i) {
+  const Vec3<double> cmd_mm(row.cmd_mm[0], row.cmd_mm[1], row.cmd_mm[2]);
+  if (const auto motors = machine_.kind->Motors_mm(machine_, cmd_mm, raised_mm_)) {
+    for (int i = 0; i < 3; ++i) {
       const auto k = static_cast<std::size_t>(i);
-      row.motor_mm[k] = std::round(motors_mm[i] * 1e6) / 1e6;
-      row.motor_dir[k] = motor_dir_[i];
-    }
-  }
-  if (machine_.triple_z) {
-    for (int i = 0; i < kNumScrews; ++i) {
-      const auto k = static_cast<std::size_t>(i);
-      const double told_mm = machine_.triple_z->top_mm - row.cmd_mm[2] + raised_mm_[i];
-      row.motor_mm[k] = std::round(told_mm * 1e6) / 1e6;
+      row.motor_mm[k] = std::round((*motors)[i] * 1e6) / 1e6;
       row.motor_dir[k] = motor_dir_[i];
     }
   }
@@ -218,27 +176,8 @@ const CertifiedArtefact& MeasuringSession::Certify(const std::string& id,
 }
 
 void MeasuringSession::RequireReach(const Vec3<double>& q_mm) const {
-  if (machine_.delta) {
-    const Vec3<double> motors_mm = DeltaMotors_mm(machine_.delta->settings, q_mm);
-    if (motors_mm.allFinite() && (motors_mm.array() > 0).all()) return;
-    Fail(
-        fmt::format("would take the nozzle to ({:.3f}, {:.3f}, {:.3f}) mm, beyond what "
-                    "its rods reach",
-                    q_mm[0],
-                    q_mm[1],
-                    q_mm[2]),
-        "choose a smaller radius or height");
-  }
-  for (const Axis axis : kAxes) {
-    const AxisDrawing& drawing = machine_.axis(axis);
-    const double q = q_mm[Index(axis)];
-    if (q >= drawing.min_mm - kStill_mm && q <= drawing.max_mm + kStill_mm) continue;
-    Fail(fmt::format("would take {} to {:.3f} mm, beyond its travel of {} to {} mm",
-                     Name(axis),
-                     q,
-                     drawing.min_mm,
-                     drawing.max_mm),
-         "choose another place or a smaller extent");
+  if (const auto why = machine_.kind->WhyNotAt(machine_, q_mm)) {
+    Fail(why->text, why->hint);
   }
 }
 
@@ -248,10 +187,7 @@ void MeasuringSession::Fail(const std::string& text, const std::string& hint) co
 }
 
 Vec3<double> MeasuringSession::Middle_mm() const {
-  if (machine_.delta) return Vec3<double>::Zero();
-  return {machine_.axis(Axis::kX).mid_mm(),
-          machine_.axis(Axis::kY).mid_mm(),
-          machine_.axis(Axis::kZ).mid_mm()};
+  return machine_.kind->Middle_mm(machine_);
 }
 
 PlannedSession MeasuringSession::Done() && {

@@ -28,7 +28,7 @@ class MeasuringSession {
   /// A straight move of the axes.
   void MoveTo(const Vec3<double>& q_mm, double feed_mm_s);
   void Rapid(const Vec3<double>& q_mm);
-  /// Of a triple-Z printer: how much higher than the others' each screw is told to
+  /// Of a bed on screws: how much higher than the others' each screw is told to
   /// stand, whatever its axes do.
   void SetScrews(const Vec3<double>& raised_mm);
 
@@ -72,7 +72,7 @@ class MeasuringSession {
   Vec3<double> last_dir_ = Vec3<double>::Zero();  ///< Of the last move alone.
   Vec3<double> sense_ = Vec3<double>::Zero();     ///< In which each moved last.
   Vec3<double> since_rev_mm_ = Vec3<double>::Zero();
-  Vec3<double> motor_dir_ = Vec3<double>::Zero();  ///< Of a delta, in the last move.
+  Vec3<double> motor_dir_ = Vec3<double>::Zero();  ///< Where motors are no axes.
   Vec3<double> raised_mm_ = Vec3<double>::Zero();  ///< As SetScrews has them.
 };
 

@@ -8,7 +8,9 @@
 #include "sim/base/rng.h"
 #include "sim/base/units.h"
 #include "sim/kinds/delta/world.h"
-#include "sim/machine/simulated_delta.h"
+#include "sim/machine/kinds/delta/knobs.h"
+#include "sim/machine/kinds/delta/model.h"
+#include "sim/machine/kinds/delta/simulated.h"
 
 namespace caltwin {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "calibration/kinds/delta/rrf_least_squares.h"
 #include "sim/base/units.h"
-#include "sim/machine/delta.h"
+#include "sim/machine/kinds/delta/model.h"
 
 namespace caltwin {
 namespace {

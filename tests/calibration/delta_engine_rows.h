@@ -8,8 +8,9 @@
 
 #include "calibration/kinds/delta/bench.h"
 #include "sim/base/units.h"
-#include "sim/machine/measured_delta.h"
-#include "sim/machine/simulated_delta.h"
+#include "sim/machine/kinds/delta/measured.h"
+#include "sim/machine/kinds/delta/model.h"
+#include "sim/machine/kinds/delta/simulated.h"
 
 namespace caltwin::delta_rows {
 

@@ -11,7 +11,9 @@
 #include "calibration/kinds/delta/engine_uncertainty.h"
 #include "calibration/kinds/delta/rrf_least_squares.h"
 #include "sim/base/units.h"
-#include "sim/machine/simulated_delta.h"
+#include "sim/machine/kinds/delta/knobs.h"
+#include "sim/machine/kinds/delta/model.h"
+#include "sim/machine/kinds/delta/simulated.h"
 
 namespace caltwin {
 namespace {

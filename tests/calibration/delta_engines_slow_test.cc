@@ -3,6 +3,7 @@
 #include "calibration/kinds/delta/g33.h"
 #include "calibration/kinds/delta/klipper_descent.h"
 #include "sim/base/rng.h"
+#include "sim/machine/kinds/delta/model.h"
 #include "tests/calibration/delta_engine_rows.h"
 
 namespace caltwin {

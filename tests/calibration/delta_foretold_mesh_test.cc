@@ -4,6 +4,7 @@
 #include "calibration/kinds/delta/foretold_mesh.h"
 #include "calibration/kinds/delta/rrf_least_squares.h"
 #include "calibration/kinds/delta/settings.h"
+#include "sim/machine/kinds/delta/model.h"
 #include "sim/measure/import/klipper_mesh.h"
 #include "tests/calibration/delta_engine_rows.h"
 

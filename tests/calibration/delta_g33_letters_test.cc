@@ -9,6 +9,7 @@
 
 #include "calibration/kinds/delta/g33.h"
 #include "sim/base/input_error.h"
+#include "sim/machine/kinds/delta/model.h"
 #include "tests/calibration/delta_engine_rows.h"
 
 namespace caltwin {

@@ -11,6 +11,8 @@
 #include "calibration/kinds/delta/rrf_least_squares.h"
 #include "calibration/kinds/delta/settings.h"
 #include "sim/base/rng.h"
+#include "sim/machine/kinds/delta/knobs.h"
+#include "sim/machine/kinds/delta/model.h"
 #include "tests/calibration/delta_engine_rows.h"
 
 namespace caltwin {

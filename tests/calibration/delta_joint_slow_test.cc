@@ -5,7 +5,8 @@
 
 #include "calibration/kinds/delta/joint.h"
 #include "sim/base/rng.h"
-#include "sim/machine/simulated_delta.h"
+#include "sim/machine/kinds/delta/model.h"
+#include "sim/machine/kinds/delta/simulated.h"
 
 namespace caltwin {
 namespace {

@@ -8,8 +8,10 @@
 #include "calibration/kinds/delta/joint.h"
 #include "calibration/kinds/delta/settings.h"
 #include "sim/base/rng.h"
-#include "sim/machine/delta_slopes.h"
-#include "sim/machine/simulated_delta.h"
+#include "sim/machine/kinds/delta/knobs.h"
+#include "sim/machine/kinds/delta/model.h"
+#include "sim/machine/kinds/delta/simulated.h"
+#include "sim/machine/kinds/delta/slopes.h"
 
 namespace caltwin {
 namespace {

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "calibration/kinds/delta/klipper_descent.h"
+#include "sim/machine/kinds/delta/model.h"
 #include "tests/calibration/delta_engine_rows.h"
 
 namespace caltwin {

@@ -3,6 +3,7 @@
 
 #include "calibration/kinds/delta/rrf_least_squares.h"
 #include "sim/base/input_error.h"
+#include "sim/machine/kinds/delta/model.h"
 #include "tests/calibration/delta_engine_rows.h"
 
 namespace caltwin {

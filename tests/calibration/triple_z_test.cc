@@ -9,6 +9,7 @@
 #include "calibration/kinds/triple_z/procedures.h"
 #include "sim/base/rng.h"
 #include "sim/effects/drive.h"
+#include "sim/machine/kinds/triple_z/drawing.h"
 
 namespace caltwin {
 namespace {

@@ -1,4 +1,4 @@
-#include "calibration/diagnosis/delta_correction.h"
+#include "calibration/diagnosis/kinds/delta_correction.h"
 
 #include <sstream>
 
@@ -8,6 +8,8 @@
 #include "sim/base/input_error.h"
 #include "sim/base/units.h"
 #include "sim/firmware/dialects/marlin_delta.h"
+#include "sim/machine/kinds/delta/drawing.h"
+#include "sim/machine/kinds/delta/model.h"
 #include "tests/diagnosis/eighty_steps_delta.h"
 
 namespace caltwin {
@@ -52,7 +54,7 @@ Diagnosis OutOfCalibration() {
 
 // The same machine, by hand.
 DeltaBuild<double> BuiltSo() {
-  DeltaBuild<double> build = Drawn().delta->Build();
+  DeltaBuild<double> build = DeltaOf(Drawn()).Build();
   build.model.endstop_mm = {300.3, 299.8, 299.9};
   build.model.radius_mm.fill(130.8);
   build.model.angle_rad[0] += RadFromDeg(0.35);
@@ -70,7 +72,7 @@ DeltaModel<double> ByMarlin(const std::string& text) {
       return std::nullopt;
     }
   } bed;
-  const DeltaModel<double> drawn = Drawn().delta->model;
+  const DeltaModel<double> drawn = DeltaOf(Drawn()).model;
   MarlinDelta marlin(drawn, drawn, {80, 80, 80}, &bed, {});
   std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);) {
@@ -99,7 +101,7 @@ DeltaModel<double> ByKlipper(const std::string& text) {
 }
 
 DeltaModel<double> ByRrf(const std::string& text) {
-  DeltaModel<double> model = Drawn().delta->model;
+  DeltaModel<double> model = DeltaOf(Drawn()).model;
   const std::string geometry = text.substr(text.find("M665"));
   const std::string ends = geometry.substr(geometry.find("M666"));
   for (std::size_t i = 0; i < 3; ++i) {
@@ -129,7 +131,7 @@ TEST(DeltaCorrection, AppliedToTheMachineLeavesItsHeightsAndSizesRight) {
   constexpr double kRounding_mm = 3e-4;
   constexpr double kRounded_scale = 1e-5;
   const DeltaAccuracy before =
-      DeltaAccuracyOf(BuiltSo(), kBed, Drawn().delta->settings, kRadius_mm);
+      DeltaAccuracyOf(BuiltSo(), kBed, DeltaOf(Drawn()).settings, kRadius_mm);
   ASSERT_GT(before.z_rms_mm, 0.1);
   ASSERT_GT(std::abs(before.xy_scale), 1e-3);
   const Diagnosis diagnosis = OutOfCalibration();
@@ -152,12 +154,12 @@ TEST(DeltaCorrection, FollowsATiltedBed) {
                    {"bed_plane.slope_x", "mrad", 2, 0.01},
                    {"bed_plane.slope_y", "mrad", -1, 0.01}}};
   const auto off_mm = [&](const DeltaModel<double>& settings) {
-    const DeltaBuild<double> build = Drawn().delta->Build();
+    const DeltaBuild<double> build = DeltaOf(Drawn()).Build();
     return DeltaAccuracyOf(build, tilted, settings, kRadius_mm).z_rms_mm;
   };
 
   EXPECT_LT(off_mm(ByMarlin(TextFor(ControllerKind::kMarlin, diagnosis))),
-            off_mm(Drawn().delta->settings) / 20);
+            off_mm(DeltaOf(Drawn()).settings) / 20);
 }
 
 // A leaning tower is no number of any firmware; the best of three rods is still better.
@@ -169,7 +171,7 @@ TEST(DeltaCorrection, OfALeaningTowerDoesWhatThreeRodsCan) {
        .axis = "b",
        .effect = Injected{
            .effect = *FindEffect("tower_lean"), .axis = "b", .values = {3, -2}}});
-  DeltaBuild<double> build = Drawn().delta->Build();
+  DeltaBuild<double> build = DeltaOf(Drawn()).Build();
   build.lean_radial_rad[1] = 3e-3;
   build.lean_tangential_rad[1] = -2e-3;
   const auto off_mm = [&](const DeltaModel<double>& settings) {
@@ -178,7 +180,7 @@ TEST(DeltaCorrection, OfALeaningTowerDoesWhatThreeRodsCan) {
 
   const std::string text = TextFor(ControllerKind::kMarlin, diagnosis);
 
-  EXPECT_LT(off_mm(ByMarlin(text)), off_mm(Drawn().delta->settings) / 20);
+  EXPECT_LT(off_mm(ByMarlin(text)), off_mm(DeltaOf(Drawn()).settings) / 20);
   EXPECT_THAT(text, HasSubstr("; tower_lean.b: three rods have no number for it"));
 }
 

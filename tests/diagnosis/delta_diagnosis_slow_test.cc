@@ -11,13 +11,15 @@
 #include "calibration/diagnosis/diagnosis.h"
 #include "calibration/diagnosis/volumetric.h"
 #include "sim/kinds/delta/perform.h"
+#include "sim/machine/kinds/delta/drawing.h"
+#include "sim/machine/kinds/kinds.h"
 #include "sim/measure/plan.h"
 
 namespace caltwin {
 namespace {
 
 Machine Delta() {
-  Machine machine{.kinematics = Kinematics::kDelta, .delta = DeltaDrawing{}};
+  Machine machine{.kind = DeltaKind(), .own = DeltaDrawing{}};
   machine.probe.tip_radius_mm = machine.settings.tip_radius_mm = 0;
   for (AxisDrawing& axis : machine.axes) {
     axis = {.max_mm = 400,
@@ -32,7 +34,7 @@ Machine Delta() {
 }
 
 BuiltDelta Built() {
-  BuiltDelta built{.build = Delta().delta->Build()};
+  BuiltDelta built{.build = DeltaOf(Delta()).Build()};
   built.build.model.endstop_mm = {300.2, 299.9, 300.1};
   for (double& radius : built.build.model.radius_mm) radius += 0.4;
   built.build.model.angle_rad[0] += 3e-3;
@@ -180,7 +182,7 @@ TEST(DeltaDiagnosis, TellsTheGainWhereNextToNothingIsReached) {
   const Session session =
       SessionOf(Delta(), built, {"delta_grid", "delta_xy", "z_columns"});
   Machine boasting = Delta();
-  boasting.delta->print_radius_mm = 1e5;
+  DeltaOf(boasting).print_radius_mm = 1e5;
   const Observed observed(session.table, session.planned.header, boasting, {});
 
   const auto gain = VolumetricGainOf(observed, Diagnose(observed, {}), /*seed=*/1);

@@ -8,6 +8,7 @@
 
 #include "calibration/diagnosis/diagnosis_words.h"
 #include "sim/effects/catalog.h"
+#include "sim/machine/kinds/kinds.h"
 
 namespace caltwin {
 namespace {
@@ -90,8 +91,10 @@ TEST(DiagnosisText, EveryNameIsASentence) {
     const Effect& effect = *one;
     if (!effect.sight) continue;
     std::set<std::string_view> axes(effect.axes.begin(), effect.axes.end());
-    axes.insert(effect.delta_axes.begin(), effect.delta_axes.end());
-    axes.insert(effect.triple_z_axes.begin(), effect.triple_z_axes.end());
+    for (const MachineKind* kind : {DeltaKind(), TripleZKind()}) {
+      const auto own = AxesOn(effect, kind);
+      axes.insert(own.begin(), own.end());
+    }
     for (const std::string_view axis : axes) {
       Finding finding{.cause = std::string(effect.name), .axis = std::string(axis)};
       for (const Parameter& p : effect.parameters) {

@@ -7,6 +7,9 @@
 #include <Eigen/QR>
 #include <gtest/gtest.h>
 
+#include "sim/machine/kinds/kinds.h"
+#include "sim/machine/kinds/triple_z/drawing.h"
+
 namespace caltwin {
 namespace {
 
@@ -89,9 +92,9 @@ TEST_F(FreeFormTest, FollowsCosinesOfLowOrder) {
 constexpr int kSide = 9;
 
 // A bed of 200 mm, touched on a grid.
-Observed Touched(Kinematics kinematics) {
-  Machine machine{.name = "test", .kinematics = kinematics};
-  if (kinematics == Kinematics::kTripleZ) machine.triple_z = TripleZDrawing{};
+Observed Touched(const MachineKind* kind) {
+  Machine machine{.name = "test", .kind = kind};
+  if (kind == TripleZKind()) machine.own = TripleZDrawing{};
   RowTable table;
   for (int i = 0; i < kSide * kSide; ++i) {
     Row row{.row = i + 1, .campaign = "grid", .kind = RowKind::kTouch};
@@ -106,7 +109,7 @@ Observed Touched(Kinematics kinematics) {
 
 // Share of a dent's squares, 60 mm wide about (80, 110), that no such form holds.
 double LeftOfADent(TermsOfTwo which) {
-  const Observed observed = Touched(Kinematics::kTripleZ);
+  const Observed observed = Touched(TripleZKind());
   Eigen::VectorXd dent(observed.num_rows());
   for (Eigen::Index i = 0; i < dent.size(); ++i) {
     const Row& row = observed.row(i);
@@ -129,21 +132,21 @@ TEST(FreeFormOfTwo, ADentIsNoProductOfWhatXAndYDo) {
 
 TEST(FreeFormOfTwo, HasATermForEveryColumn) {
   const FreeForm form =
-      FreeFormOf(Touched(Kinematics::kTripleZ), "bed", {"x", "y"}, 7, TermsOfTwo::kAll);
+      FreeFormOf(Touched(TripleZKind()), "bed", {"x", "y"}, 7, TermsOfTwo::kAll);
   EXPECT_EQ(form.columns_mm.cols(), 7);
   EXPECT_EQ(form.terms.size(), 7U);
 }
 
 // On a gantry, forms of x and of y alone stand beside that of both.
 TEST(FreeFormOfTwo, OfAPrintersBedHasTheTermsOfOneAlone) {
-  const auto num_terms = [](Kinematics kinematics) {
-    for (const FreeForm& form : AllFreeForms(Touched(kinematics))) {
+  const auto num_terms = [](const MachineKind* kind) {
+    for (const FreeForm& form : AllFreeForms(Touched(kind))) {
       if (form.channel == "bed" && form.words.size() == 2) return form.terms.size();
     }
     return std::size_t{0};
   };
-  EXPECT_EQ(num_terms(Kinematics::kCartesian), 10U);
-  EXPECT_EQ(num_terms(Kinematics::kTripleZ), 18U);
+  EXPECT_EQ(num_terms(CartesianKind()), 10U);
+  EXPECT_EQ(num_terms(TripleZKind()), 18U);
 }
 
 }  // namespace

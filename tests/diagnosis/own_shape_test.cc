@@ -13,6 +13,7 @@
 #include "calibration/diagnosis/search.h"
 #include "sim/base/rng.h"
 #include "sim/effects/catalog.h"
+#include "sim/machine/kinds/kinds.h"
 
 namespace caltwin {
 namespace {
@@ -204,7 +205,7 @@ TEST(OwnShape, WhatIsKnownByItsSizeHasNoShapeToShow) {
 TEST(OwnShape, GeometryIsExactAndPlatesOfPrintersAreClose) {
   const Candidate rod{.effect = EffectIndex<RodMismatch>(), .axis = "a1"};
   const Candidate bowl{.effect = EffectIndex<BedBowl>(), .shown = {"bed", {"x", "y"}}};
-  const Machine delta{.kinematics = Kinematics::kDelta};
+  const Machine delta{.kind = DeltaKind()};
 
   EXPECT_EQ(FormOf(rod, delta), Form::kExact);
   EXPECT_EQ(FormOf(bowl, delta), Form::kClose);

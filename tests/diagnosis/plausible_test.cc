@@ -8,6 +8,8 @@
 #include <gtest/gtest.h>
 
 #include "sim/base/units.h"
+#include "sim/machine/kinds/delta/drawing.h"
+#include "sim/machine/kinds/kinds.h"
 #include "sim/measure/rows.h"
 #include "tests/diagnosis/doubted.h"
 
@@ -289,8 +291,8 @@ TEST(Plausible, WhereTheMachineCannotGoNothingIsInInches) {
   Machine large = small;
   large.axes[0] = {.min_mm = -1400, .max_mm = 1400};
   Machine delta = small;
-  delta.kinematics = Kinematics::kDelta;
-  delta.delta = DeltaDrawing{};
+  delta.kind = DeltaKind();
+  delta.own = DeltaDrawing{};
 
   EXPECT_THAT(KindsOf(table, {}, &small), Not(Contains("position_unit!")));
   EXPECT_THAT(KindsOf(table, {}, &delta), Not(Contains("position_unit!")));

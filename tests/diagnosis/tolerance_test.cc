@@ -6,6 +6,8 @@
 #include <gtest/gtest.h>
 
 #include "calibration/diagnosis/candidates.h"
+#include "sim/machine/kinds/delta/drawing.h"
+#include "sim/machine/kinds/kinds.h"
 
 namespace caltwin {
 namespace {
@@ -13,7 +15,7 @@ namespace {
 constexpr double kRim_mm = 100;
 
 Machine Delta() {
-  return {.kinematics = Kinematics::kDelta, .delta = DeltaDrawing{}};
+  return {.kind = DeltaKind(), .own = DeltaDrawing{}};
 }
 
 // Touches of a bed on five rings.

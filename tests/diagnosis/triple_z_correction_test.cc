@@ -1,5 +1,5 @@
 // What a correction tells a controller is obeyed by one, and levels the bed.
-#include "calibration/diagnosis/triple_z_correction.h"
+#include "calibration/diagnosis/kinds/triple_z_correction.h"
 
 #include <sstream>
 
@@ -10,6 +10,7 @@
 #include "calibration/diagnosis/correction.h"
 #include "sim/base/input_error.h"
 #include "sim/kinds/triple_z/plant.h"
+#include "sim/machine/kinds/triple_z/drawing.h"
 
 namespace caltwin {
 namespace {
@@ -55,7 +56,7 @@ double LeftOf_mm(const std::vector<Injected>& effects, const std::string& correc
                            .axis = "",
                            .values = {kSlopeX_mrad, kSlopeY_mrad}});
   TripleZTwinPlant plant(built, /*is_physics=*/false, 1, 0);
-  RrfTripleZ firmware({.pivots_mm = built.machine.triple_z->pivots_mm()}, &plant);
+  RrfTripleZ firmware({.pivots_mm = TripleZOf(built.machine).pivots_mm()}, &plant);
   std::istringstream lines(correction +
                            "G28\nG30 P0 X20 Y20 Z-99999\nG30 P1 X215 Y20 Z-99999\n"
                            "G30 P2 X20 Y215 Z-99999 S3\n");
@@ -64,7 +65,7 @@ double LeftOf_mm(const std::vector<Injected>& effects, const std::string& correc
     EXPECT_FALSE(reply.error) << line;
   }
   double left_mm = 0;
-  for (const Eigen::Vector2d& at_mm : built.machine.triple_z->pivots_mm()) {
+  for (const Eigen::Vector2d& at_mm : TripleZOf(built.machine).pivots_mm()) {
     left_mm = std::max(left_mm,
                        std::abs(TrueBedHeight_mm(built, firmware.raised_mm(), at_mm)));
   }

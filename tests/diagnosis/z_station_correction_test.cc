@@ -1,5 +1,5 @@
 // What Klipper is told of a wrong switch_offset.
-#include "calibration/diagnosis/z_station_correction.h"
+#include "calibration/diagnosis/kinds/z_station_correction.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

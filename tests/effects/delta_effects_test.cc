@@ -3,15 +3,18 @@
 #include <gtest/gtest.h>
 
 #include "sim/effects/catalog.h"
-#include "sim/effects/delta_at.h"
+#include "sim/effects/kinds/delta_at.h"
 #include "sim/effects/predict.h"
-#include "sim/machine/delta_knobs.h"
+#include "sim/machine/kinds/delta/drawing.h"
+#include "sim/machine/kinds/delta/knobs.h"
+#include "sim/machine/kinds/delta/model.h"
+#include "sim/machine/kinds/kinds.h"
 
 namespace caltwin {
 namespace {
 
 Machine Delta() {
-  Machine machine{.kinematics = Kinematics::kDelta, .delta = DeltaDrawing{}};
+  Machine machine{.kind = DeltaKind(), .own = DeltaDrawing{}};
   for (AxisDrawing& axis : machine.axes) {
     axis = {.max_mm = 400,
             .lead_mm = 40,
@@ -36,11 +39,11 @@ const std::vector<Vec3<double>> kPlaces_mm = {
 
 TEST(DeltaEffects, MoveTheNozzleAsTheExactChainDoes) {
   const Machine machine = Delta();
-  const DeltaBuild<double> drawn = machine.delta->Build();
+  const DeltaBuild<double> drawn = DeltaOf(machine).Build();
   int checked = 0;
   for (int index = 0; index < static_cast<int>(kNumEffects); ++index) {
     const Effect& effect = EffectAt(index);
-    for (const std::string_view axis : effect.delta_axes) {
+    for (const std::string_view axis : AxesOn(effect, DeltaKind())) {
       Injected injected = NeutralEffect(index, axis, machine);
       // Small: what is left is of second order.
       for (double& value : injected.values) value += 0.01;
@@ -51,8 +54,8 @@ TEST(DeltaEffects, MoveTheNozzleAsTheExactChainDoes) {
       for (const auto& [knob, by] : turns) TurnKnob(knob, by, &built, &bed);
       for (const Vec3<double>& place_mm : kPlaces_mm) {
         const auto here =
-            DeltaAtOf(drawn, machine.delta->settings, RowAt(place_mm), place_mm);
-        At at{.q_mm = place_mm, .n = {0, 0, 1}, .delta = &*here};
+            LinkageAtOf(drawn, DeltaOf(machine).settings, RowAt(place_mm), place_mm);
+        At at{.q_mm = place_mm, .n = {0, 0, 1}, .linkage = &*here};
         const Vec3<double> linear_mm =
             ErrorsAt<double>(machine, at, std::span(&injected, 1)).motion_mm;
         const auto pose = DeltaPoseOf(built, here->motors_mm);
@@ -73,16 +76,16 @@ TEST_P(PlayOfACarriage, IsAShorterTravel) {
   const bool hangs = GetParam();
   Machine machine = Delta();
   for (AxisDrawing& axis : machine.axes) axis.moving_mass_kg = hangs ? 0.7 : 0.15;
-  const DeltaBuild<double> drawn = machine.delta->Build();
+  const DeltaBuild<double> drawn = DeltaOf(machine).Build();
   constexpr double kGap_mm = 0.02;
   for (std::size_t tower = 0; tower < 3; ++tower) {
     const Injected play{.effect = EffectIndex<CarriageBacklash>(),
-                        .axis = std::string(kTowerAxes[tower]),
+                        .axis = TowerName(static_cast<int>(tower)),
                         .values = {kGap_mm}};
     for (const Vec3<double>& place_mm : kPlaces_mm) {
       const auto here =
-          DeltaAtOf(drawn, machine.delta->settings, RowAt(place_mm), place_mm);
-      const At at{.q_mm = place_mm, .n = {0, 0, 1}, .delta = &*here};
+          LinkageAtOf(drawn, DeltaOf(machine).settings, RowAt(place_mm), place_mm);
+      const At at{.q_mm = place_mm, .n = {0, 0, 1}, .linkage = &*here};
       const Vec3<double> moved_mm =
           ErrorsAt<double>(machine, at, std::span(&play, 1)).motion_mm;
       Vec3<double> motors_mm = here->motors_mm;
@@ -99,10 +102,13 @@ INSTANTIATE_TEST_SUITE_P(Hanging, PlayOfACarriage, ::testing::Bool());
 TEST(DeltaEffects, LiftTheRimOfTheBedByTheirHeight) {
   const Machine machine = Delta();
   const Vec3<double> rim_mm(100 / std::numbers::sqrt2, 100 / std::numbers::sqrt2, 0);
-  auto here =
-      DeltaAtOf(machine.delta->Build(), machine.delta->settings, RowAt(rim_mm), rim_mm);
-  here->rim_mm = 100;
-  const At at{.q_mm = rim_mm, .n = {0, 0, 1}, .on_table = true, .delta = &*here};
+  auto here = LinkageAtOf(
+      DeltaOf(machine).Build(), DeltaOf(machine).settings, RowAt(rim_mm), rim_mm);
+  const At at{.q_mm = rim_mm,
+              .n = {0, 0, 1},
+              .on_table = true,
+              .rim_mm = 100,
+              .linkage = &*here};
   const auto height_mm = [&](int effect, const std::string& axis) {
     const Injected shape{.effect = effect, .axis = axis, .values = {50}};
     return ErrorsAt<double>(machine, at, std::span(&shape, 1)).artefact_mm;
@@ -114,9 +120,9 @@ TEST(DeltaEffects, LiftTheRimOfTheBedByTheirHeight) {
 }
 
 TEST(DeltaEffects, AreNoneOfARouter) {
-  EXPECT_TRUE(HasAxis(TowerLean::kDeclaration, "a", Kinematics::kDelta));
-  EXPECT_FALSE(HasAxis(TowerLean::kDeclaration, "a", Kinematics::kCartesian));
-  EXPECT_FALSE(HasAxis(Squareness::kDeclaration, "C0Y", Kinematics::kDelta));
+  EXPECT_TRUE(HasAxis(TowerLean::kDeclaration, "a", DeltaKind()));
+  EXPECT_FALSE(HasAxis(TowerLean::kDeclaration, "a", CartesianKind()));
+  EXPECT_FALSE(HasAxis(Squareness::kDeclaration, "C0Y", DeltaKind()));
 }
 
 }  // namespace

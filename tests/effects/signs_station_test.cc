@@ -7,6 +7,8 @@
 #include "sim/base/input_error.h"
 #include "sim/effects/predict.h"
 #include "sim/effects/surroundings.h"
+#include "sim/machine/kinds/kinds.h"
+#include "sim/machine/kinds/z_station/drawing.h"
 
 namespace caltwin {
 namespace {
@@ -14,9 +16,7 @@ namespace {
 constexpr double kExact = 1e-12;
 
 Machine Station() {
-  return {.name = "test",
-          .kinematics = Kinematics::kZStation,
-          .z_station = ZStationDrawing{}};
+  return {.name = "test", .kind = ZStationKind(), .own = ZStationDrawing{}};
 }
 
 // Chamber 10 K, bed 40 K and nozzle 200 K warmer than at the first reading of 20 degC.

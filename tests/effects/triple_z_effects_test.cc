@@ -6,8 +6,11 @@
 #include <ceres/jet.h>
 #include <gtest/gtest.h>
 
+#include "sim/effects/catalog.h"
 #include "sim/effects/predict.h"
 #include "sim/effects/surroundings.h"
+#include "sim/machine/kinds/kinds.h"
+#include "sim/machine/kinds/triple_z/drawing.h"
 
 namespace caltwin {
 namespace {
@@ -15,7 +18,7 @@ namespace {
 using Jet = ceres::Jet<double, 1>;
 
 Machine Printer() {
-  Machine machine{.kinematics = Kinematics::kTripleZ, .triple_z = TripleZDrawing{}};
+  Machine machine{.kind = TripleZKind(), .own = TripleZDrawing{}};
   machine.axes[0].max_mm = machine.axes[1].max_mm = 235;
   machine.axes[2] = {.max_mm = 250, .home = HomeEnd::kMax};
   machine.settings.steps_per_mm = {800, 800, 800};
@@ -56,7 +59,7 @@ Injected Usual(int index, std::string_view axis, const Machine& machine) {
 template <typename Check>
 void ForEveryEffect(const Check& check) {
   for (int index = 0; index < static_cast<int>(kNumEffects); ++index) {
-    for (const std::string_view axis : EffectAt(index).triple_z_axes) {
+    for (const std::string_view axis : AxesOn(EffectAt(index), TripleZKind())) {
       SCOPED_TRACE(std::string(EffectAt(index).name) + "." + std::string(axis));
       check(index, axis);
     }
@@ -113,7 +116,7 @@ TEST(TripleZEffects, TogetherAreOneMachine) {
       {.effect = EffectIndex<ScrewPitch>(), .axis = "z2", .values = {700}}};
   Vec3<double> heights_mm(159.2, 160.9, 160.3);
   heights_mm[1] += 700e-6 * 160.9;
-  Pivots<double> pivots_mm = machine.triple_z->pivots_mm();
+  Pivots<double> pivots_mm = TripleZOf(machine).pivots_mm();
   pivots_mm[1] += Eigen::Vector2d(-20, 11);
 
   const double nozzle_over_bed_mm =
@@ -218,7 +221,7 @@ TEST(TripleZEffects, ScaleIsThatOfTheScrews) {
   const Injected scale{
       .effect = EffectIndex<StepsPerMm>(), .axis = "z", .values = {800 / 1.001}};
 
-  const double bed_mm = at.triple_z->weights.dot(*MotorsOf_mm(at));
+  const double bed_mm = at.screws->weights.dot(*MotorsOf_mm(at));
 
   EXPECT_NEAR(Predict_mm<double>(machine, at, std::span(&scale, 1)) - drawn_mm,
               -0.001 * bed_mm,

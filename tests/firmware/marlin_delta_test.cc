@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "sim/machine/kinds/delta/model.h"
+
 namespace caltwin {
 namespace {
 

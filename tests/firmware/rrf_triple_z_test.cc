@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "sim/machine/kinds/triple_z/drawing.h"
+
 namespace caltwin {
 namespace {
 

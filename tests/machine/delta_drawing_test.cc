@@ -1,8 +1,7 @@
-#include "sim/machine/delta_drawing.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "sim/machine/kinds/delta/drawing.h"
 #include "sim/machine/machine.h"
 
 namespace caltwin {
@@ -30,9 +29,9 @@ std::string FaultOfDelta(const std::string& text) {
 TEST(DeltaDrawing, OfKinematicsAloneIsTheUsualOne) {
   const Machine machine = ReadDelta("kinematics: delta\n");
 
-  ASSERT_TRUE(machine.delta);
-  EXPECT_EQ(machine.delta->model.arm_mm[0], 250);
-  EXPECT_EQ(machine.delta->settings.radius_mm[2], 130);
+  ASSERT_NE(machine.Own<DeltaDrawing>(), nullptr);
+  EXPECT_EQ(DeltaOf(machine).model.arm_mm[0], 250);
+  EXPECT_EQ(DeltaOf(machine).settings.radius_mm[2], 130);
   EXPECT_DOUBLE_EQ(machine.axes[0].steps_per_mm(), 80);
 }
 
@@ -52,7 +51,7 @@ TEST(DeltaDrawing, TakesANumberOrOneATower) {
       "arm_length_mm: {a: 288.1, b: 288.2, c: 288.3}\n"
       "towers: {a: {angle_deg: 211}}\n"
       "settings: {delta_radius_mm: 140.5, tower_angle_deg: {b: 0.25}}\n");
-  const DeltaDrawing& delta = *machine.delta;
+  const DeltaDrawing& delta = DeltaOf(machine);
 
   EXPECT_EQ(delta.model.radius_mm[1], 140);
   EXPECT_EQ(delta.model.endstop_mm[1], 300);

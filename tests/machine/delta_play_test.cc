@@ -1,6 +1,9 @@
-#include "sim/machine/delta_play.h"
-
 #include <gtest/gtest.h>
+
+#include "sim/machine/kinds/delta/drawing.h"
+#include "sim/machine/kinds/delta/model.h"
+#include "sim/machine/kinds/delta/play.h"
+#include "sim/machine/kinds/kinds.h"
 
 namespace caltwin {
 namespace {
@@ -8,7 +11,7 @@ namespace {
 const Vec3<double> kDown(1, 1, 1), kUp(-1, -1, -1);
 
 Machine Delta(double rail_friction_n) {
-  Machine machine{.kinematics = Kinematics::kDelta, .delta = DeltaDrawing{}};
+  Machine machine{.kind = DeltaKind(), .own = DeltaDrawing{}};
   for (AxisDrawing& tower : machine.axes) {
     tower.moving_mass_kg = 0.15;
     tower.rail_friction_n = rail_friction_n;
@@ -21,7 +24,7 @@ Vec3<double> Off_mm(const Machine& machine,
                     const CarriageGaps_mm& gaps_mm,
                     const Vec3<double>& at_mm,
                     const Vec3<double>& motor_dir) {
-  const DeltaBuild<double> build = machine.delta->Build();
+  const DeltaBuild<double> build = DeltaOf(machine).Build();
   const Vec3<double> motors_mm = DeltaMotors_mm(build.model, at_mm);
   const auto taken = WithPlayTaken(build, machine, gaps_mm, motors_mm, motor_dir);
   return DeltaPoseOf(*taken, motors_mm)->nozzle_mm - at_mm;
@@ -68,7 +71,7 @@ TEST(DeltaPlay, TheSameRailHoldsFarFromTheTowerAndNotNearIt) {
 
 TEST(DeltaPlay, WithoutGapsItIsTheSameBuild) {
   const Machine machine = Delta(6);
-  const DeltaBuild<double> build = machine.delta->Build();
+  const DeltaBuild<double> build = DeltaOf(machine).Build();
 
   const auto taken =
       WithPlayTaken(build, machine, {}, DeltaMotors_mm(build.model, {0, 0, 0}), kDown);

@@ -1,11 +1,10 @@
-#include "sim/machine/delta.h"
-
 #include <cmath>
 
 #include <ceres/jet.h>
 #include <gtest/gtest.h>
 
 #include "sim/base/rng.h"
+#include "sim/machine/kinds/delta/model.h"
 
 namespace caltwin {
 namespace {

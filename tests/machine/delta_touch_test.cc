@@ -1,9 +1,10 @@
-#include "sim/machine/delta_touch.h"
-
 #include <cmath>
 #include <numbers>
 
 #include <gtest/gtest.h>
+
+#include "sim/machine/kinds/delta/model.h"
+#include "sim/machine/kinds/delta/touch.h"
 
 namespace caltwin {
 namespace {

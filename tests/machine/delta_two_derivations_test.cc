@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/machine/delta.h"
+#include "sim/machine/kinds/delta/model.h"
 #include "tests/blind/delta/parts.h"
 
 namespace caltwin {

@@ -1,5 +1,3 @@
-#include "sim/machine/motor_stage.h"
-
 #include <fstream>
 #include <numbers>
 
@@ -8,6 +6,7 @@
 #include <unistd.h>
 
 #include "sim/base/input_error.h"
+#include "sim/machine/kinds/motor_stage/drawing.h"
 
 namespace caltwin {
 namespace {

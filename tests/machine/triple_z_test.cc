@@ -1,8 +1,8 @@
-#include "sim/machine/triple_z.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "sim/machine/kinds/kinds.h"
+#include "sim/machine/kinds/triple_z/drawing.h"
 #include "sim/machine/machine.h"
 #include "sim/machine/screw_levelling.h"
 
@@ -76,9 +76,9 @@ TEST(LevelScrews, WantsThreePlacesThatAreNotOnALine) {
 TEST(TripleZMachineFile, NeedsNothingButItsKinematics) {
   const Machine machine = ReadText("");
 
-  ASSERT_TRUE(machine.triple_z);
-  EXPECT_EQ(machine.kinematics, Kinematics::kTripleZ);
-  EXPECT_EQ(machine.triple_z->screws[1].at_mm, Eigen::Vector2d(215, 20));
+  ASSERT_NE(machine.Own<TripleZDrawing>(), nullptr);
+  EXPECT_EQ(machine.kind, TripleZKind());
+  EXPECT_EQ(TripleZOf(machine).screws[1].at_mm, Eigen::Vector2d(215, 20));
   EXPECT_DOUBLE_EQ(machine.settings.steps_per_mm[2], 800);
   EXPECT_DOUBLE_EQ(machine.axis(Axis::kZ).home_mm(), 250);
 }
@@ -87,9 +87,9 @@ TEST(TripleZMachineFile, TakesScrewsAndTravel) {
   const Machine machine = ReadText(
       "screws: {z3: {at_mm: [10, 300], lead_mm: 2}}\naxes: {z: {max_mm: 180}}\n");
 
-  EXPECT_EQ(machine.triple_z->screws[2].at_mm, Eigen::Vector2d(10, 300));
-  EXPECT_DOUBLE_EQ(machine.triple_z->screws[2].steps_per_mm(), 1600);
-  EXPECT_DOUBLE_EQ(machine.triple_z->top_mm, 180);
+  EXPECT_EQ(TripleZOf(machine).screws[2].at_mm, Eigen::Vector2d(10, 300));
+  EXPECT_DOUBLE_EQ(TripleZOf(machine).screws[2].steps_per_mm(), 1600);
+  EXPECT_DOUBLE_EQ(TripleZOf(machine).top_mm, 180);
 }
 
 TEST(TripleZMachineFile, RefusesScrewsInOneLine) {

@@ -7,6 +7,8 @@
 
 #include "sim/base/units.h"
 #include "sim/base/yaml.h"
+#include "sim/machine/kinds/delta/drawing.h"
+#include "sim/machine/kinds/delta/model.h"
 #include "sim/machine/machine.h"
 #include "sim/measure/import/klipper_delta.h"
 #include "sim/measure/import/klipper_mesh.h"
@@ -163,14 +165,14 @@ TEST(KlipperDelta, WritesAMachineThatIsReadAgain) {
   const Imported with_drives =
       ImportText("klipper-delta", PrinterCfgText(kPoses_mm, 16), "my printer.cfg", {});
   const Machine machine = MachineOf(with_drives);
-  ASSERT_TRUE(machine.delta.has_value());
-  EXPECT_DOUBLE_EQ(machine.delta->model.endstop_mm[1], 300.25);
+  ASSERT_NE(machine.Own<DeltaDrawing>(), nullptr);
+  EXPECT_DOUBLE_EQ(DeltaOf(machine).model.endstop_mm[1], 300.25);
   EXPECT_DOUBLE_EQ(machine.settings.steps_per_mm[2], 80);
   EXPECT_DOUBLE_EQ(machine.axes[0].lead_mm, 40);
 
   // A configuration without drives: steps as the firmware has them, belts as usual.
   const Machine rrf = MachineOf(ImportText("rrf-config", kConfigG, "config.g", {}));
-  EXPECT_DOUBLE_EQ(rrf.delta->model.arm_mm[1], 440.25);
+  EXPECT_DOUBLE_EQ(DeltaOf(rrf).model.arm_mm[1], 440.25);
   EXPECT_DOUBLE_EQ(rrf.settings.steps_per_mm[0], 80);
 }
 

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/kinds/delta/world.h"
+#include "sim/machine/kinds/delta/model.h"
 
 namespace caltwin {
 namespace {

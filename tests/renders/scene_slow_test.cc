@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include "renders/kinds/motor_stage_scene.h"
 #include "renders/machine_scene.h"
-#include "renders/motor_stage_scene.h"
 #include "renders/run_pictures.h"
 #include "renders/scene.h"
 #include "sim/base/text_file.h"

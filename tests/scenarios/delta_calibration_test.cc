@@ -10,6 +10,8 @@
 #include "scenarios/kinds/delta_g33.h"
 #include "scenarios/machine_file.h"
 #include "sim/kinds/delta/twin.h"
+#include "sim/machine/kinds/delta/drawing.h"
+#include "sim/machine/kinds/delta/model.h"
 
 namespace caltwin {
 namespace {
@@ -80,10 +82,10 @@ class Person : public Operator {
 // A machine that three rods of one length hold, in closed form.
 DeltaTwinConfig Crooked() {
   DeltaTwinConfig config{.machine = Drawn(),
-                         .settings = Drawn().delta->settings,
+                         .settings = DeltaOf(Drawn()).settings,
                          .fidelity = Fidelity::kFast};
-  config.built.build = Drawn().delta->Build();
-  config.built.bed.radius_mm = Drawn().delta->print_radius_mm;
+  config.built.build = DeltaOf(Drawn()).Build();
+  config.built.bed.radius_mm = DeltaOf(Drawn()).print_radius_mm;
   config.built.build.model.endstop_mm[0] += 0.3;
   config.built.build.model.endstop_mm[1] -= 0.2;
   for (double& radius_mm : config.built.build.model.radius_mm) radius_mm += 0.5;
@@ -94,7 +96,7 @@ DeltaTwinConfig Crooked() {
 class ServedDelta : public DeltaTwin {
  public:
   explicit ServedDelta(const DeltaTwinConfig& config) : DeltaTwin(config) {
-    SetG33(MarlinG33(G33Variant::kCorrected, config.machine.delta->print_radius_mm));
+    SetG33(MarlinG33(G33Variant::kCorrected, DeltaOf(config.machine).print_radius_mm));
   }
 };
 
@@ -116,7 +118,7 @@ ProcedureResult Calibrated(const DeltaStep& step,
 
 // The largest error of the nozzle's height on the bed, commanded to 0.
 double HeightError_mm(const DeltaTwin& twin) {
-  const double radius_mm = Drawn().delta->print_radius_mm;
+  const double radius_mm = DeltaOf(Drawn()).print_radius_mm;
   double most_mm = 0;
   for (const Eigen::Vector2d& at : DiscPoints(60, radius_mm)) {
     const Vec3<double> motors_mm =
@@ -128,16 +130,16 @@ double HeightError_mm(const DeltaTwin& twin) {
 }
 
 TEST(BelievedDelta, IsReadFromWhatMarlinIsSent) {
-  DeltaModel<double> settings = Drawn().delta->model;
+  DeltaModel<double> settings = DeltaOf(Drawn()).model;
   settings.endstop_mm = {300.25, 299.5, 300.125};
   settings.radius_mm.fill(130.75);
   settings.arm_mm = {250.5, 250.25, 250};
   settings.angle_rad[0] += 0.01;
   settings.angle_rad[1] -= 0.02;
-  ParrotLink link(AsMarlin(settings, Drawn().delta->model) +
+  ParrotLink link(AsMarlin(settings, DeltaOf(Drawn()).model) +
                   "M851 X15.00 Y0.00 Z-1.70");
 
-  const BelievedDelta read = ReadBelievedDelta(&link, Drawn().delta->model).value();
+  const BelievedDelta read = ReadBelievedDelta(&link, DeltaOf(Drawn()).model).value();
 
   constexpr double kPrinted = 1e-4;  // Four decimals, and two of them add up.
   for (std::size_t i = 0; i < 3; ++i) {
@@ -152,7 +154,7 @@ TEST(BelievedDelta, IsReadFromWhatMarlinIsSent) {
 TEST(BelievedDelta, AnotherFirmwareIsRefusedWithAReason) {
   ParrotLink link("M92 X80.00");
 
-  EXPECT_THAT(ReadBelievedDelta(&link, Drawn().delta->model).error().reply,
+  EXPECT_THAT(ReadBelievedDelta(&link, DeltaOf(Drawn()).model).error().reply,
               StrEq("M503 was answered without M665 and M666: a delta is calibrated in "
                     "Marlin's dialect"));
 }
@@ -214,7 +216,7 @@ TEST(DeltaCalibration, G33TellsWhatItSet) {
   const auto step = std::ranges::find(result.steps, "delta_radius", &Step::name);
   ASSERT_NE(step, result.steps.end());
   EXPECT_NEAR(step->after, twin.marlin().settings().radius_mm[0], kPrinted_mm);
-  EXPECT_NEAR(step->before, Drawn().delta->settings.radius_mm[0], kPrinted_mm);
+  EXPECT_NEAR(step->before, DeltaOf(Drawn()).settings.radius_mm[0], kPrinted_mm);
 }
 
 TEST(DeltaCalibration, ALostLinkSetsNothing) {

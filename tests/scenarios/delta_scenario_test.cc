@@ -11,6 +11,7 @@
 #include "scenarios/machine_file.h"
 #include "scenarios/runner.h"
 #include "sim/effects/catalog.h"
+#include "sim/machine/kinds/delta/model.h"
 
 namespace caltwin {
 namespace {

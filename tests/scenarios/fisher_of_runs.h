@@ -20,6 +20,8 @@
 #include "scenarios/study/study.h"
 #include "scenarios/study/vary.h"
 #include "sim/base/yaml.h"
+#include "sim/machine/kinds/triple_z/drawing.h"
+#include "sim/machine/machine_kind.h"
 
 namespace caltwin {
 
@@ -179,8 +181,8 @@ class FisherOfRuns {
     for (double& steps_per_mm : machine.settings.steps_per_mm) steps_per_mm *= kFiner;
     std::erase_if(scenario->settings,
                   [](const SettingSpec& spec) { return spec.key == "steps_per_mm"; });
-    if (!machine.triple_z) return;
-    for (ScrewDrawing& screw : machine.triple_z->screws) screw.microsteps *= kFiner;
+    if (!machine.kind->bed_is_on_screws()) return;
+    for (ScrewDrawing& screw : TripleZOf(machine).screws) screw.microsteps *= kFiner;
     if (auto* const printer = scenario->kind.As<TripleZScenario>()) {
       printer->steps_per_mm *= kFiner;
     }

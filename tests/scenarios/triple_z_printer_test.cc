@@ -5,6 +5,7 @@
 
 #include "calibration/kinds/triple_z/printer.h"
 #include "scenarios/kinds/triple_z_wire.h"
+#include "sim/machine/kinds/triple_z/drawing.h"
 
 namespace caltwin {
 namespace {

@@ -182,7 +182,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadInput{"out_of_range",
                  "machine: gantry_router\neffects: {backlash.x: {gap_mm: -1}}\n"
                  "calibrate: [gcode: {lines: [M114]}]\n",
-                 ":2:32: effects.backlash.x.gap_mm = -1 is outside 0 .. 2\n"},
+                 ":2:32: effects.backlash.x.gap_mm = -1 is outside 0 .. 5\n"},
         BadInput{"not_a_number",
                  "machine: gantry_router\neffects: {backlash.x: {gap_mm: nan}}\n"
                  "calibrate: [gcode: {lines: [M114]}]\n",

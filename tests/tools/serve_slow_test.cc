@@ -15,6 +15,7 @@
 #include "sim/base/input_error.h"
 #include "sim/kinds/delta/twin.h"
 #include "sim/link/open_link.h"
+#include "sim/machine/kinds/delta/drawing.h"
 #include "tools/commands/serve/serve.h"
 
 namespace caltwin {
@@ -138,9 +139,9 @@ TEST(ServeTcp, ADeltaIsCalibratedOverThePortAsBesideIt) {
   } nobody;
   const MachineFile file = ReadAnyMachineFile("models/delta_printer/machine.yaml");
   DeltaTwinConfig config{.machine = file.machine,
-                         .settings = file.machine.delta->settings,
+                         .settings = DeltaOf(file.machine).settings,
                          .fidelity = Fidelity::kFast};
-  config.built.build = file.machine.delta->Build();
+  config.built.build = DeltaOf(file.machine).Build();
   config.built.build.model.endstop_mm[0] += 0.3;
   DeltaTwin served(config), beside(config);
   const DeltaStep step{.name = "klipper_descent"};

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "sim/machine/kinds/triple_z/drawing.h"
+
 namespace caltwin {
 namespace {
 
@@ -46,8 +48,8 @@ TEST(Starter, OtherKindsKeepTheirKeys) {
   faults.ThrowIfAny();
   EXPECT_THAT(mine.name, StrEq("mine"));
   EXPECT_TRUE(mine.model.empty());
-  ASSERT_TRUE(mine.triple_z);
-  EXPECT_THAT(mine.triple_z->screws[0].at_mm[0], DoubleEq(30));
+  ASSERT_NE(mine.Own<TripleZDrawing>(), nullptr);
+  EXPECT_THAT(TripleZOf(mine).screws[0].at_mm[0], DoubleEq(30));
 }
 
 }  // namespace

@@ -14,8 +14,8 @@
 #include "sim/link/open_link.h"
 #include "tests/base/temp_folder.h"
 #include "tests/tools/run_command.h"
+#include "tools/commands/kinds/simulated_printer.h"
 #include "tools/commands/serve/serve.h"
-#include "tools/commands/simulated_printer.h"
 
 namespace caltwin {
 namespace {

@@ -4,12 +4,15 @@
 #include "sim/base/input_error.h"
 #include "sim/effects/catalog.h"
 #include "sim/kinds/delta/plant.h"
+#include "sim/machine/kinds/delta/drawing.h"
+#include "sim/machine/kinds/delta/model.h"
+#include "sim/machine/kinds/kinds.h"
 
 namespace caltwin {
 namespace {
 
 Machine Delta(double rail_friction_n) {
-  Machine machine{.kinematics = Kinematics::kDelta, .delta = DeltaDrawing{}};
+  Machine machine{.kind = DeltaKind(), .own = DeltaDrawing{}};
   for (AxisDrawing& tower : machine.axes) {
     tower = {.max_mm = 400,
              .lead_mm = 40,
@@ -23,7 +26,7 @@ Machine Delta(double rail_friction_n) {
 }
 
 BuiltDelta Loose(const Machine& machine, const CarriageGaps_mm& gaps_mm) {
-  BuiltDelta built{.build = machine.delta->Build(), .play_mm = gaps_mm};
+  BuiltDelta built{.build = DeltaOf(machine).Build(), .play_mm = gaps_mm};
   built.build.model.endstop_mm = {300.2, 299.9, 300.1};
   built.build.model.radius_mm.fill(130.3);
   built.bed.slope_x = 1e-3;
@@ -38,7 +41,7 @@ TEST_P(LooseDelta, IsTouchedInMujocoWhereTheClosedFormSays) {
   constexpr double kMust_mm = 1e-4;
   const Machine machine = Delta(GetParam());
   const BuiltDelta built = Loose(machine, {0, 0.03, 0.06});
-  const DeltaModel<double>& settings = machine.delta->settings;
+  const DeltaModel<double>& settings = DeltaOf(machine).settings;
   DeltaWorld world = WorldOfDelta(machine, built);
 
   for (const auto& [x, y] : {std::pair(0, 0), {0, 80}, {60, -40}}) {
@@ -64,7 +67,7 @@ TEST_P(LooseDeltaWithAProbe, IsTouchedInMujocoWhereTheClosedFormSays) {
   const Machine machine = Delta(param.friction_n);
   BuiltDelta built = Loose(machine, {0, 0, param.gap_mm});
   built.tip.pretravel_mm = param.pretravel_mm;
-  const DeltaModel<double>& settings = machine.delta->settings;
+  const DeltaModel<double>& settings = DeltaOf(machine).settings;
   DeltaWorld world = WorldOfDelta(machine, built);
 
   for (const auto& [x, y] : {std::pair(0, 80), {60, -40}}) {
@@ -90,7 +93,7 @@ TEST(TouchOfDelta, RefusesATriggerThatSpeedDecides) {
   built.tip.pretravel_mm = 0.02;
 
   try {
-    TouchOfDelta(nullptr, machine, built, machine.delta->settings, {0, 80});
+    TouchOfDelta(nullptr, machine, built, DeltaOf(machine).settings, {0, 80});
     FAIL();
   } catch (const InputError& error) {
     EXPECT_THAT(error.what(), ::testing::HasSubstr("carriage c stops in its play"));
@@ -106,7 +109,7 @@ TEST(TouchOfDelta, ATouchCannotTellPlayFromAnEndstop) {
 
   for (const auto& [x, y] : {std::pair(0, 0), {0, 80}, {60, -40}}) {
     const auto touch = [&](const BuiltDelta& built) {
-      return *TouchOfDelta(nullptr, machine, built, machine.delta->settings, {x, y});
+      return *TouchOfDelta(nullptr, machine, built, DeltaOf(machine).settings, {x, y});
     };
     EXPECT_LT((touch(Loose(machine, {0, 0, 0.06})) - touch(as_endstop)).norm(),
               kSolved_mm);

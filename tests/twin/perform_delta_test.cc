@@ -6,6 +6,9 @@
 #include "sim/effects/catalog.h"
 #include "sim/effects/predict.h"
 #include "sim/kinds/delta/perform.h"
+#include "sim/machine/kinds/delta/drawing.h"
+#include "sim/machine/kinds/delta/knobs.h"
+#include "sim/machine/kinds/kinds.h"
 #include "sim/measure/plan.h"
 
 namespace caltwin {
@@ -56,14 +59,14 @@ TEST_P(EveryBuildOfADelta, ReadsInPhysicsAsInClosedForm) {
   static const PlannedSession kSession =
       SessionOf({"delta_grid", "delta_xy", "z_columns"});
   const Machine machine = Delta();
-  const std::string_view axis = EffectAt(GetParam()).delta_axes[0];
+  const std::string_view axis = AxesOn(EffectAt(GetParam()), DeltaKind())[0];
   const Injected effect = OneSd(GetParam(), axis);
-  BuiltDelta built{.build = machine.delta->Build()};
+  BuiltDelta built{.build = DeltaOf(machine).Build()};
   for (const auto& [knob, by] : TurnsOf(effect)) {
     TurnKnob(knob, by, &built.build, &built.bed);
   }
   const auto drawn_mm =
-      Read_mm(kSession, {.build = machine.delta->Build()}, Fidelity::kFast);
+      Read_mm(kSession, {.build = DeltaOf(machine).Build()}, Fidelity::kFast);
   const auto fast_mm = Read_mm(kSession, built, Fidelity::kFast);
   const auto physics_mm = Read_mm(kSession, built, Fidelity::kPhysics);
 
@@ -78,7 +81,7 @@ TEST_P(EveryBuildOfADelta, ReadsInPhysicsAsInClosedForm) {
 std::vector<int> BuildEffects() {
   std::vector<int> effects;
   for (int i = 0; i < static_cast<int>(kNumEffects); ++i) {
-    const auto axes = EffectAt(i).delta_axes;
+    const auto axes = AxesOn(EffectAt(i), DeltaKind());
     if (axes.empty()) continue;
     if (!TurnsOf(OneSd(i, axes[0])).empty()) effects.push_back(i);
   }
@@ -106,7 +109,7 @@ TEST_P(PlayOfACarriage, ReadsInPhysicsAsInClosedForm) {
       .effect = EffectIndex<CarriageBacklash>(), .axis = "c", .values = {0.06}};
   const auto read = [&](Fidelity fidelity) {
     return PerformDelta({.machine = machine,
-                         .built = {.build = machine.delta->Build()},
+                         .built = {.build = DeltaOf(machine).Build()},
                          .effects = {loose},
                          .header = kSession.header,
                          .fidelity = fidelity,
@@ -134,7 +137,7 @@ TEST(PerformDelta, PlayIsSeenWhereTheRailHoldsTheCarriage) {
     machine.axes[2].rail_friction_n = friction_n;
     const RowTable table =
         PerformDelta({.machine = machine,
-                      .built = {.build = machine.delta->Build()},
+                      .built = {.build = DeltaOf(machine).Build()},
                       .effects = {{.effect = EffectIndex<CarriageBacklash>(),
                                    .axis = "c",
                                    .values = {0.06}}},
@@ -151,7 +154,7 @@ TEST(PerformDelta, PlayIsSeenWhereTheRailHoldsTheCarriage) {
 TEST(PerformDelta, AMachineAsDrawnReadsNothing) {
   const PlannedSession session = SessionOf({"delta_grid", "ring", "z_columns"});
   const auto values_mm =
-      Read_mm(session, {.build = Delta().delta->Build()}, Fidelity::kFast);
+      Read_mm(session, {.build = DeltaOf(Delta()).Build()}, Fidelity::kFast);
   // Rows state their motors to a nanometre.
   EXPECT_THAT(values_mm, ::testing::Each(::testing::DoubleNear(0, 2e-6)));
 }
@@ -159,7 +162,7 @@ TEST(PerformDelta, AMachineAsDrawnReadsNothing) {
 // A lower bed is touched lower; a probe that is seen late reads lower still.
 TEST(PerformDelta, TouchesReadWhereTheBedIs) {
   const PlannedSession session = SessionOf({"delta_grid"});
-  BuiltDelta built{.build = Delta().delta->Build()};
+  BuiltDelta built{.build = DeltaOf(Delta()).Build()};
   built.bed.height_mm = -0.2;
   const Injected late{
       .effect = EffectIndex<TriggerLatency>(), .axis = "", .values = {2}};

@@ -8,6 +8,7 @@
 #include "sim/effects/surroundings.h"
 #include "sim/kinds/perform.h"
 #include "sim/kinds/triple_z/machine.h"
+#include "sim/machine/kinds/kinds.h"
 #include "sim/measure/plan.h"
 
 namespace caltwin {
@@ -79,7 +80,7 @@ TEST_P(EveryEffectOfAPrinter, ReadsInPhysicsAsInClosedForm) {
   static const PlannedSession kSession =
       SessionOf({"tz_grid", "tz_heights", "fixed_post", "screws_one_by_one"});
   static const auto kDrawn_mm = Read_mm(kSession, Fidelity::kFast, {});
-  for (const std::string_view axis : EffectAt(GetParam()).triple_z_axes) {
+  for (const std::string_view axis : AxesOn(EffectAt(GetParam()), TripleZKind())) {
     const std::vector<Injected> effects{Usual(GetParam(), axis)};
 
     const auto fast_mm = Read_mm(kSession, Fidelity::kFast, effects);
@@ -103,7 +104,8 @@ std::vector<int> BuiltEffects() {
     const Effect& effect = EffectAt(i);
     const bool is_built =
         effect.bucket == Bucket::kMotion || effect.bucket == Bucket::kArtefact;
-    if (effect.triple_z_axes.empty() || !is_built || effect.name == "unknown") continue;
+    if (AxesOn(effect, TripleZKind()).empty() || !is_built || effect.name == "unknown")
+      continue;
     effects.push_back(i);
   }
   return effects;

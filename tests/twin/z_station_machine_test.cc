@@ -10,6 +10,7 @@
 #include "sim/effects/predict.h"
 #include "sim/kinds/perform.h"
 #include "sim/kinds/z_station/machine.h"
+#include "sim/machine/kinds/kinds.h"
 #include "sim/measure/plan.h"
 
 namespace caltwin {
@@ -53,7 +54,7 @@ class EveryStationEffect : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(EveryStationEffect, TouchesInMuJoCoWhereTheClosedFormSays) {
   const int index = *FindEffect(GetParam());
-  for (const std::string_view axis : EffectAt(index).z_station_axes) {
+  for (const std::string_view axis : AxesOn(EffectAt(index), ZStationKind())) {
     Injected effect = NeutralEffect(index, axis, Station());
     effect.values[0] = GetParam() == "random_walk" ? 20 : 2;
     if (effect.values.size() > 1) effect.values[1] = 1000;  // Of moments: in between.

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "sim/base/input_error.h"
+#include "sim/machine/machine_kind.h"
 #include "tools/commands/assumed_machine.h"
 
 namespace caltwin {
@@ -44,7 +45,7 @@ Believed BelievedMachine(const std::string& data_file,
   believed.machine = WithTransmission(std::move(believed.machine), data->header);
   if (believed.file.empty()) {
     believed.machine = WithStepsAsSet(std::move(believed.machine), data->header);
-  } else if (believed.machine.kinematics == Kinematics::kCartesian) {
+  } else if (believed.machine.kind->axes_are_drives()) {
     believed.machine = WithSettingsOf(std::move(believed.machine), data->header);
   }
   return believed;

@@ -12,13 +12,14 @@
 #include "scenarios/scenario.h"
 #include "sim/link/open_link.h"
 #include "sim/link/transcript.h"
+#include "sim/machine/kinds/kinds.h"
 #include "sim/measure/rows.h"
 #include "tools/commands/calibrate.h"
-#include "tools/commands/calibrate_delta.h"
-#include "tools/commands/calibrate_motors.h"
-#include "tools/commands/calibrate_triple_z.h"
-#include "tools/commands/calibrate_z_offset.h"
 #include "tools/commands/command.h"
+#include "tools/commands/kinds/calibrate_delta.h"
+#include "tools/commands/kinds/calibrate_motors.h"
+#include "tools/commands/kinds/calibrate_triple_z.h"
+#include "tools/commands/kinds/calibrate_z_offset.h"
 #include "tools/commands/progress.h"
 #include "tools/commands/terminal.h"
 #include "tools/commands/twin_options.h"
@@ -129,8 +130,9 @@ int Calibrate(const Options& options) {
   }
   if (IsZStation(options)) return CalibrateZStationAtHand(options);
   if (const auto file = MachineToCalibrate(options)) {
-    if (file->machine.delta) return CalibrateDeltaAtHand(options, *file);
-    if (file->machine.triple_z) return CalibrateTripleZAtHand(options, *file);
+    if (file->machine.kind == DeltaKind()) return CalibrateDeltaAtHand(options, *file);
+    if (file->machine.kind == TripleZKind())
+      return CalibrateTripleZAtHand(options, *file);
   }
   const std::vector<CalibrationStep> steps = StepsOf(options);
   RefuseOverwritten(options);

@@ -7,6 +7,8 @@
 
 #include "scenarios/interrupt.h"
 #include "sim/base/input_error.h"
+#include "sim/machine/kinds/delta/model.h"
+#include "sim/machine/kinds/kinds.h"
 #include "sim/measure/in_force.h"
 #include "sim/measure/plan_kinds.h"
 #include "sim/measure/rows.h"
@@ -65,7 +67,7 @@ MachineUnderTest MachineAt(const std::string& url) {
   const TwinOptions options = TwinOptionsOf(url);
   const MachineFile file =
       ReadAnyMachineFile(FindMachine(options.machine, "", {.file = options.machine}));
-  if (file.machine.delta) return DeltaUnderTest(options, file);
+  if (file.machine.kind == DeltaKind()) return DeltaUnderTest(options, file);
   const auto twin = std::make_shared<const TwinConfig>(
       MakeTwinConfig(options, /*only_measures=*/true));
   Machine machine = twin->machine;

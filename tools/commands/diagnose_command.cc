@@ -12,16 +12,14 @@
 
 #include "calibration/diagnosis/changes_json.h"
 #include "calibration/diagnosis/closed_loop.h"
-#include "calibration/diagnosis/delta_correction.h"
 #include "calibration/diagnosis/diagnosis.h"
 #include "calibration/diagnosis/diagnosis_json.h"
 #include "calibration/diagnosis/diagnosis_text.h"
 #include "calibration/diagnosis/extension.h"
+#include "calibration/diagnosis/kinds/diagnosed_kind.h"
 #include "calibration/diagnosis/pictures_json.h"
 #include "calibration/diagnosis/replay.h"
-#include "calibration/diagnosis/triple_z_correction.h"
 #include "calibration/diagnosis/volumetric.h"
-#include "calibration/diagnosis/z_station_correction.h"
 #include "renders/diagnosis_report.h"
 #include "scenarios/interrupt.h"
 #include "sim/base/sha256.h"
@@ -282,9 +280,7 @@ std::optional<MachineUnderTest> Tested(Options* options, const Data& data) {
 void RequireSettings(const Options& options, const Machine& machine) {
   if (options.correction.empty()) return;
   const ControllerKind controller = ControllerNamed(options.controller);
-  if (machine.delta) RequireDeltaGeometry(controller);
-  if (machine.triple_z) RequireScrewLevelling(controller);
-  if (machine.z_station) RequireZCalibration(controller);
+  DiagnosedAs(machine).RequireSettings(controller);
 }
 
 void CheckSpares(const Options& options, const Believed& believed) {

@@ -18,6 +18,7 @@
 #include "scenarios/kinds/triple_z_words.h"
 #include "scenarios/kinds/z_station_words.h"
 #include "sim/effects/catalog.h"
+#include "sim/machine/kinds/kinds.h"
 #include "sim/measure/plan_kinds.h"
 #include "tools/commands/command.h"
 
@@ -76,15 +77,11 @@ std::string EffectText(const Effect& effect) {
                         where,
                         fmt::join(axes, ", "));
   };
-  add_axes(effect.axes, "");
-  if (!std::ranges::equal(effect.axes, effect.delta_axes)) {
-    add_axes(effect.delta_axes, " on a delta");
-  }
-  if (!std::ranges::equal(effect.axes, effect.triple_z_axes)) {
-    add_axes(effect.triple_z_axes, " on a triple-Z printer");
-  }
-  if (!std::ranges::equal(effect.axes, effect.z_station_axes)) {
-    add_axes(effect.z_station_axes, " at a printer's station");
+  for (const MachineKind* kind : AllMachineKinds()) {
+    const auto axes = AxesOn(effect, kind);
+    const bool is_as_declared =
+        kind != CartesianKind() && std::ranges::equal(effect.axes, axes);
+    if (!is_as_declared) add_axes(axes, kind->where());
   }
   for (const Parameter& parameter : effect.parameters) {
     text += fmt::format("  {} [{}], {} to {}; expected: {}\n",
@@ -227,11 +224,12 @@ std::string DeltaText() {
   for (const Word& word : DeltaEffectWords()) effects.push_back(word.name);
   for (const Effect* effect : AllEffects()) {
     const bool is_known = std::ranges::find(effects, effect->name) != effects.end();
-    if (!effect->delta_axes.empty() && !is_known) effects.push_back(effect->name);
+    if (!AxesOn(*effect, DeltaKind()).empty() && !is_known)
+      effects.push_back(effect->name);
   }
   for (const Word& word : DeltaProcedureWords()) procedures.push_back(word.name);
   for (const CampaignKind& kind : AllCampaignKinds()) {
-    if (kind.PlanOn(Kinematics::kDelta) != nullptr) campaigns.push_back(kind.id);
+    if (kind.PlanOn(DeltaKind()) != nullptr) campaigns.push_back(kind.id);
   }
   add("Effects", effects);
   add("Procedures", procedures);

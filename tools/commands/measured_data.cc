@@ -6,6 +6,7 @@
 
 #include "calibration/diagnosis/plausible.h"
 #include "sim/base/input_error.h"
+#include "sim/machine/machine_kind.h"
 #include "sim/measure/rows.h"
 
 namespace caltwin {
@@ -63,13 +64,13 @@ void NoteMissingMotors(const Machine& machine, Data* data) {
   const auto missing = std::ranges::count_if(data->table.rows, [](const Row& row) {
     return !std::ranges::all_of(row.motor_mm, Known);
   });
-  if (missing == 0 || (!machine.delta && !machine.triple_z)) return;
+  if (missing == 0 || machine.kind->motors().empty()) return;
   data->notes.push_back(fmt::format(
       "{} rows do not say all of motor_a_mm, motor_b_mm, motor_c_mm: there {}",
       missing,
-      machine.delta ? "the machine file's settings say what was told"
-                    : "cmd_z_mm says it of all screws alike, and not of one moved "
-                      "alone"));
+      machine.kind->bed_is_on_screws()
+          ? "cmd_z_mm says it of all screws alike, and not of one moved alone"
+          : "the machine file's settings say what was told"));
 }
 
 }  // namespace caltwin

@@ -9,6 +9,7 @@
 
 #include "sim/base/text_file.h"
 #include "sim/machine/machine.h"
+#include "sim/machine/machine_kind.h"
 #include "tools/commands/command.h"
 #include "tools/commands/starter.h"
 
@@ -48,7 +49,7 @@ int NewMachine(const Options& options) {
   const Machine machine = ReadMachine(like);
   WriteTextFile(
       file,
-      machine.kinematics == Kinematics::kCartesian
+      machine.kind->axes_are_drives()
           ? StarterText(machine, options.name)
           : StarterLike(ReadTextFile(like, kLargestFile_bytes), options.name));
   std::cout << fmt::format(

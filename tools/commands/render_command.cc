@@ -8,10 +8,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "renders/delta_scene.h"
+#include "renders/kinds/delta_scene.h"
+#include "renders/kinds/motor_stage_scene.h"
+#include "renders/kinds/triple_z_scene.h"
 #include "renders/machine_scene.h"
-#include "renders/motor_stage_scene.h"
-#include "renders/triple_z_scene.h"
 #include "scenarios/file_kind.h"
 #include "scenarios/kinds/delta_scenario.h"
 #include "scenarios/kinds/gantry_trial.h"
@@ -20,6 +20,9 @@
 #include "scenarios/kinds/z_station_scenario.h"
 #include "scenarios/machine_file.h"
 #include "scenarios/runner.h"
+#include "sim/machine/kinds/delta/drawing.h"
+#include "sim/machine/kinds/kinds.h"
+#include "sim/machine/kinds/triple_z/drawing.h"
 #include "tools/commands/command.h"
 #include "tools/commands/spare_files.h"
 
@@ -87,7 +90,7 @@ std::optional<DeltaScene> DeltaOf(const Options& options) {
   }
   if (kind != FileKind::kMachine) return std::nullopt;
   const MachineFile read = ReadAnyMachineFile(file);
-  if (!read.machine.delta) return std::nullopt;
+  if (read.machine.kind != DeltaKind()) return std::nullopt;
   const DrawnDelta drawn =
       DrawDelta({.effects = read.effects}, read.machine, /*seed=*/1, /*sample=*/0);
   return DeltaScene(read.machine, drawn.built, options.exaggerate);
@@ -109,7 +112,7 @@ std::optional<TripleZScene> TripleZOf(const Options& options) {
   }
   if (kind != FileKind::kMachine) return std::nullopt;
   const MachineFile read = ReadAnyMachineFile(file);
-  if (!read.machine.triple_z) return std::nullopt;
+  if (read.machine.kind != TripleZKind()) return std::nullopt;
   return TripleZScene({.machine = read.machine,
                        .effects = DrawEffects(read.effects, /*seed=*/1, /*sample=*/0)},
                       options.exaggerate);

@@ -10,11 +10,13 @@
 
 #include "scenarios/interrupt.h"
 #include "scenarios/kinds/delta_g33.h"
+#include "sim/machine/kinds/delta/drawing.h"
+#include "sim/machine/kinds/kinds.h"
 #include "tools/commands/command.h"
+#include "tools/commands/kinds/simulated_printer.h"
+#include "tools/commands/kinds/simulated_stage.h"
+#include "tools/commands/kinds/simulated_station.h"
 #include "tools/commands/serve/serve.h"
-#include "tools/commands/simulated_printer.h"
-#include "tools/commands/simulated_stage.h"
-#include "tools/commands/simulated_station.h"
 #include "tools/commands/twin_options.h"
 
 namespace caltwin {
@@ -96,7 +98,7 @@ int ServeDelta(const Options& options, const MachineFile& file) {
                      "it knows instruments: probe and calliper");
   }
   DeltaTwin twin(MakeDeltaTwinConfig(file, options.twin));
-  twin.SetG33(MarlinG33(G33Variant::kCorrected, file.machine.delta->print_radius_mm));
+  twin.SetG33(MarlinG33(G33Variant::kCorrected, DeltaOf(file.machine).print_radius_mm));
   Announce(fmt::format("{}, {}, Marlin's dialect; Ctrl-C ends",
                        file.machine.name,
                        ToString(twin.config().fidelity)));
@@ -154,9 +156,9 @@ int Serve(Options options) {
       FindMachine(options.twin.machine, "", {.file = options.twin.machine});
   if (IsMotorStage(machine)) return ServeMotors(options, machine);
   const MachineFile file = ReadAnyMachineFile(machine);
-  if (file.machine.delta) return ServeDelta(options, file);
-  if (file.machine.triple_z) return ServePrinter(options);
-  if (file.machine.z_station) return ServeStation(options);
+  if (file.machine.kind == DeltaKind()) return ServeDelta(options, file);
+  if (file.machine.kind == TripleZKind()) return ServePrinter(options);
+  if (file.machine.kind == ZStationKind()) return ServeStation(options);
   RequireDialect(options, "rrf");
   Twin twin(MakeTwinConfig(options.twin));
   Announce(fmt::format("{}, {}, RepRapFirmware's dialect; Ctrl-C ends",

@@ -15,6 +15,7 @@
 #include "scenarios/machine_file.h"
 #include "sim/kinds/delta/perform.h"
 #include "sim/kinds/perform.h"
+#include "sim/machine/kinds/kinds.h"
 #include "sim/measure/in_force.h"
 #include "sim/measure/plan.h"
 #include "sim/measure/rows.h"
@@ -114,7 +115,7 @@ int Simulate(const Options& options) {
       Together({{{"the plan", options.plan}, {"the truth", options.truth}},
                 FilesOf(file.machine)}),
       RowsAndHeader("--out", options.out));
-  const bool is_delta = file.machine.delta.has_value();
+  const bool is_delta = file.machine.kind == DeltaKind();
   PerformConfig config =
       is_delta ? PerformConfig{.machine = file.machine} : ConfigOf(options, file, seed);
   PlannedSession session = PlanSession(plan, config.machine, seed);

@@ -7,7 +7,7 @@
 #include "scenarios/machine_file.h"
 #include "sim/base/input_error.h"
 #include "sim/base/yaml.h"
-#include "sim/machine/motor_stage.h"
+#include "sim/machine/kinds/motor_stage/drawing.h"
 #include "tools/commands/twin_options.h"
 
 namespace caltwin {

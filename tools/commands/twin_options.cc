@@ -10,6 +10,8 @@
 #include "scenarios/machine_file.h"
 #include "sim/base/units.h"
 #include "sim/kinds/delta/effects.h"
+#include "sim/machine/kinds/delta/drawing.h"
+#include "sim/machine/kinds/kinds.h"
 
 namespace caltwin {
 namespace {
@@ -46,7 +48,8 @@ TwinConfig MakeTwinConfig(const TwinOptions& options, bool only_measures) {
   const std::filesystem::path file =
       FindMachine(options.machine, "", {.file = options.machine});
   MachineFile read = ReadAnyMachineFile(file);
-  const bool only_by_rows = read.machine.triple_z || read.machine.z_station;
+  const bool only_by_rows =
+      read.machine.kind == TripleZKind() || read.machine.kind == ZStationKind();
   if (!only_measures || !only_by_rows) read = ReadMachineFile(file);
   std::vector<InjectedSpec> effects = read.effects;
   std::vector<SettingSpec> settings;
@@ -81,7 +84,7 @@ DeltaPerformConfig MakeDeltaConfig(const MachineFile& file,
 DeltaTwinConfig MakeDeltaTwinConfig(const MachineFile& file,
                                     const TwinOptions& options) {
   DeltaScenario scenario;
-  scenario.settings = file.machine.delta->settings;
+  scenario.settings = DeltaOf(file.machine).settings;
   scenario.probe_sigma_mm = ProbeSigma_mm(options.instruments);
   if (!options.truth.empty()) {
     scenario.effects = ReadDeltaTruthFile(options.truth, file.machine);

@@ -6,7 +6,8 @@
 #include <vector>
 
 #include "calibration/loop/outcome.h"
-#include "sim/machine/delta_mesh.h"
+#include "sim/machine/kinds/delta/mesh.h"
+#include "sim/machine/kinds/delta/model.h"
 
 namespace caltwin {
 

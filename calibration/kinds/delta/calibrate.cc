@@ -12,6 +12,9 @@
 #include "calibration/kinds/delta/settings.h"
 #include "sim/base/units.h"
 #include "sim/link/gcode.h"
+#include "sim/machine/kinds/delta/drawing.h"
+#include "sim/machine/kinds/delta/knobs.h"
+#include "sim/machine/kinds/delta/model.h"
 
 namespace caltwin {
 namespace {
@@ -47,7 +50,7 @@ void TakeGeometry(const GcodeCommand& m665,
 class DeltaCalibration {
  public:
   DeltaCalibration(const DeltaStep& step, const DeltaBench& bench)
-      : step_(step), bench_(bench), drawn_(bench.machine.delta->model) {}
+      : step_(step), bench_(bench), drawn_(DeltaOf(bench.machine).model) {}
 
   ProcedureResult Perform() {
     const auto believed = ReadBelievedDelta(bench_.link, drawn_);

@@ -6,6 +6,7 @@
 #include "calibration/kinds/delta/steps.h"
 #include "calibration/loop/outcome.h"
 #include "sim/link/link.h"
+#include "sim/machine/kinds/delta/model.h"
 #include "sim/measure/kinds/delta_rows.h"
 
 namespace caltwin {

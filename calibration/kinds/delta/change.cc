@@ -3,7 +3,9 @@
 #include <array>
 #include <cmath>
 
-#include "sim/machine/delta_slopes.h"
+#include "sim/machine/kinds/delta/knobs.h"
+#include "sim/machine/kinds/delta/model.h"
+#include "sim/machine/kinds/delta/slopes.h"
 
 namespace caltwin {
 namespace {

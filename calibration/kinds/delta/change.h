@@ -1,6 +1,7 @@
 #pragma once
 
 #include "calibration/kinds/delta/joint.h"
+#include "sim/machine/kinds/delta/model.h"
 
 namespace caltwin {
 

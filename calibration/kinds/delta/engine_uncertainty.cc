@@ -6,6 +6,8 @@
 
 #include "calibration/estimate/expanded.h"
 #include "calibration/estimate/linear_fit.h"
+#include "sim/machine/kinds/delta/knobs.h"
+#include "sim/machine/kinds/delta/model.h"
 
 namespace caltwin {
 namespace {

@@ -7,6 +7,7 @@
 #include "calibration/kinds/delta/bench.h"
 #include "calibration/kinds/delta/joint.h"
 #include "calibration/loop/outcome.h"
+#include "sim/machine/kinds/delta/model.h"
 
 namespace caltwin {
 

@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "sim/machine/kinds/delta/model.h"
+
 namespace caltwin {
 
 DeltaMesh ForetoldMesh(const DeltaJointFit& fit,

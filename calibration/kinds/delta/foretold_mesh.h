@@ -3,7 +3,8 @@
 #include <string>
 
 #include "calibration/kinds/delta/joint.h"
-#include "sim/machine/delta_mesh.h"
+#include "sim/machine/kinds/delta/mesh.h"
+#include "sim/machine/kinds/delta/model.h"
 
 namespace caltwin {
 

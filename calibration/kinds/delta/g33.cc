@@ -10,6 +10,7 @@
 #include "calibration/kinds/delta/g33_trace.h"
 #include "sim/base/input_error.h"
 #include "sim/base/units.h"
+#include "sim/machine/kinds/delta/model.h"
 
 namespace caltwin {
 namespace {

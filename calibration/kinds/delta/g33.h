@@ -3,6 +3,7 @@
 #include "calibration/kinds/delta/bench.h"
 #include "calibration/kinds/delta/g33_grid.h"
 #include "sim/link/gcode.h"
+#include "sim/machine/kinds/delta/model.h"
 
 namespace caltwin {
 

@@ -8,6 +8,7 @@
 
 #include "calibration/kinds/delta/g33.h"
 #include "sim/base/units.h"
+#include "sim/machine/kinds/delta/model.h"
 
 namespace caltwin {
 namespace {

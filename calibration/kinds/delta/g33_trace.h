@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "calibration/kinds/delta/g33_tune.h"
+#include "sim/machine/kinds/delta/model.h"
 
 namespace caltwin {
 

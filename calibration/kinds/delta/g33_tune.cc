@@ -5,6 +5,7 @@
 #include <Eigen/LU>
 
 #include "sim/base/units.h"
+#include "sim/machine/kinds/delta/model.h"
 
 namespace caltwin {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <Eigen/Core>
 
-#include "sim/machine/delta.h"
+#include "sim/machine/kinds/delta/model.h"
 
 namespace caltwin {
 

@@ -9,7 +9,9 @@
 
 #include "calibration/kinds/delta/joint_budget.h"
 #include "sim/base/dense.h"
-#include "sim/machine/delta_slopes.h"
+#include "sim/machine/kinds/delta/knobs.h"
+#include "sim/machine/kinds/delta/model.h"
+#include "sim/machine/kinds/delta/slopes.h"
 
 namespace caltwin {
 namespace {

@@ -7,7 +7,8 @@
 
 #include "calibration/estimate/uncertain.h"
 #include "calibration/kinds/delta/bench.h"
-#include "sim/machine/delta_knobs.h"
+#include "sim/machine/kinds/delta/knobs.h"
+#include "sim/machine/kinds/delta/model.h"
 
 namespace caltwin {
 

@@ -8,6 +8,7 @@
 
 #include "sim/base/require.h"
 #include "sim/base/units.h"
+#include "sim/machine/kinds/delta/model.h"
 
 namespace caltwin {
 namespace {

@@ -8,6 +8,7 @@
 
 #include "calibration/estimate/linear_fit.h"
 #include "calibration/kinds/delta/bench.h"
+#include "sim/machine/kinds/delta/model.h"
 
 namespace caltwin {
 

@@ -10,6 +10,7 @@
 
 #include "calibration/kinds/delta/foretold_mesh.h"
 #include "calibration/kinds/delta/settings.h"
+#include "sim/machine/kinds/delta/model.h"
 
 namespace caltwin {
 namespace {

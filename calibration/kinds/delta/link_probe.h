@@ -8,7 +8,8 @@
 
 #include "calibration/kinds/delta/bench.h"
 #include "sim/link/link.h"
-#include "sim/machine/delta_mesh.h"
+#include "sim/machine/kinds/delta/mesh.h"
+#include "sim/machine/kinds/delta/model.h"
 
 namespace caltwin {
 

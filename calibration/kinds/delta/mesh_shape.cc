@@ -11,6 +11,7 @@
 
 #include "calibration/estimate/linear_fit.h"
 #include "sim/base/units.h"
+#include "sim/machine/kinds/delta/model.h"
 
 namespace caltwin {
 namespace {

@@ -16,6 +16,9 @@
 #include "calibration/kinds/delta/setting_names.h"
 #include "calibration/kinds/delta/settings.h"
 #include "sim/base/units.h"
+#include "sim/machine/kinds/delta/drawing.h"
+#include "sim/machine/kinds/delta/knobs.h"
+#include "sim/machine/kinds/delta/model.h"
 
 namespace caltwin {
 namespace {
@@ -107,7 +110,7 @@ DeltaReadings ReadAll(const DeltaStep& step,
                probe_sigma_mm,
                machine,
                start,
-               DiscPoints(step.points, machine.delta->print_radius_mm));
+               DiscPoints(step.points, DeltaOf(machine).print_radius_mm));
   if (step.reads_print) readings.distances = ReadPrint(doors.calliper, start);
   for (int rod = 0; step.reads_rods && rod < kNumRods; ++rod) {
     const auto length_mm = doors.calliper.rod_mm(rod);
@@ -165,10 +168,10 @@ void AddReport(const DeltaJointFit& fit,
       fit.rms_mm,
       fit.hold_out_mm));
   const Vec3<double> next = BestNextTouch(
-      fit, start, machine.delta->print_radius_mm, readings.touches.front().sigma_mm);
+      fit, start, DeltaOf(machine).print_radius_mm, readings.touches.front().sigma_mm);
   messages.push_back(fmt::format(
       "one touch more would tell most at X{:.1f} Y{:.1f}", next[0], next[1]));
-  const DeltaModel<double>& drawn = machine.delta->model;
+  const DeltaModel<double>& drawn = DeltaOf(machine).model;
   AddLines("before, Marlin: ", AsMarlin(start, drawn), &messages);
   AddLines("after, Marlin: ", AsMarlin(outcome->settings, drawn), &messages);
   AddLines("after, RepRapFirmware: ", AsRrf(outcome->settings, drawn), &messages);
@@ -183,15 +186,15 @@ Performed PerformJoint(const DeltaStep& step,
                        const Machine& machine,
                        const DeltaDoors& doors,
                        const DeltaModel<double>& start) {
-  const double radius_mm = machine.delta->print_radius_mm;
-  DeltaBuild<double> believed = machine.delta->Build();
+  const double radius_mm = DeltaOf(machine).print_radius_mm;
+  DeltaBuild<double> believed = DeltaOf(machine).Build();
   believed.model = start;
   const DeltaReadings readings = ReadAll(step, probe_sigma_mm, machine, doors, start);
   Performed performed{.outcome = {.settings = start}};
   performed.outcome.touches = static_cast<int>(readings.touches.size());
   if (readings.touches.empty()) return performed;
   performed.fit = FitDeltaJointly(
-      believed, readings, JointOptions(step, start, machine.delta->model));
+      believed, readings, JointOptions(step, start, DeltaOf(machine).model));
   const DeltaJointFit& fit = *performed.fit;
   const DeltaModel<double> best = BestDeltaSettings(
       fit.build, fit.bed, start, radius_mm, {.has_radius_per_tower = false});
@@ -287,8 +290,8 @@ DeltaOutcome PerformDeltaStep(const DeltaStep& step,
                               const DeltaDoors& doors,
                               const DeltaModel<double>& start,
                               std::optional<DeltaJointFit>* fit) {
-  const double radius_mm = machine.delta->print_radius_mm;
-  const DeltaModel<double>& drawn = machine.delta->model;
+  const double radius_mm = DeltaOf(machine).print_radius_mm;
+  const DeltaModel<double>& drawn = DeltaOf(machine).model;
   std::vector<DeltaTouch> touches;
   const DeltaProbe probe =
       [&](const DeltaModel<double>& settings, double x_mm, double y_mm) {

@@ -7,6 +7,7 @@
 #include "calibration/kinds/delta/joint.h"
 #include "calibration/kinds/delta/steps.h"
 #include "calibration/loop/outcome.h"
+#include "sim/machine/kinds/delta/model.h"
 #include "sim/machine/machine.h"
 
 namespace caltwin {

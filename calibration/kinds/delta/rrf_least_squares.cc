@@ -9,6 +9,7 @@
 #include "sim/base/input_error.h"
 #include "sim/base/require.h"
 #include "sim/base/units.h"
+#include "sim/machine/kinds/delta/model.h"
 
 namespace caltwin {
 namespace {

@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 
 #include "calibration/kinds/delta/bench.h"
+#include "sim/machine/kinds/delta/model.h"
 
 namespace caltwin {
 

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "sim/base/units.h"
+#include "sim/machine/kinds/delta/model.h"
 
 namespace caltwin {
 

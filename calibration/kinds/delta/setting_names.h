@@ -4,7 +4,7 @@
 #include <optional>
 #include <string_view>
 
-#include "sim/machine/delta.h"
+#include "sim/machine/kinds/delta/model.h"
 
 namespace caltwin {
 

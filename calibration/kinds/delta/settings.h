@@ -2,7 +2,8 @@
 
 #include <string>
 
-#include "sim/machine/delta_touch.h"
+#include "sim/machine/kinds/delta/model.h"
+#include "sim/machine/kinds/delta/touch.h"
 
 namespace caltwin {
 

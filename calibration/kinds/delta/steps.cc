@@ -7,7 +7,7 @@
 #include <fmt/ranges.h>
 
 #include "sim/link/gcode.h"
-#include "sim/machine/delta_knobs.h"
+#include "sim/machine/kinds/delta/knobs.h"
 
 namespace caltwin {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "sim/link/link.h"
-#include "sim/machine/motor_stage.h"
+#include "sim/machine/kinds/motor_stage/drawing.h"
 
 namespace caltwin {
 

@@ -6,6 +6,7 @@
 
 #include "calibration/estimate/expanded.h"
 #include "sim/base/units.h"
+#include "sim/machine/kinds/triple_z/drawing.h"
 
 namespace caltwin {
 namespace {

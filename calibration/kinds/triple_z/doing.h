@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "calibration/kinds/triple_z/procedures.h"
+#include "sim/machine/kinds/triple_z/drawing.h"
 
 namespace caltwin {
 

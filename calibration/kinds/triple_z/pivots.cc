@@ -3,6 +3,7 @@
 #include "calibration/estimate/expanded.h"
 #include "calibration/kinds/triple_z/doing.h"
 #include "sim/effects/motors_swapped.h"
+#include "sim/machine/kinds/triple_z/drawing.h"
 
 namespace caltwin {
 namespace {

@@ -8,6 +8,7 @@
 #include "calibration/estimate/expanded.h"
 #include "calibration/estimate/touch_noise.h"
 #include "sim/base/units.h"
+#include "sim/machine/kinds/triple_z/drawing.h"
 
 namespace caltwin {
 namespace {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "calibration/estimate/tilt_plane.h"
+#include "sim/machine/kinds/triple_z/drawing.h"
 #include "sim/machine/screw_levelling.h"
 
 namespace caltwin {

@@ -12,6 +12,7 @@
 
 #include "calibration/loop/controller.h"
 #include "sim/link/gcode.h"
+#include "sim/machine/kinds/triple_z/drawing.h"
 
 namespace caltwin {
 namespace {

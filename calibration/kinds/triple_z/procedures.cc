@@ -7,6 +7,7 @@
 
 #include "calibration/kinds/triple_z/doing.h"
 #include "sim/base/units.h"
+#include "sim/machine/kinds/triple_z/drawing.h"
 
 namespace caltwin {
 namespace {

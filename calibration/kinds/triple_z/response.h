@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/machine/kinds/triple_z/drawing.h"
 #include "sim/machine/screw_levelling.h"
 
 namespace caltwin {

@@ -9,7 +9,8 @@
 
 #include "sim/firmware/firmware.h"
 #include "sim/link/gcode.h"
-#include "sim/machine/delta_mesh.h"
+#include "sim/machine/kinds/delta/mesh.h"
+#include "sim/machine/kinds/delta/model.h"
 
 namespace caltwin {
 

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "sim/machine/motor_stage.h"
+#include "sim/machine/kinds/motor_stage/drawing.h"
 
 namespace caltwin {
 namespace {

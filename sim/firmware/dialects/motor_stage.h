@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "sim/firmware/firmware.h"
-#include "sim/firmware/motor_motion.h"
+#include "sim/firmware/kinds/motor_stage/motion.h"
 #include "sim/firmware/record_store.h"
 #include "sim/link/gcode.h"
 

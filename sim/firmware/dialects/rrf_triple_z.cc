@@ -9,6 +9,7 @@
 
 #include "sim/base/input_error.h"
 #include "sim/link/gcode_frame.h"
+#include "sim/machine/kinds/triple_z/drawing.h"
 
 namespace caltwin {
 namespace {

@@ -7,6 +7,7 @@
 
 #include "sim/firmware/firmware.h"
 #include "sim/link/gcode.h"
+#include "sim/machine/kinds/triple_z/drawing.h"
 #include "sim/machine/screw_levelling.h"
 
 namespace caltwin {

@@ -1,5 +1,7 @@
 #include "sim/kinds/delta/calliper.h"
 
+#include "sim/machine/kinds/delta/model.h"
+
 namespace caltwin {
 
 double SimulatedDeltaCalliper::Rod_mm(int rod) {

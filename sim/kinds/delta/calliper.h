@@ -3,7 +3,7 @@
 #include <optional>
 
 #include "sim/base/rng.h"
-#include "sim/machine/delta.h"
+#include "sim/machine/kinds/delta/model.h"
 
 namespace caltwin {
 

@@ -9,6 +9,9 @@
 
 #include "sim/base/units.h"
 #include "sim/effects/catalog.h"
+#include "sim/machine/kinds/delta/drawing.h"
+#include "sim/machine/kinds/delta/model.h"
+#include "sim/machine/kinds/kinds.h"
 
 namespace caltwin {
 namespace {
@@ -219,7 +222,7 @@ void ReadEffect(const std::string& name,
 bool IsOfCatalog(const std::string& cause) {
   const auto effect = FindEffect(cause);
   return ParametersOf(cause).empty() && effect &&
-         !AxesOn(EffectAt(*effect), Kinematics::kDelta).empty();
+         !AxesOn(EffectAt(*effect), DeltaKind()).empty();
 }
 
 }  // namespace
@@ -256,9 +259,9 @@ DrawnDelta DrawDelta(const DeltaEffects& effects,
                      const Machine& machine,
                      std::uint64_t seed,
                      std::uint64_t sample) {
-  DrawnDelta drawn{.built = {.build = machine.delta->Build()}};
+  DrawnDelta drawn{.built = {.build = DeltaOf(machine).Build()}};
   BuiltDelta& built = drawn.built;
-  built.bed.radius_mm = machine.delta->print_radius_mm;
+  built.bed.radius_mm = DeltaOf(machine).print_radius_mm;
   for (const DeltaInjected& effect : effects.parts) {
     Rng rng(seed, sample, effect.name + "." + effect.parameter);
     const double value = Draw(effect.value, &rng);

@@ -7,7 +7,8 @@
 
 #include "sim/base/input_error.h"
 #include "sim/base/require.h"
-#include "sim/machine/sprung_probe.h"
+#include "sim/machine/kinds/delta/model.h"
+#include "sim/machine/kinds/delta/sprung_probe.h"
 
 namespace caltwin {
 namespace {

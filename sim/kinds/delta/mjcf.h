@@ -3,7 +3,8 @@
 #include <filesystem>
 #include <string>
 
-#include "sim/machine/delta_touch.h"
+#include "sim/machine/kinds/delta/model.h"
+#include "sim/machine/kinds/delta/touch.h"
 #include "sim/mjcf/mjcf.h"
 
 namespace caltwin {

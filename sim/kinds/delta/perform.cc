@@ -9,10 +9,13 @@
 
 #include "sim/base/input_error.h"
 #include "sim/effects/catalog.h"
-#include "sim/effects/delta_at.h"
 #include "sim/effects/drive.h"
+#include "sim/effects/kinds/delta_at.h"
+#include "sim/effects/linkage_at.h"
 #include "sim/effects/predict.h"
 #include "sim/kinds/readings.h"
+#include "sim/machine/kinds/delta/drawing.h"
+#include "sim/machine/kinds/delta/model.h"
 
 namespace caltwin {
 namespace {
@@ -27,16 +30,17 @@ namespace {
 class DeltaReader {
  public:
   explicit DeltaReader(const DeltaPerformConfig& config)
-      : config_(config), settings_(config.machine.delta->settings) {
+      : config_(config), settings_(DeltaOf(config.machine).settings) {
     if (config.fidelity == Fidelity::kPhysics) {
       world_ = std::make_unique<DeltaWorld>(WorldOfDelta(config.machine, config.built));
     }
   }
 
   double Gauge_mm(const Row& row, At at) {
-    DeltaAt delta = Placed(row, at.q_mm);
+    LinkageAt delta = Placed(row, at.q_mm);
     if (world_) delta.off_mm = Settled_mm(row, delta) - at.q_mm;
-    at.delta = &delta;
+    at.linkage = &delta;
+    at.rim_mm = config_.built.bed.radius_mm;
     return Predict_mm<double>(config_.machine, at, config_.effects);
   }
 
@@ -45,9 +49,10 @@ class DeltaReader {
   double Touch_mm(const Row& row, At at) {
     const double contact_mm = Contact_mm(row, at.q_mm);
     at.q_mm[2] += contact_mm;
-    DeltaAt delta = Placed(row, at.q_mm);
+    LinkageAt delta = Placed(row, at.q_mm);
     delta.off_mm.setZero();
-    at.delta = &delta;
+    at.linkage = &delta;
+    at.rim_mm = config_.built.bed.radius_mm;
     // What gives way before the trigger is in the contact already.
     return contact_mm + Predict_mm<double>(config_.machine, at, config_.effects) +
            config_.machine.probe.pretravel_mm;
@@ -63,17 +68,16 @@ class DeltaReader {
   }
 
   // Where MuJoCo's effector comes to rest.
-  Vec3<double> Settled_mm(const Row& row, const DeltaAt& delta) {
+  Vec3<double> Settled_mm(const Row& row, const LinkageAt& delta) {
     const auto rest_mm = RestInPhysics(
         world_.get(), config_.built.build, delta.motors_mm, delta.motor_dir);
     if (!rest_mm) FailReach(row);
     return *rest_mm;
   }
 
-  DeltaAt Placed(const Row& row, const Vec3<double>& q_mm) const {
-    auto placed = DeltaAtOf(config_.built.build, settings_, row, q_mm);
+  LinkageAt Placed(const Row& row, const Vec3<double>& q_mm) const {
+    auto placed = LinkageAtOf(config_.built.build, settings_, row, q_mm);
     if (!placed) FailReach(row);
-    placed->rim_mm = config_.built.bed.radius_mm;
     return *placed;
   }
 

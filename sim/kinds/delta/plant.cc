@@ -6,7 +6,9 @@
 #include "sim/base/require.h"
 #include "sim/effects/catalog.h"
 #include "sim/effects/drive.h"
-#include "sim/machine/sprung_probe.h"
+#include "sim/machine/kinds/delta/drawing.h"
+#include "sim/machine/kinds/delta/model.h"
+#include "sim/machine/kinds/delta/sprung_probe.h"
 
 namespace caltwin {
 
@@ -24,7 +26,9 @@ DeltaWorld WorldOfDelta(const Machine& machine, const BuiltDelta& built) {
     model.MoveNozzle(built.tip.off_mm);
   }
   model.SetBuild(built.build);
-  if (machine.delta) model.SetEffectorMass_kg(machine.delta->effector_mass_kg);
+  if (const auto* delta = machine.Own<DeltaDrawing>()) {
+    model.SetEffectorMass_kg(delta->effector_mass_kg);
+  }
   for (int i = 0; i < kNumTowers; ++i) {
     const auto tower = static_cast<std::size_t>(i);
     if (built.play_mm[tower] <= 0) continue;
@@ -94,7 +98,7 @@ DeltaTwinPlant::DeltaTwinPlant(const Machine& machine,
       built_(built),
       steps_per_mm_(TowerStepsPerMm(machine)),
       scatter_(seed, sample, "trigger_scatter") {
-  Require(machine.delta.has_value(), "the machine is a delta");
+  Require(machine.Own<DeltaDrawing>() != nullptr, "the machine is a delta");
   if (is_physics) {
     world_ = std::make_unique<DeltaWorld>(WorldOfDelta(machine, built));
   }

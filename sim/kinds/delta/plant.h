@@ -7,8 +7,9 @@
 #include "sim/effects/effect.h"
 #include "sim/firmware/dialects/marlin_delta.h"
 #include "sim/kinds/delta/world.h"
-#include "sim/machine/delta_play.h"
-#include "sim/machine/delta_touch.h"
+#include "sim/machine/kinds/delta/model.h"
+#include "sim/machine/kinds/delta/play.h"
+#include "sim/machine/kinds/delta/touch.h"
 #include "sim/machine/machine.h"
 
 namespace caltwin {

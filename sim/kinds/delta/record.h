@@ -4,6 +4,7 @@
 #include <string>
 
 #include "sim/firmware/dialects/marlin_delta.h"
+#include "sim/machine/kinds/delta/model.h"
 #include "sim/measure/kinds/delta_rows.h"
 
 namespace caltwin {

@@ -1,6 +1,8 @@
 #include "sim/kinds/delta/twin.h"
 
 #include "sim/base/input_error.h"
+#include "sim/machine/kinds/delta/drawing.h"
+#include "sim/machine/kinds/delta/model.h"
 
 namespace caltwin {
 namespace {
@@ -21,7 +23,7 @@ DeltaTwin::DeltaTwin(const DeltaTwinConfig& config)
       plant_(&simulated_, config_.machine, config_.built.scatter_mm, &record_),
       calliper_(
           config_.built.build, config_.calliper_sigma_mm, config_.seed, config_.sample),
-      marlin_(config_.machine.delta->model,
+      marlin_(DeltaOf(config_.machine).model,
               config_.settings,
               TowerStepsPerMm(config_.machine),
               &plant_,
@@ -29,7 +31,7 @@ DeltaTwin::DeltaTwin(const DeltaTwinConfig& config)
                 return AnswerG33(words, settings);
               }),
       wire_(&marlin_) {
-  marlin_.SetMeshRadius_mm(config_.machine.delta->print_radius_mm);
+  marlin_.SetMeshRadius_mm(DeltaOf(config_.machine).print_radius_mm);
 }
 
 double DeltaTwin::machine_time_s() const {

@@ -13,6 +13,7 @@
 #include "sim/kinds/delta/calliper.h"
 #include "sim/kinds/delta/plant.h"
 #include "sim/kinds/delta/record.h"
+#include "sim/machine/kinds/delta/model.h"
 #include "sim/twin/twin.h"
 
 namespace caltwin {

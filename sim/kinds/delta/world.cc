@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "sim/base/require.h"
+#include "sim/machine/kinds/delta/model.h"
 
 namespace caltwin {
 namespace {

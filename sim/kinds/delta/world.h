@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "sim/kinds/delta/mjcf.h"
+#include "sim/machine/kinds/delta/model.h"
 #include "sim/physics/world.h"
 
 namespace caltwin {

@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "sim/machine/built_motor.h"
+#include "sim/machine/kinds/motor_stage/built.h"
 
 namespace caltwin {
 

@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-#include "sim/machine/built_motor.h"
+#include "sim/machine/kinds/motor_stage/built.h"
 #include "sim/mjcf/mjcf.h"
 
 namespace caltwin {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "sim/base/rng.h"
-#include "sim/firmware/motor_rig.h"
+#include "sim/firmware/kinds/motor_stage/rig.h"
 #include "sim/kinds/motor_stage/mechanism.h"
 
 namespace caltwin {

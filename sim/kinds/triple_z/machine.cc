@@ -9,6 +9,7 @@
 #include "sim/base/input_error.h"
 #include "sim/base/require.h"
 #include "sim/effects/predict.h"
+#include "sim/machine/kinds/triple_z/drawing.h"
 
 namespace caltwin {
 namespace {
@@ -24,7 +25,7 @@ constexpr double kApart_mm = 0.5;     // Of the points that tell a slope.
 
 Pivots<double> BuiltPivots_mm(const Machine& machine,
                               const std::vector<Injected>& effects) {
-  Pivots<double> pivots_mm = machine.triple_z->pivots_mm();
+  Pivots<double> pivots_mm = TripleZOf(machine).pivots_mm();
   for (const Injected& effect : effects) {
     if (effect.effect != EffectIndex<PivotPosition>()) continue;
     auto& pivot_mm = pivots_mm[static_cast<std::size_t>(*ScrewNamed(effect.axis))];
@@ -51,7 +52,8 @@ TripleZWorld WorldOfTripleZ(const Machine& machine,
 TripleZMachine::TripleZMachine(const Machine& machine,
                                const std::vector<Injected>& effects)
     : machine_(machine), effects_(effects) {
-  Require(machine.triple_z.has_value(), "the machine's bed stands on screws");
+  Require(machine.Own<TripleZDrawing>() != nullptr,
+          "the machine's bed stands on screws");
   double held_mm2 = 0;
   for (const Injected& effect : effects) {
     const Stage stage = EffectAt(effect.effect).stage;
@@ -79,7 +81,7 @@ TripleZMachine::TripleZMachine(const Machine& machine,
 Vec3<double> TripleZMachine::Nuts_mm(const At& at) const {
   const auto errors = ErrorsAt<double>(machine_, at, drives_);
   Vec3<double> nuts_mm =
-      *MotorsOf_mm(at) + MotorsMoved_mm(at.triple_z->motor_dir, errors);
+      *MotorsOf_mm(at) + MotorsMoved_mm(at.screws->motor_dir, errors);
   // A gap that all share: the nozzle lags the bed's sense turned round.
   const double lost_mm = errors.lost_motion_mm[2] - at.compensation_mm[2];
   nuts_mm.array() += at.dir[2] * lost_mm / 2;
@@ -88,7 +90,7 @@ Vec3<double> TripleZMachine::Nuts_mm(const At& at) const {
 
 Vec3<double> TripleZMachine::Tip_mm(const At& at) const {
   Errors<double> errors;
-  if (!at.triple_z->is_fixed) {
+  if (!at.screws->is_fixed) {
     for (const Injected& effect : gantry_) {
       const Asked<double> asked{.p = effect.values,
                                 .axis = effect.axis,
@@ -99,7 +101,7 @@ Vec3<double> TripleZMachine::Tip_mm(const At& at) const {
     }
   }
   Vec3<double> tip_mm = at.Tip_mm() + errors.motion_mm;
-  tip_mm[2] = machine_.triple_z->top_mm + errors.motion_mm[2];
+  tip_mm[2] = TripleZOf(machine_).top_mm + errors.motion_mm[2];
   return tip_mm;
 }
 
@@ -112,7 +114,7 @@ double TripleZMachine::SurfaceAt_mm(At at, double dx_mm, double dy_mm) const {
 BedSpot TripleZMachine::SpotAt(const At& at) const {
   const double half_mm = kApart_mm / 2;
   // What is touched ends where the row says: a plate is so much thicker than nothing.
-  const double nominal_mm = at.triple_z->stated_z_mm + at.probe_off_mm[2];
+  const double nominal_mm = at.screws->stated_z_mm + at.probe_off_mm[2];
   return {.at_mm = Tip_mm(at).head<2>(),
           .height_mm = nominal_mm + SurfaceAt_mm(at, 0, 0),
           .slope_x = (SurfaceAt_mm(at, half_mm, 0) - SurfaceAt_mm(at, -half_mm, 0)) /

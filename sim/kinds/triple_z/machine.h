@@ -5,6 +5,7 @@
 
 #include "sim/effects/effect.h"
 #include "sim/kinds/triple_z/world.h"
+#include "sim/machine/kinds/triple_z/drawing.h"
 #include "sim/measure/row.h"
 
 namespace caltwin {

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <string>
 
-#include "sim/machine/triple_z.h"
+#include "sim/machine/kinds/triple_z/drawing.h"
 #include "sim/mjcf/mjcf.h"
 
 namespace caltwin {

@@ -6,6 +6,7 @@
 #include "sim/effects/predict.h"
 #include "sim/effects/surroundings.h"
 #include "sim/kinds/perform.h"
+#include "sim/machine/kinds/triple_z/drawing.h"
 
 namespace caltwin {
 namespace {
@@ -22,7 +23,7 @@ Row TouchRow(const Machine& machine,
   row.feature = "bed.top";
   for (int i = 0; i < kNumScrews; ++i) {
     const auto k = static_cast<std::size_t>(i);
-    row.motor_mm[k] = machine.triple_z->top_mm + raised_mm[i];
+    row.motor_mm[k] = TripleZOf(machine).top_mm + raised_mm[i];
     row.motor_dir[k] = 1;
   }
   return row;

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "sim/base/units.h"
+#include "sim/machine/kinds/triple_z/drawing.h"
 #include "sim/measure/in_force.h"
 
 namespace caltwin {
@@ -15,7 +16,7 @@ TripleZRecord::TripleZRecord(const Machine& machine, double sigma_mm)
   header_.instruments["probe"] = {.kind = "probe", .sigma_um = UmFromMm(sigma_mm)};
   header_.tip_radius_mm = machine.settings.tip_radius_mm;
   for (int i = 0; i < kNumScrews; ++i) {
-    const ScrewDrawing& screw = machine.triple_z->screws[static_cast<std::size_t>(i)];
+    const ScrewDrawing& screw = TripleZOf(machine).screws[static_cast<std::size_t>(i)];
     header_.transmission[ScrewName(i)] = {
         .lead_mm = screw.lead_mm,
         .full_steps_per_mm = screw.full_steps_per_rev / screw.lead_mm};
@@ -48,7 +49,7 @@ void TripleZRecord::Add(const std::string& campaign,
     row.cmd_mm = {touch.at_mm[0], touch.at_mm[1], 0};
     for (std::size_t i = 0; i < row.motor_mm.size(); ++i) {
       row.motor_mm[i] =
-          machine_.triple_z->top_mm + touch.raised_mm[static_cast<Eigen::Index>(i)];
+          TripleZOf(machine_).top_mm + touch.raised_mm[static_cast<Eigen::Index>(i)];
     }
     // The bed came up to a nozzle that stood.
     row.dir = {0, 0, -1};

@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 
 #include "sim/base/require.h"
+#include "sim/machine/kinds/triple_z/drawing.h"
 
 namespace caltwin {
 namespace {

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "sim/kinds/triple_z/mjcf.h"
-#include "sim/machine/triple_z.h"
+#include "sim/machine/kinds/triple_z/drawing.h"
 #include "sim/physics/world.h"
 
 namespace caltwin {

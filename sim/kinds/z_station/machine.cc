@@ -5,6 +5,7 @@
 #include "sim/base/input_error.h"
 #include "sim/base/require.h"
 #include "sim/effects/predict.h"
+#include "sim/machine/kinds/z_station/drawing.h"
 
 namespace caltwin {
 namespace {
@@ -26,7 +27,8 @@ ZStationMachine::ZStationMachine(const Machine& machine,
                                  const std::vector<Injected>& effects,
                                  bool is_physics)
     : machine_(machine), effects_(effects) {
-  Require(machine.z_station.has_value(), "the machine is a printer's station");
+  Require(machine.Own<ZStationDrawing>() != nullptr,
+          "the machine is a printer's station");
   if (!is_physics) return;
   world_ =
       std::make_unique<ZStationWorld>(ShareFolder() / "models/z_station/model.xml");
@@ -39,13 +41,13 @@ double ZStationMachine::Trigger_mm(const Row& row, const At& at, ZReading readin
   here.on_table = reading == ZReading::kProbeOnBed;
   const auto errors = ErrorsAt<double>(machine_, here, effects_);
   const double expected_mm =
-      machine_.z_station->Nominal_mm(reading) + Value_mm(here, errors);
+      ZStationOf(machine_).Nominal_mm(reading) + Value_mm(here, errors);
   if (!world_) return expected_mm;
   const auto found_mm =
       world_->Lower(reading == ZReading::kNozzleOnSwitch ? ZContact::kNozzleOnSwitch
                     : reading == ZReading::kBodyOnSwitch ? ZContact::kBodyOnSwitch
                                                          : ZContact::kKnobOnSurface,
-                    BuildOf(*machine_.z_station, errors),
+                    BuildOf(ZStationOf(machine_), errors),
                     expected_mm);
   if (found_mm) return *found_mm;
   throw InputError(
@@ -62,7 +64,7 @@ double ZStationMachine::Gap_mm(const Row& row, const At& at) {
   const double switch_mm = Trigger_mm(row, at, ZReading::kBodyOnSwitch);
   const double probe_mm = Trigger_mm(row, at, ZReading::kProbeOnBed);
   const double nought_mm =
-      probe_mm - (switch_mm - nozzle_mm + machine_.z_station->trigger_mm);
+      probe_mm - (switch_mm - nozzle_mm + ZStationOf(machine_).trigger_mm);
   At over = at;
   over.station = ZReading::kProbeOnBed;
   over.on_table = true;
@@ -75,11 +77,11 @@ double ZStationMachine::Reading_mm(const Row& row, const At& at) {
   auto homed = homed_at_mm_.find(row.home);
   if (homed == homed_at_mm_.end()) {
     const double at_mm =
-        Trigger_mm(row, at, ZReading::kNozzleOnSwitch) - machine_.z_station->switch_mm;
+        Trigger_mm(row, at, ZReading::kNozzleOnSwitch) - ZStationOf(machine_).switch_mm;
     homed = homed_at_mm_.emplace(row.home, at_mm).first;
   }
   return Trigger_mm(row, at, *at.station) -
-         machine_.z_station->Nominal_mm(*at.station) - homed->second;
+         ZStationOf(machine_).Nominal_mm(*at.station) - homed->second;
 }
 
 }  // namespace caltwin

@@ -7,6 +7,7 @@
 
 #include "sim/effects/effect.h"
 #include "sim/kinds/z_station/world.h"
+#include "sim/machine/kinds/z_station/drawing.h"
 #include "sim/measure/row.h"
 
 namespace caltwin {

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "sim/base/units.h"
+#include "sim/machine/kinds/z_station/drawing.h"
 
 namespace caltwin {
 namespace {

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "sim/firmware/dialects/klipper_z.h"
-#include "sim/machine/z_station_drawing.h"
+#include "sim/machine/kinds/z_station/drawing.h"
 #include "sim/measure/data_header.h"
 #include "sim/measure/row.h"
 

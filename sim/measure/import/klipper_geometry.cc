@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "sim/base/units.h"
+#include "sim/machine/kinds/delta/model.h"
 #include "sim/measure/import/fields.h"
 
 namespace caltwin {

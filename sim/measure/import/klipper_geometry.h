@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/machine/delta.h"
+#include "sim/machine/kinds/delta/model.h"
 #include "sim/measure/import/import.h"
 #include "sim/measure/import/printer_cfg.h"
 

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "sim/machine/kinds/delta/model.h"
 #include "sim/measure/import/fields.h"
 
 namespace caltwin {

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "sim/base/units.h"
-#include "sim/machine/delta.h"
+#include "sim/machine/kinds/delta/model.h"
 
 namespace caltwin {
 

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/machine/kinds/delta/model.h"
 #include "sim/machine/machine.h"
 #include "sim/measure/data_header.h"
 #include "sim/measure/row.h"

@@ -1,0 +1,12 @@
+#pragma once
+
+#include "calibration/diagnosis/kinds/diagnosed_kind.h"
+
+namespace caltwin {
+
+/// @name Every kind that is not as a gantry
+const DiagnosedKind& DiagnosedDelta();
+const DiagnosedKind& DiagnosedTripleZ();
+const DiagnosedKind& DiagnosedZStation();
+
+}  // namespace caltwin

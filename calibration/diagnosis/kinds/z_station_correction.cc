@@ -1,0 +1,111 @@
+#include "calibration/diagnosis/kinds/z_station_correction.h"
+
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "sim/base/input_error.h"
+#include "sim/base/units.h"
+#include "sim/effects/predict.h"
+#include "sim/machine/kinds/z_station/drawing.h"
+
+namespace caltwin {
+namespace {
+
+// nullopt: the rows were measured with several.
+std::optional<double> SwitchOffsetInForce_mm(const Observed& observed) {
+  std::optional<double> in_force_mm;
+  for (const auto& [id, settings] : observed.header().settings) {
+    if (!settings.switch_offset_mm) continue;
+    if (in_force_mm && *in_force_mm != *settings.switch_offset_mm) return std::nullopt;
+    in_force_mm = settings.switch_offset_mm;
+  }
+  return in_force_mm ? in_force_mm : ZStationOf(observed.machine()).trigger_mm;
+}
+
+// What else it could be; empty: nothing.
+std::string RivalOf(const Finding& finding) {
+  constexpr double kLikely = 0.05;
+  for (std::size_t i = 1; i < finding.candidates.size(); ++i) {
+    const FindingCandidate& one = finding.candidates[i];
+    if (one.structural || one.probability > kLikely) return one.cause;
+  }
+  return {};
+}
+
+std::string SwitchOffsetText(const FindingParameter& off_um,
+                             std::optional<double> in_force_mm) {
+  const std::string said =
+      fmt::format("{:+.4f} +- {:.4f} mm, from the gap under the nozzle",
+                  MmFromUm(off_um.value),
+                  MmFromUm(off_um.sd));
+  if (!in_force_mm) {
+    return fmt::format(
+        "# [z_calibration] switch_offset: change it by {}; the rows were "
+        "measured with several\n",
+        said);
+  }
+  const double off_mm = MmFromUm(off_um.value);
+  if (*in_force_mm + off_mm < 0) {
+    return fmt::format(
+        "# switch_offset: it would be {:.4f}, and Klipper takes none below 0 (was "
+        "{:.4f}: "
+        "{}): does the body of the switch touch as it should?\n",
+        *in_force_mm + off_mm,
+        *in_force_mm,
+        said);
+  }
+  return fmt::format("[z_calibration]\n# was {:.4f}: {}\nswitch_offset: {:.4f}\n",
+                     *in_force_mm,
+                     said,
+                     *in_force_mm + off_mm);
+}
+
+std::string RestText(const Finding& finding) {
+  std::string said = finding.cause;
+  if (!finding.axis.empty()) said += "." + finding.axis;
+  for (const FindingParameter& parameter : finding.parameters) {
+    said += fmt::format(
+        ", {} {:+.4g} +- {:.2g}", parameter.name, parameter.value, parameter.sd);
+  }
+  const auto effect = FindEffect(finding.cause);
+  return fmt::format("# {}: no setting carries this. {}\n",
+                     said,
+                     effect ? EffectAt(*effect).words.action : "");
+}
+
+}  // namespace
+
+void RequireZCalibration(ControllerKind controller) {
+  if (controller == ControllerKind::kKlipper) return;
+  throw InputError({.file = "--for"},
+                   fmt::format("{} has no switch_offset", FullName(controller)),
+                   "klipper, with its z_calibration extension");
+}
+
+std::string ZStationCorrectionText(ControllerKind controller,
+                                   const Diagnosis& diagnosis,
+                                   const Observed& observed) {
+  RequireZCalibration(controller);
+  std::string text =
+      "# Correction for Klipper's z_calibration, by `caltwin diagnose`.\n";
+  bool is_set = false;
+  for (const Finding& finding : diagnosis.findings) {
+    const bool is_offset = finding.cause == SwitchOffset::kDeclaration.name;
+    const std::string rival = RivalOf(finding);
+    if (is_offset && !rival.empty()) {
+      text += fmt::format("# switch_offset: it may be {} as well, nothing to set yet\n",
+                          rival);
+      is_set = true;
+    } else if (is_offset && !finding.parameters.empty()) {
+      text += SwitchOffsetText(finding.parameters[0], SwitchOffsetInForce_mm(observed));
+      is_set = true;
+    } else {
+      text += RestText(finding);
+    }
+  }
+  if (!is_set) text += "# switch_offset: nothing was found of it, nothing to set.\n";
+  return text;
+}
+
+}  // namespace caltwin

@@ -1,0 +1,45 @@
+#include "sim/machine/kinds/kinds.h"
+
+#include <array>
+
+#include "sim/machine/machine_kind.h"
+
+namespace caltwin {
+namespace {
+
+class Cartesian final : public MachineKind {
+ public:
+  std::string_view name() const override { return "cartesian"; }
+  bool axes_are_drives() const override { return true; }
+  bool touches_with_nozzle() const override { return false; }
+};
+
+const std::array kKinds = {CartesianKind, DeltaKind, TripleZKind, ZStationKind};
+
+}  // namespace
+
+const MachineKind* CartesianKind() {
+  static const Cartesian kind;
+  return &kind;
+}
+
+std::vector<const MachineKind*> AllMachineKinds() {
+  std::vector<const MachineKind*> kinds;
+  for (const auto kind : kKinds) kinds.push_back(kind());
+  return kinds;
+}
+
+std::vector<std::string> MachineKindNames() {
+  std::vector<std::string> names;
+  for (const auto kind : kKinds) names.emplace_back(kind()->name());
+  return names;
+}
+
+const MachineKind* MachineKindNamed(std::string_view name) {
+  for (const auto kind : kKinds) {
+    if (kind()->name() == name) return kind();
+  }
+  return CartesianKind();
+}
+
+}  // namespace caltwin

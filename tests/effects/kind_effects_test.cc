@@ -1,0 +1,22 @@
+#include <gtest/gtest.h>
+
+#include "sim/effects/catalog.h"
+#include "sim/machine/kinds/kinds.h"
+#include "sim/machine/machine_kind.h"
+
+namespace caltwin {
+namespace {
+
+// A word misspelt in a kind's list would be an effect that it silently lacks.
+TEST(EveryMachineKind, NamesEffectsThatThereAre) {
+  for (const MachineKind* kind : AllMachineKinds()) {
+    for (const KindEffect& one : kind->effects()) {
+      EXPECT_TRUE(FindEffect(one.effect)) << kind->name() << ": " << one.effect;
+      EXPECT_FALSE(one.axes.empty()) << kind->name() << ": " << one.effect;
+    }
+    EXPECT_EQ(MachineKindNamed(kind->name()), kind);
+  }
+}
+
+}  // namespace
+}  // namespace caltwin
