@@ -9,13 +9,9 @@
 #include <fmt/format.h>
 
 #include "renders/html.h"
-#include "renders/kinds/delta_scene.h"
-#include "renders/kinds/triple_z_scene.h"
+#include "renders/kinds/as_built.h"
 #include "renders/machine_scene.h"
-#include "scenarios/kinds/delta_scenario.h"
-#include "scenarios/kinds/gantry_scenario.h"
 #include "scenarios/kinds/gantry_trial.h"
-#include "scenarios/kinds/triple_z_scenario.h"
 #include "scenarios/runner.h"
 #include "scenarios/scenario.h"
 
@@ -26,11 +22,6 @@ constexpr int kPosesAcross = 6;
 constexpr double kLongestArrow_mm = 40;
 constexpr double kAboveTable_mm = 3;
 constexpr double kLeastArrow_mm = 0.5;
-constexpr double kExaggerate = 30;
-
-PictureOptions Options() {
-  return {.width = 960, .height = 720};
-}
 
 /// `low`, `high` and what lies between, evenly.
 double PlaceAmong(double low, double high, int index) {
@@ -63,7 +54,7 @@ Vec3<double> OpenPose_mm(const Machine& machine) {
 
 /// The machine from the model's camera `table`, where it has one.
 PictureOptions TableView(const mjModel* model) {
-  PictureOptions options = Options();
+  PictureOptions options = RunPictureOptions();
   if (HasCamera(model, "table")) options.camera = "table";
   return options;
 }
@@ -72,36 +63,7 @@ ReportPicture MachineAsBuilt(const TwinConfig& config) {
   return {.title = "The machine as built.",
           .caption =
               fmt::format("Its geometric errors are enlarged {} times.", kExaggerate),
-          .png = PngBytes(MachinePicture(config, kExaggerate, Options()))};
-}
-
-// Enlarged as far as its rods still reach.
-ReportPicture DeltaAsBuilt(const Scenario& scenario, std::uint64_t seed) {
-  const Machine& machine = scenario.machine.machine;
-  const BuiltDelta built =
-      DrawDelta(*scenario.kind.As<DeltaScenario>(), machine, seed, /*sample=*/0);
-  for (double exaggerate = kExaggerate;; exaggerate /= 2) {
-    try {
-      const DeltaScene scene(machine, built, std::max(exaggerate, 1.0));
-      return {.title = "The machine as built.",
-              .caption = fmt::format("Its geometric errors are enlarged {:g} times.",
-                                     std::max(exaggerate, 1.0)),
-              .png = PngBytes(DrawScene(scene.model(), scene.data(), Options()))};
-    } catch (const InputError&) {
-      if (exaggerate <= 1) throw;
-    }
-  }
-}
-
-ReportPicture TripleZAsBuilt(const Scenario& scenario, std::uint64_t seed) {
-  const TripleZScene scene(DrawTripleZ(*scenario.kind.As<TripleZScenario>(),
-                                       scenario.machine.machine,
-                                       seed,
-                                       /*sample=*/0),
-                           kExaggerate);
-  return {.title = "The machine as built.",
-          .caption = fmt::format("Its bed's tilt is enlarged {} times.", kExaggerate),
-          .png = PngBytes(DrawScene(scene.model(), scene.data(), Options()))};
+          .png = PngBytes(MachinePicture(config, kExaggerate, RunPictureOptions()))};
 }
 
 ReportPicture ErrorPicture(MachineScene* scene,
@@ -171,16 +133,10 @@ std::vector<Arrow> ArrowsOf(const std::vector<PoseError>& errors,
 ReportPictures PicturesOf(const RunResult& result) {
   const Scenario scenario = ReadScenarioText(result.verbatim, result.scenario);
   ReportPictures pictures;
-  if (scenario.kind.As<DeltaScenario>() != nullptr) {
-    pictures.pictures.push_back(DeltaAsBuilt(scenario, result.seed));
+  if (auto of_kind = PicturesOfKind(scenario, result.seed)) {
+    pictures.pictures = *std::move(of_kind);
     return pictures;
   }
-  if (scenario.kind.As<TripleZScenario>() != nullptr) {
-    pictures.pictures.push_back(TripleZAsBuilt(scenario, result.seed));
-    return pictures;
-  }
-  // The axes of motors are told by numbers, and nothing of a nozzle is in a model.
-  if (scenario.kind.As<GantryScenario>() == nullptr) return pictures;
   const TwinConfig config = MakeTwinConfig(scenario, {.seed = result.seed});
   pictures.pictures.push_back(MachineAsBuilt(config));
 

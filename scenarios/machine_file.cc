@@ -4,11 +4,11 @@
 
 #include <fmt/format.h>
 
+#include "scenarios/kinds/refusal.h"
 #include "sim/base/sha256.h"
 #include "sim/base/text_file.h"
 #include "sim/effects/catalog.h"
 #include "sim/effects/map_table.h"
-#include "sim/machine/kinds/kinds.h"
 
 namespace caltwin {
 
@@ -150,28 +150,7 @@ MachineFile ReadExtension(const fs::path& file, YamlMap* map) {
 
 MachineFile ReadMachineFile(const fs::path& file) {
   MachineFile read = ReadAnyMachineFile(file);
-  if (read.machine.kind == TripleZKind()) {
-    throw InputError(
-        {.file = file.string()},
-        "this machine is a triple-Z printer, which serve and calibrate do not know",
-        "run, compare levelling, simulate, plan, diagnose (closed loops too), "
-        "validate and render know it");
-  }
-  if (read.machine.kind == ZStationKind()) {
-    throw InputError(
-        {.file = file.string()},
-        "this machine is a printer's station of nozzle, switch and probe, which this "
-        "command does not know",
-        "run, calibrate (z_calibration, probe_accuracy, switch_offset), serve, "
-        "simulate, plan, diagnose and validate know it");
-  }
-  if (read.machine.kind == DeltaKind()) {
-    throw InputError(
-        {.file = file.string()},
-        "this machine is a delta, which this command does not know",
-        "run, calibrate, serve, compare delta, simulate, plan, diagnose (closed loops "
-        "too), validate, render and import klipper-delta know deltas");
-  }
+  RequireGantry(read.machine, file);
   return read;
 }
 

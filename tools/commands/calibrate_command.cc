@@ -12,14 +12,10 @@
 #include "scenarios/scenario.h"
 #include "sim/link/open_link.h"
 #include "sim/link/transcript.h"
-#include "sim/machine/kinds/kinds.h"
 #include "sim/measure/rows.h"
 #include "tools/commands/calibrate.h"
 #include "tools/commands/command.h"
-#include "tools/commands/kinds/calibrate_delta.h"
-#include "tools/commands/kinds/calibrate_motors.h"
-#include "tools/commands/kinds/calibrate_triple_z.h"
-#include "tools/commands/kinds/calibrate_z_offset.h"
+#include "tools/commands/kinds/calibrate_as_kind.h"
 #include "tools/commands/progress.h"
 #include "tools/commands/terminal.h"
 #include "tools/commands/twin_options.h"
@@ -125,15 +121,7 @@ std::vector<ProcedureResult> Perform(const std::vector<CalibrationStep>& steps,
 }
 
 int Calibrate(const Options& options) {
-  if (const auto stage = MotorStageToCalibrate(options)) {
-    return CalibrateMotorsAtHand(options, *stage);
-  }
-  if (IsZStation(options)) return CalibrateZStationAtHand(options);
-  if (const auto file = MachineToCalibrate(options)) {
-    if (file->machine.kind == DeltaKind()) return CalibrateDeltaAtHand(options, *file);
-    if (file->machine.kind == TripleZKind())
-      return CalibrateTripleZAtHand(options, *file);
-  }
+  if (const auto code = CalibrateAsKind(options)) return *code;
   const std::vector<CalibrationStep> steps = StepsOf(options);
   RefuseOverwritten(options);
   AtHand at_hand = Take(options);

@@ -7,11 +7,10 @@
 
 #include "scenarios/interrupt.h"
 #include "sim/base/input_error.h"
-#include "sim/machine/kinds/delta/model.h"
-#include "sim/machine/kinds/kinds.h"
 #include "sim/measure/in_force.h"
 #include "sim/measure/plan_kinds.h"
 #include "sim/measure/rows.h"
+#include "tools/commands/kinds/under_test.h"
 #include "tools/commands/twin_options.h"
 
 namespace caltwin {
@@ -40,26 +39,6 @@ void RequireTwin(const std::string& url) {
                    "need be");
 }
 
-MachineUnderTest DeltaUnderTest(const TwinOptions& options, const MachineFile& file) {
-  const auto twin =
-      std::make_shared<const DeltaPerformConfig>(MakeDeltaConfig(file, options));
-  const Measurer measure = [twin](const MeasuredSession& session,
-                                  std::size_t already_read) {
-    DeltaPerformConfig now = *twin;
-    now.header = session.header;
-    now.seed += already_read;
-    now.already_read = already_read;
-    now.interrupted = InterruptRequested;
-    return PerformDelta(now, session.table.rows);
-  };
-  SettingsInForce settings;
-  for (int i = 0; i < kNumTowers; ++i) {
-    settings.steps_per_mm[TowerName(i)] =
-        file.machine.settings.steps_per_mm[static_cast<std::size_t>(i)];
-  }
-  return {.machine = options.machine, .settings = settings, .measure = measure};
-}
-
 }  // namespace
 
 MachineUnderTest MachineAt(const std::string& url) {
@@ -67,7 +46,7 @@ MachineUnderTest MachineAt(const std::string& url) {
   const TwinOptions options = TwinOptionsOf(url);
   const MachineFile file =
       ReadAnyMachineFile(FindMachine(options.machine, "", {.file = options.machine}));
-  if (file.machine.kind == DeltaKind()) return DeltaUnderTest(options, file);
+  if (auto tested = UnderTestAsKind(options, file)) return *std::move(tested);
   const auto twin = std::make_shared<const TwinConfig>(
       MakeTwinConfig(options, /*only_measures=*/true));
   Machine machine = twin->machine;

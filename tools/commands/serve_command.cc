@@ -9,13 +9,8 @@
 #include <fmt/format.h>
 
 #include "scenarios/interrupt.h"
-#include "scenarios/kinds/delta_g33.h"
-#include "sim/machine/kinds/delta/drawing.h"
-#include "sim/machine/kinds/kinds.h"
 #include "tools/commands/command.h"
-#include "tools/commands/kinds/simulated_printer.h"
-#include "tools/commands/kinds/simulated_stage.h"
-#include "tools/commands/kinds/simulated_station.h"
+#include "tools/commands/kinds/served.h"
 #include "tools/commands/serve/serve.h"
 #include "tools/commands/twin_options.h"
 
@@ -90,61 +85,6 @@ int Listen(const Options& options, Link* link) {
   return InterruptRequested() ? kInterrupted : kPassed;
 }
 
-int ServeDelta(const Options& options, const MachineFile& file) {
-  RequireDialect(options, "marlin");
-  if (!options.twin.artefacts.empty()) {
-    throw InputError({.file = options.bench},
-                     "a delta's bench has no artefacts",
-                     "it knows instruments: probe and calliper");
-  }
-  DeltaTwin twin(MakeDeltaTwinConfig(file, options.twin));
-  twin.SetG33(MarlinG33(G33Variant::kCorrected, DeltaOf(file.machine).print_radius_mm));
-  Announce(fmt::format("{}, {}, Marlin's dialect; Ctrl-C ends",
-                       file.machine.name,
-                       ToString(twin.config().fidelity)));
-  return Listen(options, &twin.link());
-}
-
-int ServePrinter(const Options& options) {
-  RequireDialect(options, "rrf");
-  if (!options.twin.artefacts.empty()) {
-    throw InputError({.file = options.bench},
-                     "a printer's bench has no artefacts",
-                     "it knows instruments: probe");
-  }
-  SimulatedPrinter printer(options.twin);
-  Announce(fmt::format("{}, {}, RepRapFirmware's dialect; Ctrl-C ends",
-                       printer.machine().name,
-                       options.twin.fidelity));
-  return Listen(options, &printer.link());
-}
-
-int ServeStation(const Options& options) {
-  RequireDialect(options, "klipper");
-  if (!options.bench.empty()) {
-    throw InputError({.file = options.bench}, "a printer's station has no bench");
-  }
-  SimulatedStation station(options.twin);
-  Announce(fmt::format("z_station, {}, Klipper's z_calibration; Ctrl-C ends",
-                       options.twin.fidelity));
-  return Listen(options, &station.link());
-}
-
-int ServeMotors(const Options& options, const std::filesystem::path& machine) {
-  RequireDialect(options, "motor");
-  if (!options.bench.empty()) {
-    throw InputError({.file = options.bench},
-                     "a motor stage on a wire has no bench",
-                     "nobody at the other end reads its gauges");
-  }
-  const MotorStageDrawing drawing = ReadMotorStage(machine);
-  SimulatedStage stage(drawing, options.twin, /*sigma_unit=*/0);
-  Announce(fmt::format("{}, {}, the dialect of docs/motor-axes.md; Ctrl-C ends",
-                       drawing.name,
-                       options.twin.fidelity));
-  return Listen(options, &stage.link());
-}
-
 int Serve(Options options) {
   if (!options.port && options.pty.empty()) {
     throw InputError({},
@@ -154,17 +94,10 @@ int Serve(Options options) {
   if (!options.bench.empty()) ReadBenchFile(options.bench, &options.twin);
   const std::filesystem::path machine =
       FindMachine(options.twin.machine, "", {.file = options.twin.machine});
-  if (IsMotorStage(machine)) return ServeMotors(options, machine);
-  const MachineFile file = ReadAnyMachineFile(machine);
-  if (file.machine.kind == DeltaKind()) return ServeDelta(options, file);
-  if (file.machine.kind == TripleZKind()) return ServePrinter(options);
-  if (file.machine.kind == ZStationKind()) return ServeStation(options);
-  RequireDialect(options, "rrf");
-  Twin twin(MakeTwinConfig(options.twin));
-  Announce(fmt::format("{}, {}, RepRapFirmware's dialect; Ctrl-C ends",
-                       twin.config().machine.name,
-                       ToString(twin.config().fidelity)));
-  return Listen(options, &twin.link());
+  RequireDialect(options, std::string(DialectOf(machine)));
+  const Served served = ServedBy(machine, options.twin, options.bench);
+  Announce(served.about + "; Ctrl-C ends");
+  return Listen(options, served.link);
 }
 
 }  // namespace

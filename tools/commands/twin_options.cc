@@ -11,7 +11,7 @@
 #include "sim/base/units.h"
 #include "sim/kinds/delta/effects.h"
 #include "sim/machine/kinds/delta/drawing.h"
-#include "sim/machine/kinds/kinds.h"
+#include "sim/machine/machine_kind.h"
 
 namespace caltwin {
 namespace {
@@ -49,7 +49,7 @@ TwinConfig MakeTwinConfig(const TwinOptions& options, bool only_measures) {
       FindMachine(options.machine, "", {.file = options.machine});
   MachineFile read = ReadAnyMachineFile(file);
   const bool only_by_rows =
-      read.machine.kind == TripleZKind() || read.machine.kind == ZStationKind();
+      !read.machine.kind->axes_are_drives() && read.machine.kind->moves_along_axes();
   if (!only_measures || !only_by_rows) read = ReadMachineFile(file);
   std::vector<InjectedSpec> effects = read.effects;
   std::vector<SettingSpec> settings;

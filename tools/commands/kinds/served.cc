@@ -1,0 +1,130 @@
+#include "tools/commands/kinds/served.h"
+
+#include <array>
+
+#include <fmt/format.h>
+
+#include "scenarios/kinds/delta_g33.h"
+#include "sim/base/input_error.h"
+#include "sim/kinds/delta/twin.h"
+#include "sim/machine/kinds/delta/drawing.h"
+#include "sim/machine/kinds/motor_stage/drawing.h"
+#include "sim/machine/machine_kind.h"
+#include "sim/twin/twin.h"
+#include "tools/commands/kinds/simulated_printer.h"
+#include "tools/commands/kinds/simulated_stage.h"
+#include "tools/commands/kinds/simulated_station.h"
+
+namespace caltwin {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+Served Gantry(const fs::path&, const TwinOptions& options, const std::string&) {
+  const auto twin = std::make_shared<Twin>(MakeTwinConfig(options));
+  return {.about = fmt::format("{}, {}, RepRapFirmware's dialect",
+                               twin->config().machine.name,
+                               ToString(twin->config().fidelity)),
+          .machine = twin,
+          .link = &twin->link()};
+}
+
+Served Delta(const fs::path& file,
+             const TwinOptions& options,
+             const std::string& bench) {
+  if (!options.artefacts.empty()) {
+    throw InputError({.file = bench},
+                     "a delta's bench has no artefacts",
+                     "it knows instruments: probe and calliper");
+  }
+  const MachineFile read = ReadAnyMachineFile(file);
+  const auto twin = std::make_shared<DeltaTwin>(MakeDeltaTwinConfig(read, options));
+  twin->SetG33(
+      MarlinG33(G33Variant::kCorrected, DeltaOf(read.machine).print_radius_mm));
+  return {.about = fmt::format("{}, {}, Marlin's dialect",
+                               read.machine.name,
+                               ToString(twin->config().fidelity)),
+          .machine = twin,
+          .link = &twin->link()};
+}
+
+Served Printer(const fs::path&, const TwinOptions& options, const std::string& bench) {
+  if (!options.artefacts.empty()) {
+    throw InputError({.file = bench},
+                     "a printer's bench has no artefacts",
+                     "it knows instruments: probe");
+  }
+  const auto printer = std::make_shared<SimulatedPrinter>(options);
+  return {.about = fmt::format("{}, {}, RepRapFirmware's dialect",
+                               printer->machine().name,
+                               options.fidelity),
+          .machine = printer,
+          .link = &printer->link()};
+}
+
+Served Station(const fs::path&, const TwinOptions& options, const std::string& bench) {
+  if (!bench.empty()) {
+    throw InputError({.file = bench}, "a printer's station has no bench");
+  }
+  const auto station = std::make_shared<SimulatedStation>(options);
+  return {
+      .about = fmt::format("z_station, {}, Klipper's z_calibration", options.fidelity),
+      .machine = station,
+      .link = &station->link()};
+}
+
+Served Motors(const fs::path& file,
+              const TwinOptions& options,
+              const std::string& bench) {
+  if (!bench.empty()) {
+    throw InputError({.file = bench},
+                     "a motor stage on a wire has no bench",
+                     "nobody at the other end reads its gauges");
+  }
+  const MotorStageDrawing drawing = ReadMotorStage(file);
+  const auto stage = std::make_shared<SimulatedStage>(drawing,
+                                                      options,
+                                                      /*sigma_unit=*/0);
+  return {
+      .about = fmt::format(
+          "{}, {}, the dialect of docs/motor-axes.md", drawing.name, options.fidelity),
+      .machine = stage,
+      .link = &stage->link()};
+}
+
+struct ServedKind {
+  std::string_view kind;
+  std::string_view dialect;
+  Served (*make)(const fs::path&, const TwinOptions&, const std::string&);
+};
+
+constexpr std::array kKinds = {ServedKind{"cartesian", "rrf", Gantry},
+                               ServedKind{"delta", "marlin", Delta},
+                               ServedKind{"triple_z", "rrf", Printer},
+                               ServedKind{"z_station", "klipper", Station},
+                               ServedKind{"motor_stage", "motor", Motors}};
+
+const ServedKind& KindOfFile(const fs::path& file) {
+  const std::string_view name = IsMotorStage(file)
+                                    ? "motor_stage"
+                                    : ReadAnyMachineFile(file).machine.kind->name();
+  for (const ServedKind& one : kKinds) {
+    if (one.kind == name) return one;
+  }
+  return kKinds[0];
+}
+
+}  // namespace
+
+std::string_view DialectOf(const fs::path& machine) {
+  return KindOfFile(machine).dialect;
+}
+
+Served ServedBy(const fs::path& machine,
+                const TwinOptions& twin,
+                const std::string& bench) {
+  return KindOfFile(machine).make(machine, twin, bench);
+}
+
+}  // namespace caltwin
