@@ -9,7 +9,7 @@
 #include "calibration/diagnosis/candidates.h"
 #include "calibration/diagnosis/free_form.h"
 #include "calibration/diagnosis/kinds/diagnosed_kind.h"
-#include "calibration/diagnosis/nuisances_of_kinematics.h"
+#include "calibration/diagnosis/nuisance_list.h"
 #include "sim/base/units.h"
 
 namespace caltwin {
@@ -64,7 +64,7 @@ std::map<std::string, Placement> PlacementsOf(const Observed& o) {
   return placements;
 }
 
-void AddPlacesOfAll(const Observed& o, NuisanceList* builder) {
+void AddPlacements(const Observed& o, NuisanceList* builder) {
   const auto placements = PlacementsOf(o);
   const auto num_plates = std::ranges::count_if(placements, [](const auto& entry) {
     return !entry.second.is_gauge && entry.second.only_faces_up;
@@ -240,8 +240,8 @@ void AddBedPlane(const Observed& o, NuisanceList* builder) {
   }
 }
 
-void AddPlacements(const Observed& o, NuisanceList* builder) {
-  AddPlacesOfAll(o, builder);
+void AddWhatIsTouched(const Observed& o, NuisanceList* builder) {
+  AddPlacements(o, builder);
   AddSizes(o, builder);
   builder->Add("probe_hysteresis", "mm", kHysteresisSd_mm, [&](Eigen::Index row) {
     return IsRelease(o.row(row)) ? -1.0 : 0.0;

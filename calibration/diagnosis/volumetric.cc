@@ -51,6 +51,11 @@ class Volume {
   /// `as_drawn`: where the firmware's steps/mm were those of the drawing.
   Volume(const Observed& observed, std::uint64_t seed, bool as_drawn = false)
       : machine_(observed.machine()) {
+    Settings settings = SettingsOfRows(observed);
+    for (const Axis axis : kAxes) {
+      const auto i = static_cast<std::size_t>(Index(axis));
+      if (as_drawn) settings.steps_per_mm[i] = machine_.axis(axis).steps_per_mm();
+    }
     Rng rng(seed, 0, "volumetric");
     const auto n = static_cast<double>(observed.num_rows());
     for (int k = 0; k < kPoses; ++k) {
@@ -59,7 +64,7 @@ class Volume {
       at.probe_off_mm.setZero();
       at.since_rev_mm.setConstant(kUnknown);
       placed_.push_back(
-          DiagnosedAs(machine_).PoseAnywhere(observed, as_drawn, &rng, &at));
+          DiagnosedAs(machine_).PoseAnywhere(observed, settings, &rng, &at));
       poses_.push_back(at);
     }
   }

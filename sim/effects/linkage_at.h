@@ -6,8 +6,8 @@
 namespace caltwin {
 
 /// What a reading has beside its pose where links lead from motors to tip, as a delta's
-/// rods: what its motors did, and how the nozzle
-/// moves with whatever may be wrong, about the machine as it is believed to be built.
+/// rods: what its motors did, and how the nozzle moves with whatever may be wrong,
+/// about the machine as it is believed to be built.
 struct LinkageAt {
   Vec3<double> motors_mm =
       Vec3<double>::Zero();  ///< Commanded, down from the endstops.

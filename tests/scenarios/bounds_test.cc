@@ -49,7 +49,7 @@ TEST(BoundsOfAnEffect, AreThoseDeclaredOnEveryKindOfMachine) {
     const Machine machine{
         .kind = kind,
         .own = kind == DeltaKind() ? std::any(DeltaDrawing{}) : std::any()};
-    const auto read = [&](YamlMap map) {
+    const auto read = [&](const YamlMap& map) {
       if (kind == DeltaKind()) {
         ReadDeltaEffects(map, machine);
       } else {
@@ -71,9 +71,14 @@ TEST(BoundsOfAnEffect, AreThoseDeclaredOnEveryKindOfMachine) {
       }
     }
   }
+  const Machine delta{.kind = DeltaKind(), .own = DeltaDrawing{}};
+  bounded_as_declared(
+      "probe_pretravel", "probe_pretravel.z", "pretravel_mm", [&](const YamlMap& map) {
+        ReadDeltaEffects(map, delta);
+      });
   const MotorStageDrawing stage =
       ReadMotorStage(CALTWIN_SOURCE_DIR "/models/motor_stage/machine.yaml");
-  bounded_as_declared("backlash", "backlash.x", "gap_mm", [&](YamlMap map) {
+  bounded_as_declared("backlash", "backlash.x", "gap_mm", [&](const YamlMap& map) {
     ReadMotorEffects(map, stage);
   });
 }

@@ -7,9 +7,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
-#include <sys/wait.h>
 
 #include "sim/base/text_file.h"
+#include "tests/tools/caltwin_process.h"
 #include "tools/commands/command.h"
 
 namespace caltwin {
@@ -24,37 +24,6 @@ using ::testing::IsEmpty;
 using ::testing::Not;
 using ::testing::StartsWith;
 using ::testing::StrEq;
-
-struct Finished {
-  int code = -1;
-  std::string out{};
-  std::string err{};
-};
-
-fs::path Scratch() {
-  static const fs::path folder = [] {
-    std::string name = ::testing::TempDir() + "/caltwin_cli_XXXXXX";
-    return fs::path(mkdtemp(name.data()));
-  }();
-  return folder;
-}
-
-// Runs the program as a person would, from the source folder, stdin no terminal.
-Finished Caltwin(const std::string& arguments) {
-  const std::string out = (Scratch() / "out").string();
-  const std::string err = (Scratch() / "err").string();
-  const int status = std::system(
-      fmt::format("{} {} </dev/null >{} 2>{}", CALTWIN_BINARY, arguments, out, err)
-          .c_str());
-  return {.code = WIFEXITED(status) ? WEXITSTATUS(status) : -1,
-          .out = ReadTextFile(out, 10'000'000),
-          .err = ReadTextFile(err, 10'000'000)};
-}
-
-std::string Written(const std::string& name, const std::string& text) {
-  WriteTextFile(Scratch() / name, text);
-  return (Scratch() / name).string();
-}
 
 constexpr const char* kPassing =
     "about: A gap, put right by hand.\n"
@@ -275,20 +244,6 @@ TEST(CommandLine, EveryCommandHasHelp) {
   EXPECT_THAT(Caltwin("--version").out, StartsWith("caltwin "));
 }
 
-TEST(Validate, TellsTheKindByTheTopLevelKey) {
-  const std::string truth =
-      Written("t.yaml", "effects: {backlash.x: {gap_mm: 0.05}}\n");
-
-  const Finished run = Caltwin("validate models/gantry_router/machine.yaml " + truth +
-                               " " + Written("good.yaml", kPassing));
-
-  EXPECT_THAT(run.code, Eq(0));
-  EXPECT_THAT(run.out,
-              AllOf(HasSubstr("machine.yaml: machine, no faults\n"),
-                    HasSubstr("t.yaml: truth, no faults\n"),
-                    HasSubstr("good.yaml: scenario, no faults\n")));
-}
-
 // Of every kind of machine: a scenario whose program does that to itself or to caltwin.
 std::vector<std::string> EndedBy(const std::string& command) {
   const std::string steps =
@@ -316,34 +271,6 @@ TEST(CommandLine, OnEveryKindOfMachineAnInterruptExitsWith130) {
   for (const std::string& file : EndedBy("kill -INT $PPID; sleep 9")) {
     EXPECT_THAT(Caltwin("run " + file).code, Eq(130)) << file;
   }
-}
-
-// Each with its place; of another kind's reader the message would be about effects.
-TEST(Validate, AFaultyTruthIsToldAsOfItsOwnKind) {
-  struct Case {
-    const char *text, *fault;
-  };
-  for (const Case& one :
-       {Case{"effects: {backlash.x: {gap: 0.05}}\n", "effects.backlash.x has no key"},
-        Case{"effects: {rod_mismatch.a1: {length_error: 1}}\n",
-             "effects.rod_mismatch.a1 has no key"},
-        Case{"effects: {pivot_position.z1: {dx: 1}}\n",
-             "effects.pivot_position.z1 has no key"},
-        Case{"effects: {ooze: {thickness: 1}}\n", "effects.ooze has no key"},
-        Case{"effects: {switch_scatter.x: {sd: 1}}\n",
-             "effects.switch_scatter.x has no key"}}) {
-    const Finished run = Caltwin("validate " + Written("t.yaml", one.text));
-    EXPECT_THAT(run.code, Eq(2));
-    EXPECT_THAT(run.err, HasSubstr(one.fault));
-    EXPECT_THAT(run.err, HasSubstr("t.yaml:1:"));
-  }
-}
-
-TEST(Validate, AFileOfNoKindSaysWhichKeysTell) {
-  const Finished run = Caltwin("validate " + Written("odd.yaml", "colour: red\n"));
-
-  EXPECT_THAT(run.code, Eq(2));
-  EXPECT_THAT(run.err, HasSubstr("no key tells what this file is for"));
 }
 
 TEST(Explain, ListsAndExplains) {

@@ -94,8 +94,9 @@ int Serve(Options options) {
   if (!options.bench.empty()) ReadBenchFile(options.bench, &options.twin);
   const std::filesystem::path machine =
       FindMachine(options.twin.machine, "", {.file = options.twin.machine});
-  RequireDialect(options, std::string(DialectOf(machine)));
-  const Served served = ServedBy(machine, options.twin, options.bench);
+  const ServedKind& kind = ServedKindOf(machine);
+  RequireDialect(options, std::string(kind.dialect));
+  const Served served = kind.make(machine, options.twin, options.bench);
   Announce(served.about + "; Ctrl-C ends");
   return Listen(options, served.link);
 }

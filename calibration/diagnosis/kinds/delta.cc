@@ -143,7 +143,7 @@ class Delta final : public DiagnosedKind {
   // Anywhere over its disc, as high as that is wide; where the rods of the machine as
   // stated reach next to nothing of that, at the row it was drawn from.
   std::shared_ptr<const void> PoseAnywhere(const Observed& observed,
-                                           bool,
+                                           const Settings&,
                                            Rng* rng,
                                            At* at) const override {
     constexpr int kMostDraws = 200;
@@ -184,8 +184,10 @@ class Delta final : public DiagnosedKind {
 
   double Rounding_mm(const Observed& observed, Eigen::Index i) const override {
     const auto stated = observed.header().settings.find(observed.row(i).settings);
-    if (observed.at(i).linkage == nullptr || stated == observed.header().settings.end())
+    if (observed.at(i).linkage == nullptr ||
+        stated == observed.header().settings.end()) {
       return 0;
+    }
     double variance_mm2 = 0;
     for (int tower = 0; tower < kNumTowers; ++tower) {
       const auto steps = stated->second.steps_per_mm.find(TowerName(tower));

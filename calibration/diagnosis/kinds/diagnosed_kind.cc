@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "calibration/diagnosis/rounding.h"
-#include "calibration/diagnosis/settings_of_rows.h"
 #include "sim/kinds/perform.h"
 
 namespace caltwin {
@@ -61,21 +60,19 @@ void DiagnosedKind::AddKinematics(const Observed& o, NuisanceList* builder) cons
 
 void DiagnosedKind::AddPlaces(const Observed& o, NuisanceList* list) const {
   AddBedPlane(o, list);
-  AddPlacements(o, list);
+  AddWhatIsTouched(o, list);
 }
 
 std::shared_ptr<const void> DiagnosedKind::PoseAnywhere(const Observed& observed,
-                                                        bool as_drawn,
+                                                        const Settings& settings,
                                                         Rng* rng,
                                                         At* at) const {
-  const Settings settings = SettingsOfRows(observed);
   for (const Axis axis : kAxes) {
     const AxisDrawing& drawing = observed.machine().axis(axis);
     const auto i = static_cast<std::size_t>(Index(axis));
     at->q_mm[Index(axis)] = drawing.min_mm + rng->Uniform() * drawing.travel_mm();
     at->dir[Index(axis)] = rng->Uniform() < 1.0 / 2 ? -1 : 1;
-    at->steps_per_mm[Index(axis)] =
-        as_drawn ? drawing.steps_per_mm() : settings.steps_per_mm[i];
+    at->steps_per_mm[Index(axis)] = settings.steps_per_mm[i];
     at->compensation_mm[Index(axis)] = settings.backlash_mm[i];
   }
   return nullptr;

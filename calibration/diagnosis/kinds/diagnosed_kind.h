@@ -11,7 +11,7 @@
 #include "calibration/diagnosis/candidates.h"
 #include "calibration/diagnosis/correction.h"
 #include "calibration/diagnosis/diagnosis.h"
-#include "calibration/diagnosis/nuisances_of_kinematics.h"
+#include "calibration/diagnosis/nuisance_list.h"
 #include "calibration/diagnosis/plausible_parts.h"
 #include "sim/base/rng.h"
 #include "sim/effects/drive.h"
@@ -75,10 +75,10 @@ class DiagnosedKind {
   virtual void AddUnseen(const Observed&,
                          const std::vector<Candidate>&,
                          Diagnosis*) const {}
-  /// A pose anywhere in its work space, in place of `at`'s; what it returns `at` may
-  /// point into. `as_drawn`: with the drawing's steps/mm.
+  /// A pose anywhere in its work space, told with these settings, in place of `at`'s;
+  /// what it returns `at` may point into.
   virtual std::shared_ptr<const void> PoseAnywhere(const Observed& observed,
-                                                   bool as_drawn,
+                                                   const Settings& settings,
                                                    Rng* rng,
                                                    At* at) const;
   /// Rows measured again.

@@ -39,7 +39,7 @@ class TripleZ final : public DiagnosedKind {
   }
   void AddPlaces(const Observed& o, NuisanceList* list) const override {
     AddBedPlanes(o, list);
-    AddPlacements(o, list);
+    AddWhatIsTouched(o, list);
   }
 
   // Screws under a bed are its z.

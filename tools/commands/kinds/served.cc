@@ -93,19 +93,15 @@ Served Motors(const fs::path& file,
       .link = &stage->link()};
 }
 
-struct ServedKind {
-  std::string_view kind;
-  std::string_view dialect;
-  Served (*make)(const fs::path&, const TwinOptions&, const std::string&);
-};
-
 constexpr std::array kKinds = {ServedKind{"cartesian", "rrf", Gantry},
                                ServedKind{"delta", "marlin", Delta},
                                ServedKind{"triple_z", "rrf", Printer},
                                ServedKind{"z_station", "klipper", Station},
                                ServedKind{"motor_stage", "motor", Motors}};
 
-const ServedKind& KindOfFile(const fs::path& file) {
+}  // namespace
+
+const ServedKind& ServedKindOf(const fs::path& file) {
   const std::string_view name = IsMotorStage(file)
                                     ? "motor_stage"
                                     : ReadAnyMachineFile(file).machine.kind->name();
@@ -113,18 +109,6 @@ const ServedKind& KindOfFile(const fs::path& file) {
     if (one.kind == name) return one;
   }
   return kKinds[0];
-}
-
-}  // namespace
-
-std::string_view DialectOf(const fs::path& machine) {
-  return KindOfFile(machine).dialect;
-}
-
-Served ServedBy(const fs::path& machine,
-                const TwinOptions& twin,
-                const std::string& bench) {
-  return KindOfFile(machine).make(machine, twin, bench);
 }
 
 }  // namespace caltwin

@@ -17,13 +17,16 @@ struct Served {
   Link* link = nullptr;
 };
 
-/// What the controller of that machine speaks: `--dialect`.
-std::string_view DialectOf(const std::filesystem::path& machine);
-
-/// The machine of that file, of any kind, as `twin` says it was built. `bench`: the
-/// file that `twin` has instruments and artefacts of, for messages. Throws InputError.
-Served ServedBy(const std::filesystem::path& machine,
-                const TwinOptions& twin,
-                const std::string& bench);
+/// How the machines of one kind are served.
+struct ServedKind {
+  std::string_view kind;     ///< `kinematics:`
+  std::string_view dialect;  ///< What its controller speaks: `--dialect`.
+  /// The machine of that file, as `twin` says it was built. `bench`: the file that
+  /// `twin` has instruments and artefacts of, for messages. Throws InputError.
+  Served (*make)(const std::filesystem::path& machine,
+                 const TwinOptions& twin,
+                 const std::string& bench);
+};
+const ServedKind& ServedKindOf(const std::filesystem::path& machine);
 
 }  // namespace caltwin

@@ -44,6 +44,6 @@ void AddBedPlane(const Observed& o, NuisanceList* list);
 void AddBedPlanes(const Observed& o, NuisanceList* list);
 /// Where everything that is touched lies, how large it is within its certificate, and
 /// the probe's hysteresis.
-void AddPlacements(const Observed& o, NuisanceList* list);
+void AddWhatIsTouched(const Observed& o, NuisanceList* list);
 
 }  // namespace caltwin

@@ -1,4 +1,4 @@
-#include "calibration/diagnosis/nuisances_of_kinematics.h"
+#include "calibration/diagnosis/nuisance_list.h"
 
 #include <algorithm>
 
