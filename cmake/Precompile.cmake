@@ -49,6 +49,7 @@ function(caltwin_precompile target kind)
       "$<$<CXX_COMPILER_ID:Clang>:SHELL:-Xclang -fno-pch-timestamp>")
     target_precompile_headers(${owner} PRIVATE ${caltwin_precompiled_libraries}
       "$<$<STREQUAL:${kind},tests>:<gmock/gmock.h$<ANGLE-R>;<gtest/gtest.h$<ANGLE-R>>"
+      "$<$<STREQUAL:${kind},once>:<CLI/CLI.hpp$<ANGLE-R>>"
       ${caltwin_precompiled_own})
     set_target_properties(${owner} PROPERTIES PCH_INSTANTIATE_TEMPLATES ON)
   endif()

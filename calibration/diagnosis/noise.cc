@@ -77,23 +77,26 @@ Whitener::Whitener(const Observed& observed, const Noise& noise)
 Eigen::MatrixXd Whitener::operator()(const Eigen::MatrixXd& columns_mm) const {
   if (!wanders_) return inverse_sd_.asDiagonal() * columns_mm;
   Eigen::MatrixXd white(columns_mm.rows(), columns_mm.cols());
-  // A row waits for the one before it: several columns side by side do not.
+  // A row waits for the one before it: several columns side by side do not. Plain
+  // arrays, which every compiler keeps in registers.
   constexpr Eigen::Index kAtOnce = 8;
-  using Several = Eigen::Array<double, 1, kAtOnce>;
+  using Several = std::array<double, kAtOnce>;
   for (Eigen::Index first = 0; first < columns_mm.cols(); first += kAtOnce) {
     const Eigen::Index num = std::min(kAtOnce, columns_mm.cols() - first);
-    std::array<Several, 3> state;
-    state.fill(Several::Zero());
-    Several innovation = Several::Zero();
+    Several x{}, y{}, z{}, innovation{};
     for (std::size_t k = 0; k < order_.size(); ++k) {
       const Eigen::Index i = order_[k];
       const Eigen::Vector3d &n = direction_[k], &gain = gain_[k];
-      innovation.head(num) = columns_mm.row(i).segment(first, num).array();
-      innovation -= n[0] * state[0] + n[1] * state[1] + n[2] * state[2];
-      for (std::size_t d = 0; d < 3; ++d) {
-        state[d] += gain[static_cast<Eigen::Index>(d)] * innovation;
+      for (Eigen::Index j = 0; j < num; ++j) innovation[j] = columns_mm(i, first + j);
+      for (std::size_t j = 0; j < kAtOnce; ++j) {
+        innovation[j] -= n[0] * x[j] + n[1] * y[j] + n[2] * z[j];
+        x[j] += gain[0] * innovation[j];
+        y[j] += gain[1] * innovation[j];
+        z[j] += gain[2] * innovation[j];
       }
-      white.row(i).segment(first, num) = innovation.head(num) * inverse_sd_[i];
+      for (Eigen::Index j = 0; j < num; ++j) {
+        white(i, first + j) = innovation[j] * inverse_sd_[i];
+      }
     }
   }
   return white;
