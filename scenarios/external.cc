@@ -156,7 +156,7 @@ std::string ExternalProtocol::TakeEstimate(const std::vector<std::string>& words
         "as backlash.x 0.05 0.001\n{}",
         kOk);
   }
-  const auto parameter = FindParameter(words[2]);
+  const auto parameter = FindParameter(words[2], bench_->machine.kind);
   estimates_.push_back({.name = words[2],
                         .unit = parameter ? std::string(parameter->unit) : "",
                         .value = *value,

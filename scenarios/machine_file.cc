@@ -23,11 +23,13 @@ struct SettingKey {
   const char* key;
   std::array<double, 3> Settings::*values;
   Bounds bounds;
+  bool is_drive = true;  ///< Else of the probe, by axis.
 };
 constexpr std::array kSettingKeys = {
     SettingKey{"steps_per_mm", &Settings::steps_per_mm, {1e-3, 1e7}},
     SettingKey{"backlash_mm", &Settings::backlash_mm, {0, 10}},
-    SettingKey{"probe_deflection_mm", &Settings::probe_deflection_mm, {-10, 10}}};
+    SettingKey{
+        "probe_deflection_mm", &Settings::probe_deflection_mm, {-10, 10}, false}};
 constexpr const char* kTipRadius = "tip_radius_mm";
 constexpr Bounds kTipRadiusBounds{0, 50};
 
@@ -172,14 +174,15 @@ MachineFile ReadAnyMachineFile(const fs::path& file) {
   return read;
 }
 
-std::vector<SettingSpec> ReadSettingSpecs(YamlMap map) {
+std::vector<SettingSpec> ReadSettingSpecs(YamlMap map, const MachineKind& kind) {
   std::vector<SettingSpec> specs;
   for (const SettingKey& setting : kSettingKeys) {
     const auto value = map.Optional(setting.key);
     if (!value) continue;
+    const DriveMap* drives = setting.is_drive ? kind.drive_map() : nullptr;
     YamlMap by_axis = value->Map();
     for (const Axis axis : kAxes) {
-      if (const auto number = by_axis.Optional(Name(axis))) {
+      if (const auto number = by_axis.Optional(DriveName(drives, Index(axis)))) {
         specs.push_back({.key = setting.key,
                          .axis = axis,
                          .value = number->NumberOrDistribution(setting.bounds)});
@@ -226,7 +229,7 @@ TruthFile ReadTruthFile(const fs::path& file, const Machine& machine) {
     truth.effects = ReadEffects(effects->Map(), machine);
   }
   if (const auto settings = map.Optional("settings")) {
-    truth.settings = ReadSettingSpecs(settings->Map());
+    truth.settings = ReadSettingSpecs(settings->Map(), *machine.kind);
   }
   map.NoMoreKeys();
   faults.ThrowIfAny();

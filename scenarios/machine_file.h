@@ -37,13 +37,14 @@ MachineFile ReadAnyMachineFile(const std::filesystem::path& file);
 /// One setting that a scenario or truth file gives, perhaps still to be drawn.
 struct SettingSpec {
   std::string key{};           ///< "steps_per_mm", ... or "tip_radius_mm".
-  std::optional<Axis> axis{};  ///< None: of the probe.
+  std::optional<Axis> axis{};  ///< Or the drive of that index; none: of the probe.
   Distribution value = 0.0;
 };
 
 /// Reads `settings: {steps_per_mm: {x: }, backlash_mm: , probe_deflection_mm: ,
 /// tip_radius_mm: }`, numbers or distributions.
-std::vector<SettingSpec> ReadSettingSpecs(YamlMap map);
+std::vector<SettingSpec> ReadSettingSpecs(YamlMap map,
+                                          const MachineKind& kind = *CartesianKind());
 
 /// `settings` with what the specs say, each drawn from its own stream.
 Settings DrawSettings(Settings settings,

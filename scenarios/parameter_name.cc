@@ -3,17 +3,19 @@
 #include <array>
 
 #include "sim/effects/catalog.h"
+#include "sim/effects/drive.h"
 #include "sim/effects/injected.h"
+#include "sim/machine/machine_kind.h"
 
 namespace caltwin {
 namespace {
 
 // Calls `visit(id, name)` for every parameter until it answers true.
 template <typename Visit>
-void ForEachParameter(Visit visit) {
+void ForEachParameter(const MachineKind* kind, Visit visit) {
   for (std::size_t effect = 0; effect < AllEffects().size(); ++effect) {
     const Effect& declaration = *AllEffects()[effect];
-    for (const std::string_view axis : declaration.axes) {
+    for (const std::string_view axis : AxesOn(declaration, kind)) {
       for (std::size_t i = 0; i < declaration.parameters.size(); ++i) {
         const ParameterId id{.effect = static_cast<int>(effect),
                              .axis = std::string(axis),
@@ -28,26 +30,28 @@ void ForEachParameter(Visit visit) {
 struct Setting {
   std::string_view cause;
   std::array<double, 3> Settings::*values;
+  bool is_drive = true;
 };
 constexpr std::array kSettings = {
     Setting{"steps_per_mm", &Settings::steps_per_mm},
     Setting{"backlash", &Settings::backlash_mm},
-    Setting{"probe_pretravel", &Settings::probe_deflection_mm}};
+    Setting{"probe_pretravel", &Settings::probe_deflection_mm, false}};
 
 }  // namespace
 
-std::optional<ParameterId> FindParameter(std::string_view name) {
+std::optional<ParameterId> FindParameter(std::string_view name,
+                                         const MachineKind* kind) {
   std::optional<ParameterId> found;
-  ForEachParameter([&](const ParameterId& id, const std::string& candidate) {
+  ForEachParameter(kind, [&](const ParameterId& id, const std::string& candidate) {
     if (candidate == name) found = id;
     return found.has_value();
   });
   return found;
 }
 
-std::vector<std::string> AllParameterNames() {
+std::vector<std::string> AllParameterNames(const MachineKind* kind) {
   std::vector<std::string> names;
-  ForEachParameter([&](const ParameterId&, const std::string& name) {
+  ForEachParameter(kind, [&](const ParameterId&, const std::string& name) {
     names.push_back(name);
     return false;
   });
@@ -57,7 +61,7 @@ std::vector<std::string> AllParameterNames() {
 std::optional<double> BuiltValueNamed(const Machine& machine,
                                       const std::vector<Injected>& effects,
                                       std::string_view name) {
-  const auto id = FindParameter(name);
+  const auto id = FindParameter(name, machine.kind);
   if (!id) return std::nullopt;
   return BuiltValue(machine, effects, id->effect, id->axis, id->parameter);
 }
@@ -65,21 +69,23 @@ std::optional<double> BuiltValueNamed(const Machine& machine,
 std::optional<double> SettingNamed(const Settings& settings, std::string_view name) {
   const std::size_t dot = name.find('.');
   if (dot == std::string_view::npos) return std::nullopt;
-  const auto axis = AxisNamed(name.substr(dot + 1));
-  if (!axis) return std::nullopt;
+  const auto drive = DriveNamed(name.substr(dot + 1));
+  if (!drive || name.size() != dot + 2) return std::nullopt;
   for (const Setting& setting : kSettings) {
     if (setting.cause == name.substr(0, dot)) {
-      return (settings.*setting.values)[Index(*axis)];
+      return (settings.*setting.values)[drive->slot()];
     }
   }
   return std::nullopt;
 }
 
-std::vector<std::string> SettingNames() {
+std::vector<std::string> SettingNames(const MachineKind* kind) {
   std::vector<std::string> names;
   for (const Setting& setting : kSettings) {
     for (const Axis axis : kAxes) {
-      names.push_back(std::string(setting.cause) + "." + Name(axis));
+      const DriveMap* drives = setting.is_drive ? kind->drive_map() : nullptr;
+      names.push_back(std::string(setting.cause) + "." +
+                      DriveName(drives, Index(axis)));
     }
   }
   return names;

@@ -20,20 +20,21 @@ struct ParameterId {
   std::string_view unit{};
 };
 
-std::optional<ParameterId> FindParameter(std::string_view name);
-/// Every name there is, in the catalog's order.
-std::vector<std::string> AllParameterNames();
+std::optional<ParameterId> FindParameter(std::string_view name,
+                                         const MachineKind* kind = CartesianKind());
+/// Every name there is on such a machine, in the catalog's order.
+std::vector<std::string> AllParameterNames(const MachineKind* kind = CartesianKind());
 
 /// The built, absolute value of a parameter; nullopt where the name is no parameter's.
 std::optional<double> BuiltValueNamed(const Machine& machine,
                                       const std::vector<Injected>& effects,
                                       std::string_view name);
 
-/// What the firmware believes of a parameter: `steps_per_mm.x`, `backlash.x` and
-/// `probe_pretravel.x` (its probe deflection) of the three axes; nullopt for the rest,
-/// which have no setting.
+/// What the firmware believes of a parameter: `steps_per_mm.x`, `backlash.x` (of the
+/// three axes, or drives) and `probe_pretravel.x` (its probe deflection); nullopt for
+/// the rest, which have no setting.
 std::optional<double> SettingNamed(const Settings& settings, std::string_view name);
 /// The names of all parameters that have a setting.
-std::vector<std::string> SettingNames();
+std::vector<std::string> SettingNames(const MachineKind* kind = CartesianKind());
 
 }  // namespace caltwin

@@ -31,7 +31,7 @@ std::vector<double> CertifiedSizes_mm(const Artefact& artefact) {
 DataHeader HeaderOfRun(const Bench& bench) {
   DataHeader header{.machine = bench.machine.name, .instruments = bench.instruments};
   for (const auto& [id, settings] : bench.ledger.settings) {
-    header.settings[id] = AsHeader(settings);
+    header.settings[id] = AsHeader(settings, *bench.machine.kind);
   }
   for (const Artefact& artefact : bench.artefacts) {
     header.artefacts[artefact.id] = {.type = ToString(artefact.type),

@@ -10,6 +10,7 @@
 #include "sim/effects/catalog.h"
 #include "sim/effects/injected.h"
 #include "sim/effects/map_table.h"
+#include "sim/machine/machine_kind.h"
 
 namespace caltwin {
 namespace {
@@ -32,16 +33,18 @@ Injected* Find(int effect,
 }
 
 bool BuildScale(double scale_ppm,
-                Axis axis,
+                int drive,
                 const Machine& machine,
                 std::vector<Injected>* effects) {
-  const AxisDrawing& drawing = machine.axis(axis);
-  double set = machine.settings.steps_per_mm[static_cast<std::size_t>(Index(axis))];
+  const auto k = static_cast<std::size_t>(drive);
+  const AxisDrawing& drawing = machine.axes[k];
+  double set = machine.settings.steps_per_mm[k];
   if (set <= 0) set = drawing.steps_per_mm();
   // The line counts from the drawing.
   const double more = FractionFromPpm(scale_ppm) - (set / drawing.steps_per_mm() - 1);
+  const std::string name = DriveName(machine.kind->drive_map(), drive);
   double& steps_per_mm =
-      Find(EffectIndex<StepsPerMm>(), Name(axis), machine, effects)->values[0];
+      Find(EffectIndex<StepsPerMm>(), name, machine, effects)->values[0];
   const double inverse = 1 / steps_per_mm + more / set;
   if (inverse <= 0) return false;
   steps_per_mm = 1 / inverse;
@@ -49,14 +52,16 @@ bool BuildScale(double scale_ppm,
 }
 
 bool BuildGap(double gap_mm,
-              Axis axis,
+              int drive,
               const Machine& machine,
               std::vector<Injected>* effects) {
-  if (WeightKeepsGapShut(axis, machine.axis(axis))) return false;
+  const auto k = static_cast<std::size_t>(drive);
+  if (WeightKeepsGapShut(kAxes[k], machine.axes[k])) return false;
+  const std::string name = DriveName(machine.kind->drive_map(), drive);
   const double built_mm =
-      BuiltValue(machine, *effects, EffectIndex<Backlash>(), Name(axis), 0);
+      BuiltValue(machine, *effects, EffectIndex<Backlash>(), name, 0);
   if (built_mm + gap_mm < 0) return false;
-  Find(EffectIndex<Backlash>(), Name(axis), machine, effects)->values[0] += gap_mm;
+  Find(EffectIndex<Backlash>(), name, machine, effects)->values[0] += gap_mm;
   return true;
 }
 
@@ -103,12 +108,20 @@ bool BuildIn(const BaselineLine& line,
     tilt->values[word == "slope_x" ? 0 : 1] += line.value;
     return true;
   }
-  const std::optional<Axis> axis = AxisNamed(word);
-  if (!axis) return false;
-  if (kind == "scale") return BuildScale(line.value, *axis, machine, effects);
-  if (kind == "backlash") return BuildGap(line.value, *axis, machine, effects);
-  return kind == "probe_pretravel" &&
-         BuildPretravel(line.value, *axis, machine, effects);
+  if (kind == "probe_pretravel") {
+    const std::optional<Axis> axis = AxisNamed(word);
+    return axis && BuildPretravel(line.value, *axis, machine, effects);
+  }
+  if (kind != "scale" && kind != "backlash") return false;
+  // A letter a drive: "ab" are two alike.
+  bool is_built = !word.empty();
+  for (std::size_t i = 0; i < word.size(); ++i) {
+    const auto drive = DriveIndex(machine.kind->drive_map(), word.substr(i, 1));
+    is_built &=
+        drive && (kind == "scale" ? BuildScale(line.value, *drive, machine, effects)
+                                  : BuildGap(line.value, *drive, machine, effects));
+  }
+  return is_built;
 }
 
 AsFound AsFoundBy(const Observed& observed,

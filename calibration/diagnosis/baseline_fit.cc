@@ -71,7 +71,8 @@ FittedBaseline FitBaseline(const Observed& observed,
     return at;
   }
   for (const Axis axis : kAxes) {
-    const double gap_mm = known("backlash." + Name(axis));
+    const DriveMap* drives = observed.machine().kind->drive_map();
+    const double gap_mm = known("backlash." + DriveName(drives, Index(axis)));
     if (Known(gap_mm)) at.point.gap_mm[Index(axis)] = gap_mm;
     const double pretravel_mm = known("probe_pretravel." + Name(axis));
     if (pretravel_mm < kMostPretravel_mm) {

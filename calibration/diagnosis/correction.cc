@@ -17,6 +17,7 @@
 #include "sim/base/input_error.h"
 #include "sim/base/units.h"
 #include "sim/effects/predict.h"
+#include "sim/machine/machine_kind.h"
 
 namespace caltwin {
 namespace {
@@ -72,10 +73,26 @@ class Writer {
     return found == diagnosis_.baseline.end() ? nullptr : &*found;
   }
 
+  // The drive that the axis' letter stands for in settings.
+  std::string Drive(Axis axis) const {
+    return DriveName(observed_.machine().kind->drive_map(), Index(axis));
+  }
+  // Of the drive alone, or of several alike ("scale.ab").
+  const BaselineLine* ScaleOf(Axis axis) const {
+    for (const BaselineLine& line : diagnosis_.baseline) {
+      const std::string_view name(line.name);
+      if (!name.starts_with("scale.")) continue;
+      if (name.substr(name.find('.')).find(Drive(axis)) != name.npos) return &line;
+    }
+    return nullptr;
+  }
+  // What a belt of another pitch adds to what all do alike.
+  const Finding* PitchOf(Axis axis) const { return Found("belt_pitch", Drive(axis)); }
+
   void AddAxis(Axis axis) {
     const bool has_table = controller_ == ControllerKind::kLinuxCnc && HasShape(axis);
-    const BaselineLine* scale = Fitted("scale." + Name(axis));
-    const BaselineLine* gap = Fitted("backlash." + Name(axis));
+    const BaselineLine* scale = ScaleOf(axis);
+    const BaselineLine* gap = Fitted("backlash." + Drive(axis));
     if (controller_ == ControllerKind::kLinuxCnc && (scale || gap || has_table)) {
       text_ += fmt::format("[JOINT_{}]\n", Index(axis));
     }
@@ -108,17 +125,20 @@ class Writer {
 
   // Moves too far by s: steps/mm / (1 + s).
   void AddScale(Axis axis, const BaselineLine& scale) {
-    if (!IsToBeWritten(scale)) return;
+    const Finding* pitch = PitchOf(axis);
+    if (pitch == nullptr && !IsToBeWritten(scale)) return;
+    const double belt_ppm = pitch == nullptr ? 0 : pitch->effect->values[0];
+    if (pitch != nullptr) carried_.insert(pitch);
     const auto i = static_cast<std::size_t>(Index(axis));
     const AxisDrawing& drawing = observed_.machine().axis(axis);
     const double set = SettingsOfRows(observed_).steps_per_mm[i];
     const double old = set > 0 ? set : drawing.steps_per_mm();
-    const double steps_per_mm = old / (1 + scale.value * 1e-6);
-    const std::string source = fmt::format("was {:.6g}: scale.{} {:+.1f} +- {:.1f} ppm",
-                                           old,
-                                           Name(axis),
-                                           scale.value,
-                                           scale.sd);
+    const double steps_per_mm = old / (1 + (scale.value + belt_ppm) * 1e-6);
+    std::string source = fmt::format(
+        "was {:.6g}: {} {:+.1f} +- {:.1f} ppm", old, scale.name, scale.value, scale.sd);
+    if (pitch != nullptr) {
+      source += fmt::format(", belt_pitch.{} {:+.1f} ppm", pitch->axis, belt_ppm);
+    }
     if (controller_ == ControllerKind::kKlipper) {
       const double steps_a_turn = drawing.full_steps_per_rev * drawing.microsteps;
       Line(fmt::format("rotation_distance: {:.7g}", steps_a_turn / steps_per_mm),
@@ -134,7 +154,7 @@ class Writer {
   void AddGap(Axis axis, const BaselineLine& gap) {
     if (!IsToBeWritten(gap)) return;
     const std::string source = fmt::format(
-        "mm, backlash.{} {:.4f} +- {:.4f} mm", Name(axis), gap.value, gap.sd);
+        "mm, backlash.{} {:.4f} +- {:.4f} mm", Drive(axis), gap.value, gap.sd);
     if (controller_ == ControllerKind::kKlipper) {
       Comment(source + ": Klipper has no backlash compensation; mend the drive");
     } else if (gap.value < 0) {
@@ -282,6 +302,12 @@ class Writer {
                                     finding->effect->values[0],
                                     finding->sds.empty() ? 0 : finding->sds[0]));
       used.push_back(finding);
+    }
+    // A turned beam is, beside a turned whole, Y turned the other way.
+    if (const Finding* racked = Found("racking", "")) {
+      slopes[0] += RadFromMrad(racked->effect->values[0]);
+      sources.push_back(fmt::format("racking {:+.4f} mrad", racked->effect->values[0]));
+      used.push_back(racked);
     }
     if (used.empty() || controller_ == ControllerKind::kLinuxCnc) return;
     carried_.insert(used.begin(), used.end());

@@ -128,9 +128,12 @@ constexpr std::array kPhrases = {
            "length of rods {axis}",
            "Rod {axis} (both of the tower where no number stands) is longer than drawn "
            "by {length_error_mm}"},
+    Phrase{"racking",
+           "racked beam",
+           "The beam does not stand square to its rails: it is turned by {angle_mrad}"},
     Phrase{"belt_pitch",
            "pitch of belt {axis}",
-           "The belt of tower {axis} moves its carriage too far by {error_ppm}"},
+           "Belt {axis} moves what it pulls too far by {error_ppm}"},
     Phrase{"carriage_backlash",
            "play of carriage {axis}",
            "The carriage of tower {axis} has {gap_mm} of play"},

@@ -45,5 +45,8 @@ void AddBedPlanes(const Observed& o, NuisanceList* list);
 /// Where everything that is touched lies, how large it is within its certificate, and
 /// the probe's hysteresis.
 void AddWhatIsTouched(const Observed& o, NuisanceList* list);
+/// A tracker reads in a frame of its own, which nobody has turned to the machine's: its
+/// turns about x, y and z. Instruments of `kind: tracker` alone.
+void AddFrameOfTracker(const Observed& o, NuisanceList* list);
 
 }  // namespace caltwin

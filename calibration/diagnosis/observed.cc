@@ -172,10 +172,8 @@ Eigen::VectorXd Observed::Change_mm(const Injected& effect) const {
         .q_mm = is_drive ? where.q_mm : true_q_mm_[static_cast<std::size_t>(i)]};
     Errors<double> errors;
     AddErrors(effect.effect, asked, &errors);
-    Vec3<double> motion_mm =
-        errors.motion_mm - where.dir.cwiseProduct(errors.lost_motion_mm) / 2;
-    motion_mm += MotionOfMotors_mm(where, errors);
-    errors.motion_mm = motion_mm;
+    errors.motion_mm -= TakenByPlay_mm(where, errors.lost_motion_mm);
+    errors.motion_mm += MotionOfMotors_mm(where, errors);
     change[i] = ReadWith_mm(where, errors, /*pretravel_mm=*/0.0, /*tip_radius_mm=*/0.0);
   }
   return change;

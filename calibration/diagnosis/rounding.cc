@@ -66,19 +66,21 @@ double CountedSigma_mm(const Observed& observed, const std::string& campaign) {
   return std::max(*least, step_mm / std::sqrt(12.0)) * std::sqrt(1 + in_common);
 }
 
-double RoundedBy_mm(const Observed& observed, Eigen::Index i, Axis axis) {
+double RoundedBy_mm(const Observed& observed, Eigen::Index i, int drive) {
   constexpr double kNothing_mm = 1e-9;
   const At& at = observed.at(i);
   const auto stated = observed.header().settings.find(observed.row(i).settings);
-  const bool counts_axes = observed.machine().kind->motors().empty();
+  const DriveMap* drives = observed.machine().kind->drive_map();
+  const bool counts_axes =
+      drives != nullptr || observed.machine().kind->motors().empty();
   if (!counts_axes || at.kind != RowKind::kPosition ||
       stated == observed.header().settings.end()) {
     return 0;
   }
-  const auto steps = stated->second.steps_per_mm.find(Name(axis));
+  const auto steps = stated->second.steps_per_mm.find(DriveName(drives, drive));
   if (steps == stated->second.steps_per_mm.end() || steps->second <= 0) return 0;
-  const double command_mm =
-      observed.row(i).cmd_mm[static_cast<std::size_t>(Index(axis))];
+  const auto& cmd_mm = observed.row(i).cmd_mm;
+  const double command_mm = DrivesOf(drives, {cmd_mm[0], cmd_mm[1], cmd_mm[2]})[drive];
   const double beyond_mm =
       std::round(command_mm * steps->second) / steps->second - command_mm;
   return std::abs(beyond_mm) > kNothing_mm ? beyond_mm : 0;

@@ -12,10 +12,11 @@ namespace caltwin {
 /// Repeats count the same steps, so they do not show it.
 double RoundingSigma_mm(const Observed& observed, Eigen::Index i);
 
-/// How far beyond its command an axis of a gantry stands that moves in whole motor
-/// steps, round(q s) / s - q, s the steps/mm that the header states for the row [mm]. 0
-/// of touches, which end anywhere, and where no steps are stated. Repeats share it.
-double RoundedBy_mm(const Observed& observed, Eigen::Index i, Axis axis);
+/// How far beyond its command a drive stands that moves in whole motor steps, of a
+/// machine whose axes are moved by drives in proportion, round(q s) / s - q, s the
+/// steps/mm that the header states for the row [mm]. 0 of touches, which end anywhere,
+/// and where no steps are stated. Repeats share it.
+double RoundedBy_mm(const Observed& observed, Eigen::Index i, int drive);
 
 /// What counting a touch in whole motor steps of Z leaves open, of a campaign on a
 /// printer that levels by its screws or at a station; 0 of others [mm].

@@ -89,13 +89,13 @@ class Volume {
 double Believed(const BaselineLine& line, const Observed& observed) {
   const std::string_view name(line.name);
   if (!name.starts_with("scale.")) return 0;
-  const auto axis = AxisNamed(name.substr(name.find('.') + 1));
-  if (!axis) return 0;
-  const double set =
-      SettingsOfRows(observed).steps_per_mm[static_cast<std::size_t>(Index(*axis))];
-  return set > 0
-             ? PpmFromFraction(set / observed.machine().axis(*axis).steps_per_mm() - 1)
-             : 0;
+  const auto drive = DriveIndex(observed.machine().kind->drive_map(),
+                                name.substr(name.find('.') + 1, 1));
+  if (!drive) return 0;
+  const auto k = static_cast<std::size_t>(*drive);
+  const double set = SettingsOfRows(observed).steps_per_mm[k];
+  return set > 0 ? PpmFromFraction(set / observed.machine().axes[k].steps_per_mm() - 1)
+                 : 0;
 }
 
 bool IsMotion(const BaselineLine& line) {

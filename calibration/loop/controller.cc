@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 
 #include "sim/link/gcode.h"
-#include "sim/measure/row.h"
+#include "sim/machine/machine_kind.h"
 
 namespace caltwin {
 namespace {
@@ -123,7 +123,8 @@ Controller::Controller(Link* link, const Machine& drawing)
       drawing_(drawing),
       settings_(drawing.settings),
       position_mm_(Vec3<double>::Constant(kUnknown)),
-      direction_(Vec3<double>::Constant(kUnknown)) {}
+      direction_(Vec3<double>::Constant(kUnknown)),
+      drive_direction_(Vec3<double>::Constant(kUnknown)) {}
 
 Expected<std::vector<std::string>> Controller::Send(const std::string& line) {
   auto reply = link_->Send(line, kPatience);
@@ -252,14 +253,29 @@ Expected<void> Controller::Home() {
     const bool to_min = drawing_.axis(axis).home == HomeEnd::kMin;
     direction_[Index(axis)] = to_min ? -1 : 1;
   }
+  const auto motors = drawing_.kind->AtHome(drawing_).motor_sense;
+  drive_direction_ = motors.value_or(direction_);
   const auto position_mm = ReadPosition_mm();
   if (!position_mm) return tl::unexpected(position_mm.error());
   return {};
 }
 
+void Controller::NoteMotors(Row* row) const {
+  const DriveMap* drives = drawing_.kind->drive_map();
+  if (drives == nullptr) return;
+  const Vec3<double> told_mm =
+      DrivesOf(drives, {row->cmd_mm[0], row->cmd_mm[1], row->cmd_mm[2]});
+  for (int i = 0; i < 3; ++i) {
+    if (!drives->is_coupled(i)) continue;
+    row->motor_mm[static_cast<std::size_t>(i)] = told_mm[i];
+    row->motor_dir[static_cast<std::size_t>(i)] = drive_direction_[i];
+  }
+}
+
 Expected<void> Controller::Restart() {
   if (const auto sent = Send("M999"); !sent) return tl::unexpected(sent.error());
   direction_.setConstant(kUnknown);
+  drive_direction_.setConstant(kUnknown);
   return ReadSettings();
 }
 
@@ -300,6 +316,13 @@ void Controller::NoteMove(const Vec3<double>& target_mm) {
     const double sense = by_mm > 0 ? 1 : -1;
     direction_[i] = sense;
   }
+  const Vec3<double> by_drive =
+      DrivesOf(drawing_.kind->drive_map(), target_mm - position_mm_);
+  for (int i = 0; i < 3; ++i) {
+    if (std::abs(by_drive[i]) > kNoMove_mm) {
+      drive_direction_[i] = std::copysign(1, by_drive[i]);
+    }
+  }
   position_mm_ = target_mm;
 }
 
@@ -333,6 +356,7 @@ Expected<Vec3<double>> Controller::ReadPosition_mm() {
     const auto axis = static_cast<int>(i);
     position_mm_[axis] = (*steps)[axis] / settings_.steps_per_mm[i];
   }
+  position_mm_ = AxesOf(drawing_.kind->drive_map(), position_mm_);
   return position_mm_;
 }
 

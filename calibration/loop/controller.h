@@ -9,6 +9,7 @@
 #include "sim/link/link.h"
 #include "sim/machine/axis.h"
 #include "sim/machine/machine.h"
+#include "sim/measure/row.h"
 
 namespace caltwin {
 
@@ -59,13 +60,19 @@ class Controller {
   /// G38.4: away until it releases.
   Expected<void> ProbeAway(const Vec3<double>& target_mm, double feed_mm_s);
   /// Tip centre in machine coordinates, from whole motor steps (M114 Count, without
-  /// backlash steps) over the steps per mm believed.
+  /// backlash steps) over the steps per mm believed, of the drives.
   Expected<Vec3<double>> ReadPosition_mm();
   /// Where it was last commanded to, or read.
   const Vec3<double>& position_mm() const { return position_mm_; }
   /// Sense of each axis's last move, +1 or -1; NaN: unknown.
   const Vec3<double>& direction() const { return direction_; }
   void set_direction(const Vec3<double>& sense) { direction_ = sense; }
+  /// The same of each drive, where drives move the axes together.
+  const Vec3<double>& drive_direction() const { return drive_direction_; }
+  void set_drive_direction(const Vec3<double>& sense) { drive_direction_ = sense; }
+  /// Where its drives move the axes together: what they were told for `row.cmd_mm`, and
+  /// in which sense they moved last.
+  void NoteMotors(Row* row) const;
   /// Restarts the controller (M999); it has to be homed again.
   Expected<void> Restart();
 
@@ -82,6 +89,7 @@ class Controller {
   Settings settings_{};
   Vec3<double> position_mm_;
   Vec3<double> direction_;
+  Vec3<double> drive_direction_;
 };
 
 }  // namespace caltwin

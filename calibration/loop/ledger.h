@@ -18,6 +18,8 @@ struct Ledger {
   int homings = 0;
   /// Sense of each axis's last move; unknown before the first.
   Vec3<double> direction = Vec3<double>::Constant(kUnknown);
+  /// The same of each drive, where drives move the axes together.
+  Vec3<double> drive_direction = Vec3<double>::Constant(kUnknown);
   /// How often each artefact has been put down anew; part of a row's `setup`.
   std::map<std::string, int> placements{};
   /// Estimates by name ("backlash.x": the whole gap), the last of each.

@@ -221,6 +221,7 @@ Row Probing::RowOf(const Face& face, const TouchPlan& plan) const {
     variance_mm2 += face.n[i] * face.n[i] * sd_mm * sd_mm;
   }
   row.sigma_mm = std::sqrt(variance_mm2);
+  controller_->NoteMotors(&row);
   return row;
 }
 

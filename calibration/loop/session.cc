@@ -8,6 +8,7 @@
 #include "calibration/estimate/expanded.h"
 #include "sim/base/require.h"
 #include "sim/base/units.h"
+#include "sim/machine/machine_kind.h"
 
 namespace caltwin {
 namespace {
@@ -18,12 +19,12 @@ std::size_t IndexOf(Axis axis) {
 
 }  // namespace
 
-std::string NameOf(Setting setting, Axis axis) {
+std::string NameOf(Setting setting, Axis axis, const DriveMap* drives) {
   switch (setting) {
     case Setting::kStepsPerMm:
-      return "steps_per_mm." + Name(axis);
+      return "steps_per_mm." + DriveName(drives, Index(axis));
     case Setting::kBacklash:
-      return "backlash." + Name(axis);
+      return "backlash." + DriveName(drives, Index(axis));
     case Setting::kDeflection:
     case Setting::kSingleDeflection:
       return "probe_pretravel." + Name(axis);
@@ -60,6 +61,11 @@ Session::Session(Bench* bench,
       controller_(bench->link, bench->machine),
       probing_(bench, &controller_) {
   controller_.set_direction(bench->ledger.direction);
+  controller_.set_drive_direction(bench->ledger.drive_direction);
+}
+
+std::string Session::NameHere(Setting setting, Axis axis) const {
+  return NameOf(setting, axis, bench_->machine.kind->drive_map());
 }
 
 double Session::Believed(Setting setting, Axis axis) const {
@@ -90,7 +96,7 @@ void Session::Measured(const std::string& name,
 }
 
 void Session::Measured(const Proposal& proposal) {
-  Measured(NameOf(proposal.setting, proposal.axis),
+  Measured(NameHere(proposal.setting, proposal.axis),
            Believed(proposal.setting, proposal.axis),
            proposal.why);
   result_.steps.back().iteration = proposal.iteration;
@@ -134,7 +140,7 @@ Expected<std::string> Session::WhyNot(const Proposal& proposal, double before) {
   const auto answer =
       bench_->person->Do({.kind = Act::Kind::kConfirm,
                           .text = fmt::format("Set {} from {:.4f} to {:.4f}? {}",
-                                              NameOf(proposal.setting, proposal.axis),
+                                              NameHere(proposal.setting, proposal.axis),
                                               before,
                                               proposal.after,
                                               proposal.why),
@@ -148,7 +154,7 @@ Expected<std::string> Session::WhyNot(const Proposal& proposal, double before) {
 
 Expected<bool> Session::Apply(const Proposal& proposal) {
   const double before = Believed(proposal.setting, proposal.axis);
-  const std::string name = NameOf(proposal.setting, proposal.axis);
+  const std::string name = NameHere(proposal.setting, proposal.axis);
   result_.steps.push_back({.procedure = procedure_,
                            .variant = variant_,
                            .iteration = proposal.iteration,
@@ -183,7 +189,7 @@ Expected<bool> Session::Apply(const Proposal& proposal) {
 }
 
 Expected<void> Session::RollBack(const Proposal& proposal, double before) {
-  const std::string name = NameOf(proposal.setting, proposal.axis);
+  const std::string name = NameHere(proposal.setting, proposal.axis);
   Step step{.procedure = procedure_,
             .variant = variant_,
             .iteration = proposal.iteration,
@@ -213,7 +219,7 @@ Expected<bool> Session::KeepOrRollBack(const Proposal& proposal,
     Tell(
         fmt::format("{}: the verification came out worse ({:.4f} mm, before {:.4f} mm)"
                     "; the text does not take the change back.",
-                    NameOf(proposal.setting, proposal.axis),
+                    NameHere(proposal.setting, proposal.axis),
                     check.error_after,
                     check.error_before));
     return true;
@@ -277,6 +283,7 @@ ProcedureResult Session::Finish(const Expected<void>& run) {
     if (result_.ending != Ending::kNoTrigger) bench_->ledger.homings = 0;
   }
   bench_->ledger.direction = controller_.direction();
+  bench_->ledger.drive_direction = controller_.drive_direction();
   result_.touches = probing_.touches();
   return result_;
 }

@@ -20,7 +20,7 @@ namespace caltwin {
 enum class Setting { kStepsPerMm, kBacklash, kDeflection, kSingleDeflection };
 
 /// "steps_per_mm.x", "backlash.x", "probe_pretravel.x".
-std::string NameOf(Setting setting, Axis axis);
+std::string NameOf(Setting setting, Axis axis, const DriveMap* drives = nullptr);
 std::string UnitOf(Setting setting);
 /// What `settings` hold of it.
 double ValueOf(const Settings& settings, Setting setting, Axis axis);
@@ -104,6 +104,7 @@ class Session {
   ProcedureResult Finish(const Expected<void>& run);
 
  private:
+  std::string NameHere(Setting setting, Axis axis) const;
   /// Why a change may not be made, by limit or person; empty: it may.
   Expected<std::string> WhyNot(const Proposal& proposal, double before);
   Expected<void> Write(Setting setting, Axis axis, double value);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "calibration/kinds/corexy/diagonals.h"
 #include "calibration/procedures/cluster_backlash.h"
 #include "calibration/procedures/deflection.h"
 #include "calibration/procedures/dial_backlash.h"
@@ -29,7 +30,8 @@ std::span<const Procedure> AllProcedures() {
                                   kSameSideBacklash,
                                   kAwayReturnBacklash,
                                   kJointEstimate,
-                                  kPlaneTilt};
+                                  kPlaneTilt,
+                                  kBeltDiagonals};
   return kAll;
 }
 

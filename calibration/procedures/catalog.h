@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <functional>
 #include <span>
 #include <string>
@@ -15,6 +16,11 @@ namespace caltwin {
 /// A procedure made ready by its options: run it on a bench.
 using PreparedProcedure = std::function<ProcedureResult(Bench* bench)>;
 
+/// @name Kinds of machines that a procedure is for
+inline constexpr std::array<std::string_view, 1> kOwnDrives = {"cartesian"};
+/// Of one that asks nothing of any drive alone.
+inline constexpr std::array<std::string_view, 2> kAnyDrives = {"cartesian", "corexy"};
+
 /// One published or own calibration procedure.
 struct Procedure {
   std::string_view name;       ///< Its id in scenarios: "next_dual_dimension".
@@ -26,6 +32,7 @@ struct Procedure {
   /// Reads the options of a scenario step ({axis: x, variant: corrected, ...})
   /// strictly, adding faults; the result must not be called where there were any.
   PreparedProcedure (*prepare)(YamlMap options);
+  std::span<const std::string_view> kinds = kOwnDrives;  ///< Machines that it is for.
 };
 
 /// Every procedure there is, in the order help lists them.

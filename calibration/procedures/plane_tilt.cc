@@ -164,6 +164,7 @@ constinit const Procedure kPlaneTilt{
         "+y. Pre-travel and tip lift all points alike and cancel. Three points "
         "fit exactly, so their residual proves nothing.",
     .has_variants = false,
-    .prepare = Prepare};
+    .prepare = Prepare,
+    .kinds = kAnyDrives};
 
 }  // namespace caltwin

@@ -3,10 +3,12 @@
 #include <algorithm>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "scenarios/kinds/gantry_trial.h"
 #include "scenarios/parameter_name.h"
 #include "sim/effects/catalog.h"
+#include "sim/machine/machine_kind.h"
 
 namespace caltwin {
 namespace {
@@ -35,6 +37,10 @@ FirmwareOptions ReadFirmware(YamlMap map) {
   return options;
 }
 
+bool IsFor(const Procedure& procedure, const MachineKind* kind) {
+  return std::ranges::find(procedure.kinds, kind->name()) != procedure.kinds.end();
+}
+
 // What the file leaves out, as if `text` stood at that place.
 YamlMap Unwritten(const std::string& text, const YamlValue& at, Faults* faults) {
   const Place place = at.place();
@@ -59,13 +65,14 @@ YamlMap UsualOptions(const Procedure& procedure,
 }  // namespace
 
 void GantryScenario::ReadKeys(YamlMap* map, Scenario* scenario) {
+  machine_kind_ = scenario->machine.machine.kind;
   if (const auto effects = map->Optional("effects")) {
     const auto more = ReadEffects(effects->Map(), scenario->machine.machine);
     scenario->effects.insert(scenario->effects.end(), more.begin(), more.end());
     RefuseTwice(scenario->effects, map->faults());
   }
   if (const auto settings = map->Optional("settings")) {
-    scenario->settings = ReadSettingSpecs(settings->Map());
+    scenario->settings = ReadSettingSpecs(settings->Map(), *machine_kind_);
   }
   if (const auto instruments = map->Optional("instruments")) {
     scenario->instruments = ReadInstruments(instruments->Map());
@@ -81,7 +88,9 @@ void GantryScenario::ReadKeys(YamlMap* map, Scenario* scenario) {
 
 std::vector<std::string> GantryScenario::StepNames() const {
   std::vector<std::string> names;
-  for (const Procedure& procedure : AllProcedures()) names.emplace_back(procedure.name);
+  for (const Procedure& procedure : AllProcedures()) {
+    if (IsFor(procedure, machine_kind_)) names.emplace_back(procedure.name);
+  }
   return names;
 }
 
@@ -103,18 +112,28 @@ void GantryScenario::RefuseStep(const std::string& name,
   std::vector<std::string> names = StepNames();
   names.insert(names.begin(), {"external", "gcode"});
   const std::string nearest = NearestWord(name, names);
+  if (FindProcedure(name) != nullptr) {
+    options.Fail(fmt::format("is no procedure of a {} machine", machine_kind_->name()),
+                 fmt::format("there are {}", fmt::join(StepNames(), ", ")));
+    return;
+  }
   options.Fail("is no procedure that this version knows",
                (nearest.empty() ? "" : fmt::format("did you mean '{}'? ", nearest)) +
                    "`caltwin explain` lists them all");
 }
 
 Expectable GantryScenario::CanExpect() const {
-  return {.parameters = AllParameterNames(), .figures = {"position_error_mm.p95"}};
+  return {.parameters = AllParameterNames(machine_kind_),
+          .figures = {"position_error_mm.p95"}};
 }
 
 std::vector<std::string> GantryScenario::EffectNames() const {
   std::vector<std::string> names;
-  for (const Effect* effect : AllEffects()) names.emplace_back(effect->name);
+  for (const Effect* effect : AllEffects()) {
+    const bool is_there =
+        machine_kind_ == CartesianKind() || !AxesOn(*effect, machine_kind_).empty();
+    if (is_there) names.emplace_back(effect->name);
+  }
   return names;
 }
 

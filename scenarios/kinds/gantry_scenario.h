@@ -27,6 +27,9 @@ class GantryScenario : public KindScenario {
   void CheckVaried(const Scenario& scenario, Faults* faults) const override;
   std::unique_ptr<KindTrial> Begin(const Scenario& scenario,
                                    const Chance& chance) const override;
+
+ private:
+  const MachineKind* machine_kind_ = CartesianKind();
 };
 
 /// The values that `varied` gives replace those of the same effect on the same axis.

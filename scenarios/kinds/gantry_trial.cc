@@ -13,9 +13,11 @@ namespace {
 constexpr int kPoses = 1000;
 
 // What a program that reports no steps of its own has changed.
-std::vector<Step> ChangesBetween(const Settings& before, const Settings& after) {
+std::vector<Step> ChangesBetween(const MachineKind* kind,
+                                 const Settings& before,
+                                 const Settings& after) {
   std::vector<Step> steps;
-  for (const std::string& name : SettingNames()) {
+  for (const std::string& name : SettingNames(kind)) {
     const double was = *SettingNamed(before, name);
     const double is = *SettingNamed(after, name);
     if (was == is) continue;
@@ -91,7 +93,7 @@ void GantryTrial::BeginStep(const CalibrationStep& /*step*/) {
 }
 
 void GantryTrial::EndExternal(ProcedureResult* done) {
-  done->steps = ChangesBetween(before_step_, twin_.settings());
+  done->steps = ChangesBetween(bench_.machine.kind, before_step_, twin_.settings());
   for (const Estimate& estimate : done->estimates) {
     if (SettingNamed(before_step_, estimate.name)) continue;  // Told by its change.
     done->steps.push_back({.procedure = "external",

@@ -46,7 +46,7 @@ std::vector<std::string> NamesOf(const GantryTruth& trial, const Expectation& ex
       named.insert(ParameterName(injected.effect, injected.axis, i));
     }
   }
-  for (const std::string& name : SettingNames()) {
+  for (const std::string& name : SettingNames(trial.machine->kind)) {
     const bool is_wrong =
         SettingNamed(trial.before, name) != SettingNamed(trial.machine->settings, name);
     if (is_wrong) named.insert(name);
@@ -57,14 +57,16 @@ std::vector<std::string> NamesOf(const GantryTruth& trial, const Expectation& ex
   }
   for (const ParameterExpectation& p : expect.parameters) named.insert(p.name);
   std::vector<std::string> names;
-  for (const std::string& name : AllParameterNames()) {
+  for (const std::string& name : AllParameterNames(trial.machine->kind)) {
     if (named.contains(name)) names.push_back(name);
   }
   return names;
 }
 
 ParameterResult MakeRow(const GantryTruth& trial, const std::string& name) {
-  ParameterResult row{.name = name, .unit = std::string(FindParameter(name)->unit)};
+  ParameterResult row{
+      .name = name,
+      .unit = std::string(FindParameter(name, trial.machine->kind)->unit)};
   row.injected = *BuiltValueNamed(*trial.machine, *trial.effects, name);
   const auto before = SettingNamed(trial.before, name);
   const auto after = SettingNamed(trial.after, name);

@@ -81,7 +81,7 @@ PlanStudy::PlanStudy(const fs::path& plan_file, Scenario varied, std::uint64_t s
         "study a scenario of it");
   }
   session_ = PlanSession(ReadPlan(plan_file), machine, seed);
-  session_.header.settings["1"] = AsHeader(machine.settings);
+  session_.header.settings["1"] = AsHeader(machine.settings, *machine.kind);
   RefuseWithoutArtefact(varied_.effects, session_.header);
   for (Row& row : session_.rows) {
     row.settings = "1";

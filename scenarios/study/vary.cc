@@ -45,7 +45,8 @@ void Vary(YamlMap vary, Scenario* scenario) {
       }
       const std::string key = name.substr(kOfSettings.size());
       const auto [setting, axis] = Parted(key, key.find('.'));
-      for (const SettingSpec& spec : ReadSettingSpecs(value.Within(setting, axis))) {
+      for (const SettingSpec& spec : ReadSettingSpecs(
+               value.Within(setting, axis), *scenario->machine.machine.kind)) {
         VarySetting(spec, &scenario->settings);
       }
       continue;

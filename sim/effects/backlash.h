@@ -1,5 +1,6 @@
 #pragma once
 
+#include "sim/effects/drive.h"
 #include "sim/effects/effect.h"
 
 namespace caltwin {
@@ -50,9 +51,10 @@ struct Backlash {
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {
-    const Axis axis = *AxisNamed(asked.axis);
-    if (WeightKeepsGapShut(axis, asked.machine.axis(axis))) return;
-    errors->lost_motion_mm[Index(axis)] += asked.p[0];
+    const Drive drive = *DriveNamed(asked.axis);
+    const bool is_z = asked.axis == "z";
+    if (is_z && WeightKeepsGapShut(Axis::kZ, asked.machine.axis(Axis::kZ))) return;
+    errors->lost_motion_mm[drive.index] += asked.p[0];
   }
 };
 

@@ -1,13 +1,14 @@
 #pragma once
 
 #include "sim/base/units.h"
+#include "sim/effects/drive.h"
 #include "sim/effects/knob_turns.h"
 #include "sim/machine/kinds/delta/knobs.h"
 
 namespace caltwin {
 
 /// A delta's tower whose belt moves its carriage by more (+) or less than commanded,
-/// counted from its endstop.
+/// counted from its endstop; a CoreXY's belt that does, counted from where it is homed.
 struct BeltPitch {
   static constexpr std::array kParameters = {
       Parameter{.name = "error_ppm",
@@ -54,7 +55,13 @@ struct BeltPitch {
   }
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {
-    AddTurns(asked, Turns(asked.axis, asked.p), errors);
+    const auto& drives = asked.at.drives;
+    if (!drives) return AddTurns(asked, Turns(asked.axis, asked.p), errors);
+    const int i = DriveNamed(asked.axis)->index;
+    const T farther_mm =
+        FractionFromPpm(asked.p[0]) * (DriveAt_mm(asked) - drives->home_mm[i]);
+    errors->motion_mm +=
+        drives->map->axes_by_drive.col(i).template cast<T>() * farther_mm;
   }
 };
 

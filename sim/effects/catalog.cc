@@ -45,7 +45,8 @@ std::span<const std::string_view> AxesOn(const Effect& effect,
   const auto own = kind->effects();
   if (own.empty()) return effect.axes;
   const auto found = std::ranges::find(own, effect.name, &KindEffect::effect);
-  return found == own.end() ? std::span<const std::string_view>() : found->axes;
+  if (found != own.end()) return found->axes;
+  return kind->has_other_effects() ? effect.axes : std::span<const std::string_view>();
 }
 
 Shown ShownOn(const Effect& effect, std::string_view axis, const MachineKind* kind) {

@@ -43,6 +43,7 @@
 #include "sim/effects/probe_pretravel.h"
 #include "sim/effects/probe_temperature.h"
 #include "sim/effects/pulley_eccentric.h"
+#include "sim/effects/racking.h"
 #include "sim/effects/random_walk.h"
 #include "sim/effects/reversal_spike.h"
 #include "sim/effects/rod_mismatch.h"
@@ -91,6 +92,7 @@ using EffectList = std::tuple<StepsPerMm,
                               Angular,
                               GantrySag,
                               AxisTwist,
+                              Racking,
                               BeltPitch,
                               CarriageBacklash,
                               RodMismatch,

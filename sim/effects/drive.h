@@ -11,10 +11,13 @@
 
 namespace caltwin {
 
-/// What a drive moves: an axis of a cartesian machine, a tower's carriage or a screw.
+/// What a drive moves: an axis of a cartesian machine, a tower's carriage, a screw, or,
+/// with others, the axes of a CoreXY.
 struct Drive {
   int index = 0;
-  bool is_motor = false;  ///< Of a tower or a screw: in the `motor_` columns.
+  bool is_motor = false;  ///< In the `motor_` columns.
+  /// Its place in a machine's arrays of three.
+  constexpr std::size_t slot() const { return static_cast<std::size_t>(index); }
 };
 
 /// "x" .. "z", "a" .. "c", "z1" .. "z3"; nullopt for anything else.
@@ -41,8 +44,9 @@ inline std::string SenseCovariate(std::string_view name) {
 }
 
 /// What a row's motors are told: a tower's travel down from its endstop, a screw's
-/// height over its. nullopt on a machine that has no motors beside its axes.
+/// height over its, a belt's. nullopt on a machine that has no motors beside its axes.
 inline std::optional<Vec3<double>> MotorsOf_mm(const At& at) {
+  if (at.drives) return DrivesOf(at.drives->map, at.q_mm);
   if (at.linkage != nullptr) return at.linkage->motors_mm;
   if (!at.screws) return std::nullopt;
   const double up_mm = at.q_mm[2] - at.screws->stated_z_mm;
@@ -50,6 +54,7 @@ inline std::optional<Vec3<double>> MotorsOf_mm(const At& at) {
 }
 /// In which sense each of them came.
 inline std::optional<Vec3<double>> MotorDirOf(const At& at) {
+  if (at.drives) return at.drives->dir;
   if (at.linkage != nullptr) return at.linkage->motor_dir;
   if (!at.screws) return std::nullopt;
   return at.screws->motor_dir;
@@ -70,6 +75,18 @@ T& DriveError_mm(std::string_view axis, Errors<T>* errors) {
   const Drive drive = *DriveNamed(axis);
   return drive.is_motor ? errors->motor_mm[drive.index]
                         : errors->motion_mm[drive.index];
+}
+
+/// The sense in which that drive came.
+inline double DriveSense(const At& at, int drive) {
+  const bool is_coupled = at.drives && at.drives->map->is_coupled(drive);
+  return is_coupled ? at.drives->dir[drive] : at.dir[drive];
+}
+/// What the drives' play takes from the tip.
+inline Vec3<double> TakenByPlay_mm(const At& at, const Vec3<double>& lost_motion_mm) {
+  Vec3<double> taken_mm;
+  for (int i = 0; i < 3; ++i) taken_mm[i] = DriveSense(at, i) * lost_motion_mm[i] / 2;
+  return AxesOf(at.drives ? at.drives->map : nullptr, taken_mm);
 }
 
 /// What the motors move further than commanded: their errors and gaps, as they last
@@ -128,13 +145,16 @@ Vec3<T> BuiltWeights(const At& at, const Errors<T>& errors) {
          WeightsHeldBack<T>(built_mm, errors.held_mm2, {x_mm, y_mm});
 }
 
-/// How the nozzle follows the motors: on a delta through its chain; over a bed on
-/// screws by how far that truly stands higher there than the screws as drawn, told so,
-/// have it.
+/// How the nozzle follows the motors: by the map of drives that move the axes together;
+/// on a delta through its chain; over a bed on screws by how far that truly stands
+/// higher there than the screws as drawn, told so, have it.
 ///
 ///   dz = -(W . (told + moved) - w . told),  W of the screws as built, w as drawn
 template <typename T>
 Vec3<T> MotionOfMotors_mm(const At& at, const Errors<T>& errors) {
+  if (at.drives) {
+    return at.drives->map->axes_by_drive.template cast<T>() * errors.motor_mm;
+  }
   if (at.linkage != nullptr) {
     // A carriage that is lower is one whose endstop is.
     return -at.linkage->by_knob.middleCols<3>(kEndstopKnob).cast<T>() *

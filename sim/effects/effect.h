@@ -10,6 +10,7 @@
 
 #include "sim/base/distribution.h"
 #include "sim/machine/axis.h"
+#include "sim/machine/drive_map.h"
 #include "sim/machine/kinds/triple_z/drawing.h"
 #include "sim/machine/kinds/z_station/drawing.h"
 #include "sim/machine/machine.h"
@@ -134,6 +135,13 @@ struct ScrewsAt {
   bool is_fixed = false;
 };
 
+/// What drives that move the axes together did before a reading.
+struct DrivesAt {
+  const DriveMap* map = nullptr;                ///< Never null.
+  Vec3<double> dir = Vec3<double>::Zero();      ///< Sense of each drive's last move.
+  Vec3<double> home_mm = Vec3<double>::Zero();  ///< Where each stood when homed.
+};
+
 struct LinkageAt;
 
 /// Where and under which circumstances an error is asked for: what is known of one
@@ -181,6 +189,9 @@ struct At {
   /// Borrowed.
   const LinkageAt* linkage = nullptr;
   std::optional<ScrewsAt> screws{};  ///< Over a bed on screws.
+  /// Where drives move the axes together; then what belongs to a drive has its index:
+  /// `steps_per_mm`, `compensation_mm`.
+  std::optional<DrivesAt> drives{};
 
   /// Where the tip's centre (or what a gauge looks at) is by command, machine axes.
   Vec3<double> Tip_mm() const { return q_mm + probe_off_mm; }
@@ -189,10 +200,12 @@ struct At {
 /// All errors at one place, summed over the effects. Signs as in docs/signs.md.
 template <typename T>
 struct Errors {
-  Vec3<T> steps_per_mm = Vec3<T>::Zero();    ///< True.
-  Vec3<T> motion_mm = Vec3<T>::Zero();       ///< Tip: actual minus commanded.
-  Vec3<T> lost_motion_mm = Vec3<T>::Zero();  ///< Full width; acts as -dir * width / 2.
-  /// @name Carriages of a delta (+ down), screws of a triple-Z printer (+ up)
+  Vec3<T> steps_per_mm = Vec3<T>::Zero();  ///< True, by drive.
+  Vec3<T> motion_mm = Vec3<T>::Zero();     ///< Tip: actual minus commanded.
+  /// By drive, full width; acts as -dir * width / 2.
+  Vec3<T> lost_motion_mm = Vec3<T>::Zero();
+  /// @name Carriages of a delta (+ down), screws of a triple-Z printer (+ up), drives
+  /// that move the axes together
   Vec3<T> motor_mm = Vec3<T>::Zero();              ///< Moved less commanded.
   Vec3<T> motor_lost_motion_mm = Vec3<T>::Zero();  ///< Full width, by motor_dir.
   /// Screws of a triple-Z printer: where they stand less where they are drawn.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "sim/effects/drive.h"
 #include "sim/effects/effect.h"
 #include "sim/effects/forms.h"
 
@@ -35,7 +36,7 @@ struct Microstep {
     return 4 * drawing.lead_mm / drawing.full_steps_per_rev;
   }
   static Shown In(std::string_view axis) {
-    return {.channel = std::string(axis), .covariates = {std::string(axis)}};
+    return {.channel = std::string(axis), .covariates = {DriveCovariate(axis)}};
   }
   static constexpr Effect kDeclaration = {
       .name = "microstep",
@@ -70,10 +71,9 @@ struct Microstep {
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {
-    const Axis axis = *AxisNamed(asked.axis);
-    const int i = Index(axis);
-    errors->motion_mm[i] += Wave_mm(
-        asked.p[0], asked.p[1], asked.q_mm[i], T(Period_mm(asked.machine.axis(axis))));
+    const AxisDrawing& drawing = asked.machine.axes[DriveNamed(asked.axis)->slot()];
+    DriveError_mm(asked.axis, errors) +=
+        Wave_mm(asked.p[0], asked.p[1], DriveAt_mm(asked), T(Period_mm(drawing)));
   }
 };
 

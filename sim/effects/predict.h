@@ -17,9 +17,10 @@ namespace caltwin {
 /// squareness on a wrong scale is exact.
 ///
 /// Over a bed on screws `at.screws` adds where the bed stands by its screws. Where
-/// links lead to the tip, `at.linkage` says where the nozzle stands beside its
-/// commanded place as the machine is believed to be built; effects that turn its build
-/// are straight about that.
+/// drives move the axes together, `at.drives` says how, and what a drive does wrong
+/// acts through that. Where links lead to the tip, `at.linkage` says where the nozzle
+/// stands beside its commanded place as the machine is believed to be built; effects
+/// that turn its build are straight about that.
 template <typename T>
 Errors<T> ErrorsAt(const Machine& machine,
                    const At& at,
@@ -61,18 +62,23 @@ Errors<T> ErrorsAt(const Machine& machine,
     errors.motion_mm[z] += at.screws->off_mm;
     errors.motion_mm += MotionOfMotors_mm(at, errors);
   }
+  const DrivesAt* drives = at.drives ? &*at.drives : nullptr;
+  const Vec3<double> told_mm = drives ? DrivesOf(drives->map, at.q_mm) : at.q_mm;
+  Vec3<T>& moved_mm = drives ? errors.motor_mm : errors.motion_mm;
   for (const Axis axis : kAxes) {
     const int i = Index(axis);
     // A bed's screws have had theirs.
     const bool is_screws = at.screws && axis == Axis::kZ;
     if (at.steps_per_mm[i] > 0 && !is_screws) {
-      errors.motion_mm[i] += (at.q_mm[i] - machine.axis(axis).home_mm()) *
-                             (T(at.steps_per_mm[i] / errors.steps_per_mm[i]) - 1.0);
+      const double home_mm = drives ? drives->home_mm[i] : machine.axis(axis).home_mm();
+      moved_mm[i] += (told_mm[i] - home_mm) *
+                     (T(at.steps_per_mm[i] / errors.steps_per_mm[i]) - 1.0);
     }
-    const double sense = at.dir[i];
+    const double sense = DriveSense(at, i);
     const double compensation_mm = at.compensation_mm[i];
-    errors.motion_mm[i] -= sense * (errors.lost_motion_mm[i] - compensation_mm) / 2.0;
+    moved_mm[i] -= sense * (errors.lost_motion_mm[i] - compensation_mm) / 2.0;
   }
+  if (drives) errors.motion_mm += MotionOfMotors_mm(at, errors);
   add(/*drive=*/false, Vec3<T>(q_mm + errors.motion_mm));
   return errors;
 }

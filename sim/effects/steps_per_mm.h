@@ -1,5 +1,6 @@
 #pragma once
 
+#include "sim/effects/drive.h"
 #include "sim/effects/effect.h"
 
 namespace caltwin {
@@ -25,7 +26,7 @@ struct StepsPerMm {
   static void Neutral(const Machine& machine,
                       std::string_view axis,
                       std::span<double> values) {
-    values[0] = machine.axis(*AxisNamed(axis)).steps_per_mm();
+    values[0] = machine.axes[DriveNamed(axis)->slot()].steps_per_mm();
   }
   static constexpr Effect kDeclaration = {
       .name = "steps_per_mm",
@@ -50,7 +51,7 @@ struct StepsPerMm {
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {
-    errors->steps_per_mm[Index(*AxisNamed(asked.axis))] = asked.p[0];
+    errors->steps_per_mm[DriveNamed(asked.axis)->index] = asked.p[0];
   }
 };
 

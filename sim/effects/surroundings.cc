@@ -147,6 +147,23 @@ ScrewsAt ScrewsAtOf(const Row& row, const TripleZDrawing& drawing, const At& at)
   return here;
 }
 
+// In which sense the drives came: as the row says, else as its axes did.
+DrivesAt DrivesAtOf(const Row& row,
+                    const DriveMap* map,
+                    const Machine& machine,
+                    const At& at) {
+  DrivesAt here{.map = map,
+                .home_mm = DrivesOf(map, machine.kind->AtHome(machine).q_mm)};
+  const Vec3<double> by_axes = DrivesOf(map, at.dir);
+  for (int i = 0; i < 3; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const double usual = by_axes[i] == 0 ? 0 : std::copysign(1, by_axes[i]);
+    const bool is_told = map->is_coupled(i) && Known(row.motor_dir[k]);
+    here.dir[i] = is_told ? row.motor_dir[k] : usual;
+  }
+  return here;
+}
+
 }  // namespace
 
 At AtOf(const Row& row, const Machine& machine, const Settings& in_force) {
@@ -177,6 +194,13 @@ At AtOf(const Row& row, const Machine& machine, const Settings& in_force) {
     at.q_mm += (row.value_mm + at.tip_radius_cfg_mm) * at.n - at.probe_off_mm;
   }
   if (IsRelease(row)) at.feed_mm_s = -at.feed_mm_s;
+  if (const DriveMap* map = machine.kind->drive_map()) {
+    at.drives = DrivesAtOf(row, map, machine, at);
+    // Of an axis, which is no drive's.
+    for (int i = 0; i < 3; ++i) {
+      if (map->is_coupled(i)) at.since_rev_mm[i] = kUnknown;
+    }
+  }
   if (const auto* screws = machine.Own<TripleZDrawing>()) {
     at.screws = ScrewsAtOf(row, *screws, at);
     at.on_table = true;  // Gauges too read how far the bed is.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "sim/base/units.h"
+#include "sim/effects/drive.h"
 #include "sim/effects/effect.h"
 
 namespace caltwin {
@@ -53,11 +54,11 @@ struct WindupLoad {
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {
-    const Axis axis = *AxisNamed(asked.axis);
+    const Drive drive = *DriveNamed(asked.axis);
     const double load_n = Known(asked.at.load_n)
                               ? asked.at.load_n
-                              : asked.machine.axis(axis).rail_friction_n;
-    errors->lost_motion_mm[Index(axis)] += MmFromUm(asked.p[0]) * load_n;
+                              : asked.machine.axes[drive.slot()].rail_friction_n;
+    errors->lost_motion_mm[drive.index] += MmFromUm(asked.p[0]) * load_n;
   }
 };
 

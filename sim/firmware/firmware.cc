@@ -62,11 +62,7 @@ const Settings& Firmware::settings() const {
 }
 
 Vec3<double> Firmware::position_mm() const {
-  Vec3<double> position_mm = parts_->motion.counts();
-  for (const Axis axis : kAxes) {
-    position_mm[Index(axis)] /= parts_->settings.steps_per_mm[Index(axis)];
-  }
-  return position_mm;
+  return parts_->motion.counted_mm();
 }
 
 Vec3<double> Firmware::motor_steps() const {

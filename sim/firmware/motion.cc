@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/machine/machine_kind.h"
+
 namespace caltwin {
 namespace {
 
@@ -30,17 +32,42 @@ Motion::Motion(const Machine& machine, const Settings* settings, Plant* plant)
     : settings_(settings),
       plant_(plant),
       drawings_(machine.axes),
+      drives_(machine.kind->drive_map()),
       limits_(LimitsOf(machine)),
       queue_(limits_) {}
 
+Vec3<double> Motion::AxesAt_mm(const Vec3<double>& counts) const {
+  Vec3<double> drives_mm;
+  for (int i = 0; i < 3; ++i) drives_mm[i] = counts[i] / settings_->steps_per_mm[i];
+  return AxesOf(drives_, drives_mm);
+}
+
+Vec3<double> Motion::counts_now() const {
+  Vec3<double> counts;
+  for (int i = 0; i < 3; ++i) counts[i] = static_cast<double>(motors_[i].count);
+  return counts;
+}
+
+Vec3<double> Motion::counted_mm() const {
+  return AxesAt_mm(counts_done_);
+}
+
+std::int64_t Motion::CountAt(int drive, const Vec3<double>& axes_mm) const {
+  return WholeSteps(DrivesOf(drives_, axes_mm)[drive] * settings_->steps_per_mm[drive]);
+}
+
+bool Motion::Moves(int drive, Axis axis) const {
+  if (drives_ == nullptr) return drive == Index(axis);
+  return drives_->drives_by_axis(drive, Index(axis)) != 0;
+}
+
 Motion::StepPlan Motion::PlanSteps(const Vec3<double>& target_mm) {
   StepPlan plan;
-  for (const Axis axis : kAxes) {
-    const int i = Index(axis);
-    AxisState& state = axes_[i];
+  for (int i = 0; i < 3; ++i) {
+    DriveState& state = motors_[i];
     const double steps_per_mm = settings_->steps_per_mm[i];
     plan.segment.from_steps[i] = static_cast<double>(state.motor());
-    plan.delta[i] = WholeSteps(target_mm[i] * steps_per_mm) - state.count;
+    plan.delta[i] = CountAt(i, target_mm) - state.count;
     plan.delta_mm[i] = static_cast<double>(plan.delta[i]) / steps_per_mm;
     if (plan.delta[i] != 0) {
       const auto gap = WholeSteps(settings_->backlash_mm[i] * steps_per_mm);
@@ -48,9 +75,10 @@ Motion::StepPlan Motion::PlanSteps(const Vec3<double>& target_mm) {
       plan.is_empty = false;
     }
     state.count += plan.delta[i];
-    state.commanded_mm = target_mm[i];
     plan.segment.to_steps[i] = static_cast<double>(state.motor());
   }
+  commanded_mm_ = target_mm;
+  plan.delta_mm = AxesOf(drives_, plan.delta_mm);
   return plan;
 }
 
@@ -62,11 +90,7 @@ void Motion::MoveTo(const Vec3<double>& target_mm, double feed_mm_s) {
   move.segment.from_steps = plan.segment.from_steps;
   move.segment.to_steps = plan.segment.to_steps;
   queue_.Add(std::move(move));
-  Vec3<double> counts;
-  for (const Axis axis : kAxes) {
-    counts[Index(axis)] = static_cast<double>(axes_[Index(axis)].count);
-  }
-  counts_queued_.push_back(counts);
+  counts_queued_.push_back(counts_now());
   if (queue_.size() > kQueueLength) PerformFirst();
 }
 
@@ -120,18 +144,20 @@ void Motion::AccountForStop(const StepPlan& plan, const Segment& done, double ti
   const Vec3<double> exact = done.Steps(time_s);
   const double share = done.profile.Distance_mm(time_s) / done.profile.length_mm;
   Vec3<double> whole;
-  for (const Axis axis : kAxes) {
-    const int i = Index(axis);
-    AxisState& state = axes_[i];
+  for (int i = 0; i < 3; ++i) {
+    DriveState& state = motors_[i];
     const std::int64_t motor = WholeSteps(exact[i]);
     const auto applied = WholeSteps(share * static_cast<double>(plan.backlash[i]));
     state.backlash.Stopped(plan.backlash[i], applied);
     state.count = motor - state.zero - state.backlash.applied_steps();
-    if (plan.delta[i] != 0) {
-      state.commanded_mm =
-          static_cast<double>(state.count) / settings_->steps_per_mm[i];
-    }
     whole[i] = static_cast<double>(motor);
+  }
+  const Vec3<double> stopped_mm = AxesAt_mm(counts_now());
+  for (const Axis axis : kAxes) {
+    for (int i = 0; i < 3; ++i) {
+      if (plan.delta[i] == 0 || !Moves(i, axis)) continue;
+      commanded_mm_[Index(axis)] = stopped_mm[Index(axis)];
+    }
   }
   plant_->Settle(whole);
 }
@@ -152,23 +178,19 @@ void Motion::RaiseAlarm(const std::string& words,
 void Motion::Abandon() {
   queue_.Clear();
   counts_queued_.clear();
-  for (const Axis axis : kAxes) {
-    const int i = Index(axis);
-    AxisState& state = axes_[i];
+  for (int i = 0; i < 3; ++i) {
+    DriveState& state = motors_[i];
     state.backlash.Clear();
     state.count = WholeSteps(motors_done_[i]) - state.zero;
-    state.commanded_mm = static_cast<double>(state.count) / settings_->steps_per_mm[i];
-    state.is_homed = false;
   }
+  commanded_mm_ = AxesAt_mm(counts_now());
+  is_homed_.fill(false);
   NoteDone();
 }
 
 void Motion::NoteDone() {
-  for (const Axis axis : kAxes) {
-    const AxisState& state = axes_[Index(axis)];
-    counts_done_[Index(axis)] = static_cast<double>(state.count);
-    motors_done_[Index(axis)] = static_cast<double>(state.motor());
-  }
+  counts_done_ = counts_now();
+  for (int i = 0; i < 3; ++i) motors_done_[i] = static_cast<double>(motors_[i].motor());
 }
 
 Motion::Probed Motion::Probe(const Vec3<double>& target_mm,
@@ -192,7 +214,7 @@ bool Motion::Home(Axis axis) {
   const AxisDrawing& drawing = drawings_[Index(axis)];
   const double to_home = drawing.home == HomeEnd::kMin ? -1 : 1;
   const double search_mm = 1.1 * drawing.travel_mm() + 2 * kHomingBackOff_mm;
-  axes_[Index(axis)].is_homed = false;
+  is_homed_[Index(axis)] = false;
   if (!RunToSwitch(axis, to_home * search_mm, kHomingFast_mm_s)) return false;
   Vec3<double> away_mm = commanded_mm();
   away_mm[Index(axis)] -= to_home * kHomingBackOff_mm;
@@ -206,22 +228,25 @@ bool Motion::Home(Axis axis) {
 
 void Motion::SetPosition(Axis axis, double mm) {
   Finish();
-  AxisState& state = axes_[Index(axis)];
-  const std::int64_t motor = state.motor();
-  state.backlash.Clear();
-  state.commanded_mm = mm;
-  state.count = WholeSteps(mm * settings_->steps_per_mm[Index(axis)]);
-  state.zero = motor - state.count;
-  state.is_homed = true;
+  commanded_mm_[Index(axis)] = mm;
+  for (int i = 0; i < 3; ++i) {
+    if (!Moves(i, axis)) continue;
+    DriveState& state = motors_[i];
+    const std::int64_t motor = state.motor();
+    state.backlash.Clear();
+    state.count = CountAt(i, commanded_mm_);
+    state.zero = motor - state.count;
+  }
+  is_homed_[Index(axis)] = true;
   NoteDone();
 }
 
 void Motion::KeepPosition() {
   Finish();
-  for (const Axis axis : kAxes) {
-    AxisState& state = axes_[Index(axis)];
+  for (int i = 0; i < 3; ++i) {
+    DriveState& state = motors_[i];
     const std::int64_t before = state.count;
-    state.count = WholeSteps(state.commanded_mm * settings_->steps_per_mm[Index(axis)]);
+    state.count = CountAt(i, commanded_mm_);
     state.zero += before - state.count;
   }
   NoteDone();
@@ -229,15 +254,12 @@ void Motion::KeepPosition() {
 
 void Motion::Recompute(bool ignores_backlash) {
   Finish();
-  for (const Axis axis : kAxes) {
-    AxisState& state = axes_[Index(axis)];
-    if (ignores_backlash) {
-      state.count += state.backlash.applied_steps();
-      state.backlash.Forget();
-    }
-    state.commanded_mm =
-        static_cast<double>(state.count) / settings_->steps_per_mm[Index(axis)];
+  for (DriveState& state : motors_) {
+    if (!ignores_backlash) continue;
+    state.count += state.backlash.applied_steps();
+    state.backlash.Forget();
   }
+  commanded_mm_ = AxesAt_mm(counts_now());
   NoteDone();
 }
 
@@ -245,22 +267,22 @@ void Motion::Restart() {
   queue_.Clear();
   counts_queued_.clear();
   alarm_.reset();
-  for (const Axis axis : kAxes) {
-    axes_[Index(axis)] = AxisState{.zero = WholeSteps(motors_done_[Index(axis)])};
+  for (int i = 0; i < 3; ++i) {
+    motors_[i] = DriveState{.zero = WholeSteps(motors_done_[i])};
   }
+  commanded_mm_.setZero();
+  is_homed_.fill(false);
   backlash_factor_ = 10;
   NoteDone();
 }
 
 Vec3<double> Motion::commanded_mm() const {
-  return {axes_[0].commanded_mm, axes_[1].commanded_mm, axes_[2].commanded_mm};
+  return commanded_mm_;
 }
 
 Vec3<double> Motion::senses() const {
   Vec3<double> senses;
-  for (const Axis axis : kAxes) {
-    senses[Index(axis)] = axes_[Index(axis)].backlash.sense();
-  }
+  for (int i = 0; i < 3; ++i) senses[i] = motors_[i].backlash.sense();
   return senses;
 }
 

@@ -9,6 +9,7 @@
 #include "sim/firmware/backlash.h"
 #include "sim/firmware/planner.h"
 #include "sim/firmware/plant.h"
+#include "sim/machine/drive_map.h"
 #include "sim/machine/machine.h"
 
 namespace caltwin {
@@ -16,9 +17,11 @@ namespace caltwin {
 /// The part of the firmware that turns coordinates into motor steps and drives the
 /// plant: whole steps, backlash compensation, queue, homing, probe moves.
 ///
-/// Three positions of an axis are told apart: *commanded* [mm], what G-code asked for;
-/// *count*, the whole steps nearest to it, from machine zero; and the *motor*, count
-/// plus the backlash steps applied plus where machine zero lies in the plant's steps.
+/// Three positions are told apart: *commanded* [mm], what G-code asked of an axis;
+/// *count*, the whole steps of its drive nearest to it, from machine zero; and the
+/// *motor*, count plus the backlash steps applied plus where machine zero lies in the
+/// plant's steps. Where drives move the axes together (CoreXY), counts and settings are
+/// the drives', as RepRapFirmware has it: X stands for the first of them.
 class Motion {
  public:
   /// `settings` and `plant` are borrowed; steps per mm and backlash are read from
@@ -52,8 +55,8 @@ class Motion {
   /// Drops the queue where it stands (M112).
   void Abandon();
 
-  bool is_homed(Axis axis) const { return axes_[Index(axis)].is_homed; }
-  void Unhome(Axis axis) { axes_[Index(axis)].is_homed = false; }
+  bool is_homed(Axis axis) const { return is_homed_[Index(axis)]; }
+  void Unhome(Axis axis) { is_homed_[Index(axis)] = false; }
   /// What stopped the machine for good, until Restart.
   const std::optional<std::string>& alarm() const { return alarm_; }
   double time_s() const { return time_s_; }
@@ -66,24 +69,24 @@ class Motion {
   Vec3<double> commanded_mm() const;
   /// @name Of what has been performed
   const Vec3<double>& counts() const { return counts_done_; }
+  /// Where whole steps, divided by steps per mm, have the axes.
+  Vec3<double> counted_mm() const;
   const Vec3<double>& motor_steps() const { return motors_done_; }
   Vec3<double> senses() const;
 
  private:
-  struct AxisState {
-    double commanded_mm = 0;
+  struct DriveState {
     std::int64_t count = 0;
     std::int64_t zero = 0;  ///< Motor steps at count 0 without backlash steps.
     BacklashCompensation backlash{};
-    bool is_homed = false;
     std::int64_t motor() const { return zero + count + backlash.applied_steps(); }
   };
-  /// Steps of one move, by axis.
+  /// Steps of one move, by drive.
   struct StepPlan {
     std::array<std::int64_t, 3> delta{};
     std::array<std::int64_t, 3> backlash{};
     Segment segment{};
-    Vec3<double> delta_mm = Vec3<double>::Zero();
+    Vec3<double> delta_mm = Vec3<double>::Zero();  ///< Of the axes.
     bool is_empty = true;
   };
   StepPlan PlanSteps(const Vec3<double>& target_mm);
@@ -94,12 +97,21 @@ class Motion {
   void RaiseAlarm(const std::string& words, const Segment& segment, double time_s);
   bool RunToSwitch(Axis axis, double travel_mm, double feed_mm_s);
   void NoteDone();
+  /// Where these counts have the axes.
+  Vec3<double> AxesAt_mm(const Vec3<double>& counts) const;
+  Vec3<double> counts_now() const;
+  std::int64_t CountAt(int drive, const Vec3<double>& axes_mm) const;
+  /// Whether that drive moves that axis.
+  bool Moves(int drive, Axis axis) const;
 
   const Settings* settings_;
   Plant* plant_;
   std::array<AxisDrawing, 3> drawings_;
+  const DriveMap* drives_;  ///< Null: each axis has its own.
   MotionLimits limits_{};
-  std::array<AxisState, 3> axes_{};
+  std::array<DriveState, 3> motors_{};
+  Vec3<double> commanded_mm_ = Vec3<double>::Zero();
+  std::array<bool, 3> is_homed_{};
   MoveQueue queue_;
   std::deque<Vec3<double>> counts_queued_{};  ///< At the end of each queued move.
   Vec3<double> counts_done_ = Vec3<double>::Zero();

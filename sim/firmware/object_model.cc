@@ -54,21 +54,20 @@ Json Firmware::Parts::AxisModel(Axis axis) {
   for (const Vec3<double>& offset : workplaces_mm) {
     offsets.push_back(Rounded(offset[i], 3));
   }
-  return {
-      {"acceleration", drawing.acceleration_mm_s2},
-      {"babystep", 0},
-      {"backlash", Rounded(settings.backlash_mm[i], 6)},
-      {"homed", motion.is_homed(axis)},
-      {"jerk", FeedWord_mm_min(motion.limits().jerk_mm_s[i])},
-      {"letter", std::string(1, CapitalLetter(axis))},
-      {"machinePosition", Rounded(motion.counts()[i] / settings.steps_per_mm[i], 3)},
-      {"max", drawing.max_mm},
-      {"min", drawing.min_mm},
-      {"speed", FeedWord_mm_min(drawing.max_feed_mm_s)},
-      {"stepsPerMm", Rounded(settings.steps_per_mm[i], 6)},
-      {"userPosition", Rounded(motion.commanded_mm()[i] - offset_mm()[i], 3)},
-      {"visible", true},
-      {"workplaceOffsets", offsets}};
+  return {{"acceleration", drawing.acceleration_mm_s2},
+          {"babystep", 0},
+          {"backlash", Rounded(settings.backlash_mm[i], 6)},
+          {"homed", motion.is_homed(axis)},
+          {"jerk", FeedWord_mm_min(motion.limits().jerk_mm_s[i])},
+          {"letter", std::string(1, CapitalLetter(axis))},
+          {"machinePosition", Rounded(motion.counted_mm()[i], 3)},
+          {"max", drawing.max_mm},
+          {"min", drawing.min_mm},
+          {"speed", FeedWord_mm_min(drawing.max_feed_mm_s)},
+          {"stepsPerMm", Rounded(settings.steps_per_mm[i], 6)},
+          {"userPosition", Rounded(motion.commanded_mm()[i] - offset_mm()[i], 3)},
+          {"visible", true},
+          {"workplaceOffsets", offsets}};
 }
 
 Json Firmware::Parts::ObjectModel() {

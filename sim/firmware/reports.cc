@@ -40,6 +40,7 @@ Reply Firmware::Parts::ReportPosition(const Words&) {
   motion.Finish();
   const Vec3<double> user_mm = motion.commanded_mm() - offset_mm();
   const Vec3<double>& counts = motion.counts();
+  const Vec3<double> counted_mm = motion.counted_mm();
   constexpr std::size_t kUsualLength = 160;
   Reply reply{.lines = {std::string()}};
   std::string& line = reply.lines.front();
@@ -58,7 +59,7 @@ Reply Firmware::Parts::ReportPosition(const Words&) {
   line += " Machine";
   for (const Axis axis : kAxes) {
     line += ' ';
-    AppendThousandths(counts[Index(axis)] / settings.steps_per_mm[Index(axis)], &line);
+    AppendThousandths(counted_mm[Index(axis)], &line);
   }
   return reply;
 }

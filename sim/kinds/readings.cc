@@ -5,6 +5,7 @@
 #include "sim/base/units.h"
 #include "sim/machine/kinds/delta/drawing.h"
 #include "sim/machine/kinds/delta/model.h"
+#include "sim/machine/machine_kind.h"
 #include "sim/measure/in_force.h"
 
 namespace caltwin {
@@ -66,15 +67,20 @@ Vec3<double> Readings::Reachable_mm(const Vec3<double>& q_mm,
     }
     return DeltaNozzle_mm(model, motors_mm);
   }
-  Vec3<double> reached_mm;
+  const DriveMap* drives = config_.machine.kind->drive_map();
+  Vec3<double> homes_mm;
   for (const Axis axis : kAxes) {
-    const int i = Index(axis);
-    const double home_mm = config_.machine.axis(axis).home_mm();
+    homes_mm[Index(axis)] = config_.machine.axis(axis).home_mm();
+  }
+  homes_mm = DrivesOf(drives, homes_mm);
+  Vec3<double> reached_mm = DrivesOf(drives, q_mm);
+  for (int i = 0; i < 3; ++i) {
+    const double home_mm = homes_mm[i];
     const double steps_per_mm = settings.steps_per_mm[static_cast<std::size_t>(i)];
     reached_mm[i] =
-        home_mm + std::round((q_mm[i] - home_mm) * steps_per_mm) / steps_per_mm;
+        home_mm + std::round((reached_mm[i] - home_mm) * steps_per_mm) / steps_per_mm;
   }
-  return reached_mm;
+  return AxesOf(drives, reached_mm);
 }
 
 double Readings::Shown_mm(const Row& row,

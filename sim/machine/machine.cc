@@ -38,19 +38,20 @@ ProbeDrawing ReadProbe(YamlMap map, ProbeDrawing probe) {
   return probe;
 }
 
-void ReadByAxis(YamlMap* map,
-                const std::string& key,
-                Bounds bounds,
-                std::array<double, 3>* values) {
+void ReadByDrive(YamlMap* map,
+                 const std::string& key,
+                 const DriveMap* drives,
+                 Bounds bounds,
+                 std::array<double, 3>* values) {
   const auto value = map->Optional(key);
   if (!value) return;
-  YamlMap by_axis = value->Map();
-  for (const Axis axis : kAxes) {
-    if (const auto number = by_axis.Optional(Name(axis))) {
-      (*values)[Index(axis)] = number->Number(bounds);
+  YamlMap by_drive = value->Map();
+  for (int i = 0; i < 3; ++i) {
+    if (const auto number = by_drive.Optional(DriveName(drives, i))) {
+      (*values)[static_cast<std::size_t>(i)] = number->Number(bounds);
     }
   }
-  by_axis.NoMoreKeys();
+  by_drive.NoMoreKeys();
 }
 
 fs::path SourceFolder() {
@@ -66,10 +67,12 @@ bool WeightKeepsGapShut(Axis axis, const AxisDrawing& drawing) {
   return std::abs(hanging_n) > drawing.rail_friction_n;
 }
 
-void ReadSettings(YamlMap* map, Settings* settings) {
-  ReadByAxis(map, "steps_per_mm", {1e-3, 1e7}, &settings->steps_per_mm);
-  ReadByAxis(map, "backlash_mm", {0, 10}, &settings->backlash_mm);
-  ReadByAxis(map, "probe_deflection_mm", {-10, 10}, &settings->probe_deflection_mm);
+void ReadSettings(YamlMap* map, const MachineKind& kind, Settings* settings) {
+  const DriveMap* drives = kind.drive_map();
+  ReadByDrive(map, "steps_per_mm", drives, {1e-3, 1e7}, &settings->steps_per_mm);
+  ReadByDrive(map, "backlash_mm", drives, {0, 10}, &settings->backlash_mm);
+  ReadByDrive(
+      map, "probe_deflection_mm", nullptr, {-10, 10}, &settings->probe_deflection_mm);
   settings->tip_radius_mm =
       map->NumberOr("tip_radius_mm", settings->tip_radius_mm, {0, 50});
   map->NoMoreKeys();

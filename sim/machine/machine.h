@@ -113,8 +113,8 @@ std::filesystem::path FindMachine(const std::string& name_or_path,
                                   const Place& place);
 
 /// Reads `settings:` of a machine, scenario or truth file over `settings` in place:
-/// maps by axis, `tip_radius_mm` a number.
-void ReadSettings(YamlMap* map, Settings* settings);
+/// maps by drive or, of the probe, by axis; `tip_radius_mm` a number.
+void ReadSettings(YamlMap* map, const MachineKind& kind, Settings* settings);
 
 /// Where the models, scenarios and documents lie that the binary came with: the folder
 /// in CALTWIN_SHARE, else beside the binary (../share/caltwin), else the source tree.

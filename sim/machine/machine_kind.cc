@@ -64,15 +64,17 @@ void MachineKind::ReadAxes(YamlMap* map, Machine* machine) const {
 }
 
 void MachineKind::ReadSettings(YamlMap* map, Machine* machine) const {
-  caltwin::ReadSettings(map, &machine->settings);
+  caltwin::ReadSettings(map, *this, &machine->settings);
 }
 
 std::vector<DrawnDrive> MachineKind::Drives(const Machine& machine) const {
   std::vector<DrawnDrive> drives;
   for (const Axis axis : kAxes) {
     const AxisDrawing& drawing = machine.axis(axis);
-    drives.push_back(
-        {Name(axis), drawing.lead_mm, drawing.is_belt, drawing.full_steps_per_rev});
+    drives.push_back({DriveName(drive_map(), Index(axis)),
+                      drawing.lead_mm,
+                      drawing.is_belt,
+                      drawing.full_steps_per_rev});
   }
   return drives;
 }

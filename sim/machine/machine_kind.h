@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "sim/machine/drive_map.h"
 #include "sim/machine/machine.h"
 
 namespace caltwin {
@@ -57,6 +58,11 @@ class MachineKind {
   virtual bool axes_are_drives() const { return false; }
   /// Whether x, y and z have travels, senses and steps/mm of their own.
   virtual bool moves_along_axes() const { return true; }
+  /// Where its drives move the axes together; null: each axis has a drive of its own,
+  /// or they are moved by no linear map.
+  virtual const DriveMap* drive_map() const { return nullptr; }
+  /// The kind as which its campaigns are planned.
+  virtual std::string_view plans_as() const { return name(); }
   /// Its motors that are no axes, in the order of a row's motor_ columns.
   virtual std::span<const std::string_view> motors() const { return {}; }
   /// Whether its nozzle is what touches; else a probe with a ball does.
@@ -65,6 +71,8 @@ class MachineKind {
   virtual bool bed_is_on_screws() const { return false; }
   /// The effects that it has; empty: all that a cartesian machine has.
   virtual std::span<const KindEffect> effects() const { return {}; }
+  /// Whether it has what effects() does not name as a cartesian machine does.
+  virtual bool has_other_effects() const { return effects().empty(); }
 
   /// @name Its file, in the order in which it is read
   /// What only this kind has, into Machine::own.

@@ -14,6 +14,6 @@ Settings InForce(const DataHeader& header,
                  const std::string& id);
 
 /// The same as a header writes it.
-SettingsInForce AsHeader(const Settings& settings);
+SettingsInForce AsHeader(const Settings& settings, const MachineKind& kind);
 
 }  // namespace caltwin

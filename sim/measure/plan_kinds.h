@@ -31,7 +31,7 @@ struct CampaignKind {
   /// What plans it on that machine; null: nothing does.
   auto PlanOn(const MachineKind* kind) const {
     for (const PlannedOn& one : on) {
-      if (one.plan != nullptr && one.kind == kind->name()) return one.plan;
+      if (one.plan != nullptr && one.kind == kind->plans_as()) return one.plan;
     }
     return PlannedOn{}.plan;
   }

@@ -1,6 +1,11 @@
 #include <array>
+#include <string>
+#include <string_view>
+
+#include <fmt/format.h>
 
 #include "sim/base/require.h"
+#include "sim/machine/machine_kind.h"
 #include "sim/mjcf/mjcf.h"
 
 namespace caltwin {
@@ -47,9 +52,7 @@ constexpr const char* kGenericCartesian = R"(
     </body>
   </worldbody>
   <tendon>
-    <fixed name="x_play"><joint joint="x" coef="1"/><joint joint="x_nut" coef="-1"/></fixed>
-    <fixed name="y_play"><joint joint="y" coef="1"/><joint joint="y_nut" coef="-1"/></fixed>
-    <fixed name="z_play"><joint joint="z" coef="1"/><joint joint="z_nut" coef="-1"/></fixed>
+    %PLAYS%
   </tendon>
   <equality>
     <tendon name="x_rigid" tendon1="x_play"/>
@@ -59,12 +62,31 @@ constexpr const char* kGenericCartesian = R"(
 </mujoco>
 )";
 
+// A tendon a drive: what it moves less where its nut stands.
+std::string PlaysOf(const DriveMap* drives) {
+  std::string plays;
+  for (const Axis axis : kAxes) {
+    plays += fmt::format(R"(<fixed name="{}_play">)", Name(axis));
+    const Vec3<double> by_axis =
+        drives == nullptr ? Unit(axis) : drives->drives_by_axis.row(Index(axis));
+    for (const Axis moved : kAxes) {
+      if (by_axis[Index(moved)] == 0) continue;
+      plays += fmt::format(
+          R"(<joint joint="{}" coef="{}"/>)", Name(moved), by_axis[Index(moved)]);
+    }
+    plays += fmt::format(R"(<joint joint="{}_nut" coef="-1"/></fixed>)", Name(axis));
+  }
+  return plays;
+}
+
 }  // namespace
 
-Mjcf Mjcf::GenericCartesian() {
+Mjcf Mjcf::GenericCartesian(const DriveMap* drives) {
   std::array<char, 1000> error{};
-  mjSpec* spec =
-      mj_parseXMLString(kGenericCartesian, nullptr, error.data(), error.size());
+  std::string text = kGenericCartesian;
+  constexpr std::string_view kPlays = "%PLAYS%";
+  text.replace(text.find(kPlays), kPlays.size(), PlaysOf(drives));
+  mjSpec* spec = mj_parseXMLString(text.c_str(), nullptr, error.data(), error.size());
   Require(spec != nullptr, error.data());
   return Mjcf(spec);
 }
@@ -80,8 +102,8 @@ void ApplyDrawing(const Machine& machine, Mjcf* model) {
 }
 
 Mjcf ModelOf(const Machine& machine) {
-  Mjcf model =
-      machine.model.empty() ? Mjcf::GenericCartesian() : Mjcf::FromFile(machine.model);
+  Mjcf model = machine.model.empty() ? Mjcf::GenericCartesian(machine.kind->drive_map())
+                                     : Mjcf::FromFile(machine.model);
   ApplyDrawing(machine, &model);
   return model;
 }

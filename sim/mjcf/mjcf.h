@@ -7,6 +7,7 @@
 
 #include <mujoco/mujoco.h>
 
+#include "sim/machine/drive_map.h"
 #include "sim/machine/machine.h"
 #include "sim/machine/surface.h"
 #include "sim/mjcf/spec.h"
@@ -28,7 +29,8 @@ class Mjcf {
   /// shape (a name above missing).
   static Mjcf FromFile(const std::filesystem::path& file);
   /// The model of a machine that names none: bodies, joints and tendons without looks.
-  static Mjcf GenericCartesian();
+  /// Each drive's play holds the carriages that it moves; null: its own.
+  static Mjcf GenericCartesian(const DriveMap* drives = nullptr);
 
   /// A copy to edit: 10 times faster than reading the file again.
   Mjcf Copy() const;

@@ -62,7 +62,10 @@ World::World(ModelPtr model, double hanging_n)
         m->dof_armature[nuts_.dof[i]] + m->body_mass[m->dof_bodyid[nuts_.dof[i]]];
   }
   for (const Axis axis : kAxes) {
-    plays_[static_cast<std::size_t>(Index(axis))] = PlayOf(axis);
+    const int i = Index(axis);
+    Play& play = plays_[static_cast<std::size_t>(i)];
+    play = PlayOf(axis);
+    for (int j = 0; j < 3; ++j) is_coupled_ |= j != i && play.carriages[j] != 0;
   }
   couplings_ = Couplings();
   mj_forward(m, data_.get());
@@ -95,9 +98,14 @@ World::Play World::PlayOf(Axis axis) const {
     const int wrap = m->tendon_adr[play.tendon] + i;
     Require(m->wrap_type[wrap] == mjWRAP_JOINT, "a play is no fixed tendon");
     const int address = m->jnt_qposadr[m->wrap_objid[wrap]];
-    if (address == carriages_.qpos[k]) play.carriage = m->wrap_prm[wrap];
+    for (std::size_t carriage = 0; carriage < 3; ++carriage) {
+      if (address == carriages_.qpos[carriage]) {
+        play.carriages[static_cast<int>(carriage)] = m->wrap_prm[wrap];
+      }
+    }
   }
-  Require(play.carriage != 0, "a play does not hold its carriage");
+  Require(play.carriages[static_cast<int>(k)] != 0,
+          "a play does not hold its carriage");
   return play;
 }
 
@@ -235,6 +243,8 @@ double World::Gap_mm(Axis axis) const {
 // that is where it stands already.
 void World::SettlePlays(const Vec3<double>& lag_mm) {
   const mjModel* m = model_.get();
+  Eigen::Matrix3d by_carriage;
+  Vec3<double> off_m;
   for (int i = 0; i < 3; ++i) {
     const auto k = static_cast<std::size_t>(i);
     const Play& play = plays_[k];
@@ -243,9 +253,26 @@ void World::SettlePlays(const Vec3<double>& lag_mm) {
       const int wrap = m->tendon_adr[play.tendon] + j;
       length_m += m->wrap_prm[wrap] * data_->qpos[m->jnt_qposadr[m->wrap_objid[wrap]]];
     }
-    data_->qpos[carriages_.qpos[k]] +=
-        (play.middle_m + lag_mm[i] * kMPerMm - length_m) / play.carriage;
+    off_m[i] = play.middle_m + lag_mm[i] * kMPerMm - length_m;
+    by_carriage.row(i) = play.carriages;
+    if (!is_coupled_) data_->qpos[carriages_.qpos[k]] += off_m[i] / play.carriages[i];
   }
+  if (!is_coupled_) return;
+  const Vec3<double> by_m = by_carriage.inverse() * off_m;
+  for (int i = 0; i < 3; ++i) {
+    data_->qpos[carriages_.qpos[static_cast<std::size_t>(i)]] += by_m[i];
+  }
+}
+
+Vec3<double> World::Lag_mm(const Vec3<double>& nuts_mm,
+                           const Vec3<double>& carriages_mm) const {
+  if (!is_coupled_) return carriages_mm - nuts_mm;
+  Vec3<double> lag_mm;
+  for (int i = 0; i < 3; ++i) {
+    lag_mm[i] =
+        plays_[static_cast<std::size_t>(i)].carriages.dot(carriages_mm) - nuts_mm[i];
+  }
+  return lag_mm;
 }
 
 void World::Place(const Vec3<double>& nuts_mm,
@@ -262,7 +289,7 @@ void World::Place(const Vec3<double>& nuts_mm,
     data_->qvel[stylus_.dof[k]] = 0;
   }
   for (int i = 0; i < kSettlings; ++i) {
-    SettlePlays(carriages_mm - nuts_mm);
+    SettlePlays(Lag_mm(nuts_mm, carriages_mm));
     couplings_->Follow(model_.get(), data_.get());
   }
   // The solver starts from the last solution: forget it, so that a touch is the same

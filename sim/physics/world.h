@@ -20,6 +20,10 @@ struct DeleteData {
 /// The motors are exact: before each step the nuts get the force that puts them where
 /// they are told to be one step later (dead-beat, 1e-5 um). Everything else (carriages
 /// in their gaps, friction, stylus, contact) is MuJoCo's.
+///
+/// A nut, its play and its gap are a drive's: that of the axis it is called by, or of
+/// the drive with that axis' index where drives move the axes together. Then the play's
+/// tendon holds several carriages (CoreXY: x + y - a).
 class World {
  public:
   /// @param hanging_n  load along -z on the vertical carriage: weight less
@@ -93,8 +97,10 @@ class World {
   /// The coupling between a nut and its carriage.
   struct Play {
     int tendon = 0;
-    int rigid = 0;        ///< Equality that holds it shut while active.
-    double carriage = 0;  ///< Its coefficient in the tendon's length.
+    int rigid = 0;  ///< Equality that holds it shut while active.
+    /// Coefficients of the three carriages in the tendon's length: of one alone where
+    /// its drive is its own.
+    Vec3<double> carriages = Vec3<double>::Zero();
     double middle_m = 0;  ///< The length when the carriage is in the middle.
     bool is_sprung = false;
   };
@@ -102,6 +108,9 @@ class World {
   CoupledJoints Couplings() const;
   Play PlayOf(Axis axis) const;
   void MakeTouchable(int geom, bool is_touchable);
+  /// How far what each drive pulls is ahead of it, by the coefficients of its play.
+  Vec3<double> Lag_mm(const Vec3<double>& nuts_mm,
+                      const Vec3<double>& carriages_mm) const;
   void SettlePlays(const Vec3<double>& lag_mm);
   static Vec3<double> Read_mm(const mjtNum* values, const std::array<int, 3>& at);
 
@@ -116,6 +125,7 @@ class World {
   std::array<mjtNum, 3> stylus_pos_{}, table_pos_{};
   std::array<mjtNum, 4> table_quat_{};
   std::array<Play, 3> plays_{};
+  bool is_coupled_ = false;  ///< A play holds several carriages.
   std::optional<CoupledJoints> couplings_{};
   std::vector<int> touchable_{};
   int target_body_ = -1, target_geom_ = -1;  ///< None: -1.

@@ -65,9 +65,12 @@ double LagAfter_mm(double lag_mm, double travel_mm, double width_mm) {
 }
 
 void Built::Prepare() {
-  for (const Axis axis : kAxes) {
-    steps_per_mm[Index(axis)] =
-        BuiltValue(machine, effects, EffectIndex<StepsPerMm>(), Name(axis), 0);
+  if (drives() != nullptr && !now.drives) {
+    now.drives = DrivesAt{.map = drives(), .home_mm = DrivesHome_mm()};
+  }
+  for (int i = 0; i < 3; ++i) {
+    steps_per_mm[i] = BuiltValue(
+        machine, effects, EffectIndex<StepsPerMm>(), DriveName(drives(), i), 0);
   }
   drive_effects.clear();
   frame_effects.clear();
@@ -87,7 +90,9 @@ void Built::Prepare() {
       if (EffectAt(effect.effect).stage != Stage::kDrive) {
         frame_effects.push_back(effect);
       }
-      if (kind == ActKind::kReadingMap) tool_effects.push_back(effect);
+      const bool moves_tool =
+          kind == ActKind::kReadingMap || effect.effect == EffectIndex<BeltPitch>();
+      if (moves_tool) tool_effects.push_back(effect);
     }
     if (kind == ActKind::kArtefactMap) surface_effects.push_back(effect);
     if (!ActsOnTable(effect)) continue;
@@ -123,13 +128,19 @@ At Built::AtAxes(const Vec3<double>& q_mm) const {
   return at;
 }
 
+Vec3<double> Built::DrivesHome_mm() const {
+  Vec3<double> home_mm;
+  for (const Axis axis : kAxes) home_mm[Index(axis)] = machine.axis(axis).home_mm();
+  return DrivesOf(drives(), home_mm);
+}
+
 Vec3<double> Built::Drawn_mm(const Vec3<double>& steps) const {
-  Vec3<double> q_mm;
+  Vec3<double> drives_mm = DrivesHome_mm();
   for (const Axis axis : kAxes) {
-    const AxisDrawing& drawing = machine.axis(axis);
-    q_mm[Index(axis)] = drawing.home_mm() + steps[Index(axis)] / drawing.steps_per_mm();
+    const int i = Index(axis);
+    drives_mm[i] += steps[i] / machine.axis(axis).steps_per_mm();
   }
-  return q_mm;
+  return AxesOf(drives(), drives_mm);
 }
 
 Vec3<double> Built::DriveBend_mm(const Vec3<double>& q_mm) const {
@@ -139,7 +150,8 @@ Vec3<double> Built::DriveBend_mm(const Vec3<double>& q_mm) const {
   at.compensation_mm.setZero();
   const auto errors = ErrorsAt<double>(machine, at, drive_effects);
   // Without the play, which is the carriage's.
-  return errors.motion_mm + at.dir.cwiseProduct(errors.lost_motion_mm) / 2;
+  const Vec3<double> taken_mm = TakenByPlay_mm(at, errors.lost_motion_mm);
+  return DrivesOf(drives(), errors.motion_mm + taken_mm);
 }
 
 Vec3<double> Built::LocalLostMotion_mm(const Vec3<double>& q_mm) const {
@@ -169,7 +181,7 @@ double Built::Pretravel_mm(const Vec3<double>& normal) const {
 
 Vec3<double> Built::Motors_mm(const Vec3<double>& steps) const {
   Vec3<double> motors_mm = steps.cwiseQuotient(steps_per_mm);
-  for (const Axis axis : kAxes) motors_mm[Index(axis)] += machine.axis(axis).home_mm();
+  motors_mm += DrivesHome_mm();
   if (drive_effects.empty()) return motors_mm;
   return motors_mm + DriveBend_mm(Drawn_mm(steps));
 }
@@ -187,8 +199,9 @@ Vec3<double> Built::StepsAt(const Vec3<double>& motors_mm) const {
 
 Vec3<double> Built::Tip_mm(const Vec3<double>& steps,
                            const Vec3<double>& lag_mm) const {
-  if (frame_effects.empty()) return Motors_mm(steps) + lag_mm + now.probe_off_mm;
-  At at = AtAxes(Motors_mm(steps) + lag_mm);
+  const Vec3<double> axes_mm = AxesOf(drives(), Motors_mm(steps) + lag_mm);
+  if (frame_effects.empty()) return axes_mm + now.probe_off_mm;
+  At at = AtAxes(axes_mm);
   at.steps_per_mm.setZero();
   at.compensation_mm.setZero();
   return at.Tip_mm() + ErrorsAt<double>(machine, at, frame_effects).motion_mm;

@@ -7,6 +7,7 @@
 #include "sim/effects/predict.h"
 #include "sim/machine/artefact.h"
 #include "sim/machine/machine.h"
+#include "sim/machine/machine_kind.h"
 #include "sim/machine/surface.h"
 
 namespace caltwin {
@@ -30,10 +31,10 @@ struct Built {
   Vec3<double> turned_at_mm = Vec3<double>::Constant(kUnknown);
 
   /// @name Derived once by Prepare()
-  Vec3<double> steps_per_mm = Vec3<double>::Zero();  ///< True.
-  /// Width of each axis' play, as far as it is the same everywhere.
+  Vec3<double> steps_per_mm = Vec3<double>::Zero();  ///< True, by drive.
+  /// Width of each drive's play, as far as it is the same everywhere.
   Vec3<double> lost_motion_mm = Vec3<double>::Zero();
-  /// Middle of each carriage's play, carriage minus motor: not 0 where a load hangs.
+  /// Middle of each drive's play, carriage minus motor: not 0 where a load hangs.
   Vec3<double> lag_center_mm = Vec3<double>::Zero();
   Errors<double> probe{};                 ///< Pre-travels, radius, latency.
   std::vector<Injected> drive_effects{};  ///< Bend the way from steps to nut, or widen
@@ -52,24 +53,28 @@ struct Built {
 
   void Prepare();
 
+  /// Null: each axis has a drive of its own, and by drive is by axis.
+  const DriveMap* drives() const { return machine.kind->drive_map(); }
+  /// Where the drives stand when homed.
+  Vec3<double> DrivesHome_mm() const;
   /// `now` where the axes were told to stand, with the travel since they turned round.
   At AtAxes(const Vec3<double>& q_mm) const;
   /// Commanded position for motor steps, by the drawing's steps per mm.
   Vec3<double> Drawn_mm(const Vec3<double>& steps) const;
   /// What the drive adds to where the nuts should stand at a commanded position.
   Vec3<double> DriveBend_mm(const Vec3<double>& q_mm) const;
-  /// Width of each axis' play there; its part that is not the same everywhere.
+  /// Width of each drive's play there; its part that is not the same everywhere.
   Vec3<double> LostMotion_mm(const Vec3<double>& q_mm) const;
   Vec3<double> LocalLostMotion_mm(const Vec3<double>& q_mm) const;
   /// How far the tool stands off its place on the carriage.
   Vec3<double> ToolOffset_mm(const Vec3<double>& q_mm) const;
 
-  /// Where the motors alone would put each carriage: home + steps / true steps per mm,
-  /// and what the drive adds.
+  /// Where the motors alone would put what each drive pulls: home + steps / true steps
+  /// per mm, and what the drive adds.
   Vec3<double> Motors_mm(const Vec3<double>& steps) const;
   /// Its inverse, to 1e-9 mm.
   Vec3<double> StepsAt(const Vec3<double>& motors_mm) const;
-  /// Position of the ball's centre, `lag_mm` being carriage minus motor on each axis
+  /// Position of the ball's centre, `lag_mm` being carriage minus motor of each drive
   /// (within half the play), stylus undeflected.
   Vec3<double> Tip_mm(const Vec3<double>& steps, const Vec3<double>& lag_mm) const;
 

@@ -48,8 +48,7 @@ bool FastPlant::ProbeTriggered() {
 
 bool FastPlant::SwitchClosed(Axis axis) {
   const Watch watch{.kind = Watch::Kind::kSwitchClosed, .axis = axis};
-  return BeforeSwitch_mm(
-             watch, built_.Motors_mm(steps_)[Index(axis)] + lag_mm_[Index(axis)]) <= 0;
+  return BeforeSwitch_mm(watch, Carriage_mm(axis, steps_, lag_mm_)) <= 0;
 }
 
 FastPlant::Ahead FastPlant::Look(const Watch& watch,
@@ -67,8 +66,7 @@ FastPlant::Ahead FastPlant::Look(const Watch& watch,
     ahead.watched_mm = built_.machine.probe.hysteresis_mm - trigger_mm;
   }
   if (WatchesSwitch(watch)) {
-    const int i = Index(watch.axis);
-    ahead.watched_mm = BeforeSwitch_mm(watch, built_.Motors_mm(steps)[i] + lag_mm[i]);
+    ahead.watched_mm = BeforeSwitch_mm(watch, Carriage_mm(watch.axis, steps, lag_mm));
   }
   return ahead;
 }
@@ -76,9 +74,8 @@ FastPlant::Ahead FastPlant::Look(const Watch& watch,
 Outcome FastPlant::Run(const Segment& segment, const Watch& watch) {
   Begin(segment);
   const double duration_s = segment.profile.Duration_s();
-  const double motors_mm =
-      (segment.to_steps - segment.from_steps).cwiseQuotient(built_.steps_per_mm).norm();
-  const double scale = motors_mm > 0 ? segment.profile.length_mm / motors_mm : 1;
+  const double axes_mm = Travel_mm(segment).norm();
+  const double scale = axes_mm > 0 ? segment.profile.length_mm / axes_mm : 1;
   const double allowed_mm =
       AllowedDeflection_mm(-built_.Clearance(Tip_mm()).distance_mm);
   if (WatchesProbe(watch)) scatter_mm_ = DrawScatter_mm();

@@ -34,7 +34,7 @@ class FastPlant final : public TwinPlant {
              double allowed_mm) const;
   void GoTo(const Vec3<double>& steps);
 
-  Vec3<double> lag_mm_;  ///< Carriage minus motor.
+  Vec3<double> lag_mm_;  ///< Carriage minus motor, by drive.
   bool triggered_ = false;
 };
 

@@ -11,6 +11,7 @@
 #include "sim/base/input_error.h"
 #include "sim/base/units.h"
 #include "sim/effects/acts/acts.h"
+#include "sim/effects/drive.h"
 #include "sim/effects/gap_sense.h"
 #include "sim/effects/injected.h"
 #include "sim/effects/surroundings.h"
@@ -84,7 +85,7 @@ MeasuringMachine::MeasuringMachine(const Machine& machine,
 // comes; 0 leaves it in the middle of its gap.
 void MeasuringMachine::Prepare(const At& at, const Vec3<double>& sense) {
   built_.now = at;
-  told_dir_ = at.dir;
+  for (int i = 0; i < 3; ++i) told_dir_[i] = DriveSense(at, i);
   const Machine& machine = built_.machine;
   Vec3<double> play_mm =
       ErrorsAt<double>(machine, built_.AtAxes(at.q_mm), built_.effects).lost_motion_mm;
@@ -98,9 +99,11 @@ void MeasuringMachine::Prepare(const At& at, const Vec3<double>& sense) {
     world_->SetRailFriction_n(axis,
                               Known(at.load_n) ? at.load_n : drawing.rail_friction_n);
     if (WeightKeepsGapShut(axis, drawing)) continue;
-    play_mm[i] +=
-        drawn_gap_mm_[i] -
-        BuiltValue(machine, built_.effects, EffectIndex<Backlash>(), Name(axis), 0);
+    play_mm[i] += drawn_gap_mm_[i] - BuiltValue(machine,
+                                                built_.effects,
+                                                EffectIndex<Backlash>(),
+                                                DriveName(built_.drives(), i),
+                                                0);
   }
   built_.now.dir = GapSense(at, play_mm);
   for (int i = 0; i < 3; ++i) {
@@ -117,12 +120,13 @@ void MeasuringMachine::Prepare(const At& at, const Vec3<double>& sense) {
 // there.
 Vec3<double> MeasuringMachine::Nuts_mm(const Vec3<double>& q_mm) const {
   const At& at = built_.now;
+  const Vec3<double> drives_mm = DrivesOf(built_.drives(), q_mm);
+  const Vec3<double> homes_mm = built_.DrivesHome_mm();
   Vec3<double> nuts_mm = built_.DriveBend_mm(q_mm) - built_.lag_center_mm;
-  for (const Axis axis : kAxes) {
-    const int i = Index(axis);
-    const double home_mm = built_.machine.axis(axis).home_mm();
+  for (int i = 0; i < 3; ++i) {
+    const double home_mm = homes_mm[i];
     const double travel_mm =
-        q_mm[i] - home_mm + told_dir_[i] * at.compensation_mm[i] / 2;
+        drives_mm[i] - home_mm + told_dir_[i] * at.compensation_mm[i] / 2;
     nuts_mm[i] += home_mm + travel_mm * at.steps_per_mm[i] / built_.steps_per_mm[i];
   }
   return nuts_mm;
@@ -138,6 +142,7 @@ MeasuringMachine::Way MeasuringMachine::WayOf(const At& at,
     way.feed_mm_s[i] =
         kReadingFeed_mm_s * sense[i] * std::min(1.0, crossed_mm_[i] / way_mm);
   }
+  way.feed_mm_s = AxesOf(built_.drives(), way.feed_mm_s);
   way.from_mm = at.q_mm - way_mm / kReadingFeed_mm_s * way.feed_mm_s;
   return way;
 }
@@ -146,14 +151,22 @@ MeasuringMachine::Way MeasuringMachine::WayOf(const At& at,
 void MeasuringMachine::Stand(const Way& way) {
   const Vec3<double> nuts_mm = Nuts_mm(way.from_mm);
   const Vec3<double> end_nuts_mm = Nuts_mm(built_.now.q_mm);
+  const Vec3<double> nuts_mm_s = DrivesOf(built_.drives(), way.feed_mm_s);
   Vec3<double> carriages_mm = nuts_mm + lag_mm_;
-  Vec3<double> carriages_mm_s = way.feed_mm_s;
+  Vec3<double> carriages_mm_s = nuts_mm_s;
   for (int i = 0; i < 3; ++i) {
     if (std::isinf(crossed_mm_[i])) continue;
     carriages_mm[i] = end_nuts_mm[i] + lag_mm_[i];
     carriages_mm_s[i] = 0;
   }
-  world_->Place(nuts_mm, carriages_mm, way.feed_mm_s, carriages_mm_s);
+  world_->Place(nuts_mm,
+                AxesOf(built_.drives(), carriages_mm),
+                nuts_mm_s,
+                AxesOf(built_.drives(), carriages_mm_s));
+}
+
+Vec3<double> MeasuringMachine::Lag_mm() const {
+  return DrivesOf(built_.drives(), world_->Carriages_mm()) - world_->Nuts_mm();
 }
 
 void MeasuringMachine::Step(const Way& way, int step) {
@@ -166,12 +179,9 @@ bool MeasuringMachine::GoesSteadily(const Way& way, int steps) {
   Vec3<double> lag_before_mm = Vec3<double>::Zero();
   for (int i = 1; i <= steps; ++i) {
     Step(way, i);
-    if (i == steps - kStepsWatched) {
-      lag_before_mm = world_->Carriages_mm() - world_->Nuts_mm();
-    }
+    if (i == steps - kStepsWatched) lag_before_mm = Lag_mm();
   }
-  Vec3<double> behind_mm =
-      (world_->Carriages_mm() - world_->Nuts_mm() - lag_before_mm).cwiseAbs();
+  Vec3<double> behind_mm = (Lag_mm() - lag_before_mm).cwiseAbs();
   for (int i = 0; i < 3; ++i) {
     if (!std::isinf(crossed_mm_[i])) behind_mm[i] = 0;
   }
@@ -182,7 +192,8 @@ bool MeasuringMachine::GoesSteadily(const Way& way, int steps) {
 double MeasuringMachine::Position_mm(const At& at) {
   Vec3<double> sense;
   for (int i = 0; i < 3; ++i) {
-    sense[i] = at.dir[i] == 0 ? 0 : std::copysign(1, at.dir[i]);
+    const double told = DriveSense(at, i);
+    sense[i] = told == 0 ? 0 : std::copysign(1, told);
   }
   Prepare(at, sense);
   world_->TouchTable();
@@ -265,9 +276,11 @@ double MeasuringMachine::ReleaseTime_s(const Row& row,
 double MeasuringMachine::Touch_mm(const Row& row, const At& at) {
   const bool is_release = IsRelease(row);
   Vec3<double> sense;
+  const Vec3<double> towards = -DrivesOf(built_.drives(), at.n);
   for (int i = 0; i < 3; ++i) {
-    const bool moves = std::abs(at.n[i]) > kAlong;
-    sense[i] = at.dir[i] == 0 ? 0 : std::copysign(1, moves ? -at.n[i] : at.dir[i]);
+    const bool moves = std::abs(towards[i]) > kAlong;
+    const double told = DriveSense(at, i);
+    sense[i] = told == 0 ? 0 : std::copysign(1, moves ? towards[i] : told);
   }
   Prepare(at, sense);
   Aim(row, at);

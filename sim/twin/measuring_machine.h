@@ -32,7 +32,7 @@ class MeasuringMachine {
   double Touch_mm(const Row& row, const At& at);
 
  private:
-  /// One straight way of the axes, commanded; constant feed.
+  /// One straight way of the axes, commanded; constant feed. `sense` below is by drive.
   struct Way {
     Vec3<double> from_mm = Vec3<double>::Zero();
     Vec3<double> feed_mm_s = Vec3<double>::Zero();
@@ -41,6 +41,7 @@ class MeasuringMachine {
   void Prepare(const At& at, const Vec3<double>& sense);
   Way WayOf(const At& at, const Vec3<double>& sense, double way_mm) const;
   Vec3<double> Nuts_mm(const Vec3<double>& q_mm) const;
+  Vec3<double> Lag_mm() const;
   void Stand(const Way& way);
   void Step(const Way& way, int step);
   bool GoesSteadily(const Way& way, int steps);
@@ -54,7 +55,7 @@ class MeasuringMachine {
   Vec3<double> drawn_gap_mm_ = Vec3<double>::Zero();  ///< As the model has them.
   Vec3<double> gap_mm_ = Vec3<double>::Zero();        ///< As they are now.
   Vec3<double> lag_mm_ = Vec3<double>::Zero();        ///< Carriage minus nut, expected.
-  Vec3<double> told_dir_ = Vec3<double>::Zero();      ///< As the row has it.
+  Vec3<double> told_dir_ = Vec3<double>::Zero();      ///< Of drives, as the row has it.
   /// How far the nut of an axis that stands within its gap has come since it left the
   /// other side; infinite where it pushes.
   Vec3<double> crossed_mm_ = Vec3<double>::Zero();

@@ -36,8 +36,10 @@ PhysicsPlant::PhysicsPlant(Built built, std::uint64_t seed, std::uint64_t sample
     : TwinPlant(std::move(built), seed, sample), drawn_(ModelOf(built_.machine)) {
   Rebuild();
   const Vec3<double> motors_mm = built_.Motors_mm(steps_);
+  const Vec3<double> carriages_mm =
+      AxesOf(built_.drives(), motors_mm + built_.lag_center_mm);
   const Vec3<double> still = Vec3<double>::Zero();
-  world_->Place(motors_mm, motors_mm + built_.lag_center_mm, still, still);
+  world_->Place(motors_mm, carriages_mm, still, still);
 }
 
 void PhysicsPlant::Rebuild() {
@@ -87,6 +89,10 @@ void PhysicsPlant::Change(const std::vector<Artefact>& artefacts, Stylus stylus)
   triggered_ = false;
 }
 
+Vec3<double> PhysicsPlant::Lag_mm() const {
+  return DrivesOf(built_.drives(), world_->Carriages_mm()) - world_->Nuts_mm();
+}
+
 Vec3<double> PhysicsPlant::Tip_mm() {
   return world_->Tip_mm();
 }
@@ -127,16 +133,14 @@ bool PhysicsPlant::SwitchClosed(Axis axis) {
 // stopped; else it coasts, and nothing may be jumped.
 bool PhysicsPlant::MayJump(const Segment& segment) const {
   if (!jumps_) return false;
-  const Vec3<double> travel =
-      (segment.to_steps - segment.from_steps).cwiseQuotient(built_.steps_per_mm);
+  const Vec3<double> travel = Travel_mm(segment);
   const double length_mm = travel.norm();
+  const bool is_any_loose = !built_.lost_motion_mm.isZero() || !drawn_gap_mm_.isZero();
   for (const Axis axis : kAxes) {
     const int i = Index(axis);
-    if ((built_.lost_motion_mm[i] == 0 && drawn_gap_mm_[i] == 0 &&
-         built_.drive_effects.empty()) ||
-        length_mm == 0) {
-      continue;
-    }
+    const bool is_own_loose = built_.lost_motion_mm[i] != 0 || drawn_gap_mm_[i] != 0;
+    const bool is_loose = built_.drives() != nullptr ? is_any_loose : is_own_loose;
+    if ((!is_loose && built_.drive_effects.empty()) || length_mm == 0) continue;
     const AxisDrawing& drawing = built_.machine.axis(axis);
     const double acceleration_m_s2 =
         segment.profile.acceleration_mm_s2 * std::abs(travel[i]) / length_mm * 1e-3;
@@ -157,8 +161,7 @@ double PhysicsPlant::FreePath_mm(const Watch& watch) const {
 
 void PhysicsPlant::PlaceAt(const Segment& segment, double t_s) {
   const Vec3<double> steps = segment.Steps(t_s);
-  const Vec3<double> lag_mm =
-      LagAt_mm(world_->Carriages_mm() - world_->Nuts_mm(), steps_, steps);
+  const Vec3<double> lag_mm = LagAt_mm(Lag_mm(), steps_, steps);
   const Vec3<double> travel =
       (segment.to_steps - segment.from_steps).cwiseQuotient(built_.steps_per_mm);
   const double length_mm = std::max(segment.profile.length_mm, 1e-12);
@@ -173,7 +176,10 @@ void PhysicsPlant::PlaceAt(const Segment& segment, double t_s) {
   }
   const Vec3<double> nuts_mm = built_.Motors_mm(steps);
   Feel(steps);
-  world_->Place(nuts_mm, nuts_mm + lag_mm, nuts_mm_s, carriages_mm_s);
+  world_->Place(nuts_mm,
+                AxesOf(built_.drives(), nuts_mm + lag_mm),
+                nuts_mm_s,
+                AxesOf(built_.drives(), carriages_mm_s));
   steps_ = steps;
 }
 
@@ -190,9 +196,8 @@ double PhysicsPlant::Jump(const Segment& segment, const Watch& watch, double t_s
       std::max(kLeastBeforeContact_mm, kStepsBeforeContact * kTimestep_s * feed_mm_s);
   const double free_mm = FreePath_mm(watch) - near_mm;
   if (free_mm <= near_mm * 0.1) return t_s;
-  const double motors_mm =
-      (segment.to_steps - segment.from_steps).cwiseQuotient(built_.steps_per_mm).norm();
-  const double scale = motors_mm > 0 ? segment.profile.length_mm / motors_mm : 1;
+  const double axes_mm = Travel_mm(segment).norm();
+  const double scale = axes_mm > 0 ? segment.profile.length_mm / axes_mm : 1;
   const double gone_mm = segment.profile.Distance_mm(t_s);
   const double duration_s = segment.profile.Duration_s();
   const double to_mm = gone_mm + Caution() * free_mm * scale;

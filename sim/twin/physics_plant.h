@@ -44,6 +44,8 @@ class PhysicsPlant final : public TwinPlant {
   double FreePath_mm(const Watch& watch) const;
   void PlaceAt(const Segment& segment, double t_s);
   double Jump(const Segment& segment, const Watch& watch, double t_s);
+  /// Carriage minus motor of each drive.
+  Vec3<double> Lag_mm() const;
   double TriggerSignal_mm() const;
   double Signal_mm(const Watch& watch) const;
   void StepTo(const Vec3<double>& steps);

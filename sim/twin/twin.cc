@@ -113,6 +113,7 @@ Vec3<double> Twin::PositionError_mm(const Vec3<double>& q_mm,
   at.on_table = false;
   at.q_mm = q_mm;
   at.dir = dir;
+  if (at.drives) at.drives->dir = DrivesOf(at.drives->map, dir).cwiseSign();
   for (int i = 0; i < 3; ++i) {
     at.steps_per_mm[i] = settings.steps_per_mm[i];
     at.compensation_mm[i] = settings.backlash_mm[i];

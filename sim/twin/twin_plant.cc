@@ -26,7 +26,7 @@ Vec3<double> PowerUpSteps(const Built& built) {
     motors_mm[Index(axis)] = built.machine.axis(axis).mid_mm();
   }
   motors_mm[2] = built.machine.axis(Axis::kZ).max_mm - 10;
-  return built.StepsAt(motors_mm).array().round();
+  return built.StepsAt(DrivesOf(built.drives(), motors_mm)).array().round();
 }
 
 Vec3<double> TwinPlant::LagAt_mm(const Vec3<double>& from_lag_mm,
@@ -44,12 +44,35 @@ Vec3<double> TwinPlant::LagAt_mm(const Vec3<double>& from_lag_mm,
   return lag_mm;
 }
 
+Vec3<double> TwinPlant::Travel_mm(const Segment& segment) const {
+  return AxesOf(
+      built_.drives(),
+      (segment.to_steps - segment.from_steps).cwiseQuotient(built_.steps_per_mm));
+}
+
+double TwinPlant::Carriage_mm(Axis axis,
+                              const Vec3<double>& steps,
+                              const Vec3<double>& lag_mm) const {
+  return AxesOf(built_.drives(), built_.Motors_mm(steps) + lag_mm)[Index(axis)];
+}
+
 void TwinPlant::Begin(const Segment& segment) {
   const Vec3<double> from_mm = built_.Drawn_mm(segment.from_steps);
+  const Vec3<double> by_steps = segment.to_steps - segment.from_steps;
+  Vec3<double> travel = by_steps;
+  if (auto& drives = built_.now.drives) {
+    const Vec3<double> axes_mm = Travel_mm(segment);
+    for (int i = 0; i < 3; ++i) {
+      if (!drives->map->is_coupled(i)) continue;
+      if (by_steps[i] != 0) drives->dir[i] = std::copysign(1, by_steps[i]);
+      // Steps are whole: where an axis stands, one of its drives may make one more.
+      const bool stands = std::abs(axes_mm[i]) * built_.steps_per_mm[i] < 1;
+      travel[i] = stands ? 0 : axes_mm[i];
+    }
+  }
   for (int i = 0; i < 3; ++i) {
-    const double travel_steps = segment.to_steps[i] - segment.from_steps[i];
-    if (travel_steps == 0) continue;
-    const double sense = std::copysign(1, travel_steps);
+    if (travel[i] == 0) continue;
+    const double sense = std::copysign(1, travel[i]);
     if (sense == built_.now.dir[i]) continue;
     built_.now.dir[i] = sense;
     built_.turned_at_mm[i] = from_mm[i];

@@ -63,8 +63,11 @@ ClosedLoop LoopFrom(const Start& start) {
   MeasuredSession begun{.table = {.rows = planned.rows}, .header = planned.header};
   const Measurer measure = MeasurerOf(start);
   begun.table = measure(begun, 0);
-  return MeasureUntilSettled(
-      begun, machine, {}, measure, {.settings = AsHeader(machine.settings)});
+  return MeasureUntilSettled(begun,
+                             machine,
+                             {},
+                             measure,
+                             {.settings = AsHeader(machine.settings, *machine.kind)});
 }
 
 TEST(ClosedLoop, TurnedPlateTellsASaggingGantryFromACurvedPlate) {

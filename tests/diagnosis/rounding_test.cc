@@ -165,10 +165,10 @@ TEST(RoundedBy, IsWhatTheNearestStepIsBeyondTheCommand) {
   const Observed observed = Axis80(true, 1);
   const double command_mm = observed.row(3).cmd_mm[0];
 
-  EXPECT_NEAR(RoundedBy_mm(observed, 3, Axis::kX),
+  EXPECT_NEAR(RoundedBy_mm(observed, 3, 0),
               std::round(command_mm / kStep_mm) * kStep_mm - command_mm,
               1e-9);
-  EXPECT_EQ(RoundedBy_mm(observed, 3, Axis::kY), 0);  // Nothing is stated of it.
+  EXPECT_EQ(RoundedBy_mm(observed, 3, 1), 0);  // Nothing is stated of it.
 }
 
 // Repeats share what a step leaves, so it is no noise: taken for noise, it would make

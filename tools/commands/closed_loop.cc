@@ -63,7 +63,7 @@ MachineUnderTest MachineAt(const std::string& url) {
                    session.table.rows);
   };
   return {.machine = options.machine,
-          .settings = AsHeader(machine.settings),
+          .settings = AsHeader(machine.settings, *machine.kind),
           .measure = measure};
 }
 

@@ -64,7 +64,9 @@ void NoteMissingMotors(const Machine& machine, Data* data) {
   const auto missing = std::ranges::count_if(data->table.rows, [](const Row& row) {
     return !std::ranges::all_of(row.motor_mm, Known);
   });
-  if (missing == 0 || machine.kind->motors().empty()) return;
+  // What drives in proportion are told the axes say.
+  const bool axes_say = machine.kind->drive_map() != nullptr;
+  if (missing == 0 || machine.kind->motors().empty() || axes_say) return;
   data->notes.push_back(fmt::format(
       "{} rows do not say all of motor_a_mm, motor_b_mm, motor_c_mm: there {}",
       missing,

@@ -120,7 +120,8 @@ int Simulate(const Options& options) {
       is_delta ? PerformConfig{.machine = file.machine} : ConfigOf(options, file, seed);
   PlannedSession session = PlanSession(plan, config.machine, seed);
   session.header.machine = WrittenFrom(options, plan, machine);
-  session.header.settings["1"] = AsHeader(config.machine.settings);
+  session.header.settings["1"] =
+      AsHeader(config.machine.settings, *config.machine.kind);
   for (Row& row : session.rows) row.settings = "1";
   config.header = session.header;
 

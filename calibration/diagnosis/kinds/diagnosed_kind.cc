@@ -4,6 +4,7 @@
 
 #include "calibration/diagnosis/rounding.h"
 #include "sim/kinds/perform.h"
+#include "sim/machine/machine_kind.h"
 
 namespace caltwin {
 namespace {
@@ -11,56 +12,93 @@ namespace {
 constexpr double kPretravelSd_mm = 0.1;
 constexpr double kWholeSteps = 1;  // 1: all of it; 0: a servo, or a finer microstep.
 
+// How a drive's motion shows in a row.
+double Motion(const Observed& o, int drive, Eigen::Index row) {
+  const DriveMap* drives = o.machine().kind->drive_map();
+  const Vec3<double>& n = o.at(row).n;
+  const double along =
+      drives == nullptr ? n[drive] : n.dot(drives->axes_by_drive.col(drive));
+  return o.MotionSign(row) * along;
+}
+
 }  // namespace
 
-void DiagnosedKind::AddKinematics(const Observed& o, NuisanceList* builder) const {
+double ScaleColumn(const Observed& o, int drive, Eigen::Index row) {
+  const At& at = o.at(row);
+  const double from_home_mm =
+      at.drives ? DrivesOf(at.drives->map, at.q_mm)[drive] - at.drives->home_mm[drive]
+                : at.q_mm[drive] -
+                      o.machine().axes[static_cast<std::size_t>(drive)].home_mm();
+  return Motion(o, drive, row) * from_home_mm * 1e-6;
+}
+
+double SetBeside_ppm(const Observed& o, int drive) {
+  const auto k = static_cast<std::size_t>(drive);
+  const double set = o.machine().settings.steps_per_mm[k];
+  return set > 0 ? (set / o.machine().axes[k].steps_per_mm() - 1) * 1e6 : 0;
+}
+
+void AddScale(const Observed& o, int drive, NuisanceList* list) {
+  list->Add(
+      "scale." + DriveName(o.machine().kind->drive_map(), drive),
+      "ppm",
+      kScaleSd_ppm,
+      [&](Eigen::Index row) { return ScaleColumn(o, drive, row); },
+      SetBeside_ppm(o, drive));
+}
+
+void AddPlay(const Observed& o, int drive, NuisanceList* list) {
+  list->Add("backlash." + DriveName(o.machine().kind->drive_map(), drive),
+            "mm",
+            kBacklashSd_mm,
+            [&](Eigen::Index row) {
+              return -Motion(o, drive, row) * DriveSense(o.at(row), drive) / 2;
+            });
+}
+
+// Whether its controller stands at whole steps, the rows say.
+void AddWholeSteps(const Observed& o, int drive, NuisanceList* list) {
+  list->Add(
+      "whole_steps." + DriveName(o.machine().kind->drive_map(), drive),
+      "",
+      kWholeSteps,
+      [&](Eigen::Index row) {
+        return Motion(o, drive, row) * RoundedBy_mm(o, row, drive);
+      },
+      /*offset=*/0,
+      /*reported=*/false);
+}
+
+void AddPretravel(const Observed& o, Axis axis, NuisanceList* list) {
+  const int i = Index(axis);
+  list->Add(
+      "probe_pretravel." + Name(axis),
+      "mm",
+      kPretravelSd_mm,
+      [&](Eigen::Index row) {
+        if (o.at(row).kind != RowKind::kTouch) return 0.0;
+        // Of 1 / sqrt(sum (n_i / p_i)^2) by p_i.
+        const Vec3<double>& p_mm = o.pretravel_mm();
+        const Vec3<double>& n = o.at(row).n;
+        const double along_mm = 1 / n.cwiseQuotient(p_mm).norm();
+        return -n[i] * n[i] * std::pow(along_mm / p_mm[i], 3);
+      },
+      o.pretravel_mm()[i]);
+}
+
+void DiagnosedKind::AddKinematics(const Observed& o, NuisanceList* list) const {
   for (const Axis axis : kAxes) {
-    const int i = Index(axis);
-    const auto k = static_cast<std::size_t>(i);
-    const AxisDrawing& drawing = o.machine().axis(axis);
-    const auto motion = [&](Eigen::Index row) {
-      return o.MotionSign(row) * o.at(row).n[i];
-    };
-    const double set = o.machine().settings.steps_per_mm[k];
-    const double set_ppm = set > 0 ? (set / drawing.steps_per_mm() - 1) * 1e6 : 0;
-    builder->Add(
-        "scale." + Name(axis),
-        "ppm",
-        kScaleSd_ppm,
-        [&](Eigen::Index row) {
-          return motion(row) * (o.at(row).q_mm[i] - drawing.home_mm()) * 1e-6;
-        },
-        set_ppm);
-    builder->Add("backlash." + Name(axis), "mm", kBacklashSd_mm, [&](Eigen::Index row) {
-      return -motion(row) * o.at(row).dir[i] / 2;
-    });
-    // Whether its controller stands at whole steps, the rows say.
-    builder->Add(
-        "whole_steps." + Name(axis),
-        "",
-        kWholeSteps,
-        [&](Eigen::Index row) { return motion(row) * RoundedBy_mm(o, row, axis); },
-        /*offset=*/0,
-        /*reported=*/false);
-    builder->Add(
-        "probe_pretravel." + Name(axis),
-        "mm",
-        kPretravelSd_mm,
-        [&](Eigen::Index row) {
-          if (o.at(row).kind != RowKind::kTouch) return 0.0;
-          // Of 1 / sqrt(sum (n_i / p_i)^2) by p_i.
-          const Vec3<double>& p_mm = o.pretravel_mm();
-          const Vec3<double>& n = o.at(row).n;
-          const double along_mm = 1 / n.cwiseQuotient(p_mm).norm();
-          return -n[i] * n[i] * std::pow(along_mm / p_mm[i], 3);
-        },
-        o.pretravel_mm()[i]);
+    AddScale(o, Index(axis), list);
+    AddPlay(o, Index(axis), list);
+    AddWholeSteps(o, Index(axis), list);
+    AddPretravel(o, axis, list);
   }
 }
 
 void DiagnosedKind::AddPlaces(const Observed& o, NuisanceList* list) const {
   AddBedPlane(o, list);
   AddWhatIsTouched(o, list);
+  AddFrameOfTracker(o, list);
 }
 
 std::shared_ptr<const void> DiagnosedKind::PoseAnywhere(const Observed& observed,
@@ -74,6 +112,11 @@ std::shared_ptr<const void> DiagnosedKind::PoseAnywhere(const Observed& observed
     at->dir[Index(axis)] = rng->Uniform() < 1.0 / 2 ? -1 : 1;
     at->steps_per_mm[Index(axis)] = settings.steps_per_mm[i];
     at->compensation_mm[Index(axis)] = settings.backlash_mm[i];
+  }
+  if (at->drives) {
+    for (int i = 0; i < 3; ++i) {
+      at->drives->dir[i] = rng->Uniform() < 1.0 / 2 ? -1 : 1;
+    }
   }
   return nullptr;
 }

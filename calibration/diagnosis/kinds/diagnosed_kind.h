@@ -30,6 +30,17 @@ struct ReplayedTwin {
   std::function<bool()> interrupted{};
 };
 
+/// @name Lines of a baseline
+/// What a drive's scale (1 ppm), play (1 mm) and counting in whole steps do, and the
+/// pre-travel of the probe along an axis.
+void AddScale(const Observed& o, int drive, NuisanceList* list);
+void AddPlay(const Observed& o, int drive, NuisanceList* list);
+void AddWholeSteps(const Observed& o, int drive, NuisanceList* list);
+void AddPretravel(const Observed& o, Axis axis, NuisanceList* list);
+/// The column of AddScale, and what it counts from: what is set, beside the drawing.
+double ScaleColumn(const Observed& o, int drive, Eigen::Index row);
+double SetBeside_ppm(const Observed& o, int drive);
+
 /// What a diagnosis asks of one kind of machine. Without state, one object a kind; what
 /// is not overridden is as on a gantry.
 class DiagnosedKind {

@@ -14,7 +14,8 @@ struct Named {
 
 constexpr std::array kKinds = {Named{"delta", DiagnosedDelta},
                                Named{"triple_z", DiagnosedTripleZ},
-                               Named{"z_station", DiagnosedZStation}};
+                               Named{"z_station", DiagnosedZStation},
+                               Named{"corexy", DiagnosedCoreXy}};
 
 }  // namespace
 

@@ -8,5 +8,6 @@ namespace caltwin {
 const DiagnosedKind& DiagnosedDelta();
 const DiagnosedKind& DiagnosedTripleZ();
 const DiagnosedKind& DiagnosedZStation();
+const DiagnosedKind& DiagnosedCoreXy();
 
 }  // namespace caltwin

@@ -27,6 +27,7 @@ constexpr std::array kActs = {
     ActOf{EffectIndex<Angular>(), ActKind::kEditModel, EditAngular},
     ActOf{EffectIndex<GantrySag>(), ActKind::kEditModel, EditGantrySag},
     ActOf{EffectIndex<AxisTwist>(), ActKind::kEditModel, EditAxisTwist},
+    ActOf{EffectIndex<Racking>(), ActKind::kEditModel, EditRacking},
     ActOf{EffectIndex<BeltPitch>(), ActKind::kDeltaBuild},
     ActOf{EffectIndex<CarriageBacklash>(), ActKind::kDriveMap},
     ActOf{EffectIndex<RodMismatch>(), ActKind::kDeltaBuild},

@@ -9,6 +9,7 @@ namespace caltwin {
 void EditBacklash(const Machine& machine, const Injected& injected, Mjcf* model);
 void EditWindupLoad(const Machine& machine, const Injected& injected, Mjcf* model);
 void EditSquareness(const Machine& machine, const Injected& injected, Mjcf* model);
+void EditRacking(const Machine& machine, const Injected& injected, Mjcf* model);
 void EditStraightness(const Machine& machine, const Injected& injected, Mjcf* model);
 void EditAngular(const Machine& machine, const Injected& injected, Mjcf* model);
 void EditGantrySag(const Machine& machine, const Injected& injected, Mjcf* model);

@@ -13,4 +13,10 @@ void EditSquareness(const Machine& machine, const Injected& injected, Mjcf* mode
   model->TurnAxis(turned, about, angle_rad, machine.axis(turned).mid_mm());
 }
 
+void EditRacking(const Machine& machine, const Injected& injected, Mjcf* model) {
+  const double angle_rad = RadFromMrad(injected.values[0]);
+  if (angle_rad == 0) return;
+  model->TurnAxis(Axis::kX, Axis::kZ, angle_rad, machine.axis(Axis::kX).mid_mm());
+}
+
 }  // namespace caltwin

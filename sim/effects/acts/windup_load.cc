@@ -1,5 +1,6 @@
 #include "sim/base/units.h"
 #include "sim/effects/acts/edits.h"
+#include "sim/effects/drive.h"
 
 namespace caltwin {
 
@@ -7,7 +8,8 @@ namespace caltwin {
 void EditWindupLoad(const Machine&, const Injected& injected, Mjcf* model) {
   const double compliance_mm_per_n = MmFromUm(injected.values[0]);
   if (compliance_mm_per_n == 0) return;
-  model->SetDriveStiffness(*AxisNamed(injected.axis), 2.0 / compliance_mm_per_n);
+  model->SetDriveStiffness(kAxes[DriveNamed(injected.axis)->slot()],
+                           2.0 / compliance_mm_per_n);
 }
 
 }  // namespace caltwin

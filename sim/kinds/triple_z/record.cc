@@ -30,7 +30,7 @@ std::string TripleZRecord::IdOf(double steps_per_mm) {
       });
   if (found != header_.settings.end()) return found->first;
   const std::string id = fmt::format("s{}", header_.settings.size() + 1);
-  header_.settings[id] = AsHeader(machine_.settings);
+  header_.settings[id] = AsHeader(machine_.settings, *machine_.kind);
   header_.settings[id].steps_per_mm["z"] = steps_per_mm;
   return id;
 }

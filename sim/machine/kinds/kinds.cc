@@ -14,7 +14,8 @@ class Cartesian final : public MachineKind {
   bool touches_with_nozzle() const override { return false; }
 };
 
-const std::array kKinds = {CartesianKind, DeltaKind, TripleZKind, ZStationKind};
+const std::array kKinds = {
+    CartesianKind, DeltaKind, TripleZKind, ZStationKind, CoreXyKind};
 
 }  // namespace
 

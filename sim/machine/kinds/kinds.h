@@ -13,6 +13,7 @@ const MachineKind* CartesianKind();
 const MachineKind* DeltaKind();
 const MachineKind* TripleZKind();
 const MachineKind* ZStationKind();
+const MachineKind* CoreXyKind();
 
 std::vector<const MachineKind*> AllMachineKinds();
 /// Their words in files, cartesian first.

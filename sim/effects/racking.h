@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cmath>
+
+#include "sim/base/units.h"
+#include "sim/effects/effect.h"
+
+namespace caltwin {
+
+/// The beam of a CoreXY does not stand square to its rails: two belts of unlike tension
+/// pull one end ahead of the other.
+///
+///   dx = (cos(a) - 1) u,  dy = sin(a) u,  u = x - mid travel   [mm]
+///
+/// Right-handed about z: a > 0 turns the beam counter-clockwise seen from above. Beside
+/// a whole that may be turned it is a squareness C0Y of -a.
+struct Racking {
+  static constexpr std::array kParameters = {
+      Parameter{.name = "angle_mrad",
+                .unit = "mrad",
+                .min = -50,
+                .max = 50,
+                .prior = Normal{.mean = 0, .sd = 2},
+                .doc = "+: the beam is turned counter-clockwise, seen from above."}};
+  static void Neutral(const Machine&, std::string_view, std::span<double> values) {
+    values[0] = 0;
+  }
+  static Shown In(std::string_view) { return {.channel = "y", .covariates = {"x"}}; }
+  static constexpr Effect kDeclaration = {
+      .name = "racking",
+      .about = "The beam of a CoreXY does not stand square to its rails.",
+      .bucket = Bucket::kMotion,
+      .stage = Stage::kFrame,
+      .parameters = kParameters,
+      .formula = "dy = a (x - middle)",
+      .source =
+          "Voron and VzBot builders: 0.2 to 1 mm over a beam of 350 mm until the belts "
+          "are alike and the beam is squared.",
+      .twin =
+          "squareness.C0Y and one belt of another pitch: all three turn a square into "
+          "the same parallelogram. A square against the rails tells the beam; the size "
+          "of parts tells a belt's pitch.",
+      .words = {.plot = "y against x, of a straight line along x: a slope.",
+                .values = "0.5 to 3 mrad; 1 mrad is 0.3 mm over a beam of 300 mm.",
+                .cause = "Belts of unlike tension or length, a beam clamped askew.",
+                .effect = "Squares become parallelograms; diagonals differ.",
+                .action =
+                    "Loosen the beam, square it against the front, tension both belts "
+                    "to the same tone, tighten; what is left: skew correction."},
+      .neutral = Neutral,
+      .sight = Sight{.shown = In}};
+
+  template <typename T>
+  static void Add(const Asked<T>& asked, Errors<T>* errors) {
+    using std::cos;
+    using std::sin;
+    const T angle_rad = RadFromMrad(asked.p[0]);
+    const T along_mm = asked.q_mm[0] - asked.machine.axis(Axis::kX).mid_mm();
+    errors->motion_mm[0] += (cos(angle_rad) - 1.0) * along_mm;
+    errors->motion_mm[1] += sin(angle_rad) * along_mm;
+  }
+};
+
+}  // namespace caltwin

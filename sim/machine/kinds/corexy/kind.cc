@@ -1,0 +1,131 @@
+#include <array>
+#include <cmath>
+
+#include "sim/machine/kinds/kinds.h"
+#include "sim/machine/machine_kind.h"
+
+namespace caltwin {
+namespace {
+
+using Names = std::span<const std::string_view>;
+
+constexpr std::array<std::string_view, 2> kBelts = {"a", "b"};
+constexpr std::array<std::string_view, 3> kDrives = {"a", "b", "z"};
+constexpr std::array<std::string_view, 1> kScrew = {"z"};
+constexpr std::array<std::string_view, 1> kWhole = {""};
+constexpr Names kNone{};
+
+// What differs from a cartesian machine: what its drives do, and its beam.
+constexpr std::array kEffects = {KindEffect{"steps_per_mm", kDrives},
+                                 KindEffect{"backlash", kDrives},
+                                 KindEffect{"windup_load", kNone},
+                                 KindEffect{"cyclic_lead", kScrew},
+                                 KindEffect{"pulley_eccentric", kBelts},
+                                 KindEffect{"microstep", kDrives},
+                                 KindEffect{"pitch_progressive", kScrew},
+                                 KindEffect{"pitch_map", kScrew},
+                                 KindEffect{"backlash_worn", kScrew},
+                                 KindEffect{"reversal_spike", kNone},
+                                 KindEffect{"thermal_screw", kScrew},
+                                 KindEffect{"missed_steps", kDrives},
+                                 KindEffect{"belt_pitch", kBelts},
+                                 KindEffect{"racking", kWhole},
+                                 KindEffect{"servo_mismatch", kNone},
+                                 KindEffect{"servo_lag", kNone}};
+
+//   a = x + y,  b = x - y
+const DriveMap& Belts() {
+  static const DriveMap map = [] {
+    DriveMap belts{.names = kDrives};
+    belts.drives_by_axis << 1, 1, 0, 1, -1, 0, 0, 0, 1;
+    belts.axes_by_drive << 0.5, 0.5, 0, 0.5, -0.5, 0, 0, 0, 1;
+    return belts;
+  }();
+  return map;
+}
+
+Vec3<double> Senses(const Vec3<double>& by_drive) {
+  Vec3<double> senses = Vec3<double>::Zero();
+  for (int i = 0; i < 3; ++i) {
+    if (std::abs(by_drive[i]) > kStill_mm) senses[i] = std::copysign(1, by_drive[i]);
+  }
+  return senses;
+}
+
+// What a belt's motor and pulley are, over what the axis of its place says.
+void ReadBelt(YamlMap map, AxisDrawing* drive) {
+  drive->is_belt = true;
+  drive->lead_mm = map.NumberOr(
+      "pulley_mm_per_rev", drive->lead_mm, {1e-3, 1e4}, "travel per motor turn");
+  drive->full_steps_per_rev =
+      map.NumberOr("full_steps_per_rev", drive->full_steps_per_rev, {1, 1e6});
+  drive->microsteps = map.NumberOr("microsteps", drive->microsteps, {1, 4096});
+  map.NoMoreKeys();
+}
+
+// Two belts, A and B, move the head: A alone along one diagonal, B alone along the
+// other. What `axes.x` says of pulley and motor is A's, `axes.y` B's, as in Klipper's
+// [stepper_x] and [stepper_y]; `axes.a` and `axes.b` may say so too.
+class CoreXy final : public MachineKind {
+ public:
+  std::string_view name() const override { return "corexy"; }
+  std::string_view where() const override { return " on a CoreXY"; }
+  std::string_view plans_as() const override { return CartesianKind()->name(); }
+  bool touches_with_nozzle() const override { return false; }
+  const DriveMap* drive_map() const override { return &Belts(); }
+  std::span<const std::string_view> motors() const override { return kBelts; }
+  std::span<const KindEffect> effects() const override { return kEffects; }
+  bool has_other_effects() const override { return true; }
+
+  void ReadAxes(YamlMap* map, Machine* machine) const override {
+    const auto axes = map->Required("axes");
+    if (!axes) return;
+    const AxisDrawing usual{
+        .lead_mm = 40, .is_belt = true, .max_feed_mm_s = 300, .rail_friction_n = 5};
+    YamlMap by_axis = axes->Map();
+    for (const Axis axis : kAxes) {
+      const auto drawing = by_axis.Required(Name(axis));
+      if (!drawing) continue;
+      const bool is_z = axis == Axis::kZ;
+      machine->axes[static_cast<std::size_t>(Index(axis))] = ReadAxis(
+          axis, drawing->Map(), is_z ? AxisDrawing{} : usual, /*needs_lead=*/is_z);
+    }
+    for (std::size_t i = 0; i < kBelts.size(); ++i) {
+      if (const auto belt = by_axis.Optional(std::string(kBelts[i]))) {
+        ReadBelt(belt->Map(), &machine->axes[i]);
+      }
+    }
+    by_axis.NoMoreKeys();
+  }
+
+  Homed AtHome(const Machine& machine) const override {
+    Homed homed = MachineKind::AtHome(machine);
+    // Y is homed last, by both belts.
+    homed.motor_sense = Senses(DrivesOf(&Belts(), {0, homed.sense[1], 0}));
+    (*homed.motor_sense)[2] = std::nan("");
+    return homed;
+  }
+  std::optional<Vec3<double>> Motors_mm(const Machine&,
+                                        const Vec3<double>& q_mm,
+                                        const Vec3<double>&) const override {
+    Vec3<double> told_mm = DrivesOf(&Belts(), q_mm);
+    told_mm[2] = std::nan("");  // An axis of its own.
+    return told_mm;
+  }
+  std::optional<Vec3<double>> MotorSenses(const Machine&,
+                                          const Vec3<double>& from_mm,
+                                          const Vec3<double>& to_mm) const override {
+    Vec3<double> senses = Senses(DrivesOf(&Belts(), to_mm - from_mm));
+    senses[2] = std::nan("");
+    return senses;
+  }
+};
+
+}  // namespace
+
+const MachineKind* CoreXyKind() {
+  static const CoreXy kind;
+  return &kind;
+}
+
+}  // namespace caltwin
