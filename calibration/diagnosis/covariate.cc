@@ -59,7 +59,7 @@ Eigen::VectorXd ChannelOf(const Observed& observed, std::string_view channel) {
       double along = at.n[drive->index];
       if (drive->is_motor) {
         Errors<double> by_one;
-        by_one.motor_mm[drive->index] = 1;
+        (drive->is_screw ? by_one.screw_mm : by_one.motor_mm)[drive->index] = 1;
         along = at.n.dot(MotionOfMotors_mm(at, by_one));
       }
       shows[i] = observed.MotionSign(i) * along;

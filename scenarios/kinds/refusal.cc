@@ -2,11 +2,12 @@
 
 #include "sim/base/input_error.h"
 #include "sim/machine/kinds/kinds.h"
+#include "sim/machine/kinds/triple_z/drawing.h"
 
 namespace caltwin {
 
 void RequireGantry(const Machine& machine, const std::filesystem::path& file) {
-  if (machine.kind == TripleZKind()) {
+  if (machine.Own<TripleZDrawing>() != nullptr) {
     throw InputError(
         {.file = file.string()},
         "this machine is a triple-Z printer, which serve and calibrate do not know",

@@ -10,6 +10,7 @@
 #include "sim/effects/predict.h"
 #include "sim/effects/surroundings.h"
 #include "sim/machine/kinds/triple_z/drawing.h"
+#include "sim/machine/machine_kind.h"
 
 namespace caltwin {
 namespace {
@@ -31,11 +32,12 @@ Vec3<double> OffAt_mm(const BuiltTripleZ& built,
   row.n = {0, 0, 1};
   row.dir = {0, 0, sense};
   row.feature = "bed.top";
-  for (std::size_t i = 0; i < row.motor_mm.size(); ++i) {
-    row.motor_mm[i] = TripleZOf(machine).top_mm - sent_mm[2] +
+  const ScrewCells screws = ScrewCellsOf(&row, machine.kind->drive_map() != nullptr);
+  for (std::size_t i = 0; i < screws.mm->size(); ++i) {
+    (*screws.mm)[i] = TripleZOf(machine).top_mm - sent_mm[2] +
                       raised_mm[static_cast<Eigen::Index>(i)];
-    row.motor_dir[i] = -sense;
   }
+  screws.dir->fill(-sense);
   const At at = AtOf(row, machine, machine.settings);
   const auto errors = ErrorsAt<double>(machine, at, built.effects);
   return errors.motion_mm - errors.artefact_mm * Unit(Axis::kZ);

@@ -5,6 +5,7 @@
 #include <type_traits>
 
 #include "sim/base/require.h"
+#include "sim/effects/drive.h"
 #include "sim/machine/kinds/delta/knobs.h"
 #include "sim/machine/kinds/delta/model.h"
 #include "sim/machine/machine_kind.h"
@@ -52,7 +53,24 @@ std::span<const std::string_view> AxesOn(const Effect& effect,
 Shown ShownOn(const Effect& effect, std::string_view axis, const MachineKind* kind) {
   const Sight& sight = *effect.sight;
   const bool is_other = kind->bed_is_on_screws() && sight.shown_on_screws != nullptr;
-  return is_other ? sight.shown_on_screws(axis) : sight.shown(axis);
+  Shown shown = is_other ? sight.shown_on_screws(axis) : sight.shown(axis);
+  // Beside belts screws have columns of their own.
+  const bool is_beside = kind->bed_is_on_screws() && kind->drive_map() != nullptr;
+  const auto drive = DriveNamed(axis.substr(0, 2));
+  if (!is_beside || !drive || !drive->is_screw) return shown;
+  for (std::string& word : shown.covariates) {
+    for (const std::string_view screw : kScrewAxes) {
+      if (word == DriveCovariate(screw)) {
+        word = "motor_" + std::string(screw);
+        break;
+      }
+      if (word == SenseCovariate(screw)) {
+        word = "dir_" + std::string(screw);
+        break;
+      }
+    }
+  }
+  return shown;
 }
 
 std::optional<Bounds> DeclaredBounds(std::string_view effect,

@@ -16,6 +16,7 @@ namespace caltwin {
 struct Drive {
   int index = 0;
   bool is_motor = false;  ///< In the `motor_` columns.
+  bool is_screw = false;  ///< A motor's, under a bed.
   /// Its place in a machine's arrays of three.
   constexpr std::size_t slot() const { return static_cast<std::size_t>(index); }
 };
@@ -23,7 +24,7 @@ struct Drive {
 /// "x" .. "z", "a" .. "c", "z1" .. "z3"; nullopt for anything else.
 constexpr std::optional<Drive> DriveNamed(std::string_view name) {
   if (name.size() == 2 && name[0] == 'z' && name[1] >= '1' && name[1] <= '3') {
-    return Drive{name[1] - '1', true};
+    return Drive{name[1] - '1', true, true};
   }
   if (name.size() != 1) return std::nullopt;
   if (name[0] >= 'x' && name[0] <= 'z') return Drive{name[0] - 'x', false};
@@ -43,14 +44,19 @@ inline std::string SenseCovariate(std::string_view name) {
   return std::string("dir_") + (drive.is_motor ? "abc"[drive.index] : name[0]);
 }
 
+/// How high the screws under a bed are told to stand; nullopt: there are none.
+inline std::optional<Vec3<double>> ScrewsOf_mm(const At& at) {
+  if (!at.screws) return std::nullopt;
+  const double up_mm = at.q_mm[2] - at.screws->stated_z_mm;
+  return at.screws->stated_mm - Vec3<double>::Constant(up_mm);
+}
+
 /// What a row's motors are told: a tower's travel down from its endstop, a screw's
 /// height over its, a belt's. nullopt on a machine that has no motors beside its axes.
 inline std::optional<Vec3<double>> MotorsOf_mm(const At& at) {
   if (at.drives) return DrivesOf(at.drives->map, at.q_mm);
   if (at.linkage != nullptr) return at.linkage->motors_mm;
-  if (!at.screws) return std::nullopt;
-  const double up_mm = at.q_mm[2] - at.screws->stated_z_mm;
-  return at.screws->stated_mm - Vec3<double>::Constant(up_mm);
+  return ScrewsOf_mm(at);
 }
 /// In which sense each of them came.
 inline std::optional<Vec3<double>> MotorDirOf(const At& at) {
@@ -65,7 +71,7 @@ template <typename T>
 T DriveAt_mm(const Asked<T>& asked) {
   const Drive drive = *DriveNamed(asked.axis);
   if (!drive.is_motor) return asked.q_mm[drive.index];
-  const auto motors_mm = MotorsOf_mm(asked.at);
+  const auto motors_mm = drive.is_screw ? ScrewsOf_mm(asked.at) : MotorsOf_mm(asked.at);
   return T(motors_mm ? (*motors_mm)[drive.index] : 0.0);
 }
 
@@ -73,6 +79,7 @@ T DriveAt_mm(const Asked<T>& asked) {
 template <typename T>
 T& DriveError_mm(std::string_view axis, Errors<T>* errors) {
   const Drive drive = *DriveNamed(axis);
+  if (drive.is_screw) return errors->screw_mm[drive.index];
   return drive.is_motor ? errors->motor_mm[drive.index]
                         : errors->motion_mm[drive.index];
 }
@@ -89,12 +96,18 @@ inline Vec3<double> TakenByPlay_mm(const At& at, const Vec3<double>& lost_motion
   return AxesOf(at.drives ? at.drives->map : nullptr, taken_mm);
 }
 
-/// What the motors move further than commanded: their errors and gaps, as they last
-/// moved [mm].
+/// What carriages, and screws, move further than commanded: their errors and gaps, as
+/// they last moved [mm].
 template <typename T>
 Vec3<T> MotorsMoved_mm(const Vec3<double>& motor_dir, const Errors<T>& errors) {
   return errors.motor_mm -
          motor_dir.cast<T>().cwiseProduct(errors.motor_lost_motion_mm) / T(2);
+}
+
+template <typename T>
+Vec3<T> ScrewsMoved_mm(const Vec3<double>& screw_dir, const Errors<T>& errors) {
+  return errors.screw_mm -
+         screw_dir.cast<T>().cwiseProduct(errors.screw_lost_motion_mm) / T(2);
 }
 
 /// By how much less each screw's height counts over (x, y) where guides hold a bed
@@ -145,27 +158,37 @@ Vec3<T> BuiltWeights(const At& at, const Errors<T>& errors) {
          WeightsHeldBack<T>(built_mm, errors.held_mm2, {x_mm, y_mm});
 }
 
-/// How the nozzle follows the motors: by the map of drives that move the axes together;
-/// on a delta through its chain; over a bed on screws by how far that truly stands
-/// higher there than the screws as drawn, told so, have it.
+/// How far a bed on screws truly stands lower there than the screws as drawn, told so,
+/// have it.
 ///
 ///   dz = -(W . (told + moved) - w . told),  W of the screws as built, w as drawn
 template <typename T>
-Vec3<T> MotionOfMotors_mm(const At& at, const Errors<T>& errors) {
+Vec3<T> MotionOfScrews_mm(const At& at, const Errors<T>& errors) {
+  if (!at.screws) return Vec3<T>::Zero();
+  const Vec3<T> moved_mm = ScrewsMoved_mm(at.screws->motor_dir, errors);
+  const Vec3<T> weights = BuiltWeights(at, errors);
+  const Vec3<T> more = weights - at.screws->weights.template cast<T>();
+  const Vec3<T> told_mm = ScrewsOf_mm(at)->template cast<T>();
+  return {T(0), T(0), -(more.dot(told_mm) + weights.dot(moved_mm))};
+}
+
+/// How the nozzle follows its drives: by the map where they move the axes together, on
+/// a delta through its chain.
+template <typename T>
+Vec3<T> MotionOfDrives_mm(const At& at, const Errors<T>& errors) {
   if (at.drives) {
     return at.drives->map->axes_by_drive.template cast<T>() * errors.motor_mm;
   }
-  if (at.linkage != nullptr) {
-    // A carriage that is lower is one whose endstop is.
-    return -at.linkage->by_knob.middleCols<3>(kEndstopKnob).cast<T>() *
-           MotorsMoved_mm(at.linkage->motor_dir, errors);
-  }
-  if (!at.screws) return Vec3<T>::Zero();
-  const Vec3<T> moved_mm = MotorsMoved_mm(at.screws->motor_dir, errors);
-  const Vec3<T> weights = BuiltWeights(at, errors);
-  const Vec3<T> more = weights - at.screws->weights.template cast<T>();
-  const Vec3<T> told_mm = MotorsOf_mm(at)->template cast<T>();
-  return {T(0), T(0), -(more.dot(told_mm) + weights.dot(moved_mm))};
+  if (at.linkage == nullptr) return Vec3<T>::Zero();
+  // A carriage that is lower is one whose endstop is.
+  return -at.linkage->by_knob.middleCols<3>(kEndstopKnob).cast<T>() *
+         MotorsMoved_mm(at.linkage->motor_dir, errors);
+}
+
+/// Both.
+template <typename T>
+Vec3<T> MotionOfMotors_mm(const At& at, const Errors<T>& errors) {
+  return MotionOfDrives_mm(at, errors) + MotionOfScrews_mm(at, errors);
 }
 
 }  // namespace caltwin

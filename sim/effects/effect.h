@@ -204,11 +204,13 @@ struct Errors {
   Vec3<T> motion_mm = Vec3<T>::Zero();     ///< Tip: actual minus commanded.
   /// By drive, full width; acts as -dir * width / 2.
   Vec3<T> lost_motion_mm = Vec3<T>::Zero();
-  /// @name Carriages of a delta (+ down), screws of a triple-Z printer (+ up), drives
-  /// that move the axes together
+  /// @name Carriages of a delta (+ down), drives that move the axes together
   Vec3<T> motor_mm = Vec3<T>::Zero();              ///< Moved less commanded.
   Vec3<T> motor_lost_motion_mm = Vec3<T>::Zero();  ///< Full width, by motor_dir.
-  /// Screws of a triple-Z printer: where they stand less where they are drawn.
+  /// @name Screws under a bed (+ up)
+  Vec3<T> screw_mm = Vec3<T>::Zero();              ///< Moved less commanded.
+  Vec3<T> screw_lost_motion_mm = Vec3<T>::Zero();  ///< Full width, by their senses.
+  /// Where they stand less where they are drawn.
   Eigen::Matrix<T, 2, 3> pivot_off_mm = Eigen::Matrix<T, 2, 3>::Zero();
   /// Of a bed on screws: turning stiffness of what holds it level over the axial
   /// stiffness of one screw's support.

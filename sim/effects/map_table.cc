@@ -104,12 +104,15 @@ double CovariateAt(const At& at, std::string_view word) {
     const auto drive = DriveNamed(word.substr(4));
     if (!drive) return kUnknown;
     if (!drive->is_motor) return at.dir[drive->index];
+    if (drive->is_screw) {
+      return at.screws ? at.screws->motor_dir[drive->index] : kUnknown;
+    }
     const auto motor_dir = MotorDirOf(at);
     return motor_dir ? (*motor_dir)[drive->index] : kUnknown;
   }
   if (word.starts_with("motor_")) {
     const auto drive = DriveNamed(word.substr(6));
-    const auto motors_mm = MotorsOf_mm(at);
+    const auto motors_mm = drive && drive->is_screw ? ScrewsOf_mm(at) : MotorsOf_mm(at);
     const bool is_there = drive && drive->is_motor && motors_mm;
     return is_there ? (*motors_mm)[drive->index] : kUnknown;
   }

@@ -76,12 +76,12 @@ struct MotorsSwapped {
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {
-    const auto told_mm = MotorsOf_mm(asked.at);
+    const auto told_mm = ScrewsOf_mm(asked.at);
     if (!told_mm) return;
     const std::array<int, 3> turned = ScrewsTurned(asked.axis);
     for (int driver = 0; driver < 3; ++driver) {
       const int screw = turned[static_cast<std::size_t>(driver)];
-      errors->motor_mm[screw] += asked.p[0] * ((*told_mm)[driver] - (*told_mm)[screw]);
+      errors->screw_mm[screw] += asked.p[0] * ((*told_mm)[driver] - (*told_mm)[screw]);
     }
   }
 };

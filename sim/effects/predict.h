@@ -56,11 +56,11 @@ Errors<T> ErrorsAt(const Machine& machine,
   if (at.screws) {
     const int z = Index(Axis::kZ);
     if (at.steps_per_mm[z] > 0) {
-      errors.motor_mm += MotorsOf_mm(at)->template cast<T>() *
+      errors.screw_mm += ScrewsOf_mm(at)->template cast<T>() *
                          (T(at.steps_per_mm[z] / errors.steps_per_mm[z]) - 1.0);
     }
     errors.motion_mm[z] += at.screws->off_mm;
-    errors.motion_mm += MotionOfMotors_mm(at, errors);
+    errors.motion_mm += MotionOfScrews_mm(at, errors);
   }
   const DrivesAt* drives = at.drives ? &*at.drives : nullptr;
   const Vec3<double> told_mm = drives ? DrivesOf(drives->map, at.q_mm) : at.q_mm;
@@ -78,7 +78,7 @@ Errors<T> ErrorsAt(const Machine& machine,
     const double compensation_mm = at.compensation_mm[i];
     moved_mm[i] -= sense * (errors.lost_motion_mm[i] - compensation_mm) / 2.0;
   }
-  if (drives) errors.motion_mm += MotionOfMotors_mm(at, errors);
+  if (drives) errors.motion_mm += MotionOfDrives_mm(at, errors);
   add(/*drive=*/false, Vec3<T>(q_mm + errors.motion_mm));
   return errors;
 }

@@ -52,7 +52,7 @@ struct ScrewBacklash {
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {
-    errors->motor_lost_motion_mm[DriveNamed(asked.axis)->index] += asked.p[0];
+    errors->screw_lost_motion_mm[DriveNamed(asked.axis)->index] += asked.p[0];
   }
 };
 

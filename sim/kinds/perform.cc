@@ -10,6 +10,8 @@
 #include "sim/kinds/triple_z/machine.h"
 #include "sim/kinds/z_station/machine.h"
 #include "sim/machine/kinds/kinds.h"
+#include "sim/machine/kinds/triple_z/drawing.h"
+#include "sim/machine/machine_kind.h"
 #include "sim/twin/measuring_machine.h"
 
 namespace caltwin {
@@ -18,6 +20,8 @@ namespace {
 constexpr int kMostRounds = 200;
 constexpr int kPlainRounds = 10;
 constexpr double kSolved_mm = 1e-12;
+constexpr double kUpright = 0.5;
+constexpr double kStandIn_mm = 1;
 
 // The closed form knows how far an axis has crossed its gap by the sense alone.
 At InGap(const PerformConfig& config, At at) {
@@ -36,16 +40,22 @@ class Reader {
       return;
     }
     if (!is_physics) return;
-    if (config.machine.kind == TripleZKind()) {
-      triple_z_.emplace(config.machine, config.effects);
-    } else {
-      machine_.emplace(config.machine, config.effects);
-    }
+    const bool is_on_screws = config.machine.Own<TripleZDrawing>() != nullptr;
+    if (is_on_screws) triple_z_.emplace(config.machine, config.effects);
+    const bool moves_belts = config.machine.kind->drive_map() != nullptr;
+    if (is_on_screws && !moves_belts) return;
+    Machine moved = config.machine;
+    // A nozzle is no ball; where it stands, nothing is touched by this one.
+    if (is_on_screws) moved.probe.tip_radius_mm = kStandIn_mm;
+    machine_.emplace(moved, config.effects);
   }
 
   double Position_mm(const Row& row, const At& at) {
     if (station_) return station_->Reading_mm(row, at);
-    if (triple_z_) return triple_z_->Gauge_mm(at);
+    // Across the bed belts move the head; towards it screws the bed.
+    if (triple_z_ && (!machine_ || std::abs(at.n[2]) > kUpright)) {
+      return triple_z_->Gauge_mm(at);
+    }
     if (machine_) return machine_->Position_mm(at);
     return Predict_mm<double>(config_.machine, InGap(config_, at), config_.effects);
   }

@@ -61,8 +61,8 @@ class MachineKind {
   /// Where its drives move the axes together; null: each axis has a drive of its own,
   /// or they are moved by no linear map.
   virtual const DriveMap* drive_map() const { return nullptr; }
-  /// The kind as which its campaigns are planned.
-  virtual std::string_view plans_as() const { return name(); }
+  /// The kinds as which its campaigns are planned; empty: as its own.
+  virtual std::span<const std::string_view> plans_as() const { return {}; }
   /// Its motors that are no axes, in the order of a row's motor_ columns.
   virtual std::span<const std::string_view> motors() const { return {}; }
   /// Whether its nozzle is what touches; else a probe with a ball does.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "sim/measure/kinds/corexy_options.h"
 #include "sim/measure/kinds/delta_options.h"
 #include "sim/measure/kinds/triple_z_options.h"
 #include "sim/measure/kinds/z_station_options.h"
@@ -154,6 +155,14 @@ constexpr std::array kKinds = {
         "probe",
         of::kScrewsOneByOne,
         {{{"triple_z", PlanScrewsOneByOne}}}},
+    CampaignKind{
+        "diagonals",
+        "A laser reads both diagonals of a CoreXY, along which one belt moves alone.",
+        "Play and waves of one belt apart from the other's; with readings across, belts "
+        "of unlike pitch and a racked beam.",
+        "laser",
+        of::kDiagonals,
+        {{{"corexy", PlanDiagonals}}}},
     CampaignKind{
         "z_offset",
         "The three touches of a nozzle's calibration (nozzle and probe on the "

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <span>
 #include <string_view>
@@ -30,8 +31,12 @@ struct CampaignKind {
 
   /// What plans it on that machine; null: nothing does.
   auto PlanOn(const MachineKind* kind) const {
+    const std::array own = {kind->name()};
+    const auto as = kind->plans_as().empty() ? std::span<const std::string_view>(own)
+                                             : kind->plans_as();
     for (const PlannedOn& one : on) {
-      if (one.plan != nullptr && one.kind == kind->plans_as()) return one.plan;
+      const bool is_so = std::ranges::find(as, one.kind) != as.end();
+      if (one.plan != nullptr && is_so) return one.plan;
     }
     return PlannedOn{}.plan;
   }
@@ -65,6 +70,7 @@ void PlanTzHeights(const PlannedCampaign& campaign, MeasuringSession* session);
 void PlanFixedPost(const PlannedCampaign& campaign, MeasuringSession* session);
 void PlanScrewsOneByOne(const PlannedCampaign& campaign, MeasuringSession* session);
 void PlanZOffset(const PlannedCampaign& campaign, MeasuringSession* session);
+void PlanDiagonals(const PlannedCampaign& campaign, MeasuringSession* session);
 void PlanZGap(const PlannedCampaign& campaign, MeasuringSession* session);
 void PlanDrift(const PlannedCampaign& campaign, MeasuringSession* session);
 

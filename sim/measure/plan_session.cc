@@ -93,6 +93,7 @@ void MeasuringSession::MoveTo(const Vec3<double>& q_mm, double feed_mm_s) {
     sense_[i] = last_dir_[i];
   }
   motor_dir_ = machine_.kind->MotorSenses(machine_, q_mm_, q_mm).value_or(motor_dir_);
+  screw_dir_.setConstant(-last_dir_[2]);
   const double feed =
       std::min(std::max(feed_mm_s, kStill_mm), MostFeed_mm_s(machine_, travel_mm));
   t_s_ += length_mm / feed + feed / machine_.axis(Axis::kX).acceleration_mm_s2;
@@ -106,9 +107,10 @@ void MeasuringSession::Rapid(const Vec3<double>& q_mm) {
 void MeasuringSession::SetScrews(const Vec3<double>& raised_mm) {
   const Vec3<double> moved_mm = raised_mm - raised_mm_;
   for (int i = 0; i < kNumScrews; ++i) {
-    motor_dir_[i] =
+    screw_dir_[i] =
         std::abs(moved_mm[i]) < kStill_mm ? 0 : std::copysign(1, moved_mm[i]);
   }
+  if (machine_.kind->drive_map() == nullptr) motor_dir_ = screw_dir_;
   const double feed_mm_s = machine_.axis(Axis::kZ).max_feed_mm_s;
   t_s_ += moved_mm.cwiseAbs().maxCoeff() / feed_mm_s;
   raised_mm_ = raised_mm;
@@ -132,6 +134,15 @@ void MeasuringSession::Finish(Row row) {
       const auto k = static_cast<std::size_t>(i);
       row.motor_mm[k] = std::round((*motors)[i] * 1e6) / 1e6;
       row.motor_dir[k] = motor_dir_[i];
+    }
+  }
+  const auto* screws = machine_.Own<TripleZDrawing>();
+  if (screws != nullptr && machine_.kind->drive_map() != nullptr) {
+    for (int i = 0; i < kNumScrews; ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      const double told_mm = screws->top_mm - cmd_mm[2] + raised_mm_[i];
+      row.screw_mm[k] = std::round(told_mm * 1e6) / 1e6;
+      row.screw_dir[k] = screw_dir_[i];
     }
   }
   session_.rows.push_back(std::move(row));

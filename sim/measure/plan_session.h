@@ -73,6 +73,7 @@ class MeasuringSession {
   Vec3<double> sense_ = Vec3<double>::Zero();     ///< In which each moved last.
   Vec3<double> since_rev_mm_ = Vec3<double>::Zero();
   Vec3<double> motor_dir_ = Vec3<double>::Zero();  ///< Where motors are no axes.
+  Vec3<double> screw_dir_ = Vec3<double>::Zero();  ///< Of a bed's, beside motors.
   Vec3<double> raised_mm_ = Vec3<double>::Zero();  ///< As SetScrews has them.
 };
 

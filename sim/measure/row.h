@@ -39,8 +39,11 @@ struct Row {
   double nozzle_wiped = kUnknown;  ///< 1: just before, also before its calibration.
   std::array<double, 3> cmd_mm{kUnknown, kUnknown, kUnknown};
   std::array<double, 3> motor_mm{kUnknown, kUnknown, kUnknown};  ///< a b c or z1 z2 z3.
+  /// Screws under a bed beside motors a b.
+  std::array<double, 3> screw_mm{kUnknown, kUnknown, kUnknown};
   std::array<double, 3> dir{kUnknown, kUnknown, kUnknown};
   std::array<double, 3> motor_dir{kUnknown, kUnknown, kUnknown};
+  std::array<double, 3> screw_dir{kUnknown, kUnknown, kUnknown};
   std::array<double, 3> since_rev_mm{kUnknown, kUnknown, kUnknown};
   double feed_mm_s = kUnknown;
   double load_n = kUnknown;
@@ -55,6 +58,17 @@ struct Row {
   std::vector<std::string> extra{};  ///< Of the unknown columns, in the table's order.
   Place place{};                     ///< Where it was read from.
 };
+
+/// What a row says of the screws under a bed.
+struct ScrewCells {
+  std::array<double, 3>* mm = nullptr;
+  std::array<double, 3>* dir = nullptr;
+};
+/// In columns of their own beside other motors, else in those of the motors.
+inline ScrewCells ScrewCellsOf(Row* row, bool beside_motors) {
+  if (beside_motors) return {&row->screw_mm, &row->screw_dir};
+  return {&row->motor_mm, &row->motor_dir};
+}
 
 /// All rows of one file, in file order.
 struct RowTable {

@@ -221,7 +221,7 @@ TEST(TripleZEffects, ScaleIsThatOfTheScrews) {
   const Injected scale{
       .effect = EffectIndex<StepsPerMm>(), .axis = "z", .values = {800 / 1.001}};
 
-  const double bed_mm = at.screws->weights.dot(*MotorsOf_mm(at));
+  const double bed_mm = at.screws->weights.dot(*ScrewsOf_mm(at));
 
   EXPECT_NEAR(Predict_mm<double>(machine, at, std::span(&scale, 1)) - drawn_mm,
               -0.001 * bed_mm,

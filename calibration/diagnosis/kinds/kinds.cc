@@ -2,27 +2,29 @@
 
 #include <array>
 
+#include "sim/machine/kinds/kinds.h"
 #include "sim/machine/machine_kind.h"
 
 namespace caltwin {
 namespace {
 
-struct Named {
-  std::string_view name;
+struct Pair {
+  const MachineKind* (*machine)();
   const DiagnosedKind& (*kind)();
 };
 
-constexpr std::array kKinds = {Named{"delta", DiagnosedDelta},
-                               Named{"triple_z", DiagnosedTripleZ},
-                               Named{"z_station", DiagnosedZStation},
-                               Named{"corexy", DiagnosedCoreXy}};
+constexpr std::array kKinds = {Pair{DeltaKind, DiagnosedDelta},
+                               Pair{TripleZKind, DiagnosedTripleZ},
+                               Pair{ZStationKind, DiagnosedZStation},
+                               Pair{CoreXyKind, DiagnosedCoreXy},
+                               Pair{CoreXyOnScrewsKind, DiagnosedCoreXyOnScrews}};
 
 }  // namespace
 
 const DiagnosedKind& DiagnosedAs(const Machine& machine) {
   static const DiagnosedKind gantry;
-  for (const Named& one : kKinds) {
-    if (one.name == machine.kind->name()) return one.kind();
+  for (const Pair& one : kKinds) {
+    if (one.machine() == machine.kind) return one.kind();
   }
   return gantry;
 }

@@ -9,5 +9,9 @@ const DiagnosedKind& DiagnosedDelta();
 const DiagnosedKind& DiagnosedTripleZ();
 const DiagnosedKind& DiagnosedZStation();
 const DiagnosedKind& DiagnosedCoreXy();
+const DiagnosedKind& DiagnosedCoreXyOnScrews();
+
+/// Scale and backlash that all screws of a bed share; like a gantry's z.
+void AddScrews(const Observed& o, NuisanceList* list);
 
 }  // namespace caltwin

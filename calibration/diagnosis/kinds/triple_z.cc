@@ -8,9 +8,7 @@
 #include "sim/effects/drive.h"
 
 namespace caltwin {
-namespace {
 
-// Scale and backlash that all three screws of a bed share; like a gantry's z.
 void AddScrews(const Observed& o, NuisanceList* builder) {
   const int z = Index(Axis::kZ);
   const AxisDrawing& drawing = o.machine().axis(Axis::kZ);
@@ -24,13 +22,15 @@ void AddScrews(const Observed& o, NuisanceList* builder) {
       kScaleSd_ppm,
       [&](Eigen::Index row) {
         const Vec3<double>& weights = o.at(row).screws->weights;
-        return -motion(row) * weights.dot(*MotorsOf_mm(o.at(row))) * 1e-6;
+        return -motion(row) * weights.dot(*ScrewsOf_mm(o.at(row))) * 1e-6;
       },
       set > 0 ? (set / drawing.steps_per_mm() - 1) * 1e6 : 0);
   builder->Add("backlash.z", "mm", kBacklashSd_mm, [&](Eigen::Index row) {
     return -motion(row) * o.at(row).dir[z] / 2;
   });
 }
+
+namespace {
 
 class TripleZ final : public DiagnosedKind {
  public:

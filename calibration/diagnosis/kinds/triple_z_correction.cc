@@ -17,6 +17,7 @@
 #include "sim/effects/predict.h"
 #include "sim/effects/surroundings.h"
 #include "sim/machine/kinds/triple_z/drawing.h"
+#include "sim/machine/machine_kind.h"
 
 namespace caltwin {
 namespace {
@@ -33,8 +34,9 @@ Row NominalBedTouch(const Machine& machine, const Eigen::Vector2d& at_mm) {
   row.dir = {0, 0, -1};
   row.feed_mm_s = machine.probe.speeds_mm_s.back();
   row.feature = "bed.top";
-  row.motor_mm.fill(TripleZOf(machine).top_mm);
-  row.motor_dir.fill(1);
+  const ScrewCells screws = ScrewCellsOf(&row, machine.kind->drive_map() != nullptr);
+  screws.mm->fill(TripleZOf(machine).top_mm);
+  screws.dir->fill(1);
   return row;
 }
 

@@ -81,7 +81,7 @@ TripleZMachine::TripleZMachine(const Machine& machine,
 Vec3<double> TripleZMachine::Nuts_mm(const At& at) const {
   const auto errors = ErrorsAt<double>(machine_, at, drives_);
   Vec3<double> nuts_mm =
-      *MotorsOf_mm(at) + MotorsMoved_mm(at.screws->motor_dir, errors);
+      *ScrewsOf_mm(at) + ScrewsMoved_mm(at.screws->motor_dir, errors);
   // A gap that all share: the nozzle lags the bed's sense turned round.
   const double lost_mm = errors.lost_motion_mm[2] - at.compensation_mm[2];
   nuts_mm.array() += at.dir[2] * lost_mm / 2;
@@ -99,6 +99,11 @@ Vec3<double> TripleZMachine::Tip_mm(const At& at) const {
                                 .q_mm = at.q_mm};
       AddErrors(effect.effect, asked, &errors);
     }
+  }
+  // What moves the nozzle along x and y, as belts do it.
+  if (at.drives) {
+    errors.motion_mm.head<2>() +=
+        ErrorsAt<double>(machine_, at, drives_).motion_mm.head<2>();
   }
   Vec3<double> tip_mm = at.Tip_mm() + errors.motion_mm;
   tip_mm[2] = TripleZOf(machine_).top_mm + errors.motion_mm[2];

@@ -7,6 +7,7 @@
 #include "sim/effects/surroundings.h"
 #include "sim/kinds/perform.h"
 #include "sim/machine/kinds/triple_z/drawing.h"
+#include "sim/machine/machine_kind.h"
 
 namespace caltwin {
 namespace {
@@ -21,11 +22,12 @@ Row TouchRow(const Machine& machine,
   row.dir = {0, 0, -1};
   row.feed_mm_s = machine.probe.speeds_mm_s.back();
   row.feature = "bed.top";
+  const ScrewCells screws = ScrewCellsOf(&row, machine.kind->drive_map() != nullptr);
   for (int i = 0; i < kNumScrews; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    row.motor_mm[k] = TripleZOf(machine).top_mm + raised_mm[i];
-    row.motor_dir[k] = 1;
+    (*screws.mm)[static_cast<std::size_t>(i)] =
+        TripleZOf(machine).top_mm + raised_mm[i];
   }
+  screws.dir->fill(1);
   return row;
 }
 

@@ -6,6 +6,7 @@
 
 #include "sim/base/units.h"
 #include "sim/machine/kinds/triple_z/drawing.h"
+#include "sim/machine/machine_kind.h"
 #include "sim/measure/in_force.h"
 
 namespace caltwin {
@@ -47,13 +48,15 @@ void TripleZRecord::Add(const std::string& campaign,
             .settings = IdOf(touch.steps_per_mm),
             .t_s = touch.at_s};
     row.cmd_mm = {touch.at_mm[0], touch.at_mm[1], 0};
-    for (std::size_t i = 0; i < row.motor_mm.size(); ++i) {
-      row.motor_mm[i] =
+    const ScrewCells screws =
+        ScrewCellsOf(&row, machine_.kind->drive_map() != nullptr);
+    for (std::size_t i = 0; i < screws.mm->size(); ++i) {
+      (*screws.mm)[i] =
           TripleZOf(machine_).top_mm + touch.raised_mm[static_cast<Eigen::Index>(i)];
     }
     // The bed came up to a nozzle that stood.
     row.dir = {0, 0, -1};
-    row.motor_dir = {1, 1, 1};
+    screws.dir->fill(1);
     row.feed_mm_s = touch.feed_mm_s;
     row.n = {0, 0, 1};
     row.feature = "bed.top";

@@ -14,6 +14,8 @@ const MachineKind* DeltaKind();
 const MachineKind* TripleZKind();
 const MachineKind* ZStationKind();
 const MachineKind* CoreXyKind();
+/// `kinematics: corexy` with `screws:`.
+const MachineKind* CoreXyOnScrewsKind();
 
 std::vector<const MachineKind*> AllMachineKinds();
 /// Their words in files, cartesian first.

@@ -1,6 +1,7 @@
 #include "tools/commands/kinds/calibrate_as_kind.h"
 
 #include "sim/machine/kinds/kinds.h"
+#include "sim/machine/kinds/triple_z/drawing.h"
 #include "tools/commands/kinds/calibrate_delta.h"
 #include "tools/commands/kinds/calibrate_motors.h"
 #include "tools/commands/kinds/calibrate_triple_z.h"
@@ -17,7 +18,7 @@ std::optional<int> CalibrateAsKind(const CalibrateOptions& options) {
   const auto file = MachineToCalibrate(options);
   if (!file) return std::nullopt;
   if (file->machine.kind == DeltaKind()) return CalibrateDeltaAtHand(options, *file);
-  if (file->machine.kind == TripleZKind()) {
+  if (file->machine.Own<TripleZDrawing>() != nullptr) {
     return CalibrateTripleZAtHand(options, *file);
   }
   return std::nullopt;

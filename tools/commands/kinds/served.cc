@@ -9,6 +9,7 @@
 #include "sim/kinds/delta/twin.h"
 #include "sim/machine/kinds/delta/drawing.h"
 #include "sim/machine/kinds/motor_stage/drawing.h"
+#include "sim/machine/kinds/triple_z/drawing.h"
 #include "sim/machine/machine_kind.h"
 #include "sim/twin/twin.h"
 #include "tools/commands/kinds/simulated_printer.h"
@@ -102,9 +103,12 @@ constexpr std::array kKinds = {ServedKind{"cartesian", "rrf", Gantry},
 }  // namespace
 
 const ServedKind& ServedKindOf(const fs::path& file) {
-  const std::string_view name = IsMotorStage(file)
-                                    ? "motor_stage"
-                                    : ReadAnyMachineFile(file).machine.kind->name();
+  std::string_view name = "motor_stage";
+  if (!IsMotorStage(file)) {
+    const Machine machine = ReadAnyMachineFile(file).machine;
+    const bool is_on_screws = machine.Own<TripleZDrawing>() != nullptr;
+    name = is_on_screws ? "triple_z" : machine.kind->name();
+  }
   for (const ServedKind& one : kKinds) {
     if (one.kind == name) return one;
   }

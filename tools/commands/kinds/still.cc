@@ -85,7 +85,7 @@ std::optional<TripleZScene> TripleZIn(const fs::path& file, double exaggerate) {
   }
   if (kind != FileKind::kMachine) return std::nullopt;
   const MachineFile read = ReadAnyMachineFile(file);
-  if (read.machine.kind != TripleZKind()) return std::nullopt;
+  if (read.machine.Own<TripleZDrawing>() == nullptr) return std::nullopt;
   return TripleZScene({.machine = read.machine,
                        .effects = DrawEffects(read.effects, /*seed=*/1, /*sample=*/0)},
                       exaggerate);

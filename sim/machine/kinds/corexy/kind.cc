@@ -13,7 +13,12 @@ constexpr std::array<std::string_view, 2> kBelts = {"a", "b"};
 constexpr std::array<std::string_view, 3> kDrives = {"a", "b", "z"};
 constexpr std::array<std::string_view, 1> kScrew = {"z"};
 constexpr std::array<std::string_view, 1> kWhole = {""};
+constexpr std::array<std::string_view, 7> kChannels = {
+    "x", "y", "z", "a", "b", "probe", "bed"};
 constexpr Names kNone{};
+constexpr std::array<std::string_view, 2> kGauges = {"corexy", "cartesian"};
+constexpr std::array<std::string_view, 3> kGaugesAndBed = {
+    "corexy", "cartesian", "triple_z"};
 
 // What differs from a cartesian machine: what its drives do, and its beam.
 constexpr std::array kEffects = {KindEffect{"steps_per_mm", kDrives},
@@ -31,7 +36,8 @@ constexpr std::array kEffects = {KindEffect{"steps_per_mm", kDrives},
                                  KindEffect{"belt_pitch", kBelts},
                                  KindEffect{"racking", kWhole},
                                  KindEffect{"servo_mismatch", kNone},
-                                 KindEffect{"servo_lag", kNone}};
+                                 KindEffect{"servo_lag", kNone},
+                                 KindEffect{"unknown", kChannels}};
 
 //   a = x + y,  b = x - y
 const DriveMap& Belts() {
@@ -66,17 +72,22 @@ void ReadBelt(YamlMap map, AxisDrawing* drive) {
 // Two belts, A and B, move the head: A alone along one diagonal, B alone along the
 // other. What `axes.x` says of pulley and motor is A's, `axes.y` B's, as in Klipper's
 // [stepper_x] and [stepper_y]; `axes.a` and `axes.b` may say so too.
-class CoreXy final : public MachineKind {
+class CoreXy : public MachineKind {
  public:
   std::string_view name() const override { return "corexy"; }
   std::string_view where() const override { return " on a CoreXY"; }
-  std::string_view plans_as() const override { return CartesianKind()->name(); }
+  std::span<const std::string_view> plans_as() const override { return kGauges; }
   bool touches_with_nozzle() const override { return false; }
   const DriveMap* drive_map() const override { return &Belts(); }
   std::span<const std::string_view> motors() const override { return kBelts; }
   std::span<const KindEffect> effects() const override { return kEffects; }
   bool has_other_effects() const override { return true; }
 
+  void ReadDrawing(YamlMap* map, Machine* machine) const override {
+    if (!map->Has("screws")) return;
+    machine->kind = CoreXyOnScrewsKind();
+    machine->kind->ReadDrawing(map, machine);
+  }
   void ReadAxes(YamlMap* map, Machine* machine) const override {
     const auto axes = map->Required("axes");
     if (!axes) return;
@@ -121,7 +132,66 @@ class CoreXy final : public MachineKind {
   }
 };
 
+constexpr std::array<std::string_view, 3> kScrews = {"z1", "z2", "z3"};
+constexpr std::array<std::string_view, 5> kWirings = {
+    "z1z2", "z1z3", "z2z3", "z1z2z3", "z1z3z2"};
+constexpr std::array<std::string_view, 5> kMissing = {"a", "b", "z1", "z2", "z3"};
+constexpr std::array<std::string_view, 10> kAllChannels = {
+    "x", "y", "z", "a", "b", "z1", "z2", "z3", "probe", "bed"};
+constexpr std::array<std::string_view, 2> kLevel = {"x", "y"};
+constexpr std::array<std::string_view, 3> kBelow = {"EYX", "EXY", "EZY"};
+constexpr std::array<std::string_view, 3> kTurns = {"EBY", "EAZ", "EBZ"};
+constexpr std::array<std::string_view, 1> kPlane = {"C0Y"};
+constexpr std::array<std::string_view, 2> kBodies = {"frame", "bed"};
+constexpr std::array kOnScrews = {
+    KindEffect{"steps_per_mm", kDrives},    KindEffect{"backlash", kDrives},
+    KindEffect{"pulley_eccentric", kBelts}, KindEffect{"microstep", kBelts},
+    KindEffect{"missed_steps", kMissing},   KindEffect{"belt_pitch", kBelts},
+    KindEffect{"racking", kWhole},          KindEffect{"squareness", kPlane},
+    KindEffect{"straightness", kBelow},     KindEffect{"angular", kTurns},
+    KindEffect{"gantry_sag", kWhole},       KindEffect{"axis_twist", kWhole},
+    KindEffect{"screw_pitch", kScrews},     KindEffect{"screw_cyclic", kScrews},
+    KindEffect{"screw_backlash", kScrews},  KindEffect{"pivot_position", kScrews},
+    KindEffect{"motors_swapped", kWirings}, KindEffect{"overconstrained_bed", kWhole},
+    KindEffect{"frame_growth", kWhole},     KindEffect{"frame_temperature", kBodies},
+    KindEffect{"random_walk", kWhole},      KindEffect{"probe_temperature", kWhole},
+    KindEffect{"trigger_latency", kWhole},  KindEffect{"trigger_scatter", kWhole},
+    KindEffect{"bed_tilt", kWhole},         KindEffect{"bed_bowl", kWhole},
+    KindEffect{"bed_cylinder", kLevel},     KindEffect{"bed_twist", kWhole},
+    KindEffect{"unknown", kAllChannels}};
+
+// The same belts over a bed on three screws, each with a motor: the screws, and how the
+// file gives them, are a triple-Z printer's.
+class CoreXyOnScrews final : public CoreXy {
+ public:
+  std::string_view where() const override { return " on a CoreXY over screws"; }
+  std::span<const std::string_view> plans_as() const override { return kGaugesAndBed; }
+  bool touches_with_nozzle() const override { return true; }
+  bool bed_is_on_screws() const override { return true; }
+  std::span<const KindEffect> effects() const override { return kOnScrews; }
+  bool has_other_effects() const override { return false; }
+
+  void ReadDrawing(YamlMap* map, Machine* machine) const override {
+    TripleZKind()->ReadDrawing(map, machine);
+  }
+  void ReadAxes(YamlMap* map, Machine* machine) const override {
+    TripleZKind()->ReadAxes(map, machine);
+  }
+  std::vector<DrawnDrive> Drives(const Machine& machine) const override {
+    auto drives = CoreXy::Drives(machine);
+    for (const DrawnDrive& drive : TripleZKind()->Drives(machine)) {
+      if (drive.name.size() == 2) drives.push_back(drive);  // z1 z2 z3
+    }
+    return drives;
+  }
+};
+
 }  // namespace
+
+const MachineKind* CoreXyOnScrewsKind() {
+  static const CoreXyOnScrews kind;
+  return &kind;
+}
 
 const MachineKind* CoreXyKind() {
   static const CoreXy kind;
