@@ -9,6 +9,7 @@
 #include "sim/base/text_file.h"
 #include "sim/effects/catalog.h"
 #include "sim/effects/map_table.h"
+#include "sim/machine/machine_kind.h"
 
 namespace caltwin {
 

@@ -6,7 +6,7 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 
 ./tools/setup.sh
-echo "The program is built once, which takes about six minutes on two cores."
+echo "The program is built once, which takes about four minutes on two cores."
 ./tools/build.sh build -- caltwin
 echo "run: build/caltwin run scenarios/first_light.yaml --report out/first_light"
 build/caltwin run scenarios/first_light.yaml --report out/first_light

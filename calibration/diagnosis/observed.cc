@@ -174,7 +174,8 @@ Eigen::VectorXd Observed::Change_mm(const Injected& effect) const {
     AddErrors(effect.effect, asked, &errors);
     errors.motion_mm -= TakenByPlay_mm(where, errors.lost_motion_mm);
     errors.motion_mm += MotionOfMotors_mm(where, errors);
-    change[i] = ReadWith_mm(where, errors, /*pretravel_mm=*/0.0, /*tip_radius_mm=*/0.0);
+    change[i] =
+        ReadWith_mm(where, errors, /*pretravel_mm=*/0.0, /*tip_radius_cfg_mm=*/0.0);
   }
   return change;
 }

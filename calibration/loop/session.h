@@ -13,6 +13,7 @@
 #include "calibration/loop/outcome.h"
 #include "calibration/loop/probing.h"
 #include "calibration/loop/remedies.h"
+#include "sim/machine/drive_map.h"
 
 namespace caltwin {
 

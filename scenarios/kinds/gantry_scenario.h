@@ -4,10 +4,13 @@
 
 namespace caltwin {
 
-/// A gantry's part of a scenario. Its keys are members of Scenario itself: effects,
-/// settings, instruments, artefacts, firmware.
+/// A gantry's part of a scenario, or that of another machine with one tip and no kinds
+/// of steps of its own. Its keys are members of Scenario itself: effects, settings,
+/// instruments, artefacts, firmware.
 class GantryScenario : public KindScenario {
  public:
+  explicit GantryScenario(const MachineKind* kind = CartesianKind())
+      : machine_kind_(kind) {}
   std::unique_ptr<KindScenario> Clone() const override {
     return std::make_unique<GantryScenario>(*this);
   }
@@ -29,7 +32,7 @@ class GantryScenario : public KindScenario {
                                    const Chance& chance) const override;
 
  private:
-  const MachineKind* machine_kind_ = CartesianKind();
+  const MachineKind* machine_kind_;  ///< As ReadKeys finds it.
 };
 
 /// The values that `varied` gives replace those of the same effect on the same axis.

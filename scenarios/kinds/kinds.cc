@@ -11,8 +11,8 @@
 
 namespace caltwin {
 
-std::unique_ptr<KindScenario> UsualKind() {
-  return std::make_unique<GantryScenario>();
+std::unique_ptr<KindScenario> UsualKind(const MachineKind* kind) {
+  return std::make_unique<GantryScenario>(kind);
 }
 
 std::unique_ptr<KindScenario> ReadKind(const std::filesystem::path& file,

@@ -15,7 +15,8 @@ std::unique_ptr<KindScenario> ReadKind(const std::filesystem::path& file,
                                        YamlMap* map,
                                        MachineFile* machine);
 
-/// The kind that is meant where nobody says: a gantry.
-std::unique_ptr<KindScenario> UsualKind();
+/// The kind that is meant where nobody says: a gantry, or another machine that is led
+/// as one.
+std::unique_ptr<KindScenario> UsualKind(const MachineKind* kind = CartesianKind());
 
 }  // namespace caltwin

@@ -38,7 +38,9 @@ struct AtHand {
 std::vector<CalibrationStep> StepsOf(const Options& options) {
   Faults faults;
   YamlMap map = ReadYamlText(ProceduresText(options), "--procedure", &faults);
-  const auto steps = ReadCalibrationSteps(*map.Required("calibrate"), *UsualKind());
+  const auto file = MachineToCalibrate(options);
+  const auto kind = UsualKind(file ? file->machine.kind : CartesianKind());
+  const auto steps = ReadCalibrationSteps(*map.Required("calibrate"), *kind);
   faults.ThrowIfAny();
   for (const CalibrationStep& step : steps) {
     if (step.external) {

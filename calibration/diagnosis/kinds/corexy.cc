@@ -27,7 +27,7 @@ void AddBelts(const Observed& o, NuisanceList* list) {
         }
         return moved_mm;
       },
-      SetBeside_ppm(o, 0));
+      PpmSetBesideDrawing(o, 0));
 }
 
 class CoreXy final : public DiagnosedKind {

@@ -32,7 +32,7 @@ double ScaleColumn(const Observed& o, int drive, Eigen::Index row) {
   return Motion(o, drive, row) * from_home_mm * 1e-6;
 }
 
-double SetBeside_ppm(const Observed& o, int drive) {
+double PpmSetBesideDrawing(const Observed& o, int drive) {
   const auto k = static_cast<std::size_t>(drive);
   const double set = o.machine().settings.steps_per_mm[k];
   return set > 0 ? (set / o.machine().axes[k].steps_per_mm() - 1) * 1e6 : 0;
@@ -44,7 +44,7 @@ void AddScale(const Observed& o, int drive, NuisanceList* list) {
       "ppm",
       kScaleSd_ppm,
       [&](Eigen::Index row) { return ScaleColumn(o, drive, row); },
-      SetBeside_ppm(o, drive));
+      PpmSetBesideDrawing(o, drive));
 }
 
 void AddPlay(const Observed& o, int drive, NuisanceList* list) {

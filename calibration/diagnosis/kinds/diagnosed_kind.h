@@ -39,7 +39,7 @@ void AddWholeSteps(const Observed& o, int drive, NuisanceList* list);
 void AddPretravel(const Observed& o, Axis axis, NuisanceList* list);
 /// The column of AddScale, and what it counts from: what is set, beside the drawing.
 double ScaleColumn(const Observed& o, int drive, Eigen::Index row);
-double SetBeside_ppm(const Observed& o, int drive);
+double PpmSetBesideDrawing(const Observed& o, int drive);
 
 /// What a diagnosis asks of one kind of machine. Without state, one object a kind; what
 /// is not overridden is as on a gantry.

@@ -16,8 +16,8 @@ constexpr double kOverrun_mm = 4;
 constexpr double kLineFeed_mm_s = 20;
 constexpr double kShareOfSpacing = 0.45;
 
-// Distances from the middle along a diagonal, ascending; by chance within their share of
-// the spacing.
+// Distances from the middle along a diagonal, ascending; by chance within their share
+// of the spacing.
 std::vector<double> Distances_mm(const PlannedCampaign& campaign,
                                  MeasuringSession* session) {
   double reach_mm = 1e9;
@@ -52,31 +52,42 @@ void Read(const Vec3<double>& along,
   session->ReadGauge(std::move(row), dwell_s);
 }
 
+// One way along a diagonal, from before its first place on.
+void Pass(const PlannedCampaign& campaign,
+          const Vec3<double>& along,
+          const std::vector<double>& distances_mm,
+          const std::string& setup,
+          int rep,
+          MeasuringSession* session) {
+  const Vec3<double> across(-along[1], along[0], 0);
+  const auto place_mm = [&](double distance_mm) {
+    Vec3<double> q_mm = session->Middle_mm() + distance_mm * along;
+    for (double& one_mm : q_mm) one_mm = std::round(one_mm * 1e3) / 1e3;
+    return q_mm;
+  };
+  const double sense = distances_mm.front() < distances_mm.back() ? 1 : -1;
+  session->Rapid(place_mm(distances_mm.front() - sense * kOverrun_mm));
+  for (const double distance_mm : distances_mm) {
+    session->MoveTo(place_mm(distance_mm), kLineFeed_mm_s);
+    Read(along, setup, rep, campaign.options.Number("dwell_s"), session);
+    if (campaign.options.Flag("across")) {
+      Read(across, setup + "_across", rep, 0, session);
+    }
+  }
+}
+
 }  // namespace
 
 void PlanDiagonals(const PlannedCampaign& campaign, MeasuringSession* session) {
-  const double dwell_s = campaign.options.Number("dwell_s");
   for (const double to_y : {1.0, -1.0}) {
     const std::string setup = campaign.name + (to_y > 0 ? "_a" : "_b");
     const Vec3<double> along = Vec3<double>(1, to_y, 0).normalized();
-    const Vec3<double> across(-along[1], along[0], 0);
     std::vector<double> distances_mm = Distances_mm(campaign, session);
-    for (int pass = 0; pass < 2 * campaign.options.Count("runs"); ++pass) {
-      const double sense = pass % 2 == 0 ? 1 : -1;
-      if (pass > 0) std::ranges::reverse(distances_mm);
-      const auto place_mm = [&](double distance_mm) {
-        Vec3<double> q_mm = session->Middle_mm() + distance_mm * along;
-        for (double& one_mm : q_mm) one_mm = std::round(one_mm * 1e3) / 1e3;
-        return q_mm;
-      };
-      session->Rapid(place_mm(distances_mm.front() - sense * kOverrun_mm));
-      for (const double distance_mm : distances_mm) {
-        session->MoveTo(place_mm(distance_mm), kLineFeed_mm_s);
-        Read(along, setup, 1 + pass / 2, dwell_s, session);
-        if (campaign.options.Flag("across")) {
-          Read(across, setup + "_across", 1 + pass / 2, 0, session);
-        }
-      }
+    for (int rep = 1; rep <= campaign.options.Count("runs"); ++rep) {
+      Pass(campaign, along, distances_mm, setup, rep, session);
+      std::ranges::reverse(distances_mm);
+      Pass(campaign, along, distances_mm, setup, rep, session);
+      std::ranges::reverse(distances_mm);
     }
   }
 }
