@@ -68,7 +68,11 @@ DeltaTruth DrawBaseline(const DeltaPaper& paper, std::uint64_t seed) {
   truth.bed.slope_y = 1.5e-3 * random.Normal();
   truth.offset_mm = [seed](const std::string& setup) {
     Random own(seed, "offset of " + setup);
-    return Vec(own.Normal() / 5, own.Normal() / 5, own.Normal() / 5);
+    // In an order that every compiler keeps.
+    const double z_mm = own.Normal() / 5;
+    const double y_mm = own.Normal() / 5;
+    const double x_mm = own.Normal() / 5;
+    return Vec(x_mm, y_mm, z_mm);
   };
   truth.turn = [seed](const std::string& setup) {
     // A gauge on a column has no turn.
