@@ -271,7 +271,10 @@ nlohmann::json HideAll(Random* random, DeltaCase* made, DeltaTruth* truth) {
   for (const DeltaCause& cause : DeltaCauses()) {
     if (cause.name != first.name && !cause.is_outside) others.push_back(cause);
   }
-  hidden.push_back(Hide(random->Pick(others), random->LogUniform(2, 15), made, truth));
+  // In an order that every compiler keeps.
+  const double sigma = random->LogUniform(2, 15);
+  const DeltaCause second = random->Pick(others);
+  hidden.push_back(Hide(second, sigma, made, truth));
   return hidden;
 }
 
