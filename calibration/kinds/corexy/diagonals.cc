@@ -120,6 +120,13 @@ Expected<Line> MeasureDrive(Session* session, const DiagonalOptions& o, int driv
                  Sd_mm(session, o, drive));
 }
 
+Uncertain Found(double value, double sd) {
+  return {.value = value,
+          .sd = sd,
+          .identifiable = true,
+          .budget = {{.input = "readings", .u = sd}}};
+}
+
 /// A change that was proposed, and what there was before it.
 struct Change {
   Proposal proposal{};
@@ -141,7 +148,7 @@ Change StepsChange(Session* session, int drive, const Line& line, bool is_axis) 
                                       line.excess * 1e6)},
       .before = before,
       .error_before = std::abs(line.excess),
-      .found = {.value = after, .sd = after * line.excess_sd, .identifiable = true}};
+      .found = Found(after, after * line.excess_sd)};
 }
 
 Change GapChange(Session* session, int drive, const Line& line) {
@@ -158,7 +165,7 @@ Change GapChange(Session* session, int drive, const Line& line) {
                                           before_mm)},
           .before = before_mm,
           .error_before = std::abs(line.gap_mm),
-          .found = {.value = gap_mm, .sd = line.gap_sd_mm, .identifiable = true}};
+          .found = Found(gap_mm, line.gap_sd_mm)};
 }
 
 std::string NameOfChange(Session* session, const Change& change) {
