@@ -265,8 +265,7 @@ void Controller::NoteMotors(Row* row) const {
   if (drives == nullptr) return;
   const Vec3<double> told_mm =
       DrivesOf(drives, {row->cmd_mm[0], row->cmd_mm[1], row->cmd_mm[2]});
-  for (int i = 0; i < 3; ++i) {
-    if (!drives->is_coupled(i)) continue;
+  for (int i = 0; i < static_cast<int>(drawing_.kind->motors().size()); ++i) {
     row->motor_mm[static_cast<std::size_t>(i)] = told_mm[i];
     row->motor_dir[static_cast<std::size_t>(i)] = drive_direction_[i];
   }

@@ -114,7 +114,9 @@ void GantryScenario::RefuseStep(const std::string& name,
   const std::string nearest = NearestWord(name, names);
   if (FindProcedure(name) != nullptr) {
     options.Fail(fmt::format("is no procedure of a {} machine", machine_kind_->name()),
-                 fmt::format("there are {}", fmt::join(StepNames(), ", ")));
+                 StepNames().empty()
+                     ? "there are none for this kind"
+                     : fmt::format("there are {}", fmt::join(StepNames(), ", ")));
     return;
   }
   options.Fail("is no procedure that this version knows",

@@ -1,5 +1,7 @@
 #include "sim/machine/machine_kind.h"
 
+#include <cmath>
+
 #include <fmt/format.h>
 
 namespace caltwin {
@@ -48,6 +50,21 @@ AxisDrawing ReadAxis(Axis axis, YamlMap map, AxisDrawing drawing, bool needs_lea
   return drawing;
 }
 
+namespace {
+
+// In which sense each drive goes; of one that has no motor column nobody knows.
+Vec3<double> SensesOf(const MachineKind& kind, const Vec3<double>& by_axis) {
+  const Vec3<double> by_drive = DrivesOf(kind.drive_map(), by_axis);
+  Vec3<double> senses = Vec3<double>::Constant(std::nan(""));
+  for (int i = 0; i < static_cast<int>(kind.motors().size()); ++i) {
+    const bool stands = std::abs(by_drive[i]) <= kStill_mm;
+    senses[i] = stands ? 0 : std::copysign(1, by_drive[i]);
+  }
+  return senses;
+}
+
+}  // namespace
+
 void MachineKind::ReadDrawing(YamlMap*, Machine*) const {}
 
 void MachineKind::ReadAxes(YamlMap* map, Machine* machine) const {
@@ -88,6 +105,10 @@ Homed MachineKind::AtHome(const Machine& machine) const {
     homed.sense[i] = drawing.home == HomeEnd::kMin ? -1 : 1;
     homed.since_rev_mm[i] = drawing.travel_mm() / 2;
   }
+  // Y is homed last, by all drives that move it.
+  if (drive_map() != nullptr) {
+    homed.motor_sense = SensesOf(*this, {0, homed.sense[1], 0});
+  }
   return homed;
 }
 
@@ -115,15 +136,21 @@ std::optional<OutOfReach> MachineKind::WhyNotAt(const Machine& machine,
 }
 
 std::optional<Vec3<double>> MachineKind::Motors_mm(const Machine&,
-                                                   const Vec3<double>&,
+                                                   const Vec3<double>& q_mm,
                                                    const Vec3<double>&) const {
-  return std::nullopt;
+  if (drive_map() == nullptr) return std::nullopt;
+  Vec3<double> told_mm = DrivesOf(drive_map(), q_mm);
+  for (int i = static_cast<int>(motors().size()); i < 3; ++i) {
+    told_mm[i] = std::nan("");  // An axis of its own.
+  }
+  return told_mm;
 }
 
 std::optional<Vec3<double>> MachineKind::MotorSenses(const Machine&,
-                                                     const Vec3<double>&,
-                                                     const Vec3<double>&) const {
-  return std::nullopt;
+                                                     const Vec3<double>& from_mm,
+                                                     const Vec3<double>& to_mm) const {
+  if (drive_map() == nullptr) return std::nullopt;
+  return SensesOf(*this, to_mm - from_mm);
 }
 
 }  // namespace caltwin

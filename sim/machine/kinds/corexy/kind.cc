@@ -1,5 +1,4 @@
 #include <array>
-#include <cmath>
 
 #include "sim/machine/kinds/kinds.h"
 #include "sim/machine/machine_kind.h"
@@ -48,14 +47,6 @@ const DriveMap& Belts() {
     return belts;
   }();
   return map;
-}
-
-Vec3<double> Senses(const Vec3<double>& by_drive) {
-  Vec3<double> senses = Vec3<double>::Zero();
-  for (int i = 0; i < 3; ++i) {
-    if (std::abs(by_drive[i]) > kStill_mm) senses[i] = std::copysign(1, by_drive[i]);
-  }
-  return senses;
 }
 
 // What a belt's motor and pulley are, over what the axis of its place says.
@@ -107,28 +98,6 @@ class CoreXy : public MachineKind {
       }
     }
     by_axis.NoMoreKeys();
-  }
-
-  Homed AtHome(const Machine& machine) const override {
-    Homed homed = MachineKind::AtHome(machine);
-    // Y is homed last, by both belts.
-    homed.motor_sense = Senses(DrivesOf(&Belts(), {0, homed.sense[1], 0}));
-    (*homed.motor_sense)[2] = std::nan("");
-    return homed;
-  }
-  std::optional<Vec3<double>> Motors_mm(const Machine&,
-                                        const Vec3<double>& q_mm,
-                                        const Vec3<double>&) const override {
-    Vec3<double> told_mm = DrivesOf(&Belts(), q_mm);
-    told_mm[2] = std::nan("");  // An axis of its own.
-    return told_mm;
-  }
-  std::optional<Vec3<double>> MotorSenses(const Machine&,
-                                          const Vec3<double>& from_mm,
-                                          const Vec3<double>& to_mm) const override {
-    Vec3<double> senses = Senses(DrivesOf(&Belts(), to_mm - from_mm));
-    senses[2] = std::nan("");
-    return senses;
   }
 };
 
