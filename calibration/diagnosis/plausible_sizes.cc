@@ -269,9 +269,8 @@ RowTable WithoutLoneScrews(const RowTable& table) {
     const Row& first = *firsts.try_emplace(row.campaign, &row).first->second;
     for (const std::size_t screw : {1, 2}) {
       for (const auto screws_mm : {&Row::motor_mm, &Row::screw_mm}) {
-        const double apart_mm =
-            ((row.*screws_mm)[screw] - (row.*screws_mm)[0]) -
-            ((first.*screws_mm)[screw] - (first.*screws_mm)[0]);
+        const double apart_mm = ((row.*screws_mm)[screw] - (row.*screws_mm)[0]) -
+                                ((first.*screws_mm)[screw] - (first.*screws_mm)[0]);
         if (std::abs(apart_mm) > kApart_mm) alone.insert(row.campaign);
       }
     }

@@ -20,8 +20,8 @@ struct DriveMap {
   /// Its inverse; a row a drive.
   Eigen::Matrix3d drives_by_axis = Eigen::Matrix3d::Identity();
 
-  /// Whether more than the axis of its index turns the drive: its row of drives_by_axis.
-  /// (What it moves is its column of axes_by_drive.)
+  /// Whether more than the axis of its index turns the drive: its row of
+  /// drives_by_axis. (What it moves is its column of axes_by_drive.)
   bool is_coupled(int drive) const {
     return drives_by_axis.row(drive) != Eigen::Matrix3d::Identity().row(drive);
   }

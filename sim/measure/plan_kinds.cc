@@ -158,7 +158,8 @@ constexpr std::array kKinds = {
     CampaignKind{
         "diagonals",
         "A laser reads both diagonals of a CoreXY, along which one belt moves alone.",
-        "Play and waves of one belt apart from the other's; with readings across, belts "
+        "Play and waves of one belt apart from the other's; with readings across, "
+        "belts "
         "of unlike pitch and a racked beam.",
         "laser",
         of::kDiagonals,

@@ -48,8 +48,7 @@ void TripleZRecord::Add(const std::string& campaign,
             .settings = IdOf(touch.steps_per_mm),
             .t_s = touch.at_s};
     row.cmd_mm = {touch.at_mm[0], touch.at_mm[1], 0};
-    const ScrewCells screws =
-        ScrewCellsOf(&row, machine_.kind->drive_map() != nullptr);
+    const ScrewCells screws = ScrewCellsOf(&row, machine_.kind->drive_map() != nullptr);
     for (std::size_t i = 0; i < screws.mm->size(); ++i) {
       (*screws.mm)[i] =
           TripleZOf(machine_).top_mm + touch.raised_mm[static_cast<Eigen::Index>(i)];
