@@ -12,6 +12,7 @@
 #include <fmt/ranges.h>
 
 #include "calibration/diagnosis/kinds/diagnosed_kind.h"
+#include "calibration/diagnosis/screw_table.h"
 #include "calibration/diagnosis/settings_of_rows.h"
 #include "calibration/diagnosis/unseen_rows.h"
 #include "sim/base/input_error.h"
@@ -21,11 +22,6 @@
 
 namespace caltwin {
 namespace {
-
-// Controllers take no more points of a screw than this (LinuxCNC, EMCMOT_COMP_SIZE).
-constexpr int kMostPoints = 256;
-constexpr int kFewestPoints = 21;
-constexpr double kPointsAPeriod = 8;
 
 std::string Upper(Axis axis) {
   return std::string(1, static_cast<char>(std::toupper(Letter(axis))));
@@ -126,14 +122,15 @@ class Writer {
   // Moves too far by s: steps/mm / (1 + s).
   void AddScale(Axis axis, const BaselineLine& scale) {
     const Finding* pitch = PitchOf(axis);
-    if (pitch == nullptr && !IsToBeWritten(scale)) return;
+    const double scale_ppm = IsToBeWritten(scale) ? scale.value : 0;
+    if (pitch == nullptr && scale_ppm == 0) return;
     const double belt_ppm = pitch == nullptr ? 0 : pitch->effect->values[0];
     if (pitch != nullptr) carried_.insert(pitch);
     const auto i = static_cast<std::size_t>(Index(axis));
     const AxisDrawing& drawing = observed_.machine().axis(axis);
     const double set = SettingsOfRows(observed_).steps_per_mm[i];
     const double old = set > 0 ? set : drawing.steps_per_mm();
-    const double steps_per_mm = old / (1 + (scale.value + belt_ppm) * 1e-6);
+    const double steps_per_mm = old / (1 + (scale_ppm + belt_ppm) * 1e-6);
     std::string source = fmt::format(
         "was {:.6g}: {} {:+.1f} +- {:.1f} ppm", old, scale.name, scale.value, scale.sd);
     if (pitch != nullptr) {
@@ -198,21 +195,6 @@ class Writer {
             .values = FlatMap(finding.map->values_um, finding.map->knots)};
   }
 
-  // As many points as the shortest wave needs; 0 where that is more than are allowed.
-  int NumPoints(Axis axis, const std::vector<Injected>& effects) const {
-    int points = kFewestPoints;
-    for (const Injected& effect : effects) {
-      const auto parameters = EffectAt(effect.effect).parameters;
-      for (std::size_t i = 0; i < parameters.size(); ++i) {
-        if (parameters[i].name != "period_mm") continue;
-        const double turns =
-            observed_.machine().axis(axis).travel_mm() / effect.values[i];
-        points = std::max(points, static_cast<int>(kPointsAPeriod * turns) + 1);
-      }
-    }
-    return points <= kMostPoints ? points : 0;
-  }
-
   void AddTable(Axis axis) {
     std::vector<Injected> effects;
     std::vector<std::string> sources;
@@ -223,12 +205,13 @@ class Writer {
       const UnseenRows unseen = WhatUnseenRowsSay(finding, diagnosis_.gain);
       if (!unseen.worse.empty()) Comment(fmt::format("{}: {}", name, unseen.worse));
       if (!unseen.is_recommended) continue;
-      if (NumPoints(axis, {EffectOf(finding)}) == 0) {
+      const Machine& machine = observed_.machine();
+      if (ScrewTablePoints(machine, axis, {EffectOf(finding)}) == 0) {
         Comment(
             fmt::format("{}: its wave needs more than the {} points that a screw "
                         "table of this travel has; it stays",
                         name,
-                        kMostPoints));
+                        kMostScrewTablePoints));
         continue;
       }
       effects.push_back(EffectOf(finding));
@@ -239,38 +222,15 @@ class Writer {
       if (gap) AddGap(axis, *gap);
       return;
     }
-    const int points = NumPoints(axis, effects);
     if (gap) sources.push_back("backlash." + Name(axis));
     const std::string suffix = ScrewTableSuffix(axis);
-    files_.push_back({suffix, TableText(axis, effects, gap ? gap->value : 0, points)});
+    files_.push_back(
+        {suffix,
+         ScrewTableText(observed_.machine(), axis, effects, gap ? gap->value : 0)});
     text_ += "COMP_FILE_TYPE = 0\n";
     Line(fmt::format("COMP_FILE = {}{}", name_, suffix),
          fmt::format("mm, nominal, actual forwards, actual backwards; {}",
                      fmt::join(sources, " and ")));
-  }
-
-  // LinuxCNC ends a table at the first line that is not three numbers: no comments.
-  std::string TableText(Axis axis,
-                        const std::vector<Injected>& effects,
-                        double gap_mm,
-                        int points) const {
-    const Machine& machine = observed_.machine();
-    const AxisDrawing& drawing = machine.axis(axis);
-    std::string table;
-    for (int k = 0; k < points; ++k) {
-      const double q_mm = drawing.min_mm + drawing.travel_mm() * k / (points - 1);
-      std::array<double, 2> actual_mm{};
-      for (int sense = 0; sense < 2; ++sense) {
-        At at{.kind = RowKind::kPosition};
-        at.q_mm[Index(axis)] = q_mm;
-        at.dir[Index(axis)] = sense == 0 ? 1 : -1;
-        const auto errors = ErrorsAt<double>(machine, at, effects);
-        actual_mm[static_cast<std::size_t>(sense)] =
-            q_mm + errors.motion_mm[Index(axis)] - at.dir[Index(axis)] * gap_mm / 2;
-      }
-      table += fmt::format("{:.4f} {:.5f} {:.5f}\n", q_mm, actual_mm[0], actual_mm[1]);
-    }
-    return table;
   }
 
   const Finding* Found(std::string_view cause, std::string_view axis) const {
@@ -389,10 +349,6 @@ class Writer {
 };
 
 }  // namespace
-
-std::string ScrewTableSuffix(Axis axis) {
-  return fmt::format(".{}.comp", Name(axis));
-}
 
 std::vector<CorrectionFile> CorrectionOfAxes(ControllerKind controller,
                                              const Diagnosis& diagnosis,

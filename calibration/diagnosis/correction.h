@@ -15,9 +15,6 @@ struct CorrectionFile {
   std::string text{};
 };
 
-/// Behind the name that the user gave, of the screw table of an axis: ".x.comp".
-std::string ScrewTableSuffix(Axis axis);
-
 /// What the controller's own settings can do against what was found: steps/mm,
 /// backlash, squareness, a twisted beam's probing (Klipper), a screw table (LinuxCNC).
 /// Each value stands with its unit and where it comes from; each finding that the

@@ -90,8 +90,9 @@ void Built::Prepare() {
       if (EffectAt(effect.effect).stage != Stage::kDrive) {
         frame_effects.push_back(effect);
       }
+      // Without links, what would turn a delta's parts (a belt's pitch) moves the tool.
       const bool moves_tool =
-          kind == ActKind::kReadingMap || effect.effect == EffectIndex<BeltPitch>();
+          kind == ActKind::kReadingMap || kind == ActKind::kDeltaBuild;
       if (moves_tool) tool_effects.push_back(effect);
     }
     if (kind == ActKind::kArtefactMap) surface_effects.push_back(effect);

@@ -136,6 +136,11 @@ bool PhysicsPlant::MayJump(const Segment& segment) const {
   const Vec3<double> travel = Travel_mm(segment);
   const double length_mm = travel.norm();
   const bool is_any_loose = !built_.lost_motion_mm.isZero() || !drawn_gap_mm_.isZero();
+  // A belt without play pulls the head along the rail that rubs less; the play operator
+  // holds only where both rub alike.
+  const bool rubs_alike = built_.machine.axis(Axis::kX).rail_friction_n ==
+                          built_.machine.axis(Axis::kY).rail_friction_n;
+  if (built_.drives() != nullptr && is_any_loose && !rubs_alike) return false;
   for (const Axis axis : kAxes) {
     const int i = Index(axis);
     const bool is_own_loose = built_.lost_motion_mm[i] != 0 || drawn_gap_mm_[i] != 0;

@@ -11,6 +11,8 @@
 #include "sim/kinds/perform.h"
 #include "sim/machine/kinds/kinds.h"
 #include "sim/machine/machine_kind.h"
+#include "sim/twin/built.h"
+#include "sim/twin/physics_plant.h"
 #include "sim/twin/twin.h"
 
 namespace caltwin {
@@ -136,6 +138,30 @@ TEST(CoreXy, TheControllerCountsInMotors) {
   EXPECT_EQ(twin.settings().steps_per_mm[0], 321);
   send("G28 X");
   EXPECT_NE(send("M114").find("X:0.000 Y:30.000"), std::string::npos);
+}
+
+// Of the belts A alone has play, so B pulls the head: along the rail that rubs less.
+// Free space must not be jumped by a rule that does not know that.
+TEST(CoreXy, PlayFollowsTheEasierRail) {
+  Machine machine = Printer();
+  machine.axes[0].rail_friction_n = 2;
+  machine.axes[1].rail_friction_n = 14;
+  Built built{.machine = machine, .effects = {Of("backlash", "a", 0.1)}};
+  built.Prepare();
+  PhysicsPlant plant(built, 1, 0);
+  const auto go = [&](const Vec3<double>& by_mm) {
+    Segment segment{.from_steps = plant.steps()};
+    segment.to_steps = segment.from_steps +
+                       DrivesOf(built.drives(), by_mm).cwiseProduct(built.steps_per_mm);
+    segment.profile = {
+        .length_mm = by_mm.norm(), .feed_top_mm_s = 5, .acceleration_mm_s2 = 100};
+    plant.Run(segment, Watch{});
+    return plant.Tip_mm();
+  };
+  const Vec3<double> before_mm = go({2, 2, 0});
+  const Vec3<double> moved_mm = go({-2, 0, 0}) - before_mm;
+  EXPECT_NEAR(moved_mm[0], -2, 1e-3);
+  EXPECT_NEAR(moved_mm[1], 0, 1e-3);
 }
 
 // Where a gap is in one belt alone, the other pulls the head askew until it is taken

@@ -19,6 +19,7 @@
 #include "calibration/diagnosis/kinds/diagnosed_kind.h"
 #include "calibration/diagnosis/pictures_json.h"
 #include "calibration/diagnosis/replay.h"
+#include "calibration/diagnosis/screw_table.h"
 #include "calibration/diagnosis/volumetric.h"
 #include "renders/diagnosis_report.h"
 #include "scenarios/interrupt.h"

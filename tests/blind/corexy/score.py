@@ -26,6 +26,7 @@ def judge(binary, folder):
     truth = json.loads((folder / "truth.json").read_text())
     same = json.loads((folder / "detail.json").read_text()).get("equivalent", [])
     out = folder / "diagnosis.json"
+    out.unlink(missing_ok=True)  # Of a run before.
     run = subprocess.run(
         [binary, "diagnose", folder / "rows.csv", "--machine", folder / "machine.yaml", "--json", out],
         capture_output=True, text=True, check=False)
