@@ -1,6 +1,10 @@
 #include "scenarios/kind_scenario.h"
 
 #include <algorithm>
+#include <stdexcept>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "scenarios/gcode_step.h"
 #include "scenarios/named_step.h"
@@ -8,10 +12,32 @@
 namespace caltwin {
 namespace {
 
+// What the file leaves out, as if `text` stood at that place.
+YamlMap Unwritten(const std::string& text, const YamlValue& at, Faults* faults) {
+  const Place place = at.place();
+  const auto lines = static_cast<std::size_t>(std::max(1, place.line) - 1);
+  const auto columns = static_cast<std::size_t>(std::max(1, place.column) - 1);
+  const YAML::Node node =
+      YAML::Load(std::string(lines, '\n') + std::string(columns, ' ') + text);
+  return {node, at.file(), at.path(), faults};
+}
+
+// The options of a procedure by its name alone: an axis where it needs one.
+YamlMap UsualOptions(const Procedure& procedure,
+                     const Machine& machine,
+                     const YamlValue& at,
+                     const std::string& usual_axis) {
+  Faults lacking;
+  if (!usual_axis.empty()) procedure.prepare(Unwritten("{}", at, &lacking), machine);
+  return Unwritten(lacking.empty() ? "{}" : fmt::format("{{axis: {}}}", usual_axis),
+                   at,
+                   at.faults());
+}
+
 // What every machine on a wire can be asked for.
 CalibrationStep ReadAnyStep(const NamedStep& step,
                             const KindScenario& kind,
-                            const std::vector<std::string>& names,
+                            const Machine& machine,
                             const std::string& usual_axis) {
   if (step.name == "external") {
     return {.name = step.name, .external = ReadExternal(step.options.Map())};
@@ -19,22 +45,63 @@ CalibrationStep ReadAnyStep(const NamedStep& step,
   if (step.name == "gcode") {
     return {.name = step.name, .procedure = ReadGcodeStep(step.options.Map())};
   }
+  const std::vector<std::string> names = kind.StepNames();
   if (std::ranges::find(names, step.name) == names.end()) {
     kind.RefuseStep(step.name, step.options);
     return {.name = step.name};
   }
-  return kind.ReadStep(step.name, step.options, usual_axis);
+  return kind.ReadStep(step.name, step.options, machine, usual_axis);
 }
 
 }  // namespace
 
+CalibrationStep KindScenario::ReadScenarioStep(const std::string& name,
+                                               YamlMap /*options*/) const {
+  throw std::logic_error(name + " is no step of this kind's scenarios");
+}
+
+void KindScenario::RefuseStep(const std::string& name, const YamlValue& options) const {
+  options.Fail(
+      fmt::format("'{}' is no procedure of {}", name, Owner()),
+      fmt::format("there are {}, gcode, external", fmt::join(StepNames(), ", ")));
+}
+
+std::vector<std::string> KindScenario::StepNames() const {
+  std::vector<std::string> names;
+  for (const Procedure* one : KnownProcedures()) names.emplace_back(one->name);
+  for (const Word& step : ScenarioSteps()) names.emplace_back(step.name);
+  return names;
+}
+
+CalibrationStep KindScenario::ReadStep(const std::string& name,
+                                       const YamlValue& options,
+                                       const Machine& machine,
+                                       const std::string& usual_axis) const {
+  const Procedure* const procedure = FindProcedure(name, KnownProcedures());
+  // An empty value means that all options are left out.
+  if (procedure == nullptr) {
+    return ReadScenarioStep(name,
+                            options.is_null()
+                                ? Unwritten("{}", options, options.faults())
+                                : options.Map());
+  }
+  CalibrationStep step{.name = name};
+  if (options.is_map()) step.variant = options.Map().TextOr("variant", "");
+  step.procedure =
+      procedure->prepare(options.is_null()
+                             ? UsualOptions(*procedure, machine, options, usual_axis)
+                             : options.Map(),
+                         machine);
+  return step;
+}
+
 std::vector<CalibrationStep> ReadCalibrationSteps(const YamlValue& list,
                                                   const KindScenario& kind,
+                                                  const Machine& machine,
                                                   const std::string& usual_axis) {
-  const std::vector<std::string> names = kind.StepNames();
   std::vector<CalibrationStep> steps;
   for (const NamedStep& step : ReadNamedSteps(list)) {
-    steps.push_back(ReadAnyStep(step, kind, names, usual_axis));
+    steps.push_back(ReadAnyStep(step, kind, machine, usual_axis));
   }
   return steps;
 }

@@ -4,13 +4,16 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "calibration/procedures/catalog.h"
 #include "scenarios/expectation.h"
 #include "scenarios/external.h"
+#include "scenarios/keys.h"
 #include "scenarios/kind_trial.h"
 #include "sim/base/yaml.h"
 #include "sim/twin/twin.h"
@@ -48,17 +51,33 @@ class KindScenario {
   /// Reads `effects`, `settings`, `instruments` and what else this kind alone knows:
   /// all but `calibrate` and `expect`.
   virtual void ReadKeys(YamlMap* map, Scenario* scenario) = 0;
-  /// Names of its steps, without `gcode` and `external`.
-  virtual std::vector<std::string> StepNames() const = 0;
+  /// The procedures that it may be calibrated by.
+  virtual Procedures KnownProcedures() const = 0;
+  /// Whose its procedures and effects are, in messages: "a delta".
+  virtual std::string_view Owner() const = 0;
+  /// Steps that are no procedures, what an operator does or a power cut, and what they
+  /// do.
+  virtual std::vector<Word> ScenarioSteps() const { return {}; }
+  /// One of those.
+  virtual CalibrationStep ReadScenarioStep(const std::string& name,
+                                           YamlMap options) const;
+  /// Adds the fault that there is no such step.
+  virtual void RefuseStep(const std::string& name, const YamlValue& options) const;
+
+  /// Names of procedures and scenario steps, without `gcode` and `external`.
+  std::vector<std::string> StepNames() const;
   /// One entry of `calibrate:`, of one of those names.
   /// @param usual_axis  of a procedure that cannot do without one and names none; may
   ///   be empty
-  virtual CalibrationStep ReadStep(const std::string& name,
-                                   const YamlValue& options,
-                                   const std::string& usual_axis) const = 0;
-  /// Adds the fault that there is no such step.
-  virtual void RefuseStep(const std::string& name, const YamlValue& options) const = 0;
+  CalibrationStep ReadStep(const std::string& name,
+                           const YamlValue& options,
+                           const Machine& machine,
+                           const std::string& usual_axis) const;
   virtual Expectable CanExpect() const = 0;
+
+  /// Words that only such scenarios have: effects that are not the catalogue's, keys.
+  virtual std::span<const Word> OwnEffects() const { return {}; }
+  virtual std::span<const Word> OwnKeys() const { return {}; }
 
   /// @name Studies
   /// Every effect that such a machine may have.
@@ -109,9 +128,10 @@ class AnyKindScenario {
   std::unique_ptr<KindScenario> kind_{};
 };
 
-/// Every entry of a list such as `calibrate:`, read by that kind.
+/// Every entry of a list such as `calibrate:`, read by that kind for that machine.
 std::vector<CalibrationStep> ReadCalibrationSteps(const YamlValue& list,
                                                   const KindScenario& kind,
+                                                  const Machine& machine,
                                                   const std::string& usual_axis = "");
 
 }  // namespace caltwin

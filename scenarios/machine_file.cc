@@ -3,12 +3,14 @@
 #include <array>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "scenarios/kinds/refusal.h"
 #include "sim/base/sha256.h"
 #include "sim/base/text_file.h"
 #include "sim/effects/catalog.h"
 #include "sim/effects/map_table.h"
+#include "sim/machine/kinds/kinds.h"
 #include "sim/machine/machine_kind.h"
 
 namespace caltwin {
@@ -126,7 +128,7 @@ MachineFile ReadExtension(const fs::path& file, YamlMap* map) {
   const auto base = map->Required("extends");
   const fs::path base_file =
       FindMachine(base->Text(), file.parent_path(), base->place());
-  MachineFile extension = ReadAnyMachineFile(base_file);
+  MachineFile extension = ReadMachineWithTip(base_file);
   extension.machine.file = file;
   map->IntegerOr("format", 1, 1, 1);
   extension.machine.name = map->TextOr("name", extension.machine.name);
@@ -152,9 +154,28 @@ MachineFile ReadExtension(const fs::path& file, YamlMap* map) {
 }  // namespace
 
 MachineFile ReadMachineFile(const fs::path& file) {
-  MachineFile read = ReadAnyMachineFile(file);
+  MachineFile read = ReadMachineWithTip(file);
   RequireGantry(read.machine, file);
   return read;
+}
+
+MachineFile ReadMachineWithTip(const fs::path& file) {
+  MachineFile read = ReadAnyMachineFile(file);
+  if (read.machine.kind->has_tip()) return read;
+  Faults faults;
+  const YamlValue kinematics = *ReadYamlFile(file, &faults).Optional("kinematics");
+  std::vector<std::string> names;
+  for (const MachineKind* kind : AllMachineKinds()) {
+    if (kind->has_tip()) names.emplace_back(kind->name());
+  }
+  throw InputError(
+      kinematics.place(),
+      fmt::format("kinematics = {}: single motors, which have no tip to measure or to "
+                  "move",
+                  read.machine.kind->name()),
+      fmt::format("`caltwin run` runs their scenarios, scenarios/motor_*.yaml; here a "
+                  "machine is one of {}",
+                  fmt::join(names, ", ")));
 }
 
 MachineFile ReadAnyMachineFile(const fs::path& file) {

@@ -31,7 +31,10 @@ struct MachineFile {
 /// was taken of becomes a note. Throws InputError, of a delta too: only what asks for
 /// any machine can have one.
 MachineFile ReadMachineFile(const std::filesystem::path& file);
-/// The same, deltas and triple-Z printers not refused.
+/// The same of every machine that has a tip: deltas and triple-Z printers too, but not
+/// of single motors.
+MachineFile ReadMachineWithTip(const std::filesystem::path& file);
+/// The same of every machine.
 MachineFile ReadAnyMachineFile(const std::filesystem::path& file);
 
 /// One setting that a scenario or truth file gives, perhaps still to be drawn.

@@ -1,10 +1,5 @@
 #include "scenarios/named_step.h"
 
-#include <algorithm>
-
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
 namespace caltwin {
 
 std::vector<NamedStep> ReadNamedSteps(const YamlValue& list) {
@@ -29,29 +24,6 @@ std::vector<NamedStep> ReadNamedSteps(const YamlValue& list) {
     list.Fail("is empty", "name at least one procedure; `caltwin explain` lists them");
   }
   return steps;
-}
-
-std::vector<NamedStep> ReadNamedSteps(const YamlValue& list,
-                                      std::span<const std::string_view> known,
-                                      std::string_view what) {
-  std::vector<NamedStep> steps;
-  for (const NamedStep& step : ReadNamedSteps(list)) {
-    if (std::ranges::find(known, step.name) != known.end()) {
-      steps.push_back(step);
-      continue;
-    }
-    step.options.Fail(fmt::format("'{}' is no {}", step.name, what),
-                      fmt::format("there are {}", fmt::join(known, ", ")));
-  }
-  return steps;
-}
-
-void RefuseNamedStep(const std::string& name,
-                     const YamlValue& options,
-                     std::span<const std::string_view> known,
-                     std::string_view what) {
-  options.Fail(fmt::format("'{}' is no {}", name, what),
-               fmt::format("there are {}, gcode, external", fmt::join(known, ", ")));
 }
 
 }  // namespace caltwin

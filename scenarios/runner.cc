@@ -24,6 +24,7 @@ bool StopsTheRun(Ending ending) {
     case Ending::kRefused:
       return true;
     case Ending::kDone:
+    case Ending::kUnconverged:
     case Ending::kReadsZero:
     case Ending::kConfounded:
       break;

@@ -36,7 +36,8 @@ Scenario ReadScenarioText(const std::string& text, const fs::path& name) {
                           : Fidelity::kPhysics;
   scenario.kind->ReadKeys(&map, &scenario);
   if (const auto calibrate = map.Required("calibrate")) {
-    scenario.calibrate = ReadCalibrationSteps(*calibrate, *scenario.kind);
+    scenario.calibrate = ReadCalibrationSteps(
+        *calibrate, *scenario.kind, scenario.machine.machine);
   }
   if (const auto expect = map.Optional("expect")) {
     scenario.expect = ReadExpectation(expect->Map(), scenario.kind->CanExpect());

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "calibration/loop/kept.h"
 #include "calibration/loop/ledger.h"
 #include "sim/link/link.h"
 #include "sim/machine/artefact.h"
@@ -25,6 +26,7 @@ struct Bench {
   Instruments instruments{};
   RowTable* record = nullptr;  ///< Every reading is added, where there is one.
   Ledger ledger{};             ///< From one procedure to the next.
+  Kept kept{};                 ///< Likewise, of what only one kind of machine has.
   std::function<void(const std::string&)> say = [](const std::string&) {
   };
 };

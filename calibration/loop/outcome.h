@@ -51,6 +51,7 @@ struct Observability {
 /// was right is for the one who knows the truth (scenarios/verdict).
 enum class Ending {
   kDone,
+  kUnconverged,  ///< Done, and it says itself that it did not succeed.
   kNoTrigger,   ///< A probe move found nothing.
   kCollision,   ///< The stylus was bent.
   kAlarm,       ///< The machine stopped for another reason.
@@ -72,6 +73,9 @@ struct ProcedureResult {
   std::vector<Observability> observability{};
   std::vector<std::string> messages{};  ///< Warnings and remedies, for a person.
   int touches = 0;
+  /// What else it found, by the names that a scenario's figures have; where none has
+  /// such a name, for who leads it: "predicted_factor", "alerts".
+  std::map<std::string, double> figures{};
 };
 
 }  // namespace caltwin

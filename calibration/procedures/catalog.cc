@@ -4,6 +4,10 @@
 #include <array>
 
 #include "calibration/kinds/corexy/diagonals.h"
+#include "calibration/kinds/delta/catalog.h"
+#include "calibration/kinds/motor_stage/catalog.h"
+#include "calibration/kinds/triple_z/catalog.h"
+#include "calibration/kinds/z_station/catalog.h"
 #include "calibration/procedures/cluster_backlash.h"
 #include "calibration/procedures/deflection.h"
 #include "calibration/procedures/dial_backlash.h"
@@ -15,30 +19,66 @@
 #include "calibration/procedures/rough_steps.h"
 #include "calibration/procedures/uninformative_backlash.h"
 #include "calibration/procedures/verify.h"
+#include "sim/machine/machine_kind.h"
 
 namespace caltwin {
+namespace {
 
-std::span<const Procedure> AllProcedures() {
-  static const std::array kAll = {kRoughSteps,
-                                  kDualDimension,
-                                  kClusterBacklash,
-                                  kDeflection,
-                                  kVerify,
-                                  kNextAll,
-                                  kTriggerReleaseBacklash,
-                                  kDialBacklash,
-                                  kSameSideBacklash,
-                                  kAwayReturnBacklash,
-                                  kJointEstimate,
-                                  kPlaneTilt,
-                                  kBeltDiagonals};
-  return kAll;
+Procedures PointersTo(std::span<const Procedure> procedures) {
+  Procedures pointers;
+  for (const Procedure& procedure : procedures) pointers.push_back(&procedure);
+  return pointers;
 }
 
-const Procedure* FindProcedure(std::string_view name) {
-  const auto all = AllProcedures();
-  const auto found = std::ranges::find(all, name, &Procedure::name);
-  return found == all.end() ? nullptr : &*found;
+bool Suits(const Procedure& procedure, const MachineKind& kind) {
+  switch (procedure.drives) {
+    case DrivesAsked::kOwn:
+      return kind.axes_are_drives();
+    case DrivesAsked::kAny:
+      return kind.axes_are_drives() || kind.drive_map() != nullptr;
+    case DrivesAsked::kCoupled:
+      return kind.drive_map() != nullptr;
+  }
+  return false;
+}
+
+}  // namespace
+
+Procedures AllProcedures() {
+  return {&kRoughSteps,
+          &kDualDimension,
+          &kClusterBacklash,
+          &kDeflection,
+          &kVerify,
+          &kNextAll,
+          &kTriggerReleaseBacklash,
+          &kDialBacklash,
+          &kSameSideBacklash,
+          &kAwayReturnBacklash,
+          &kJointEstimate,
+          &kPlaneTilt,
+          &kBeltDiagonals};
+}
+
+Procedures ProceduresFor(const MachineKind& kind) {
+  Procedures suiting = AllProcedures();
+  std::erase_if(suiting, [&](const Procedure* one) { return !Suits(*one, kind); });
+  return suiting;
+}
+
+Procedures ProceduresOf(std::string_view kind) {
+  for (const auto of_kind : {DeltaProcedures(),
+                             TripleZProcedures(),
+                             ZStationProcedures(),
+                             MotorProcedures()}) {
+    if (of_kind.front().kind == kind) return PointersTo(of_kind);
+  }
+  return {};
+}
+
+const Procedure* FindProcedure(std::string_view name, const Procedures& among) {
+  const auto found = std::ranges::find(among, name, &Procedure::name);
+  return found == among.end() ? nullptr : *found;
 }
 
 }  // namespace caltwin

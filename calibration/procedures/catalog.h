@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <functional>
 #include <span>
 #include <string>
@@ -10,34 +9,46 @@
 #include "calibration/loop/bench.h"
 #include "calibration/loop/outcome.h"
 #include "sim/base/yaml.h"
+#include "sim/machine/machine.h"
 
 namespace caltwin {
 
 /// A procedure made ready by its options: run it on a bench.
 using PreparedProcedure = std::function<ProcedureResult(Bench* bench)>;
 
-/// @name Kinds of machines that a procedure is for
-inline constexpr std::array<std::string_view, 1> kOwnDrives = {"cartesian"};
-/// Of one that asks nothing of any drive alone.
-inline constexpr std::array<std::string_view, 2> kAnyDrives = {"cartesian", "corexy"};
+/// What a procedure asks of the drives of a machine that is led like a gantry: an axis
+/// of its own for each, nothing, or that some of them move the axes together.
+enum class DrivesAsked { kOwn, kAny, kCoupled };
 
 /// One published or own calibration procedure.
 struct Procedure {
-  std::string_view name;       ///< Its id in scenarios: "next_dual_dimension".
-  std::string_view about;      ///< One sentence.
-  std::string_view source;     ///< Where it was published.
-  std::string_view published;  ///< What the text says, with its formula.
-  std::string_view physics;    ///< What is wrong with that, if anything, and the cure.
-  bool has_variants;           ///< as_published and corrected differ.
+  std::string_view name{};       ///< Its id in scenarios: "next_dual_dimension".
+  std::string_view about{};      ///< What it does; of a kind's own, its options too.
+  std::string_view source{};     ///< Where it was published.
+  std::string_view published{};  ///< What the text says, with its formula.
+  std::string_view physics{};    ///< What is wrong with that, if anything, and the cure.
+  bool has_variants = false;     ///< as_published and corrected differ.
+  bool takes_axes = false;       ///< `axes: [x, y]`, not `axis: x`.
   /// Reads the options of a scenario step ({axis: x, variant: corrected, ...})
   /// strictly, adding faults; the result must not be called where there were any.
-  PreparedProcedure (*prepare)(YamlMap options);
-  std::span<const std::string_view> kinds = kOwnDrives;  ///< Machines that it is for.
+  /// `drawing`: the machine that it is for.
+  PreparedProcedure (*prepare)(YamlMap options, const Machine& drawing) = nullptr;
+  DrivesAsked drives = DrivesAsked::kOwn;
+  /// The kind of machine whose own it is, and that alone: "delta". Empty: machines
+  /// that are led like a gantry.
+  std::string_view kind{};
 };
 
-/// Every procedure there is, in the order help lists them.
-std::span<const Procedure> AllProcedures();
+using Procedures = std::vector<const Procedure*>;
+
+/// Every procedure of machines that are led like a gantry, in the order help lists
+/// them.
+Procedures AllProcedures();
+/// Of these, those for that machine's drives.
+Procedures ProceduresFor(const MachineKind& kind);
+/// Those that only the kind of that name has: delta, triple_z, z_station, motor_stage.
+Procedures ProceduresOf(std::string_view kind);
 /// By id; null where there is none.
-const Procedure* FindProcedure(std::string_view name);
+const Procedure* FindProcedure(std::string_view name, const Procedures& among);
 
 }  // namespace caltwin

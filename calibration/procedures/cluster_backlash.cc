@@ -120,7 +120,7 @@ Expected<void> RunAsPublished(Session* session, const ClusterOptions& o) {
   return {};
 }
 
-PreparedProcedure Prepare(YamlMap map) {
+PreparedProcedure Prepare(YamlMap map, const Machine& /*drawing*/) {
   ClusterOptions o;
   o.release = ReadReleaseOptions(&map, {.repeats = 10});
   o.release.statistics = true;

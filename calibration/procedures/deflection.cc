@@ -231,7 +231,7 @@ Expected<void> RunDeflection(Session* session, const DeflectionOptions& o) {
 
 namespace {
 
-PreparedProcedure Prepare(YamlMap map) {
+PreparedProcedure Prepare(YamlMap map, const Machine& /*drawing*/) {
   DeflectionOptions o;
   o.common = ReadCommon(&map);
   o.size_mm = map.NumberOr("dimension", 25.4, {0.1, 1000});

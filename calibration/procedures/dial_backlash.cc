@@ -64,7 +64,7 @@ DialOptions ReadDialOptions(YamlMap* map, const CommonOptions& defaults) {
 
 namespace {
 
-PreparedProcedure Prepare(YamlMap map) {
+PreparedProcedure Prepare(YamlMap map, const Machine& /*drawing*/) {
   const DialOptions o = ReadDialOptions(&map, {});
   map.NoMoreKeys();
   return [o](Bench* bench) {

@@ -169,7 +169,7 @@ Expected<void> RunDualDimension(Session* session, const DualDimensionOptions& o)
 
 namespace {
 
-PreparedProcedure Prepare(YamlMap map) {
+PreparedProcedure Prepare(YamlMap map, const Machine& /*drawing*/) {
   DualDimensionOptions o;
   o.common = ReadCommon(&map);
   o.sizes_mm = ReadDimensions(

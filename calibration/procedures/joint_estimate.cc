@@ -216,7 +216,7 @@ Expected<void> RunJoint(Session* session, const JointOptions& o) {
 
 namespace {
 
-PreparedProcedure Prepare(YamlMap map) {
+PreparedProcedure Prepare(YamlMap map, const Machine& /*drawing*/) {
   JointOptions o;
   o.place = map.place();
   map.WordOr("variant", "corrected", {"as_published", "corrected"});

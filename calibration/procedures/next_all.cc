@@ -84,7 +84,7 @@ Expected<void> RunAll(Session* session, const AllOptions& o) {
 
 namespace {
 
-PreparedProcedure Prepare(YamlMap map) {
+PreparedProcedure Prepare(YamlMap map, const Machine& /*drawing*/) {
   AllOptions o;
   o.axes = ReadAxes(&map);
   CommonOptions& c = o.common;

@@ -140,7 +140,7 @@ PlaneTiltOptions ReadPlaneTilt(YamlMap* map) {
 
 namespace {
 
-PreparedProcedure Prepare(YamlMap map) {
+PreparedProcedure Prepare(YamlMap map, const Machine& /*drawing*/) {
   const PlaneTiltOptions o = ReadPlaneTilt(&map);
   map.NoMoreKeys();
   return [o](Bench* bench) {
@@ -165,6 +165,6 @@ constinit const Procedure kPlaneTilt{
         "fit exactly, so their residual proves nothing.",
     .has_variants = false,
     .prepare = Prepare,
-    .kinds = kAnyDrives};
+    .drives = DrivesAsked::kAny};
 
 }  // namespace caltwin

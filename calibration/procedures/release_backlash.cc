@@ -336,7 +336,7 @@ ReleaseOptions ReadReleaseOptions(YamlMap* map, const CommonOptions& defaults) {
 
 namespace {
 
-PreparedProcedure Prepare(YamlMap map) {
+PreparedProcedure Prepare(YamlMap map, const Machine& /*drawing*/) {
   const ReleaseOptions o = ReadReleaseOptions(&map, {});
   map.NoMoreKeys();
   return [o](Bench* bench) {

@@ -139,7 +139,7 @@ Expected<void> RunRoughSteps(Session* session, const RoughOptions& o) {
 
 namespace {
 
-PreparedProcedure Prepare(YamlMap map) {
+PreparedProcedure Prepare(YamlMap map, const Machine& /*drawing*/) {
   RoughOptions o;
   o.common = ReadCommon(&map, {.repeats = 1});
   o.distance_mm = map.NumberOr("distance_mm", 100, {1, 2000});

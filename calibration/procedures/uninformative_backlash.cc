@@ -104,7 +104,7 @@ Expected<void> RunAwayReturn(Session* session, const DialOptions& o) {
   return {};
 }
 
-PreparedProcedure PrepareSameSide(YamlMap map) {
+PreparedProcedure PrepareSameSide(YamlMap map, const Machine& /*drawing*/) {
   const ReleaseOptions o = ReadReleaseOptions(&map, {.as_published = true});
   map.NoMoreKeys();
   return [o](Bench* bench) {
@@ -115,7 +115,7 @@ PreparedProcedure PrepareSameSide(YamlMap map) {
   };
 }
 
-PreparedProcedure PrepareAwayReturn(YamlMap map) {
+PreparedProcedure PrepareAwayReturn(YamlMap map, const Machine& /*drawing*/) {
   const DialOptions o = ReadDialOptions(&map, {.as_published = true});
   map.NoMoreKeys();
   return [o](Bench* bench) {

@@ -242,7 +242,7 @@ Expected<void> RunVerify(Session* session, const VerifyOptions& o) {
 
 namespace {
 
-PreparedProcedure Prepare(YamlMap map) {
+PreparedProcedure Prepare(YamlMap map, const Machine& /*drawing*/) {
   VerifyOptions o;
   o.place = map.place();
   o.axes = ReadAxes(&map);

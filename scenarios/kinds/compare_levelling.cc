@@ -103,7 +103,7 @@ Trial Try(const LevellingRival& rival,
       built, /*is_physics=*/false, seed, static_cast<std::uint64_t>(number));
   RrfTripleZ firmware(FirmwareOf(built.machine, TripleZOf(built.machine).pivots_mm()),
                       &plant);
-  RrfTripleZWire wire(&firmware);
+  EmulatedLink wire(&firmware);
   TripleZPrinter printer(BenchOf(built.machine, &wire, kLevellingSigma_mm));
   const Flatness before = FlatnessOf(built, Vec3<double>::Zero());
   *result = rival.level(&printer);

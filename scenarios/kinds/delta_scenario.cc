@@ -8,7 +8,6 @@
 
 #include "scenarios/kinds/delta_trial.h"
 #include "scenarios/kinds/gantry_scenario.h"
-#include "scenarios/named_step.h"
 #include "sim/effects/catalog.h"
 #include "sim/machine/kinds/delta/drawing.h"
 #include "sim/machine/kinds/delta/knobs.h"
@@ -53,15 +52,6 @@ void RequireBuildable(const InjectedSpec& spec, Faults* faults) {
 
 }  // namespace
 
-std::vector<DeltaStep> ReadDeltaSteps(const YamlValue& list) {
-  std::vector<DeltaStep> steps;
-  for (const NamedStep& step :
-       ReadNamedSteps(list, kDeltaProcedures, "procedure of a delta")) {
-    steps.push_back(ReadDeltaStep(step.name, step.options));
-  }
-  return steps;
-}
-
 void RequireDeltaParts(const DeltaEffects& effects, Faults* faults) {
   for (const InjectedSpec& effect : effects.effects) RequireBuildable(effect, faults);
 }
@@ -99,32 +89,6 @@ void DeltaScenario::ReadKeys(YamlMap* map, Scenario* scenario) {
     }
     by_name.NoMoreKeys();
   }
-}
-
-std::vector<std::string> DeltaScenario::StepNames() const {
-  return {kDeltaProcedures.begin(), kDeltaProcedures.end()};
-}
-
-CalibrationStep DeltaScenario::ReadStep(const std::string& name,
-                                        const YamlValue& options,
-                                        const std::string& /*usual_axis*/) const {
-  const DeltaStep step = ReadDeltaStep(name, options);
-  if (step.reduced_mm >= print_radius_mm) {
-    options.Fail(
-        fmt::format("g33's r is {:g} mm, and the bed's radius {:g}: no disc is "
-                    "left to touch",
-                    step.reduced_mm,
-                    print_radius_mm),
-        "r is taken off the radius");
-  }
-  return {.name = name, .perform = [step](KindTrial* trial) {
-            return dynamic_cast<DeltaTrial&>(*trial).Take(step);
-          }};
-}
-
-void DeltaScenario::RefuseStep(const std::string& name,
-                               const YamlValue& options) const {
-  RefuseNamedStep(name, options, kDeltaProcedures, "procedure of a delta");
 }
 
 Expectable DeltaScenario::CanExpect() const {

@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "calibration/kinds/delta/steps.h"
 #include "scenarios/scenario.h"
 #include "sim/base/yaml.h"
 #include "sim/kinds/delta/effects.h"
@@ -30,11 +29,9 @@ class DeltaScenario : public KindScenario {
     return std::make_unique<DeltaScenario>(*this);
   }
   void ReadKeys(YamlMap* map, Scenario* scenario) override;
-  std::vector<std::string> StepNames() const override;
-  CalibrationStep ReadStep(const std::string& name,
-                           const YamlValue& options,
-                           const std::string& usual_axis) const override;
-  void RefuseStep(const std::string& name, const YamlValue& options) const override;
+  Procedures KnownProcedures() const override { return ProceduresOf("delta"); }
+  std::string_view Owner() const override { return "a delta"; }
+  std::span<const Word> OwnEffects() const override;
   Expectable CanExpect() const override;
   std::vector<std::string> EffectNames() const override { return DeltaEffectNames(); }
   void Vary(const std::string& effect,
@@ -44,9 +41,6 @@ class DeltaScenario : public KindScenario {
   std::unique_ptr<KindTrial> Begin(const Scenario& scenario,
                                    const Chance& chance) const override;
 };
-
-/// Entries of a delta's `calibrate:`.
-std::vector<DeltaStep> ReadDeltaSteps(const YamlValue& list);
 
 /// What is no part of the twin that firmware drives, as faults.
 void RequireDeltaParts(const DeltaEffects& effects, Faults* faults);

@@ -33,18 +33,7 @@ class DeltaTrial : public KindTrial {
   TrueEnd End(const std::vector<ProcedureResult>& results, RunResult* result) override;
   double Figure(const std::string& name, const RunResult& result) override;
 
-  /// What a step of the scenario asks for.
-  ProcedureResult Take(const DeltaStep& step);
-
  private:
-  void PerformHere(const DeltaStep& step, DeltaLinkProbe* probe, ProcedureResult* done);
-  void AddSteps(const DeltaStep& step,
-                const DeltaModel<double>& before,
-                ProcedureResult* done) const;
-  void AddTrims(const DeltaStep& step,
-                const DeltaModel<double>& before,
-                ProcedureResult* done) const;
-
   DeltaScenario delta_;
   Machine machine_;
   BuiltDelta built_;

@@ -1,10 +1,10 @@
-#include "scenarios/kinds/delta_words.h"
-
 #include <array>
+
+#include "scenarios/kinds/delta_scenario.h"
 
 namespace caltwin {
 
-std::span<const Word> DeltaEffectWords() {
+std::span<const Word> DeltaScenario::OwnEffects() const {
   static constexpr std::array kWords = {
       Word{"endstop",
            "endstop.a, .b, .c: {error_mm}. The nozzle stands so much higher than drawn "
@@ -31,45 +31,6 @@ std::span<const Word> DeltaEffectWords() {
            "of "
            "it what M851 says (settings: {probe_offset_mm: [x, y, z]}). dz_mm below 0: "
            "the tip hangs lower than the nozzle."}};
-  return kWords;
-}
-
-std::span<const Word> DeltaProcedureWords() {
-  static constexpr std::array kWords = {
-      Word{"g33",
-           "Marlin's auto calibration of a delta: a grid of touches becomes seven "
-           "heights, those times a normalised inverse matrix become corrections, again "
-           "until the deviation no longer falls. Options: p (the grid, 0 to 10), c "
-           "(precision), f (rounds at least), r (off the radius), v (0 to 3: how much "
-           "it "
-           "prints), e, o and t (true: as the letter alone), variant (as_published, "
-           "corrected). Its deviation is in sample: P2 says 0.000 and may leave 0.09 "
-           "mm."},
-      Word{
-          "rrf_least_squares",
-          "RepRapFirmware's: two Gauss-Newton rounds over 16 touches. Option: factors, "
-          "3 endstops, 4 + radius, 6 + angles, 7 + rods, 8 = 6 + bed tilt, 9 = 8 + "
-          "rods. Rods from heights alone are known to a quarter of a millimetre. The "
-          "tilt "
-          "that 8 and 9 find is told and not commanded: Marlin has no setting for it."},
-      Word{"klipper_descent",
-           "Klipper's DELTA_CALIBRATE: seven touches, six numbers by coordinate "
-           "descent. One degree of freedom is left, so its own fit says little. "
-           "Option: print (true: twelve distances of a calibration print, read by "
-           "calliper, and the three rods are fitted too: nine numbers)."},
-      Word{"delta_joint",
-           "caltwin's own: all unknowns at once through the exact six-rod chain, with "
-           "priors, uncertainties, the error of points left out. Options: points (8 to "
-           "400); unknowns (firmware: endstops, radius, angles, tilt; machine: 27 and "
-           "the tilt) or fit (a list of any of them, [delta_radius, arm_length]); "
-           "priors ({arm_length: {value: 250.4, sd: 0.02}}: what is known beforehand, "
-           "a setting's as its value); rods and print (true: each rod, or twelve "
-           "distances of a calibration print, are read by calliper, which scatters by "
-           "instruments: {calliper: {sigma_um: 20}}); mesh (true: what the settings "
-           "leave "
-           "is foretold and commanded as a mesh of heights, M421 and M420). Settings "
-           "that would change less "
-           "than twice what the readings leave open are kept."}};
   return kWords;
 }
 

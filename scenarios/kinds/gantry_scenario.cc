@@ -37,31 +37,6 @@ FirmwareOptions ReadFirmware(YamlMap map) {
   return options;
 }
 
-bool IsFor(const Procedure& procedure, const MachineKind* kind) {
-  return std::ranges::find(procedure.kinds, kind->name()) != procedure.kinds.end();
-}
-
-// What the file leaves out, as if `text` stood at that place.
-YamlMap Unwritten(const std::string& text, const YamlValue& at, Faults* faults) {
-  const Place place = at.place();
-  const auto lines = static_cast<std::size_t>(std::max(1, place.line) - 1);
-  const auto columns = static_cast<std::size_t>(std::max(1, place.column) - 1);
-  const YAML::Node node =
-      YAML::Load(std::string(lines, '\n') + std::string(columns, ' ') + text);
-  return {node, at.file(), at.path(), faults};
-}
-
-// The options of a procedure by its name alone: an axis where it needs one.
-YamlMap UsualOptions(const Procedure& procedure,
-                     const YamlValue& at,
-                     const std::string& usual_axis) {
-  Faults lacking;
-  if (!usual_axis.empty()) procedure.prepare(Unwritten("{}", at, &lacking));
-  return Unwritten(lacking.empty() ? "{}" : fmt::format("{{axis: {}}}", usual_axis),
-                   at,
-                   at.faults());
-}
-
 }  // namespace
 
 void GantryScenario::ReadKeys(YamlMap* map, Scenario* scenario) {
@@ -86,25 +61,8 @@ void GantryScenario::ReadKeys(YamlMap* map, Scenario* scenario) {
   }
 }
 
-std::vector<std::string> GantryScenario::StepNames() const {
-  std::vector<std::string> names;
-  for (const Procedure& procedure : AllProcedures()) {
-    if (IsFor(procedure, machine_kind_)) names.emplace_back(procedure.name);
-  }
-  return names;
-}
-
-CalibrationStep GantryScenario::ReadStep(const std::string& name,
-                                         const YamlValue& options,
-                                         const std::string& usual_axis) const {
-  CalibrationStep step{.name = name};
-  const Procedure* procedure = FindProcedure(name);
-  if (options.is_map()) step.variant = options.Map().TextOr("variant", "");
-  // An empty value means a procedure with all its options left out.
-  step.procedure = procedure->prepare(
-      options.is_null() ? UsualOptions(*procedure, options, usual_axis)
-                        : options.Map());
-  return step;
+Procedures GantryScenario::KnownProcedures() const {
+  return ProceduresFor(*machine_kind_);
 }
 
 void GantryScenario::RefuseStep(const std::string& name,
@@ -112,7 +70,7 @@ void GantryScenario::RefuseStep(const std::string& name,
   std::vector<std::string> names = StepNames();
   names.insert(names.begin(), {"external", "gcode"});
   const std::string nearest = NearestWord(name, names);
-  if (FindProcedure(name) != nullptr) {
+  if (FindProcedure(name, AllProcedures()) != nullptr) {
     options.Fail(fmt::format("is no procedure of a {} machine", machine_kind_->name()),
                  StepNames().empty()
                      ? "there are none for this kind"

@@ -15,10 +15,8 @@ class GantryScenario : public KindScenario {
     return std::make_unique<GantryScenario>(*this);
   }
   void ReadKeys(YamlMap* map, Scenario* scenario) override;
-  std::vector<std::string> StepNames() const override;
-  CalibrationStep ReadStep(const std::string& name,
-                           const YamlValue& options,
-                           const std::string& usual_axis) const override;
+  Procedures KnownProcedures() const override;
+  std::string_view Owner() const override { return "a gantry"; }
   void RefuseStep(const std::string& name, const YamlValue& options) const override;
   Expectable CanExpect() const override;
   std::vector<std::string> EffectNames() const override;

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <vector>
 
 #include "scenarios/kind_scenario.h"
 #include "scenarios/machine_file.h"
@@ -14,6 +15,16 @@ namespace caltwin {
 std::unique_ptr<KindScenario> ReadKind(const std::filesystem::path& file,
                                        YamlMap* map,
                                        MachineFile* machine);
+
+/// What the scenarios of that machine have of their own, not filled in yet.
+/// @param has_station  a printer with a switch under its nozzle, whatever kind it is
+std::unique_ptr<KindScenario> KindFor(const Machine& machine, bool has_station = false);
+
+/// What the scenarios of that kind of machine have of their own.
+std::unique_ptr<KindScenario> ScenarioOf(const MachineKind& kind);
+
+/// One of each, empty, gantries first.
+std::vector<std::unique_ptr<KindScenario>> AllKindScenarios();
 
 /// The kind that is meant where nobody says: a gantry, or another machine that is led
 /// as one.

@@ -1,9 +1,7 @@
 #pragma once
 
-#include <span>
 #include <vector>
 
-#include "scenarios/keys.h"
 #include "scenarios/kinds/motor_stage_scenario.h"
 
 namespace caltwin {
@@ -21,9 +19,5 @@ std::vector<std::string> MotorEffectNames();
 void ApplyMotorEffect(const MotorEffectSpec& spec,
                       double value,
                       BuiltMotorStage* built);
-
-/// What `caltwin explain` says of the effects and procedures of motor axes.
-std::span<const Word> MotorEffectWords();
-std::span<const Word> MotorProcedureWords();
 
 }  // namespace caltwin

@@ -4,29 +4,15 @@
 #include <array>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "scenarios/kinds/motor_stage_effects.h"
 #include "scenarios/kinds/motor_stage_trial.h"
-#include "scenarios/named_step.h"
 #include "sim/base/units.h"
 
 namespace caltwin {
 
-bool TakesSeveralAxes(std::string_view procedure) {
-  return procedure == "axis_sync" || procedure == "emergency_stop";
-}
-
 namespace {
 
-constexpr std::array<std::string_view, 8> kProcedures = {"servo_home",
-                                                         "index_verify",
-                                                         "stepper_home",
-                                                         "travel_limits",
-                                                         "axis_sync",
-                                                         "emergency_stop",
-                                                         "motor_backlash",
-                                                         "power_cut"};
 constexpr std::array<const char*, 12> kFigures = {"alerts",
                                                   "retries",
                                                   "warnings",
@@ -41,187 +27,6 @@ constexpr std::array<const char*, 12> kFigures = {"alerts",
                                                   "history_entries"};
 constexpr std::array<const char*, 4> kValues = {
     "backlash", "home_offset", "travel", "start_lead"};
-
-std::vector<std::string> AxisWords() {
-  std::vector<std::string> words;
-  for (std::size_t i = 0; i < kNumMotorAxes; ++i) words.push_back(MotorAxisName(i));
-  return words;
-}
-
-YamlMap MapOf(const YamlValue& options) {
-  if (!options.is_null()) return options.Map();
-  return {YAML::Node(YAML::NodeType::Map),
-          options.file(),
-          options.path(),
-          options.faults()};
-}
-
-// axis: x, or axes: [x, y].
-void ReadStepAxes(const std::string& name,
-                  const MotorStageDrawing& drawing,
-                  YamlMap* map,
-                  MotorOptions* o) {
-  const bool is_stepper_step = name == "stepper_home";
-  if (TakesSeveralAxes(name)) {
-    o->axes.clear();
-    if (const auto axes = map->Required("axes")) {
-      for (const YamlValue& each : axes->List()) {
-        const std::size_t axis = *MotorAxisNamed(each.Word(AxisWords()));
-        const bool is_twice = std::ranges::find(o->axes, axis) != o->axes.end();
-        if (is_twice) each.Fail("is named twice");
-        o->axes.push_back(axis);
-      }
-      if (o->axes.empty()) axes->Fail("is empty", "name axes: [x, y]");
-    }
-    if (o->axes.empty()) o->axes = {0};
-    return;
-  }
-  const auto axis = map->Required("axis");
-  if (!axis) return;
-  o->axes = {*MotorAxisNamed(axis->Word(AxisWords()))};
-  const bool is_servo = drawing.axes[o->axes.front()].is_servo;
-  const bool needs_servo =
-      name == "servo_home" || name == "index_verify" || name == "motor_backlash";
-  if (needs_servo && !is_servo) {
-    axis->Fail(fmt::format("= {} is an open-loop stepper: {} needs a servo",
-                           MotorAxisName(o->axes.front()),
-                           name));
-  }
-  if (is_stepper_step && is_servo) {
-    axis->Fail(fmt::format("= {} is a servo: servo_home homes it",
-                           MotorAxisName(o->axes.front())));
-  }
-}
-
-// Which procedure heeds which option; another's is an unknown key, not ignored. Lengths
-// and speeds are named here without the unit of the axis.
-struct MotorOptionKeys {
-  std::string_view procedure{};
-  std::vector<std::string_view> keys{};
-};
-
-bool Heeds(std::string_view procedure, std::string_view key) {
-  static const std::array<MotorOptionKeys, 7> kKeys = {{
-      {"servo_home", {"slow", "back_off", "touches"}},
-      {"index_verify", {"slow", "medium", "threshold_pulses"}},
-      {"stepper_home",
-       {"slow", "second", "back_off", "final_back_off", "safe", "touches", "fine"}},
-      {"travel_limits", {"slow", "margin", "touches", "fine"}},
-      {"axis_sync", {"slow", "medium", "distance", "repeats"}},
-      {"emergency_stop",
-       {"slow", "medium", "distance", "within_ms", "threshold_pulses", "tolerance"}},
-      {"motor_backlash", {"slow", "medium", "distance", "repeats", "tolerance"}},
-  }};
-  const auto entry = std::ranges::find(kKeys, procedure, &MotorOptionKeys::procedure);
-  return std::ranges::find(entry->keys, key) != entry->keys.end();
-}
-
-// Of several axes mm, unless all are rotary.
-std::string UnitKey(const MotorOptions& o, const MotorStageDrawing& drawing) {
-  const bool is_rotary = std::ranges::all_of(
-      o.axes, [&](std::size_t axis) { return drawing.axes[axis].is_rotary; });
-  return is_rotary ? "_deg" : "_mm";
-}
-
-// The shortest travel and the lowest highest speed of the axes.
-struct Reach {
-  double travel_unit = 1e9, speed_unit_s = 1e9;
-};
-Reach ReachOf(const MotorOptions& o, const MotorStageDrawing& drawing) {
-  Reach reach;
-  for (const std::size_t axis : o.axes) {
-    const MotorAxisDrawing& d = drawing.axes[axis];
-    reach.travel_unit = std::min(reach.travel_unit, d.max_unit - d.min_unit);
-    reach.speed_unit_s = std::min(reach.speed_unit_s, d.max_velocity_unit_s);
-  }
-  return reach;
-}
-
-// In the unit of the axes, which stands in the key: safe_mm, safe_deg, fine_deg_s. None
-// is longer than the axes' travel.
-void ReadLengths(const std::string& name,
-                 const std::string& unit,
-                 const Reach& reach,
-                 YamlMap* map,
-                 MotorOptions* o) {
-  const Bounds distance{1e-3, reach.travel_unit};
-  // To and fro from the middle; three of them from zero; two within a move.
-  const double of_travel = name == "axis_sync"        ? 2.0
-                           : name == "motor_backlash" ? 3.0
-                                                      : 2.5;
-  const auto read = [&](const std::string& key, Bounds bounds, double* value) {
-    if (Heeds(name, key)) *value = map->NumberOr(key + unit, *value, bounds);
-  };
-  read("final_back_off", distance, &o->final_back_off_unit);
-  read("safe", distance, &o->safe_unit);
-  read("distance", {1e-3, reach.travel_unit / of_travel}, &o->distance_unit);
-  read("tolerance", distance, &o->tolerance_unit);
-  read("margin", {0, reach.travel_unit / 2}, &o->margin_unit);
-  if (Heeds(name, "fine")) {
-    o->fine_unit_s =
-        map->NumberOr("fine" + unit + "_s", o->fine_unit_s, {1e-3, reach.speed_unit_s});
-  }
-  if (!Heeds(name, "back_off")) return;
-  if (const auto back = map->Optional("back_off" + unit)) {
-    o->back_off_unit = back->Number(distance);
-  }
-}
-
-void ReadNumbers(const std::string& name, YamlMap* map, MotorOptions* o) {
-  constexpr Bounds kPart{1e-3, 1};
-  const auto read = [&](const char* key, Bounds bounds, double* value) {
-    if (Heeds(name, key)) *value = map->NumberOr(key, *value, bounds);
-  };
-  read("slow", kPart, &o->slow);
-  read("medium", kPart, &o->medium);
-  read("second", kPart, &o->second);
-  read("threshold_pulses", {0, 1e6}, &o->threshold_pulses);
-  double within_ms = o->within_s / SFromMs(1.0);
-  read("within_ms", {0.1, 1e4}, &within_ms);
-  o->within_s = SFromMs(within_ms);
-  const auto count = [&](const char* key, int most, int* value) {
-    if (!Heeds(name, key)) return;
-    *value = static_cast<int>(map->IntegerOr(key, *value, 1, most));
-  };
-  count("repeats", 1000, &o->repeats);
-  count("touches", 100, &o->touches);
-}
-
-MotorStep ReadMotorStep(const std::string& name,
-                        const YamlValue& value,
-                        const MotorStageDrawing& drawing) {
-  MotorStep step{.name = name};
-  YamlMap map = MapOf(value);
-  if (name == "power_cut") {
-    if (const auto lines = map.Optional("lines")) {
-      for (const YamlValue& line : lines->List()) step.lines.push_back(line.Text());
-    }
-    step.after_bytes =
-        static_cast<std::uint64_t>(map.IntegerOr("after_bytes", 0, 0, 1'000'000));
-    map.NoMoreKeys();
-    return step;
-  }
-  MotorOptions& o = step.options;
-  // What was published of the stop is a wish, no procedure that could be followed.
-  if (name != "emergency_stop") {
-    o.is_as_published =
-        map.WordOr("variant", "corrected", {"as_published", "corrected"}) ==
-        "as_published";
-  }
-  ReadStepAxes(name, drawing, &map, &o);
-  ReadLengths(name, UnitKey(o, drawing), ReachOf(o, drawing), &map, &o);
-  ReadNumbers(name, &map, &o);
-  if (name == "motor_backlash" && o.distance_unit <= 2 * o.tolerance_unit) {
-    value.Fail(fmt::format("goes {:g} from either side, not more than twice its "
-                           "tolerance of {:g}",
-                           o.distance_unit,
-                           o.tolerance_unit),
-               "a gap of the tolerance would not be crossed");
-  }
-  o.retries = static_cast<int>(map.IntegerOr("retries", o.retries, 0, 10));
-  map.NoMoreKeys();
-  return step;
-}
 
 /// A field of the record that a scenario sets before it begins.
 struct MotorSettingKey {
@@ -278,16 +83,6 @@ MotorStageTruth ReadMotorTruthFile(const std::filesystem::path& file,
   return truth;
 }
 
-std::vector<MotorStep> ReadMotorSteps(const YamlValue& list,
-                                      const MotorStageDrawing& drawing) {
-  std::vector<MotorStep> steps;
-  for (const NamedStep& step :
-       ReadNamedSteps(list, kProcedures, "procedure of a motor stage")) {
-    steps.push_back(ReadMotorStep(step.name, step.options, drawing));
-  }
-  return steps;
-}
-
 void MotorStageScenario::ReadKeys(YamlMap* map, Scenario* /*scenario*/) {
   ReadMotorTruth(map, this);
   if (const auto instruments = map->Optional("instruments")) {
@@ -301,22 +96,26 @@ void MotorStageScenario::ReadKeys(YamlMap* map, Scenario* /*scenario*/) {
   }
 }
 
-std::vector<std::string> MotorStageScenario::StepNames() const {
-  return {kProcedures.begin(), kProcedures.end()};
+std::vector<Word> MotorStageScenario::ScenarioSteps() const {
+  return {Word{"power_cut",
+           "A step: the power goes while lines are obeyed, after after_bytes (0) more "
+           "bytes of the flash, and comes back: what the flash holds is in force, and "
+           "no "
+           "axis is homed. lines: [M500 X]."}};
 }
 
-CalibrationStep MotorStageScenario::ReadStep(const std::string& name,
-                                             const YamlValue& options,
-                                             const std::string& /*usual_axis*/) const {
-  const MotorStep step = ReadMotorStep(name, options, drawing);
-  return {.name = name, .perform = [step](KindTrial* trial) {
-            return dynamic_cast<MotorStageTrial&>(*trial).Take(step);
+CalibrationStep MotorStageScenario::ReadScenarioStep(const std::string& name,
+                                                     YamlMap options) const {
+  PowerCut cut;
+  if (const auto lines = options.Optional("lines")) {
+    for (const YamlValue& line : lines->List()) cut.lines.push_back(line.Text());
+  }
+  cut.after_bytes =
+      static_cast<std::uint64_t>(options.IntegerOr("after_bytes", 0, 0, 1'000'000));
+  options.NoMoreKeys();
+  return {.name = name, .perform = [cut](KindTrial* trial) {
+            return dynamic_cast<MotorStageTrial&>(*trial).CutPower(cut);
           }};
-}
-
-void MotorStageScenario::RefuseStep(const std::string& name,
-                                    const YamlValue& options) const {
-  RefuseNamedStep(name, options, kProcedures, "procedure of a motor stage");
 }
 
 Expectable MotorStageScenario::CanExpect() const {

@@ -7,7 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include "calibration/kinds/motor_stage/procedures.h"
 #include "scenarios/scenario.h"
 #include "sim/base/yaml.h"
 #include "sim/kinds/motor_stage/rig.h"
@@ -23,12 +22,10 @@ struct MotorEffectSpec {
   std::string unit{};        ///< Behind the parameter's name; empty: a plain number.
 };
 
-/// One entry of a motor stage's `calibrate:`.
-struct MotorStep {
-  std::string name{};  ///< servo_home, ..., power_cut.
-  MotorOptions options{};
-  std::vector<std::string> lines{};  ///< Of power_cut.
-  std::uint64_t after_bytes = 0;     ///< Of power_cut: that many are stored yet.
+/// The step `power_cut`: the power goes while lines are obeyed.
+struct PowerCut {
+  std::vector<std::string> lines{};
+  std::uint64_t after_bytes = 0;  ///< That many are stored yet.
 };
 
 /// How a motor stage differs from its drawing, and what its controller believes.
@@ -49,11 +46,12 @@ class MotorStageScenario : public KindScenario, public MotorStageTruth {
     return std::make_unique<MotorStageScenario>(*this);
   }
   void ReadKeys(YamlMap* map, Scenario* scenario) override;
-  std::vector<std::string> StepNames() const override;
-  CalibrationStep ReadStep(const std::string& name,
-                           const YamlValue& options,
-                           const std::string& usual_axis) const override;
-  void RefuseStep(const std::string& name, const YamlValue& options) const override;
+  Procedures KnownProcedures() const override { return ProceduresOf("motor_stage"); }
+  std::string_view Owner() const override { return "a motor stage"; }
+  std::vector<Word> ScenarioSteps() const override;
+  std::span<const Word> OwnEffects() const override;
+  CalibrationStep ReadScenarioStep(const std::string& name,
+                                   YamlMap options) const override;
   Expectable CanExpect() const override;
   std::vector<std::string> EffectNames() const override;
   void Vary(const std::string& effect,
@@ -69,13 +67,6 @@ class MotorStageScenario : public KindScenario, public MotorStageTruth {
 /// is not that.
 MotorStageTruth ReadMotorTruthFile(const std::filesystem::path& file,
                                    const MotorStageDrawing& drawing);
-
-/// Whether a procedure is given `axes: [x, y]`, not `axis: x`.
-bool TakesSeveralAxes(std::string_view procedure);
-
-/// Reads a list of procedures, as in `calibrate:`.
-std::vector<MotorStep> ReadMotorSteps(const YamlValue& list,
-                                      const MotorStageDrawing& drawing);
 
 /// The stage that the effects make, their numbers drawn.
 BuiltMotorStage DrawMotorStage(const MotorStageTruth& truth,

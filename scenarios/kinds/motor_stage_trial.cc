@@ -1,13 +1,13 @@
 #include "scenarios/kinds/motor_stage_trial.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <limits>
 
 #include <fmt/format.h>
 
-#include "sim/base/units.h"
 
 namespace caltwin {
 namespace {
@@ -41,31 +41,17 @@ void MotorStageTrial::Connect(Link* link) {
     bench.gauge = &gauge_;
     bench.gauge_sigma_unit = *motor_.laser_sigma_unit;
   }
-  axes_.emplace(bench);
-  SetFields(motor_, file_, &*axes_);
-}
-
-ProcedureResult MotorStageTrial::Take(const MotorStep& step) {
-  if (step.name == "power_cut") return CutPower(step);
-  const MotorResult done = RunMotorProcedure(step.name, step.options, &*axes_);
-  found_.alerts += done.found.alerts;
-  found_.retries += done.found.retries;
-  found_.warnings += done.found.warnings;
-  found_.safe_modes += done.found.safe_modes;
-  found_.positions_lost += done.found.positions_lost;
-  const auto keep = [](const auto& from, auto* to) {
-    if (from) *to = from;
-  };
-  keep(done.found.index_edges, &found_.index_edges);
-  keep(done.found.wrong_turn_probability, &found_.wrong_turn_probability);
-  keep(done.found.skew_s, &found_.skew_s);
-  keep(done.found.stop_feasible, &found_.stop_feasible);
-  keep(done.found.standstill_s, &found_.standstill_s);
-  keep(done.found.stopped_within, &found_.stopped_within);
-  return done.result;
+  SetFields(motor_, file_, bench_.kept.Put(MotorAxes(bench)));
 }
 
 void MotorStageTrial::EndStep(const CalibrationStep& /*step*/, ProcedureResult* done) {
+  // Of the others the last is told.
+  constexpr std::array kCounts = {
+      "alerts", "retries", "warnings", "safe_modes", "positions_lost"};
+  for (const auto& [name, value] : done->figures) {
+    const bool is_count = std::ranges::find(kCounts, name) != kCounts.end();
+    figures_[name] = value + (is_count ? figures_[name] : 0);
+  }
   for (const Estimate& estimate : done->estimates) {
     const auto truth = BuiltOf(estimate.name, done->estimates);
     if (!truth) continue;
@@ -83,12 +69,12 @@ void MotorStageTrial::EndStep(const CalibrationStep& /*step*/, ProcedureResult* 
 
 // The power goes while the lines are obeyed, after so many bytes that they store, and
 // comes back: what the flash holds is in force, and no axis is homed.
-ProcedureResult MotorStageTrial::CutPower(const MotorStep& step) {
+ProcedureResult MotorStageTrial::CutPower(const PowerCut& cut) {
   ProcedureResult done;
   Rng marks(chance_.seed, chance_.sample, "power_cut");
   const std::uint64_t before = flash_.bytes_done();
-  flash_.CutAfter(step.after_bytes, &marks);
-  for (const std::string& line : step.lines) {
+  flash_.CutAfter(cut.after_bytes, &marks);
+  for (const std::string& line : cut.lines) {
     const auto answer = bench_.link->Send(line, std::chrono::milliseconds(600'000));
     if (answer) continue;
     const std::string& said = answer.error().reply;
@@ -157,31 +143,17 @@ TrueEnd MotorStageTrial::End(const std::vector<ProcedureResult>& /*results*/,
 }
 
 double MotorStageTrial::Figure(const std::string& name, const RunResult& /*result*/) {
-  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-  if (name == "alerts") return found_.alerts;
-  if (name == "retries") return found_.retries;
-  if (name == "warnings") return found_.warnings;
-  if (name == "safe_modes") return found_.safe_modes;
-  if (name == "index_edges") return found_.index_edges.value_or(-1);
-  if (name == "wrong_turn_probability") {
-    return found_.wrong_turn_probability.value_or(kNone);
-  }
-  if (name == "skew_ms") return found_.skew_s.value_or(kNone) / SFromMs(1.0);
-  if (name == "standstill_ms") {
-    return found_.standstill_s.value_or(kNone) / SFromMs(1.0);
-  }
-  if (name == "stop_feasible") {
-    return found_.stop_feasible ? static_cast<double>(*found_.stop_feasible) : kNone;
-  }
-  if (name == "stopped_within") {
-    return found_.stopped_within ? static_cast<double>(*found_.stopped_within) : kNone;
-  }
-  if (name == "positions_lost") return found_.positions_lost;
   if (name == "history_entries") return static_cast<double>(history_);
-  const std::size_t axis = *MotorAxisNamed(name.substr(name.find('.') + 1));
-  if (name.starts_with("home.")) return TrueHome(*firmware_, rig_, axis);
-  const AxisCalibration& record = firmware_->record(axis);
-  return record.backlash_pulses / record.pulses_per_unit;
+  if (const auto found = figures_.find(name); found != figures_.end()) {
+    return found->second;
+  }
+  const auto axis = MotorAxisNamed(name.substr(name.find('.') + 1));
+  if (axis && name.starts_with("home.")) return TrueHome(*firmware_, rig_, *axis);
+  if (axis) {
+    const AxisCalibration& record = firmware_->record(*axis);
+    return record.backlash_pulses / record.pulses_per_unit;
+  }
+  return name == "index_edges" ? -1 : std::numeric_limits<double>::quiet_NaN();
 }
 
 }  // namespace caltwin

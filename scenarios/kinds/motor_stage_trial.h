@@ -1,14 +1,16 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "calibration/kinds/motor_stage/procedures.h"
+#include "calibration/kinds/motor_stage/motor_axes.h"
 #include "scenarios/kinds/motor_stage_scenario.h"
 #include "scenarios/kinds/motor_stage_wire.h"
+#include "scenarios/kinds/nobody.h"
 
 namespace caltwin {
 
@@ -32,11 +34,9 @@ class MotorStageTrial : public KindTrial {
   TrueEnd End(const std::vector<ProcedureResult>& results, RunResult* result) override;
   double Figure(const std::string& name, const RunResult& result) override;
 
-  /// What a step of the scenario asks for.
-  ProcedureResult Take(const MotorStep& step);
+  ProcedureResult CutPower(const PowerCut& cut);
 
  private:
-  ProcedureResult CutPower(const MotorStep& step);
   /// `together`: what the same step told.
   std::optional<double> BuiltOf(const std::string& name,
                                 const std::vector<Estimate>& together) const;
@@ -49,12 +49,11 @@ class MotorStageTrial : public KindTrial {
   MotorStageOptions factory_;
   std::unique_ptr<MotorStageFirmware> firmware_;
   double earlier_s_ = 0;  // Machine time before the power was last cut.
-  MotorStageWire wire_;
+  EmulatedLink wire_;
   MotorStageGauge gauge_;
   NoHands hands_{};
   Bench bench_{};
-  std::optional<MotorAxes> axes_{};
-  MotorFindings found_{};
+  std::map<std::string, double> figures_{};  ///< Of the procedures; counts of all.
   std::size_t history_ = 0;
   std::vector<ParameterResult> told_{};  ///< Beside what was built at that moment.
 };

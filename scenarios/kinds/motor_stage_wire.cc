@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include "sim/base/input_error.h"
-#include "sim/link/reply.h"
 
 namespace caltwin {
 namespace {
@@ -50,11 +49,6 @@ MotorStageOptions MotorFirmwareOf(const MotorStageDrawing& drawing) {
     options.motion.limit_a[i] = drawing.axes[i].current_limit_a;
   }
   return options;
-}
-
-Expected<std::vector<std::string>> MotorStageWire::Send(
-    std::string_view line, std::chrono::milliseconds /*patience*/) {
-  return JudgeReply(firmware_->Execute(line).lines);
 }
 
 Expected<double> MotorStageGauge::Read_mm(std::string_view id) {

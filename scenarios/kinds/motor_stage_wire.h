@@ -17,19 +17,6 @@ namespace caltwin {
 /// What a motor controller comes out of the factory with: its drawing in pulses.
 MotorStageOptions MotorFirmwareOf(const MotorStageDrawing& drawing);
 
-/// The wire to a simulated motor stage.
-class MotorStageWire : public Link {
- public:
-  explicit MotorStageWire(MotorStageFirmware* firmware) : firmware_(firmware) {}
-  /// To another controller: the same one, after its power was cut.
-  void Connect(MotorStageFirmware* firmware) { firmware_ = firmware; }
-  Expected<std::vector<std::string>> Send(std::string_view line,
-                                          std::chrono::milliseconds patience) override;
-
- private:
-  MotorStageFirmware* firmware_;
-};
-
 /// Reads where a carriage of the simulated stage is: `laser.x` [mm], `laser.a` [deg].
 class MotorStageGauge : public Gauge {
  public:

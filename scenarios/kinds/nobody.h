@@ -6,8 +6,8 @@
 
 namespace caltwin {
 
-/// Instruments of a machine that has none, and a person who does nothing: what an
-/// external program may ask beside G-code is answered with a fault.
+/// Instruments of a machine that has none, and a person who says yes and does nothing:
+/// acts that an external program asks for are answered with a fault.
 class NoGauges : public Gauge {
  public:
   Expected<double> Read_mm(std::string_view id) override;

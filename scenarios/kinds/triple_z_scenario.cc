@@ -6,7 +6,6 @@
 
 #include "scenarios/kinds/gantry_scenario.h"
 #include "scenarios/kinds/triple_z_trial.h"
-#include "scenarios/named_step.h"
 #include "sim/base/units.h"
 #include "sim/effects/catalog.h"
 #include "sim/machine/kinds/triple_z/drawing.h"
@@ -14,12 +13,6 @@
 namespace caltwin {
 namespace {
 
-constexpr std::array<std::string_view, 6> kProcedures = {"plane_tilt",
-                                                         "bed_tilt",
-                                                         "bed_tilt_iterated",
-                                                         "rrf_levelling",
-                                                         "pivots_and_wiring",
-                                                         "move_triple_z"};
 constexpr std::array<const char*, 7> kFigures = {"level_error_mm.mean",
                                                  "level_error_mm.max",
                                                  "flatness_mm.rms",
@@ -28,67 +21,26 @@ constexpr std::array<const char*, 7> kFigures = {"level_error_mm.mean",
                                                  "position_error_mm.p95",
                                                  "predicted_factor"};
 
-// An empty value means all options left out.
-YamlMap MapOf(const YamlValue& options) {
-  if (!options.is_null()) return options.Map();
-  return {YAML::Node(YAML::NodeType::Map),
-          options.file(),
-          options.path(),
-          options.faults()};
-}
-
-void ReadGrid(YamlMap* map, TripleZOptions* options) {
-  const auto grid = map->Optional("grid");
-  if (!grid) return;
-  const auto numbers = grid->Numbers(2, {2, 20});
-  if (numbers.size() != 2) return;
-  options->columns = static_cast<int>(numbers[0]);
-  options->rows = static_cast<int>(numbers[1]);
-  if (numbers[0] != options->columns || numbers[1] != options->rows) {
-    grid->Fail("is no pair of whole numbers", "as in `grid: [3, 3]`");
-  }
-  if (options->at_screws && !options->holds_out) {
-    grid->Fail("is not touched with `at: screws`", "leave one of them out");
-  }
-}
-
-// Where the bed is touched; for pivots always three by three.
-void ReadProbing(const std::string& name, YamlMap* map, TripleZOptions* options) {
-  options->margin_mm = map->NumberOr("margin_mm", options->margin_mm, {0, 100});
-  if (name == "pivots_and_wiring") return;
-  if (const auto at = map->Optional("at")) {
-    options->at_screws = at->Word({"grid", "screws"}) == "screws";
-  }
-  const auto hold_out = map->Optional("hold_out");
-  options->holds_out = hold_out && hold_out->Flag();
-  ReadGrid(map, options);
-}
-
-void ReadLevelling(YamlMap* map, TripleZOptions* options) {
-  options->reference_mm = map->NumberOr("reference_mm", 0, {-50, 250});
-  if (options->is_as_published) {
-    const std::string sign = map->WordOr("offsets", "example", {"example", "formula"});
-    options->rule = sign == "formula" ? OffsetRule::kFormula : OffsetRule::kExample;
-  }
-  options->largest_mm = map->NumberOr("largest_mm", options->largest_mm, {0, 250});
-}
-
-void ReadRounds(YamlMap* map, int otherwise, TripleZOptions* options) {
-  options->rounds = static_cast<int>(map->IntegerOr("rounds", otherwise, 1, 50));
-  options->target_mm = map->NumberOr("target_mm", options->target_mm, {0, 10});
-}
+/// Where move_triple_z goes to: the nozzle, and the screws.
+struct Move {
+  Eigen::Vector2d at_mm = Eigen::Vector2d::Zero();
+  Vec3<double> heights_mm = Vec3<double>::Zero();
+};
 
 // move_triple_z: {at_mm: [x, y], heights_mm: [z1, z2, z3]}. The printer itself bounds
 // heights.
-void ReadMove(YamlMap* map, TripleZStep* step) {
+Move ReadMove(YamlMap* map) {
+  Move move;
   const auto at = map->Required("at_mm");
   const auto heights = map->Required("heights_mm");
   const auto at_mm = at ? at->Numbers(2, {-1e4, 1e4}) : std::vector<double>{};
   const auto heights_mm =
       heights ? heights->Numbers(3, {-1e4, 1e4}) : std::vector<double>{};
-  if (at_mm.size() != 2 || heights_mm.size() != 3) return;
-  step->at_mm = {at_mm[0], at_mm[1]};
-  step->heights_mm = {heights_mm[0], heights_mm[1], heights_mm[2]};
+  map->NoMoreKeys();
+  if (at_mm.size() != 2 || heights_mm.size() != 3) return move;
+  move.at_mm = {at_mm[0], at_mm[1]};
+  move.heights_mm = {heights_mm[0], heights_mm[1], heights_mm[2]};
+  return move;
 }
 
 std::vector<std::string> ValueNames() {
@@ -137,52 +89,7 @@ void RequireBuildable(const InjectedSpec& spec, Faults* faults) {
               "`caltwin simulate --truth` has them");
 }
 
-TripleZStep ReadTripleZStep(const std::string& name, const YamlValue& value) {
-  TripleZStep step{.name = name};
-  YamlMap map = MapOf(value);
-  if (name == "move_triple_z") {
-    ReadMove(&map, &step);
-    map.NoMoreKeys();
-    return step;
-  }
-  TripleZOptions& o = step.options;
-  o.is_as_published =
-      map.WordOr("variant", "corrected", {"as_published", "corrected"}) ==
-      "as_published";
-  const bool finds_pivots = name == "pivots_and_wiring";
-  if (finds_pivots) {
-    o.from_rounds =
-        map.WordOr("from", "single_screws", {"single_screws", "rounds"}) == "rounds";
-  }
-  ReadProbing(name, &map, &o);
-  if (finds_pivots && o.from_rounds) {
-    o.largest_mm = map.NumberOr("largest_mm", o.largest_mm, {0, 250});
-  }
-  if (name == "bed_tilt" || name == "bed_tilt_iterated") ReadLevelling(&map, &o);
-  if (name == "plane_tilt")
-    o.reference_mm = map.NumberOr("reference_mm", 0, {-50, 250});
-  o.iterates = name == "bed_tilt_iterated";
-  if (o.iterates) ReadRounds(&map, 5, &o);
-  if (name == "rrf_levelling") ReadRounds(&map, 2, &o);
-  const bool foretells = (o.iterates || name == "rrf_levelling") && !o.is_as_published;
-  if (foretells || (finds_pivots && !o.from_rounds)) {
-    // To tell wiring half a millimetre does, to tell places more is better.
-    o.test_mm = map.NumberOr("test_mm", finds_pivots ? 2 : 0.5, {0.01, 10});
-  }
-  map.NoMoreKeys();
-  return step;
-}
-
 }  // namespace
-
-std::vector<TripleZStep> ReadTripleZSteps(const YamlValue& list) {
-  std::vector<TripleZStep> steps;
-  for (const NamedStep& step :
-       ReadNamedSteps(list, kProcedures, "procedure of a triple-Z printer")) {
-    steps.push_back(ReadTripleZStep(step.name, step.options));
-  }
-  return steps;
-}
 
 void TripleZScenario::ReadKeys(YamlMap* map, Scenario* scenario) {
   const Machine& machine = scenario->machine.machine;
@@ -206,22 +113,27 @@ void TripleZScenario::ReadKeys(YamlMap* map, Scenario* scenario) {
   }
 }
 
-std::vector<std::string> TripleZScenario::StepNames() const {
-  return {kProcedures.begin(), kProcedures.end()};
+std::vector<Word> TripleZScenario::ScenarioSteps() const {
+  return {Word{"move_triple_z",
+           "A step: the nozzle to at_mm [x, y], the screws to heights_mm [z1, z2, z3], "
+           "0 "
+           "to the top each; homes if needed, waits. What lies outside is refused and "
+           "nothing moves."}};
 }
 
-CalibrationStep TripleZScenario::ReadStep(const std::string& name,
-                                          const YamlValue& options,
-                                          const std::string& /*usual_axis*/) const {
-  const TripleZStep step = ReadTripleZStep(name, options);
-  return {.name = name, .perform = [step](KindTrial* trial) {
-            return dynamic_cast<TripleZTrial&>(*trial).Take(step);
+CalibrationStep TripleZScenario::ReadScenarioStep(const std::string& name,
+                                                  YamlMap options) const {
+  const Move move = ReadMove(&options);
+  return {.name = name, .procedure = [name, move](Bench* bench) {
+            ProcedureResult result;
+            const auto moved = bench->kept.Find<TripleZPrinter>()->MoveTripleZ(
+                move.at_mm[0], move.at_mm[1], move.heights_mm);
+            if (moved) return result;
+            result.fault = moved.error().reply;
+            result.ending = EndingOfFault(moved.error());
+            result.messages.push_back("the machine said: " + result.fault);
+            return result;
           }};
-}
-
-void TripleZScenario::RefuseStep(const std::string& name,
-                                 const YamlValue& options) const {
-  RefuseNamedStep(name, options, kProcedures, "procedure of a triple-Z printer");
 }
 
 Expectable TripleZScenario::CanExpect() const {

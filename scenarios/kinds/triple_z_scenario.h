@@ -1,11 +1,9 @@
 #pragma once
 
-#include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
-#include "calibration/kinds/triple_z/procedures.h"
+#include "calibration/kinds/triple_z/printer.h"
 #include "scenarios/scenario.h"
 #include "sim/base/yaml.h"
 #include "sim/effects/injected.h"
@@ -14,14 +12,6 @@
 #include "sim/machine/machine.h"
 
 namespace caltwin {
-
-/// One entry of a triple-Z printer's `calibrate:`.
-struct TripleZStep {
-  std::string name{};  ///< plane_tilt, ..., move_triple_z.
-  TripleZOptions options{};
-  Eigen::Vector2d at_mm = Eigen::Vector2d::Zero();  ///< Of move_triple_z: the nozzle,
-  Vec3<double> heights_mm = Vec3<double>::Zero();   ///< and the screws.
-};
 
 /// What a triple-Z printer's scenario has of its own. Effects that want temperatures or
 /// times are faults: nothing here has them.
@@ -36,11 +26,11 @@ class TripleZScenario : public KindScenario {
     return std::make_unique<TripleZScenario>(*this);
   }
   void ReadKeys(YamlMap* map, Scenario* scenario) override;
-  std::vector<std::string> StepNames() const override;
-  CalibrationStep ReadStep(const std::string& name,
-                           const YamlValue& options,
-                           const std::string& usual_axis) const override;
-  void RefuseStep(const std::string& name, const YamlValue& options) const override;
+  Procedures KnownProcedures() const override { return ProceduresOf("triple_z"); }
+  std::string_view Owner() const override { return "a triple-Z printer"; }
+  std::vector<Word> ScenarioSteps() const override;
+  CalibrationStep ReadScenarioStep(const std::string& name,
+                                   YamlMap options) const override;
   Expectable CanExpect() const override;
   std::vector<std::string> EffectNames() const override;
   void Vary(const std::string& effect,
@@ -56,8 +46,5 @@ BuiltTripleZ DrawTripleZ(const TripleZScenario& scenario,
                          const Machine& machine,
                          std::uint64_t seed,
                          std::uint64_t sample);
-
-/// The steps of `calibrate:`.
-std::vector<TripleZStep> ReadTripleZSteps(const YamlValue& list);
 
 }  // namespace caltwin

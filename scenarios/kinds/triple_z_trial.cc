@@ -7,7 +7,6 @@
 
 #include <fmt/format.h>
 
-#include "calibration/kinds/triple_z/doing.h"
 #include "sim/base/units.h"
 
 namespace caltwin {
@@ -37,27 +36,6 @@ std::string TimingWords(int columns, int rows, std::span<const TripleZTouch> tou
                      most_s);
 }
 
-TripleZResult Failed(const MachineFault& fault,
-                     const TripleZStep& step,
-                     TripleZPrinter* printer) {
-  Doing doing(step.name, step.options, printer);
-  doing.Fail(fault);
-  return doing.Take();
-}
-
-TripleZResult DoStep(const TripleZStep& step, TripleZPrinter* printer) {
-  const TripleZOptions& o = step.options;
-  if (step.name == "move_triple_z") {
-    const auto moved =
-        printer->MoveTripleZ(step.at_mm[0], step.at_mm[1], step.heights_mm);
-    return moved ? TripleZResult{} : Failed(moved.error(), step, printer);
-  }
-  if (step.name == "plane_tilt") return RunPlaneTilt(printer, o);
-  if (step.name == "rrf_levelling") return RunRrfLevelling(printer, o);
-  if (step.name == "pivots_and_wiring") return RunPivotsAndWiring(printer, o);
-  return RunBedTilt(printer, o);
-}
-
 }  // namespace
 
 Expected<std::vector<std::string>> HeardByPrinter::Send(
@@ -82,8 +60,9 @@ TripleZTrial::TripleZTrial(const TripleZScenario& scenario,
 }
 
 void TripleZTrial::Connect(Link* link) {
-  printer_.emplace(BenchOf(built_.machine, link, triple_z_.probe_sigma_mm));
-  heard_.emplace(link, &*printer_);
+  printer_ = bench_.kept.Put(
+      TripleZPrinter(BenchOf(built_.machine, link, triple_z_.probe_sigma_mm)));
+  heard_.emplace(link, printer_);
   bench_.link = &*heard_;
 }
 
@@ -98,7 +77,18 @@ void TripleZTrial::BeginStep(const CalibrationStep& /*step*/) {
 }
 
 void TripleZTrial::EndStep(const CalibrationStep& step, ProcedureResult* done) {
-  record_.Add(step.name, std::span(firmware_.touched()).subspan(touched_before_));
+  const auto touches = std::span(firmware_.touched()).subspan(touched_before_);
+  record_.Add(step.name, touches);
+  for (const auto& [name, value] : done->figures) figures_[name] = value;
+  if (done->figures.contains("reference_mm")) has_levelled_ = true;
+  if (done->figures.contains("rounds_steeper")) {
+    grew_ += static_cast<int>(done->figures.at("rounds_steeper"));
+  }
+  if (done->figures.contains("grid.columns")) {
+    done->messages.push_back(TimingWords(static_cast<int>(figures_["grid.columns"]),
+                                         static_cast<int>(figures_["grid.rows"]),
+                                         touches));
+  }
   for (const Estimate& estimate : done->estimates) {
     const auto same = [&](const Estimate& had) {
       return had.name == estimate.name;
@@ -111,27 +101,7 @@ void TripleZTrial::EndStep(const CalibrationStep& step, ProcedureResult* done) {
 void TripleZTrial::EndExternal(ProcedureResult* /*done*/) {
   printer_->LoseHeights();
   has_levelled_ = true;
-  reference_mm_ = 0;
-}
-
-ProcedureResult TripleZTrial::Take(const TripleZStep& step) {
-  const TripleZOptions& o = step.options;
-  TripleZResult done = DoStep(step, &*printer_);
-  const bool is_grid = step.name == "plane_tilt" && !o.at_screws && !o.holds_out &&
-                       done.result.ending == Ending::kDone;
-  if (is_grid) {
-    done.result.messages.push_back(TimingWords(
-        o.columns, o.rows, std::span(firmware_.touched()).subspan(touched_before_)));
-  }
-  const bool levels = step.name.starts_with("bed_tilt") || step.name == "rrf_levelling";
-  has_levelled_ = has_levelled_ || levels;
-  if (levels) reference_mm_ = o.reference_mm;
-  if (done.predicted_factor) predicted_factor_ = *done.predicted_factor;
-  if (done.level) validation_mm_ = done.level->mean_mm;
-  if (done.hold_out) hold_out_mm_ = done.hold_out->mean_mm;
-  grew_ += static_cast<int>(
-      std::ranges::count_if(done.steeper, [](double times) { return times > 1; }));
-  return done.result;
+  figures_["reference_mm"] = 0;
 }
 
 void TripleZTrial::Finish(RunResult* result) {
@@ -177,7 +147,7 @@ void TripleZTrial::AddParameters(const Expectation& /*expect*/,
 // The tilt is what a bed is levelled for; its height only where something levelled.
 TrueEnd TripleZTrial::End(const std::vector<ProcedureResult>& /*results*/,
                           RunResult* result) {
-  const TrueLevel after = TrueLevelOf(built_, firmware_.raised_mm(), reference_mm_);
+  const TrueLevel after = LevelNow();
   if (!firmware_.is_homed()) {
     result->messages.push_back(
         "nothing was homed: the bed still stands at the lower endstops");
@@ -199,15 +169,22 @@ TrueEnd TripleZTrial::End(const std::vector<ProcedureResult>& /*results*/,
           .grew_twice = grew_ >= 2};
 }
 
+TrueLevel TripleZTrial::LevelNow() const {
+  const auto reference = figures_.find("reference_mm");
+  return TrueLevelOf(built_,
+                     firmware_.raised_mm(),
+                     reference == figures_.end() ? 0 : reference->second);
+}
+
 double TripleZTrial::Figure(const std::string& name, const RunResult& result) {
-  const TrueLevel after = TrueLevelOf(built_, firmware_.raised_mm(), reference_mm_);
+  const TrueLevel after = LevelNow();
   if (name == "level_error_mm.mean") return after.mean_mm;
   if (name == "level_error_mm.max") return after.max_mm;
   if (name == "flatness_mm.rms") return after.flat_rms_mm;
-  if (name == "validation_mm.mean") return validation_mm_;
-  if (name == "hold_out_mm.mean") return hold_out_mm_;
   if (name == "position_error_mm.p95") return result.position_error_after_p95_mm;
-  return predicted_factor_;
+  const auto found = figures_.find(name);
+  return found == figures_.end() ? std::numeric_limits<double>::quiet_NaN()
+                                 : found->second;
 }
 
 }  // namespace caltwin

@@ -1,12 +1,13 @@
 #pragma once
 
 #include <chrono>
-#include <limits>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "scenarios/kinds/nobody.h"
 #include "scenarios/kinds/triple_z_scenario.h"
 #include "scenarios/kinds/triple_z_wire.h"
 #include "sim/kinds/triple_z/record.h"
@@ -51,30 +52,25 @@ class TripleZTrial : public KindTrial {
   TrueEnd End(const std::vector<ProcedureResult>& results, RunResult* result) override;
   double Figure(const std::string& name, const RunResult& result) override;
 
-  /// What a step of the scenario asks for.
-  ProcedureResult Take(const TripleZStep& step);
-
  private:
   double BuiltOf(const std::string& name) const;
+  TrueLevel LevelNow() const;
 
   TripleZScenario triple_z_;
   BuiltTripleZ built_;
   TripleZTwinPlant plant_;
   RrfTripleZ firmware_;
-  RrfTripleZWire wire_;
+  EmulatedLink wire_;
   TripleZRecord record_;
   NoGauges gauges_{};
   NoHands hands_{};
   Bench bench_{};
-  std::optional<TripleZPrinter> printer_{};
+  TripleZPrinter* printer_ = nullptr;  ///< The bench's.
   std::optional<HeardByPrinter> heard_{};
   TrueLevel was_{};
   std::vector<Estimate> estimates_{};
   std::size_t touched_before_ = 0;
-  double reference_mm_ = 0;
-  double predicted_factor_ = std::numeric_limits<double>::quiet_NaN();
-  double validation_mm_ = std::numeric_limits<double>::quiet_NaN();
-  double hold_out_mm_ = std::numeric_limits<double>::quiet_NaN();
+  std::map<std::string, double> figures_{};  ///< Of the procedures, the last of each.
   int grew_ = 0;
   bool has_levelled_ = false;
 };

@@ -15,8 +15,6 @@
 namespace caltwin {
 namespace {
 
-constexpr double kBest_mm = 1e-3;  // Less than this no touch is believed to scatter.
-
 Eigen::Vector2d Travel_mm(const Machine& machine) {
   return {machine.axis(Axis::kX).max_mm, machine.axis(Axis::kY).max_mm};
 }
@@ -62,14 +60,6 @@ double TripleZPositionP95_mm(const BuiltTripleZ& built, const Vec3<double>& rais
   return P95AboutMean_mm(errors_mm);
 }
 
-Expected<std::vector<std::string>> RrfTripleZWire::Send(
-    std::string_view line, std::chrono::milliseconds /*patience*/) {
-  const Reply reply = firmware_->Execute(line);
-  if (!reply.error) return reply.lines;
-  return tl::unexpected(
-      MachineFault{.reply = reply.lines.empty() ? "Error:" : reply.lines.back()});
-}
-
 RrfTripleZOptions FirmwareOf(const Machine& machine,
                              const Pivots<double>& believed_mm) {
   return {.pivots_mm = believed_mm,
@@ -77,18 +67,6 @@ RrfTripleZOptions FirmwareOf(const Machine& machine,
           .top_mm = TripleZOf(machine).top_mm,
           .most_mm = Travel_mm(machine),
           .probe_mm_s = machine.probe.speeds_mm_s.back()};
-}
-
-TripleZBench BenchOf(const Machine& machine, Link* link, double sigma_mm) {
-  // A touch is counted in whole steps: as uniform as its scatter is normal.
-  const double step_mm = 1 / machine.settings.steps_per_mm[2];
-  return {
-      .link = link,
-      .drawn_mm = TripleZOf(machine).pivots_mm(),
-      .top_mm = TripleZOf(machine).top_mm,
-      .most_mm = Travel_mm(machine),
-      .sigma_mm = std::max(std::hypot(sigma_mm, step_mm / std::sqrt(12.0)), kBest_mm),
-      .is_sigma_stated = sigma_mm > 0};
 }
 
 TrueLevel TrueLevelOf(const BuiltTripleZ& built,

@@ -68,7 +68,7 @@ constexpr std::array kKinds = {
     TruthKind{"motor_stage",
               KnowsOfMotors,
               [](const fs::path& file, const fs::path& machine) {
-                ReadMotorTruthFile(file, ReadMotorStage(machine));
+                ReadMotorTruthFile(file, MotorStageOf(ReadMachine(machine)));
               }}};
 
 // How many of the file's effects the kind knows, each with the axis that it has there.

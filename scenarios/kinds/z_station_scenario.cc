@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include "scenarios/kinds/z_station_trial.h"
-#include "scenarios/named_step.h"
 #include "sim/base/units.h"
 #include "sim/effects/catalog.h"
 
@@ -53,9 +53,6 @@ const std::array kKeys = {
     StationKey{"surface_mm_per_k", {-0.1, 0.1}, &ZStation::surface_mm_per_k},
     StationKey{"trigger_mm_per_k", {-0.1, 0.1}, &ZStation::trigger_mm_per_k},
     StationKey{"ooze_flows_c", {0, 400}, &ZStation::ooze_flows_c}};
-
-constexpr std::array<std::string_view, 4> kSteps = {
-    "z_calibration", "probe_accuracy", "switch_offset", "change"};
 
 }  // namespace
 
@@ -146,38 +143,7 @@ ZCalibrationConfig ReadConfig(YamlMap map, const Machine& machine) {
   return c;
 }
 
-ZStationStep ReadStationStep(const std::string& name, const YamlValue& value) {
-  ZStationStep step{.name = name};
-  if (value.is_null()) return step;
-  YamlMap map = value.Map();
-  if (name == "change") {
-    step.change = ReadStation(std::move(map));
-    return step;
-  }
-  if (name == "probe_accuracy") {
-    step.samples = static_cast<int>(map.IntegerOr("samples", 10, 1, 10'000));
-    step.is_endstop = map.WordOr("of", "endstop", {"endstop", "probe"}) == "endstop";
-  }
-  if (name == "switch_offset") {
-    if (const auto flag = map.Optional("apply")) step.applies = flag->Flag();
-    step.is_as_published =
-        map.WordOr("variant", "corrected", {"as_published", "corrected"}) ==
-        "as_published";
-  }
-  map.NoMoreKeys();
-  return step;
-}
-
 }  // namespace
-
-std::vector<ZStationStep> ReadZStationSteps(const YamlValue& list) {
-  std::vector<ZStationStep> steps;
-  for (const NamedStep& step :
-       ReadNamedSteps(list, kSteps, "step of a nozzle's height")) {
-    steps.push_back(ReadStationStep(step.name, step.options));
-  }
-  return steps;
-}
 
 void ZStationScenario::ReadKeys(YamlMap* map, Scenario* scenario) {
   const Machine& machine = scenario->machine.machine;
@@ -190,22 +156,13 @@ void ZStationScenario::ReadKeys(YamlMap* map, Scenario* scenario) {
   }
 }
 
-std::vector<std::string> ZStationScenario::StepNames() const {
-  return {kSteps.begin(), kSteps.end()};
-}
-
-CalibrationStep ZStationScenario::ReadStep(const std::string& name,
-                                           const YamlValue& options,
-                                           const std::string& /*usual_axis*/) const {
-  const ZStationStep step = ReadStationStep(name, options);
-  return {.name = name, .perform = [step](KindTrial* trial) {
-            return dynamic_cast<ZStationTrial&>(*trial).Take(step);
+CalibrationStep ZStationScenario::ReadScenarioStep(const std::string& name,
+                                                   YamlMap options) const {
+  const std::vector<StationSpec> change = ReadStation(std::move(options));
+  return {.name = name, .perform = [change](KindTrial* trial) {
+            dynamic_cast<ZStationTrial&>(*trial).Change(change);
+            return ProcedureResult{};
           }};
-}
-
-void ZStationScenario::RefuseStep(const std::string& name,
-                                  const YamlValue& options) const {
-  RefuseNamedStep(name, options, kSteps, "step of a nozzle's height");
 }
 
 Expectable ZStationScenario::CanExpect() const {

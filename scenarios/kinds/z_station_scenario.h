@@ -19,16 +19,6 @@ struct StationSpec {
   Distribution value = 0.0;
 };
 
-/// One entry of such a scenario's `calibrate:`.
-struct ZStationStep {
-  std::string name{};  ///< z_calibration, probe_accuracy, switch_offset, change.
-  std::vector<StationSpec> change{};  ///< What an operator changes.
-  int samples = 10;
-  bool is_endstop = true;
-  bool applies = true;
-  bool is_as_published = false;
-};
-
 /// What a scenario of a nozzle's height has of its own (`station:`).
 class ZStationScenario : public KindScenario {
  public:
@@ -39,11 +29,12 @@ class ZStationScenario : public KindScenario {
     return std::make_unique<ZStationScenario>(*this);
   }
   void ReadKeys(YamlMap* map, Scenario* scenario) override;
-  std::vector<std::string> StepNames() const override;
-  CalibrationStep ReadStep(const std::string& name,
-                           const YamlValue& options,
-                           const std::string& usual_axis) const override;
-  void RefuseStep(const std::string& name, const YamlValue& options) const override;
+  Procedures KnownProcedures() const override { return ProceduresOf("z_station"); }
+  std::string_view Owner() const override { return "a nozzle's height"; }
+  std::vector<Word> ScenarioSteps() const override;
+  std::span<const Word> OwnKeys() const override;
+  CalibrationStep ReadScenarioStep(const std::string& name,
+                                   YamlMap options) const override;
   Expectable CanExpect() const override;
   std::vector<std::string> EffectNames() const override { return {"station"}; }
   void Vary(const std::string& effect,
@@ -53,9 +44,6 @@ class ZStationScenario : public KindScenario {
   std::unique_ptr<KindTrial> Begin(const Scenario& scenario,
                                    const Chance& chance) const override;
 };
-
-/// Reads a list of its procedures, as in `calibrate:`.
-std::vector<ZStationStep> ReadZStationSteps(const YamlValue& list);
 
 /// Reads `station: {KEY: number or distribution}`.
 std::vector<StationSpec> ReadStation(YamlMap map);

@@ -7,7 +7,6 @@
 
 #include <fmt/format.h>
 
-#include "calibration/kinds/z_station/switch_offset.h"
 #include "sim/base/units.h"
 
 namespace caltwin {
@@ -46,6 +45,24 @@ void ZStationTrial::Connect(Link* link) {
   bench_.link = &*hands_;
   bench_.gauge = &*hands_;
   bench_.person = &*hands_;
+  const FeelerHands hands{.gap_mm =
+                              [this](double) {
+                                return ReadGap_mm("switch_offset");
+                              },
+                          .wipe =
+                              [this] {
+                                twin_.Wipe();
+                                return true;
+                              }};
+  // Klipper does not start with a switch_offset below 0.
+  const auto write = [this](double switch_offset_mm) {
+    if (switch_offset_mm < 0) return false;
+    klipper_.SetSwitchOffset_mm(switch_offset_mm);
+    record_.SetSwitchOffset_mm(switch_offset_mm);
+    return true;
+  };
+  desk_ = bench_.kept.Put(
+      ZStationDesk{.client = &*client_, .hands = hands, .write = write});
 }
 
 void ZStationTrial::BeginStep(const CalibrationStep& step) {
@@ -53,6 +70,8 @@ void ZStationTrial::BeginStep(const CalibrationStep& step) {
   const bool calibrates = step.name == "z_calibration" || step.name == "switch_offset";
   if (calibrates && !has_stepped_) before_mm_ = HeightError_mm();
   touched_before_ = klipper_.touched().size();
+  desk_->switch_offset_mm = klipper_.config().switch_offset_mm;
+  desk_->bed_at_mm = klipper_.BedPoint_mm().value_or(twin_.middle_mm());
 }
 
 void ZStationTrial::EndStep(const CalibrationStep& step, ProcedureResult* done) {
@@ -86,58 +105,15 @@ void ZStationTrial::Finish(RunResult* result) {
   result->is_error_of_nozzle = true;
 }
 
-ProcedureResult ZStationTrial::Take(const ZStationStep& step) {
-  if (step.name == "z_calibration") {
-    return RunZCalibration(&*client_, klipper_.config().switch_offset_mm);
-  }
-  if (step.name == "probe_accuracy") {
-    return RunProbeAccuracy(&*client_, step.is_endstop, step.samples);
-  }
-  if (step.name == "switch_offset") return FindSwitchOffset(step);
-  SetStation(step.change, chance_.seed, chance_.sample, twin_.station());
+void ZStationTrial::Change(const std::vector<StationSpec>& change) {
+  SetStation(change, chance_.seed, chance_.sample, twin_.station());
   twin_.Wipe(false);
-  return {};
 }
 
 ZStation ZStationTrial::Drawn() const {
   ZStation station;
   SetStation(z_.station, chance_.seed, chance_.sample, &station);
   return station;
-}
-
-ProcedureResult ZStationTrial::FindSwitchOffset(const ZStationStep& step) {
-  const double before_mm = klipper_.config().switch_offset_mm;
-  ProcedureResult result =
-      RunSwitchOffset(&*client_,
-                      {.is_as_published = step.is_as_published,
-                       .in_force_mm = before_mm,
-                       .at_mm = klipper_.BedPoint_mm().value_or(twin_.middle_mm())},
-                      {.gap_mm = [&](double) { return ReadGap_mm(step.name); },
-                       .wipe =
-                           [&] {
-                             twin_.Wipe();
-                             return true;
-                           }});
-  if (result.estimates.empty() || !step.applies) return result;
-  const double after_mm = result.estimates.back().value;
-  // Klipper does not start with one below 0.
-  const bool is_taken = after_mm >= 0;
-  if (is_taken) {
-    klipper_.SetSwitchOffset_mm(after_mm);
-    record_.SetSwitchOffset_mm(after_mm);
-  } else {
-    result.ending = Ending::kRefused;
-  }
-  result.steps.push_back(
-      {.procedure = "switch_offset",
-       .variant = step.is_as_published ? "as_published" : "corrected",
-       .name = "switch_offset",
-       .before = before_mm,
-       .after = is_taken ? after_mm : before_mm,
-       .verdict = is_taken ? Verdict::kApplied : Verdict::kRefused,
-       .message =
-           is_taken ? "from the gap under the nozzle" : "Klipper takes none below 0"});
-  return result;
 }
 
 std::optional<double> ZStationTrial::ReadGap_mm(const std::string& campaign) {

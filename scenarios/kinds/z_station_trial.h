@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "calibration/kinds/z_station/procedures.h"
+#include "calibration/kinds/z_station/catalog.h"
 #include "scenarios/kinds/z_station_scenario.h"
 #include "scenarios/kinds/z_station_wire.h"
 #include "sim/kinds/z_station/record.h"
@@ -32,12 +32,11 @@ class ZStationTrial : public KindTrial {
   TrueEnd End(const std::vector<ProcedureResult>& results, RunResult* result) override;
   double Figure(const std::string& name, const RunResult& result) override;
 
-  /// What a step of the scenario asks for.
-  ProcedureResult Take(const ZStationStep& step);
+  /// What an operator changes of the station.
+  void Change(const std::vector<StationSpec>& change);
 
  private:
   ZStation Drawn() const;
-  ProcedureResult FindSwitchOffset(const ZStationStep& step);
   std::optional<double> ReadGap_mm(const std::string& campaign);
   double Error_mm() const { return ErrorAt_mm(twin_.middle_mm()); }
   double HeightError_mm() const;
@@ -50,10 +49,11 @@ class ZStationTrial : public KindTrial {
   ZStationTwin twin_;
   KlipperZ klipper_;
   ZStationRecord record_;
-  KlipperZWire wire_;
+  EmulatedLink wire_;
   std::optional<ZStationClient> client_{};
   std::optional<StationHands> hands_{};
   Bench bench_{};
+  ZStationDesk* desk_ = nullptr;  ///< The bench's.
   std::size_t touched_before_ = 0;
   bool has_stepped_ = false;
   double before_mm_ = 0;

@@ -5,13 +5,6 @@
 #include <fmt/format.h>
 
 namespace caltwin {
-Expected<std::vector<std::string>> KlipperZWire::Send(
-    std::string_view line, std::chrono::milliseconds /*patience*/) {
-  const Reply reply = klipper_->Execute(line);
-  if (!reply.error) return reply.lines;
-  return tl::unexpected(
-      MachineFault{.reply = reply.lines.empty() ? "!!" : reply.lines.back()});
-}
 
 std::optional<FeelerReading> ReadFeeler(const KlipperZ& klipper,
                                         const ZStationTwin& twin,

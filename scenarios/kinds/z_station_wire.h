@@ -12,17 +12,6 @@
 
 namespace caltwin {
 
-/// The wire to a simulated printer with Klipper's z_calibration.
-class KlipperZWire : public Link {
- public:
-  explicit KlipperZWire(KlipperZ* klipper) : klipper_(klipper) {}
-  Expected<std::vector<std::string>> Send(std::string_view line,
-                                          std::chrono::milliseconds patience) override;
-
- private:
-  KlipperZ* klipper_;
-};
-
 /// The gap under the nozzle, where it stands;
 /// nullopt where the controller does not say where that is. Asks it GET_POSITION.
 std::optional<FeelerReading> ReadFeeler(const KlipperZ& klipper,

@@ -1,36 +1,12 @@
-#include "scenarios/kinds/z_station_words.h"
-
 #include <array>
 
-namespace caltwin {
+#include "scenarios/kinds/z_station_scenario.h"
 
-std::span<const Word> ZStationProcedureWords() {
-  static constexpr std::array kWords = {
-      Word{
-          "z_calibration",
-          "Klipper's CALIBRATE_Z: the nozzle and the probe's body on the endstop "
-          "switch, the probe on the bed; offset = probe - (switch - nozzle + "
-          "switch_offset). In scenarios with a `station:`, and by `calibrate --link`."},
-      Word{
-          "probe_accuracy",
-          "PROBE_Z_ACCURACY or PROBE_ACCURACY: maximum, minimum, range, average, "
-          "median, standard deviation, and whether a switch is worn. Options: samples, "
-          "of (endstop or probe)."},
-      Word{
-          "switch_offset",
-          "The stepwise descent with a feeler gauge (Z5, 3, 1, 0.5, 0.3, 0.1): what "
-          "switch_offset should be. corrected wipes the nozzle and calibrates first; "
-          "as_published goes by the offset in force, and takes ooze for switch_offset. "
-          "Option: apply (true)."}};
-  return kWords;
-}
+namespace caltwin {
 
 namespace {
 
 constexpr std::array kKeyWords = {
-    Word{"z_station",
-         "A kind of machine: a printer's head over its endstop switch and bed, with a "
-         "magnetic switch probe. See docs/z-offset.md."},
     Word{"station",
          "What is true of nozzle, endstop switch, probe and plate: switch_mm "
          "nozzle_mm ooze_mm ooze_flows_c body_mm trigger_mm plate_mm, the bed's "
@@ -66,7 +42,6 @@ constexpr std::array kKeyWords = {
     Word{"surface_mm_per_k",
          "How much more than at its edge the bed grows where it is probed."},
     Word{"trigger_mm_per_k", "Growth of the probe's trigger_mm with the chamber."},
-    Word{"change", "A step: what an operator changes of the station."},
     Word{"switch_offset_mm",
          "printer.cfg's switch_offset of [z_calibration]: body over what the knob "
          "touches, at the trigger. Not below 0."},
@@ -111,7 +86,11 @@ constexpr std::array kKeyWords = {
 
 }  // namespace
 
-std::span<const Word> ZStationKeyWords() {
+std::vector<Word> ZStationScenario::ScenarioSteps() const {
+  return {{"change", "A step: what an operator changes of the station."}};
+}
+
+std::span<const Word> ZStationScenario::OwnKeys() const {
   return kKeyWords;
 }
 

@@ -118,7 +118,8 @@ std::vector<StudyCase> CasesOf(const std::vector<Scenario>& scenarios,
     }
     const std::string axis = UsualAxis(scenario, vary);
     const std::vector<CalibrationStep> steps =
-        ReadCalibrationSteps(*compare, *scenario.kind, axis);
+        ReadCalibrationSteps(
+            *compare, *scenario.kind, scenario.machine.machine, axis);
     const std::vector<std::string> names = ContenderNames(*compare, steps);
     for (std::size_t i = 0; i < steps.size(); ++i) {
       cases.push_back({.scenario = scenario, .procedure = names[i]});
@@ -138,7 +139,7 @@ void ReadPlanStudy(const YamlValue& plan,
     Scenario varied;
     varied.file = file;
     varied.verbatim = ReadTextFile(file, kLargestFile_bytes);
-    varied.machine = ReadAnyMachineFile(
+    varied.machine = ReadMachineWithTip(
         FindMachine(read.machine, file.parent_path(), {.file = file.string()}));
     varied.kind = AnyKindScenario(UsualKind());
     varied.effects = varied.machine.effects;

@@ -71,8 +71,7 @@ struct CarriageBacklash {
   template <typename T>
   static bool IsHeld(const Asked<T>& asked, int tower) {
     const LinkageAt* here = asked.at.linkage;
-    if (here == nullptr || asked.machine.template Own<DeltaDrawing>() == nullptr)
-      return true;
+    if (here == nullptr) return true;
     const AxisDrawing& drawing = asked.machine.axes[static_cast<std::size_t>(tower)];
     const double rise = here->by_knob(Index(Axis::kZ), kEndstopKnob + tower);
     return TowerLoad_n(drawing, DeltaOf(asked.machine), rise) < drawing.rail_friction_n;

@@ -44,7 +44,7 @@ std::optional<int> FindEffect(std::string_view name) {
 std::span<const std::string_view> AxesOn(const Effect& effect,
                                          const MachineKind* kind) {
   const auto own = kind->effects();
-  if (own.empty()) return effect.axes;
+  if (own.empty() && kind->has_other_effects()) return effect.axes;
   const auto found = std::ranges::find(own, effect.name, &KindEffect::effect);
   if (found != own.end()) return found->axes;
   return kind->has_other_effects() ? effect.axes : std::span<const std::string_view>();

@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 
 #include "sim/base/input_error.h"
-#include "sim/machine/kinds/triple_z/drawing.h"
-#include "sim/machine/kinds/z_station/drawing.h"
+#include "sim/effects/kinds/screws_at.h"
+#include "sim/effects/kinds/station_at.h"
 #include "sim/machine/machine_kind.h"
 
 namespace caltwin {
@@ -124,33 +124,6 @@ void Surroundings::Complete(const Row& row, At* at) const {
 
 namespace {
 
-// Where the screws stand by what the row tells of them.
-ScrewsAt ScrewsAtOf(const Row& row, const TripleZDrawing& drawing, const At& at) {
-  // Columns of their own, else those of the machine's only motors.
-  const bool is_own = std::ranges::any_of(row.screw_mm, Known) || at.drives;
-  const auto& told_mm = is_own ? row.screw_mm : row.motor_mm;
-  const auto& told_dir = is_own ? row.screw_dir : row.motor_dir;
-  constexpr double kNone_mm = 0;
-  const Vec3<double> tip_mm = at.Tip_mm();
-  ScrewsAt here{
-      .drawn_mm = drawing.pivots_mm(),
-      .weights = ScrewWeights<double>(drawing.pivots_mm(), tip_mm[0], tip_mm[1])};
-  const double commanded_mm = Known(row.cmd_mm[2]) ? row.cmd_mm[2] : kNone_mm;
-  here.stated_z_mm =
-      commanded_mm - (row.kind == RowKind::kTouch ? at.probe_off_mm[2] : 0);
-  for (int i = 0; i < kNumScrews; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    const bool is_stated = Known(told_mm[k]);
-    here.stated_mm[i] = is_stated ? told_mm[k] : drawing.top_mm - commanded_mm;
-    here.motor_dir[i] = Known(told_dir[k]) ? told_dir[k] : -at.dir[2];
-  }
-  here.off_mm = drawing.top_mm - here.weights.dot(here.stated_mm) - commanded_mm;
-  here.is_fixed =
-      row.kind == RowKind::kPosition &&
-      (row.feature.starts_with("post") || row.campaign.starts_with("fixed_post"));
-  return here;
-}
-
 // In which sense the drives came: as the row says, else as its axes did.
 DrivesAt DrivesAtOf(const Row& row,
                     const DriveMap* map,
@@ -205,25 +178,8 @@ At AtOf(const Row& row, const Machine& machine, const Settings& in_force) {
       if (map->is_coupled(i)) at.since_rev_mm[i] = kUnknown;
     }
   }
-  if (const auto* screws = machine.Own<TripleZDrawing>()) {
-    at.screws = ScrewsAtOf(row, *screws, at);
-    at.on_table = true;  // Gauges too read how far the bed is.
-  }
-  if (machine.Own<ZStationDrawing>() != nullptr) {
-    at.station = ZReadingOf(row.feature);
-    if (!at.station || (*at.station == ZReading::kGapUnderNozzle) !=
-                           (row.kind == RowKind::kPosition)) {
-      throw InputError(
-          row.place,
-          fmt::format("row {}: feature '{}' of a {} is none of a printer's station",
-                      row.row,
-                      row.feature,
-                      row.kind == RowKind::kTouch ? "touch" : "gauge's reading"),
-          "touches: switch.nozzle, switch.body, bed.probe; a gauge: bed.gap");
-    }
-    at.on_table = *at.station == ZReading::kProbeOnBed;
-    at.is_wiped = row.nozzle_wiped == 1;
-  }
+  AddScrews(row, machine, &at);
+  AddStation(row, machine, &at);
   return at;
 }
 

@@ -5,8 +5,8 @@
 #include <memory>
 #include <string>
 #include <string_view>
-#include <vector>
 
+#include "sim/firmware/emulated_controller.h"
 #include "sim/firmware/plant.h"
 #include "sim/machine/machine.h"
 
@@ -22,12 +22,6 @@ struct FirmwareOptions {
   std::map<std::string, std::string> files{};
 };
 
-/// The answer to one line: what the controller prints, and whether it refused.
-struct Reply {
-  std::vector<std::string> lines{};  ///< Without the final `ok`.
-  bool error = false;  ///< A line begins with "Error:" or the machine is in alarm.
-};
-
 /// A controller that understands RepRapFirmware's G-code (3.6.1, CNC mode) and drives a
 /// Plant. docs/firmware.md lists the commands and where the model is simpler than the
 /// real one.
@@ -36,7 +30,7 @@ struct Reply {
 /// when the queue is full or a command needs the machine at rest (G4 G28 G38 G92 M92
 /// M114 M400 M409 ...). The getters tell of the moves performed so far; call
 /// FinishMoves first to learn of all of them.
-class Firmware {
+class Firmware final : public EmulatedController {
  public:
   /// Switches the controller on: believes `settings`, then runs sys/nxt-user-vars.g
   /// where `options.files` has it. `plant` is borrowed.
@@ -44,18 +38,16 @@ class Firmware {
            const Settings& settings,
            const FirmwareOptions& options,
            Plant* plant);
-  ~Firmware();
+  ~Firmware() override;
   Firmware(Firmware&&) noexcept;
 
-  /// Obeys one line, without its newline. Never throws for what the line says.
-  Reply Execute(std::string_view line);
+  Reply Execute(std::string_view line) override;
   /// Performs what waits in the queue; an error where the machine alarmed on the way.
   Reply FinishMoves();
 
   /// An alarm or M112 stopped the machine; only M999 helps.
   bool halted() const;
-  /// Duration of all moves and dwells performed so far.
-  double machine_time_s() const;
+  double machine_time_s() const override;
   /// What is believed now: M92, M425, and the globals nxtProbeDeflection (one number,
   /// or {x, y, z}) and nxtProbeTipRadius.
   const Settings& settings() const;

@@ -67,14 +67,14 @@ Motion::StepPlan Motion::PlanSteps(const Vec3<double>& target_mm) {
     DriveState& state = motors_[i];
     const double steps_per_mm = settings_->steps_per_mm[i];
     plan.segment.from_steps[i] = static_cast<double>(state.motor());
-    plan.delta[i] = CountAt(i, target_mm) - state.count;
-    plan.delta_mm[i] = static_cast<double>(plan.delta[i]) / steps_per_mm;
-    if (plan.delta[i] != 0) {
+    plan.by_steps[i] = CountAt(i, target_mm) - state.count;
+    plan.delta_mm[i] = static_cast<double>(plan.by_steps[i]) / steps_per_mm;
+    if (plan.by_steps[i] != 0) {
       const auto gap = WholeSteps(settings_->backlash_mm[i] * steps_per_mm);
-      plan.backlash[i] = state.backlash.Take(plan.delta[i], gap, backlash_factor_);
+      plan.backlash[i] = state.backlash.Take(plan.by_steps[i], gap, backlash_factor_);
       plan.is_empty = false;
     }
-    state.count += plan.delta[i];
+    state.count += plan.by_steps[i];
     plan.segment.to_steps[i] = static_cast<double>(state.motor());
   }
   commanded_mm_ = target_mm;
@@ -155,7 +155,7 @@ void Motion::AccountForStop(const StepPlan& plan, const Segment& done, double ti
   const Vec3<double> stopped_mm = AxesAt_mm(counts_now());
   for (const Axis axis : kAxes) {
     for (int i = 0; i < 3; ++i) {
-      if (plan.delta[i] == 0 || !Moves(i, axis)) continue;
+      if (plan.by_steps[i] == 0 || !Moves(i, axis)) continue;
       commanded_mm_[Index(axis)] = stopped_mm[Index(axis)];
     }
   }

@@ -83,7 +83,7 @@ class Motion {
   };
   /// Steps of one move, by drive.
   struct StepPlan {
-    std::array<std::int64_t, 3> delta{};
+    std::array<std::int64_t, 3> by_steps{};
     std::array<std::int64_t, 3> backlash{};
     Segment segment{};
     Vec3<double> delta_mm = Vec3<double>::Zero();  ///< Of the axes.

@@ -84,14 +84,14 @@ Machine ReadMachine(YamlMap* map) {
   map->IntegerOr("format", 1, 1, 1);
   machine.name = map->TextOr("name", machine.file.stem().string());
   if (const auto kinematics = map->Required("kinematics")) {
-    if (kinematics->is_scalar() && kinematics->Text() == "motor_stage") {
-      throw InputError(kinematics->place(),
-                       "kinematics = motor_stage: single motors, which have no tip to "
-                       "measure or to move",
-                       "`caltwin run` runs their scenarios, scenarios/motor_*.yaml; "
-                       "here a machine is cartesian, delta, triple_z or z_station");
+    const std::vector<std::string> names = MachineKindNames();
+    std::string name = kinematics->Word(names);
+    if (name != kinematics->AsWritten()) {
+      // As what it is meant to be; what a file of no kind says, nobody can judge.
+      name = NearestWord(kinematics->AsWritten(), names);
+      if (name.empty()) map->faults()->ThrowIfAny();
     }
-    machine.kind = MachineKindNamed(kinematics->Word(MachineKindNames()));
+    machine.kind = MachineKindNamed(name);
     machine.kind->ReadDrawing(map, &machine);
   }
   if (const auto model = map->Optional("model")) {
@@ -103,6 +103,10 @@ Machine ReadMachine(YamlMap* map) {
     }
   }
   machine.kind->ReadAxes(map, &machine);
+  if (!machine.kind->has_tip()) {
+    map->NoMoreKeys();
+    return machine;
+  }
   machine.probe = machine.kind->ProbeAsDrawn();
   if (const auto probe = map->Optional("probe"))
     machine.probe = ReadProbe(probe->Map(), machine.probe);

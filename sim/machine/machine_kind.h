@@ -51,8 +51,12 @@ class MachineKind {
 
   /// The word of `kinematics:` in files.
   virtual std::string_view name() const = 0;
+  /// What such a machine is, and which commands know it.
+  virtual std::string_view about() const = 0;
   /// Behind what holds there alone: " on a delta".
   virtual std::string_view where() const { return ""; }
+  /// Whether it has a tip that measures and goes to places; single motors have none.
+  virtual bool has_tip() const { return true; }
   /// Whether each axis has a drive of its own, so that what a motor does wrong shows
   /// along it.
   virtual bool axes_are_drives() const { return false; }

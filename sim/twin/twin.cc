@@ -4,7 +4,6 @@
 
 #include "sim/base/units.h"
 #include "sim/effects/injected.h"
-#include "sim/link/reply.h"
 #include "sim/twin/fast_plant.h"
 #include "sim/twin/instruments.h"
 #include "sim/twin/physics_plant.h"
@@ -31,20 +30,6 @@ std::unique_ptr<TwinPlant> MakePlant(const TwinConfig& config) {
   return std::make_unique<PhysicsPlant>(MakeBuilt(config), config.seed, config.sample);
 }
 
-// The firmware's own voice as a Link: no wire in between.
-class FirmwareLink final : public Link {
- public:
-  explicit FirmwareLink(Firmware* firmware) : firmware_(firmware) {}
-
-  Expected<std::vector<std::string>> Send(std::string_view line,
-                                          std::chrono::milliseconds) override {
-    return JudgeReply(firmware_->Execute(line).lines);
-  }
-
- private:
-  Firmware* firmware_;
-};
-
 }  // namespace
 
 std::string ToString(Fidelity fidelity) {
@@ -63,7 +48,7 @@ struct Twin::Parts {
   TwinConfig config;
   std::unique_ptr<TwinPlant> plant;
   Firmware firmware;
-  FirmwareLink link;
+  EmulatedLink link;
   TwinGauge gauge;
   TwinOperator person;
 };

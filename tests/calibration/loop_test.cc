@@ -197,15 +197,16 @@ TEST(EndingOfFault, GoesByTheFaultsKindAndItsWords) {
 }
 
 TEST(Catalog, ExplainsEveryProcedureAndRefusesUnknownOptions) {
-  for (const Procedure& procedure : AllProcedures()) {
-    EXPECT_FALSE(procedure.about.empty());
-    EXPECT_FALSE(procedure.physics.empty());
-    EXPECT_EQ(FindProcedure(procedure.name)->about, procedure.about);
+  for (const Procedure* procedure : AllProcedures()) {
+    EXPECT_FALSE(procedure->about.empty());
+    EXPECT_FALSE(procedure->physics.empty());
+    EXPECT_EQ(FindProcedure(procedure->name, AllProcedures()), procedure);
     Faults faults;
-    procedure.prepare(ReadYamlText("{axis: x, axsi: y}", "options.yaml", &faults));
-    EXPECT_GE(faults.size(), 1u) << procedure.name;
+    procedure->prepare(ReadYamlText("{axis: x, axsi: y}", "options.yaml", &faults),
+                       Machine{});
+    EXPECT_GE(faults.size(), 1u) << procedure->name;
   }
-  EXPECT_EQ(FindProcedure("no_such_procedure"), nullptr);
+  EXPECT_EQ(FindProcedure("no_such_procedure", AllProcedures()), nullptr);
 }
 
 }  // namespace

@@ -35,7 +35,7 @@ inline ProcedureResult RunStep(const Procedure& procedure,
                                ToyBench* toy) {
   Faults faults;
   YamlMap map = ReadYamlText(options, "options.yaml", &faults);
-  const PreparedProcedure run = procedure.prepare(map);
+  const PreparedProcedure run = procedure.prepare(map, toy->bench.machine);
   faults.ThrowIfAny();
   return run(&toy->bench);
 }

@@ -84,7 +84,7 @@ TEST(Machine, EveryFaultIsReportedAtOnce) {
                          "  z: {max_mm: 100, led_mm: 4}\n"),
               StrEq("m.yaml:1:13: kinematics = 'cartesion' is not known\n"
                     "  did you mean 'cartesian'? It may be: cartesian, delta, "
-                    "triple_z, z_station, corexy\n"
+                    "triple_z, z_station, motor_stage, corexy\n"
                     "m.yaml:4:6: axes.y: max_mm = 9 is not above min_mm = 9\n"
                     "m.yaml:4:38: axes.y.lead_mm = 0 is outside 0.001 .. 10000\n"
                     "  travel per motor turn\n"

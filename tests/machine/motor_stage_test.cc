@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include "sim/base/input_error.h"
+#include "sim/machine/kinds/kinds.h"
 #include "sim/machine/kinds/motor_stage/drawing.h"
 
 namespace caltwin {
@@ -25,7 +26,7 @@ std::filesystem::path Written(const std::string& text) {
 
 std::string FaultOf(const std::string& text) {
   try {
-    ReadMotorStage(Written(text));
+    ReadMachine(Written(text));
   } catch (const InputError& error) {
     return error.what();
   }
@@ -33,7 +34,7 @@ std::string FaultOf(const std::string& text) {
 }
 
 TEST(MotorStage, HasFourServosOneOfThemRotaryAndTwoSteppers) {
-  const MotorStageDrawing stage = ReadMotorStage(kFile);
+  const MotorStageDrawing stage = MotorStageOf(ReadMachine(kFile));
 
   int servos = 0, rotary = 0;
   for (const MotorAxisDrawing& axis : stage.axes) {
@@ -42,12 +43,11 @@ TEST(MotorStage, HasFourServosOneOfThemRotaryAndTwoSteppers) {
   }
   EXPECT_EQ(servos, 4);
   EXPECT_EQ(rotary, 1);
-  EXPECT_TRUE(IsMotorStage(kFile));
-  EXPECT_FALSE(IsMotorStage(CALTWIN_SOURCE_DIR "/models/gantry_router/machine.yaml"));
+  EXPECT_EQ(ReadMachine(kFile).kind, MotorStageKind());
 }
 
 TEST(MotorStage, CountsPulsesPerDegreeOfARotaryAxis) {
-  const MotorStageDrawing stage = ReadMotorStage(kFile);
+  const MotorStageDrawing stage = MotorStageOf(ReadMachine(kFile));
   const MotorAxisDrawing& a = stage.axes[*MotorAxisNamed("a")];
 
   EXPECT_DOUBLE_EQ(a.pulses_per_unit(), 10'000.0 / 4);

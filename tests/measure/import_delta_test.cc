@@ -10,7 +10,7 @@
 #include "sim/machine/kinds/delta/drawing.h"
 #include "sim/machine/kinds/delta/model.h"
 #include "sim/machine/machine.h"
-#include "sim/measure/import/klipper_delta.h"
+#include "sim/measure/import/kinds/klipper_delta.h"
 #include "sim/measure/import/klipper_mesh.h"
 #include "tests/measure/import_bench.h"
 

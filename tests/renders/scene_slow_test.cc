@@ -129,7 +129,7 @@ TEST(Scene, OfAMachineWithoutAModelShowsTheGenericOne) {
 
 TEST(MotorStageScene, ShowsEachCarriageBesideItsRail) {
   const MotorStageDrawing drawing =
-      ReadMotorStage(CALTWIN_SOURCE_DIR "/models/motor_stage/machine.yaml");
+      MotorStageOf(ReadMachine(CALTWIN_SOURCE_DIR "/models/motor_stage/machine.yaml"));
   BuiltMotorStage built{.drawing = drawing};
   for (std::size_t i = 0; i < kNumMotorAxes; ++i) {
     built.motors[i].drawing = drawing.axes[i];

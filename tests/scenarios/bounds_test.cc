@@ -77,7 +77,7 @@ TEST(BoundsOfAnEffect, AreThoseDeclaredOnEveryKindOfMachine) {
         ReadDeltaEffects(map, delta);
       });
   const MotorStageDrawing stage =
-      ReadMotorStage(CALTWIN_SOURCE_DIR "/models/motor_stage/machine.yaml");
+      MotorStageOf(ReadMachine(CALTWIN_SOURCE_DIR "/models/motor_stage/machine.yaml"));
   bounded_as_declared("backlash", "backlash.x", "gap_mm", [&](const YamlMap& map) {
     ReadMotorEffects(map, stage);
   });

@@ -7,7 +7,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "scenarios/kinds/delta_words.h"
 #include "scenarios/machine_file.h"
 #include "scenarios/runner.h"
 #include "sim/effects/catalog.h"
@@ -107,7 +106,7 @@ TEST(DeltaScenario, EveryEffectIsExplained) {
   std::vector<std::string> unexplained;
   for (const std::string& name : DeltaEffectNames()) {
     const bool is_delta = std::ranges::any_of(
-        DeltaEffectWords(), [&](const Word& word) { return word.name == name; });
+        DeltaScenario().OwnEffects(), [&](const Word& word) { return word.name == name; });
     const bool is_any = std::ranges::any_of(
         AllEffects(), [&](const Effect* effect) { return effect->name == name; });
     if (!is_delta && !is_any) unexplained.push_back(name);

@@ -12,7 +12,7 @@
 namespace caltwin {
 
 inline MotorStageDrawing DrawnMotorStage() {
-  return ReadMotorStage(CALTWIN_SOURCE_DIR "/models/motor_stage/machine.yaml");
+  return MotorStageOf(ReadMachine(CALTWIN_SOURCE_DIR "/models/motor_stage/machine.yaml"));
 }
 
 inline BuiltMotorStage BuiltAsDrawn(const MotorStageDrawing& drawing) {
@@ -155,7 +155,7 @@ struct MotorBenchInATest {
   WatchedRig watched;
   Flash flash{};
   MotorStageFirmware firmware;
-  MotorStageWire wire;
+  EmulatedLink wire;
   MotorStageGauge gauge;
   ArmingLink arming;
   MotorAxes axes;

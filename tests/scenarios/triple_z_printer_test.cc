@@ -27,7 +27,7 @@ class Raised : public TripleZPlant {
 TEST(TripleZPrinter, ScrewsAreAtTheHeightsAskedForWhateverMovedThemBefore) {
   Raised bed;
   RrfTripleZ firmware({.pivots_mm = kDrawn_mm}, &bed);
-  RrfTripleZWire wire(&firmware);
+  EmulatedLink wire(&firmware);
   TripleZPrinter printer({.link = &wire, .drawn_mm = kDrawn_mm});
   const Vec3<double> level_mm = Vec3<double>::Constant(240);
   const auto off_mm = [&] {

@@ -81,7 +81,7 @@ TEST(CalibrateZOffset, RefusesWhatItWouldIgnore) {
 
   EXPECT_THAT(with({"--axis", "z"}).fault, HasSubstr("is along z alone"));
   EXPECT_THAT(with({"--record", "rows.csv"}).fault, HasSubstr("writes no rows"));
-  EXPECT_THAT(with({"--procedure", "gcode: {lines: [G28]}"}).fault,
+  EXPECT_THAT(with({"--procedure", "change: {ooze_mm: 0.1}"}).fault,
               HasSubstr("a step of scenarios only"));
   EXPECT_THAT(
       Calibrated(calibration, "station_change.nozzle: {step_um: 50, at_t_s: 10}").fault,

@@ -277,7 +277,7 @@ TEST(Explain, ListsAndExplains) {
   EXPECT_THAT(Caltwin("explain").out,
               AllOf(HasSubstr("backlash"), HasSubstr("diverges")));
   EXPECT_THAT(Caltwin("explain backlash.x").out,
-              AllOf(HasSubstr("gap_mm [mm]"), HasSubstr("effect of a motor axis")));
+              AllOf(HasSubstr("gap_mm [mm]"), HasSubstr("effect of a motor stage")));
   EXPECT_THAT(Caltwin("explain truth_within").out, HasSubstr("(key)"));
   const Finished typo = Caltwin("explain baklash");
   EXPECT_THAT(typo.code, Eq(2));

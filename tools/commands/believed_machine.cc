@@ -36,7 +36,7 @@ Believed BelievedMachine(const std::string& data_file,
     }
     believed.machine = AssumedMachine(data->table, &data->notes);
   } else {
-    MachineFile read = ReadAnyMachineFile(believed.file);
+    MachineFile read = ReadMachineWithTip(believed.file);
     believed.machine = std::move(read.machine);
     believed.effects = std::move(read.effects);
     data->notes.insert(data->notes.end(), read.notes.begin(), read.notes.end());

@@ -9,23 +9,17 @@
 
 #include "calibration/estimate/shared_inputs.h"
 #include "scenarios/interrupt.h"
-#include "scenarios/kinds/motor_stage_scenario.h"
 #include "scenarios/result_text.h"
 #include "sim/base/input_error.h"
 #include "tools/commands/command.h"
 #include "tools/commands/spare_files.h"
+#include "tools/commands/terminal.h"
 #include "tools/commands/twin_options.h"
 
 namespace caltwin {
 
 bool IsTwin(const CalibrateOptions& options) {
   return options.link.starts_with("twin:");
-}
-
-std::unique_ptr<TerminalOperator> PersonAtHand(const CalibrateOptions& options) {
-  if (!IsTwin(options)) RequireAnswers(options);
-  return std::make_unique<TerminalOperator>(TerminalOperator::Options{
-      .apply = options.apply, .yes = options.yes || (IsTwin(options) && !CanAsk())});
 }
 
 std::optional<MachineFile> MachineToCalibrate(const CalibrateOptions& options) {
@@ -37,14 +31,16 @@ std::optional<MachineFile> MachineToCalibrate(const CalibrateOptions& options) {
       FindMachine(machine, "", {.file = is_twin ? machine : "--machine"}));
 }
 
-std::string ProceduresText(const CalibrateOptions& options) {
+std::string ProceduresText(const CalibrateOptions& options, const Procedures& known) {
   std::string text = "calibrate:\n";
   for (const std::string& procedure : options.procedures) {
     const bool is_plain = procedure.find(':') == std::string::npos;
     std::string keys;
     if (is_plain && !options.axis.empty()) {
-      keys += TakesSeveralAxes(procedure) ? fmt::format("axes: [{}]", options.axis)
-                                          : fmt::format("axis: {}", options.axis);
+      const Procedure* const named = FindProcedure(procedure, known);
+      keys += named != nullptr && named->takes_axes
+                  ? fmt::format("axes: [{}]", options.axis)
+                  : fmt::format("axis: {}", options.axis);
     }
     if (is_plain && !options.variant.empty()) {
       keys += fmt::format("{}variant: {}", keys.empty() ? "" : ", ", options.variant);
@@ -55,10 +51,12 @@ std::string ProceduresText(const CalibrateOptions& options) {
   return text;
 }
 
-void RefuseScenarioSteps(const CalibrateOptions& options) {
+void RefuseScenarioSteps(const CalibrateOptions& options, const KindScenario& kind) {
+  std::vector<std::string_view> of_scenarios = {"external"};
+  for (const Word& step : kind.ScenarioSteps()) of_scenarios.push_back(step.name);
   for (const std::string& procedure : options.procedures) {
     const std::string name = procedure.substr(0, procedure.find(':'));
-    if (name != "gcode" && name != "external") continue;
+    if (std::ranges::find(of_scenarios, name) == of_scenarios.end()) continue;
     throw InputError({.file = "--procedure"},
                      name + " is a step of scenarios only",
                      "write a scenario and `caltwin run` it");
@@ -149,11 +147,27 @@ void PrintResult(const std::string& name, const ProcedureResult& result) {
   }
 }
 
-bool StopsTheRest(const ProcedureResult& result) {
-  const Ending ending = result.ending;
-  return ending == Ending::kAlarm || ending == Ending::kCollision ||
-         ending == Ending::kNoTrigger || ending == Ending::kLinkLost ||
-         InterruptRequested();
+bool StopsTheRest(const CalibrateOptions& options, const ProcedureResult& result) {
+  if (InterruptRequested()) return true;
+  switch (result.ending) {
+    case Ending::kDone:
+    case Ending::kUnconverged:
+    case Ending::kReadsZero:
+    case Ending::kConfounded:
+      return false;
+    case Ending::kRefused: {
+      // Without --apply nothing is applied, which is no reason to stop.
+      const auto alerts = result.figures.find("alerts");
+      const bool is_alerted = alerts != result.figures.end() && alerts->second > 0;
+      return options.apply || !result.fault.empty() || is_alerted;
+    }
+    case Ending::kNoTrigger:
+    case Ending::kCollision:
+    case Ending::kAlarm:
+    case Ending::kLinkLost:
+      break;
+  }
+  return true;
 }
 
 int WorstOf(const CalibrateOptions& options,

@@ -1,14 +1,14 @@
 #pragma once
 
 #include <map>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "calibration/loop/outcome.h"
+#include "calibration/procedures/catalog.h"
+#include "scenarios/kind_scenario.h"
 #include "scenarios/machine_file.h"
-#include "tools/commands/terminal.h"
 
 namespace caltwin {
 
@@ -30,20 +30,16 @@ struct CalibrateOptions {
 /// Whether the link is a twin and no machine.
 bool IsTwin(const CalibrateOptions& options);
 
-/// Who answers: at the terminal, and on a twin yes where nobody is there. Throws
-/// InputError where --apply would ask on a machine and nobody is.
-std::unique_ptr<TerminalOperator> PersonAtHand(const CalibrateOptions& options);
-
 /// The machine that the link's twin or --machine is; none where neither names one.
 std::optional<MachineFile> MachineToCalibrate(const CalibrateOptions& options);
 
 /// `calibrate:` of a scenario with these procedures: `next_dual_dimension`, or
 /// `next_dual_dimension: {touches: 5}`; --axis and --variant go to each that does not
-/// say its own.
-std::string ProceduresText(const CalibrateOptions& options);
+/// say its own. `known`: those of the machine.
+std::string ProceduresText(const CalibrateOptions& options, const Procedures& known);
 
 /// Throws InputError where a procedure is a step that only scenarios have.
-void RefuseScenarioSteps(const CalibrateOptions& options);
+void RefuseScenarioSteps(const CalibrateOptions& options, const KindScenario& kind);
 
 /// --reading ID=MILLIMETRES by id. Throws InputError.
 std::map<std::string, double> ReadingsOf(const std::vector<std::string>& given);
@@ -57,8 +53,9 @@ void RequireAnswers(const CalibrateOptions& options);
 /// Prints what a procedure found, did and says.
 void PrintResult(const std::string& name, const ProcedureResult& result);
 
-/// Whether the machine stopped, or a person did: nothing more is performed.
-bool StopsTheRest(const ProcedureResult& result);
+/// Whether nothing more is performed: the machine stopped, or a person did, or what was
+/// to be applied was refused.
+bool StopsTheRest(const CalibrateOptions& options, const ProcedureResult& result);
 
 /// The exit code of all of them together.
 int WorstOf(const CalibrateOptions& options,

@@ -5,140 +5,89 @@
 
 #include <CLI/CLI.hpp>
 
-#include "calibration/loop/bench.h"
+#include "calibration/procedures/catalog.h"
 #include "scenarios/interruptible_link.h"
 #include "scenarios/kinds/kinds.h"
-#include "scenarios/machine_file.h"
-#include "scenarios/scenario.h"
-#include "sim/link/open_link.h"
 #include "sim/link/transcript.h"
 #include "sim/measure/rows.h"
 #include "tools/commands/calibrate.h"
 #include "tools/commands/command.h"
-#include "tools/commands/kinds/calibrate_as_kind.h"
+#include "tools/commands/kinds/desks.h"
 #include "tools/commands/progress.h"
-#include "tools/commands/terminal.h"
-#include "tools/commands/twin_options.h"
 
 namespace caltwin {
 namespace {
 
 using Options = CalibrateOptions;
 
-// The machine at hand: a twin or a wire, with hands and gauges that suit it.
-struct AtHand {
-  std::unique_ptr<Twin> twin{};
-  std::unique_ptr<Link> wire{};
-  Link* link = nullptr;  ///< The twin's or the wire.
-  std::unique_ptr<Operator> person{};
-  std::unique_ptr<Gauge> gauge{};
-  Bench bench{};
-};
+// A station may stand at any printer: the first procedure tells.
+bool IsOfStation(const Options& options) {
+  const std::string_view first = options.procedures.front();
+  return FindProcedure(first.substr(0, first.find(':')), ProceduresOf("z_station")) !=
+         nullptr;
+}
 
-std::vector<CalibrationStep> StepsOf(const Options& options) {
+std::vector<CalibrationStep> StepsOf(const Options& options,
+                                     const KindScenario& kind,
+                                     const Machine& machine) {
+  const Procedures known = kind.KnownProcedures();
+  RefuseScenarioSteps(options, kind);
   Faults faults;
-  YamlMap map = ReadYamlText(ProceduresText(options), "--procedure", &faults);
-  const auto file = MachineToCalibrate(options);
-  const auto kind = UsualKind(file ? file->machine.kind : CartesianKind());
-  const auto steps = ReadCalibrationSteps(*map.Required("calibrate"), *kind);
+  YamlMap map = ReadYamlText(ProceduresText(options, known), "--procedure", &faults);
+  auto steps = ReadCalibrationSteps(*map.Required("calibrate"), kind, machine);
   faults.ThrowIfAny();
-  for (const CalibrationStep& step : steps) {
-    if (step.external) {
-      throw InputError({.file = "--procedure"},
-                       "external programs are run by scenarios only",
-                       "write a scenario and `caltwin run` it");
-    }
-  }
   return steps;
 }
 
-void TakeTwin(const Options& options, TwinOptions twin_options, AtHand* at_hand) {
-  const TwinOptions named = TwinOptionsOf(options.link);
-  twin_options.machine = named.machine;
-  twin_options.truth = named.truth;
-  twin_options.fidelity = named.fidelity;
-  twin_options.seed = named.seed;
-  const TwinConfig config = MakeTwinConfig(twin_options);
-  at_hand->twin = std::make_unique<Twin>(config);
-  at_hand->link = &at_hand->twin->link();
-  // A twin's hands are its own; only applying is asked of the person, and that only
-  // where one is there.
-  const bool yes = options.yes || !CanAsk();
-  at_hand->person = std::make_unique<ConfirmingOperator>(
-      TerminalOperator::Options{.apply = options.apply, .yes = yes},
-      &at_hand->twin->person());
-  at_hand->bench.gauge = &at_hand->twin->gauge();
-  at_hand->bench.machine = config.machine;
-  at_hand->bench.artefacts = config.artefacts;
-  at_hand->bench.instruments = config.instruments;
-}
-
-void TakeWire(const Options& options, const TwinOptions& papers, AtHand* at_hand) {
-  const std::string machine =
-      options.machine.empty() ? TwinOptions{}.machine : options.machine;
-  RequireAnswers(options);
-  at_hand->bench.machine =
-      ReadMachineFile(FindMachine(machine, "", {.file = "--machine"})).machine;
-  at_hand->bench.artefacts = papers.artefacts.empty()
-                                 ? UsualArtefacts(at_hand->bench.machine)
-                                 : papers.artefacts;
-  at_hand->bench.instruments = papers.instruments;
-  at_hand->wire = OpenLink(options.link);
-  at_hand->link = at_hand->wire.get();
-  at_hand->person = std::make_unique<TerminalOperator>(
-      TerminalOperator::Options{.apply = options.apply, .yes = options.yes});
-  at_hand->gauge = std::make_unique<TerminalGauge>(ReadingsOf(options.readings));
-  at_hand->bench.gauge = at_hand->gauge.get();
-}
-
-AtHand Take(const Options& options) {
-  TwinOptions papers;
-  if (!options.bench.empty()) ReadBenchFile(options.bench, &papers);
-  AtHand at_hand;
-  if (options.link.starts_with("twin:")) {
-    TakeTwin(options, papers, &at_hand);
-  } else {
-    TakeWire(options, papers, &at_hand);
-  }
-  at_hand.bench.person = at_hand.person.get();
-  return at_hand;
-}
-
-std::vector<ProcedureResult> Perform(const std::vector<CalibrationStep>& steps,
-                                     Bench* bench) {
+std::vector<ProcedureResult> Perform(const Options& options,
+                                     const std::vector<CalibrationStep>& steps,
+                                     Desk* desk) {
   ProgressLine progress;
-  bench->say = [&](const std::string& text) {
+  desk->bench()->say = [&](const std::string& text) {
     progress.Show(text);
   };
   std::vector<ProcedureResult> results;
+  if (auto begun = desk->Begin()) {
+    results.push_back(*std::move(begun));
+    if (StopsTheRest(options, results.back())) PrintResult("G28", results.back());
+  }
   for (const CalibrationStep& step : steps) {
-    results.push_back(step.procedure(bench));
+    if (!results.empty() && StopsTheRest(options, results.back())) break;
+    desk->BeforeStep(step);
+    results.push_back(step.procedure(desk->bench()));
     progress.Clear();
     PrintResult(step.name, results.back());
-    if (StopsTheRest(results.back())) break;
   }
-  bench->say = [](const std::string&) {
+  desk->End();
+  desk->bench()->say = [](const std::string&) {
   };
   return results;
 }
 
 int Calibrate(const Options& options) {
-  if (const auto code = CalibrateAsKind(options)) return *code;
-  const std::vector<CalibrationStep> steps = StepsOf(options);
+  const auto file = MachineToCalibrate(options);
+  const Machine machine = file ? file->machine : Machine{};
+  const auto kind = KindFor(machine, IsOfStation(options));
+  const Procedures known = kind->KnownProcedures();
+  const DeskKind& desks = DeskKindOf(known.empty() ? "" : known.front()->kind);
+  TwinOptions papers;
+  if (!options.bench.empty()) ReadBenchFile(options.bench, &papers);
+  desks.refuse(options, papers, file);
+  const std::vector<CalibrationStep> steps = StepsOf(options, *kind, machine);
   RefuseOverwritten(options);
-  AtHand at_hand = Take(options);
-  InterruptibleLink interruptible(at_hand.link);
+  const std::unique_ptr<Desk> desk = desks.make(options, papers, file);
+  InterruptibleLink interruptible(desk->wire());
   std::unique_ptr<RecordingLink> recorder;
   if (!options.transcript.empty()) {
     recorder = std::make_unique<RecordingLink>(&interruptible, options.transcript);
   }
-  RowTable rows;
-  at_hand.bench.link = recorder ? static_cast<Link*>(recorder.get()) : &interruptible;
-  at_hand.bench.record = &rows;
-  const std::vector<ProcedureResult> results = Perform(steps, &at_hand.bench);
+  desk->Connect(recorder ? static_cast<Link*>(recorder.get()) : &interruptible);
+  const std::vector<ProcedureResult> results = Perform(options, steps, desk.get());
   if (recorder) recorder->Save();
-  if (!options.record.empty()) WriteRows(options.record, rows);
-  if (!options.apply) std::cout << "Nothing was applied: --apply does that.\n";
+  if (!options.record.empty()) WriteRows(options.record, *desk->bench()->record);
+  if (const std::string last = desk->Farewell(); !last.empty()) {
+    std::cout << last << "\n";
+  }
   return WorstOf(options, results);
 }
 

@@ -45,7 +45,7 @@ MachineUnderTest MachineAt(const std::string& url) {
   RequireTwin(url);
   const TwinOptions options = TwinOptionsOf(url);
   const MachineFile file =
-      ReadAnyMachineFile(FindMachine(options.machine, "", {.file = options.machine}));
+      ReadMachineWithTip(FindMachine(options.machine, "", {.file = options.machine}));
   if (auto tested = UnderTestAsKind(options, file)) return *std::move(tested);
   const auto twin = std::make_shared<const TwinConfig>(
       MakeTwinConfig(options, /*only_measures=*/true));

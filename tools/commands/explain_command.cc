@@ -13,12 +13,10 @@
 #include "calibration/procedures/catalog.h"
 #include "scenarios/figure_words.h"
 #include "scenarios/keys.h"
-#include "scenarios/kinds/delta_words.h"
-#include "scenarios/kinds/motor_stage_effects.h"
-#include "scenarios/kinds/triple_z_words.h"
-#include "scenarios/kinds/z_station_words.h"
+#include "scenarios/kinds/kinds.h"
 #include "sim/effects/catalog.h"
 #include "sim/machine/kinds/kinds.h"
+#include "sim/machine/machine_kind.h"
 #include "sim/measure/plan_kinds.h"
 #include "tools/commands/command.h"
 
@@ -99,9 +97,9 @@ std::string EffectText(const Effect& effect) {
          Entry("source", effect.source);
 }
 
-std::string ProcedureText(const Procedure& procedure) {
+std::string ProcedureText(const Procedure& procedure, std::string_view what) {
   std::string text =
-      fmt::format("{} (procedure)\n", procedure.name) + Folded(procedure.about, 2);
+      fmt::format("{} ({})\n", procedure.name, what) + Folded(procedure.about, 2);
   if (procedure.has_variants) text += "  variant: as_published or corrected\n";
   return text + Entry("published", procedure.published) +
          Entry("physics", procedure.physics) + Entry("source", procedure.source);
@@ -122,14 +120,21 @@ std::string WordText(const Word& word, std::string_view kind) {
   return fmt::format("{} ({})\n", word.name, kind) + Folded(word.meaning, 2);
 }
 
+// Those that only its kind of machine has.
+Procedures OwnProcedures(const KindScenario& kind) {
+  Procedures own = kind.KnownProcedures();
+  std::erase_if(own, [](const Procedure* one) { return one->kind.empty(); });
+  return own;
+}
+
 // "backlash" of "backlash.x" too; every meaning of a word, for some have two.
 std::string Explanation(const std::string& name) {
   std::string text;
   const std::string first = name.substr(0, name.find('.'));
   const auto effect = FindEffect(first);
   if (effect) text += EffectText(EffectAt(*effect));
-  if (const Procedure* procedure = FindProcedure(name)) {
-    text += ProcedureText(*procedure);
+  if (const Procedure* procedure = FindProcedure(name, AllProcedures())) {
+    text += ProcedureText(*procedure, "procedure");
   }
   if (const CampaignKind* kind = FindCampaignKind(name)) text += CampaignText(*kind);
   const auto add = [&](std::span<const Word> words, std::string_view kind) {
@@ -143,13 +148,15 @@ std::string Explanation(const std::string& name) {
   add(OutcomeWords(), "outcome");
   add(UnitWords(), "unit");
   add(UncertaintyWords(), "uncertainty");
-  add(DeltaEffectWords(), "effect of a delta");
-  add(DeltaProcedureWords(), "procedure of a delta");
-  add(TripleZProcedureWords(), "procedure of a triple-Z printer");
-  add(ZStationProcedureWords(), "procedure of a nozzle's height");
-  add(ZStationKeyWords(), "key of a nozzle's height");
-  add(MotorEffectWords(), "effect of a motor axis");
-  add(MotorProcedureWords(), "procedure of a motor axis");
+  for (const auto& kind : AllKindScenarios()) {
+    add(kind->OwnEffects(), fmt::format("effect of {}", kind->Owner()));
+    for (const Procedure* procedure : OwnProcedures(*kind)) {
+      if (procedure->name != name) continue;
+      text += ProcedureText(*procedure, fmt::format("procedure of {}", kind->Owner()));
+    }
+    add(kind->ScenarioSteps(), fmt::format("step of a scenario of {}", kind->Owner()));
+    add(kind->OwnKeys(), fmt::format("key of {}", kind->Owner()));
+  }
   add(FigureWords(), "figure of a scenario");
   for (const Effect* each : AllEffects()) {
     for (const Parameter& parameter : each->parameters) {
@@ -170,8 +177,8 @@ std::string ListText() {
   text += "Effects: how a machine may differ from its drawing\n";
   for (const Effect* effect : AllEffects()) add(effect->name, effect->about);
   text += "\nProcedures\n";
-  for (const Procedure& procedure : AllProcedures())
-    add(procedure.name, procedure.about);
+  for (const Procedure* procedure : AllProcedures())
+    add(procedure->name, procedure->about);
   text += "\nCampaigns of a plan: what can be measured\n";
   for (const CampaignKind& kind : AllCampaignKinds()) add(kind.id, kind.about);
   const auto add_names = [&](std::string_view title, std::span<const Word> words) {
@@ -186,14 +193,25 @@ std::string ListText() {
   add_names("Outcomes", OutcomeWords());
   add_names("Units", UnitWords());
   add_names("Uncertainty", UncertaintyWords());
-  add_names("Effects of a delta", DeltaEffectWords());
-  add_names("Procedures of a delta", DeltaProcedureWords());
-  add_names("Procedures of a triple-Z printer", TripleZProcedureWords());
-  add_names("Procedures of a nozzle's height", ZStationProcedureWords());
-  add_names("Keys of a nozzle's height", ZStationKeyWords());
-  add_names("Effects of a motor axis", MotorEffectWords());
-  add_names("Procedures of a motor axis", MotorProcedureWords());
+  for (const auto& kind : AllKindScenarios()) {
+    const auto add_of = [&](std::string_view what, std::span<const Word> words) {
+      if (!words.empty()) add_names(fmt::format("{} of {}", what, kind->Owner()), words);
+    };
+    std::vector<Word> procedures;
+    for (const Procedure* one : OwnProcedures(*kind)) {
+      procedures.push_back({one->name, one->about});
+    }
+    add_of("Effects", kind->OwnEffects());
+    add_of("Procedures", procedures);
+    add_of("Steps of scenarios", kind->ScenarioSteps());
+    add_of("Keys", kind->OwnKeys());
+  }
   add_names("Figures of scenarios", FigureWords());
+  std::vector<Word> kinds;
+  for (const MachineKind* kind : AllMachineKinds()) {
+    kinds.push_back({kind->name(), kind->about()});
+  }
+  add_names("Kinds of machines", kinds);
   return text;
 }
 
@@ -205,58 +223,61 @@ std::string KeysText(std::string_view of, std::span<const Word> keys) {
   return text;
 }
 
-// All that is said of deltas, by what it is.
-std::string DeltaText() {
-  std::string text = "delta (a kind of machine)\n";
+// All that there is on machines of a kind, by what it is.
+std::string KindText(const MachineKind& kind) {
+  std::string text = fmt::format("{} (a kind of machine)\n", kind.name());
   text += Folded(
-      "Three carriages on towers a, b and c (210, 330 and 90 deg), six rods in pairs, "
-      "an effector that hangs on them. `caltwin run` and `calibrate` calibrate one "
-      "by G-code, `serve` is one, `simulate`, `diagnose` and `plan` measure one, "
-      "`compare delta` sets rival "
-      "procedures beside each other, `import klipper-delta` reads a real one. Each "
-      "name below is explained by `caltwin explain NAME`.",
+      fmt::format("{} Each name below is explained by `caltwin explain NAME`.",
+                  kind.about()),
       2);
   const auto add = [&](std::string_view title, std::vector<std::string_view> names) {
+    if (names.empty()) return;
     text += fmt::format("\n{}\n", title) +
             Folded(fmt::format("{}", fmt::join(names, " ")), 2);
   };
-  std::vector<std::string_view> effects, campaigns, procedures;
-  for (const Word& word : DeltaEffectWords()) effects.push_back(word.name);
+  const auto scenario = ScenarioOf(kind);
+  std::vector<std::string_view> effects, campaigns, procedures, keys;
+  for (const Word& word : scenario->OwnEffects()) effects.push_back(word.name);
   for (const Effect* effect : AllEffects()) {
     const bool is_known = std::ranges::find(effects, effect->name) != effects.end();
-    if (!AxesOn(*effect, DeltaKind()).empty() && !is_known)
-      effects.push_back(effect->name);
+    if (!is_known && !AxesOn(*effect, &kind).empty()) effects.push_back(effect->name);
   }
-  for (const Word& word : DeltaProcedureWords()) procedures.push_back(word.name);
-  for (const CampaignKind& kind : AllCampaignKinds()) {
-    if (kind.PlanOn(DeltaKind()) != nullptr) campaigns.push_back(kind.id);
+  for (const Procedure* one : scenario->KnownProcedures()) {
+    procedures.push_back(one->name);
   }
+  for (const CampaignKind& campaign : AllCampaignKinds()) {
+    if (kind.has_tip() && campaign.PlanOn(&kind) != nullptr)
+      campaigns.push_back(campaign.id);
+  }
+  for (const Word& word : scenario->OwnKeys()) keys.push_back(word.name);
   add("Effects", effects);
   add("Procedures", procedures);
   add("Campaigns of a plan", campaigns);
+  add("Keys of its scenarios", keys);
   return text;
 }
 
 std::vector<std::string> AllNames() {
-  std::vector<std::string> names = {"scenario", "study", "delta"};
+  std::vector<std::string> names = {"scenario", "study"};
+  for (const MachineKind* kind : AllMachineKinds()) names.emplace_back(kind->name());
   for (const Effect* effect : AllEffects()) {
     names.emplace_back(effect->name);
     for (const Parameter& p : effect->parameters) names.emplace_back(p.name);
   }
-  for (const Procedure& procedure : AllProcedures()) names.emplace_back(procedure.name);
+  for (const Procedure* procedure : AllProcedures())
+    names.emplace_back(procedure->name);
   for (const CampaignKind& kind : AllCampaignKinds()) names.emplace_back(kind.id);
+  for (const auto& kind : AllKindScenarios()) {
+    for (const std::string& step : kind->StepNames()) names.push_back(step);
+    for (const auto words : {kind->OwnEffects(), kind->OwnKeys()}) {
+      for (const Word& word : words) names.emplace_back(word.name);
+    }
+  }
   for (const auto words : {ScenarioKeys(),
                            StudyKeys(),
                            OutcomeWords(),
                            UnitWords(),
                            UncertaintyWords(),
-                           DeltaEffectWords(),
-                           DeltaProcedureWords(),
-                           TripleZProcedureWords(),
-                           ZStationProcedureWords(),
-                           ZStationKeyWords(),
-                           MotorEffectWords(),
-                           MotorProcedureWords(),
                            FigureWords()}) {
     for (const Word& word : words) names.emplace_back(word.name);
   }
@@ -268,10 +289,12 @@ int Explain(const std::string& name) {
     std::cout << ListText();
     return kPassed;
   }
-  const std::string text = name == "scenario" ? KeysText(name, ScenarioKeys())
-                           : name == "study"  ? KeysText(name, StudyKeys())
-                           : name == "delta"  ? DeltaText()
-                                              : Explanation(name);
+  std::string text = name == "scenario" ? KeysText(name, ScenarioKeys())
+                     : name == "study"  ? KeysText(name, StudyKeys())
+                                        : Explanation(name);
+  for (const MachineKind* kind : AllMachineKinds()) {
+    if (kind->name() == name) text = KindText(*kind) + text;
+  }
   if (text.empty()) {
     const std::string nearest = NearestWord(name, AllNames());
     throw InputError({},

@@ -10,7 +10,7 @@
 #include "calibration/kinds/delta/mesh_shape.h"
 #include "sim/base/units.h"
 #include "sim/machine/kinds/delta/model.h"
-#include "sim/measure/import/klipper_delta.h"
+#include "sim/measure/import/kinds/klipper_delta.h"
 #include "sim/measure/import/klipper_mesh.h"
 
 namespace caltwin {

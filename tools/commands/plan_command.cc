@@ -28,11 +28,11 @@ struct Options {
 
 MachineFile MachineOf(const Options& options, const Plan& plan) {
   if (!options.machine.empty()) {
-    return ReadAnyMachineFile(
+    return ReadMachineWithTip(
         FindMachine(options.machine, "", {.file = options.machine}));
   }
   if (!plan.machine.empty()) {
-    return ReadAnyMachineFile(
+    return ReadMachineWithTip(
         FindMachine(plan.machine, plan.file.parent_path(), {.file = options.plan}));
   }
   throw InputError({.file = options.plan},

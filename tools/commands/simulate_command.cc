@@ -110,7 +110,7 @@ int Simulate(const Options& options) {
   const Plan plan = PlanOf(options);
   const std::uint64_t seed = options.seed.value_or(plan.seed);
   const fs::path machine = MachineFileOf(options, plan);
-  const MachineFile file = ReadAnyMachineFile(machine);
+  const MachineFile file = ReadMachineWithTip(machine);
   RefuseOverwriting(
       Together({{{"the plan", options.plan}, {"the truth", options.truth}},
                 FilesOf(file.machine)}),

@@ -97,10 +97,6 @@ std::vector<NamedFile> FilesOf(const Machine& machine) {
 std::vector<NamedFile> MachineFiles(const std::string& name_or_path) {
   if (name_or_path.empty()) return {};
   const fs::path file = FindMachine(name_or_path, "", {.file = "--machine"});
-  if (IsMotorStage(file)) {
-    return {{"the machine file", file},
-            {"the model of the machine", ReadMotorStage(file).model}};
-  }
   return FilesOf(ReadAnyMachineFile(file).machine);
 }
 

@@ -47,7 +47,7 @@ void ReadOption(const std::string& url, std::string_view option, TwinOptions* op
 TwinConfig MakeTwinConfig(const TwinOptions& options, bool only_measures) {
   const std::filesystem::path file =
       FindMachine(options.machine, "", {.file = options.machine});
-  MachineFile read = ReadAnyMachineFile(file);
+  MachineFile read = ReadMachineWithTip(file);
   const bool only_by_rows =
       !read.machine.kind->axes_are_drives() && read.machine.kind->moves_along_axes();
   if (!only_measures || !only_by_rows) read = ReadMachineFile(file);

@@ -14,7 +14,6 @@
 #include "scenarios/machine_file.h"
 #include "scenarios/scenario.h"
 #include "scenarios/study/study.h"
-#include "sim/machine/kinds/motor_stage/drawing.h"
 #include "sim/machine/machine.h"
 #include "sim/measure/data_header.h"
 #include "sim/measure/plan.h"
@@ -35,9 +34,7 @@ std::vector<std::string> Check(const std::string& file, FileKind kind) {
     case FileKind::kScenario:
       return ReadScenario(file).notes;
     case FileKind::kMachine:
-      if (!IsMotorStage(file)) return ReadAnyMachineFile(file).draws;
-      ReadMotorStage(file);
-      return {};
+      return ReadAnyMachineFile(file).draws;
     case FileKind::kTruth:
       CheckTruthFile(file);
       return {};

@@ -269,9 +269,8 @@ Expected<void> RunDiagonals(Session* session, const DiagonalOptions& o) {
 
 namespace {
 
-constexpr std::array<std::string_view, 1> kKinds = {"corexy"};
 
-PreparedProcedure Prepare(YamlMap map) {
+PreparedProcedure Prepare(YamlMap map, const Machine& /*drawing*/) {
   DiagonalOptions o;
   o.as_published = map.WordOr("variant", "corrected", {"as_published", "corrected"}) ==
                    "as_published";
@@ -311,6 +310,6 @@ constinit const Procedure kBeltDiagonals{
         "they were, or become more so. Along a diagonal only one belt moves.",
     .has_variants = true,
     .prepare = Prepare,
-    .kinds = kKinds};
+    .drives = DrivesAsked::kCoupled};
 
 }  // namespace caltwin

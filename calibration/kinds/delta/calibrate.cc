@@ -1,6 +1,7 @@
 #include "calibration/kinds/delta/calibrate.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <utility>
 
@@ -53,7 +54,7 @@ class DeltaCalibration {
       : step_(step), bench_(bench), drawn_(DeltaOf(bench.machine).model) {}
 
   ProcedureResult Perform() {
-    const auto believed = ReadBelievedDelta(bench_.link, drawn_);
+    const auto believed = Believed();
     if (!believed) {
       End(believed.error());
     } else if (step_.name == "g33") {
@@ -65,6 +66,11 @@ class DeltaCalibration {
   }
 
  private:
+  Expected<BelievedDelta> Believed() const {
+    if (bench_.believed) return bench_.believed();
+    return ReadBelievedDelta(bench_.link, drawn_);
+  }
+
   void End(const MachineFault& fault) {
     result_.ending = EndingOfFault(fault);
     result_.fault = fault.reply;
@@ -94,7 +100,7 @@ class DeltaCalibration {
       return;
     }
     wire.Say("M500");
-    const auto now = ReadBelievedDelta(bench_.link, drawn_);
+    const auto now = Believed();
     if (!now) {
       End(now.error());
       return;
@@ -135,6 +141,10 @@ class DeltaCalibration {
                          believed.settings,
                          &fit);
     result_.messages = outcome.messages;
+    result_.figures = {{"said_mm", outcome.said_mm},
+                       {"tilt_x", outcome.tilt_x},
+                       {"tilt_y", outcome.tilt_y}};
+    if (bench_.fit != nullptr) *bench_.fit = fit;
     if (wire.fault()) {
       End(*wire.fault_itself());
     } else if (wire.was_out_of_reach()) {
@@ -173,7 +183,7 @@ class DeltaCalibration {
            const DeltaOutcome& outcome,
            DeltaLinkProbe* wire) {
     if (!outcome.is_done) {
-      result_.ending = Ending::kConfounded;
+      result_.ending = Ending::kUnconverged;
       result_.messages.emplace_back("it did not succeed by its own judgement");
     }
     const std::string lines = AsMarlin(outcome.settings, drawn_);
@@ -195,17 +205,17 @@ class DeltaCalibration {
       End(*wire->fault_itself());
       return;
     }
-    AddSteps(before, outcome.settings, Verdict::kApplied, "");
+    AddSteps(before,
+             bench_.believed ? bench_.believed().settings : outcome.settings,
+             Verdict::kApplied,
+             "");
   }
 
   void AddSteps(const DeltaModel<double>& before,
                 const DeltaModel<double>& after,
                 Verdict verdict,
                 const std::string& message) {
-    for (const char* name : kDeltaSettingNames) {
-      const double was = *DeltaSettingNamed(before, drawn_, name);
-      const double is = *DeltaSettingNamed(after, drawn_, name);
-      if (was == is) continue;
+    const auto add = [&](const std::string& name, double was, double is) {
       result_.steps.push_back({.procedure = step_.name,
                                .variant = step_.variant,
                                .name = name,
@@ -213,7 +223,26 @@ class DeltaCalibration {
                                .after = is,
                                .verdict = verdict,
                                .message = message});
+    };
+    for (const char* name : kDeltaSettingNames) {
+      const double was = *DeltaSettingNamed(before, drawn_, name);
+      const double is = *DeltaSettingNamed(after, drawn_, name);
+      if (was != is) add(name, was, is);
     }
+    // What M665 A B C and Z set beside the mean rod and the angles of towers a and b.
+    const auto add_trim = [&](const std::string& name, double was, double is) {
+      constexpr double kRounding = 1e-9;
+      if (std::abs(is - was) > kRounding) add(name, was, is);
+    };
+    for (std::size_t i = 0; i < kNumTowers; ++i) {
+      add_trim(fmt::format("arm_length.{}", "abc"[i]),
+               before.arm_mm[i] - MeanOfTowers(before.arm_mm),
+               after.arm_mm[i] - MeanOfTowers(after.arm_mm));
+    }
+    const double drawn_rad = drawn_.angle_rad[2];
+    add_trim("tower_angle.c",
+             DegFromRad(before.angle_rad[2] - drawn_rad),
+             DegFromRad(after.angle_rad[2] - drawn_rad));
   }
 
   // Of what is a setting, its value; of the rest, built less drawn.

@@ -1,8 +1,10 @@
 #pragma once
 
-#include <string>
+#include <functional>
+#include <optional>
 
 #include "calibration/kinds/delta/bench.h"
+#include "calibration/kinds/delta/joint.h"
 #include "calibration/kinds/delta/steps.h"
 #include "calibration/loop/outcome.h"
 #include "sim/link/link.h"
@@ -11,8 +13,15 @@
 
 namespace caltwin {
 
+/// What a controller says that it believes.
+struct BelievedDelta {
+  DeltaModel<double> settings{};
+  Vec3<double> probe_offset_mm = Vec3<double>::Zero();
+};
+
 /// All that calibrates a delta of which only a wire is known. The pointers are borrowed
-/// and never null, but for `record`.
+/// and never null, but for `record` and `fit`. Procedures on a Bench take what is put
+/// there (Bench::kept), its link, person and machine the bench's own.
 struct DeltaBench {
   Link* link = nullptr;
   Operator* person = nullptr;  ///< Is asked before settings are changed.
@@ -20,12 +29,10 @@ struct DeltaBench {
   Machine machine{};           ///< As drawn.
   double probe_sigma_mm = 0;
   DeltaRecord* record = nullptr;  ///< Every G30 is added, where there is one.
-};
-
-/// What a controller says that it believes.
-struct BelievedDelta {
-  DeltaModel<double> settings{};
-  Vec3<double> probe_offset_mm = Vec3<double>::Zero();
+  /// What the controller believes, to the last digit; without it M503 is asked.
+  std::function<BelievedDelta()> believed{};
+  /// What a joint estimate found beside its result is left here.
+  std::optional<DeltaJointFit>* fit = nullptr;
 };
 
 /// Reads M503's lines M665, M666 and M851, as Marlin prints them:
@@ -39,6 +46,7 @@ Expected<BelievedDelta> ReadBelievedDelta(Link* link, const DeltaModel<double>& 
 /// Performs one step over the wire: reads what the controller believes, touches (G28,
 /// G30) or lets it run G33, and, where the person agrees, sends M665, M666 and stores
 /// them (M500). Where the person refuses nothing is sent, and a G33 is run dry (V0).
+/// Figures: `said_mm`, its own deviation; `tilt_x`, `tilt_y`, of the bed as found.
 ProcedureResult CalibrateDelta(const DeltaStep& step, const DeltaBench& bench);
 
 }  // namespace caltwin

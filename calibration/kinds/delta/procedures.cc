@@ -267,9 +267,8 @@ DeltaOutcome WithTiltTold(DeltaOutcome outcome) {
 
 }  // namespace
 
-G33Variant VariantOf(const DeltaStep& step) {
-  return step.variant == "as_published" ? G33Variant::kAsPublished
-                                        : G33Variant::kCorrected;
+G33Variant VariantOf(std::string_view variant) {
+  return variant == "as_published" ? G33Variant::kAsPublished : G33Variant::kCorrected;
 }
 
 std::optional<Observability> BlindnessOfG33(int points) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <string_view>
 
 #include "calibration/kinds/delta/bench.h"
 #include "calibration/kinds/delta/g33.h"
@@ -28,8 +29,8 @@ DeltaOutcome PerformDeltaStep(const DeltaStep& step,
                               const DeltaModel<double>& start,
                               std::optional<DeltaJointFit>* fit);
 
-/// Which G33 a step asks for.
-G33Variant VariantOf(const DeltaStep& step);
+/// Which G33 a step asks for: as_published, else corrected.
+G33Variant VariantOf(std::string_view variant);
 
 /// What a grid of G33's cannot tell, whatever deviation it prints; none where it tells
 /// endstops, radius and angles.

@@ -108,37 +108,31 @@ void ReadUnknowns(YamlMap* map, DeltaStep* step) {
 
 }  // namespace
 
-DeltaStep ReadDeltaStep(const std::string& name, const YamlValue& options) {
+DeltaStep ReadDeltaStep(const std::string& name, YamlMap* map) {
   DeltaStep step{.name = name};
-  // An empty value means all options left out.
-  YamlMap map = options.is_null() ? YamlMap(YAML::Node(YAML::NodeType::Map),
-                                            options.file(),
-                                            options.path(),
-                                            options.faults())
-                                  : options.Map();
   if (name == "g33") {
-    step.variant = map.WordOr("variant", "corrected", {"as_published", "corrected"});
-    step.points = static_cast<int>(map.IntegerOr("p", 4, 0, 10));
-    if (const auto r = map.Optional("r")) step.reduced_mm = r->Number({0, 1000});
-    step.words = ReadG33Letters(&map);
+    step.variant = map->WordOr("variant", "corrected", {"as_published", "corrected"});
+    step.points = static_cast<int>(map->IntegerOr("p", 4, 0, 10));
+    if (const auto r = map->Optional("r")) step.reduced_mm = r->Number({0, 1000});
+    step.words = ReadG33Letters(map);
   }
   if (name == "rrf_least_squares") {
-    step.factors = static_cast<int>(map.IntegerOr("factors", 6, 3, 9));
+    step.factors = static_cast<int>(map->IntegerOr("factors", 6, 3, 9));
     if (step.factors == 5) {
-      map.faults()->Add(
-          map.place(), "factors: 5 is not known", "there are 3, 4, 6, 7, 8 and 9");
+      map->faults()->Add(
+          map->place(), "factors: 5 is not known", "there are 3, 4, 6, 7, 8 and 9");
     }
   }
   if (name == "delta_joint") {
-    step.points = static_cast<int>(map.IntegerOr("points", 37, 8, 400));
-    ReadUnknowns(&map, &step);
-    step.reads_rods = map.FlagOr("rods", false);
-    step.makes_mesh = map.FlagOr("mesh", false);
+    step.points = static_cast<int>(map->IntegerOr("points", 37, 8, 400));
+    ReadUnknowns(map, &step);
+    step.reads_rods = map->FlagOr("rods", false);
+    step.makes_mesh = map->FlagOr("mesh", false);
   }
   if (name == "delta_joint" || name == "klipper_descent") {
-    step.reads_print = map.FlagOr("print", false);
+    step.reads_print = map->FlagOr("print", false);
   }
-  map.NoMoreKeys();
+  map->NoMoreKeys();
   return step;
 }
 

@@ -39,7 +39,7 @@ struct DeltaStep {
   bool reads_print = false;
 };
 
-/// Reads the options of one of kDeltaProcedures; null: all left out.
-DeltaStep ReadDeltaStep(const std::string& name, const YamlValue& options);
+/// Reads the options of one of kDeltaProcedures.
+DeltaStep ReadDeltaStep(const std::string& name, YamlMap* map);
 
 }  // namespace caltwin

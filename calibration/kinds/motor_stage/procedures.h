@@ -92,11 +92,6 @@ MotorResult RunAxisSync(MotorAxes* axes, const MotorOptions& options);
 /// inertia, speed and current, then measured; what happened to positions; resume.
 MotorResult RunEmergencyStop(MotorAxes* axes, const MotorOptions& options);
 
-/// The one of that id. Throws std::logic_error where there is none.
-MotorResult RunMotorProcedure(std::string_view name,
-                              const MotorOptions& options,
-                              MotorAxes* axes);
-
 /// A stop that is asked about; lengths are mm, of a rotary axis deg.
 struct StopAsked {
   double speed_unit_s = 0;

@@ -276,4 +276,18 @@ std::vector<Eigen::Vector2d> ProbeGrid(const TripleZBench& bench,
   return points;
 }
 
+TripleZBench BenchOf(const Machine& machine, Link* link, double sigma_mm) {
+  constexpr double kBest_mm = 1e-3;  // Less no touch is believed to scatter.
+  // A touch is counted in whole steps: as uniform as its scatter is normal.
+  const double step_mm = 1 / machine.settings.steps_per_mm[2];
+  return {
+      .link = link,
+      .drawn_mm = TripleZOf(machine).pivots_mm(),
+      .top_mm = TripleZOf(machine).top_mm,
+      .most_mm = Eigen::Vector2d(machine.axis(Axis::kX).max_mm,
+                                   machine.axis(Axis::kY).max_mm),
+      .sigma_mm = std::max(std::hypot(sigma_mm, step_mm / std::sqrt(12.0)), kBest_mm),
+      .is_sigma_stated = sigma_mm > 0};
+}
+
 }  // namespace caltwin

@@ -6,6 +6,7 @@
 
 #include "sim/link/link.h"
 #include "sim/machine/kinds/triple_z/drawing.h"
+#include "sim/machine/machine.h"
 #include "sim/machine/screw_levelling.h"
 
 namespace caltwin {
@@ -20,6 +21,10 @@ struct TripleZBench {
   /// Whether somebody stated it; else touches are believed to scatter as they do.
   bool is_sigma_stated = true;
 };
+
+/// What calibration knows of a printer beforehand. `sigma_mm`: of the probe as stated; a touch
+/// is counted in whole steps beside.
+TripleZBench BenchOf(const Machine& machine, Link* link, double sigma_mm);
 
 /// Speaks to a triple-Z printer in RepRapFirmware's dialect: probes heights, and moves
 /// its screws singly by giving each driver an axis of its own for the move (M584).

@@ -10,7 +10,7 @@
 
 #include <Eigen/Core>
 
-#include "sim/firmware/firmware.h"
+#include "sim/firmware/emulated_controller.h"
 
 namespace caltwin {
 
@@ -88,12 +88,12 @@ struct ZTouched {
 /// switch_offset, a virtual endstop, a mesh without a point of reference, an endstop or
 /// bed probed without what it needs. Places are those of the probe: its offset from the
 /// nozzle in x and y is the firmware's own affair.
-class KlipperZ {
+class KlipperZ final : public EmulatedController {
  public:
   KlipperZ(const ZCalibrationConfig& config, ZStationPlant* plant)
       : config_(config), plant_(plant), at_mm_(config.middle_mm) {}
 
-  Reply Execute(std::string_view line);
+  Reply Execute(std::string_view line) override;
 
   /// The carriage with the nozzle commanded to G-code height 0 over that place, the
   /// mesh added; nullopt: not homed.
@@ -106,7 +106,7 @@ class KlipperZ {
   double Mesh_mm(const Eigen::Vector2d& at_mm) const;
   const ZCalibrationConfig& config() const { return config_; }
   void SetSwitchOffset_mm(double value) { config_.switch_offset_mm = value; }
-  double machine_time_s() const { return now_.at_s; }
+  double machine_time_s() const override { return now_.at_s; }
   int touches() const { return static_cast<int>(touched_.size()) + homings(); }
   /// Every touch since the start but those that homed.
   const std::vector<ZTouched>& touched() const { return touched_; }

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "sim/firmware/firmware.h"
+#include "sim/firmware/emulated_controller.h"
 #include "sim/link/gcode.h"
 #include "sim/machine/kinds/delta/mesh.h"
 #include "sim/machine/kinds/delta/model.h"
@@ -36,7 +36,7 @@ DeltaModel<double> AsMarlinHasIt(const DeltaModel<double>& settings);
 /// it: G0 G1 G28 G30 G33 M92 M114 M115 M119 M400 M420 M421 M500-M503 M665 M666 M851.
 /// Anything else is answered as Marlin does, `echo:Unknown command: "..."`. Touches are
 /// not lifted by the mesh.
-class MarlinDelta {
+class MarlinDelta final : public EmulatedController {
  public:
   /// Answers G33: its words in, the lines that it prints; settings in place.
   using AutoCalibration = std::function<std::vector<std::string>(
@@ -50,12 +50,11 @@ class MarlinDelta {
               DeltaPlant* plant,
               AutoCalibration g33);
 
-  /// Obeys one line, without its newline.
-  Reply Execute(std::string_view line);
+  Reply Execute(std::string_view line) override;
 
   const DeltaModel<double>& settings() const { return settings_; }
   int touches() const { return touches_; }
-  double machine_time_s() const { return time_s_; }
+  double machine_time_s() const override { return time_s_; }
   /// M851: of the probe's tip from the nozzle.
   const Vec3<double>& probe_offset_mm() const { return probe_offset_mm_; }
   /// M421 and M420: in force; without nodes where it is switched off.

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "sim/firmware/firmware.h"
+#include "sim/firmware/emulated_controller.h"
 #include "sim/firmware/kinds/motor_stage/motion.h"
 #include "sim/firmware/record_store.h"
 #include "sim/link/gcode.h"
@@ -30,15 +30,14 @@ struct MotorStageOptions {
 /// - `M92 M201 M203 M206 M208 M425 M812 M813` are the nine fields of the record, `M500`
 ///   stores an axis' record, `M501` loads, `M502` forgets, `M504` prints the history,
 ///   `M505` logs.
-class MotorStageFirmware {
+class MotorStageFirmware final : public EmulatedController {
  public:
   /// @param rig, flash  borrowed; records in the flash are in force from the start
   MotorStageFirmware(const MotorStageOptions& options, MotorRig* rig, Flash* flash);
 
-  /// Obeys one line, without its newline.
-  Reply Execute(std::string_view line);
+  Reply Execute(std::string_view line) override;
 
-  double machine_time_s() const { return motion_.time_s(); }
+  double machine_time_s() const override { return motion_.time_s(); }
   const AxisCalibration& record(std::size_t axis) const { return axes_[axis].record; }
   bool is_homed(std::size_t axis) const { return axes_[axis].is_homed; }
   /// The rig's count that the axis calls zero.

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "sim/firmware/firmware.h"
+#include "sim/firmware/emulated_controller.h"
 #include "sim/link/gcode.h"
 #include "sim/machine/kinds/triple_z/drawing.h"
 #include "sim/machine/screw_levelling.h"
@@ -56,13 +56,12 @@ struct TripleZTouch {
 /// - `G30 X Y S-1` probes and answers "Stopped at height 0.123 mm".
 /// - `G30 P0 X Y Z-99999` .. `G30 P3 X Y Z-99999 S3` probe points and then raise the
 ///   screws by LevelScrews, as M671 places them.
-class RrfTripleZ {
+class RrfTripleZ final : public EmulatedController {
  public:
   /// @param plant  borrowed
   RrfTripleZ(const RrfTripleZOptions& options, TripleZPlant* plant);
 
-  /// Obeys one line, without its newline.
-  Reply Execute(std::string_view line);
+  Reply Execute(std::string_view line) override;
 
   const Pivots<double>& pivots_mm() const { return options_.pivots_mm; }
   /// How much higher than Z alone has it each screw is told to stand, whole steps.
@@ -71,7 +70,7 @@ class RrfTripleZ {
   /// All of them, in order.
   const std::vector<TripleZTouch>& touched() const { return touched_; }
   int touches() const { return static_cast<int>(touched_.size()); }
-  double machine_time_s() const { return time_s_; }
+  double machine_time_s() const override { return time_s_; }
 
  private:
   Reply Obey(const GcodeCommand& command);

@@ -64,12 +64,4 @@ std::vector<std::string> DeltaTwin::AnswerG33(const GcodeCommand& words,
   }
 }
 
-Expected<std::vector<std::string>> MarlinDeltaWire::Send(
-    std::string_view line, std::chrono::milliseconds /*patience*/) {
-  const Reply reply = marlin_->Execute(line);
-  if (!reply.error) return reply.lines;
-  return tl::unexpected(
-      MachineFault{.reply = reply.lines.empty() ? "Error:" : reply.lines.back()});
-}
-
 }  // namespace caltwin

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -17,17 +16,6 @@
 #include "sim/twin/twin.h"
 
 namespace caltwin {
-
-/// The wire to a simulated delta.
-class MarlinDeltaWire : public Link {
- public:
-  explicit MarlinDeltaWire(MarlinDelta* marlin) : marlin_(marlin) {}
-  Expected<std::vector<std::string>> Send(std::string_view line,
-                                          std::chrono::milliseconds patience) override;
-
- private:
-  MarlinDelta* marlin_;
-};
 
 /// What a G33 made of its touches.
 struct G33Answer {
@@ -94,7 +82,7 @@ class DeltaTwin {
   RecordingDeltaPlant plant_;
   SimulatedDeltaCalliper calliper_;
   MarlinDelta marlin_;
-  MarlinDeltaWire wire_;
+  EmulatedLink wire_;
   G33Program g33_{};
   double said_mm_ = 0;
   int g33_touches_ = 0, g33_stows_ = 0;

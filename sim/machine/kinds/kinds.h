@@ -13,6 +13,7 @@ const MachineKind* CartesianKind();
 const MachineKind* DeltaKind();
 const MachineKind* TripleZKind();
 const MachineKind* ZStationKind();
+const MachineKind* MotorStageKind();
 const MachineKind* CoreXyKind();
 /// `kinematics: corexy` with `screws:`.
 const MachineKind* CoreXyOnScrewsKind();

@@ -10,7 +10,7 @@
 #include "sim/measure/import/cmm_plate.h"
 #include "sim/measure/import/import.h"
 #include "sim/measure/import/iso230_dat.h"
-#include "sim/measure/import/klipper_delta.h"
+#include "sim/measure/import/kinds/klipper_delta.h"
 #include "sim/measure/import/klipper_mesh.h"
 #include "sim/measure/import/klipper_thermal.h"
 #include "sim/measure/import/map.h"

@@ -83,7 +83,7 @@ Served Motors(const fs::path& file,
                      "a motor stage on a wire has no bench",
                      "nobody at the other end reads its gauges");
   }
-  const MotorStageDrawing drawing = ReadMotorStage(file);
+  const MotorStageDrawing drawing = MotorStageOf(ReadAnyMachineFile(file).machine);
   const auto stage = std::make_shared<SimulatedStage>(drawing,
                                                       options,
                                                       /*sigma_unit=*/0);
@@ -103,12 +103,9 @@ constexpr std::array kKinds = {ServedKind{"cartesian", "rrf", Gantry},
 }  // namespace
 
 const ServedKind& ServedKindOf(const fs::path& file) {
-  std::string_view name = "motor_stage";
-  if (!IsMotorStage(file)) {
-    const Machine machine = ReadAnyMachineFile(file).machine;
-    const bool is_on_screws = machine.Own<TripleZDrawing>() != nullptr;
-    name = is_on_screws ? "triple_z" : machine.kind->name();
-  }
+  const Machine machine = ReadAnyMachineFile(file).machine;
+  const bool is_on_screws = machine.Own<TripleZDrawing>() != nullptr;
+  const std::string_view name = is_on_screws ? "triple_z" : machine.kind->name();
   for (const ServedKind& one : kKinds) {
     if (one.kind == name) return one;
   }

@@ -19,7 +19,7 @@ class SimulatedPrinter {
  private:
   TripleZTwinPlant plant_;
   RrfTripleZ firmware_;
-  RrfTripleZWire wire_;
+  EmulatedLink wire_;
 };
 
 }  // namespace caltwin

@@ -26,7 +26,7 @@ class SimulatedStage {
   MotorStageRig rig_;
   Flash flash_{};
   MotorStageFirmware firmware_;
-  MotorStageWire wire_;
+  EmulatedLink wire_;
   MotorStageGauge gauge_;
 };
 

@@ -31,7 +31,7 @@ class SimulatedStation {
 
   ZStationTwin twin_;
   KlipperZ klipper_;
-  KlipperZWire wire_{&klipper_};
+  EmulatedLink wire_{&klipper_};
 };
 
 }  // namespace caltwin

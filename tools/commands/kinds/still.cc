@@ -100,8 +100,10 @@ std::optional<MotorStageScene> MotorStageIn(const fs::path& file, double exagger
     return MotorStageScene(DrawMotorStage(*motor, scenario.seed, /*sample=*/0),
                            exaggerate);
   }
-  if (!IsMotorStage(file)) return std::nullopt;
-  return MotorStageScene(DrawMotorStage({.drawing = ReadMotorStage(file)},
+  if (KindOf(file) != FileKind::kMachine) return std::nullopt;
+  const Machine machine = ReadAnyMachineFile(file).machine;
+  if (machine.kind != MotorStageKind()) return std::nullopt;
+  return MotorStageScene(DrawMotorStage({.drawing = MotorStageOf(machine)},
                                         /*seed=*/1,
                                         /*sample=*/0),
                          exaggerate);

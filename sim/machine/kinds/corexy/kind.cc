@@ -66,6 +66,12 @@ void ReadBelt(YamlMap map, AxisDrawing* drive) {
 class CoreXy : public MachineKind {
  public:
   std::string_view name() const override { return "corexy"; }
+  std::string_view about() const override {
+    return "A printer whose two belts, A and B, move the head together: A alone along one "
+           "diagonal, B along the other; its bed on one Z, or with `screws:` on three. "
+           "`caltwin run` and `calibrate` calibrate one by G-code, `serve` is one, "
+           "`simulate`, `diagnose` and `plan` measure one.";
+  }
   std::string_view where() const override { return " on a CoreXY"; }
   std::span<const std::string_view> plans_as() const override { return kGauges; }
   bool touches_with_nozzle() const override { return false; }

@@ -50,6 +50,13 @@ AxisDrawing TowerAxis(const DeltaDrawing& delta, std::size_t tower) {
 class Delta final : public MachineKind {
  public:
   std::string_view name() const override { return "delta"; }
+  std::string_view about() const override {
+    return "Three carriages on towers a, b and c (210, 330 and 90 deg), six rods in pairs, "
+           "an effector that hangs on them. `caltwin run` and `calibrate` calibrate one by "
+           "G-code, `serve` is one, `simulate`, `diagnose` and `plan` measure one, `compare "
+           "delta` sets rival procedures beside each other, `import klipper-delta` reads a "
+           "real one.";
+  }
   std::string_view where() const override { return " on a delta"; }
   bool moves_along_axes() const override { return false; }
   std::span<const std::string_view> motors() const override { return kTowers; }

@@ -1,14 +1,11 @@
 #include "sim/machine/kinds/motor_stage/drawing.h"
 
-#include <system_error>
-
 #include <fmt/format.h>
 
+#include "sim/base/require.h"
 #include "sim/base/units.h"
 
 namespace caltwin {
-
-namespace fs = std::filesystem;
 
 namespace {
 
@@ -148,50 +145,34 @@ double MotorAxisDrawing::si_per_unit() const {
   return is_rotary ? RadFromDeg(1.0) : kMm_m;
 }
 
-bool IsMotorStage(const fs::path& file) {
-  try {
-    Faults faults;
-    YamlMap map = ReadYamlFile(file, &faults);
-    return map.TextOr("kinematics", "") == "motor_stage";
-  } catch (const InputError&) {
-    return false;
-  }
-}
-
-MotorStageDrawing ReadMotorStage(const fs::path& file) {
-  Faults faults;
-  YamlMap map = ReadYamlFile(file, &faults);
-  MotorStageDrawing stage{.file = file};
-  map.IntegerOr("format", 1, 1, 1);
-  stage.name = map.TextOr("name", file.stem().string());
-  map.WordOr("kinematics", "motor_stage", {"motor_stage"});
-  if (const auto model = map.Required("model")) {
-    stage.model = file.parent_path() / model->Text();
-    std::error_code error;
-    if (!fs::is_regular_file(stage.model, error)) {
-      model->Fail(fmt::format("= '{}': there is no such file", model->Text()),
-                  "a path is relative to the machine file");
-    }
-  }
+MotorStageDrawing ReadMotorStageDrawing(YamlMap* map) {
+  MotorStageDrawing stage;
   for (std::size_t i = 0; i < kNumMotorAxes; ++i) stage.axes[i] = Usual(i);
-  if (const auto axes = map.Optional("axes")) {
-    YamlMap by_axis = axes->Map();
-    for (std::size_t i = 0; i < kNumMotorAxes; ++i) {
-      if (const auto axis = by_axis.Optional(MotorAxisName(i))) {
-        stage.axes[i] = ReadMotorAxis(axis->Map(), stage.axes[i]);
-      }
-    }
-    by_axis.NoMoreKeys();
-  }
-  if (const auto expander = map.Optional("switch_expander")) {
+  if (const auto expander = map->Optional("switch_expander")) {
     YamlMap keys = expander->Map();
     stage.poll_s = SFromMs(keys.NumberOr("poll_ms", 5, {0.25, 1000}));
     stage.transfer_s = SFromMs(keys.NumberOr("transfer_ms", 0.4, {0, 100}));
     keys.NoMoreKeys();
   }
-  map.NoMoreKeys();
-  faults.ThrowIfAny();
   return stage;
+}
+
+void ReadMotorAxes(YamlMap* map, MotorStageDrawing* stage) {
+  const auto axes = map->Optional("axes");
+  if (!axes) return;
+  YamlMap by_axis = axes->Map();
+  for (std::size_t i = 0; i < kNumMotorAxes; ++i) {
+    if (const auto axis = by_axis.Optional(MotorAxisName(i))) {
+      stage->axes[i] = ReadMotorAxis(axis->Map(), stage->axes[i]);
+    }
+  }
+  by_axis.NoMoreKeys();
+}
+
+const MotorStageDrawing& MotorStageOf(const Machine& machine) {
+  const auto* const drawing = machine.Own<MotorStageDrawing>();
+  Require(drawing != nullptr, "this machine is a motor stage");
+  return *drawing;
 }
 
 }  // namespace caltwin

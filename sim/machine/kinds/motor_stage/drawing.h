@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "sim/base/yaml.h"
+#include "sim/machine/machine.h"
 
 namespace caltwin {
 
@@ -60,18 +61,18 @@ struct MotorAxisDrawing {
 /// The rig: motors that do not know of each other, and what reads their switches.
 struct MotorStageDrawing {
   std::string name{};
-  std::filesystem::path file{};
-  std::filesystem::path model{};  ///< MJCF.
+  std::filesystem::path model{};  ///< MJCF: its own, else the one that all can be.
   std::array<MotorAxisDrawing, kNumMotorAxes> axes{};
   double poll_s = 0.005;       ///< The expander is asked for its pins that often,
   double transfer_s = 0.0004;  ///< and its answer takes so long over the bus.
 };
 
-/// Whether that machine file says `kinematics: motor_stage`; false also for what is no
-/// readable file.
-bool IsMotorStage(const std::filesystem::path& file);
+/// Reads `switch_expander`; the axes are as usual.
+MotorStageDrawing ReadMotorStageDrawing(YamlMap* map);
+/// Reads `axes` over what there is.
+void ReadMotorAxes(YamlMap* map, MotorStageDrawing* stage);
 
-/// Reads and checks such a file; throws InputError with every fault.
-MotorStageDrawing ReadMotorStage(const std::filesystem::path& file);
+/// The drawing of a motor stage; logic_error of another machine.
+const MotorStageDrawing& MotorStageOf(const Machine& machine);
 
 }  // namespace caltwin

@@ -1,4 +1,4 @@
-#include "sim/measure/import/klipper_delta.h"
+#include "sim/measure/import/kinds/klipper_delta.h"
 
 #include <algorithm>
 #include <cmath>
