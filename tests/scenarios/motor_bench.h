@@ -12,7 +12,9 @@
 namespace caltwin {
 
 inline MotorStageDrawing DrawnMotorStage() {
-  return MotorStageOf(ReadMachine(CALTWIN_SOURCE_DIR "/models/motor_stage/machine.yaml"));
+  static const MotorStageDrawing drawing = MotorStageOf(
+      ReadMachine(CALTWIN_SOURCE_DIR "/models/motor_stage/machine.yaml"));
+  return drawing;
 }
 
 inline BuiltMotorStage BuiltAsDrawn(const MotorStageDrawing& drawing) {

@@ -25,6 +25,7 @@ void CheckNames(const mjSpec* spec, const std::string& file) {
     check(mjOBJ_JOINT, "joint", axis);
     check(mjOBJ_JOINT, "joint", axis + "_motor");
     check(mjOBJ_BODY, "body", axis);
+    check(mjOBJ_BODY, "body", axis + "_motor");
     check(mjOBJ_TENDON, "tendon", axis + "_play");
     check(mjOBJ_EQUALITY, "equality", axis + "_rigid");
   }
@@ -67,23 +68,56 @@ void SetAxis(mjSpec* spec,
   MakeHard(timestep_s, kTwoSided, rigid->solref, rigid->solimp);
 }
 
+ModelPtr Compiled(mjSpec* spec) {
+  ModelPtr model(mj_compile(spec, nullptr));
+  Require(model != nullptr,
+          fmt::format("the motor stage compiles: {}", mjs_getError(spec)));
+  return model;
+}
+
+void Remove(mjSpec* spec, mjtObj type, const std::string& name) {
+  Require(mjs_delete(spec, FindElement(spec, type, name)) == 0,
+          "what CheckNames has found can be taken out");
+}
+
 }  // namespace
+
+SpecPtr ReadMotorStageSpec(const std::filesystem::path& file) {
+  SpecPtr spec = ReadSpec(file);
+  CheckNames(spec.get(), file.string());
+  return spec;
+}
 
 ModelPtr CompileMotorStage(const std::filesystem::path& file,
                            const BuiltMotors& motors,
                            double timestep_s,
                            bool with_looks) {
-  const SpecPtr spec = ReadSpec(file);
-  CheckNames(spec.get(), file.string());
+  const SpecPtr spec = ReadMotorStageSpec(file);
   spec->option.timestep = timestep_s;
   spec->compiler.discardvisual = with_looks ? 0 : 1;
   for (std::size_t i = 0; i < kNumMotorAxes; ++i) {
     SetAxis(spec.get(), MotorAxisName(i), motors[i], timestep_s);
   }
-  ModelPtr model(mj_compile(spec.get(), nullptr));
-  Require(model != nullptr,
-          fmt::format("the motor stage compiles: {}", mjs_getError(spec.get())));
-  return model;
+  return Compiled(spec.get());
+}
+
+ModelPtr CompileMotorAxis(const mjSpec* stage,
+                          std::size_t axis,
+                          const BuiltMotor& motor,
+                          double timestep_s) {
+  const SpecPtr spec(mj_copySpec(stage));
+  spec->option.timestep = timestep_s;
+  spec->compiler.discardvisual = 1;
+  for (std::size_t i = 0; i < kNumMotorAxes; ++i) {
+    if (i == axis) continue;
+    const std::string other = MotorAxisName(i);
+    Remove(spec.get(), mjOBJ_EQUALITY, other + "_rigid");
+    Remove(spec.get(), mjOBJ_TENDON, other + "_play");
+    Remove(spec.get(), mjOBJ_BODY, other);
+    Remove(spec.get(), mjOBJ_BODY, other + "_motor");
+  }
+  SetAxis(spec.get(), MotorAxisName(axis), motor, timestep_s);
+  return Compiled(spec.get());
 }
 
 }  // namespace caltwin

@@ -16,4 +16,12 @@ ModelPtr CompileMotorStage(const std::filesystem::path& file,
                            double timestep_s,
                            bool with_looks = false);
 
+/// The specification of such a model, its names checked.
+SpecPtr ReadMotorStageSpec(const std::filesystem::path& file);
+/// The model of one of its axes alone, without looks: axes do not know of each other.
+ModelPtr CompileMotorAxis(const mjSpec* stage,
+                          std::size_t axis,
+                          const BuiltMotor& motor,
+                          double timestep_s);
+
 }  // namespace caltwin

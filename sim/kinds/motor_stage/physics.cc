@@ -9,13 +9,42 @@ namespace caltwin {
 
 PhysicsMotors::PhysicsMotors(const std::filesystem::path& model,
                              const BuiltMotors& motors)
-    : MotorMechanism(motors),
-      world_(CompileMotorStage(model, motors, kTick_s), motors) {}
+    : MotorMechanism(motors), spec_(ReadMotorStageSpec(model)) {}
 
 void PhysicsMotors::Place(std::size_t axis, double motor_unit) {
-  world_.Place(axis, motor_unit, motor_unit);
+  AxisNow& now = axes_[axis];
+  now.placed_unit = motor_unit;
+  if (now.world) now.world->Place(axis, motor_unit, motor_unit);
+  const bool is_free = motor_unit >= motors_[axis].lowest_unit() &&
+                       motor_unit <= motors_[axis].highest_unit();
+  now.is_at_rest = is_free;
   force_[axis] = 0;
   field_unit_[axis] = motor_unit;
+}
+
+MotorStageWorld* PhysicsMotors::WorldOf(std::size_t axis) {
+  AxisNow& now = axes_[axis];
+  if (!now.world) {
+    now.world.emplace(CompileMotorAxis(spec_.get(), axis, motors_[axis], kTick_s),
+                      motors_);
+    now.world->Place(axis, now.placed_unit, now.placed_unit);
+  }
+  return &*now.world;
+}
+
+// What rests under a force rests on under it.
+void PhysicsMotors::Step(std::size_t axis, double force) {
+  AxisNow& now = axes_[axis];
+  const double before = std::exchange(force_[axis], force);
+  if (now.is_at_rest && force == before) return;
+  MotorStageWorld* const world = WorldOf(axis);
+  const double motor_unit = world->MotorAt(axis);
+  const double carriage_unit = world->CarriageAt(axis);
+  world->SetForce(axis, force);
+  world->Step();
+  now.is_at_rest =
+      world->MotorAt(axis) == motor_unit && world->CarriageAt(axis) == carriage_unit &&
+      world->MotorSpeed_unit_s(axis) == 0 && world->CarriageSpeed_unit_s(axis) == 0;
 }
 
 // The inertia that a servo's drive is tuned for. Inside a gap its motor is alone, and
@@ -33,8 +62,9 @@ double PhysicsMotors::ServoForce(std::size_t axis, const MotorDrive& drive) {
   const bool brakes = drive.mode == MotorDrive::Mode::kBrake;
   const bool begins = !std::exchange(brakes_[axis], brakes) && brakes;
   if (drive.mode == MotorDrive::Mode::kOff) return 0;
-  const double unit_s = world_.MotorSpeed_unit_s(axis);
-  const double off_unit = brakes ? 0 : drive.to_unit - world_.MotorAt(axis);
+  const MotorState state = State(axis);
+  const double unit_s = state.motor_unit_s;
+  const double off_unit = brakes ? 0 : drive.to_unit - state.motor_unit;
   const double force = InertiaFor(axis, brakes) * d.si_per_unit() *
                        (off_unit - unit_s * kTick_s) / (kTick_s * kTick_s);
   const double most = d.largest_force();
@@ -58,8 +88,9 @@ double PhysicsMotors::StepperForce(std::size_t axis, const MotorDrive& drive) {
   const double stiffness = most * turn / si;
   const double damping = 2 * kDamping * std::sqrt(stiffness * d.total_inertia());
   // The field of the tick's end acts on the rotor where it would be then.
-  const double unit_s = world_.MotorSpeed_unit_s(axis);
-  const double ahead_unit = world_.MotorAt(axis) + unit_s * kTick_s;
+  const MotorState state = State(axis);
+  const double unit_s = state.motor_unit_s;
+  const double ahead_unit = state.motor_unit + unit_s * kTick_s;
   const double force = -most * std::sin(turn * (ahead_unit - to_unit)) -
                        damping * si * (unit_s - field_unit_s);
   return std::clamp(force, -most, most);
@@ -67,17 +98,22 @@ double PhysicsMotors::StepperForce(std::size_t axis, const MotorDrive& drive) {
 
 void PhysicsMotors::Tick(const MotorDrives& drives) {
   for (std::size_t i = 0; i < kNumMotorAxes; ++i) {
-    force_[i] = motors_[i].drawing.is_servo ? ServoForce(i, drives[i])
-                                            : StepperForce(i, drives[i]);
-    world_.SetForce(i, force_[i]);
+    Step(i,
+         motors_[i].drawing.is_servo ? ServoForce(i, drives[i])
+                                     : StepperForce(i, drives[i]));
   }
-  world_.Step();
 }
 
 MotorState PhysicsMotors::State(std::size_t axis) const {
-  return {.motor_unit = world_.MotorAt(axis),
-          .motor_unit_s = world_.MotorSpeed_unit_s(axis),
-          .carriage_unit = world_.CarriageAt(axis),
+  const AxisNow& now = axes_[axis];
+  if (!now.world) {
+    return {.motor_unit = now.placed_unit,
+            .carriage_unit = now.placed_unit,
+            .force = force_[axis]};
+  }
+  return {.motor_unit = now.world->MotorAt(axis),
+          .motor_unit_s = now.world->MotorSpeed_unit_s(axis),
+          .carriage_unit = now.world->CarriageAt(axis),
           .force = force_[axis]};
 }
 

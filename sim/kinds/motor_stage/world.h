@@ -12,7 +12,8 @@ namespace caltwin {
 /// Motors get the force they are told; gap, friction, hard stops are MuJoCo's.
 class MotorStageWorld {
  public:
-  /// `motors`: as the model was given them.
+  /// `motors`: as the model was given them; axes that it does not have are not asked
+  /// for.
   MotorStageWorld(ModelPtr model, const BuiltMotors& motors);
 
   double timestep_s() const { return model_->opt.timestep; }
@@ -24,6 +25,7 @@ class MotorStageWorld {
   double MotorAt(std::size_t axis) const;
   double MotorSpeed_unit_s(std::size_t axis) const;
   double CarriageAt(std::size_t axis) const;
+  double CarriageSpeed_unit_s(std::size_t axis) const;
 
   const mjModel* model() const { return model_.get(); }
   mjData* data() const { return data_.get(); }
