@@ -80,18 +80,16 @@ CalibrationStep KindScenario::ReadStep(const std::string& name,
   const Procedure* const procedure = FindProcedure(name, KnownProcedures());
   // An empty value means that all options are left out.
   if (procedure == nullptr) {
-    return ReadScenarioStep(name,
-                            options.is_null()
-                                ? Unwritten("{}", options, options.faults())
-                                : options.Map());
+    return ReadScenarioStep(
+        name,
+        options.is_null() ? Unwritten("{}", options, options.faults()) : options.Map());
   }
   CalibrationStep step{.name = name};
   if (options.is_map()) step.variant = options.Map().TextOr("variant", "");
-  step.procedure =
-      procedure->prepare(options.is_null()
-                             ? UsualOptions(*procedure, machine, options, usual_axis)
-                             : options.Map(),
-                         machine);
+  step.procedure = procedure->prepare(
+      options.is_null() ? UsualOptions(*procedure, machine, options, usual_axis)
+                        : options.Map(),
+      machine);
   return step;
 }
 

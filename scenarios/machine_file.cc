@@ -19,7 +19,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::size_t kLargestFile_bytes = 1'000'000;
 constexpr std::size_t kLargestModel_bytes = 100'000'000;
 
 struct SettingKey {

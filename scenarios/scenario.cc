@@ -9,7 +9,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::size_t kLargestFile_bytes = 1'000'000;
 constexpr std::int64_t kLargestSeed = std::int64_t{1} << 53;  // JSON keeps it exactly.
 
 // The machine, and what its kind has of its own.
@@ -36,8 +35,8 @@ Scenario ReadScenarioText(const std::string& text, const fs::path& name) {
                           : Fidelity::kPhysics;
   scenario.kind->ReadKeys(&map, &scenario);
   if (const auto calibrate = map.Required("calibrate")) {
-    scenario.calibrate = ReadCalibrationSteps(
-        *calibrate, *scenario.kind, scenario.machine.machine);
+    scenario.calibrate =
+        ReadCalibrationSteps(*calibrate, *scenario.kind, scenario.machine.machine);
   }
   if (const auto expect = map.Optional("expect")) {
     scenario.expect = ReadExpectation(expect->Map(), scenario.kind->CanExpect());

@@ -15,7 +15,7 @@
 namespace caltwin {
 namespace {
 
-constexpr std::chrono::milliseconds kPatience{600'000};
+constexpr std::chrono::milliseconds kControllerPatience{600'000};
 constexpr double kTravelFeedShare = 0.8;  // Of the axis's largest.
 constexpr double kNoMove_mm = 1e-9;
 constexpr int kStepsDecimals = 4;
@@ -127,7 +127,7 @@ Controller::Controller(Link* link, const Machine& drawing)
       drive_direction_(Vec3<double>::Constant(kUnknown)) {}
 
 Expected<std::vector<std::string>> Controller::Send(const std::string& line) {
-  auto reply = link_->Send(line, kPatience);
+  auto reply = link_->Send(line, kControllerPatience);
   if (!reply) return tl::unexpected(Classified(reply.error()));
   for (const std::string& text : *reply) {
     if (text.starts_with("Error:")) {

@@ -52,12 +52,12 @@ struct Observability {
 enum class Ending {
   kDone,
   kUnconverged,  ///< Done, and it says itself that it did not succeed.
-  kNoTrigger,   ///< A probe move found nothing.
-  kCollision,   ///< The stylus was bent.
-  kAlarm,       ///< The machine stopped for another reason.
-  kReadsZero,   ///< The result is zero within its own uncertainty, by construction.
-  kConfounded,  ///< It said that it cannot tell.
-  kRefused,     ///< Nothing was applied: limit, operator, or a check before.
+  kNoTrigger,    ///< A probe move found nothing.
+  kCollision,    ///< The stylus was bent.
+  kAlarm,        ///< The machine stopped for another reason.
+  kReadsZero,    ///< The result is zero within its own uncertainty, by construction.
+  kConfounded,   ///< It said that it cannot tell.
+  kRefused,      ///< Nothing was applied: limit, operator, or a check before.
   kLinkLost
 };
 /// How a run ends on that fault, by its kind and its words (Classified). A machine that

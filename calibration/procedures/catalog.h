@@ -26,9 +26,9 @@ struct Procedure {
   std::string_view about{};      ///< What it does; of a kind's own, its options too.
   std::string_view source{};     ///< Where it was published.
   std::string_view published{};  ///< What the text says, with its formula.
-  std::string_view physics{};    ///< What is wrong with that, if anything, and the cure.
-  bool has_variants = false;     ///< as_published and corrected differ.
-  bool takes_axes = false;       ///< `axes: [x, y]`, not `axis: x`.
+  std::string_view physics{};  ///< What is wrong with that, if anything, and the cure.
+  bool has_variants = false;   ///< as_published and corrected differ.
+  bool takes_axes = false;     ///< `axes: [x, y]`, not `axis: x`.
   /// Reads the options of a scenario step ({axis: x, variant: corrected, ...})
   /// strictly, adding faults; the result must not be called where there were any.
   /// `drawing`: the machine that it is for.

@@ -120,7 +120,7 @@ Expected<void> RunAsPublished(Session* session, const ClusterOptions& o) {
   return {};
 }
 
-PreparedProcedure Prepare(YamlMap map, const Machine& /*drawing*/) {
+PreparedProcedure PrepareClusterBacklash(YamlMap map, const Machine& /*drawing*/) {
   ClusterOptions o;
   o.release = ReadReleaseOptions(&map, {.repeats = 10});
   o.release.statistics = true;
@@ -162,6 +162,6 @@ constinit const Procedure kClusterBacklash{
         "and releases on the way out, which differ by b + hysteresis + 2 v tau (see "
         "trigger_release_backlash), then checks by approaches from both sides.",
     .has_variants = true,
-    .prepare = Prepare};
+    .prepare = PrepareClusterBacklash};
 
 }  // namespace caltwin

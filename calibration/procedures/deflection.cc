@@ -54,9 +54,9 @@ FromElsewhere WhatIsKnown(Session* session, const DeflectionOptions& o) {
           .mm_per_commanded_mm = Scale(session, o.common.axis)};
 }
 
-Expected<SpanReading> Measure(Session* session,
-                              const Artefact& artefact,
-                              const DeflectionOptions& o) {
+Expected<SpanReading> MeasureDeflection(Session* session,
+                                        const Artefact& artefact,
+                                        const DeflectionOptions& o) {
   const CommonOptions& c = o.common;
   const SpanPlan plan{.axis = c.axis,
                       .repeats = c.repeats,
@@ -79,10 +79,10 @@ DeflectionSpan AsSpan(Session* session,
           .mm_per_commanded_mm = known.mm_per_commanded_mm};
 }
 
-void ExplainPlan(Session* session,
-                 const Artefact& artefact,
-                 const DeflectionOptions& o,
-                 const FromElsewhere& known) {
+void ExplainPlanOfDeflection(Session* session,
+                             const Artefact& artefact,
+                             const DeflectionOptions& o,
+                             const FromElsewhere& known) {
   PlanModel plan(session);
   for (const Face& face :
        FacesForSpan(artefact, {.axis = o.common.axis, .place = o.common.place})) {
@@ -124,7 +124,7 @@ Expected<void> SayGapUnknown(Session* session, Axis axis) {
                     "Not applied: the backlash is not known.");
   session->Tell(
       "Nobody has measured the backlash of this axis: half of it would be "
-      "taken for pre-travel. Measure it first, or give backlash_left_mm.");
+      "taken for pre-travel. MeasureDeflection it first, or give backlash_left_mm.");
   session->Conclude(name, "mm", {});
   session->End(Ending::kConfounded);
   return {};
@@ -134,7 +134,7 @@ Expected<void> RunAsPublished(Session* session,
                               const Artefact& artefact,
                               const DeflectionOptions& o) {
   const CommonOptions& c = o.common;
-  const auto span = Measure(session, artefact, o);
+  const auto span = MeasureDeflection(session, artefact, o);
   if (!span) return tl::unexpected(span.error());
   const Uncertain deflection_mm = DeflectionAsPublished(AsSpan(session, *span, {}));
   const auto applied =
@@ -149,7 +149,7 @@ Expected<void> RunAsPublished(Session* session,
       NameOf(Setting::kDeflection, c.axis), "mm", deflection_mm, *applied);
   if (!*applied && session->rules().apply) session->End(Ending::kRefused);
   if (!*applied || !c.verify) return {};
-  const auto again = Measure(session, artefact, o);
+  const auto again = MeasureDeflection(session, artefact, o);
   if (!again) return tl::unexpected(again.error());
   // G6512 takes its stored deflection off each face, in the sense of the formula.
   const double compensated_mm =
@@ -190,8 +190,8 @@ Expected<void> RunDeflection(Session* session, const DeflectionOptions& o) {
   }
   if (c.as_published) return RunAsPublished(session, *artefact, o);
   const FromElsewhere known = WhatIsKnown(session, o);
-  ExplainPlan(session, *artefact, o, known);
-  const auto span = Measure(session, *artefact, o);
+  ExplainPlanOfDeflection(session, *artefact, o, known);
+  const auto span = MeasureDeflection(session, *artefact, o);
   if (!span) return tl::unexpected(span.error());
   const Deflection found = DeflectionFromSpan(AsSpan(session, *span, known));
   const std::string name = NameOf(Setting::kDeflection, c.axis);
@@ -215,7 +215,7 @@ Expected<void> RunDeflection(Session* session, const DeflectionOptions& o) {
     session->Conclude(name, "mm", delta_mm, *applied);
     return {};
   }
-  const auto again = Measure(session, *artefact, o);
+  const auto again = MeasureDeflection(session, *artefact, o);
   if (!again) return tl::unexpected(again.error());
   const double now_mm = session->Believed(Setting::kDeflection, c.axis);
   const auto good =
@@ -231,7 +231,7 @@ Expected<void> RunDeflection(Session* session, const DeflectionOptions& o) {
 
 namespace {
 
-PreparedProcedure Prepare(YamlMap map, const Machine& /*drawing*/) {
+PreparedProcedure PrepareDeflection(YamlMap map, const Machine& /*drawing*/) {
   DeflectionOptions o;
   o.common = ReadCommon(&map);
   o.size_mm = map.NumberOr("dimension", 25.4, {0.1, 1000});
@@ -268,6 +268,6 @@ constinit const Procedure kDeflection{
         "dial, and without them the procedure says that it cannot tell. One value an "
         "axis. Along z only a ledge touched from both sides tells.",
     .has_variants = true,
-    .prepare = Prepare};
+    .prepare = PrepareDeflection};
 
 }  // namespace caltwin

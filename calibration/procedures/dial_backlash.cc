@@ -64,7 +64,7 @@ DialOptions ReadDialOptions(YamlMap* map, const CommonOptions& defaults) {
 
 namespace {
 
-PreparedProcedure Prepare(YamlMap map, const Machine& /*drawing*/) {
+PreparedProcedure PrepareDialBacklash(YamlMap map, const Machine& /*drawing*/) {
   const DialOptions o = ReadDialOptions(&map, {});
   map.NoMoreKeys();
   return [o](Bench* bench) {
@@ -89,6 +89,6 @@ constinit const Procedure kDialBacklash{
         "reads what is left, since every move is longer than the ten gaps over "
         "which RepRapFirmware spreads its correction.",
     .has_variants = false,
-    .prepare = Prepare};
+    .prepare = PrepareDialBacklash};
 
 }  // namespace caltwin

@@ -23,9 +23,9 @@ struct TwoSizes {
   double sd_mm() const { return std::hypot(first.span_mm.sd, second.span_mm.sd); }
 };
 
-Expected<TwoSizes> Measure(Session* session,
-                           Artefact* block,
-                           const DualDimensionOptions& o) {
+Expected<TwoSizes> MeasureDualDimension(Session* session,
+                                        Artefact* block,
+                                        const DualDimensionOptions& o) {
   const SpanPlan plan{.axis = o.common.axis,
                       .repeats = o.common.repeats,
                       .campaign = "dual_dimension." + Name(o.common.axis),
@@ -51,7 +51,9 @@ TwoSpans AsTwoSpans(const TwoSizes& sizes, double steps_per_mm) {
           .span2_mm = sizes.second.span_mm};
 }
 
-void ExplainPlan(Session* session, Artefact block, const DualDimensionOptions& o) {
+void ExplainPlanOfDualDimension(Session* session,
+                                Artefact block,
+                                const DualDimensionOptions& o) {
   PlanModel plan(session);
   for (const double size_mm : {o.sizes_mm.front(), o.sizes_mm.back()}) {
     block.size_mm = BlockLying(o.common.axis, size_mm);
@@ -115,8 +117,8 @@ Expected<void> RunDualDimension(Session* session, const DualDimensionOptions& o)
   Artefact* block =
       FindArtefact(&session->bench(), c.artefact, {ArtefactType::kBlock123}, c.place);
   if (o.macro) return RunMacro(session, *block, o);
-  ExplainPlan(session, *block, o);
-  auto sizes = Measure(session, block, o);
+  ExplainPlanOfDualDimension(session, *block, o);
+  auto sizes = MeasureDualDimension(session, block, o);
   if (!sizes) return tl::unexpected(sizes.error());
   const std::string name = NameOf(Setting::kStepsPerMm, c.axis);
   bool applied_any = false;
@@ -151,7 +153,7 @@ Expected<void> RunDualDimension(Session* session, const DualDimensionOptions& o)
       break;
     }
     const double error_before_mm = std::abs(sizes->change_error_mm());
-    sizes = Measure(session, block, o);
+    sizes = MeasureDualDimension(session, block, o);
     if (!sizes) return tl::unexpected(sizes.error());
     if (c.as_published) CheckAsPublished(session, *sizes);
     const auto good =
@@ -169,7 +171,7 @@ Expected<void> RunDualDimension(Session* session, const DualDimensionOptions& o)
 
 namespace {
 
-PreparedProcedure Prepare(YamlMap map, const Machine& /*drawing*/) {
+PreparedProcedure PrepareDualDimension(YamlMap map, const Machine& /*drawing*/) {
   DualDimensionOptions o;
   o.common = ReadCommon(&map);
   o.sizes_mm = ReadDimensions(
@@ -206,6 +208,6 @@ constinit const Procedure kDualDimension{
         "difference. The macro's targets lie before the faces (no trigger), and "
         "nothing lifts the probe between them.",
     .has_variants = true,
-    .prepare = Prepare};
+    .prepare = PrepareDualDimension};
 
 }  // namespace caltwin

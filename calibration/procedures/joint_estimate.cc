@@ -216,7 +216,7 @@ Expected<void> RunJoint(Session* session, const JointOptions& o) {
 
 namespace {
 
-PreparedProcedure Prepare(YamlMap map, const Machine& /*drawing*/) {
+PreparedProcedure PrepareJointEstimate(YamlMap map, const Machine& /*drawing*/) {
   JointOptions o;
   o.place = map.place();
   map.WordOr("variant", "corrected", {"as_published", "corrected"});
@@ -275,6 +275,6 @@ constinit const Procedure kJointEstimate{
         "would. Compensation is off while it measures. Also prints how well faces are "
         "predicted that were not fitted.",
     .has_variants = false,
-    .prepare = Prepare};
+    .prepare = PrepareJointEstimate};
 
 }  // namespace caltwin

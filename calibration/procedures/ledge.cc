@@ -23,11 +23,12 @@ struct Lip {
   std::vector<Touched> touches{};
 };
 
-Expected<void> Fit(Session* session, const std::string& stylus) {
+Expected<void> FitLedge(Session* session, const std::string& stylus) {
   if (const auto raised = session->probing().Raise(); !raised) return raised;
-  return session->bench().person->Do({.kind = Act::Kind::kFitStylus,
-                                      .text = fmt::format("Fit the {} stylus.", stylus),
-                                      .artefact = stylus});
+  return session->bench().person->Do(
+      {.kind = Act::Kind::kFitStylus,
+       .text = fmt::format("FitLedge the {} stylus.", stylus),
+       .artefact = stylus});
 }
 
 Expected<Lip> TouchTop(Session* session, const Face& top, const SpanPlan& plan) {
@@ -94,7 +95,7 @@ Expected<SpanReading> MeasureLedge(Session* session,
   const std::vector<Face> faces = FacesForSpan(ledge, plan);
   const Face& bottom = faces[0].from_below ? faces[0] : faces[1];
   const Face& top = faces[0].from_below ? faces[1] : faces[0];
-  if (const auto fitted = Fit(session, "disc"); !fitted) {
+  if (const auto fitted = FitLedge(session, "disc"); !fitted) {
     return tl::unexpected(fitted.error());
   }
   const auto lip = TouchTop(session, top, plan);
@@ -102,7 +103,7 @@ Expected<SpanReading> MeasureLedge(Session* session,
   const auto below = session->probing().Touch(
       bottom, {.repeats = plan.repeats, .campaign = plan.campaign});
   if (!below) return tl::unexpected(below.error());
-  if (const auto fitted = Fit(session, "ball"); !fitted) {
+  if (const auto fitted = FitLedge(session, "ball"); !fitted) {
     return tl::unexpected(fitted.error());
   }
 

@@ -25,7 +25,9 @@ Expected<bool> Steps(Session* session, const CommonOptions& c) {
   return GoOn(session, RunDualDimension(session, {.common = c, .sizes_mm = sizes_mm}));
 }
 
-Expected<bool> Gap(Session* session, const AllOptions& o, const CommonOptions& c) {
+Expected<bool> NextAllGap(Session* session,
+                          const AllOptions& o,
+                          const CommonOptions& c) {
   ClusterOptions cluster{.release = o.release};
   cluster.release.common = c;
   cluster.release.statistics = true;
@@ -39,9 +41,9 @@ Expected<bool> RunAxis(Session* session, const AllOptions& o, Axis axis) {
     const auto done = GoOn(session, RunRoughSteps(session, {.common = c}));
     if (!done || !*done) return done;
   }
-  const auto first = o.backlash_first ? Gap(session, o, c) : Steps(session, c);
+  const auto first = o.backlash_first ? NextAllGap(session, o, c) : Steps(session, c);
   if (!first || !*first) return first;
-  const auto second = o.backlash_first ? Steps(session, c) : Gap(session, o, c);
+  const auto second = o.backlash_first ? Steps(session, c) : NextAllGap(session, o, c);
   if (!second || !*second) return second;
   return GoOn(session, RunDeflection(session, {.common = c}));
 }
@@ -84,7 +86,7 @@ Expected<void> RunAll(Session* session, const AllOptions& o) {
 
 namespace {
 
-PreparedProcedure Prepare(YamlMap map, const Machine& /*drawing*/) {
+PreparedProcedure PrepareNextAll(YamlMap map, const Machine& /*drawing*/) {
   AllOptions o;
   o.axes = ReadAxes(&map);
   CommonOptions& c = o.common;
@@ -132,6 +134,6 @@ constinit const Procedure kNextAll{
         "must come last. A `global` line fails on the second load unless "
         "exists() guards it. M500 keeps none of the three.",
     .has_variants = true,
-    .prepare = Prepare};
+    .prepare = PrepareNextAll};
 
 }  // namespace caltwin

@@ -140,7 +140,7 @@ PlaneTiltOptions ReadPlaneTilt(YamlMap* map) {
 
 namespace {
 
-PreparedProcedure Prepare(YamlMap map, const Machine& /*drawing*/) {
+PreparedProcedure PreparePlaneTilt(YamlMap map, const Machine& /*drawing*/) {
   const PlaneTiltOptions o = ReadPlaneTilt(&map);
   map.NoMoreKeys();
   return [o](Bench* bench) {
@@ -164,7 +164,7 @@ constinit const Procedure kPlaneTilt{
         "+y. Pre-travel and tip lift all points alike and cancel. Three points "
         "fit exactly, so their residual proves nothing.",
     .has_variants = false,
-    .prepare = Prepare,
+    .prepare = PreparePlaneTilt,
     .drives = DrivesAsked::kAny};
 
 }  // namespace caltwin

@@ -79,7 +79,7 @@ void KeepSlowest(Session* session, Axis axis, const Touched& touched, Releases* 
   all->scatter_mm = std::max(all->scatter_mm, Scatter(touched.trigger_mm));
 }
 
-Expected<Releases> Measure(Session* session, const ReleaseOptions& o) {
+Expected<Releases> MeasureReleaseBacklash(Session* session, const ReleaseOptions& o) {
   const CommonOptions& c = o.common;
   const std::vector<double> feeds_mm_s = Feeds(session, o);
   const double push_on_mm = c.as_published ? 0 : PushOn_mm(session, c.axis);
@@ -108,7 +108,9 @@ Expected<Releases> Measure(Session* session, const ReleaseOptions& o) {
   return all;
 }
 
-ReleaseFit Fit(Session* session, const Releases& all, const ReleaseOptions& o) {
+ReleaseFit FitReleaseBacklash(Session* session,
+                              const Releases& all,
+                              const ReleaseOptions& o) {
   std::vector<TriggerRelease> feeds;
   for (const auto& [feed_mm_s, differences_mm] : all.difference_mm) {
     // A difference of two readings scatters as their sum does: by sqrt(2) each.
@@ -130,7 +132,7 @@ ReleaseFit Fit(Session* session, const Releases& all, const ReleaseOptions& o) {
   return BacklashFromRelease(feeds, Hysteresis(session, o), latency_s);
 }
 
-void ExplainPlan(Session* session, const ReleaseOptions& o) {
+void ExplainPlanOfReleaseBacklash(Session* session, const ReleaseOptions& o) {
   PlanModel plan(session);
   for (const Face& face : FacesToRelease(session, o.common)) {
     for (const double feed_mm_s : Feeds(session, o)) {
@@ -252,17 +254,17 @@ Expected<void> Check(Session* session,
 
 Expected<void> RunRelease(Session* session, const ReleaseOptions& o) {
   const CommonOptions& c = o.common;
-  ExplainPlan(session, o);
+  ExplainPlanOfReleaseBacklash(session, o);
   const bool valid = HoldsItsCarriage(session, c.axis);
   const auto measure = [&] {
-    return Measure(session, o);
+    return MeasureReleaseBacklash(session, o);
   };
   const auto measured =
       c.as_published ? measure() : WithoutCompensation(session, c.axis, measure);
   if (!measured) return tl::unexpected(measured.error());
   WarnOfScatter(session, "one face", measured->scatter_mm);
   if (o.statistics) PrintClusters(session, *measured, c.axis);
-  const ReleaseFit fit = Fit(session, *measured, o);
+  const ReleaseFit fit = FitReleaseBacklash(session, *measured, o);
   const std::string name = NameOf(Setting::kBacklash, c.axis);
   const double before_mm = session->Believed(Setting::kBacklash, c.axis);
   session->Tell(
@@ -336,7 +338,7 @@ ReleaseOptions ReadReleaseOptions(YamlMap* map, const CommonOptions& defaults) {
 
 namespace {
 
-PreparedProcedure Prepare(YamlMap map, const Machine& /*drawing*/) {
+PreparedProcedure PrepareReleaseBacklash(YamlMap map, const Machine& /*drawing*/) {
   const ReleaseOptions o = ReadReleaseOptions(&map, {});
   map.NoMoreKeys();
   return [o](Bench* bench) {
@@ -370,6 +372,6 @@ constinit const Procedure kTriggerReleaseBacklash{
         "friction exceeds the stylus' force and the load that hangs on the nut; else "
         "it reads the hysteresis alone.",
     .has_variants = true,
-    .prepare = Prepare};
+    .prepare = PrepareReleaseBacklash};
 
 }  // namespace caltwin

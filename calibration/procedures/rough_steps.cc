@@ -34,7 +34,7 @@ double Distance_mm(Session* session, const RoughOptions& o) {
   return std::min({o.distance_mm, room_mm, std::max(above_mm - kFromEnds_mm, 1.0)});
 }
 
-Expected<MeasuredMove> Measure(Session* session, const RoughOptions& o) {
+Expected<MeasuredMove> MeasureRoughSteps(Session* session, const RoughOptions& o) {
   const CommonOptions& c = o.common;
   const AxisDrawing& drawing = session->bench().machine.axis(c.axis);
   const std::string id = o.instrument + "." + Name(c.axis);
@@ -82,7 +82,7 @@ Expected<bool> CheckAgain(Session* session,
                           const MeasuredMove& move,
                           const Proposal& proposal,
                           double before) {
-  const auto again = Measure(session, o);
+  const auto again = MeasureRoughSteps(session, o);
   if (!again) return tl::unexpected(again.error());
   session->Tell(fmt::format("{:.3f} mm commanded now move {:.4f} mm, {} within 1 %.",
                             again->commanded_mm,
@@ -108,7 +108,7 @@ Expected<void> RunRoughSteps(Session* session, const RoughOptions& o) {
   const std::string name = NameOf(Setting::kStepsPerMm, c.axis);
   bool applied_any = false;
   for (int pass = 1; pass <= c.iterations; ++pass) {
-    const auto move = Measure(session, o);
+    const auto move = MeasureRoughSteps(session, o);
     if (!move) return tl::unexpected(move.error());
     const Uncertain steps = StepsFromMove(*move);
     const double before = session->Believed(Setting::kStepsPerMm, c.axis);
@@ -139,7 +139,7 @@ Expected<void> RunRoughSteps(Session* session, const RoughOptions& o) {
 
 namespace {
 
-PreparedProcedure Prepare(YamlMap map, const Machine& /*drawing*/) {
+PreparedProcedure PrepareRoughSteps(YamlMap map, const Machine& /*drawing*/) {
   RoughOptions o;
   o.common = ReadCommon(&map, {.repeats = 1});
   o.distance_mm = map.NumberOr("distance_mm", 100, {1, 2000});
@@ -166,6 +166,6 @@ constinit const Procedure kRoughSteps{
         "the sense of the move, else the gap is lost on the way: 0.05 mm of "
         "100 mm is 0.05 %.",
     .has_variants = false,
-    .prepare = Prepare};
+    .prepare = PrepareRoughSteps};
 
 }  // namespace caltwin

@@ -242,7 +242,7 @@ Expected<void> RunVerify(Session* session, const VerifyOptions& o) {
 
 namespace {
 
-PreparedProcedure Prepare(YamlMap map, const Machine& /*drawing*/) {
+PreparedProcedure PrepareVerify(YamlMap map, const Machine& /*drawing*/) {
   VerifyOptions o;
   o.place = map.place();
   o.axes = ReadAxes(&map);
@@ -282,6 +282,6 @@ constinit const Procedure kVerify{
         "constant; of the constant, the gap left counts -b, the rest is pre-travel and "
         "tip. Heights have no datum, so along z only the proportional part shows.",
     .has_variants = false,
-    .prepare = Prepare};
+    .prepare = PrepareVerify};
 
 }  // namespace caltwin

@@ -48,8 +48,9 @@ void DeltaTrial::Connect(Link* link) {
                              .probe_sigma_mm = delta_.probe_sigma_mm,
                              .believed =
                                  [this] {
-                                   return BelievedDelta{twin_->marlin().settings(),
-                                                        twin_->marlin().probe_offset_mm()};
+                                   return BelievedDelta{
+                                       twin_->marlin().settings(),
+                                       twin_->marlin().probe_offset_mm()};
                                  },
                              .fit = &truth_.fit});
   const Vec3<double>& offset_mm = delta_.probe_offset_mm;

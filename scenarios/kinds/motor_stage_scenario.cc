@@ -97,7 +97,8 @@ void MotorStageScenario::ReadKeys(YamlMap* map, Scenario* /*scenario*/) {
 }
 
 std::vector<Word> MotorStageScenario::ScenarioSteps() const {
-  return {Word{"power_cut",
+  return {
+      Word{"power_cut",
            "A step: the power goes while lines are obeyed, after after_bytes (0) more "
            "bytes of the flash, and comes back: what the flash holds is in force, and "
            "no "

@@ -114,7 +114,8 @@ void TripleZScenario::ReadKeys(YamlMap* map, Scenario* scenario) {
 }
 
 std::vector<Word> TripleZScenario::ScenarioSteps() const {
-  return {Word{"move_triple_z",
+  return {
+      Word{"move_triple_z",
            "A step: the nozzle to at_mm [x, y], the screws to heights_mm [z1, z2, z3], "
            "0 "
            "to the top each; homes if needed, waits. What lies outside is refused and "

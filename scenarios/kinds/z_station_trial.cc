@@ -45,15 +45,13 @@ void ZStationTrial::Connect(Link* link) {
   bench_.link = &*hands_;
   bench_.gauge = &*hands_;
   bench_.person = &*hands_;
-  const FeelerHands hands{.gap_mm =
-                              [this](double) {
-                                return ReadGap_mm("switch_offset");
-                              },
-                          .wipe =
-                              [this] {
-                                twin_.Wipe();
-                                return true;
-                              }};
+  const FeelerHands hands{
+      .gap_mm = [this](double) { return ReadGap_mm("switch_offset"); },
+      .wipe =
+          [this] {
+            twin_.Wipe();
+            return true;
+          }};
   // Klipper does not start with a switch_offset below 0.
   const auto write = [this](double switch_offset_mm) {
     if (switch_offset_mm < 0) return false;

@@ -25,7 +25,6 @@ constexpr std::int64_t kMostUnkeptTrials = 1'000'000'000'000;
 constexpr std::int64_t kLargestSeed = 1'000'000'000'000;
 constexpr std::size_t kMostScenarios = 1000;
 constexpr std::int64_t kMostShards = 1'000'000;
-constexpr std::size_t kLargestFile_bytes = 1'000'000;
 
 // Every scenario named; their faults among the study's.
 std::vector<Scenario> ReadScenarios(const YamlValue& list, const fs::path& folder) {
@@ -118,8 +117,7 @@ std::vector<StudyCase> CasesOf(const std::vector<Scenario>& scenarios,
     }
     const std::string axis = UsualAxis(scenario, vary);
     const std::vector<CalibrationStep> steps =
-        ReadCalibrationSteps(
-            *compare, *scenario.kind, scenario.machine.machine, axis);
+        ReadCalibrationSteps(*compare, *scenario.kind, scenario.machine.machine, axis);
     const std::vector<std::string> names = ContenderNames(*compare, steps);
     for (std::size_t i = 0; i < steps.size(); ++i) {
       cases.push_back({.scenario = scenario, .procedure = names[i]});

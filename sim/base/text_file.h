@@ -6,6 +6,10 @@
 
 namespace caltwin {
 
+/// @name The most that is read of a file: written by hand, or measured.
+inline constexpr std::size_t kLargestFile_bytes = 1'000'000;
+inline constexpr std::size_t kLargestData_bytes = 64'000'000;
+
 /// The whole of a text file. Throws InputError, naming the file, where it is missing, a
 /// folder, unreadable, or larger than `most_bytes` (told from its size, without
 /// reading).

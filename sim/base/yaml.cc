@@ -14,8 +14,6 @@
 namespace caltwin {
 namespace {
 
-constexpr std::size_t kLargestFile_bytes = 1'000'000;
-
 Place PlaceOf(const std::string& file, const YAML::Node& node) {
   return YamlPlace(file, node.Mark());
 }

@@ -17,7 +17,6 @@
 namespace caltwin {
 namespace {
 
-constexpr std::size_t kLargestFile_bytes = 64'000'000;
 constexpr std::size_t kMostFaults = 1000;  // Beyond these no one reads them.
 constexpr double kUnitTolerance = 1e-3;    // 0.707, 0.707 is a unit vector to people.
 
@@ -383,7 +382,7 @@ class Reader {
 }  // namespace
 
 RowTable ReadRows(const std::filesystem::path& file) {
-  return ParseRows(ReadTextFile(file, kLargestFile_bytes), file.string());
+  return ParseRows(ReadTextFile(file, kLargestData_bytes), file.string());
 }
 
 RowTable ParseRows(const std::string& text, const std::string& name) {

@@ -105,8 +105,9 @@ TEST(DeltaScenario, TheEffectsOfAMachineFileAct) {
 TEST(DeltaScenario, EveryEffectIsExplained) {
   std::vector<std::string> unexplained;
   for (const std::string& name : DeltaEffectNames()) {
-    const bool is_delta = std::ranges::any_of(
-        DeltaScenario().OwnEffects(), [&](const Word& word) { return word.name == name; });
+    const bool is_delta =
+        std::ranges::any_of(DeltaScenario().OwnEffects(),
+                            [&](const Word& word) { return word.name == name; });
     const bool is_any = std::ranges::any_of(
         AllEffects(), [&](const Effect* effect) { return effect->name == name; });
     if (!is_delta && !is_any) unexplained.push_back(name);

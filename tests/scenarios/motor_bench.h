@@ -12,8 +12,8 @@
 namespace caltwin {
 
 inline MotorStageDrawing DrawnMotorStage() {
-  static const MotorStageDrawing drawing = MotorStageOf(
-      ReadMachine(CALTWIN_SOURCE_DIR "/models/motor_stage/machine.yaml"));
+  static const MotorStageDrawing drawing =
+      MotorStageOf(ReadMachine(CALTWIN_SOURCE_DIR "/models/motor_stage/machine.yaml"));
   return drawing;
 }
 

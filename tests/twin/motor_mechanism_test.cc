@@ -15,7 +15,8 @@ constexpr double kTick_s = MotorMechanism::kTick_s;
 constexpr std::size_t kX = 0, kA = 3, kU = 4;
 
 MotorStageDrawing Stage() {
-  return MotorStageOf(ReadMachine(CALTWIN_SOURCE_DIR "/models/motor_stage/machine.yaml"));
+  return MotorStageOf(
+      ReadMachine(CALTWIN_SOURCE_DIR "/models/motor_stage/machine.yaml"));
 }
 
 BuiltMotors Built(double gap_unit = 0) {

@@ -18,16 +18,14 @@
 namespace caltwin {
 namespace {
 
-using Options = CalibrateOptions;
-
 // A station may stand at any printer: the first procedure tells.
-bool IsOfStation(const Options& options) {
+bool IsOfStation(const CalibrateOptions& options) {
   const std::string_view first = options.procedures.front();
   return FindProcedure(first.substr(0, first.find(':')), ProceduresOf("z_station")) !=
          nullptr;
 }
 
-std::vector<CalibrationStep> StepsOf(const Options& options,
+std::vector<CalibrationStep> StepsOf(const CalibrateOptions& options,
                                      const KindScenario& kind,
                                      const Machine& machine) {
   const Procedures known = kind.KnownProcedures();
@@ -39,7 +37,7 @@ std::vector<CalibrationStep> StepsOf(const Options& options,
   return steps;
 }
 
-std::vector<ProcedureResult> Perform(const Options& options,
+std::vector<ProcedureResult> Perform(const CalibrateOptions& options,
                                      const std::vector<CalibrationStep>& steps,
                                      Desk* desk) {
   ProgressLine progress;
@@ -64,7 +62,7 @@ std::vector<ProcedureResult> Perform(const Options& options,
   return results;
 }
 
-int Calibrate(const Options& options) {
+int Calibrate(const CalibrateOptions& options) {
   const auto file = MachineToCalibrate(options);
   const Machine machine = file ? file->machine : Machine{};
   const auto kind = KindFor(machine, IsOfStation(options));
@@ -94,7 +92,7 @@ int Calibrate(const Options& options) {
 }  // namespace
 
 Action DeclareCalibrate(CLI::App* app) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<CalibrateOptions>();
   app->add_option("--link",
                   options->link,
                   "twin:M.yaml?truth=T.yaml, serial:/dev/ttyACM0?baud=115200, "

@@ -19,6 +19,9 @@ inline constexpr int kBadInput = 2;  ///< An InputError; `main` prints it.
 inline constexpr int kLost = 3;      ///< A process or a link was lost.
 inline constexpr int kInterrupted = 130;
 
+/// Of the trees that `--json` writes.
+inline constexpr int kJsonIndent = 2;
+
 /// What runs a subcommand once its options are parsed; returns an exit code, throws
 /// InputError for a person's fault.
 using Action = std::function<int()>;

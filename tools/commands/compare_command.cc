@@ -20,7 +20,7 @@ namespace {
 
 constexpr int kMostMachines = 100000;
 
-struct Options {
+struct CompareAsked {
   std::string kind{};
   std::string machine = "random";
   int machines = 200;
@@ -30,10 +30,9 @@ struct Options {
   std::string json{};
 };
 
-void Write(const Options& options,
+void Write(const CompareAsked& options,
            const std::string& text,
            const nlohmann::ordered_json& json) {
-  constexpr int kJsonIndent = 2;
   if (options.json != "-") std::cout << text;
   if (options.json.empty()) return;
   const std::string dump = json.dump(kJsonIndent) + "\n";
@@ -44,7 +43,7 @@ void Write(const Options& options,
   }
 }
 
-int RunMeasured(const Options& options) {
+int RunMeasured(const CompareAsked& options) {
   if (options.has_machines) {
     throw InputError({.file = "--machines"},
                      "is of random machines; only one was measured",
@@ -63,7 +62,7 @@ int RunMeasured(const Options& options) {
   return InterruptRequested() ? kInterrupted : kPassed;
 }
 
-int RunRandom(const Options& options) {
+int RunRandom(const CompareAsked& options) {
   ProgressLine line;
   const auto progress = [&](int done) {
     line.Show(fmt::format("machine {} of {}", done + 1, options.machines));
@@ -96,7 +95,7 @@ int RunRandom(const Options& options) {
 }  // namespace
 
 Action DeclareCompare(CLI::App* app) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<CompareAsked>();
   app->add_option(
          "kind", options->kind, "what is calibrated: delta, levelling, backlash")
       ->required()

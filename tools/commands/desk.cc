@@ -19,8 +19,7 @@ Desk::Desk(const CalibrateOptions& options, const TwinOptions& papers)
 }
 
 TerminalOperator::Options Desk::AnswersFor(const CalibrateOptions& options) {
-  return {.apply = options.apply,
-          .yes = options.yes || (IsTwin(options) && !CanAsk())};
+  return {.apply = options.apply, .yes = options.yes || (IsTwin(options) && !CanAsk())};
 }
 
 std::string Desk::Farewell() const {

@@ -38,10 +38,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kJsonIndent = 2;
-constexpr std::size_t kLargestFile_bytes = 64'000'000;
-
-struct Options {
+struct DiagnoseAsked {
   std::string file{};
   std::string machine{};
   std::string json{};
@@ -67,7 +64,7 @@ struct Judged {
   std::vector<LoopRound> rounds{};  // Of a closed loop.
 };
 
-Judged Judge(const Data& data, const Believed& believed, const Options& options) {
+Judged Judge(const Data& data, const Believed& believed, const DiagnoseAsked& options) {
   ProgressLine progress;
   Judged judged{.observed = Observed(data.table,
                                      data.header,
@@ -83,7 +80,7 @@ Judged Judge(const Data& data, const Believed& believed, const Options& options)
 }
 
 // What physics says to the diagnosis, and what it is worth at poses nobody measured.
-void TryInTwin(const Options& options, Judged* judged) {
+void TryInTwin(const DiagnoseAsked& options, Judged* judged) {
   judged->volumetric =
       VolumetricGainOf(judged->observed, judged->diagnosis, options.seed);
   if (options.replay == "none") {
@@ -98,7 +95,7 @@ void TryInTwin(const Options& options, Judged* judged) {
 // Begins with the rows at hand and measures on until one cause is left.
 Judged JudgeInLoop(const MachineUnderTest& tested,
                    const Believed& believed,
-                   const Options& options,
+                   const DiagnoseAsked& options,
                    Data* data) {
   ProgressLine progress;
   const auto tell = [&](const LoopRound& round) {
@@ -130,10 +127,10 @@ Judged JudgeInLoop(const MachineUnderTest& tested,
 }
 
 std::string Sha256OfFile(const fs::path& file) {
-  return file.empty() ? "" : Sha256(ReadTextFile(file, kLargestFile_bytes));
+  return file.empty() ? "" : Sha256(ReadTextFile(file, kLargestData_bytes));
 }
 
-std::string CommandOf(const Options& options) {
+std::string CommandOf(const DiagnoseAsked& options) {
   std::string command = "caltwin diagnose";
   if (!options.file.empty()) command += " " + options.file;
   if (!options.machine.empty()) command += " --machine " + options.machine;
@@ -149,7 +146,7 @@ std::string CommandOf(const Options& options) {
 }
 
 // The earlier campaign under the same machine; what it is has its own notes.
-std::vector<Change> Compare(const Options& options,
+std::vector<Change> Compare(const DiagnoseAsked& options,
                             const Believed& believed,
                             const Judged& now,
                             std::vector<std::string>* notes) {
@@ -164,7 +161,7 @@ std::vector<Change> Compare(const Options& options,
 }
 
 // How the extension names what it extends: a name as given, a file from its own folder.
-std::string ExtendsOf(const Options& options, const fs::path& machine) {
+std::string ExtendsOf(const DiagnoseAsked& options, const fs::path& machine) {
   const std::string& given = options.machine;
   const bool is_name = !given.empty() && given.find('/') == std::string::npos &&
                        !given.ends_with(".yaml");
@@ -175,7 +172,7 @@ std::string ExtendsOf(const Options& options, const fs::path& machine) {
 
 // Where the machine goes that nobody described and that is to be extended: beside the
 // extension, "x.machine.yaml" of "x.ext.yaml".
-fs::path FileOfAssumed(const Options& options) {
+fs::path FileOfAssumed(const DiagnoseAsked& options) {
   if (options.extend.empty()) return {};
   fs::path stem = fs::path(options.extend).replace_extension();
   if (stem.extension() == ".ext") stem.replace_extension();
@@ -183,7 +180,7 @@ fs::path FileOfAssumed(const Options& options) {
 }
 
 // Writes the extended machine where something was found; the name of what was written.
-std::string WriteExtension(const Options& options,
+std::string WriteExtension(const DiagnoseAsked& options,
                            const Believed& believed,
                            const Diagnosis& diagnosis) {
   if (options.extend.empty()) return "";
@@ -214,7 +211,7 @@ std::string WriteExtension(const Options& options,
   return options.extend;
 }
 
-void WriteCorrection(const Options& options, const Judged& judged) {
+void WriteCorrection(const DiagnoseAsked& options, const Judged& judged) {
   if (options.correction.empty()) return;
   const std::string name = fs::path(options.correction).filename().string();
   for (const CorrectionFile& file : CorrectionFor(ControllerNamed(options.controller),
@@ -225,7 +222,7 @@ void WriteCorrection(const Options& options, const Judged& judged) {
   }
 }
 
-void WriteJson(const Options& options,
+void WriteJson(const DiagnoseAsked& options,
                const Believed& believed,
                const Judged& judged,
                const TextNotes& text_notes,
@@ -250,7 +247,7 @@ void WriteJson(const Options& options,
   }
 }
 
-void WriteReportOf(const Options& options,
+void WriteReportOf(const DiagnoseAsked& options,
                    const Judged& judged,
                    const TextNotes& text_notes) {
   if (options.report.empty()) return;
@@ -269,7 +266,7 @@ void WriteReportOf(const Options& options,
 }
 
 // Of a closed loop; the machine it is told by is believed where nothing else is said.
-std::optional<MachineUnderTest> Tested(Options* options, const Data& data) {
+std::optional<MachineUnderTest> Tested(DiagnoseAsked* options, const Data& data) {
   if (options->closed_loop.empty()) return std::nullopt;
   MachineUnderTest tested = MachineAt(options->closed_loop);
   if (options->machine.empty() && data.header.machine.empty()) {
@@ -278,13 +275,13 @@ std::optional<MachineUnderTest> Tested(Options* options, const Data& data) {
   return tested;
 }
 
-void RequireSettings(const Options& options, const Machine& machine) {
+void RequireSettings(const DiagnoseAsked& options, const Machine& machine) {
   if (options.correction.empty()) return;
   const ControllerKind controller = ControllerNamed(options.controller);
   DiagnosedAs(machine).RequireSettings(controller);
 }
 
-void CheckSpares(const Options& options, const Believed& believed) {
+void CheckSparesOfDiagnose(const DiagnoseAsked& options, const Believed& believed) {
   const fs::path assumed = FileOfAssumed(options);
   if (believed.file.empty() && fs::exists(assumed)) {
     throw InputError({.file = assumed.string()},
@@ -310,14 +307,14 @@ void CheckSpares(const Options& options, const Believed& believed) {
                 RowsAndHeader("--record", options.record)}));
 }
 
-int Run(Options options) {
+int RunDiagnose(DiagnoseAsked options) {
   CheckLoop(options.file, options.closed_loop, options.record);
   Data data;
   if (!options.file.empty()) data = ReadData(options.file);
   const auto tested = Tested(&options, data);
   const Believed believed = BelievedMachine(options.file, options.machine, &data);
   RequireSettings(options, believed.machine);
-  CheckSpares(options, believed);
+  CheckSparesOfDiagnose(options, believed);
   if (!options.file.empty()) {
     JudgeData(options.file, believed.file.empty() ? nullptr : &believed.machine, &data);
   }
@@ -348,7 +345,7 @@ int Run(Options options) {
 }  // namespace
 
 Action DeclareDiagnose(CLI::App* app) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<DiagnoseAsked>();
   app->add_option("data", options->file, "measured rows, DATA.csv");
   app->add_option(
       "--machine", options->machine, "a name, a machine file, or an extension");
@@ -385,7 +382,7 @@ Action DeclareDiagnose(CLI::App* app) {
           ->capture_default_str();
   return [options, replay] {
     options->must_replay = replay->count() > 0;
-    return Run(*options);
+    return RunDiagnose(*options);
   };
 }
 

@@ -23,7 +23,7 @@
 namespace caltwin {
 namespace {
 
-constexpr std::size_t kWidth = 88;
+constexpr std::size_t kExplainWidth = 88;
 
 // Prose folded at spaces, every line indented.
 std::string Folded(std::string_view text, std::size_t indent) {
@@ -33,7 +33,7 @@ std::string Folded(std::string_view text, std::size_t indent) {
   while (start < text.size()) {
     const std::size_t end = std::min(text.find(' ', start), text.size());
     const std::string_view word = text.substr(start, end - start);
-    if (line.size() > indent && line.size() + 1 + word.size() > kWidth) {
+    if (line.size() > indent && line.size() + 1 + word.size() > kExplainWidth) {
       folded += line + "\n";
       line.assign(indent, ' ');
     }
@@ -195,7 +195,8 @@ std::string ListText() {
   add_names("Uncertainty", UncertaintyWords());
   for (const auto& kind : AllKindScenarios()) {
     const auto add_of = [&](std::string_view what, std::span<const Word> words) {
-      if (!words.empty()) add_names(fmt::format("{} of {}", what, kind->Owner()), words);
+      if (!words.empty())
+        add_names(fmt::format("{} of {}", what, kind->Owner()), words);
     };
     std::vector<Word> procedures;
     for (const Procedure* one : OwnProcedures(*kind)) {
@@ -226,10 +227,10 @@ std::string KeysText(std::string_view of, std::span<const Word> keys) {
 // All that there is on machines of a kind, by what it is.
 std::string KindText(const MachineKind& kind) {
   std::string text = fmt::format("{} (a kind of machine)\n", kind.name());
-  text += Folded(
-      fmt::format("{} Each name below is explained by `caltwin explain NAME`.",
-                  kind.about()),
-      2);
+  text +=
+      Folded(fmt::format("{} Each name below is explained by `caltwin explain NAME`.",
+                         kind.about()),
+             2);
   const auto add = [&](std::string_view title, std::vector<std::string_view> names) {
     if (names.empty()) return;
     text += fmt::format("\n{}\n", title) +

@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kTouch_mm = MmFromUm(10.0);
 
-std::string Um(double mm) {
+std::string UmImportAccount(double mm) {
   const double um = UmFromMm(mm);
   return fmt::format("{:.1f}", std::abs(um) < 0.05 ? 0.0 : um);
 }
@@ -31,17 +31,17 @@ std::string DeviationsText(const KlipperFit& fit, const DeltaModel<double>& save
       "fit less saved [um]: delta radius {}, endstops {} {} {}, towers a, b along "
       "their "
       "circle {} {}",
-      Um(fit.model.radius_mm[0] - saved.radius_mm[0]),
-      Um(fit.model.endstop_mm[0] - saved.endstop_mm[0]),
-      Um(fit.model.endstop_mm[1] - saved.endstop_mm[1]),
-      Um(fit.model.endstop_mm[2] - saved.endstop_mm[2]),
-      Um(arc_mm(0)),
-      Um(arc_mm(1)));
+      UmImportAccount(fit.model.radius_mm[0] - saved.radius_mm[0]),
+      UmImportAccount(fit.model.endstop_mm[0] - saved.endstop_mm[0]),
+      UmImportAccount(fit.model.endstop_mm[1] - saved.endstop_mm[1]),
+      UmImportAccount(fit.model.endstop_mm[2] - saved.endstop_mm[2]),
+      UmImportAccount(arc_mm(0)),
+      UmImportAccount(arc_mm(1)));
   if (fit.last_step.x.size() == kKlipperNine) {
     text += fmt::format(", arms {} {} {}",
-                        Um(fit.model.arm_mm[0] - saved.arm_mm[0]),
-                        Um(fit.model.arm_mm[1] - saved.arm_mm[1]),
-                        Um(fit.model.arm_mm[2] - saved.arm_mm[2]));
+                        UmImportAccount(fit.model.arm_mm[0] - saved.arm_mm[0]),
+                        UmImportAccount(fit.model.arm_mm[1] - saved.arm_mm[1]),
+                        UmImportAccount(fit.model.arm_mm[2] - saved.arm_mm[2]));
   }
   return text;
 }
@@ -55,7 +55,7 @@ std::string VerdictText(const KlipperAssessment& assessment) {
           "all endstops were moved by {} um after the calibration (a new z offset?); "
           "the "
           "rest belongs to these touches",
-          Um(assessment.saved_mean_mm));
+          UmImportAccount(assessment.saved_mean_mm));
     case SavedVerdict::kStale:
       return "STALE: the saved geometry does not belong to these touches. It was "
              "changed "
@@ -72,7 +72,7 @@ std::string HoldOutText(const KlipperAssessment& assessment) {
       "each touch foretold by all other readings: {} um rms ({} reading{} beyond the "
       "{} "
       "numbers fitted{})",
-      Um(*assessment.hold_out_rms_mm),
+      UmImportAccount(*assessment.hold_out_rms_mm),
       assessment.spare,
       assessment.spare == 1 ? "" : "s",
       assessment.fit.last_step.x.size(),
@@ -90,7 +90,7 @@ std::string SdText(const KlipperFit& fit) {
     text += fmt::format("{} {} {}",
                         i == 0 ? "" : ",",
                         kKlipperNames[static_cast<std::size_t>(i)],
-                        Um(fit.last_step.sd(i)));
+                        UmImportAccount(fit.last_step.sd(i)));
   }
   return text;
 }
@@ -112,7 +112,7 @@ std::string OwnScatterText(const KlipperAssessment& assessment,
   return fmt::format(
       "what the fit leaves is that of touches good to {} um ({} degree{} of "
       "freedom{}): the standard deviations are then {:.1f} times as large",
-      Um(own_mm),
+      UmImportAccount(own_mm),
       assessment.spare,
       assessment.spare == 1 ? "" : "s",
       assessment.spare == 1 ? ", so known within a factor of a few" : "",
@@ -160,8 +160,8 @@ std::string DistancesText(double off_mm, double sigma_mm) {
   constexpr double kTooMuch_mm = MmFromUm(100.0);
   return fmt::format(
       "distances on the print: {} um rms; Klipper weighs them as if good to {} um{}",
-      Um(off_mm),
-      Um(sigma_mm),
+      UmImportAccount(off_mm),
+      UmImportAccount(sigma_mm),
       off_mm > kTooMuch_mm ? ". They contradict each other, or the heights: measure "
                              "again before you believe the arms"
                            : "");
@@ -208,8 +208,8 @@ std::vector<std::string> DeltaAccount(const KlipperCalibration& read,
       VerdictText(assessment),
       fmt::format(
           "heights: {} um rms as saved, {} um by a fit of Klipper's own {} numbers",
-          Um(assessment.saved_rms_mm),
-          Um(assessment.fit.height_rms_mm),
+          UmImportAccount(assessment.saved_rms_mm),
+          UmImportAccount(assessment.fit.height_rms_mm),
           assessment.fit.last_step.x.size()),
       DeviationsText(assessment.fit, read.geometry.model),
       HoldOutText(assessment),
@@ -232,14 +232,14 @@ std::vector<std::string> DeltaAccount(const KlipperCalibration& read,
       fmt::format("heights alone do not tell the arms: 1 mm longer, they fit to {} um "
                   "rms with a delta "
                   "radius {:+.3f} mm, and prints differ by {:.2f} %",
-                  Um(assessment.longer_arms_rms_mm),
+                  UmImportAccount(assessment.longer_arms_rms_mm),
                   assessment.longer_arms_radius_mm,
                   PercentFromFraction(std::abs(assessment.longer_arms_scale))));
   return lines;
 }
 
 std::string HeldOutText(const MeshFit& fit) {
-  return fit.hold_out_rms_mm ? Um(*fit.hold_out_rms_mm) : "-";
+  return fit.hold_out_rms_mm ? UmImportAccount(*fit.hold_out_rms_mm) : "-";
 }
 
 std::string ArmsText(const MeshFit& fit, const DeltaModel<double>& settings) {
@@ -269,13 +269,13 @@ std::vector<std::string> MeshLines(const KlipperMesh& mesh,
     lines.push_back(fmt::format(
         "rms fitted / on blocks left out [um]: six numbers {} / {}, free arms {} / {}, "
         "bowl, cylinder, twist {} / {}, bed of third order {} / {}",
-        Um(shape.of(kSix).rms_mm),
+        UmImportAccount(shape.of(kSix).rms_mm),
         HeldOutText(shape.of(kSix)),
-        Um(shape.of(kArms).rms_mm),
+        UmImportAccount(shape.of(kArms).rms_mm),
         HeldOutText(shape.of(kArms)),
-        Um(shape.of(kBed).rms_mm),
+        UmImportAccount(shape.of(kBed).rms_mm),
         HeldOutText(shape.of(kBed)),
-        Um(shape.of(kCubic).rms_mm),
+        UmImportAccount(shape.of(kCubic).rms_mm),
         HeldOutText(shape.of(kCubic))));
   }
   if (shape.verdict == MeshVerdict::kArms) {

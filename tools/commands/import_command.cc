@@ -21,9 +21,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::size_t kLargestFile_bytes = 64'000'000;
-
-struct Options {
+struct ImportAsked {
   std::string kind{};
   std::string file{};
   std::string out{};
@@ -47,7 +45,7 @@ void Print(const char* title, const std::vector<std::string>& sentences) {
   }
 }
 
-void PrintNext(const Imported& imported, const Options& options) {
+void PrintNext(const Imported& imported, const ImportAsked& options) {
   const std::string& out = options.out;
   const std::string& machine_out = options.machine_out;
   const bool is_positioning =
@@ -72,7 +70,7 @@ void PrintNext(const Imported& imported, const Options& options) {
       is_positioning ? fmt::format(", caltwin iso230 {}", out) : "");
 }
 
-void RefuseMissing(const Options& options, const Imported& imported) {
+void RefuseMissing(const ImportAsked& options, const Imported& imported) {
   if (!options.machine_out.empty() && imported.machine_yaml.empty()) {
     throw InputError(
         {.file = "--machine-out"},
@@ -95,7 +93,7 @@ void PrintFound(const Imported& imported) {
 }
 
 /// Of a file that describes a machine and measures nothing.
-void WriteMachineAlone(const Options& options, const Imported& imported) {
+void WriteMachineAlone(const ImportAsked& options, const Imported& imported) {
   if (options.machine_out.empty()) {
     std::cout << imported.machine_yaml;
     return;
@@ -108,7 +106,7 @@ void WriteMachineAlone(const Options& options, const Imported& imported) {
 
 /// Rows and their header where `--out` names them, the machine where `--machine-out`
 /// does; what is not asked for is not written.
-void WriteAskedFor(const Options& options, const Imported& imported) {
+void WriteAskedFor(const ImportAsked& options, const Imported& imported) {
   const fs::path header = fs::path(options.out).replace_extension(".yaml");
   if (!options.out.empty()) {
     WriteDataHeader(header, imported.header);
@@ -119,7 +117,7 @@ void WriteAskedFor(const Options& options, const Imported& imported) {
   if (!options.out.empty()) WriteRows(options.out, imported.table);
 }
 
-int RunImport(const Options& options) {
+int RunImport(const ImportAsked& options) {
   ImportOptions import = options.import;
   if (options.step_mm > 0) import.step_mm = options.step_mm;
   RefuseOverwriting({{"the file", options.file}},
@@ -135,7 +133,7 @@ int RunImport(const Options& options) {
   RefuseImplausible(doubts, options.file);
   const std::vector<std::string> account =
       ImportAccount(options.kind,
-                    ReadTextFile(options.file, kLargestFile_bytes),
+                    ReadTextFile(options.file, kLargestData_bytes),
                     options.file,
                     import);
   WriteAskedFor(options, imported);
@@ -159,7 +157,7 @@ int RunImport(const Options& options) {
 }  // namespace
 
 Action DeclareImport(CLI::App* app) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ImportAsked>();
   std::string kinds;
   for (const Importer& importer : AllImporters()) {
     kinds += fmt::format("  {:<16}{}\n", importer.kind, importer.about);

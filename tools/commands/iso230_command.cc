@@ -17,10 +17,9 @@
 namespace caltwin {
 namespace {
 
-constexpr int kJsonIndent = 2;
 constexpr double kLargestU_um = 1e5;
 
-struct Options {
+struct Iso230Asked {
   std::string file{};
   std::string axis{};
   std::string campaign{};
@@ -30,7 +29,7 @@ struct Options {
 
 /// The one measurement that file and options name. Throws InputError where they name
 /// none or several.
-Iso230Choice Choose(const RowTable& table, const Options& options) {
+Iso230Choice Choose(const RowTable& table, const Iso230Asked& options) {
   const std::vector<Iso230Choice> all = Iso230Choices(table);
   std::vector<Iso230Choice> chosen;
   std::vector<std::string> offered;
@@ -59,7 +58,7 @@ Iso230Choice Choose(const RowTable& table, const Options& options) {
       fmt::format("{}", fmt::join(offered, "; ")));
 }
 
-int Run(const Options& options) {
+int RunIso230(const Iso230Asked& options) {
   RefuseOverwriting(RowsAndHeader("the data", options.file),
                     {{"--json", options.json}});
   const RowTable table = ReadRows(options.file);
@@ -84,7 +83,7 @@ int Run(const Options& options) {
 }  // namespace
 
 Action DeclareIso230(CLI::App* app) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<Iso230Asked>();
   app->add_option("data", options->file, "measured rows, DATA.csv")->required();
   app->add_option("--axis", options->axis, "which axis, where there are several")
       ->check(CLI::IsMember({"x", "y", "z"}));
@@ -104,7 +103,7 @@ Action DeclareIso230(CLI::App* app) {
                   &options->budget.environment_u_um,
                   "standard uncertainty of a reading from drift of the surroundings");
   return [options] {
-    return Run(*options);
+    return RunIso230(*options);
   };
 }
 

@@ -13,7 +13,7 @@
 namespace caltwin {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Iso230TextJson = nlohmann::ordered_json;
 
 RowTable RowsOf(const RowTable& table, const Iso230Choice& choice) {
   RowTable chosen;
@@ -62,7 +62,7 @@ Iso230Budget BudgetOf(const RowTable& rows,
   return extra;
 }
 
-std::string Um(const std::optional<double>& value_mm) {
+std::string UmIso230Text(const std::optional<double>& value_mm) {
   return value_mm ? fmt::format("{:10.2f}", UmFromMm(*value_mm))
                   : fmt::format("{:>10}", "-");
 }
@@ -126,9 +126,10 @@ std::string PositionsText(const Iso230Sheet& sheet) {
                                  "s bwd",
                                  "B");
   for (const Iso230Position& position : sheet.positions) {
-    text += fmt::format("{:12.4f}", position.target_mm) + Um(position.mean_fwd_mm) +
-            Um(position.mean_bwd_mm) + Um(position.s_fwd_mm) + Um(position.s_bwd_mm) +
-            Um(position.b_mm) + "\n";
+    text += fmt::format("{:12.4f}", position.target_mm) +
+            UmIso230Text(position.mean_fwd_mm) + UmIso230Text(position.mean_bwd_mm) +
+            UmIso230Text(position.s_fwd_mm) + UmIso230Text(position.s_bwd_mm) +
+            UmIso230Text(position.b_mm) + "\n";
   }
   return text;
 }
@@ -157,20 +158,20 @@ std::string BaselineText(const Iso230Report& report) {
   return text;
 }
 
-Json JsonOf(const std::optional<double>& value) {
-  return value ? Json(*value) : Json();
+Iso230TextJson JsonOfIso230Text(const std::optional<double>& value) {
+  return value ? Iso230TextJson(*value) : Iso230TextJson();
 }
 
-Json JsonOf(const Iso230Symbols& symbols) {
-  Json json = Json::object();
+Iso230TextJson JsonOfIso230Text(const Iso230Symbols& symbols) {
+  Iso230TextJson json = Iso230TextJson::object();
   for (const NamedSymbol& symbol : AllIso230Symbols()) {
-    json[std::string(symbol.name)] = JsonOf(symbols.*symbol.value);
+    json[std::string(symbol.name)] = JsonOfIso230Text(symbols.*symbol.value);
   }
   return json;
 }
 
-Json JsonOf(const std::optional<Span>& span) {
-  return span ? Json{span->min, span->max} : Json();
+Iso230TextJson JsonOfIso230Text(const std::optional<Span>& span) {
+  return span ? Iso230TextJson{span->min, span->max} : Iso230TextJson();
 }
 
 }  // namespace
@@ -208,8 +209,10 @@ std::string Iso230Text(const Iso230Report& report) {
   text += ConditionsText(report);
   text += fmt::format("\n{:<8}{:>10}{:>10}\n", "symbol", "um", "U (k=2)");
   for (const NamedSymbol& symbol : AllIso230Symbols()) {
-    text += fmt::format("{:<8}", symbol.name) + Um(sheet.symbols.*symbol.value) +
-            Um(sheet.expanded_u.*symbol.value) + fmt::format("  {}\n", symbol.words);
+    text += fmt::format("{:<8}", symbol.name) +
+            UmIso230Text(sheet.symbols.*symbol.value) +
+            UmIso230Text(sheet.expanded_u.*symbol.value) +
+            fmt::format("  {}\n", symbol.words);
   }
   text += BudgetText(report.budget);
   text += "\n" + PositionsText(sheet) + "\n" + BaselineText(report);
@@ -218,31 +221,32 @@ std::string Iso230Text(const Iso230Report& report) {
   return text;
 }
 
-Json Iso230Json(const Iso230Report& report) {
+Iso230TextJson Iso230Json(const Iso230Report& report) {
   const Iso230Sheet& sheet = report.sheet;
-  Json positions = Json::array();
+  Iso230TextJson positions = Iso230TextJson::array();
   for (const Iso230Position& position : sheet.positions) {
     positions.push_back({{"target_mm", position.target_mm},
-                         {"mean_fwd_mm", JsonOf(position.mean_fwd_mm)},
-                         {"mean_bwd_mm", JsonOf(position.mean_bwd_mm)},
-                         {"s_fwd_mm", JsonOf(position.s_fwd_mm)},
-                         {"s_bwd_mm", JsonOf(position.s_bwd_mm)},
-                         {"B_mm", JsonOf(position.b_mm)},
+                         {"mean_fwd_mm", JsonOfIso230Text(position.mean_fwd_mm)},
+                         {"mean_bwd_mm", JsonOfIso230Text(position.mean_bwd_mm)},
+                         {"s_fwd_mm", JsonOfIso230Text(position.s_fwd_mm)},
+                         {"s_bwd_mm", JsonOfIso230Text(position.s_bwd_mm)},
+                         {"B_mm", JsonOfIso230Text(position.b_mm)},
                          {"runs_fwd", position.runs_fwd},
                          {"runs_bwd", position.runs_bwd}});
   }
-  Json baseline = Json::array();
+  Iso230TextJson baseline = Iso230TextJson::array();
   for (const BaselineValue& value : report.baseline.values) {
-    baseline.push_back({{"name", value.name},
-                        {"unit", value.unit},
-                        {"value", value.identifiable ? Json(value.value) : Json()},
-                        {"sd", value.identifiable ? Json(value.sd) : Json()}});
+    baseline.push_back(
+        {{"name", value.name},
+         {"unit", value.unit},
+         {"value", value.identifiable ? Iso230TextJson(value.value) : Iso230TextJson()},
+         {"sd", value.identifiable ? Iso230TextJson(value.sd) : Iso230TextJson()}});
   }
   return {{"format", 1},
           {"axis", Name(sheet.axis)},
           {"campaign", sheet.campaign},
-          {"sheet", JsonOf(sheet.symbols)},
-          {"U", JsonOf(sheet.expanded_u)},
+          {"sheet", JsonOfIso230Text(sheet.symbols)},
+          {"U", JsonOfIso230Text(sheet.expanded_u)},
           {"positions", positions},
           {"baseline", baseline},
           {"baseline_rms_mm",
@@ -251,10 +255,10 @@ Json Iso230Json(const Iso230Report& report) {
           {"conditions",
            {{"runs", {sheet.runs_min, sheet.runs_max}},
             {"rows_without_direction", sheet.rows_without_direction},
-            {"feed_mm_s", JsonOf(sheet.feed_mm_s)},
-            {"temp_ambient_c", JsonOf(sheet.ambient_c)},
-            {"temp_screw_c", JsonOf(sheet.screw_c)},
-            {"t_s", JsonOf(sheet.time_s)}}},
+            {"feed_mm_s", JsonOfIso230Text(sheet.feed_mm_s)},
+            {"temp_ambient_c", JsonOfIso230Text(sheet.ambient_c)},
+            {"temp_screw_c", JsonOfIso230Text(sheet.screw_c)},
+            {"t_s", JsonOfIso230Text(sheet.time_s)}}},
           {"remarks", sheet.remarks}};
 }
 

@@ -19,14 +19,12 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::size_t kLargestFile_bytes = 1'000'000;
-
-struct Options {
+struct NewAsked {
   std::string name{};
   std::string like = "gantry_router";
 };
 
-int NewMachine(const Options& options) {
+int NewMachine(const NewAsked& options) {
   const bool is_plain =
       !options.name.empty() &&
       options.name.find_first_not_of(
@@ -64,7 +62,7 @@ int NewMachine(const Options& options) {
 }  // namespace
 
 Action DeclareNew(CLI::App* app) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<NewAsked>();
   CLI::App* machine =
       app->add_subcommand("machine", "a commented models/NAME/machine.yaml");
   machine->add_option("NAME", options->name, "letters, digits, _ and -")->required();

@@ -17,16 +17,14 @@
 namespace caltwin {
 namespace {
 
-constexpr int kJsonIndent = 2;
-
-struct Options {
+struct PlanAsked {
   std::string plan{};
   std::string machine{};
   std::string json{};
   std::optional<std::uint64_t> seed{};
 };
 
-MachineFile MachineOf(const Options& options, const Plan& plan) {
+MachineFile MachineOf(const PlanAsked& options, const Plan& plan) {
   if (!options.machine.empty()) {
     return ReadMachineWithTip(
         FindMachine(options.machine, "", {.file = options.machine}));
@@ -41,7 +39,7 @@ MachineFile MachineOf(const Options& options, const Plan& plan) {
                    "`--machine FILE`");
 }
 
-int Run(const Options& options) {
+int RunPlan(const PlanAsked& options) {
   const Plan plan = ReadPlan(options.plan);
   const MachineFile file = MachineOf(options, plan);
   RefuseOverwriting(Together({{{"the plan", options.plan}}, FilesOf(file.machine)}),
@@ -62,7 +60,7 @@ int Run(const Options& options) {
 }  // namespace
 
 Action DeclarePlan(CLI::App* app) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<PlanAsked>();
   app->add_option("PLAN", options->plan, "what would be measured (docs/plans.md)")
       ->required();
   app->add_option("--machine", options->machine, "in place of the plan's");
@@ -72,7 +70,7 @@ Action DeclarePlan(CLI::App* app) {
       "Nothing is measured: derivatives alone tell what a plan cannot see and what it "
       "cannot tell apart.");
   return [options] {
-    return Run(*options);
+    return RunPlan(*options);
   };
 }
 

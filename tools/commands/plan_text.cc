@@ -10,7 +10,7 @@
 namespace caltwin {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using PlanTextJson = nlohmann::ordered_json;
 
 constexpr std::size_t kMostShown = 12;
 
@@ -91,14 +91,14 @@ std::string AddText(const std::vector<Addition>& add) {
   return text;
 }
 
-Json CauseJson(const AtlasCause& line) {
+PlanTextJson CauseJson(const AtlasCause& line) {
   return {{"cause", line.cause}, {"axis", line.axis}};
 }
 
-Json AddJson(const Addition& one) {
-  Json pairs = Json::array();
+PlanTextJson AddJson(const Addition& one) {
+  PlanTextJson pairs = PlanTextJson::array();
   for (const auto& [first, second] : one.pairs) {
-    pairs.push_back(Json::array({first, second}));
+    pairs.push_back(PlanTextJson::array({first, second}));
   }
   return {{"kind", one.kind},
           {"separates", one.separates},
@@ -120,9 +120,10 @@ std::string PlanAtlasText(const std::string& plan, const PlanAtlas& result) {
          ConfoundedText(result.atlas) + AddText(result.add);
 }
 
-Json PlanAtlasJson(const PlanAtlas& result) {
-  Json absorbed = Json::array(), confounded = Json::array(), visible = Json::array();
-  Json unseen = Json::array(), add = Json::array();
+PlanTextJson PlanAtlasJson(const PlanAtlas& result) {
+  PlanTextJson absorbed = PlanTextJson::array(), confounded = PlanTextJson::array(),
+               visible = PlanTextJson::array();
+  PlanTextJson unseen = PlanTextJson::array(), add = PlanTextJson::array();
   for (const AtlasCause& line : result.atlas.absorbed) {
     absorbed.push_back({{"what", line.Name()}, {"into", line.into}});
   }
@@ -132,7 +133,7 @@ Json PlanAtlasJson(const PlanAtlas& result) {
                           {"separation_sigma", pair.separation_sigma}});
   }
   for (const AtlasCause& line : result.atlas.visible) {
-    Json one = CauseJson(line);
+    PlanTextJson one = CauseJson(line);
     one["smallest_um"] = line.smallest_um;
     one["usual_um"] = line.usual_um;
     visible.push_back(one);

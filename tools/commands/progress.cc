@@ -8,7 +8,7 @@
 namespace caltwin {
 namespace {
 
-constexpr std::size_t kWidth = 78;
+constexpr std::size_t kProgressWidth = 78;
 constexpr const char* kBeginAgain = "\r\033[K";
 
 }  // namespace
@@ -21,7 +21,7 @@ ProgressLine::~ProgressLine() {
 
 void ProgressLine::Show(const std::string& text) {
   if (!is_terminal_) return;
-  std::cerr << kBeginAgain << text.substr(0, std::min(kWidth, text.find('\n')))
+  std::cerr << kBeginAgain << text.substr(0, std::min(kProgressWidth, text.find('\n')))
             << std::flush;
   is_shown_ = true;
 }

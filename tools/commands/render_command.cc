@@ -22,7 +22,7 @@ namespace {
 constexpr int kLeastPixels = 16, kMostPixels = 4096;
 constexpr double kMostExaggeration = 1e6;
 
-struct Options {
+struct RenderAsked {
   std::string file{};
   std::string out{};
   std::string camera{};
@@ -38,7 +38,7 @@ void CheckCamera(const mjModel* model, const std::string& camera) {
                    fmt::format("it has: {}", fmt::join(CameraNames(model), ", ")));
 }
 
-void Draw(const Options& options, const mjModel* model, mjData* data) {
+void Draw(const RenderAsked& options, const mjModel* model, mjData* data) {
   CheckCamera(model, options.camera);
   WritePng(options.out,
            DrawScene(model,
@@ -49,7 +49,7 @@ void Draw(const Options& options, const mjModel* model, mjData* data) {
   std::cout << fmt::format("picture: {}\n", options.out);
 }
 
-int Render(const Options& options) {
+int Render(const RenderAsked& options) {
   if (fs::path(options.out).extension() != ".png") {
     throw InputError({.file = "--out"},
                      fmt::format("'{}' does not end in .png", options.out),
@@ -64,7 +64,7 @@ int Render(const Options& options) {
 }  // namespace
 
 Action DeclareRender(CLI::App* app) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<RenderAsked>();
   app->add_option("FILE", options->file, "a machine or a scenario (YAML)")->required();
   app->add_option("--out", options->out, "the picture to write (FILE.png)")->required();
   app->add_option("--exaggerate",

@@ -31,10 +31,9 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr int kJsonIndent = 2;
 constexpr std::int64_t kMostSeeds = 1'000'000;
 
-struct Options {
+struct RunAsked {
   std::vector<std::string> files{};
   std::string fidelity{};
   std::optional<std::uint64_t> seed{};
@@ -64,13 +63,13 @@ std::vector<Scenario> ReadAll(const std::vector<fs::path>& files) {
   return scenarios;
 }
 
-bool IsMany(const Options& options, const std::vector<fs::path>& files) {
+bool IsMany(const RunAsked& options, const std::vector<fs::path>& files) {
   std::error_code error;
   return options.seeds || files.size() != 1 ||
          fs::is_directory(options.files.front(), error);
 }
 
-void RefuseForMany(const Options& options) {
+void RefuseForMany(const RunAsked& options) {
   for (const auto& [name, value] : {std::pair{"--record", options.record},
                                     std::pair{"--transcript", options.transcript}}) {
     if (value.empty()) continue;
@@ -81,7 +80,7 @@ void RefuseForMany(const Options& options) {
 }
 
 // Where nothing is touched there are no rows.
-void RefuseRecordOf(const Options& options, const std::vector<Scenario>& scenarios) {
+void RefuseRecordOf(const RunAsked& options, const std::vector<Scenario>& scenarios) {
   for (const Scenario& scenario : scenarios) {
     if (options.record.empty() || scenario.kind->HasRows()) continue;
     throw InputError(
@@ -92,7 +91,7 @@ void RefuseRecordOf(const Options& options, const std::vector<Scenario>& scenari
   }
 }
 
-RunOptions OptionsOf(const Options& options,
+RunOptions OptionsOf(const RunAsked& options,
                      const Scenario& scenario,
                      std::int64_t index,
                      ProgressLine* progress) {
@@ -108,7 +107,7 @@ RunOptions OptionsOf(const Options& options,
   return run;
 }
 
-std::vector<RunResult> RunAll(const Options& options,
+std::vector<RunResult> RunAll(const RunAsked& options,
                               const std::vector<Scenario>& scenarios,
                               bool is_many) {
   ProgressLine progress;
@@ -127,7 +126,7 @@ std::vector<RunResult> RunAll(const Options& options,
   return results;
 }
 
-nlohmann::ordered_json JsonOf(const std::vector<RunResult>& results, bool is_many) {
+nlohmann::ordered_json JsonOfRun(const std::vector<RunResult>& results, bool is_many) {
   if (!is_many && !results.empty()) return ToJson(results.front());
   nlohmann::ordered_json runs = nlohmann::ordered_json::array();
   for (const RunResult& result : results) runs.push_back(ToJson(result));
@@ -141,7 +140,7 @@ nlohmann::ordered_json JsonOf(const std::vector<RunResult>& results, bool is_man
 
 // A folder of its own for each of several runs, named after its file and, where one
 // file ran more than once, its seed.
-fs::path ReportFolder(const Options& options, const RunResult& result, bool is_many) {
+fs::path ReportFolder(const RunAsked& options, const RunResult& result, bool is_many) {
   if (!is_many) return options.report;
   const std::string stem = fs::path(result.scenario).stem().string();
   return fs::path(options.report) /
@@ -149,7 +148,7 @@ fs::path ReportFolder(const Options& options, const RunResult& result, bool is_m
 }
 
 // A machine that its name does not find is named by its file, from the header's folder.
-DataHeader HeaderFor(const Options& options,
+DataHeader HeaderFor(const RunAsked& options,
                      const RunResult& result,
                      const Machine& machine) {
   DataHeader header = result.header;
@@ -162,7 +161,7 @@ DataHeader HeaderFor(const Options& options,
   return header;
 }
 
-void WriteOutputs(const Options& options,
+void WriteOutputs(const RunAsked& options,
                   const std::vector<RunResult>& results,
                   const Machine& machine,
                   bool is_many) {
@@ -184,7 +183,7 @@ void WriteOutputs(const Options& options,
   }
   if (!options.junit.empty()) WriteTextFile(options.junit, JUnitText(results));
   if (options.json.empty()) return;
-  const std::string json = JsonOf(results, is_many).dump(kJsonIndent) + "\n";
+  const std::string json = JsonOfRun(results, is_many).dump(kJsonIndent) + "\n";
   if (options.json_alone()) {
     std::cout << json;
   } else {
@@ -198,7 +197,7 @@ int ExitCodeOf(const std::vector<RunResult>& results) {
   return std::ranges::all_of(results, &RunResult::passed) ? kPassed : kCheckFailed;
 }
 
-void CheckSpares(const Options& options, const std::vector<Scenario>& scenarios) {
+void CheckSparesOfRun(const RunAsked& options, const std::vector<Scenario>& scenarios) {
   std::vector<NamedFile> read;
   for (const Scenario& scenario : scenarios) {
     read.push_back({"a scenario", scenario.file});
@@ -212,13 +211,13 @@ void CheckSpares(const Options& options, const std::vector<Scenario>& scenarios)
                                {"--report", options.report, /*is_folder=*/true}}}));
 }
 
-int Run(const Options& options) {
+int RunRun(const RunAsked& options) {
   const std::vector<fs::path> files = FindScenarios(options.files);
   const bool is_many = IsMany(options, files);
   if (is_many) RefuseForMany(options);
   const std::vector<Scenario> scenarios = ReadAll(files);
   RefuseRecordOf(options, scenarios);
-  CheckSpares(options, scenarios);
+  CheckSparesOfRun(options, scenarios);
   const std::vector<RunResult> results = RunAll(options, scenarios, is_many);
   if (!options.json_alone()) {
     if (is_many) {
@@ -236,7 +235,7 @@ int Run(const Options& options) {
 }  // namespace
 
 Action DeclareRun(CLI::App* app) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<RunAsked>();
   app->add_option("SCENARIO", options->files, "scenario files, or folders of them")
       ->required();
   app->add_option(
@@ -262,7 +261,7 @@ Action DeclareRun(CLI::App* app) {
       "Runs each scenario closed-loop and checks its `expect`. Of several files, or of "
       "several seeds, prints a line each and a summary.");
   return [options] {
-    return Run(*options);
+    return RunRun(*options);
   };
 }
 

@@ -19,7 +19,7 @@ namespace {
 
 constexpr int kLargestPort = 65535;
 
-struct Options {
+struct ServeAsked {
   TwinOptions twin{};
   std::string bench{};
   std::optional<int> port{};
@@ -31,13 +31,13 @@ void Announce(const std::string& text) {
   std::cout << text << std::endl;
 }
 
-void OnPort(const Options& options, Link* link) {
+void OnPort(const ServeAsked& options, Link* link) {
   ServeTcp(link, *options.port, &InterruptFlag(), [](int port) {
     Announce(fmt::format("listening on 127.0.0.1:{}", port));
   });
 }
 
-void OnPty(const Options& options, Link* link) {
+void OnPty(const ServeAsked& options, Link* link) {
   ServePty(link, options.pty, &InterruptFlag(), [&] {
     Announce(fmt::format("terminal at {}", options.pty));
   });
@@ -45,7 +45,7 @@ void OnPty(const Options& options, Link* link) {
 
 // Both at once, the terminal in a thread of its own; where one cannot be had the other
 // ends too, and the fault is told.
-void OnBoth(const Options& options, Link* link) {
+void OnBoth(const ServeAsked& options, Link* link) {
   SharedLink shared(link);
   std::exception_ptr fault;
   std::thread terminal([&] {
@@ -66,7 +66,7 @@ void OnBoth(const Options& options, Link* link) {
   if (fault) std::rethrow_exception(fault);
 }
 
-void RequireDialect(const Options& options, const std::string& spoken) {
+void RequireDialect(const ServeAsked& options, const std::string& spoken) {
   if (options.dialect.empty() || options.dialect == spoken) return;
   throw InputError(
       {.file = "--dialect"},
@@ -74,7 +74,7 @@ void RequireDialect(const Options& options, const std::string& spoken) {
       fmt::format("it speaks {}: leave the option away", spoken));
 }
 
-int Listen(const Options& options, Link* link) {
+int Listen(const ServeAsked& options, Link* link) {
   if (options.port && !options.pty.empty()) {
     OnBoth(options, link);
   } else if (options.port) {
@@ -85,7 +85,7 @@ int Listen(const Options& options, Link* link) {
   return InterruptRequested() ? kInterrupted : kPassed;
 }
 
-int Serve(Options options) {
+int Serve(ServeAsked options) {
   if (!options.port && options.pty.empty()) {
     throw InputError({},
                      "serve needs to know where",
@@ -104,7 +104,7 @@ int Serve(Options options) {
 }  // namespace
 
 Action DeclareServe(CLI::App* app) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ServeAsked>();
   app->add_option("--machine", options->twin.machine, "a name or a machine file")
       ->capture_default_str();
   app->add_option(

@@ -32,7 +32,7 @@ namespace {
 
 constexpr double kSecondsPerMinute = 60;
 
-struct Options {
+struct SimulateAsked {
   std::string plan{};
   std::string machine{};
   std::string truth{};
@@ -41,7 +41,7 @@ struct Options {
   std::string out{};
 };
 
-fs::path MachineFileOf(const Options& options, const Plan& plan) {
+fs::path MachineFileOf(const SimulateAsked& options, const Plan& plan) {
   if (!options.machine.empty()) {
     return FindMachine(options.machine, "", {.file = options.machine});
   }
@@ -55,7 +55,7 @@ fs::path MachineFileOf(const Options& options, const Plan& plan) {
 }
 
 // As the data's header says it: a name, or the file's path from the header's folder.
-std::string WrittenFrom(const Options& options,
+std::string WrittenFrom(const SimulateAsked& options,
                         const Plan& plan,
                         const fs::path& machine) {
   const std::string& said = options.machine.empty() ? plan.machine : options.machine;
@@ -66,7 +66,7 @@ std::string WrittenFrom(const Options& options,
   return fs::proximate(fs::absolute(machine), folder).generic_string();
 }
 
-Plan PlanOf(const Options& options) {
+Plan PlanOf(const SimulateAsked& options) {
   if (const FileKind kind = KindOf(options.plan); kind != FileKind::kPlan) {
     throw InputError(
         {.file = options.plan},
@@ -77,9 +77,9 @@ Plan PlanOf(const Options& options) {
 }
 
 // The twin that measures: the machine as built, with the settings its firmware has.
-PerformConfig ConfigOf(const Options& options,
-                       const MachineFile& file,
-                       std::uint64_t seed) {
+PerformConfig ConfigOfSimulate(const SimulateAsked& options,
+                               const MachineFile& file,
+                               std::uint64_t seed) {
   std::vector<InjectedSpec> effects = file.effects;
   std::vector<SettingSpec> settings;
   if (!options.truth.empty()) {
@@ -105,7 +105,7 @@ void CheckOut(const std::string& out) {
                    ".yaml of the same name");
 }
 
-int Simulate(const Options& options) {
+int Simulate(const SimulateAsked& options) {
   CheckOut(options.out);
   const Plan plan = PlanOf(options);
   const std::uint64_t seed = options.seed.value_or(plan.seed);
@@ -116,8 +116,8 @@ int Simulate(const Options& options) {
                 FilesOf(file.machine)}),
       RowsAndHeader("--out", options.out));
   const bool is_delta = file.machine.kind == DeltaKind();
-  PerformConfig config =
-      is_delta ? PerformConfig{.machine = file.machine} : ConfigOf(options, file, seed);
+  PerformConfig config = is_delta ? PerformConfig{.machine = file.machine}
+                                  : ConfigOfSimulate(options, file, seed);
   PlannedSession session = PlanSession(plan, config.machine, seed);
   session.header.machine = WrittenFrom(options, plan, machine);
   session.header.settings["1"] =
@@ -159,7 +159,7 @@ int Simulate(const Options& options) {
 }  // namespace
 
 Action DeclareSimulate(CLI::App* app) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<SimulateAsked>();
   app->add_option("PLAN", options->plan, "what to measure (docs/plans.md)")->required();
   app->add_option("--out", options->out, "rows to write (DATA.csv, and DATA.yaml)")
       ->required();

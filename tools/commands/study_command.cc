@@ -37,11 +37,10 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr int kJsonIndent = 2;
 constexpr int kMostWorkers = 1024;
 constexpr std::size_t kLargestSummary_bytes = 100'000'000;
 
-struct Options {
+struct StudyAsked {
   std::string study{};
   std::string out{};
   std::string report{};
@@ -53,7 +52,7 @@ struct Options {
 };
 
 // Of the whole study: "next_study" beside where one is.
-fs::path FolderOf(const Options& options) {
+fs::path FolderOfStudy(const StudyAsked& options) {
   return options.out.empty() ? fs::path(options.study).stem() : fs::path(options.out);
 }
 
@@ -120,10 +119,10 @@ bool IsDone(const Study& study, const fs::path& folder) {
 
 // Says and writes what came out; `files` is what else lies in the folder.
 int Tell(const Study& study,
-         const Options& options,
+         const StudyAsked& options,
          const StudyFindings& findings,
          const std::string& files) {
-  const fs::path folder = FolderOf(options);
+  const fs::path folder = FolderOfStudy(options);
   WriteIfOther(folder / "summary.json",
                SummaryJson(study, findings.summary).dump(kJsonIndent) + "\n");
   std::cout << SummaryText(study, findings.summary);
@@ -142,22 +141,22 @@ int Tell(const Study& study,
 // Whether linear is good enough, which the first part (or the whole) finds out for all:
 // throws InputError where it is not, else says and keeps how good.
 std::string CheckedLinear(const Study& study,
-                          const Options& options,
+                          const StudyAsked& options,
                           const StudyOptions& how) {
   if (!study.is_linear || how.shard.index != 0) return "";
   const LinearCheck check = CheckLinear(study, how);
   if (InterruptRequested()) return "";
   RequireLinear(study, check);
-  WriteIfOther(FolderOf(options) / "linear_check.json",
+  WriteIfOther(FolderOfStudy(options) / "linear_check.json",
                ToJson(check).dump(kJsonIndent) + "\n");
   return CheckText(check);
 }
 
 int SumUp(const Study& study,
-          const Options& options,
+          const StudyAsked& options,
           const StudyStore& store,
           const std::string& remarks) {
-  WriteTrialsCsv(study, store, FolderOf(options) / "trials.csv");
+  WriteTrialsCsv(study, store, FolderOfStudy(options) / "trials.csv");
   return Tell(study,
               options,
               {.summary = SummaryOf(study, store),
@@ -168,7 +167,7 @@ int SumUp(const Study& study,
 
 // A line that says how far it is, while one of these lives.
 struct Shown {
-  StudyOptions With(const Options& options) {
+  StudyOptions With(const StudyAsked& options) {
     return {.workers = options.workers,
             .shard = options.shard.empty() ? Shard{} : ReadShard(options.shard),
             .progress = [this](const StudyProgress& now) {
@@ -199,7 +198,7 @@ HeldUnkept HeldIn(const fs::path& folder, const Study& study, const Shard& shard
 }
 
 int SumUpUnkept(const Study& study,
-                const Options& options,
+                const StudyAsked& options,
                 const Aggregates& aggregates,
                 const std::string& remarks,
                 const std::string& files) {
@@ -234,22 +233,24 @@ std::int64_t RunsOf(const Study& study, const Shard& shard) {
 }
 
 // With --resume, of a study or part that is finished.
-int TellFinished(const Study& study, const Options& options, const HeldUnkept& held) {
+int TellFinished(const Study& study,
+                 const StudyAsked& options,
+                 const HeldUnkept& held) {
   if (std::error_code error;
-      fs::exists(FolderOf(options) / StudyStore::kUnfinished, error)) {
+      fs::exists(FolderOfStudy(options) / StudyStore::kUnfinished, error)) {
     // Killed before it was taken away.
     const Shard shard = options.shard.empty() ? Shard{} : ReadShard(options.shard);
-    StudyStore(FolderOf(options), study, /*may_resume=*/true, shard).Discard();
+    StudyStore(FolderOfStudy(options), study, /*may_resume=*/true, shard).Discard();
   }
   if (held.part) return SumUpUnkept(study, options, *held.part, "", kPartFiles);
   std::cout << fmt::format("{}: finished; summary.json is as it was\n",
-                           FolderOf(options).string());
+                           FolderOfStudy(options).string());
   return kPassed;
 }
 
 // Aggregates alone.
-int RunAggregates(const Study& study, const Options& options) {
-  const fs::path folder = FolderOf(options);
+int RunAggregates(const Study& study, const StudyAsked& options) {
+  const fs::path folder = FolderOfStudy(options);
   Shown shown;
   const StudyOptions how = shown.With(options);
   const HeldUnkept held = HeldIn(folder, study, how.shard);
@@ -278,16 +279,16 @@ int RunAggregates(const Study& study, const Options& options) {
   return exit_code;
 }
 
-int MergeAggregates(const Study& study, const Options& options) {
-  const HeldUnkept held = HeldIn(FolderOf(options), study, Shard{});
+int MergeAggregates(const Study& study, const StudyAsked& options) {
+  const HeldUnkept held = HeldIn(FolderOfStudy(options), study, Shard{});
   if (options.resume && held.is_done) return TellFinished(study, options, held);
   const Aggregates whole =
       MergeUnkept(study, {options.merge.begin(), options.merge.end()});
   return SumUpUnkept(study, options, whole, "", "");
 }
 
-int Merge(const Study& study, const Options& options) {
-  const fs::path folder = FolderOf(options);
+int Merge(const Study& study, const StudyAsked& options) {
+  const fs::path folder = FolderOfStudy(options);
   StudyStore whole(folder, study, options.resume);
   OrDiscard(&whole, [&] {
     HoldsSummary(study, folder);
@@ -296,13 +297,13 @@ int Merge(const Study& study, const Options& options) {
   return SumUp(study, options, whole, "");
 }
 
-void CheckSpares(const Study& study, const Options& options) {
+void CheckSparesOfStudy(const Study& study, const StudyAsked& options) {
   std::vector<NamedFile> read = {{"the study", study.file}};
   for (const auto& one : study.cases) {
     read.push_back({"a scenario", one.scenario.file});
     read = Together({read, FilesOf(one.scenario.machine.machine)});
   }
-  const fs::path folder = FolderOf(options);
+  const fs::path folder = FolderOfStudy(options);
   RefuseOverwriting(read, {{"--out", folder, /*is_folder=*/true}});
   RefuseOverwriting(read,
                     {{"--out", folder / "summary.json"},
@@ -313,9 +314,9 @@ void CheckSpares(const Study& study, const Options& options) {
                      {"--report", options.report, /*is_folder=*/true}});
 }
 
-int Run(const Options& options) {
+int RunStudy(const StudyAsked& options) {
   Study study = ReadStudy(options.study);
-  CheckSpares(study, options);
+  CheckSparesOfStudy(study, options);
   if (options.trial) {
     return ReplayTrial(study, *options.trial, options.report);
   }
@@ -328,7 +329,7 @@ int Run(const Options& options) {
                      "parts need a fixed number: write `trials: N`");
   }
   if (!study.keeps_trials) return RunAggregates(study, options);
-  const fs::path folder = FolderOf(options);
+  const fs::path folder = FolderOfStudy(options);
   Shown shown;
   const StudyOptions how = shown.With(options);
   StudyStore store(folder, study, options.resume, how.shard);
@@ -357,7 +358,7 @@ int Run(const Options& options) {
 }  // namespace
 
 Action DeclareStudy(CLI::App* app) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<StudyAsked>();
   app->add_option("STUDY", options->study, "what to draw and compare (docs/studies.md)")
       ->required();
   app->add_option("--out", options->out, "folder; default: named after the study");
@@ -386,7 +387,7 @@ Action DeclareStudy(CLI::App* app) {
       "Killed or interrupted, a study loses the trials on their way; `--resume` goes "
       "on. Results depend on the study and its seed, not on workers or order.");
   return [options] {
-    return Run(*options);
+    return RunStudy(*options);
   };
 }
 

@@ -19,7 +19,9 @@ namespace fs = std::filesystem;
 namespace {
 
 // Where the report of one contender goes: names may hold what paths cannot.
-fs::path FolderOf(const Study& study, std::size_t of_case, const fs::path& report) {
+fs::path FolderOfStudyTrial(const Study& study,
+                            std::size_t of_case,
+                            const fs::path& report) {
   if (study.cases.size() == 1) return report;
   std::string name = study.cases[of_case].Name();
   for (char& c : name) {
@@ -43,7 +45,7 @@ int ReplayTrial(const Study& study, std::int64_t trial, const fs::path& report) 
               << ResultText(result, MayPaint()) << "\n";
     lost = lost || result.lost;
     if (report.empty()) continue;
-    const fs::path folder = FolderOf(study, i, report);
+    const fs::path folder = FolderOfStudyTrial(study, i, report);
     WriteReport(result, PicturesOf(result), folder);
     std::cout << fmt::format("{}: index.html and its pictures\n", folder.string());
   }

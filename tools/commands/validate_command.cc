@@ -23,7 +23,7 @@
 namespace caltwin {
 namespace {
 
-struct Options {
+struct ValidateAsked {
   std::vector<std::string> files{};
 };
 
@@ -53,7 +53,7 @@ std::vector<std::string> Check(const std::string& file, FileKind kind) {
   return {};
 }
 
-int Validate(const Options& options) {
+int Validate(const ValidateAsked& options) {
   std::vector<std::string> faults;
   for (const std::string& file : options.files) {
     try {
@@ -72,7 +72,7 @@ int Validate(const Options& options) {
 }  // namespace
 
 Action DeclareValidate(CLI::App* app) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ValidateAsked>();
   app->add_option("FILE", options->files, "files of any kind caltwin reads")
       ->required();
   app->footer(

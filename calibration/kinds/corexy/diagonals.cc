@@ -71,11 +71,11 @@ struct Line {
 
 // Goes along `along` (the axes' way for 1 mm of what `reads` sums up of them), and
 // back.
-Expected<Line> Measure(Session* session,
-                       const DiagonalOptions& o,
-                       const Vec3<double>& along,
-                       const Vec3<double>& reads,
-                       double sd_mm) {
+Expected<Line> MeasureDiagonals(Session* session,
+                                const DiagonalOptions& o,
+                                const Vec3<double>& along,
+                                const Vec3<double>& reads,
+                                double sd_mm) {
   const Machine& machine = session->bench().machine;
   const double reach_mm = Reach_mm(machine, along);
   Vec3<double> middle_mm = machine.kind->Middle_mm(machine);
@@ -113,11 +113,11 @@ Expected<Line> Measure(Session* session,
 
 Expected<Line> MeasureDrive(Session* session, const DiagonalOptions& o, int drive) {
   const DriveMap& drives = DrivesOfBench(session);
-  return Measure(session,
-                 o,
-                 drives.axes_by_drive.col(drive),
-                 drives.drives_by_axis.row(drive).transpose(),
-                 Sd_mm(session, o, drive));
+  return MeasureDiagonals(session,
+                          o,
+                          drives.axes_by_drive.col(drive),
+                          drives.drives_by_axis.row(drive).transpose(),
+                          Sd_mm(session, o, drive));
 }
 
 Uncertain Found(double value, double sd) {
@@ -228,7 +228,7 @@ Expected<void> VerifyAll(Session* session,
 // As guides to other machines have it: x by x, y by y, each setting by its own axis.
 Expected<void> RunAxisByAxis(Session* session, const DiagonalOptions& o) {
   for (const Axis axis : {Axis::kX, Axis::kY}) {
-    const auto line = Measure(
+    const auto line = MeasureDiagonals(
         session, o, Unit(axis), Unit(axis), std::max(GaugeSd_mm(session, o), 1e-4));
     if (!line) return tl::unexpected(line.error());
     const Change change = StepsChange(session, Index(axis), *line, /*is_axis=*/true);
@@ -269,8 +269,7 @@ Expected<void> RunDiagonals(Session* session, const DiagonalOptions& o) {
 
 namespace {
 
-
-PreparedProcedure Prepare(YamlMap map, const Machine& /*drawing*/) {
+PreparedProcedure PrepareDiagonals(YamlMap map, const Machine& /*drawing*/) {
   DiagonalOptions o;
   o.as_published = map.WordOr("variant", "corrected", {"as_published", "corrected"}) ==
                    "as_published";
@@ -309,7 +308,7 @@ constinit const Procedure kBeltDiagonals{
         "and M92 X sets one of them: belts of unlike pitch stay as unlike as "
         "they were, or become more so. Along a diagonal only one belt moves.",
     .has_variants = true,
-    .prepare = Prepare,
+    .prepare = PrepareDiagonals,
     .drives = DrivesAsked::kCoupled};
 
 }  // namespace caltwin

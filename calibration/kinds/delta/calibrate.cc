@@ -20,7 +20,7 @@
 namespace caltwin {
 namespace {
 
-constexpr std::chrono::milliseconds kPatience{60'000};
+constexpr std::chrono::milliseconds kCalibratePatience{60'000};
 
 // The words behind `name` in a line such as "echo:  M665 L250.00 R130.00".
 std::optional<GcodeCommand> CommandIn(const std::string& line, char letter, int code) {
@@ -271,7 +271,7 @@ class DeltaCalibration {
 }  // namespace
 
 Expected<BelievedDelta> ReadBelievedDelta(Link* link, const DeltaModel<double>& drawn) {
-  const auto answer = link->Send("M503", kPatience);
+  const auto answer = link->Send("M503", kCalibratePatience);
   if (!answer) return tl::unexpected(answer.error());
   BelievedDelta believed{.settings = drawn};
   double height_mm = 0;

@@ -11,10 +11,10 @@
 namespace caltwin {
 namespace {
 
-constexpr std::string_view kKind = "delta";
+constexpr std::string_view kDeltaKind = "delta";
 
 // With the calliper and whatever else somebody put on the bench for deltas.
-ProcedureResult OnBench(const DeltaStep& step, Bench* bench) {
+ProcedureResult DeltaOnBench(const DeltaStep& step, Bench* bench) {
   DeltaBench own;
   if (const auto* const kept = bench->kept.Find<DeltaBench>()) own = *kept;
   own.link = bench->link;
@@ -24,7 +24,7 @@ ProcedureResult OnBench(const DeltaStep& step, Bench* bench) {
 }
 
 template <std::size_t kIndex>
-PreparedProcedure Prepare(YamlMap map, const Machine& drawing) {
+PreparedProcedure PrepareDelta(YamlMap map, const Machine& drawing) {
   const DeltaStep step = ReadDeltaStep(std::string(kDeltaProcedures[kIndex]), &map);
   const double radius_mm = DeltaOf(drawing).print_radius_mm;
   if (step.reduced_mm >= radius_mm) {
@@ -38,11 +38,11 @@ PreparedProcedure Prepare(YamlMap map, const Machine& drawing) {
         "r is taken off the radius");
   }
   return [step](Bench* bench) {
-    return OnBench(step, bench);
+    return DeltaOnBench(step, bench);
   };
 }
 
-constexpr std::array kAll = {
+constexpr std::array kDeltaCatalog = {
     Procedure{.name = "g33",
               .about =
                   "Marlin's auto calibration of a delta: a grid of touches becomes "
@@ -53,8 +53,8 @@ constexpr std::array kAll = {
                   "letter alone), variant (as_published, corrected). Its deviation is "
                   "in sample: P2 says 0.000 and may leave 0.09 mm.",
               .has_variants = true,
-              .prepare = Prepare<0>,
-              .kind = kKind},
+              .prepare = PrepareDelta<0>,
+              .kind = kDeltaKind},
     Procedure{.name = "rrf_least_squares",
               .about =
                   "RepRapFirmware's: two Gauss-Newton rounds over 16 touches. Option: "
@@ -62,8 +62,8 @@ constexpr std::array kAll = {
                   "tilt, 9 = 8 + rods. Rods from heights alone are known to a quarter "
                   "of a millimetre. The tilt that 8 and 9 find is told and not "
                   "commanded: Marlin has no setting for it.",
-              .prepare = Prepare<1>,
-              .kind = kKind},
+              .prepare = PrepareDelta<1>,
+              .kind = kDeltaKind},
     Procedure{.name = "klipper_descent",
               .about =
                   "Klipper's DELTA_CALIBRATE: seven touches, six numbers by coordinate"
@@ -71,8 +71,8 @@ constexpr std::array kAll = {
                   "little. Option: print (true: twelve distances of a calibration "
                   "print, read by calliper, and the three rods are fitted too: nine "
                   "numbers).",
-              .prepare = Prepare<2>,
-              .kind = kKind},
+              .prepare = PrepareDelta<2>,
+              .kind = kDeltaKind},
     Procedure{.name = "delta_joint",
               .about =
                   "caltwin's own: all unknowns at once through the exact six-rod "
@@ -87,13 +87,13 @@ constexpr std::array kAll = {
                   "settings leave is foretold and commanded as a mesh of heights, M421"
                   " and M420). Settings that would change less than twice what the "
                   "readings leave open are kept.",
-              .prepare = Prepare<3>,
-              .kind = kKind}};
+              .prepare = PrepareDelta<3>,
+              .kind = kDeltaKind}};
 
 }  // namespace
 
 std::span<const Procedure> DeltaProcedures() {
-  return kAll;
+  return kDeltaCatalog;
 }
 
 }  // namespace caltwin

@@ -15,7 +15,7 @@ namespace {
 using Jet9 = ceres::Jet<double, kKlipperNine>;
 using Parameters = Eigen::Matrix<double, kKlipperNine, 1>;
 
-constexpr int kMostSteps = 60;
+constexpr int kKlipperFitMostSteps = 60;
 constexpr double kSmallStep_mm = 1e-9;
 
 /// Klipper's parameters as lengths, angles as arcs at the start's delta radius, so that
@@ -108,10 +108,10 @@ class Problem {
 };
 
 /// The least squares step, shortened until it improves; nullopt where none does.
-std::optional<Parameters> Improved(const Problem& problem,
-                                   const Parameters& from,
-                                   const Eigen::VectorXd& step,
-                                   double cost) {
+std::optional<Parameters> ImprovedKlipperFit(const Problem& problem,
+                                             const Parameters& from,
+                                             const Eigen::VectorXd& step,
+                                             double cost) {
   constexpr int kMostHalvings = 13;
   double part = 1;
   for (int halving = 0; halving <= kMostHalvings; ++halving, part /= 2) {
@@ -189,12 +189,12 @@ KlipperFit FitKlipperModel(std::span<const DeltaTouch> touches,
   const Problem problem(touches, distances, start, num_parameters);
   Parameters p = problem.start();
   KlipperFit fit{.model = start};
-  for (int i = 0; i < kMostSteps && !fit.is_converged; ++i) {
+  for (int i = 0; i < kKlipperFitMostSteps && !fit.is_converged; ++i) {
     const Linearised at = problem.At(p);
     if (!std::isfinite(at.cost())) break;
     fit.last_step = SolveLinear(at.slope, -at.residual);
     if (fit.last_step.x.size() == 0) break;
-    const auto improved = Improved(problem, p, fit.last_step.x, at.cost());
+    const auto improved = ImprovedKlipperFit(problem, p, fit.last_step.x, at.cost());
     fit.is_converged = !improved || fit.last_step.x.norm() < kSmallStep_mm;
     if (improved) p = *improved;
   }

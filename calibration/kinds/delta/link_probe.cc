@@ -16,7 +16,7 @@ namespace caltwin {
 namespace {
 
 // A G33 touches hundreds of times.
-constexpr std::chrono::milliseconds kPatience{60'000}, kPatienceG33{3'600'000};
+constexpr std::chrono::milliseconds kLinkProbePatience{60'000}, kPatienceG33{3'600'000};
 
 bool AreSame(const DeltaModel<double>& one, const DeltaModel<double>& other) {
   return one.endstop_mm == other.endstop_mm && one.radius_mm == other.radius_mm &&
@@ -58,7 +58,7 @@ void DeltaLinkProbe::Set(const DeltaMesh& mesh) {
 
 std::vector<std::string> DeltaLinkProbe::Say(const std::string& line) {
   const auto answer =
-      link_->Send(line, line.starts_with("G33") ? kPatienceG33 : kPatience);
+      link_->Send(line, line.starts_with("G33") ? kPatienceG33 : kLinkProbePatience);
   if (answer) return *answer;
   if (!fault_) {
     fault_ = fmt::format("{}: {}", line, answer.error().reply);

@@ -26,7 +26,7 @@ constexpr int kNumArms = 3;
 constexpr int kNumSquares = 3;
 constexpr int kNumCubics = 4;
 constexpr int kBlocksAcross = 4;
-constexpr int kMostSteps = 40;
+constexpr int kMeshShapeMostSteps = 40;
 constexpr double kPoint_mm = MmFromUm(20.0);
 constexpr double kNoteworthy = 0.9;  ///< Of a rival's held-out rms.
 
@@ -162,12 +162,12 @@ double CostAt(const Bed& bed,
 }
 
 /// The step, halved until it does not worsen the fit; nullopt at the minimum.
-std::optional<All<double>> Improved(const Bed& bed,
-                                    const std::vector<const Felt*>& points,
-                                    const std::vector<int>& active,
-                                    const All<double>& from,
-                                    const Eigen::VectorXd& step,
-                                    const Eigen::VectorXd& residual) {
+std::optional<All<double>> ImprovedMeshShape(const Bed& bed,
+                                             const std::vector<const Felt*>& points,
+                                             const std::vector<int>& active,
+                                             const All<double>& from,
+                                             const Eigen::VectorXd& step,
+                                             const Eigen::VectorXd& residual) {
   constexpr int kMostHalvings = 9;
   double part = 1;
   for (int halving = 0; halving <= kMostHalvings; ++halving, part /= 2) {
@@ -188,18 +188,18 @@ struct Fitted {
 
 /// Parameters of a model fitted to points; nullopt where there are not twice as many
 /// points, or no minimum is found.
-std::optional<Fitted> Fit(const Bed& bed,
-                          const std::vector<const Felt*>& points,
-                          const std::vector<int>& active) {
+std::optional<Fitted> FitMeshShape(const Bed& bed,
+                                   const std::vector<const Felt*>& points,
+                                   const std::vector<int>& active) {
   constexpr double kSmall_mm = 1e-7;
   if (points.size() < 2 * active.size()) return std::nullopt;
   All<double> p = All<double>::Zero();
-  for (int step = 0; step < kMostSteps; ++step) {
+  for (int step = 0; step < kMeshShapeMostSteps; ++step) {
     const Slopes at = SlopesAt(bed, points, active, p);
     if (!at.residual.allFinite()) return std::nullopt;
     const LinearFit fit = SolveLinear(at.slope, -at.residual);
     if (fit.x.norm() < kSmall_mm) return Fitted{.p = p, .covariance = fit.covariance};
-    const auto improved = Improved(bed, points, active, p, fit.x, at.residual);
+    const auto improved = ImprovedMeshShape(bed, points, active, p, fit.x, at.residual);
     if (!improved) return Fitted{.p = p, .covariance = fit.covariance};
     p = *improved;
   }
@@ -232,7 +232,7 @@ Judged Judge(const Bed& bed, const Blocks& blocks, MeshModel which) {
   std::vector<const Felt*> all;
   for (const Felt& felt : bed.felt()) all.push_back(&felt);
   const auto count = static_cast<double>(all.size());
-  const auto whole = Fit(bed, all, active);
+  const auto whole = FitMeshShape(bed, all, active);
   if (!whole) return judged;
   judged.fit.rms_mm = std::sqrt(SumOfSquares_mm2(bed, all, whole->p) / count);
   judged.fit.model = bed.Model<double>(whole->p);
@@ -249,7 +249,7 @@ Judged Judge(const Bed& bed, const Blocks& blocks, MeshModel which) {
     for (const Felt& felt : bed.felt()) {
       if (felt.block != place) rest.push_back(&felt);
     }
-    const auto fit = Fit(bed, rest, active);
+    const auto fit = FitMeshShape(bed, rest, active);
     if (!fit) {
       judged.blocks_mm2.clear();
       return judged;

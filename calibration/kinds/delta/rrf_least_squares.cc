@@ -121,9 +121,9 @@ double Deviation_mm(std::span<const DeltaTouch> touches, const Belief& belief) {
 }
 
 // One Gauss-Newton round; nullopt where the factors cannot be told apart.
-std::optional<Belief> Improved(std::span<const DeltaTouch> touches,
-                               const std::vector<Factor>& factors,
-                               const Belief& belief) {
+std::optional<Belief> ImprovedRrfLeastSquares(std::span<const DeltaTouch> touches,
+                                              const std::vector<Factor>& factors,
+                                              const Belief& belief) {
   const auto num = static_cast<Eigen::Index>(factors.size());
   Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(num, num);
   Eigen::VectorXd wanted = Eigen::VectorXd::Zero(num);
@@ -169,7 +169,7 @@ DeltaOutcome FitRrf(std::span<const DeltaTouch> touches,
   Belief belief{.model = start};
   const double before_mm = Deviation_mm(touches, belief);
   for (int round = 0; round < kRounds; ++round) {
-    const auto improved = Improved(touches, all, belief);
+    const auto improved = ImprovedRrfLeastSquares(touches, all, belief);
     if (!improved) {
       outcome.said_mm = before_mm;
       outcome.messages.emplace_back(

@@ -15,7 +15,7 @@ constexpr double kWorseBy = 4;       // Standard uncertainties that a check may 
 constexpr double kIsThere = 2;       // Of them a gap must be to be one.
 
 /// A gap with its standard uncertainty [mm, deg].
-struct Gap {
+struct BacklashGap {
   double value_unit = 0;
   double sd_unit = 0;
   std::vector<Contribution> budget{};
@@ -48,10 +48,10 @@ std::optional<Approach> ReadApproach(double from_unit,
 }
 
 // Moving in + the carriage lags the counter, moving in - it leads.
-std::optional<Gap> MeasureGap(double speed_unit_s, MotorDoing* doing) {
+std::optional<BacklashGap> MeasureGap(double speed_unit_s, MotorDoing* doing) {
   const MotorOptions& o = doing->options();
   const double at_unit = 2 * o.distance_unit;
-  Gap gap;
+  BacklashGap gap;
   for (int i = 0; i < o.repeats; ++i) {
     const auto plus =
         ReadApproach(at_unit - o.distance_unit, at_unit, speed_unit_s, doing);
@@ -134,7 +134,7 @@ MotorResult AsPublished(MotorDoing doing) {
 }
 
 // Measured at that speed; beyond the tolerance it is to be measured again, slower.
-std::optional<Gap> WithinTolerance(double speed_unit_s, MotorDoing* doing) {
+std::optional<BacklashGap> WithinTolerance(double speed_unit_s, MotorDoing* doing) {
   const MotorOptions& o = doing->options();
   const std::size_t axis = o.axes.front();
   const MotorAxisDrawing& d = doing->axes().drawing(axis);
@@ -160,7 +160,7 @@ std::optional<Gap> WithinTolerance(double speed_unit_s, MotorDoing* doing) {
 }
 
 // Compensates, looks whether both senses meet now, and keeps it or takes it back.
-void ApplyGap(const Gap& gap,
+void ApplyGap(const BacklashGap& gap,
               double before_unit,
               double speed_unit_s,
               MotorDoing* doing) {
@@ -215,7 +215,7 @@ void ForgetGap(double before_unit, MotorDoing* doing) {
 }
 
 // A carriage that coasts on beyond its motor reads as less than no gap.
-bool Coasts(const Gap& gap, MotorDoing* doing) {
+bool Coasts(const BacklashGap& gap, MotorDoing* doing) {
   const std::size_t axis = doing->options().axes.front();
   const bool is_less = gap.value_unit < -kWorseBy * gap.sd_unit;
   if (!is_less) return false;
@@ -233,7 +233,10 @@ bool Coasts(const Gap& gap, MotorDoing* doing) {
 }
 
 // What is not clearly a gap is not written; a gauge that cannot tell is said to be one.
-void Judge(const Gap& gap, double before_unit, double speed_unit_s, MotorDoing* doing) {
+void Judge(const BacklashGap& gap,
+           double before_unit,
+           double speed_unit_s,
+           MotorDoing* doing) {
   const std::size_t axis = doing->options().axes.front();
   const MotorAxisDrawing& d = doing->axes().drawing(axis);
   const std::string name = "backlash." + MotorAxisName(axis);

@@ -12,20 +12,19 @@
 namespace caltwin {
 namespace {
 
-constexpr std::string_view kKind = "motor_stage";
+constexpr std::string_view kMotorStageKind = "motor_stage";
 
 struct NamedProcedure {
   std::string_view name;
   MotorResult (*run)(MotorAxes* axes, const MotorOptions& options);
 };
-constexpr std::array kNamed = {
-    NamedProcedure{"servo_home", RunServoHome},
-    NamedProcedure{"index_verify", RunIndexVerify},
-    NamedProcedure{"stepper_home", RunStepperHome},
-    NamedProcedure{"travel_limits", RunTravelLimits},
-    NamedProcedure{"axis_sync", RunAxisSync},
-    NamedProcedure{"emergency_stop", RunEmergencyStop},
-    NamedProcedure{"motor_backlash", RunMotorBacklash}};
+constexpr std::array kNamed = {NamedProcedure{"servo_home", RunServoHome},
+                               NamedProcedure{"index_verify", RunIndexVerify},
+                               NamedProcedure{"stepper_home", RunStepperHome},
+                               NamedProcedure{"travel_limits", RunTravelLimits},
+                               NamedProcedure{"axis_sync", RunAxisSync},
+                               NamedProcedure{"emergency_stop", RunEmergencyStop},
+                               NamedProcedure{"motor_backlash", RunMotorBacklash}};
 
 bool TakesSeveralAxes(std::string_view procedure) {
   return procedure == "axis_sync" || procedure == "emergency_stop";
@@ -168,9 +167,9 @@ void ReadNumbers(std::string_view name, YamlMap* map, MotorOptions* o) {
   count("touches", 100, &o->touches);
 }
 
-MotorOptions ReadOptions(std::string_view name,
-                         const MotorStageDrawing& drawing,
-                         YamlMap* map) {
+MotorOptions ReadMotorStageOptions(std::string_view name,
+                                   const MotorStageDrawing& drawing,
+                                   YamlMap* map) {
   MotorOptions o;
   // What was published of the stop is a wish, no procedure that could be followed.
   if (name != "emergency_stop") {
@@ -182,17 +181,19 @@ MotorOptions ReadOptions(std::string_view name,
   ReadLengths(name, UnitKey(o, drawing), ReachOf(o, drawing), map, &o);
   ReadNumbers(name, map, &o);
   if (name == "motor_backlash" && o.distance_unit <= 2 * o.tolerance_unit) {
-    map->faults()->Add(map->place(), map->path() + fmt::format(" goes {:g} from either side, not more than twice its "
-                           "tolerance of {:g}",
-                           o.distance_unit,
-                           o.tolerance_unit),
-               "a gap of the tolerance would not be crossed");
+    map->faults()->Add(
+        map->place(),
+        map->path() +
+            fmt::format(" goes {:g} from either side, not more than twice its "
+                        "tolerance of {:g}",
+                        o.distance_unit,
+                        o.tolerance_unit),
+        "a gap of the tolerance would not be crossed");
   }
   o.retries = static_cast<int>(map->IntegerOr("retries", o.retries, 0, 10));
   map->NoMoreKeys();
   return o;
 }
-
 
 // What the engine knows of the stage, from one procedure to the next.
 MotorAxes* AxesOn(Bench* bench) {
@@ -203,12 +204,11 @@ MotorAxes* AxesOn(Bench* bench) {
 }
 
 std::map<std::string, double> FiguresOf(const MotorFindings& found) {
-  std::map<std::string, double> figures = {
-      {"alerts", found.alerts},
-      {"retries", found.retries},
-      {"warnings", found.warnings},
-      {"safe_modes", found.safe_modes},
-      {"positions_lost", found.positions_lost}};
+  std::map<std::string, double> figures = {{"alerts", found.alerts},
+                                           {"retries", found.retries},
+                                           {"warnings", found.warnings},
+                                           {"safe_modes", found.safe_modes},
+                                           {"positions_lost", found.positions_lost}};
   const auto add = [&](const char* name, const auto& value, double unit = 1) {
     if (value) figures[name] = static_cast<double>(*value) / unit;
   };
@@ -222,13 +222,13 @@ std::map<std::string, double> FiguresOf(const MotorFindings& found) {
 }
 
 // They home, move and store by nature: the person is asked before.
-ProcedureResult OnBench(const NamedProcedure& procedure,
-                        const MotorOptions& options,
-                        Bench* bench) {
+ProcedureResult MotorStageOnBench(const NamedProcedure& procedure,
+                                  const MotorOptions& options,
+                                  Bench* bench) {
   const auto agreed = bench->person->Do(
       {.kind = Act::Kind::kConfirm,
-       .text = fmt::format("{}: move the axis and store what is found?",
-                           procedure.name)});
+       .text =
+           fmt::format("{}: move the axis and store what is found?", procedure.name)});
   if (!agreed) return {.ending = Ending::kRefused, .messages = {"not done"}};
   const MotorResult done = procedure.run(AxesOn(bench), options);
   ProcedureResult result = done.result;
@@ -237,15 +237,15 @@ ProcedureResult OnBench(const NamedProcedure& procedure,
 }
 
 template <std::size_t kIndex>
-PreparedProcedure Prepare(YamlMap map, const Machine& drawing) {
+PreparedProcedure PrepareMotorStage(YamlMap map, const Machine& drawing) {
   const MotorOptions options =
-      ReadOptions(kNamed[kIndex].name, MotorStageOf(drawing), &map);
+      ReadMotorStageOptions(kNamed[kIndex].name, MotorStageOf(drawing), &map);
   return [options](Bench* bench) {
-    return OnBench(kNamed[kIndex], options, bench);
+    return MotorStageOnBench(kNamed[kIndex], options, bench);
   };
 }
 
-constexpr std::array kAll = {
+constexpr std::array kMotorStageCatalog = {
     Procedure{.name = "servo_home",
               .about =
                   "Homes a servo: to the MIN switch at slow (0.1 of the highest "
@@ -259,8 +259,8 @@ constexpr std::array kAll = {
                   "again at half the speed, retries times (2); then the operator is "
                   "called and the axis is put in safe mode.",
               .has_variants = true,
-              .prepare = Prepare<0>,
-              .kind = kKind},
+              .prepare = PrepareMotorStage<0>,
+              .kind = kMotorStageKind},
     Procedure{.name = "index_verify",
               .about =
                   "One turn of the motor has one index pulse, and the counter is "
@@ -268,8 +268,8 @@ constexpr std::array kAll = {
                   " and counts 0, 1 or 2; corrected starts half a turn off. At half "
                   "the speed where it fails.",
               .has_variants = true,
-              .prepare = Prepare<1>,
-              .kind = kKind},
+              .prepare = PrepareMotorStage<1>,
+              .kind = kMotorStageKind},
     Procedure{.name = "stepper_home",
               .about =
                   "Homes an open-loop stepper on its MIN switch: slow, back off by "
@@ -279,15 +279,14 @@ constexpr std::array kAll = {
                   "and takes the mean; of an axis homed before it tells the steps it "
                   "had lost.",
               .has_variants = true,
-              .prepare = Prepare<2>,
-              .kind = kKind},
+              .prepare = PrepareMotorStage<2>,
+              .kind = kMotorStageKind},
     Procedure{.name = "travel_limits",
-              .about =
-                  "From home to the MAX switch: the travel, and software limits "
-                  "margin_mm (2) within it.",
+              .about = "From home to the MAX switch: the travel, and software limits "
+                       "margin_mm (2) within it.",
               .has_variants = true,
-              .prepare = Prepare<3>,
-              .kind = kKind},
+              .prepare = PrepareMotorStage<3>,
+              .kind = kMotorStageKind},
     Procedure{.name = "axis_sync",
               .about =
                   "Moves axes together and reads from their counters when each was "
@@ -296,8 +295,8 @@ constexpr std::array kAll = {
                   "Of open-loop steppers nothing is known.",
               .has_variants = true,
               .takes_axes = true,
-              .prepare = Prepare<4>,
-              .kind = kKind},
+              .prepare = PrepareMotorStage<4>,
+              .kind = kMotorStageKind},
     Procedure{.name = "emergency_stop",
               .about =
                   "Foretells from inertia, speed (medium, 0.5) and current whether "
@@ -308,8 +307,8 @@ constexpr std::array kAll = {
                   " servo shows at its index whether its position was kept (but for "
                   "whole turns), a stepper is homed again and shows its lost steps.",
               .takes_axes = true,
-              .prepare = Prepare<5>,
-              .kind = kKind},
+              .prepare = PrepareMotorStage<5>,
+              .kind = kMotorStageKind},
     Procedure{.name = "motor_backlash",
               .about =
                   "The gap between motor and carriage. as_published reads the motor's "
@@ -318,13 +317,13 @@ constexpr std::array kAll = {
                   "(instruments: {laser: {sigma_um: 0.5}}); beyond tolerance_mm (0.2) "
                   "the operator is called.",
               .has_variants = true,
-              .prepare = Prepare<6>,
-              .kind = kKind}};
+              .prepare = PrepareMotorStage<6>,
+              .kind = kMotorStageKind}};
 
 }  // namespace
 
 std::span<const Procedure> MotorProcedures() {
-  return kAll;
+  return kMotorStageCatalog;
 }
 
 }  // namespace caltwin

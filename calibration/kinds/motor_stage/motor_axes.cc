@@ -13,7 +13,7 @@
 namespace caltwin {
 namespace {
 
-constexpr std::chrono::milliseconds kPatience{600'000};
+constexpr std::chrono::milliseconds kMotorAxesPatience{600'000};
 
 char LetterOf(std::size_t axis) {
   return static_cast<char>(std::toupper(kMotorAxisLetters[axis]));
@@ -99,7 +99,7 @@ std::optional<double> NumberBehind(const std::string& line, const std::string& k
 }
 
 Expected<std::vector<std::string>> MotorAxes::Say(const std::string& line) {
-  auto answer = bench_.link->Send(line, kPatience);
+  auto answer = bench_.link->Send(line, kMotorAxesPatience);
   if (answer) return answer;
   MachineFault fault = answer.error();
   if (const auto condition = ConditionOf(fault, bench_.drawing)) {

@@ -12,7 +12,7 @@ namespace caltwin {
 namespace {
 
 constexpr double kClearSigmas = 8;  // From one closing to the next: sqrt(2) of it.
-constexpr int kMostSteps = 4;       // So often back until the switch is open.
+constexpr int kSwitchLooksMostSteps = 4;  // So often back until the switch is open.
 
 // chi-squared that k degrees of freedom exceed in one of 10 000 (Wilson and Hilferty,
 // to 5 % from two degrees on).
@@ -32,7 +32,7 @@ double SumOfSquares(const SwitchLooks& looks) {
 // Back by so much, and again until the switch is open.
 bool BackUntilOpen(const SwitchSeek& seek, double back_unit, MotorDoing* doing) {
   MotorAxes& axes = doing->axes();
-  for (int i = 0; i < kMostSteps; ++i) {
+  for (int i = 0; i < kSwitchLooksMostSteps; ++i) {
     const bool is_back = doing->Did(
         axes.MoveBy(seek.axis, -seek.sense * back_unit, 10 * seek.fine_unit_s));
     if (!is_back) return false;
@@ -47,7 +47,7 @@ bool BackUntilOpen(const SwitchSeek& seek, double back_unit, MotorDoing* doing) 
                                     "sticks",
                                     seek.sense < 0 ? "MIN" : "MAX",
                                     MotorAxisName(seek.axis),
-                                    kMostSteps * back_unit,
+                                    kSwitchLooksMostSteps * back_unit,
                                     axes.drawing(seek.axis).unit()),
                .can_move = true});
   return false;
@@ -94,7 +94,7 @@ bool LookAtSwitch(const SwitchSeek& seek,
       seek.fine_unit_s * seek.fine_unit_s / (2 * *acceleration_unit_s2);
   const double back_unit =
       beyond_unit + d.switch_hysteresis_unit + looks->clear_unit + run_up_unit;
-  const double to_unit = kMostSteps * back_unit + 5 * looks->clear_unit;
+  const double to_unit = kSwitchLooksMostSteps * back_unit + 5 * looks->clear_unit;
   const bool is_there =
       BackUntilOpen(seek, back_unit, doing) &&
       doing->Did(axes.SeekSwitch(seek.axis, seek.sense * to_unit, seek.fine_unit_s)) &&

@@ -13,7 +13,7 @@
 namespace caltwin {
 namespace {
 
-constexpr std::string_view kKind = "triple_z";
+constexpr std::string_view kTripleZKind = "triple_z";
 constexpr std::array<std::string_view, 5> kNames = {"plane_tilt",
                                                     "bed_tilt",
                                                     "bed_tilt_iterated",
@@ -61,7 +61,7 @@ void ReadRounds(YamlMap* map, int otherwise, TripleZOptions* options) {
   options->target_mm = map->NumberOr("target_mm", options->target_mm, {0, 10});
 }
 
-TripleZOptions ReadOptions(std::string_view name, YamlMap* map) {
+TripleZOptions ReadTripleZOptions(std::string_view name, YamlMap* map) {
   TripleZOptions o;
   o.is_as_published =
       map->WordOr("variant", "corrected", {"as_published", "corrected"}) ==
@@ -89,7 +89,6 @@ TripleZOptions ReadOptions(std::string_view name, YamlMap* map) {
   map->NoMoreKeys();
   return o;
 }
-
 
 // What the engine knows of the printer, from one procedure to the next.
 TripleZPrinter* PrinterOn(Bench* bench) {
@@ -140,7 +139,9 @@ TripleZResult Perform(std::string_view name,
   return name == "rrf_levelling" ? RunRrfLevelling(printer, o) : RunBedTilt(printer, o);
 }
 
-ProcedureResult OnBench(std::string_view name, const TripleZOptions& o, Bench* bench) {
+ProcedureResult TripleZOnBench(std::string_view name,
+                               const TripleZOptions& o,
+                               Bench* bench) {
   TripleZResult done = Perform(name, o, bench->person, PrinterOn(bench));
   auto& figures = done.result.figures;
   if (done.predicted_factor) figures["predicted_factor"] = *done.predicted_factor;
@@ -160,21 +161,21 @@ ProcedureResult OnBench(std::string_view name, const TripleZOptions& o, Bench* b
 }
 
 template <std::size_t kIndex>
-PreparedProcedure Prepare(YamlMap map, const Machine& /*drawing*/) {
-  const TripleZOptions options = ReadOptions(kNames[kIndex], &map);
+PreparedProcedure PrepareTripleZ(YamlMap map, const Machine& /*drawing*/) {
+  const TripleZOptions options = ReadTripleZOptions(kNames[kIndex], &map);
   return [options](Bench* bench) {
-    return OnBench(kNames[kIndex], options, bench);
+    return TripleZOnBench(kNames[kIndex], options, bench);
   };
 }
 
-constexpr std::array kAll = {
+constexpr std::array kTripleZCatalog = {
     Procedure{.name = "plane_tilt",
               .about =
                   "Touches the bed, fits z = a x + b y + c and reports; nothing is "
                   "moved. Options: grid, at, margin_mm, reference_mm and hold_out as "
                   "of bed_tilt.",
-              .prepare = Prepare<0>,
-              .kind = kKind},
+              .prepare = PrepareTripleZ<0>,
+              .kind = kTripleZKind},
     Procedure{.name = "bed_tilt",
               .about =
                   "Levels a bed on three screws: touches a grid, fits z = a x + b y + "
@@ -187,8 +188,8 @@ constexpr std::array kAll = {
                   "hold_out: true touches the middles of the grid's cells afterwards, "
                   "which were not fitted.",
               .has_variants = true,
-              .prepare = Prepare<1>,
-              .kind = kKind},
+              .prepare = PrepareTripleZ<1>,
+              .kind = kTripleZKind},
     Procedure{.name = "bed_tilt_iterated",
               .about =
                   "bed_tilt again until the mean error is below target_mm, at most "
@@ -196,8 +197,8 @@ constexpr std::array kAll = {
                   "tells by what each round will multiply the tilt, and refuses a loop"
                   " that would diverge.",
               .has_variants = true,
-              .prepare = Prepare<2>,
-              .kind = kKind},
+              .prepare = PrepareTripleZ<2>,
+              .kind = kTripleZKind},
     Procedure{.name = "rrf_levelling",
               .about =
                   "The firmware levels by its drivers: G30 P0 .. S3 with the screws of"
@@ -205,8 +206,8 @@ constexpr std::array kAll = {
                   "corrected foretells the factor of each round as bed_tilt_iterated "
                   "does.",
               .has_variants = true,
-              .prepare = Prepare<3>,
-              .kind = kKind},
+              .prepare = PrepareTripleZ<3>,
+              .kind = kTripleZKind},
     Procedure{.name = "pivots_and_wiring",
               .about =
                   "Where the screws stand and which driver turns which: raises each "
@@ -214,13 +215,13 @@ constexpr std::array kAll = {
                   "levelling rounds. Names swapped motors and pivots that are off; "
                   "corrected writes M671 as found.",
               .has_variants = true,
-              .prepare = Prepare<4>,
-              .kind = kKind}};
+              .prepare = PrepareTripleZ<4>,
+              .kind = kTripleZKind}};
 
 }  // namespace
 
 std::span<const Procedure> TripleZProcedures() {
-  return kAll;
+  return kTripleZCatalog;
 }
 
 }  // namespace caltwin

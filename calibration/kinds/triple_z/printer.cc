@@ -17,7 +17,7 @@
 namespace caltwin {
 namespace {
 
-constexpr std::chrono::milliseconds kPatience{120'000};
+constexpr std::chrono::milliseconds kPrinterPatience{120'000};
 constexpr double kClear_mm = 10;  // Nozzle over the bed where screws move singly.
 
 std::string Word(char letter, double value) {
@@ -42,7 +42,7 @@ std::optional<double> StoppedHeight_mm(const std::vector<std::string>& lines) {
 }
 
 Expected<std::vector<std::string>> TripleZPrinter::Say(const std::string& line) {
-  return bench_.link->Send(line, kPatience);
+  return bench_.link->Send(line, kPrinterPatience);
 }
 
 Expected<void> TripleZPrinter::SayAll(const std::vector<std::string>& lines) {
@@ -284,8 +284,8 @@ TripleZBench BenchOf(const Machine& machine, Link* link, double sigma_mm) {
       .link = link,
       .drawn_mm = TripleZOf(machine).pivots_mm(),
       .top_mm = TripleZOf(machine).top_mm,
-      .most_mm = Eigen::Vector2d(machine.axis(Axis::kX).max_mm,
-                                   machine.axis(Axis::kY).max_mm),
+      .most_mm =
+          Eigen::Vector2d(machine.axis(Axis::kX).max_mm, machine.axis(Axis::kY).max_mm),
       .sigma_mm = std::max(std::hypot(sigma_mm, step_mm / std::sqrt(12.0)), kBest_mm),
       .is_sigma_stated = sigma_mm > 0};
 }

@@ -22,8 +22,8 @@ struct TripleZBench {
   bool is_sigma_stated = true;
 };
 
-/// What calibration knows of a printer beforehand. `sigma_mm`: of the probe as stated; a touch
-/// is counted in whole steps beside.
+/// What calibration knows of a printer beforehand. `sigma_mm`: of the probe as stated;
+/// a touch is counted in whole steps beside.
 TripleZBench BenchOf(const Machine& machine, Link* link, double sigma_mm);
 
 /// Speaks to a triple-Z printer in RepRapFirmware's dialect: probes heights, and moves

@@ -10,7 +10,7 @@
 namespace caltwin {
 namespace {
 
-constexpr std::string_view kKind = "z_station";
+constexpr std::string_view kZStationKind = "z_station";
 
 ZStationDesk* DeskOn(Bench* bench) {
   auto* const desk = bench->kept.Find<ZStationDesk>();
@@ -26,8 +26,8 @@ ProcedureResult Calibrate(Bench* bench) {
   if (result.ending != Ending::kDone || !desk->offset_before_mm) return result;
   const double before_mm = *desk->offset_before_mm;
   result.steps.back().before = before_mm;
-  const auto kept = bench->person->Do({.kind = Act::Kind::kConfirm,
-                                       .text = "z_calibration: keep this offset?"});
+  const auto kept = bench->person->Do(
+      {.kind = Act::Kind::kConfirm, .text = "z_calibration: keep this offset?"});
   desk->stays = desk->stays || kept.has_value();
   if (kept) return result;
   result.steps.back().verdict = Verdict::kMeasured;
@@ -111,7 +111,7 @@ PreparedProcedure PrepareSwitchOffset(YamlMap map, const Machine& /*drawing*/) {
   };
 }
 
-constexpr std::array kAll = {
+constexpr std::array kZStationCatalog = {
     Procedure{.name = "z_calibration",
               .about =
                   "Klipper's CALIBRATE_Z: the nozzle and the probe's body on the "
@@ -119,14 +119,14 @@ constexpr std::array kAll = {
                   "nozzle + switch_offset). In scenarios with a `station:`, and by "
                   "`calibrate --link`.",
               .prepare = PrepareCalibration,
-              .kind = kKind},
+              .kind = kZStationKind},
     Procedure{.name = "probe_accuracy",
               .about =
                   "PROBE_Z_ACCURACY or PROBE_ACCURACY: maximum, minimum, range, "
                   "average, median, standard deviation, and whether a switch is worn. "
                   "Options: samples, of (endstop or probe).",
               .prepare = PrepareAccuracy,
-              .kind = kKind},
+              .kind = kZStationKind},
     Procedure{.name = "switch_offset",
               .about =
                   "The stepwise descent with a feeler gauge (Z5, 3, 1, 0.5, 0.3, 0.1):"
@@ -135,12 +135,12 @@ constexpr std::array kAll = {
                   "takes ooze for switch_offset. Option: apply (true).",
               .has_variants = true,
               .prepare = PrepareSwitchOffset,
-              .kind = kKind}};
+              .kind = kZStationKind}};
 
 }  // namespace
 
 std::span<const Procedure> ZStationProcedures() {
-  return kAll;
+  return kZStationCatalog;
 }
 
 }  // namespace caltwin

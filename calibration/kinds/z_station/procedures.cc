@@ -15,7 +15,7 @@
 namespace caltwin {
 namespace {
 
-constexpr std::chrono::milliseconds kPatience{120'000};
+constexpr std::chrono::milliseconds kProceduresPatience{120'000};
 
 std::optional<double> After(const std::string& line, const std::string& key) {
   const std::size_t at = line.find(key);
@@ -95,7 +95,7 @@ Expected<std::vector<std::string>> ZStationClient::Say(const std::string& line) 
   const std::vector<std::string> words = WordsOf(line);
   const bool calibrates = !words.empty() && words.front() == "CALIBRATE_Z";
   has_tried_ = has_tried_ || calibrates;
-  auto answer = link_->Send(line, kPatience);
+  auto answer = link_->Send(line, kProceduresPatience);
   if (!answer) return answer;
   for (std::string& said : *answer) said = WithoutMark(said);
   if (calibrates) {

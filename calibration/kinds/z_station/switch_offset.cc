@@ -51,14 +51,14 @@ std::optional<double> Measured_mm(double height_mm,
 }
 
 /// A gap, and the height that was commanded for it.
-struct Gap {
+struct SwitchOffsetGap {
   double height_mm = 0, gap_mm = 0;
   double off_mm() const { return gap_mm - height_mm; }
 };
 
 // Whether a step down narrowed the gap by as much, but for what a person with feeler
 // gauges may be off: leaves, and a part of what is measured by many of them.
-bool Agree(const Gap& above, const Gap& here) {
+bool Agree(const SwitchOffsetGap& above, const SwitchOffsetGap& here) {
   constexpr double kLeaves_mm = 0.05, kPart = 0.05;
   const double may_mm = kLeaves_mm + kPart * above.height_mm;
   return std::abs(here.off_mm() - above.off_mm()) <= may_mm;
@@ -66,18 +66,19 @@ bool Agree(const Gap& above, const Gap& here) {
 
 // The gap at a height; nullopt: `result` says why. Measured once more where it
 // contradicts the one above.
-std::optional<Gap> GapAt(double height_mm,
-                         const Gap* above,
-                         ZStationClient* client,
-                         const FeelerHands& hands,
-                         ProcedureResult* result) {
+std::optional<SwitchOffsetGap> GapAt(double height_mm,
+                                     const SwitchOffsetGap* above,
+                                     ZStationClient* client,
+                                     const FeelerHands& hands,
+                                     ProcedureResult* result) {
   if (const auto moved = client->Say(fmt::format("G0 Z{}", height_mm)); !moved) {
     FailZStation(moved.error(), result);
     return std::nullopt;
   }
   auto gap_mm = Measured_mm(height_mm, hands, result);
   if (!gap_mm) return std::nullopt;
-  if (!above || Agree(*above, {height_mm, *gap_mm})) return Gap{height_mm, *gap_mm};
+  if (!above || Agree(*above, {height_mm, *gap_mm}))
+    return SwitchOffsetGap{height_mm, *gap_mm};
   const std::string why = fmt::format(
       "from Z{} to Z{} the gap went from {:.3f} to {:.3f} mm: measured once more",
       above->height_mm,
@@ -88,7 +89,7 @@ std::optional<Gap> GapAt(double height_mm,
   if (hands.say) hands.say(why);
   gap_mm = Measured_mm(height_mm, hands, result);
   if (!gap_mm) return std::nullopt;
-  if (Agree(*above, {height_mm, *gap_mm})) return Gap{height_mm, *gap_mm};
+  if (Agree(*above, {height_mm, *gap_mm})) return SwitchOffsetGap{height_mm, *gap_mm};
   FailZStation(
       {.reply = fmt::format(
            "the gaps contradict each other: {:.3f} mm at Z{}, {:.3f} mm at Z{}",
@@ -138,9 +139,10 @@ std::optional<double> Descend(double in_force_mm,
   const auto over = GoOverTheBed(in_force_mm, options.at_mm, client, result);
   if (!over) return std::nullopt;
   const std::vector<double> heights_mm = HeightsFrom_mm(in_force_mm, over->mesh_mm);
-  Gap gap;
+  SwitchOffsetGap gap;
   for (std::size_t i = 0; i < heights_mm.size(); ++i) {
-    const Gap* const above = options.is_as_published || i == 0 ? nullptr : &gap;
+    const SwitchOffsetGap* const above =
+        options.is_as_published || i == 0 ? nullptr : &gap;
     const auto next = GapAt(heights_mm[i], above, client, hands, result);
     if (!next) return std::nullopt;
     gap = *next;

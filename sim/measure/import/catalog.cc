@@ -22,8 +22,6 @@
 namespace caltwin {
 namespace {
 
-constexpr std::size_t kLargestFile_bytes = 64'000'000;
-
 constexpr std::array kImporters = {
     Importer{"iso230-dat",
              "a positioning test: ecmc *_ISO230.dat, Renishaw .rtl, a sheet of runs",
@@ -77,7 +75,7 @@ Imported Import(const std::string& kind,
                 const ImportOptions& options) {
   Find(kind);  // A misspelt kind is told before a missing file.
   return ImportText(
-      kind, ReadTextFile(file, kLargestFile_bytes), file.string(), options);
+      kind, ReadTextFile(file, kLargestData_bytes), file.string(), options);
 }
 
 Imported ImportText(const std::string& kind,

@@ -60,8 +60,8 @@ class DeltaDesk final : public Desk {
   // A twin's controller has the G33 that the step asks for.
   void BeforeStep(const CalibrationStep& step) override {
     if (!twin_) return;
-    twin_->SetG33(MarlinG33(VariantOf(step.variant),
-                            DeltaOf(bench_.machine).print_radius_mm));
+    twin_->SetG33(
+        MarlinG33(VariantOf(step.variant), DeltaOf(bench_.machine).print_radius_mm));
   }
 
  private:
@@ -69,23 +69,24 @@ class DeltaDesk final : public Desk {
   DeltaRecord record_{};
 };
 
-void Refuse(const CalibrateOptions& options,
-            const TwinOptions& papers,
-            const std::optional<MachineFile>& /*file*/) {
+void RefuseDeltaDesk(const CalibrateOptions& options,
+                     const TwinOptions& papers,
+                     const std::optional<MachineFile>& /*file*/) {
   if (papers.artefacts.empty()) return;
   throw InputError({.file = options.bench},
                    "a delta's bench has no artefacts",
                    "it knows instruments: probe and calliper");
 }
 
-std::unique_ptr<Desk> Make(const CalibrateOptions& options,
-                           const TwinOptions& papers,
-                           const std::optional<MachineFile>& file) {
+std::unique_ptr<Desk> MakeDeltaDesk(const CalibrateOptions& options,
+                                    const TwinOptions& papers,
+                                    const std::optional<MachineFile>& file) {
   return std::make_unique<DeltaDesk>(options, papers, *file);
 }
 
 }  // namespace
 
-constinit const DeskKind kDeltaDesk{.kind = "delta", .refuse = Refuse, .make = Make};
+constinit const DeskKind kDeltaDesk{
+    .kind = "delta", .refuse = RefuseDeltaDesk, .make = MakeDeltaDesk};
 
 }  // namespace caltwin

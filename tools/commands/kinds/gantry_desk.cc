@@ -48,14 +48,15 @@ void HeedAll(const CalibrateOptions& /*options*/,
              const TwinOptions& /*papers*/,
              const std::optional<MachineFile>& /*file*/) {}
 
-std::unique_ptr<Desk> Make(const CalibrateOptions& options,
-                           const TwinOptions& papers,
-                           const std::optional<MachineFile>& /*file*/) {
+std::unique_ptr<Desk> MakeGantryDesk(const CalibrateOptions& options,
+                                     const TwinOptions& papers,
+                                     const std::optional<MachineFile>& /*file*/) {
   return std::make_unique<GantryDesk>(options, papers);
 }
 
 }  // namespace
 
-constinit const DeskKind kGantryDesk{.kind = "", .refuse = HeedAll, .make = Make};
+constinit const DeskKind kGantryDesk{
+    .kind = "", .refuse = HeedAll, .make = MakeGantryDesk};
 
 }  // namespace caltwin

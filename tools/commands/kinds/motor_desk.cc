@@ -22,8 +22,8 @@ class MotorDesk final : public Desk {
       : Desk(options, papers) {
     bench_.machine = file.machine;
     const auto laser = papers.instruments.find("laser");
-    sigma_unit_ = MmFromUm(
-        laser == papers.instruments.end() ? kLaserSigma_um : laser->second.sigma_um);
+    sigma_unit_ = MmFromUm(laser == papers.instruments.end() ? kLaserSigma_um
+                                                             : laser->second.sigma_um);
     if (!is_twin()) return;
     const auto twin = std::make_shared<SimulatedStage>(
         MotorStageOf(file.machine), TwinOptionsOf(options.link), sigma_unit_);
@@ -50,9 +50,9 @@ class MotorDesk final : public Desk {
   double sigma_unit_ = 0;
 };
 
-void Refuse(const CalibrateOptions& options,
-            const TwinOptions& papers,
-            const std::optional<MachineFile>& /*file*/) {
+void RefuseMotorDesk(const CalibrateOptions& options,
+                     const TwinOptions& papers,
+                     const std::optional<MachineFile>& /*file*/) {
   if (!options.record.empty()) {
     throw InputError({.file = "--record"},
                      "motors touch nothing: there are no rows",
@@ -74,15 +74,15 @@ void Refuse(const CalibrateOptions& options,
                    "--apply does that, asking before each; on a twin nothing stays");
 }
 
-std::unique_ptr<Desk> Make(const CalibrateOptions& options,
-                           const TwinOptions& papers,
-                           const std::optional<MachineFile>& file) {
+std::unique_ptr<Desk> MakeMotorDesk(const CalibrateOptions& options,
+                                    const TwinOptions& papers,
+                                    const std::optional<MachineFile>& file) {
   return std::make_unique<MotorDesk>(options, papers, *file);
 }
 
 }  // namespace
 
 constinit const DeskKind kMotorDesk{
-    .kind = "motor_stage", .refuse = Refuse, .make = Make};
+    .kind = "motor_stage", .refuse = RefuseMotorDesk, .make = MakeMotorDesk};
 
 }  // namespace caltwin

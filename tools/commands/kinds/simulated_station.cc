@@ -32,7 +32,8 @@ constexpr std::array kWords = {
     StationWord{
         "probe_temperature", "", "drift_um_per_k", &ZStation::trigger_mm_per_k, -1}};
 
-[[noreturn]] void Refuse(const TwinOptions& named, const std::string& what) {
+[[noreturn]] void RefuseSimulatedStation(const TwinOptions& named,
+                                         const std::string& what) {
   throw InputError({.file = named.truth},
                    what + " needs times or a log, which calibrating a twin has not",
                    "`caltwin simulate --truth` has them; `station:` of a scenario has "
@@ -47,7 +48,7 @@ void Build(const Injected& injected, const TwinOptions& named, ZStation* station
     const double value = injected.values[i];
     if (parameter == "flows_c") station->ooze_flows_c = value;
     if (parameter == "lag_s" && value != 0) {
-      Refuse(named, fmt::format("a lag of '{}'", effect.name));
+      RefuseSimulatedStation(named, fmt::format("a lag of '{}'", effect.name));
     }
     for (const StationWord& word : kWords) {
       const bool is_it = word.cause == effect.name && word.axis == injected.axis &&
@@ -61,7 +62,7 @@ void Build(const Injected& injected, const TwinOptions& named, ZStation* station
       is_built = true;
     }
   }
-  if (!is_built) Refuse(named, fmt::format("'{}'", effect.name));
+  if (!is_built) RefuseSimulatedStation(named, fmt::format("'{}'", effect.name));
 }
 
 }  // namespace

@@ -36,18 +36,15 @@ class StationDesk final : public Desk {
   void Connect(Link* link) override {
     bench_.link = link;
     client_.emplace(link);
-    own_ = bench_.kept.Put(
-        ZStationDesk{.client = &*client_,
-                     .hands = {.gap_mm =
-                                   [this](double height_mm) {
-                                     return Gap_mm(height_mm);
-                                   },
-                               .wipe = [this] { return Wipe(); },
-                               .say =
-                                   [](const std::string& why) {
-                                     std::cerr << why << "\n";
-                                   }},
-                     .bed_at_mm = bed_at_mm_});
+    own_ = bench_.kept.Put(ZStationDesk{
+        .client = &*client_,
+        .hands = {.gap_mm = [this](double height_mm) { return Gap_mm(height_mm); },
+                  .wipe = [this] { return Wipe(); },
+                  .say =
+                      [](const std::string& why) {
+                        std::cerr << why << "\n";
+                      }},
+        .bed_at_mm = bed_at_mm_});
   }
 
   std::optional<ProcedureResult> Begin() override {
@@ -59,8 +56,7 @@ class StationDesk final : public Desk {
   void End() override {
     const auto& before_mm = own_->offset_before_mm;
     if (!client_->has_tried() || own_->stays || !before_mm) return;
-    const auto set =
-        client_->Say(fmt::format("SET_GCODE_OFFSET Z={:.6f}", *before_mm));
+    const auto set = client_->Say(fmt::format("SET_GCODE_OFFSET Z={:.6f}", *before_mm));
     if (set) return;
     std::cerr << fmt::format(
         "the offset of before, {:.6f}, could not be put back: {}\n",
@@ -74,8 +70,8 @@ class StationDesk final : public Desk {
       twin_->Wipe();
       return true;
     }
-    const auto done = bench_.person->Do(
-        {.text = "Wipe the nozzle: nothing may hang under its tip."});
+    const auto done =
+        bench_.person->Do({.text = "Wipe the nozzle: nothing may hang under its tip."});
     if (!done) std::cerr << done.error().reply << "\n";
     return done.has_value();
   }
@@ -93,9 +89,9 @@ class StationDesk final : public Desk {
   ZStationDesk* own_ = nullptr;  ///< The bench's.
 };
 
-void Refuse(const CalibrateOptions& options,
-            const TwinOptions& /*papers*/,
-            const std::optional<MachineFile>& file) {
+void RefuseStationDesk(const CalibrateOptions& options,
+                       const TwinOptions& /*papers*/,
+                       const std::optional<MachineFile>& file) {
   if (!options.axis.empty()) {
     throw InputError({.file = "--axis"}, "a nozzle's height is along z alone");
   }
@@ -119,15 +115,15 @@ void Refuse(const CalibrateOptions& options,
                    "printer");
 }
 
-std::unique_ptr<Desk> Make(const CalibrateOptions& options,
-                           const TwinOptions& papers,
-                           const std::optional<MachineFile>& file) {
+std::unique_ptr<Desk> MakeStationDesk(const CalibrateOptions& options,
+                                      const TwinOptions& papers,
+                                      const std::optional<MachineFile>& file) {
   return std::make_unique<StationDesk>(options, papers, file);
 }
 
 }  // namespace
 
 constinit const DeskKind kStationDesk{
-    .kind = "z_station", .refuse = Refuse, .make = Make};
+    .kind = "z_station", .refuse = RefuseStationDesk, .make = MakeStationDesk};
 
 }  // namespace caltwin

@@ -29,7 +29,7 @@ namespace {
 
 /// What the file describes: a machine as its file (or extension) says it was built, or
 /// the machine of a scenario with its effects and artefacts.
-TwinConfig ConfigOf(const fs::path& file) {
+TwinConfig ConfigOfStill(const fs::path& file) {
   const FileKind kind = KindOf(file);
   if (kind == FileKind::kScenario) {
     const Scenario scenario = ReadScenario(file);
@@ -121,7 +121,7 @@ Still StillOf(const fs::path& file, double exaggerate) {
   if (auto stage = MotorStageIn(file, exaggerate)) return Held(*std::move(stage));
   if (auto delta = DeltaIn(file, exaggerate)) return Held(*std::move(delta));
   if (auto triple_z = TripleZIn(file, exaggerate)) return Held(*std::move(triple_z));
-  const auto held = std::make_shared<MachineScene>(ConfigOf(file), exaggerate);
+  const auto held = std::make_shared<MachineScene>(ConfigOfStill(file), exaggerate);
   return {.scene = held, .model = held->model(), .data = held->data()};
 }
 

@@ -33,9 +33,9 @@ class TripleZDesk final : public Desk {
   double sigma_mm_;
 };
 
-void Refuse(const CalibrateOptions& options,
-            const TwinOptions& papers,
-            const std::optional<MachineFile>& /*file*/) {
+void RefuseTripleZDesk(const CalibrateOptions& options,
+                       const TwinOptions& papers,
+                       const std::optional<MachineFile>& /*file*/) {
   if (!options.axis.empty()) {
     throw InputError({.file = "--axis"}, "a triple-Z printer is levelled as a whole");
   }
@@ -55,15 +55,15 @@ void Refuse(const CalibrateOptions& options,
   }
 }
 
-std::unique_ptr<Desk> Make(const CalibrateOptions& options,
-                           const TwinOptions& papers,
-                           const std::optional<MachineFile>& file) {
+std::unique_ptr<Desk> MakeTripleZDesk(const CalibrateOptions& options,
+                                      const TwinOptions& papers,
+                                      const std::optional<MachineFile>& file) {
   return std::make_unique<TripleZDesk>(options, papers, *file);
 }
 
 }  // namespace
 
 constinit const DeskKind kTripleZDesk{
-    .kind = "triple_z", .refuse = Refuse, .make = Make};
+    .kind = "triple_z", .refuse = RefuseTripleZDesk, .make = MakeTripleZDesk};
 
 }  // namespace caltwin

@@ -67,7 +67,8 @@ class CoreXy : public MachineKind {
  public:
   std::string_view name() const override { return "corexy"; }
   std::string_view about() const override {
-    return "A printer whose two belts, A and B, move the head together: A alone along one "
+    return "A printer whose two belts, A and B, move the head together: A alone along "
+           "one "
            "diagonal, B along the other; its bed on one Z, or with `screws:` on three. "
            "`caltwin run` and `calibrate` calibrate one by G-code, `serve` is one, "
            "`simulate`, `diagnose` and `plan` measure one.";

@@ -51,10 +51,14 @@ class Delta final : public MachineKind {
  public:
   std::string_view name() const override { return "delta"; }
   std::string_view about() const override {
-    return "Three carriages on towers a, b and c (210, 330 and 90 deg), six rods in pairs, "
-           "an effector that hangs on them. `caltwin run` and `calibrate` calibrate one by "
-           "G-code, `serve` is one, `simulate`, `diagnose` and `plan` measure one, `compare "
-           "delta` sets rival procedures beside each other, `import klipper-delta` reads a "
+    return "Three carriages on towers a, b and c (210, 330 and 90 deg), six rods in "
+           "pairs, "
+           "an effector that hangs on them. `caltwin run` and `calibrate` calibrate "
+           "one by "
+           "G-code, `serve` is one, `simulate`, `diagnose` and `plan` measure one, "
+           "`compare "
+           "delta` sets rival procedures beside each other, `import klipper-delta` "
+           "reads a "
            "real one.";
   }
   std::string_view where() const override { return " on a delta"; }

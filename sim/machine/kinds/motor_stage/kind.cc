@@ -10,9 +10,12 @@ class MotorStage final : public MachineKind {
  public:
   std::string_view name() const override { return "motor_stage"; }
   std::string_view about() const override {
-    return "Six motors that do not know of each other: servos x, y, z and the rotary a, "
-           "open-loop steppers u and v, with limit switches and index pulses. `caltwin run` "
-           "and `calibrate` home and check them by G-code, `serve` is their controller.";
+    return "Six motors that do not know of each other: servos x, y, z and the rotary "
+           "a, "
+           "open-loop steppers u and v, with limit switches and index pulses. `caltwin "
+           "run` "
+           "and `calibrate` home and check them by G-code, `serve` is their "
+           "controller.";
   }
   std::string_view where() const override { return " of a motor stage"; }
   bool has_tip() const override { return false; }

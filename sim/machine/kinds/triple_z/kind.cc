@@ -87,9 +87,12 @@ class TripleZ final : public MachineKind {
  public:
   std::string_view name() const override { return "triple_z"; }
   std::string_view about() const override {
-    return "A printer whose bed stands on three screws z1, z2 and z3, each with a motor. "
-           "`caltwin run` and `calibrate` level one by G-code, `serve` is one, `simulate`, "
-           "`diagnose` and `plan` measure one, `compare levelling` sets rival procedures "
+    return "A printer whose bed stands on three screws z1, z2 and z3, each with a "
+           "motor. "
+           "`caltwin run` and `calibrate` level one by G-code, `serve` is one, "
+           "`simulate`, "
+           "`diagnose` and `plan` measure one, `compare levelling` sets rival "
+           "procedures "
            "beside each other.";
   }
   std::string_view where() const override { return " on a triple-Z printer"; }

@@ -29,8 +29,10 @@ class ZStationMachine final : public MachineKind {
  public:
   std::string_view name() const override { return "z_station"; }
   std::string_view about() const override {
-    return "A printer's head over its endstop switch and bed, with a magnetic switch probe: "
-           "what sets a nozzle's height. `caltwin run` and `calibrate` set it by Klipper's "
+    return "A printer's head over its endstop switch and bed, with a magnetic switch "
+           "probe: "
+           "what sets a nozzle's height. `caltwin run` and `calibrate` set it by "
+           "Klipper's "
            "commands, `serve` is one, `simulate`, `diagnose` and `plan` measure one. A "
            "`station:` in a scenario puts one under any printer.";
   }
