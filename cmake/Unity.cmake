@@ -5,9 +5,10 @@
 # does without, sees to it.
 option(CALTWIN_UNITY "Compile sources in groups" ON)
 set(caltwin_unity_lines 4000)
+set(caltwin_unity_root ${CMAKE_CURRENT_LIST_DIR}/..)
 find_package(Python3 REQUIRED COMPONENTS Interpreter)
 set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS
-  ${PROJECT_SOURCE_DIR}/cmake/unity_groups.py)
+  ${caltwin_unity_root}/cmake/unity_groups.py)
 
 function(caltwin_unity target)
   if(NOT CALTWIN_UNITY)
@@ -17,8 +18,8 @@ function(caltwin_unity target)
   get_target_property(folder ${target} SOURCE_DIR)
   list(TRANSFORM sources PREPEND ${folder}/ REGEX "^[^/]")
   execute_process(
-    COMMAND ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/cmake/unity_groups.py
-      ${PROJECT_SOURCE_DIR} ${caltwin_unity_lines} ${sources}
+    COMMAND ${Python3_EXECUTABLE} ${caltwin_unity_root}/cmake/unity_groups.py
+      ${caltwin_unity_root} ${caltwin_unity_lines} ${sources}
     OUTPUT_VARIABLE groups OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
   string(REPLACE "\n" ";" groups "${groups}")
   while(groups)

@@ -52,6 +52,9 @@ ParameterExpectation ReadParameter(const std::string& name, const YamlValue& val
       for (const YamlValue& number : after->List()) {
         expected.steps.push_back(number.Number());
       }
+      if (after->is_list() && expected.steps.empty()) {
+        after->Fail("expects nothing", "write the value after each step");
+      }
     }
     expected.steps_within = inner.Number("within", kNotNegative);
     inner.NoMoreKeys();
@@ -100,6 +103,12 @@ Expectation ReadExpectation(YamlMap map, const Expectable& expectable) {
   if (const auto messages = map.Optional("messages")) {
     for (const YamlValue& text : messages->List()) {
       expected.messages.push_back(text.Text());
+      if (text.is_scalar() && expected.messages.back().empty()) {
+        text.Fail("is empty, which every message holds");
+      }
+    }
+    if (messages->is_list() && expected.messages.empty()) {
+      messages->Fail("expects nothing", "write words that a message has to hold");
     }
   }
   const auto has = [](const auto& names, const std::string& name) {

@@ -157,7 +157,7 @@ std::string ExternalProtocol::TakeEstimate(const std::vector<std::string>& words
         kOk);
   }
   const auto parameter = FindParameter(words[2], bench_->machine.kind);
-  estimates_.push_back({.name = words[2],
+  estimates_.push_back({.name = Printable(words[2]),
                         .unit = parameter ? std::string(parameter->unit) : "",
                         .value = *value,
                         .sd = *sd,

@@ -45,7 +45,30 @@ std::span<const Word> FigureWords() {
       Word{"stop_feasible",
            "1: every axis can stand within within_ms by its drawn mass, speed and "
            "current; 0: one cannot."},
-      Word{"index_pulses", "Index pulses counted in one turn; also index_edges."},
+      Word{"index_edges", "Index pulses counted in one turn."},
+      Word{"stopped_within",
+           "1: every servo stood within within_ms, as measured; 0: one did not."},
+      Word{"positions_lost", "Axes that lost their position in an emergency stop."},
+      Word{"alerts", "How often the operator was called."},
+      Word{"retries", "How often a procedure was tried again at half the speed."},
+      Word{"warnings", "How often a procedure warned."},
+      Word{"safe_modes", "How often an axis was switched off or slowed for safety."},
+      Word{"history_entries", "Lines that the controller's error log holds (M504)."},
+      Word{"said_mm", "The deviation that a delta's procedure states as its own."},
+      Word{"height_error_mm",
+           "How far a delta's nozzle, commanded to 0, stands from its bed over the "
+           "disc: .rms, .most."},
+      Word{"height_drift_mm",
+           "By how much the nozzle's height has moved since the first procedure, rms."},
+      Word{"height_reversal_mm",
+           "The largest difference of the nozzle's height after moves down and moves "
+           "up to one place: play of carriages."},
+      Word{"xy_scale_um_per_mm", "By how much a delta's prints are too large."},
+      Word{"gcode_offset_mm", "The G-code offset of z that is in force at the end."},
+      Word{"position_error_mm",
+           "The tip's position error at 1000 seeded poses, its mean left out: .p95."},
+      Word{"machine_time_s", "How long the machine was at it."},
+      Word{"touches", "How often the probe or nozzle touched."},
       Word{"wrong_turn_probability",
            "Share of homings that the switch's scatter would put on another turn's "
            "index."}};

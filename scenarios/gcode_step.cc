@@ -6,6 +6,7 @@
 
 #include "calibration/loop/controller.h"
 #include "calibration/loop/outcome.h"
+#include "sim/base/text_file.h"
 
 namespace caltwin {
 namespace {
@@ -19,11 +20,12 @@ ProcedureResult SendLines(const std::vector<std::string>& lines, Bench* bench) {
     if (!reply) {
       result.ending = EndingOfFault(reply.error());
       result.fault = reply.error().reply;
-      result.messages.push_back(fmt::format("{}: {}", line, reply.error().reply));
+      result.messages.push_back(
+          fmt::format("{}: {}", Printable(line), reply.error().reply));
       return result;
     }
     for (const std::string& answer : *reply) {
-      result.messages.push_back(fmt::format("{}: {}", line, answer));
+      result.messages.push_back(fmt::format("{}: {}", Printable(line), answer));
     }
   }
   return result;

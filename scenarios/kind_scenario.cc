@@ -7,10 +7,22 @@
 #include <fmt/ranges.h>
 
 #include "scenarios/gcode_step.h"
+#include "scenarios/kinds/kinds.h"
 #include "scenarios/named_step.h"
 
 namespace caltwin {
 namespace {
+
+// The kinds that have such a procedure, in words; empty: none.
+std::string OwnersOf(const std::string& name) {
+  std::vector<std::string_view> owners;
+  for (const auto& kind : AllKindScenarios()) {
+    if (FindProcedure(name, kind->KnownProcedures()) != nullptr) {
+      owners.push_back(kind->Owner());
+    }
+  }
+  return fmt::format("{}", fmt::join(owners, " and "));
+}
 
 // What the file leaves out, as if `text` stood at that place.
 YamlMap Unwritten(const std::string& text, const YamlValue& at, Faults* faults) {
@@ -29,7 +41,9 @@ YamlMap UsualOptions(const Procedure& procedure,
                      const std::string& usual_axis) {
   Faults lacking;
   if (!usual_axis.empty()) procedure.prepare(Unwritten("{}", at, &lacking), machine);
-  return Unwritten(lacking.empty() ? "{}" : fmt::format("{{axis: {}}}", usual_axis),
+  if (lacking.empty()) return Unwritten("{}", at, at.faults());
+  return Unwritten(procedure.takes_axes ? fmt::format("{{axes: [{}]}}", usual_axis)
+                                        : fmt::format("{{axis: {}}}", usual_axis),
                    at,
                    at.faults());
 }
@@ -61,9 +75,20 @@ CalibrationStep KindScenario::ReadScenarioStep(const std::string& name,
 }
 
 void KindScenario::RefuseStep(const std::string& name, const YamlValue& options) const {
-  options.Fail(
-      fmt::format("'{}' is no procedure of {}", name, Owner()),
-      fmt::format("there are {}, gcode, external", fmt::join(StepNames(), ", ")));
+  std::vector<std::string> names = StepNames();
+  names.insert(names.end(), {"gcode", "external"});
+  const std::string nearest = NearestWord(name, names);
+  const std::string all = fmt::format("{}", fmt::join(names, ", "));
+  const std::string others = OwnersOf(name);
+  if (!others.empty()) {
+    options.Fail(fmt::format("is a procedure of {}, not of {}", others, Owner()),
+                 fmt::format("there are {}", all));
+    return;
+  }
+  options.Fail(fmt::format("is no procedure of {}", Owner()),
+               nearest.empty()
+                   ? fmt::format("there are {}", all)
+                   : fmt::format("did you mean '{}'? There are {}", nearest, all));
 }
 
 std::vector<std::string> KindScenario::StepNames() const {

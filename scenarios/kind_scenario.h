@@ -61,8 +61,8 @@ class KindScenario {
   /// One of those.
   virtual CalibrationStep ReadScenarioStep(const std::string& name,
                                            YamlMap options) const;
-  /// Adds the fault that there is no such step.
-  virtual void RefuseStep(const std::string& name, const YamlValue& options) const;
+  /// Adds the fault that there is no such step, and whose it is.
+  void RefuseStep(const std::string& name, const YamlValue& options) const;
 
   /// Names of procedures and scenario steps, without `gcode` and `external`.
   std::vector<std::string> StepNames() const;

@@ -104,15 +104,29 @@ void Collect(const std::vector<ProcedureResult>& results, RunResult* result) {
   }
 }
 
-void Judge(const Expectation& expect,
+// Whether any step is one that tells or sets something: lines of G-code alone, and what
+// an operator does, calibrate nothing.
+bool Calibrates(const Scenario& scenario) {
+  const Procedures known = scenario.kind->KnownProcedures();
+  return std::ranges::any_of(scenario.calibrate, [&](const CalibrationStep& step) {
+    return step.external || FindProcedure(step.name, known) != nullptr;
+  });
+}
+
+void Judge(const Scenario& scenario,
            const std::vector<ProcedureResult>& results,
            KindTrial* trial,
            RunResult* result) {
+  const Expectation& expect = scenario.expect;
   trial->AddParameters(expect, results, result);
   std::vector<CheckResult> external;
   std::swap(external, result->checks);
   const bool all_met = MeetExpectations(expect, result);
-  const TrueEnd end = trial->End(results, result);
+  TrueEnd end = trial->End(results, result);
+  const bool is_told = std::ranges::any_of(
+      result->parameters,
+      [](const ParameterResult& row) { return row.error.has_value(); });
+  end.told_wrong = end.told_wrong || (!Calibrates(scenario) && !is_told);
   result->outcome = JudgeOutcome(results, end, all_met);
   CheckParameters(expect, results, result);
   for (const FigureExpectation& expected : expect.figures) {
@@ -161,7 +175,7 @@ RunResult RunScenario(const Scenario& scenario, const RunOptions& options) {
   trial->Finish(&result);
   if (recorder) recorder->Save();
   Collect(results, &result);
-  Judge(scenario.expect, results, trial.get(), &result);
+  Judge(scenario, results, trial.get(), &result);
   result.cpu_s = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
   return result;
 }

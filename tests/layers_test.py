@@ -4,8 +4,9 @@ A layer includes itself and the layers it names in USES, and what those use in t
 where a header of theirs needs it: CMake passes that on, so it is what compiles, and the
 architecture allows it. The longest folder wins: sim/effects/acts is a layer of its own
 inside sim/effects. Beside that, MuJoCo's headers stand only where metres are allowed, and
-the blind tests' truth code includes nothing of any layer: it would test itself. And no two
-headers define a type of the same name: such programs link, and then do anything.
+the blind tests' truth code includes nothing of any layer: it would test itself. No two
+headers define a type of the same name: such programs link, and then do anything. And nothing
+outside kinds/ branches on a machine's kind or is named after one (tools/house.py counts).
 
     layers_test.py ROOT          checks a tree
     layers_test.py --self-test   checks that a leak would be found
@@ -16,6 +17,13 @@ import sys
 import tempfile
 from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).parent.parent / "tools"))
+import house  # noqa: E402  (stands beside what it counts)
+
+# Outside kinds/ these alone look at what only one kind draws: effects of its parts, and
+# columns of screws beside belts.
+KNOW_A_KIND = {"sim/effects/effector_tilt.h", "sim/effects/screw_cyclic.h",
+               "sim/measure/plan_session.cc"}
 SOURCE_FOLDERS = ("sim", "calibration", "scenarios", "renders", "tools", "tests")
 MUJOCO_FOLDERS = ("sim/mjcf", "sim/physics", "renders", "tests/bench")
 # Of a kind of machine: its model and its world.
@@ -111,6 +119,27 @@ def doubled_types(headers):
     return faults
 
 
+def kind_faults(root):
+    """Nothing outside kinds/ branches on a machine's kind or is named after one."""
+    names = [
+        file.relative_to(root).as_posix()
+        for folder in house.FOLDERS
+        for file in sorted((root / folder).rglob("*"))
+        if file.suffix in (".h", ".cc")
+    ]
+    branches, knowing = house.places(names, lambda name: (root / name).read_text())
+    faults = [f"{place}: branches on the kind of the machine outside kinds/" for place in branches]
+    faults += [
+        f"{place}: knows a kind of machine outside kinds/"
+        for place in knowing
+        if place.rsplit(":", 1)[0] not in KNOW_A_KIND
+    ]
+    return faults + [
+        f"{name}:1: named after a kind of machine outside kinds/"
+        for name in house.named_after_a_kind(names)
+    ]
+
+
 def check(root):
     layers = read_layers((root / "CMakeLists.txt").read_text())
     if len(layers) < 3:
@@ -127,7 +156,7 @@ def check(root):
         for folder in SOURCE_FOLDERS
         for file in sorted((root / folder).rglob("*.h"))
     ]
-    faults += doubled_types(headers)
+    faults += doubled_types(headers) + kind_faults(root)
     if files == 0:
         faults.append(f"{root}: no source was found")
     return faults
@@ -143,6 +172,10 @@ SELF_TEST = {
     "sim/top/w.h": ("namespace n {\nstruct Word {\n};\n}\n", 0),
     "sim/top/x.h": ("namespace n {\nenum class Word { kA };\nclass Other;\n}\n", 1),
     "sim/top/y.h": ("namespace m {\nstruct Word {\n};\nstruct Other {\n};\n}\n", 0),
+    "sim/top/k.cc": ("if (machine.kind == DeltaKind()) return;\n", 1),
+    "sim/top/l.cc": ("const bool is_delta = kind == DeltaKind();\n", 1),
+    "sim/top/kinds/m.cc": ("if (machine.kind == DeltaKind()) return;\n", 0),
+    "sim/top/delta_words.h": ("", 1),
     "tests/blind/g.cc": ('#include "tests/blind/h.h"\n#include "sim/base/a.h"\n', 1),
     "tests/blind/CMakeLists.txt": ("# of caltwin_base\ntarget_link(g caltwin_base)\n", 1),
 }

@@ -1,8 +1,9 @@
 """Counts what the house is measured by: house.py [COMMIT].
 
 Product C++ alone (sim, calibration, scenarios, renders, tools), of the work tree or of a
-commit: lines; branches on the kind of the machine outside kinds/; files named after a kind
-outside kinds/.
+commit: lines; branches on the kind of the machine outside kinds/, and each other place there
+that knows a kind (its name, what only it draws); files named after a kind outside kinds/.
+tests/layers_test.py allows no branch, no such file, and of the places those it lists.
 """
 
 import re
@@ -14,6 +15,10 @@ KIND = (r"((\.|->)(delta|triple_z|z_station|motor|z_offset)\b(?!\()|IsMotorStage
         r"|\b(Delta|TripleZ|ZStation)Kind\(\)|\bOwn<\w+>"
         r"|As<\w+Scenario>)")
 BRANCH = re.compile(r"\b(if|case|switch|while|return)\b.*" + KIND + r"|(\?|&&|\|\|).*" + KIND)
+# Beside branches: a comparison with a kind, what only one kind draws, a kind by its name.
+KNOWS = re.compile(r"[=!]= *(Cartesian|Delta|TripleZ|ZStation|MotorStage|CoreXy)Kind\(\)"
+                   r"|\b(Delta|TripleZ|ZStation|MotorStage|CoreXy)Kind\(\)|\bOwn<\w+>"
+                   r"|kind(->|\.|\(\)->)name\(\) *[=!]= *\"|ProceduresOf\(\"[a-z]")
 NAMED = re.compile(r"(^|_)(delta|triple_z|z_station|z_offset|motor|gantry)(_|\.)|simulated_(stage|station|printer)")
 # A cause and dialects that CONTRACT names so.
 EXCEPTED = re.compile(r"gantry_sag|motors_swapped|dialects/")
@@ -32,18 +37,39 @@ def text_of(name, commit):
     return subprocess.run(words, capture_output=True, text=True, check=True).stdout
 
 
+def places(names, text):
+    """PATH:LINE of each place outside kinds/ that branches on a kind or knows one."""
+    branches, knowing = [], []
+    for name in names:
+        if "/kinds/" in name:
+            continue
+        for number, line in enumerate(text(name).splitlines(), 1):
+            code = line.split("//")[0]
+            if BRANCH.search(code):
+                branches.append(f"{name}:{number}")
+            elif KNOWS.search(code):
+                knowing.append(f"{name}:{number}")
+    return branches, knowing
+
+
+def named_after_a_kind(names):
+    return [n for n in names
+            if "/kinds/" not in n and NAMED.search(n.rsplit("/", 1)[1]) and not EXCEPTED.search(n)]
+
+
 def main():
+    if len(sys.argv) > 1 and sys.argv[1].startswith("-"):
+        print(__doc__)
+        return 0 if sys.argv[1] in ("-h", "--help") else 2
     commit = sys.argv[1] if len(sys.argv) > 1 else ""
     names = listed(commit)
     texts = {name: text_of(name, commit) for name in names}
-    outside = [name for name in names if "/kinds/" not in name]
-    branches = {name: sum(1 for line in texts[name].splitlines() if BRANCH.search(line.split("//")[0]))
-                for name in outside}
-    named = [n for n in outside if NAMED.search(n.rsplit("/", 1)[1]) and not EXCEPTED.search(n)]
+    branches, knowing = places(names, texts.get)
+    named = named_after_a_kind(names)
     print(f"lines: {sum(text.count(chr(10)) for text in texts.values())} in {len(names)} files")
-    print(f"branches on the kind outside kinds/: {sum(branches.values())} in "
-          f"{sum(1 for count in branches.values() if count)} files")
-    print(f"files named after a kind outside kinds/: {len(named)}")
+    print(f"branches on the kind outside kinds/: {len(branches)}", *branches, sep="\n  ")
+    print(f"other places outside kinds/ that know a kind: {len(knowing)}", *knowing, sep="\n  ")
+    print(f"files named after a kind outside kinds/: {len(named)}", *named, sep="\n  ")
     return 0
 
 

@@ -73,8 +73,8 @@ struct ProcedureResult {
   std::vector<Observability> observability{};
   std::vector<std::string> messages{};  ///< Warnings and remedies, for a person.
   int touches = 0;
-  /// What else it found, by the names that a scenario's figures have; where none has
-  /// such a name, for who leads it: "predicted_factor", "alerts".
+  /// What else it found: figures of scenarios ("predicted_factor", "alerts"), and what
+  /// only the one who leads the procedures asks for ("rounds_steeper").
   std::map<std::string, double> figures{};
 };
 

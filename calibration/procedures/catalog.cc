@@ -24,12 +24,6 @@
 namespace caltwin {
 namespace {
 
-Procedures PointersTo(std::span<const Procedure> procedures) {
-  Procedures pointers;
-  for (const Procedure& procedure : procedures) pointers.push_back(&procedure);
-  return pointers;
-}
-
 bool Suits(const Procedure& procedure, const MachineKind& kind) {
   switch (procedure.drives) {
     case DrivesAsked::kOwn:
@@ -44,36 +38,46 @@ bool Suits(const Procedure& procedure, const MachineKind& kind) {
 
 }  // namespace
 
-Procedures AllProcedures() {
-  return {&kRoughSteps,
-          &kDualDimension,
-          &kClusterBacklash,
-          &kDeflection,
-          &kVerify,
-          &kNextAll,
-          &kTriggerReleaseBacklash,
-          &kDialBacklash,
-          &kSameSideBacklash,
-          &kAwayReturnBacklash,
-          &kJointEstimate,
-          &kPlaneTilt,
-          &kBeltDiagonals};
+const Procedures& AllProcedures() {
+  static const Procedures kAll = [] {
+    Procedures all = {&kRoughSteps,
+                      &kDualDimension,
+                      &kClusterBacklash,
+                      &kDeflection,
+                      &kVerify,
+                      &kNextAll,
+                      &kTriggerReleaseBacklash,
+                      &kDialBacklash,
+                      &kSameSideBacklash,
+                      &kAwayReturnBacklash,
+                      &kJointEstimate,
+                      &kPlaneTilt,
+                      &kBeltDiagonals};
+    for (const auto of_kind : {DeltaProcedures(),
+                               TripleZProcedures(),
+                               ZStationProcedures(),
+                               MotorProcedures()}) {
+      for (const Procedure& procedure : of_kind) all.push_back(&procedure);
+    }
+    return all;
+  }();
+  return kAll;
 }
 
 Procedures ProceduresFor(const MachineKind& kind) {
-  Procedures suiting = AllProcedures();
-  std::erase_if(suiting, [&](const Procedure* one) { return !Suits(*one, kind); });
+  Procedures suiting;
+  for (const Procedure* one : AllProcedures()) {
+    if (one->kind.empty() && Suits(*one, kind)) suiting.push_back(one);
+  }
   return suiting;
 }
 
 Procedures ProceduresOf(std::string_view kind) {
-  for (const auto of_kind : {DeltaProcedures(),
-                             TripleZProcedures(),
-                             ZStationProcedures(),
-                             MotorProcedures()}) {
-    if (of_kind.front().kind == kind) return PointersTo(of_kind);
+  Procedures own;
+  for (const Procedure* one : AllProcedures()) {
+    if (one->kind == kind) own.push_back(one);
   }
-  return {};
+  return own;
 }
 
 const Procedure* FindProcedure(std::string_view name, const Procedures& among) {

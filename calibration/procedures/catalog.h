@@ -41,12 +41,12 @@ struct Procedure {
 
 using Procedures = std::vector<const Procedure*>;
 
-/// Every procedure of machines that are led like a gantry, in the order help lists
-/// them.
-Procedures AllProcedures();
-/// Of these, those for that machine's drives.
+/// Every procedure there is, in the order help lists them.
+const Procedures& AllProcedures();
+/// Those of machines that are led like a gantry, for that machine's drives.
 Procedures ProceduresFor(const MachineKind& kind);
-/// Those that only the kind of that name has: delta, triple_z, z_station, motor_stage.
+/// Those that only the kind of that name has: delta, triple_z, z_station, motor_stage;
+/// "": those of machines that are led like a gantry.
 Procedures ProceduresOf(std::string_view kind);
 /// By id; null where there is none.
 const Procedure* FindProcedure(std::string_view name, const Procedures& among);

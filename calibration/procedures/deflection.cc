@@ -124,7 +124,7 @@ Expected<void> SayGapUnknown(Session* session, Axis axis) {
                     "Not applied: the backlash is not known.");
   session->Tell(
       "Nobody has measured the backlash of this axis: half of it would be "
-      "taken for pre-travel. MeasureDeflection it first, or give backlash_left_mm.");
+      "taken for pre-travel. Measure it first, or give backlash_left_mm.");
   session->Conclude(name, "mm", {});
   session->End(Ending::kConfounded);
   return {};

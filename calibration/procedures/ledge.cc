@@ -25,10 +25,9 @@ struct Lip {
 
 Expected<void> FitLedge(Session* session, const std::string& stylus) {
   if (const auto raised = session->probing().Raise(); !raised) return raised;
-  return session->bench().person->Do(
-      {.kind = Act::Kind::kFitStylus,
-       .text = fmt::format("FitLedge the {} stylus.", stylus),
-       .artefact = stylus});
+  return session->bench().person->Do({.kind = Act::Kind::kFitStylus,
+                                      .text = fmt::format("Fit the {} stylus.", stylus),
+                                      .artefact = stylus});
 }
 
 Expected<Lip> TouchTop(Session* session, const Face& top, const SpanPlan& plan) {

@@ -84,7 +84,7 @@ void DeltaTrial::EndStep(const CalibrationStep& step, ProcedureResult* done) {
   truth_.tilt_y = figure("tilt_y");
   truth_.correlations = done->correlations;
   truth_.settings_told.clear();
-  // A joint estimate's stand in its fit.
+  // What a joint estimate found of them is in its fit.
   if (!truth_.fit) truth_.settings_told = done->estimates;
 }
 

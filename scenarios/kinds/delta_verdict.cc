@@ -223,7 +223,8 @@ TrueEnd EndOfDelta(const DeltaTruth& trial, RunResult* result) {
               TrueFigure{.before = before.z_rms_mm,
                          .after = after.z_rms_mm,
                          .noise = kNoise_mm,
-                         .is_met = after.z_rms_mm < kRecovered * before.z_rms_mm}};
+                         .is_met = after.z_rms_mm <
+                                   std::max(kRecovered * before.z_rms_mm, kNoise_mm)}};
 }
 
 double FigureOfDelta(const DeltaTruth& trial,

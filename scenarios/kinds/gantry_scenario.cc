@@ -65,23 +65,6 @@ Procedures GantryScenario::KnownProcedures() const {
   return ProceduresFor(*machine_kind_);
 }
 
-void GantryScenario::RefuseStep(const std::string& name,
-                                const YamlValue& options) const {
-  std::vector<std::string> names = StepNames();
-  names.insert(names.begin(), {"external", "gcode"});
-  const std::string nearest = NearestWord(name, names);
-  if (FindProcedure(name, AllProcedures()) != nullptr) {
-    options.Fail(fmt::format("is no procedure of a {} machine", machine_kind_->name()),
-                 StepNames().empty()
-                     ? "there are none for this kind"
-                     : fmt::format("there are {}", fmt::join(StepNames(), ", ")));
-    return;
-  }
-  options.Fail("is no procedure that this version knows",
-               (nearest.empty() ? "" : fmt::format("did you mean '{}'? ", nearest)) +
-                   "`caltwin explain` lists them all");
-}
-
 Expectable GantryScenario::CanExpect() const {
   return {.parameters = AllParameterNames(machine_kind_),
           .figures = {"position_error_mm.p95"}};

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "scenarios/scenario.h"
+#include "sim/machine/machine_kind.h"
 
 namespace caltwin {
 
@@ -16,8 +17,9 @@ class GantryScenario : public KindScenario {
   }
   void ReadKeys(YamlMap* map, Scenario* scenario) override;
   Procedures KnownProcedures() const override;
-  std::string_view Owner() const override { return "a gantry"; }
-  void RefuseStep(const std::string& name, const YamlValue& options) const override;
+  std::string_view Owner() const override {
+    return machine_kind_->axes_are_drives() ? "a gantry" : "a machine on belts";
+  }
   Expectable CanExpect() const override;
   std::vector<std::string> EffectNames() const override;
   void Vary(const std::string& effect,

@@ -32,7 +32,9 @@ std::vector<std::unique_ptr<KindScenario>> AllKindScenarios() {
 std::unique_ptr<KindScenario> ScenarioOf(const MachineKind& kind) {
   for (auto& one : AllKindScenarios()) {
     const Procedures procedures = one->KnownProcedures();
-    if (procedures.front()->kind == kind.name()) return std::move(one);
+    const bool is_of_it =
+        !procedures.empty() && procedures.front()->kind == kind.name();
+    if (is_of_it) return std::move(one);
   }
   return UsualKind(&kind);
 }
@@ -56,7 +58,7 @@ std::unique_ptr<KindScenario> KindFor(const Machine& machine, bool has_station) 
 std::unique_ptr<KindScenario> ReadKind(const std::filesystem::path& file,
                                        YamlMap* map,
                                        MachineFile* machine) {
-  if (file.empty()) {  // A fault already; the keys that there are are told.
+  if (file.empty()) {  // A fault already: `station` is no unknown key beside it.
     map->Has("station");
     return UsualKind();
   }

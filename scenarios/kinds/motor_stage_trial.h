@@ -53,7 +53,12 @@ class MotorStageTrial : public KindTrial {
   MotorStageGauge gauge_;
   NoHands hands_{};
   Bench bench_{};
-  std::map<std::string, double> figures_{};  ///< Of the procedures; counts of all.
+  /// Of the procedures: counts of all, of the others the last.
+  std::map<std::string, double> figures_{{"alerts", 0},
+                                         {"retries", 0},
+                                         {"warnings", 0},
+                                         {"safe_modes", 0},
+                                         {"positions_lost", 0}};
   std::size_t history_ = 0;
   std::vector<ParameterResult> told_{};  ///< Beside what was built at that moment.
 };

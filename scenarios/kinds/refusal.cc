@@ -10,9 +10,10 @@ void RequireGantry(const Machine& machine, const std::filesystem::path& file) {
   if (machine.Own<TripleZDrawing>() != nullptr) {
     throw InputError(
         {.file = file.string()},
-        "this machine is a triple-Z printer, which serve and calibrate do not know",
-        "run, compare levelling, simulate, plan, diagnose (closed loops too), "
-        "validate and render know it");
+        "this machine has its bed on three screws, which this command "
+        "does not know",
+        "run, calibrate, serve, compare levelling, simulate, plan, diagnose "
+        "(closed loops too), validate and render know it");
   }
   if (machine.kind == ZStationKind()) {
     throw InputError(

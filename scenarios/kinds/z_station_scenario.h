@@ -30,7 +30,7 @@ class ZStationScenario : public KindScenario {
   }
   void ReadKeys(YamlMap* map, Scenario* scenario) override;
   Procedures KnownProcedures() const override { return ProceduresOf("z_station"); }
-  std::string_view Owner() const override { return "a nozzle's height"; }
+  std::string_view Owner() const override { return "a printer's station"; }
   std::vector<Word> ScenarioSteps() const override;
   std::span<const Word> OwnKeys() const override;
   CalibrationStep ReadScenarioStep(const std::string& name,

@@ -98,8 +98,8 @@ void ZStationTrial::Finish(RunResult* result) {
   result->rows = record_.rows();
   result->touches = klipper_.touches();
   result->machine_time_s = klipper_.machine_time_s();
-  result->position_error_before_p95_mm = before_mm_;
   result->position_error_after_p95_mm = HeightError_mm();
+  result->position_error_before_p95_mm = before_mm_.value_or(HeightError_mm());
   result->is_error_of_nozzle = true;
 }
 
@@ -161,13 +161,10 @@ void ZStationTrial::AddParameters(const Expectation& /*expect*/,
                                   const std::vector<ProcedureResult>& /*results*/,
                                   RunResult* result) {
   result->parameters = told_;
-  result->parameters.push_back({.name = "z_offset_error",
-                                .unit = "mm",
-                                .injected = 0,
-                                .recovered = Error_mm(),
-                                .error = Error_mm(),
-                                .identifiable = true,
-                                .is_setting = true});
+  ParameterResult row{.name = "z_offset_error", .unit = "mm", .is_setting = true};
+  row.identifiable = std::isfinite(Error_mm());  // Else nothing was homed.
+  if (row.identifiable) row.recovered = row.error = Error_mm();
+  result->parameters.push_back(row);
 }
 
 TrueEnd ZStationTrial::End(const std::vector<ProcedureResult>& /*results*/,
@@ -178,7 +175,7 @@ TrueEnd ZStationTrial::End(const std::vector<ProcedureResult>& /*results*/,
                         "print surface",
                         Error_mm())
           : "Z is not homed: no height is known of the nozzle");
-  TrueFigure figure{.before = before_mm_,
+  TrueFigure figure{.before = before_mm_.value_or(std::abs(Error_mm())),
                     .after = std::abs(Error_mm()),
                     .noise = kNoise_mm,
                     .is_met = std::abs(Error_mm()) <= kRecovered_mm};

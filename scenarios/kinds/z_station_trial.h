@@ -56,7 +56,7 @@ class ZStationTrial : public KindTrial {
   ZStationDesk* desk_ = nullptr;  ///< The bench's.
   std::size_t touched_before_ = 0;
   bool has_stepped_ = false;
-  double before_mm_ = 0;
+  std::optional<double> before_mm_{};    ///< Before anything was calibrated.
   std::vector<ParameterResult> told_{};  ///< Beside what was built at that moment.
 };
 

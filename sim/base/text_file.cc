@@ -94,6 +94,23 @@ void RequireText(const std::string& text, const std::string& name) {
   }
 }
 
+std::string Printable(std::string_view text) {
+  std::string printable;
+  while (!text.empty()) {
+    const std::size_t length = Utf8Length(text);
+    const auto code = static_cast<unsigned char>(text.front());
+    const bool is_control = (code < 0x20 && code != '\t') || code == 0x7f;
+    if (length == 0 || is_control) {
+      printable += fmt::format("\\x{:02x}", code);
+      text.remove_prefix(1);
+    } else {
+      printable += text.substr(0, length);
+      text.remove_prefix(length);
+    }
+  }
+  return printable;
+}
+
 void WriteTextFile(const fs::path& file, const std::string& text) {
   const Place place{.file = file.string()};
   std::error_code error;

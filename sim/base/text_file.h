@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 namespace caltwin {
 
@@ -18,6 +19,10 @@ std::string ReadTextFile(const std::filesystem::path& file, std::size_t most_byt
 /// Throws InputError at the first zero byte or byte that is not UTF-8: noise, a
 /// picture, an archive or a text in another encoding given where a text file is wanted.
 void RequireText(const std::string& text, const std::string& name);
+
+/// `text` with \xNN for every control character but a tab, and for every byte that is
+/// not UTF-8: what a terminal, a file of JSON or a page can take.
+std::string Printable(std::string_view text);
 
 /// Writes beside the final name and renames, so that a reader never sees half a file;
 /// makes missing folders. What is no plain file (/dev/null, a pipe) is written in

@@ -3,8 +3,10 @@
 #include <chrono>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
+#include "sim/base/text_file.h"
 #include "sim/link/link.h"
 #include "sim/link/reply.h"
 
@@ -36,7 +38,10 @@ class EmulatedLink final : public Link {
   void Connect(EmulatedController* controller) { controller_ = controller; }
   Expected<std::vector<std::string>> Send(std::string_view line,
                                           std::chrono::milliseconds) override {
-    return JudgeReply(controller_->Execute(line).lines);
+    std::vector<std::string> lines = controller_->Execute(line).lines;
+    // A controller repeats what it does not understand.
+    for (std::string& said : lines) said = Printable(said);
+    return JudgeReply(std::move(lines));
   }
 
  private:

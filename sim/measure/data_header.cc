@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 
 #include "sim/base/text_file.h"
+#include "sim/measure/plan_kinds.h"
 
 namespace caltwin {
 namespace {
@@ -25,12 +26,11 @@ const std::vector<std::string> kInstrumentKinds = {"laser",
                                                    "height_gauge",
                                                    "indicator",
                                                    "feeler"};
-const std::vector<std::string> kPlans = {
-    "iso230",      "dense",    "abbe",       "straightedge", "square",
-    "blocks",      "plate",    "ring",       "ballbar",      "plate_turned_90",
-    "alternating", "rehoming", "drift",      "delta_grid",   "delta_xy",
-    "z_columns",   "tz_grid",  "tz_heights", "fixed_post",   "screws_one_by_one",
-    "z_offset",    "z_gap"};
+std::vector<std::string> PlanWords() {
+  std::vector<std::string> words;
+  for (const CampaignKind& kind : AllCampaignKinds()) words.emplace_back(kind.id);
+  return words;
+}
 
 /// How many certified sizes an artefact of this type may have.
 struct SizeCount {
@@ -164,7 +164,8 @@ class HeaderReader {
       return;
     }
     campaign->plan = kinds[0].first;
-    RemarkUnless(kPlans, campaign->plan, fmt::format("campaign '{}': the plan", id));
+    RemarkUnless(
+        PlanWords(), campaign->plan, fmt::format("campaign '{}': the plan", id));
     if (kinds[0].second.is_null()) return;
     for (const auto& [key, option] : kinds[0].second.Map().Entries()) {
       campaign->options[key] = option.AsWritten();

@@ -130,7 +130,7 @@ TEST(DeltaScenario, TellsWhatItDoesNotKnow) {
   EXPECT_THAT(FaultOf("calibrate: [{g33: {f: 31}}]\n"),
               HasSubstr("is outside 0 .. 30"));
   EXPECT_THAT(FaultOf("calibrate: [next_all]\n"),
-              HasSubstr("'next_all' is no procedure of a delta"));
+              HasSubstr("is a procedure of a gantry, not of a delta"));
   EXPECT_THAT(FaultOf(calibrate + "expect: {flatness: {below: 1}}\n"),
               HasSubstr("expect.flatness is no parameter that this version knows\n"
                         "  it knows endstop.a, "));

@@ -31,9 +31,11 @@ TEST(MotorScenario, NamesWhatItCannotDo) {
               HasSubstr("u is an open-loop stepper: servo_home needs a servo"));
   EXPECT_THAT(FaultOf("calibrate: [{stepper_home: {axis: x}}]\n"),
               HasSubstr("x is a servo: servo_home homes it"));
-  EXPECT_THAT(FaultOf("calibrate: [bed_tilt]\n"),
-              HasSubstr("'bed_tilt' is no procedure of a motor stage\n  there are "
-                        "servo_home, index_verify"));
+  EXPECT_THAT(
+      FaultOf("calibrate: [bed_tilt]\n"),
+      HasSubstr(
+          "is a procedure of a triple-Z printer, not of a motor stage\n  there are "
+          "servo_home, index_verify"));
   EXPECT_THAT(FaultOf("calibrate: [servo_home]\n"), HasSubstr("axis"));
   EXPECT_THAT(FaultOf("calibrate: [{emergency_stop: {axes: [y, y]}}]\n"),
               HasSubstr("is named twice"));

@@ -44,9 +44,10 @@ TEST(TripleZScenario, ASwapNeedsNoNumber) {
 }
 
 TEST(TripleZScenario, NamesWhatItCannotDo) {
-  EXPECT_THAT(FaultOf("calibrate: [g33]\n"),
-              HasSubstr("'g33' is no procedure of a triple-Z printer\n  there are "
-                        "plane_tilt, bed_tilt"));
+  EXPECT_THAT(
+      FaultOf("calibrate: [g33]\n"),
+      HasSubstr("is a procedure of a delta, not of a triple-Z printer\n  there are "
+                "plane_tilt, bed_tilt"));
   EXPECT_THAT(FaultOf("effects: {cyclic_lead.x: {amplitude_um: 5}}\ncalibrate: "
                       "[bed_tilt]\n"),
               HasSubstr("is no effect of a triple_z machine"));

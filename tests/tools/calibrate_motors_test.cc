@@ -50,7 +50,7 @@ TEST(CalibrateMotors, RefusesWhatItWouldIgnore) {
   EXPECT_THAT(Calibrated({"--procedure", "servo_home: {axis: u}"}).fault,
               HasSubstr("is an open-loop stepper"));
   EXPECT_THAT(Calibrated({"--procedure", "g33"}).fault,
-              HasSubstr("no procedure of a motor stage"));
+              HasSubstr("is a procedure of a delta, not of a motor stage"));
   EXPECT_THAT(
       Calibrated({"--procedure", "servo_home: {axis: x}", "--record", "a.csv"}).fault,
       HasSubstr("there are no rows"));

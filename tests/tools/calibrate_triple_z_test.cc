@@ -35,7 +35,7 @@ TEST(CalibrateTripleZ, WithoutConsentItOnlyTouches) {
   const Answer answer = Calibrated({"bed_tilt"});
 
   EXPECT_EQ(answer.exit_code, kPassed);
-  EXPECT_THAT(answer.out, HasSubstr("--apply would raise the screws by"));
+  EXPECT_THAT(answer.out, HasSubstr("levelling would raise the screws by"));
   EXPECT_THAT(answer.out, Not(HasSubstr("applied. raised")));
 }
 
@@ -47,11 +47,12 @@ TEST(CalibrateTripleZ, WithConsentTheBedIsLevelled) {
 }
 
 TEST(CalibrateTripleZ, RefusesWhatItWouldIgnore) {
-  EXPECT_THAT(Calibrated({"g33"}).fault, HasSubstr("no procedure of a triple-Z"));
+  EXPECT_THAT(Calibrated({"g33"}).fault,
+              HasSubstr("is a procedure of a delta, not of a triple-Z"));
   EXPECT_THAT(Calibrated({"bed_tilt", "--record", "rows.csv"}).fault,
               HasSubstr("levelling writes no rows"));
   EXPECT_THAT(Calibrated({"bed_tilt", "--reading", "dial.x=1"}).fault,
-              HasSubstr("asks for no gauge"));
+              HasSubstr("a twin reads its own gauges"));
 }
 
 }  // namespace

@@ -338,7 +338,7 @@ TEST(Calibrate, KnowsDeltas) {
   EXPECT_THAT(applied.out, HasSubstr("delta_radius 130 -> 130.5"));
   EXPECT_THAT(applied.out, HasSubstr(", applied"));
   EXPECT_THAT(typo.code, Eq(2));
-  EXPECT_THAT(typo.err, HasSubstr("there are g33, rrf_least_squares, "));
+  EXPECT_THAT(typo.err, HasSubstr("There are g33, rrf_least_squares, "));
 }
 
 TEST(Serve, SpeaksADeltasDialectAndNoOther) {

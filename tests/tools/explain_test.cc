@@ -43,7 +43,8 @@ TEST(Explain, KnowsEveryKeyOfANozzlesHeight) {
     const auto keys = KeysThatAreKnown(machine + part + "\n");
     EXPECT_THAT(keys.size(), ::testing::Ge(4u)) << part;
     for (const std::string& key : keys) {
-      EXPECT_THAT(Printed(DeclareExplain, {key}), HasSubstr("nozzle's height)")) << key;
+      EXPECT_THAT(Printed(DeclareExplain, {key}), HasSubstr("printer's station)"))
+          << key;
     }
   }
 }

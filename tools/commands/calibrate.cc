@@ -51,14 +51,16 @@ std::string ProceduresText(const CalibrateOptions& options, const Procedures& kn
   return text;
 }
 
-void RefuseScenarioSteps(const CalibrateOptions& options, const KindScenario& kind) {
-  std::vector<std::string_view> of_scenarios = {"external"};
-  for (const Word& step : kind.ScenarioSteps()) of_scenarios.push_back(step.name);
-  for (const std::string& procedure : options.procedures) {
-    const std::string name = procedure.substr(0, procedure.find(':'));
-    if (std::ranges::find(of_scenarios, name) == of_scenarios.end()) continue;
+void RefuseScenarioSteps(const std::vector<CalibrationStep>& steps,
+                         const KindScenario& kind) {
+  for (const CalibrationStep& step : steps) {
+    const bool is_of_scenarios =
+        step.external || step.perform ||
+        std::ranges::any_of(kind.ScenarioSteps(),
+                            [&](const Word& word) { return word.name == step.name; });
+    if (!is_of_scenarios) continue;
     throw InputError({.file = "--procedure"},
-                     name + " is a step of scenarios only",
+                     step.name + " is a step of scenarios only",
                      "write a scenario and `caltwin run` it");
   }
 }
@@ -147,6 +149,17 @@ void PrintResult(const std::string& name, const ProcedureResult& result) {
   }
 }
 
+namespace {
+
+// Without --apply nothing is applied, which is no fault; a call for the operator is.
+bool IsRefusedAsAsked(const CalibrateOptions& options, const ProcedureResult& result) {
+  const auto alerts = result.figures.find("alerts");
+  const bool is_alerted = alerts != result.figures.end() && alerts->second > 0;
+  return !options.apply && result.fault.empty() && !is_alerted;
+}
+
+}  // namespace
+
 bool StopsTheRest(const CalibrateOptions& options, const ProcedureResult& result) {
   if (InterruptRequested()) return true;
   switch (result.ending) {
@@ -155,12 +168,8 @@ bool StopsTheRest(const CalibrateOptions& options, const ProcedureResult& result
     case Ending::kReadsZero:
     case Ending::kConfounded:
       return false;
-    case Ending::kRefused: {
-      // Without --apply nothing is applied, which is no reason to stop.
-      const auto alerts = result.figures.find("alerts");
-      const bool is_alerted = alerts != result.figures.end() && alerts->second > 0;
-      return options.apply || !result.fault.empty() || is_alerted;
-    }
+    case Ending::kRefused:
+      return !IsRefusedAsAsked(options, result);
     case Ending::kNoTrigger:
     case Ending::kCollision:
     case Ending::kAlarm:
@@ -180,7 +189,7 @@ int WorstOf(const CalibrateOptions& options,
   if (any(Ending::kLinkLost)) return kLost;
   const bool all_done = std::ranges::all_of(results, [&](const ProcedureResult& r) {
     return r.ending == Ending::kDone ||
-           (r.ending == Ending::kRefused && !options.apply && r.fault.empty());
+           (r.ending == Ending::kRefused && IsRefusedAsAsked(options, r));
   });
   return all_done ? kPassed : kCheckFailed;
 }

@@ -39,7 +39,8 @@ std::optional<MachineFile> MachineToCalibrate(const CalibrateOptions& options);
 std::string ProceduresText(const CalibrateOptions& options, const Procedures& known);
 
 /// Throws InputError where a procedure is a step that only scenarios have.
-void RefuseScenarioSteps(const CalibrateOptions& options, const KindScenario& kind);
+void RefuseScenarioSteps(const std::vector<CalibrationStep>& steps,
+                         const KindScenario& kind);
 
 /// --reading ID=MILLIMETRES by id. Throws InputError.
 std::map<std::string, double> ReadingsOf(const std::vector<std::string>& given);
@@ -53,8 +54,8 @@ void RequireAnswers(const CalibrateOptions& options);
 /// Prints what a procedure found, did and says.
 void PrintResult(const std::string& name, const ProcedureResult& result);
 
-/// Whether nothing more is performed: the machine stopped, or a person did, or what was
-/// to be applied was refused.
+/// Whether nothing more is performed: the machine stopped, or a person did, an operator
+/// was called, or what was to be applied was refused.
 bool StopsTheRest(const CalibrateOptions& options, const ProcedureResult& result);
 
 /// The exit code of all of them together.

@@ -1,13 +1,16 @@
+#include <algorithm>
 #include <iostream>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include <CLI/CLI.hpp>
+#include <fmt/format.h>
 
 #include "calibration/procedures/catalog.h"
 #include "scenarios/interruptible_link.h"
 #include "scenarios/kinds/kinds.h"
+#include "sim/base/input_error.h"
 #include "sim/link/transcript.h"
 #include "sim/measure/rows.h"
 #include "tools/commands/calibrate.h"
@@ -18,22 +21,30 @@
 namespace caltwin {
 namespace {
 
-// A station may stand at any printer: the first procedure tells.
-bool IsOfStation(const CalibrateOptions& options) {
-  const std::string_view first = options.procedures.front();
-  return FindProcedure(first.substr(0, first.find(':')), ProceduresOf("z_station")) !=
-         nullptr;
+// What a twin's link says, or a twin does by itself.
+void RefuseBesideATwin(const CalibrateOptions& options) {
+  if (!IsTwin(options)) return;
+  if (!options.machine.empty()) {
+    throw InputError({.file = "--machine"},
+                     "a twin's link names its machine",
+                     "leave the option away");
+  }
+  if (!options.readings.empty()) {
+    throw InputError({.file = "--reading"},
+                     "a twin reads its own gauges",
+                     "readings in advance are for a machine on a wire");
+  }
 }
 
 std::vector<CalibrationStep> StepsOf(const CalibrateOptions& options,
                                      const KindScenario& kind,
                                      const Machine& machine) {
   const Procedures known = kind.KnownProcedures();
-  RefuseScenarioSteps(options, kind);
   Faults faults;
   YamlMap map = ReadYamlText(ProceduresText(options, known), "--procedure", &faults);
   auto steps = ReadCalibrationSteps(*map.Required("calibrate"), kind, machine);
   faults.ThrowIfAny();
+  RefuseScenarioSteps(steps, kind);
   return steps;
 }
 
@@ -49,12 +60,16 @@ std::vector<ProcedureResult> Perform(const CalibrateOptions& options,
     results.push_back(*std::move(begun));
     if (StopsTheRest(options, results.back())) PrintResult("G28", results.back());
   }
-  for (const CalibrationStep& step : steps) {
-    if (!results.empty() && StopsTheRest(options, results.back())) break;
-    desk->BeforeStep(step);
-    results.push_back(step.procedure(desk->bench()));
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    if (!results.empty() && StopsTheRest(options, results.back())) {
+      std::cout << fmt::format(
+          "{} of {} steps were not reached\n", steps.size() - i, steps.size());
+      break;
+    }
+    desk->BeforeStep(steps[i]);
+    results.push_back(steps[i].procedure(desk->bench()));
     progress.Clear();
-    PrintResult(step.name, results.back());
+    PrintResult(steps[i].name, results.back());
   }
   desk->End();
   desk->bench()->say = [](const std::string&) {
@@ -65,11 +80,12 @@ std::vector<ProcedureResult> Perform(const CalibrateOptions& options,
 int Calibrate(const CalibrateOptions& options) {
   const auto file = MachineToCalibrate(options);
   const Machine machine = file ? file->machine : Machine{};
-  const auto kind = KindFor(machine, IsOfStation(options));
+  const auto kind = KindFor(machine, IsOfStation(options.procedures.front()));
   const Procedures known = kind->KnownProcedures();
   const DeskKind& desks = DeskKindOf(known.empty() ? "" : known.front()->kind);
   TwinOptions papers;
   if (!options.bench.empty()) ReadBenchFile(options.bench, &papers);
+  RefuseBesideATwin(options);
   desks.refuse(options, papers, file);
   const std::vector<CalibrationStep> steps = StepsOf(options, *kind, machine);
   RefuseOverwritten(options);
@@ -83,7 +99,9 @@ int Calibrate(const CalibrateOptions& options) {
   const std::vector<ProcedureResult> results = Perform(options, steps, desk.get());
   if (recorder) recorder->Save();
   if (!options.record.empty()) WriteRows(options.record, *desk->bench()->record);
-  if (const std::string last = desk->Farewell(); !last.empty()) {
+  if (std::ranges::find(steps, "gcode", &CalibrationStep::name) != steps.end()) {
+    std::cout << "Lines of `gcode` were sent as they are.\n";
+  } else if (const std::string last = desk->Farewell(); !last.empty()) {
     std::cout << last << "\n";
   }
   return WorstOf(options, results);

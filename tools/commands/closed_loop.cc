@@ -10,7 +10,7 @@
 #include "sim/measure/in_force.h"
 #include "sim/measure/plan_kinds.h"
 #include "sim/measure/rows.h"
-#include "tools/commands/kinds/under_test.h"
+#include "tools/commands/kinds/performer.h"
 #include "tools/commands/twin_options.h"
 
 namespace caltwin {
@@ -46,18 +46,11 @@ MachineUnderTest MachineAt(const std::string& url) {
   const TwinOptions options = TwinOptionsOf(url);
   const MachineFile file =
       ReadMachineWithTip(FindMachine(options.machine, "", {.file = options.machine}));
-  if (auto tested = UnderTestAsKind(options, file)) return *std::move(tested);
-  const auto twin = std::make_shared<const TwinConfig>(
-      MakeTwinConfig(options, /*only_measures=*/true));
-  Machine machine = twin->machine;
-  machine.settings = twin->settings;
-  const Measurer measure = [twin, machine](const MeasuredSession& session,
-                                           std::size_t already_read) {
-    return Perform({.machine = machine,
-                    .effects = twin->effects,
-                    .header = session.header,
-                    .fidelity = twin->fidelity,
-                    .seed = twin->seed + already_read,
+  const Performer performer = PerformerOf(file, options);
+  const Machine& machine = performer.machine;
+  const Measurer measure = [perform = performer.perform](const MeasuredSession& session,
+                                                         std::size_t already_read) {
+    return perform({.header = session.header,
                     .already_read = already_read,
                     .interrupted = InterruptRequested},
                    session.table.rows);

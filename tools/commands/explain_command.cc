@@ -78,7 +78,7 @@ std::string EffectText(const Effect& effect) {
   for (const MachineKind* kind : AllMachineKinds()) {
     const auto axes = AxesOn(effect, kind);
     const bool is_as_declared =
-        kind != CartesianKind() && std::ranges::equal(effect.axes, axes);
+        !kind->where().empty() && std::ranges::equal(effect.axes, axes);
     if (!is_as_declared) add_axes(axes, kind->where());
   }
   for (const Parameter& parameter : effect.parameters) {
@@ -133,7 +133,7 @@ std::string Explanation(const std::string& name) {
   const std::string first = name.substr(0, name.find('.'));
   const auto effect = FindEffect(first);
   if (effect) text += EffectText(EffectAt(*effect));
-  if (const Procedure* procedure = FindProcedure(name, AllProcedures())) {
+  if (const Procedure* procedure = FindProcedure(name, ProceduresOf(""))) {
     text += ProcedureText(*procedure, "procedure");
   }
   if (const CampaignKind* kind = FindCampaignKind(name)) text += CampaignText(*kind);
@@ -177,7 +177,7 @@ std::string ListText() {
   text += "Effects: how a machine may differ from its drawing\n";
   for (const Effect* effect : AllEffects()) add(effect->name, effect->about);
   text += "\nProcedures\n";
-  for (const Procedure* procedure : AllProcedures())
+  for (const Procedure* procedure : ProceduresOf(""))
     add(procedure->name, procedure->about);
   text += "\nCampaigns of a plan: what can be measured\n";
   for (const CampaignKind& kind : AllCampaignKinds()) add(kind.id, kind.about);
@@ -250,9 +250,10 @@ std::string KindText(const MachineKind& kind) {
     if (kind.has_tip() && campaign.PlanOn(&kind) != nullptr)
       campaigns.push_back(campaign.id);
   }
+  for (const Word& word : scenario->ScenarioSteps()) procedures.push_back(word.name);
   for (const Word& word : scenario->OwnKeys()) keys.push_back(word.name);
   add("Effects", effects);
-  add("Procedures", procedures);
+  add("Procedures, and steps of scenarios", procedures);
   add("Campaigns of a plan", campaigns);
   add("Keys of its scenarios", keys);
   return text;
@@ -265,7 +266,7 @@ std::vector<std::string> AllNames() {
     names.emplace_back(effect->name);
     for (const Parameter& p : effect->parameters) names.emplace_back(p.name);
   }
-  for (const Procedure* procedure : AllProcedures())
+  for (const Procedure* procedure : ProceduresOf(""))
     names.emplace_back(procedure->name);
   for (const CampaignKind& kind : AllCampaignKinds()) names.emplace_back(kind.id);
   for (const auto& kind : AllKindScenarios()) {
@@ -315,7 +316,8 @@ Action DeclareExplain(CLI::App* app) {
   app->add_option(
       "NAME",
       *name,
-      "an effect, procedure, campaign, outcome, unit or key; none: the list");
+      "a kind of machine, an effect, procedure, campaign, outcome, unit or key; none: "
+      "the list");
   return [name] {
     return Explain(*name);
   };

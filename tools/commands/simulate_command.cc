@@ -13,13 +13,12 @@
 #include "scenarios/file_kind.h"
 #include "scenarios/interrupt.h"
 #include "scenarios/machine_file.h"
-#include "sim/kinds/delta/perform.h"
-#include "sim/kinds/perform.h"
-#include "sim/machine/kinds/kinds.h"
+#include "sim/machine/machine_kind.h"
 #include "sim/measure/in_force.h"
 #include "sim/measure/plan.h"
 #include "sim/measure/rows.h"
 #include "tools/commands/command.h"
+#include "tools/commands/kinds/performer.h"
 #include "tools/commands/progress.h"
 #include "tools/commands/spare_files.h"
 #include "tools/commands/twin_options.h"
@@ -76,27 +75,6 @@ Plan PlanOf(const SimulateAsked& options) {
   return ReadPlan(options.plan);
 }
 
-// The twin that measures: the machine as built, with the settings its firmware has.
-PerformConfig ConfigOfSimulate(const SimulateAsked& options,
-                               const MachineFile& file,
-                               std::uint64_t seed) {
-  std::vector<InjectedSpec> effects = file.effects;
-  std::vector<SettingSpec> settings;
-  if (!options.truth.empty()) {
-    const TruthFile truth = ReadTruthFile(options.truth, file.machine);
-    effects.insert(effects.end(), truth.effects.begin(), truth.effects.end());
-    settings = truth.settings;
-  }
-  PerformConfig config{
-      .machine = file.machine,
-      .effects = DrawEffects(effects, seed, 0),
-      .fidelity = options.fidelity == "fast" ? Fidelity::kFast : Fidelity::kPhysics,
-      .seed = seed};
-  config.machine.settings =
-      DrawSettings(file.machine.settings, settings, seed, /*sample=*/0);
-  return config;
-}
-
 void CheckOut(const std::string& out) {
   if (fs::path(out).extension() == ".csv") return;
   throw InputError({.file = "--out"},
@@ -115,34 +93,24 @@ int Simulate(const SimulateAsked& options) {
       Together({{{"the plan", options.plan}, {"the truth", options.truth}},
                 FilesOf(file.machine)}),
       RowsAndHeader("--out", options.out));
-  const bool is_delta = file.machine.kind == DeltaKind();
-  PerformConfig config = is_delta ? PerformConfig{.machine = file.machine}
-                                  : ConfigOfSimulate(options, file, seed);
-  PlannedSession session = PlanSession(plan, config.machine, seed);
+  const Performer performer = PerformerOf(
+      file, {.truth = options.truth, .fidelity = options.fidelity, .seed = seed});
+  PlannedSession session = PlanSession(plan, performer.machine, seed);
   session.header.machine = WrittenFrom(options, plan, machine);
   session.header.settings["1"] =
-      AsHeader(config.machine.settings, *config.machine.kind);
+      AsHeader(performer.machine.settings, *performer.machine.kind);
   for (Row& row : session.rows) row.settings = "1";
-  config.header = session.header;
 
   ProgressLine progress;
   const std::size_t count = session.rows.size();
   std::size_t done = 0;
-  config.interrupted = [&] {
+  const auto interrupted = [&] {
     if (done % 50 == 0) progress.Show(fmt::format("{} of {} readings", done, count));
     ++done;
     return InterruptRequested();
   };
-  RowTable table;
-  if (is_delta) {
-    DeltaPerformConfig delta = MakeDeltaConfig(
-        file, {.truth = options.truth, .fidelity = options.fidelity, .seed = seed});
-    delta.header = config.header;
-    delta.interrupted = config.interrupted;
-    table = PerformDelta(delta, std::move(session.rows));
-  } else {
-    table = Perform(config, std::move(session.rows));
-  }
+  const RowTable table = performer.perform(
+      {.header = session.header, .interrupted = interrupted}, std::move(session.rows));
   progress.Clear();
   WriteRows(options.out, table);
   WriteDataHeader(fs::path(options.out).replace_extension(".yaml"), session.header);

@@ -27,6 +27,15 @@ struct ValidateAsked {
   std::vector<std::string> files{};
 };
 
+// Plans it as `plan` and `simulate` do, where it says for which machine.
+std::vector<std::string> CheckPlan(const Plan& plan) {
+  if (plan.machine.empty()) return {};
+  const auto machine =
+      FindMachine(plan.machine, plan.file.parent_path(), {.file = plan.file.string()});
+  PlanSession(plan, ReadMachineWithTip(machine).machine, plan.seed);
+  return {};
+}
+
 // Reads a file as what it is, for what is to be noted of it; throws InputError where it
 // is not that.
 std::vector<std::string> Check(const std::string& file, FileKind kind) {
@@ -45,8 +54,7 @@ std::vector<std::string> Check(const std::string& file, FileKind kind) {
       ReadDataHeader(file);
       return {};
     case FileKind::kPlan:
-      ReadPlan(file);
-      return {};
+      return CheckPlan(ReadPlan(file));
     case FileKind::kStudy:
       return ReadStudy(file).notes;
   }

@@ -96,7 +96,7 @@ bool Heeds(std::string_view procedure, std::string_view key) {
   return std::ranges::find(entry->keys, key) != entry->keys.end();
 }
 
-// Of several axes mm, unless all are rotary.
+// The unit in keys: mm, or deg where every axis is rotary.
 std::string UnitKey(const MotorOptions& o, const MotorStageDrawing& drawing) {
   const bool is_rotary = std::ranges::all_of(
       o.axes, [&](std::size_t axis) { return drawing.axes[axis].is_rotary; });
@@ -117,8 +117,8 @@ Reach ReachOf(const MotorOptions& o, const MotorStageDrawing& drawing) {
   return reach;
 }
 
-// In the unit of the axes, which stands in the key: safe_mm, safe_deg, fine_deg_s. None
-// is longer than the axes' travel.
+// Keys end in the unit of the axes: safe_mm, safe_deg, fine_deg_s. No length exceeds
+// the shortest travel.
 void ReadLengths(std::string_view name,
                  const std::string& unit,
                  const Reach& reach,

@@ -100,14 +100,15 @@ TripleZPrinter* PrinterOn(Bench* bench) {
       TripleZPrinter(BenchOf(bench->machine, bench->link, sigma_mm)));
 }
 
-// The bed touched, and what levelling it would raise.
+// The bed touched, and what levelling it would raise: refused, since nobody agreed.
 TripleZResult OnlyTouch(TripleZPrinter* printer, const TripleZOptions& options) {
   TripleZResult done = RunPlaneTilt(printer, options);
   if (!done.plane || !done.plane->is_told()) return done;
+  if (done.result.ending == Ending::kDone) done.result.ending = Ending::kRefused;
   const Vec3<double> raise_mm = ScrewOffsets_mm(
       *done.plane, printer->bench().drawn_mm, options.reference_mm, options.rule);
   done.result.messages.push_back(
-      fmt::format("--apply would raise the screws by {:+.4f} {:+.4f} {:+.4f} mm",
+      fmt::format("levelling would raise the screws by {:+.4f} {:+.4f} {:+.4f} mm",
                   raise_mm[0],
                   raise_mm[1],
                   raise_mm[2]));

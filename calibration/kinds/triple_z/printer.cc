@@ -277,7 +277,7 @@ std::vector<Eigen::Vector2d> ProbeGrid(const TripleZBench& bench,
 }
 
 TripleZBench BenchOf(const Machine& machine, Link* link, double sigma_mm) {
-  constexpr double kBest_mm = 1e-3;  // Less no touch is believed to scatter.
+  constexpr double kBest_mm = 1e-3;  // No touch is believed to scatter by less.
   // A touch is counted in whole steps: as uniform as its scatter is normal.
   const double step_mm = 1 / machine.settings.steps_per_mm[2];
   return {

@@ -23,7 +23,7 @@ struct ZStationDesk {
   /// The G-code offset of before the first procedure, which is put back in the end
   /// unless a new one stays; nullopt: nobody wants it back.
   std::optional<double> offset_before_mm{};
-  bool stays = false;  ///< The new one.
+  bool stays = false;  ///< The new offset is kept.
 };
 
 /// The procedures of a nozzle's height.

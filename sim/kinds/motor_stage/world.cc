@@ -19,23 +19,28 @@ MotorStageWorld::MotorStageWorld(ModelPtr model, const BuiltMotors& motors)
     const int motor = JointOf(model_.get(), MotorAxisName(i) + "_motor");
     const int carriage = JointOf(model_.get(), MotorAxisName(i));
     if (motor < 0 || carriage < 0) continue;
-    motor_qpos_[i] = model_->jnt_qposadr[motor];
-    motor_dof_[i] = model_->jnt_dofadr[motor];
-    carriage_qpos_[i] = model_->jnt_qposadr[carriage];
-    carriage_dof_[i] = model_->jnt_dofadr[carriage];
+    places_[i] = {.motor_qpos = model_->jnt_qposadr[motor],
+                  .motor_dof = model_->jnt_dofadr[motor],
+                  .carriage_qpos = model_->jnt_qposadr[carriage],
+                  .carriage_dof = model_->jnt_dofadr[carriage]};
     si_per_unit_[i] = motors[i].drawing.si_per_unit();
   }
 }
 
+const MotorStageWorld::Places& MotorStageWorld::Of(std::size_t axis) const {
+  Require(places_[axis].motor_qpos >= 0, "the model has the axis that is asked for");
+  return places_[axis];
+}
+
 void MotorStageWorld::Place(std::size_t axis, double motor_unit, double carriage_unit) {
-  data_->qpos[motor_qpos_[axis]] = motor_unit * si_per_unit_[axis];
-  data_->qpos[carriage_qpos_[axis]] = carriage_unit * si_per_unit_[axis];
-  data_->qvel[motor_dof_[axis]] = 0;
-  data_->qvel[carriage_dof_[axis]] = 0;
+  data_->qpos[Of(axis).motor_qpos] = motor_unit * si_per_unit_[axis];
+  data_->qpos[Of(axis).carriage_qpos] = carriage_unit * si_per_unit_[axis];
+  data_->qvel[Of(axis).motor_dof] = 0;
+  data_->qvel[Of(axis).carriage_dof] = 0;
 }
 
 void MotorStageWorld::SetForce(std::size_t axis, double force) {
-  data_->qfrc_applied[motor_dof_[axis]] = force;
+  data_->qfrc_applied[Of(axis).motor_dof] = force;
 }
 
 void MotorStageWorld::Step() {
@@ -46,19 +51,19 @@ void MotorStageWorld::Step() {
 }
 
 double MotorStageWorld::MotorAt(std::size_t axis) const {
-  return data_->qpos[motor_qpos_[axis]] / si_per_unit_[axis];
+  return data_->qpos[Of(axis).motor_qpos] / si_per_unit_[axis];
 }
 
 double MotorStageWorld::MotorSpeed_unit_s(std::size_t axis) const {
-  return data_->qvel[motor_dof_[axis]] / si_per_unit_[axis];
+  return data_->qvel[Of(axis).motor_dof] / si_per_unit_[axis];
 }
 
 double MotorStageWorld::CarriageSpeed_unit_s(std::size_t axis) const {
-  return data_->qvel[carriage_dof_[axis]] / si_per_unit_[axis];
+  return data_->qvel[Of(axis).carriage_dof] / si_per_unit_[axis];
 }
 
 double MotorStageWorld::CarriageAt(std::size_t axis) const {
-  return data_->qpos[carriage_qpos_[axis]] / si_per_unit_[axis];
+  return data_->qpos[Of(axis).carriage_qpos] / si_per_unit_[axis];
 }
 
 }  // namespace caltwin

@@ -33,8 +33,12 @@ class MotorStageWorld {
  private:
   ModelPtr model_;
   std::unique_ptr<mjData, DeleteData> data_;
-  std::array<int, kNumMotorAxes> motor_qpos_{}, motor_dof_{}, carriage_qpos_{},
-      carriage_dof_{};
+  /// Where an axis' coordinates stand in MuJoCo's lists; -1: the model has it not.
+  struct Places {
+    int motor_qpos = -1, motor_dof = -1, carriage_qpos = -1, carriage_dof = -1;
+  };
+  const Places& Of(std::size_t axis) const;
+  std::array<Places, kNumMotorAxes> places_{};
   std::array<double, kNumMotorAxes> si_per_unit_{};
 };
 

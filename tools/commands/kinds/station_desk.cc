@@ -17,6 +17,19 @@ bool HasStation(const std::optional<MachineFile>& file) {
   return file && file->machine.Own<ZStationDrawing>() != nullptr;
 }
 
+// A link whose lines the engine's idea of the station hears too.
+class HeardByClient final : public Link {
+ public:
+  explicit HeardByClient(ZStationClient* client) : client_(client) {}
+  Expected<std::vector<std::string>> Send(
+      std::string_view line, std::chrono::milliseconds /*patience*/) override {
+    return client_->Say(std::string(line));
+  }
+
+ private:
+  ZStationClient* client_;
+};
+
 // A nozzle's height: the twin z_station, or a printer with Klipper's z_calibration on a
 // wire (its own port: serial:/tmp/printer). Homes first. Without --apply the offset
 // that was in force before is put back.
@@ -34,8 +47,9 @@ class StationDesk final : public Desk {
   }
 
   void Connect(Link* link) override {
-    bench_.link = link;
     client_.emplace(link);
+    heard_.emplace(&*client_);
+    bench_.link = &*heard_;
     own_ = bench_.kept.Put(ZStationDesk{
         .client = &*client_,
         .hands = {.gap_mm = [this](double height_mm) { return Gap_mm(height_mm); },
@@ -86,6 +100,7 @@ class StationDesk final : public Desk {
   Eigen::Vector2d bed_at_mm_ = ZStationDrawing{}.bed_at_mm;
   std::shared_ptr<SimulatedStation> twin_{};
   std::optional<ZStationClient> client_{};
+  std::optional<HeardByClient> heard_{};
   ZStationDesk* own_ = nullptr;  ///< The bench's.
 };
 
@@ -105,9 +120,6 @@ void RefuseStationDesk(const CalibrateOptions& options,
     throw InputError({.file = "--bench"}, "a nozzle's height needs no artefacts");
   }
   if (!IsTwin(options)) return;
-  if (!options.readings.empty()) {
-    throw InputError({.file = "--reading"}, "a twin has a feeler gauge of its own");
-  }
   if (HasStation(file)) return;
   throw InputError({.file = options.link},
                    "this twin has no endstop switch and magnetic probe",

@@ -1,6 +1,8 @@
 #include <memory>
+#include <optional>
 
 #include "calibration/kinds/triple_z/printer.h"
+#include "scenarios/kinds/triple_z_trial.h"
 #include "sim/base/input_error.h"
 #include "tools/commands/kinds/desks.h"
 #include "tools/commands/kinds/simulated_printer.h"
@@ -25,12 +27,15 @@ class TripleZDesk final : public Desk {
   }
 
   void Connect(Link* link) override {
-    bench_.link = link;
-    bench_.kept.Put(TripleZPrinter(BenchOf(bench_.machine, link, sigma_mm_)));
+    auto* const printer =
+        bench_.kept.Put(TripleZPrinter(BenchOf(bench_.machine, link, sigma_mm_)));
+    heard_.emplace(link, printer);
+    bench_.link = &*heard_;
   }
 
  private:
   double sigma_mm_;
+  std::optional<HeardByPrinter> heard_{};
 };
 
 void RefuseTripleZDesk(const CalibrateOptions& options,
