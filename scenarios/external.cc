@@ -11,6 +11,7 @@
 #include "calibration/loop/controller.h"
 #include "calibration/loop/outcome.h"
 #include "scenarios/parameter_name.h"
+#include "sim/base/text_file.h"
 
 namespace caltwin {
 namespace {

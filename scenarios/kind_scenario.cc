@@ -70,7 +70,8 @@ CalibrationStep ReadAnyStep(const NamedStep& step,
 }  // namespace
 
 CalibrationStep KindScenario::ReadScenarioStep(const std::string& name,
-                                               YamlMap /*options*/) const {
+                                               YamlMap options) const {
+  options.NoMoreKeys();
   throw std::logic_error(name + " is no step of this kind's scenarios");
 }
 
