@@ -124,6 +124,7 @@ def plant(folder, entries):
         if name in by_file:
             text = planted(text.decode(), by_file[name]).encode()
         write_changed(folder / name, text)
+        (folder / name).chmod((ROOT / name).stat().st_mode)  # Scripts are run there.
     write_changed(folder / "sim/base/mutant.h", CHOICE_HEADER.encode())
 
 
