@@ -28,6 +28,7 @@ CHOICE_HEADER = """#pragma once
 
 #include <cstdlib>
 #include <string_view>
+#include <type_traits>
 
 namespace caltwin {
 
@@ -39,6 +40,12 @@ inline bool IsMutant(std::string_view name) {
 template <typename T>
 T Mutant(std::string_view name, T good, T bad) {
   return IsMutant(name) ? bad : good;
+}
+/// A whole number in place of one with a fraction, or the other way round.
+template <typename A, typename B>
+std::common_type_t<A, B> Mutant(std::string_view name, A good, B bad) {
+  if (IsMutant(name)) return static_cast<std::common_type_t<A, B>>(bad);
+  return static_cast<std::common_type_t<A, B>>(good);
 }
 
 }  // namespace caltwin
