@@ -1,7 +1,6 @@
 #include "scenarios/kinds/motor_stage_trial.h"
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
 #include <limits>
@@ -12,6 +11,16 @@ namespace caltwin {
 namespace {
 
 constexpr double kHolds = 5;  // Standard uncertainties that an estimate may be off.
+
+// Figures that add up over procedures.
+const std::map<std::string, double>& CountsAtNought() {
+  static const std::map<std::string, double> kCounts = {{"alerts", 0},
+                                                        {"retries", 0},
+                                                        {"warnings", 0},
+                                                        {"safe_modes", 0},
+                                                        {"positions_lost", 0}};
+  return kCounts;
+}
 
 }  // namespace
 
@@ -28,7 +37,8 @@ MotorStageTrial::MotorStageTrial(const MotorStageScenario& scenario,
       factory_(MotorFirmwareOf(motor_.drawing)),
       firmware_(std::make_unique<MotorStageFirmware>(factory_, &rig_, &flash_)),
       wire_(firmware_.get()),
-      gauge_(&rig_, motor_.laser_sigma_unit.value_or(0), chance.seed, chance.sample) {
+      gauge_(&rig_, motor_.laser_sigma_unit.value_or(0), chance.seed, chance.sample),
+      figures_(CountsAtNought()) {
   bench_.gauge = &gauge_;
   bench_.person = &hands_;
 }
@@ -44,12 +54,8 @@ void MotorStageTrial::Connect(Link* link) {
 }
 
 void MotorStageTrial::EndStep(const CalibrationStep& /*step*/, ProcedureResult* done) {
-  // Of the others the last is told.
-  constexpr std::array kCounts = {
-      "alerts", "retries", "warnings", "safe_modes", "positions_lost"};
   for (const auto& [name, value] : done->figures) {
-    const bool is_count = std::ranges::find(kCounts, name) != kCounts.end();
-    figures_[name] = value + (is_count ? figures_[name] : 0);
+    figures_[name] = value + (CountsAtNought().contains(name) ? figures_[name] : 0);
   }
   for (const Estimate& estimate : done->estimates) {
     const auto truth = BuiltOf(estimate.name, done->estimates);

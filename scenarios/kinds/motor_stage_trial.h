@@ -54,11 +54,7 @@ class MotorStageTrial : public KindTrial {
   NoHands hands_{};
   Bench bench_{};
   /// Of the procedures: counts of all, of the others the last.
-  std::map<std::string, double> figures_{{"alerts", 0},
-                                         {"retries", 0},
-                                         {"warnings", 0},
-                                         {"safe_modes", 0},
-                                         {"positions_lost", 0}};
+  std::map<std::string, double> figures_;
   std::size_t history_ = 0;
   std::vector<ParameterResult> told_{};  ///< Beside what was built at that moment.
 };

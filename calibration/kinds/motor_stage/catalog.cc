@@ -26,7 +26,7 @@ constexpr std::array kNamed = {NamedProcedure{"servo_home", RunServoHome},
                                NamedProcedure{"emergency_stop", RunEmergencyStop},
                                NamedProcedure{"motor_backlash", RunMotorBacklash}};
 
-bool TakesSeveralAxes(std::string_view procedure) {
+constexpr bool TakesSeveralAxes(std::string_view procedure) {
   return procedure == "axis_sync" || procedure == "emergency_stop";
 }
 
@@ -294,7 +294,7 @@ constexpr std::array kMotorStageCatalog = {
                   "(0.5). corrected sets the delays that align them and looks again. "
                   "Of open-loop steppers nothing is known.",
               .has_variants = true,
-              .takes_axes = true,
+              .takes_axes = TakesSeveralAxes("axis_sync"),
               .prepare = PrepareMotorStage<4>,
               .kind = kMotorStageKind},
     Procedure{.name = "emergency_stop",
@@ -306,7 +306,7 @@ constexpr std::array kMotorStageCatalog = {
                   "in mid-motion, reads time, way and current of each, then resumes: a"
                   " servo shows at its index whether its position was kept (but for "
                   "whole turns), a stepper is homed again and shows its lost steps.",
-              .takes_axes = true,
+              .takes_axes = TakesSeveralAxes("emergency_stop"),
               .prepare = PrepareMotorStage<5>,
               .kind = kMotorStageKind},
     Procedure{.name = "motor_backlash",
