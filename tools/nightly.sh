@@ -9,7 +9,7 @@ cd "$(dirname "$0")/.."
 
 parts=("$@")
 [[ ${#parts[@]} -eq 0 ]] && parts=(lint freeze homings mutants bench fuzz)
-./tools/setup.sh clang-format-16 clang-tidy-16 libclang-rt-16-dev python3-venv
+./tools/setup.sh clang-format-16 libclang-rt-16-dev python3-venv
 ./tools/build.sh build -DCALTWIN_WERROR=ON || exit 1
 
 lint() { ./tools/lint.sh --all; }           # Every source.

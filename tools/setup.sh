@@ -5,7 +5,7 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 
 packages=(
-  clang-16 cmake ninja-build
+  clang-16 cmake mold ninja-build
   libeigen3-dev libceres-dev libyaml-cpp-dev libfmt-dev libcli11-dev
   nlohmann-json3-dev libexpected-dev libgtest-dev libgmock-dev libbenchmark-dev
   libosmesa6-dev libpng-dev libssl-dev libsqlite3-dev libsqlitecpp-dev

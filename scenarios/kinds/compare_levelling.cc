@@ -101,8 +101,10 @@ Trial Try(const LevellingRival& rival,
           TripleZResult* result) {
   TripleZTwinPlant plant(
       built, /*is_physics=*/false, seed, static_cast<std::uint64_t>(number));
-  RrfTripleZ firmware(FirmwareOf(built.machine, TripleZOf(built.machine).pivots_mm()),
-                      &plant);
+  Firmware firmware(built.machine,
+                    built.machine.settings,
+                    FirmwareOnScrews(TripleZOf(built.machine).pivots_mm()),
+                    &plant);
   EmulatedLink wire(&firmware);
   TripleZPrinter printer(BenchOf(built.machine, &wire, kLevellingSigma_mm));
   const Flatness before = FlatnessOf(built, Vec3<double>::Zero());
@@ -111,7 +113,7 @@ Trial Try(const LevellingRival& rival,
   const Ending ending = result->result.ending;
   return {.failed = ending != Ending::kDone || after.rms_mm > before.rms_mm,
           .refused = ending == Ending::kRefused,
-          .touches = static_cast<double>(firmware.touches()),
+          .touches = static_cast<double>(firmware.probed().size()),
           .mean_um = after.mean_um,
           .worst_um = after.worst_um,
           .machine_s = firmware.machine_time_s()};

@@ -9,7 +9,7 @@
 #include "scenarios/kinds/motor_stage_scenario.h"
 #include "scenarios/kinds/nobody.h"
 #include "sim/base/rng.h"
-#include "sim/firmware/dialects/motor_stage.h"
+#include "sim/firmware/kinds/motor_stage/controller.h"
 #include "sim/kinds/motor_stage/rig.h"
 
 namespace caltwin {

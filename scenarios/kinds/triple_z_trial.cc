@@ -18,7 +18,7 @@ constexpr double kPublished_mm = 0.1;  // The published target of the mean error
 
 // The published times: 15 to 20 s for 3x3 touches, 45 to 60 s for 5x5. From touch to
 // touch, one more for the first: homing and the way there are not the grid's.
-std::string TimingWords(int columns, int rows, std::span<const TripleZTouch> touches) {
+std::string TimingWords(int columns, int rows, std::span<const ProbedPoint> touches) {
   const auto count = static_cast<double>(touches.size());
   const double took_s =
       (touches.back().at_s - touches.front().at_s) * count / (count - 1);
@@ -51,7 +51,10 @@ TripleZTrial::TripleZTrial(const TripleZScenario& scenario,
     : triple_z_(scenario),
       built_(DrawTripleZ(triple_z_, machine, chance.seed, chance.sample)),
       plant_(built_, chance.fidelity == Fidelity::kPhysics, chance.seed, chance.sample),
-      firmware_(FirmwareOf(built_.machine, triple_z_.believed_mm), &plant_),
+      firmware_(built_.machine,
+                built_.machine.settings,
+                FirmwareOnScrews(triple_z_.believed_mm),
+                &plant_),
       wire_(&firmware_),
       record_(built_.machine, triple_z_.probe_sigma_mm) {
   bench_.gauge = &gauges_;
@@ -73,11 +76,11 @@ void TripleZTrial::Before(RunResult* result) {
 }
 
 void TripleZTrial::BeginStep(const CalibrationStep& /*step*/) {
-  touched_before_ = firmware_.touched().size();
+  touched_before_ = firmware_.probed().size();
 }
 
 void TripleZTrial::EndStep(const CalibrationStep& step, ProcedureResult* done) {
-  const auto touches = std::span(firmware_.touched()).subspan(touched_before_);
+  const auto touches = std::span(firmware_.probed()).subspan(touched_before_);
   record_.Add(step.name, touches);
   for (const auto& [name, value] : done->figures) figures_[name] = value;
   if (done->figures.contains("reference_mm")) has_levelled_ = true;
@@ -107,7 +110,7 @@ void TripleZTrial::EndExternal(ProcedureResult* /*done*/) {
 void TripleZTrial::Finish(RunResult* result) {
   result->header = record_.header();
   result->rows = record_.rows();
-  result->touches = firmware_.touches();
+  result->touches = static_cast<int>(firmware_.probed().size());
   result->machine_time_s = firmware_.machine_time_s();
   result->position_error_after_p95_mm =
       TripleZPositionP95_mm(built_, firmware_.raised_mm());

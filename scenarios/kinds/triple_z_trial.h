@@ -59,7 +59,7 @@ class TripleZTrial : public KindTrial {
   TripleZScenario triple_z_;
   BuiltTripleZ built_;
   TripleZTwinPlant plant_;
-  RrfTripleZ firmware_;
+  Firmware firmware_;
   EmulatedLink wire_;
   TripleZRecord record_;
   NoGauges gauges_{};

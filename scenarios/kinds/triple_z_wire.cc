@@ -15,10 +15,6 @@
 namespace caltwin {
 namespace {
 
-Eigen::Vector2d Travel_mm(const Machine& machine) {
-  return {machine.axis(Axis::kX).max_mm, machine.axis(Axis::kY).max_mm};
-}
-
 // The nozzle over the bed less where it was sent to.
 Vec3<double> OffAt_mm(const BuiltTripleZ& built,
                       const Vec3<double>& raised_mm,
@@ -58,15 +54,6 @@ double TripleZPositionP95_mm(const BuiltTripleZ& built, const Vec3<double>& rais
     }
   }
   return P95AboutMean_mm(errors_mm);
-}
-
-RrfTripleZOptions FirmwareOf(const Machine& machine,
-                             const Pivots<double>& believed_mm) {
-  return {.pivots_mm = believed_mm,
-          .steps_per_mm = machine.settings.steps_per_mm[2],
-          .top_mm = TripleZOf(machine).top_mm,
-          .most_mm = Travel_mm(machine),
-          .probe_mm_s = machine.probe.speeds_mm_s.back()};
 }
 
 TrueLevel TrueLevelOf(const BuiltTripleZ& built,

@@ -5,9 +5,6 @@
 
 namespace caltwin {
 
-/// What its firmware starts with, believing the screws to stand there.
-RrfTripleZOptions FirmwareOf(const Machine& machine, const Pivots<double>& believed_mm);
-
 /// 95 % quantile of the nozzle's position error over the bed [mm] at 1000 seeded poses
 /// of the travel, each come to from below and from above, the mean error taken off: by
 /// the closed forms, the screws raised so.

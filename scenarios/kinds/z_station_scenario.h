@@ -7,7 +7,7 @@
 
 #include "scenarios/scenario.h"
 #include "sim/base/yaml.h"
-#include "sim/firmware/dialects/klipper_z.h"
+#include "sim/firmware/kinds/z_station/klipper.h"
 #include "sim/kinds/z_station/station.h"
 #include "sim/machine/machine.h"
 

@@ -19,7 +19,8 @@ struct Reply {
 };
 
 /// A controller in the twin: what a line of G-code meets. One class a dialect
-/// (sim/firmware/dialects; RepRapFirmware for gantries in firmware.h).
+/// (RepRapFirmware for all that move along axes, in firmware.h; others in
+/// sim/firmware/kinds).
 class EmulatedController {
  public:
   virtual ~EmulatedController() = default;

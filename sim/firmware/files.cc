@@ -160,6 +160,8 @@ Reply Firmware::Parts::Restart(const Words&) {
 
 Reply Firmware::Parts::Start() {
   motion.Restart();
+  bed.is_split = false;
+  bed.points.clear();
   settings = initial_settings;
   globals.clear();
   wire = Frame();

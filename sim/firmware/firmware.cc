@@ -65,12 +65,28 @@ Vec3<double> Firmware::position_mm() const {
   return parts_->motion.counted_mm();
 }
 
-Vec3<double> Firmware::motor_steps() const {
+const Motors& Firmware::motor_steps() const {
   return parts_->motion.motor_steps();
 }
 
 Vec3<double> Firmware::direction() const {
   return parts_->motion.senses();
+}
+
+bool Firmware::is_homed() const {
+  return parts_->IsHomed();
+}
+
+const Pivots<double>& Firmware::leadscrews_mm() const {
+  return parts_->options.leadscrews.value().at_mm;
+}
+
+Vec3<double> Firmware::raised_mm() const {
+  return parts_->Raised_mm();
+}
+
+const std::vector<ProbedPoint>& Firmware::probed() const {
+  return parts_->bed.probed;
 }
 
 const std::map<std::string, std::string>& Firmware::files() const {

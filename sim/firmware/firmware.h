@@ -3,9 +3,12 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
+#include "sim/firmware/bed_probing.h"
 #include "sim/firmware/emulated_controller.h"
 #include "sim/firmware/plant.h"
 #include "sim/machine/machine.h"
@@ -20,6 +23,9 @@ struct FirmwareOptions {
   /// The files of the controller's own storage, by path ("sys/nxt-user-vars.g");
   /// start-up runs nxt-user-vars.g where it is there.
   std::map<std::string, std::string> files{};
+  /// Of a bed on screws: what M671 has said before the first line.
+  std::optional<Leadscrews> leadscrews{};
+  double probe_recovery_s = 0;  ///< M558 R: at rest before a touch of the bed.
 };
 
 /// A controller that understands RepRapFirmware's G-code (3.6.1, CNC mode) and drives a
@@ -55,9 +61,18 @@ class Firmware final : public EmulatedController {
   /// steps divided by steps per mm, backlash steps excluded.
   Vec3<double> position_mm() const;
   /// Where the motors stand, as in Segment: absolute, whole, backlash steps included.
-  Vec3<double> motor_steps() const;
+  const Motors& motor_steps() const;
   /// Sense of each axis's last move: +1, -1; 0 where it has not moved since start-up.
   Vec3<double> direction() const;
+
+  /// @name A bed that is probed (G30)
+  bool is_homed() const;
+  /// Where it believes the screws to stand; only with options.leadscrews.
+  const Pivots<double>& leadscrews_mm() const;
+  /// How much higher than z alone has it each screw is told to stand, whole steps.
+  Vec3<double> raised_mm() const;
+  /// Every touch of G30, in order.
+  const std::vector<ProbedPoint>& probed() const;
 
   /// The controller's own storage, by path without drive or leading slash.
   const std::map<std::string, std::string>& files() const;

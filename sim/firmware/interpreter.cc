@@ -28,6 +28,7 @@ constexpr std::array kCommands = {
     Entry{'G', 4, &Firmware::Parts::Dwell},
     Entry{'G', 10, &Firmware::Parts::SetWorkOffset},
     Entry{'G', 28, &Firmware::Parts::Home},
+    Entry{'G', 30, &Firmware::Parts::ProbeBed},
     Entry{'G', 92, &Firmware::Parts::SetPosition},
     Entry{'M', 18, &Firmware::Parts::MotorsOff},
     Entry{'M', 84, &Firmware::Parts::MotorsOff},
@@ -37,11 +38,14 @@ constexpr std::array kCommands = {
     Entry{'M', 112, &Firmware::Parts::EmergencyStop, true},
     Entry{'M', 114, &Firmware::Parts::ReportPosition, true},
     Entry{'M', 115, &Firmware::Parts::ReportFirmware, true},
+    Entry{'M', 119, &Firmware::Parts::ReportEndstops, true},
     Entry{'M', 400, &Firmware::Parts::WaitForMoves},
     Entry{'M', 409, &Firmware::Parts::ReportObjectModel, true},
     Entry{'M', 425, &Firmware::Parts::BacklashSettings},
     Entry{'M', 500, &Firmware::Parts::SaveSettings},
     Entry{'M', 501, &Firmware::Parts::RestoreSettings},
+    Entry{'M', 584, &Firmware::Parts::SetDrivers},
+    Entry{'M', 671, &Firmware::Parts::SetLeadscrews},
     Entry{'M', 999, &Firmware::Parts::Restart, true}};
 
 /// Commands that change nothing in this machine: units are mm, there is no spindle.

@@ -34,7 +34,31 @@ Motion::Motion(const Machine& machine, const Settings* settings, Plant* plant)
       drawings_(machine.axes),
       drives_(machine.kind->drive_map()),
       limits_(LimitsOf(machine)),
-      queue_(limits_) {}
+      motors_{{.drive = 0}, {.drive = 1}},
+      queue_(limits_) {
+  for (int i = 0; i < machine.kind->num_z_motors(); ++i) motors_.push_back({.drive = 2});
+  NoteDone();
+}
+
+Motors Motion::MotorsNow() const {
+  Motors steps(static_cast<Eigen::Index>(motors_.size()));
+  for (Eigen::Index k = 0; k < steps.size(); ++k) {
+    const Motor& motor = motors_[k];
+    steps[k] = static_cast<double>(states_[motor.drive].motor() +
+                                   motor.beside_steps);
+  }
+  return steps;
+}
+
+void Motion::NoteBeside(const Motors& whole_steps) {
+  for (Eigen::Index k = 0; k < whole_steps.size(); ++k) {
+    Motor& motor = motors_[k];
+    const std::int64_t drive = states_[motor.drive].motor();
+    if (WholeSteps(whole_steps[k]) == drive + motor.beside_steps) continue;
+    motor.beside_steps = WholeSteps(whole_steps[k]) - drive;
+    motor.rest_steps = 0;
+  }
+}
 
 Vec3<double> Motion::AxesAt_mm(const Vec3<double>& counts) const {
   Vec3<double> drives_mm;
@@ -44,7 +68,7 @@ Vec3<double> Motion::AxesAt_mm(const Vec3<double>& counts) const {
 
 Vec3<double> Motion::counts_now() const {
   Vec3<double> counts;
-  for (int i = 0; i < 3; ++i) counts[i] = static_cast<double>(motors_[i].count);
+  for (int i = 0; i < 3; ++i) counts[i] = static_cast<double>(states_[i].count);
   return counts;
 }
 
@@ -63,10 +87,10 @@ bool Motion::Moves(int drive, Axis axis) const {
 
 Motion::StepPlan Motion::PlanSteps(const Vec3<double>& target_mm) {
   StepPlan plan;
+  plan.segment.from_steps = MotorsNow();
   for (int i = 0; i < 3; ++i) {
-    DriveState& state = motors_[i];
+    DriveState& state = states_[i];
     const double steps_per_mm = settings_->steps_per_mm[i];
-    plan.segment.from_steps[i] = static_cast<double>(state.motor());
     plan.by_steps[i] = CountAt(i, target_mm) - state.count;
     plan.delta_mm[i] = static_cast<double>(plan.by_steps[i]) / steps_per_mm;
     if (plan.by_steps[i] != 0) {
@@ -75,8 +99,8 @@ Motion::StepPlan Motion::PlanSteps(const Vec3<double>& target_mm) {
       plan.is_empty = false;
     }
     state.count += plan.by_steps[i];
-    plan.segment.to_steps[i] = static_cast<double>(state.motor());
   }
+  plan.segment.to_steps = MotorsNow();
   commanded_mm_ = target_mm;
   plan.delta_mm = AxesOf(drives_, plan.delta_mm);
   return plan;
@@ -134,24 +158,28 @@ Outcome Motion::RunAlone(const Vec3<double>& target_mm,
   if (outcome.alarm) {
     RaiseAlarm(*outcome.alarm, segment, outcome.time_s);
   } else {
-    if (outcome.stopped) AccountForStop(plan, segment, outcome.time_s);
+    if (outcome.stopped) AccountForStop(plan, segment, outcome);
     NoteDone();
   }
   return outcome;
 }
 
-void Motion::AccountForStop(const StepPlan& plan, const Segment& done, double time_s) {
-  const Vec3<double> exact = done.Steps(time_s);
-  const double share = done.profile.Distance_mm(time_s) / done.profile.length_mm;
-  Vec3<double> whole;
+void Motion::AccountForStop(const StepPlan& plan,
+                            const Segment& done,
+                            const Outcome& outcome) {
+  const Motors exact = outcome.stand_steps.value_or(done.Steps(outcome.time_s));
+  const double share =
+      done.profile.Distance_mm(outcome.time_s) / done.profile.length_mm;
+  const Motors whole = exact.array().round();
   for (int i = 0; i < 3; ++i) {
-    DriveState& state = motors_[i];
-    const std::int64_t motor = WholeSteps(exact[i]);
+    DriveState& state = states_[i];
     const auto applied = WholeSteps(share * static_cast<double>(plan.backlash[i]));
     state.backlash.Stopped(plan.backlash[i], applied);
-    state.count = motor - state.zero - state.backlash.applied_steps();
-    whole[i] = static_cast<double>(motor);
+    state.count = WholeSteps(whole[i]) -
+                  motors_[i].beside_steps -
+                  state.zero - state.backlash.applied_steps();
   }
+  NoteBeside(whole);
   const Vec3<double> stopped_mm = AxesAt_mm(counts_now());
   for (const Axis axis : kAxes) {
     for (int i = 0; i < 3; ++i) {
@@ -165,10 +193,7 @@ void Motion::AccountForStop(const StepPlan& plan, const Segment& done, double ti
 void Motion::RaiseAlarm(const std::string& words,
                         const Segment& segment,
                         double time_s) {
-  Vec3<double> whole;
-  for (const Axis axis : kAxes) {
-    whole[Index(axis)] = std::round(segment.Steps(time_s)[Index(axis)]);
-  }
+  const Motors whole = segment.Steps(time_s).array().round();
   plant_->Settle(whole);
   motors_done_ = whole;
   Abandon();
@@ -179,10 +204,12 @@ void Motion::Abandon() {
   queue_.Clear();
   counts_queued_.clear();
   for (int i = 0; i < 3; ++i) {
-    DriveState& state = motors_[i];
+    DriveState& state = states_[i];
     state.backlash.Clear();
-    state.count = WholeSteps(motors_done_[i]) - state.zero;
+    state.count = WholeSteps(motors_done_[i]) -
+                  motors_[i].beside_steps - state.zero;
   }
+  NoteBeside(Motors(motors_done_));
   commanded_mm_ = AxesAt_mm(counts_now());
   is_homed_.fill(false);
   NoteDone();
@@ -190,7 +217,7 @@ void Motion::Abandon() {
 
 void Motion::NoteDone() {
   counts_done_ = counts_now();
-  for (int i = 0; i < 3; ++i) motors_done_[i] = static_cast<double>(motors_[i].motor());
+  motors_done_ = MotorsNow();
 }
 
 Motion::Probed Motion::Probe(const Vec3<double>& target_mm,
@@ -226,12 +253,42 @@ bool Motion::Home(Axis axis) {
   return true;
 }
 
+void Motion::MoveSingly(const Motors& by_mm, double feed_mm_s) {
+  Finish();
+  if (alarm_) return;
+  Segment segment{.from_steps = MotorsNow()};
+  double farthest_mm = 0;
+  for (int i = 0; i < by_mm.size(); ++i) {
+    Motor& motor = motors_[2 + i];
+    const double to_steps = static_cast<double>(motor.beside_steps) + motor.rest_steps +
+                            by_mm[i] * settings_->steps_per_mm[2];
+    motor.beside_steps = WholeSteps(to_steps);
+    motor.rest_steps = to_steps - static_cast<double>(motor.beside_steps);
+    farthest_mm = std::max(farthest_mm, std::abs(by_mm[i]));
+  }
+  if (farthest_mm == 0) return;
+  segment.to_steps = MotorsNow();
+  MoveQueue alone(limits_);
+  PlannedMove move = MakeMove(farthest_mm * Unit(Axis::kZ), feed_mm_s, limits_);
+  move.segment.from_steps = segment.from_steps;
+  move.segment.to_steps = segment.to_steps;
+  alone.Add(std::move(move));
+  segment = alone.TakeFirst();
+  const Outcome outcome = plant_->Run(segment, Watch{});
+  time_s_ += outcome.time_s;
+  if (outcome.alarm) {
+    RaiseAlarm(*outcome.alarm, segment, outcome.time_s);
+  } else {
+    NoteDone();
+  }
+}
+
 void Motion::SetPosition(Axis axis, double mm) {
   Finish();
   commanded_mm_[Index(axis)] = mm;
   for (int i = 0; i < 3; ++i) {
     if (!Moves(i, axis)) continue;
-    DriveState& state = motors_[i];
+    DriveState& state = states_[i];
     const std::int64_t motor = state.motor();
     state.backlash.Clear();
     state.count = CountAt(i, commanded_mm_);
@@ -244,7 +301,7 @@ void Motion::SetPosition(Axis axis, double mm) {
 void Motion::KeepPosition() {
   Finish();
   for (int i = 0; i < 3; ++i) {
-    DriveState& state = motors_[i];
+    DriveState& state = states_[i];
     const std::int64_t before = state.count;
     state.count = CountAt(i, commanded_mm_);
     state.zero += before - state.count;
@@ -254,7 +311,7 @@ void Motion::KeepPosition() {
 
 void Motion::Recompute(bool ignores_backlash) {
   Finish();
-  for (DriveState& state : motors_) {
+  for (DriveState& state : states_) {
     if (!ignores_backlash) continue;
     state.count += state.backlash.applied_steps();
     state.backlash.Forget();
@@ -268,7 +325,8 @@ void Motion::Restart() {
   counts_queued_.clear();
   alarm_.reset();
   for (int i = 0; i < 3; ++i) {
-    motors_[i] = DriveState{.zero = WholeSteps(motors_done_[i])};
+    states_[i] = DriveState{.zero = WholeSteps(motors_done_[i]) -
+                                    motors_[i].beside_steps};
   }
   commanded_mm_.setZero();
   is_homed_.fill(false);
@@ -282,7 +340,7 @@ Vec3<double> Motion::commanded_mm() const {
 
 Vec3<double> Motion::senses() const {
   Vec3<double> senses;
-  for (int i = 0; i < 3; ++i) senses[i] = motors_[i].backlash.sense();
+  for (int i = 0; i < 3; ++i) senses[i] = states_[i].backlash.sense();
   return senses;
 }
 

@@ -5,6 +5,7 @@
 #include <deque>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "sim/firmware/backlash.h"
 #include "sim/firmware/planner.h"
@@ -21,7 +22,9 @@ namespace caltwin {
 /// *count*, the whole steps of its drive nearest to it, from machine zero; and the
 /// *motor*, count plus the backlash steps applied plus where machine zero lies in the
 /// plant's steps. Where drives move the axes together (CoreXY), counts and settings are
-/// the drives', as RepRapFirmware has it: X stands for the first of them.
+/// the drives', as RepRapFirmware has it: X stands for the first of them. Where several
+/// motors carry z, all go as its count does, each so much beside it as it was moved
+/// singly; each has a switch of its own and homes to it.
 class Motion {
  public:
   /// `settings` and `plant` are borrowed; steps per mm and backlash are read from
@@ -43,6 +46,10 @@ class Motion {
   /// Fast to the switch, 5 mm back, slowly again; there the position is the drawing's
   /// end. False where the switch never closed.
   bool Home(Axis axis);
+  /// How many motors carry z.
+  std::size_t num_z_motors() const { return motors_.size() - 2; }
+  /// Moves each of z's motors by so much along z; the position of z stays what it was.
+  void MoveSingly(const Motors& by_mm, double feed_mm_s);
   /// Declares where the axis stands (G92, homing): counts follow, backlash is cleared.
   void SetPosition(Axis axis, double mm);
   /// After a change of steps per mm: the position stays, the counts follow.
@@ -71,7 +78,7 @@ class Motion {
   const Vec3<double>& counts() const { return counts_done_; }
   /// Where whole steps, divided by steps per mm, have the axes.
   Vec3<double> counted_mm() const;
-  const Vec3<double>& motor_steps() const { return motors_done_; }
+  const Motors& motor_steps() const { return motors_done_; }
   Vec3<double> senses() const;
 
  private:
@@ -80,6 +87,12 @@ class Motion {
     std::int64_t zero = 0;  ///< Motor steps at count 0 without backlash steps.
     BacklashCompensation backlash{};
     std::int64_t motor() const { return zero + count + backlash.applied_steps(); }
+  };
+  /// One motor, of a drive that may have several.
+  struct Motor {
+    int drive = 0;
+    std::int64_t beside_steps = 0;  ///< What it was moved singly.
+    double rest_steps = 0;          ///< Of a step, not yet made.
   };
   /// Steps of one move, by drive.
   struct StepPlan {
@@ -93,10 +106,13 @@ class Motion {
   void PerformFirst();
   /// One move from rest to rest, or to the stop; the queue is empty.
   Outcome RunAlone(const Vec3<double>& target_mm, double feed_mm_s, const Watch& watch);
-  void AccountForStop(const StepPlan& plan, const Segment& done, double time_s);
+  void AccountForStop(const StepPlan& plan, const Segment& done, const Outcome& outcome);
   void RaiseAlarm(const std::string& words, const Segment& segment, double time_s);
   bool RunToSwitch(Axis axis, double travel_mm, double feed_mm_s);
   void NoteDone();
+  Motors MotorsNow() const;
+  /// What is left of where a motor stands once its drive is counted.
+  void NoteBeside(const Motors& whole_steps);
   /// Where these counts have the axes.
   Vec3<double> AxesAt_mm(const Vec3<double>& counts) const;
   Vec3<double> counts_now() const;
@@ -109,13 +125,15 @@ class Motion {
   std::array<AxisDrawing, 3> drawings_;
   const DriveMap* drives_;  ///< Null: each axis has its own.
   MotionLimits limits_{};
-  std::array<DriveState, 3> motors_{};
+  std::array<DriveState, 3> states_{};
+  /// In the plant's order: the first of each drive, then z's others.
+  std::vector<Motor> motors_;
   Vec3<double> commanded_mm_ = Vec3<double>::Zero();
   std::array<bool, 3> is_homed_{};
   MoveQueue queue_;
   std::deque<Vec3<double>> counts_queued_{};  ///< At the end of each queued move.
   Vec3<double> counts_done_ = Vec3<double>::Zero();
-  Vec3<double> motors_done_ = Vec3<double>::Zero();
+  Motors motors_done_{};
   double time_s_ = 0;
   double backlash_factor_ = 10;
   std::optional<std::string> alarm_{};

@@ -14,13 +14,18 @@ bool NamesAxis(const rrf::Words& words) {
   return words.Has('X') || words.Has('Y') || words.Has('Z');
 }
 
+// Axes of single drivers, see M584.
+bool NamesDriver(const rrf::Words& words) {
+  return words.Has('U') || words.Has('V');
+}
+
 }  // namespace
 
 Vec3<double> Firmware::Parts::Target_mm(const Words& words) const {
   Vec3<double> target_mm = motion.commanded_mm();
   for (const Axis axis : kAxes) {
     const auto word_mm = words.Number(CapitalLetter(axis));
-    if (!word_mm) continue;
+    if (!word_mm || (bed.is_split && axis == Axis::kZ)) continue;
     double& coordinate_mm = target_mm[Index(axis)];
     if (is_relative) {
       coordinate_mm += *word_mm;
@@ -60,13 +65,16 @@ Reply Firmware::Parts::MoveLinear(const GcodeCommand& command, const Words& word
     if (*feed <= 0) return Refuse("G0/G1: feed rate must be above 0");
     feed_mm_s = FeedFromWord_mm_s(*feed);
   }
-  if (!NamesAxis(words)) return {};
+  if (NamesDriver(words) && !bed.is_split && motion.num_z_motors() > 1) {
+    return Refuse("G0/G1: there are no axes U and V before M584");
+  }
+  if (!NamesAxis(words) && !(bed.is_split && NamesDriver(words))) return {};
   const Vec3<double> target_mm = Target_mm(words);
   const std::string_view refusal = Refusal(words, target_mm);
   if (!refusal.empty()) return Refuse(fmt::format("G0/G1: {}", refusal));
   motion.MoveTo(target_mm,
                 is_rapid ? std::numeric_limits<double>::infinity() : feed_mm_s);
-  return {};
+  return bed.is_split ? MoveSplit(words) : Reply{};
 }
 
 Reply Firmware::Parts::Dwell(const Words& words) {
@@ -90,6 +98,10 @@ Reply Firmware::Parts::Home(const Words& words) {
     if (!motion.Home(axis)) {
       return Refuse(fmt::format("G28: Failed to home axes {}", CapitalLetter(axis)));
     }
+    if (axis != Axis::kZ) continue;
+    ++bed.homings;
+    bed.is_split = false;
+    bed.points.clear();
   }
   return {};
 }
@@ -131,7 +143,9 @@ Reply Firmware::Parts::Probe(const GcodeCommand& command, const Words& words) {
 Reply Firmware::Parts::SetPosition(const Words& words) {
   motion.Finish();
   if (motion.alarm()) return {};
+  if (bed.is_split) PlaceSplit(words);
   for (const Axis axis : kAxes) {
+    if (bed.is_split && axis == Axis::kZ) continue;
     if (const auto mm = words.Number(CapitalLetter(axis))) {
       motion.SetPosition(axis, *mm + offset_mm()[Index(axis)]);
     }

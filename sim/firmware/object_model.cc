@@ -99,7 +99,7 @@ Json Firmware::Parts::ObjectModel() {
                  {{{"diveHeights", Json::array({5.0, 5.0})},
                    {"maxProbeCount", 1},
                    {"offsets", Json::array({0.0, 0.0})},
-                   {"recoveryTime", 0},
+                   {"recoveryTime", options.probe_recovery_s},
                    {"speeds", speeds},
                    {"travelSpeed", FeedWord_mm_min(travel_mm_s)},
                    {"type", 8},

@@ -9,6 +9,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "sim/firmware/bed_probing.h"
 #include "sim/firmware/firmware.h"
 #include "sim/firmware/frame.h"
 #include "sim/firmware/motion.h"
@@ -22,8 +23,8 @@ inline constexpr double kDefaultFeed_mm_s = 50;
 inline constexpr int kMostLines = 50'000;  // Obeyed because of one line sent.
 
 /// The inside of the firmware. One class, in a file a concern: interpreter.cc (lines,
-/// blocks, meta commands), files.cc (macros, storage), moves.cc, settings_commands.cc,
-/// reports.cc, object_model.cc.
+/// blocks, meta commands), files.cc (macros, storage), moves.cc, bed_probing.cc,
+/// settings_commands.cc, reports.cc, object_model.cc.
 struct Firmware::Parts {
   using Words = rrf::Words;
   using Value = rrf::Value;
@@ -75,6 +76,19 @@ struct Firmware::Parts {
   /// Why a move to `target_mm` is refused; empty: it is not.
   std::string_view Refusal(const Words& words, const Vec3<double>& target_mm) const;
 
+  /// @name bed_probing.cc
+  Reply ProbeBed(const Words& words);        // G30
+  Reply SetDrivers(const Words& words);      // M584
+  Reply SetLeadscrews(const Words& words);   // M671
+  Reply ReportEndstops(const Words& words);  // M119
+  /// Goes down over (x, y), from and back to the dive height: the height of the touch.
+  std::optional<double> TouchBed(Vec3<double> over_mm);
+  Reply AdjustLeadscrews();
+  Reply MoveSplit(const Words& words);
+  void PlaceSplit(const Words& words);  // G92
+  bool IsHomed() const;
+  Vec3<double> Raised_mm() const;
+
   /// @name settings_commands.cc
   Reply StepsPerMm(const Words& words);        // M92
   Reply BacklashSettings(const Words& words);  // M425
@@ -115,6 +129,7 @@ struct Firmware::Parts {
   bool is_rapid = true;                   ///< The modal command is G0.
   double feed_mm_s = kDefaultFeed_mm_s;
   int tool = -1;
+  BedProbing bed{};
 };
 
 /// A refusal: "Error: " and the words, which name the command.

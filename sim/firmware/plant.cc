@@ -58,10 +58,12 @@ double Profile::Feed_mm_s(double t_s) const {
                    feed_out_mm_s + acceleration_mm_s2 * left_s});
 }
 
-Vec3<double> Segment::Steps(double t_s) const {
+Motors Segment::Steps(double t_s) const {
   if (profile.length_mm <= 0) return to_steps;
-  const double share = profile.Distance_mm(t_s) / profile.length_mm;
+  const double gone_mm = profile.Distance_mm(t_s);
+  const double share = gone_mm / profile.length_mm;
   if (share >= 1) return to_steps;
+  if (curve) return curve(gone_mm);
   return from_steps + share * (to_steps - from_steps);
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -22,16 +23,23 @@ struct Profile {
   double Feed_mm_s(double t_s) const;
 };
 
-/// One straight move of the motors, in absolute motor steps (0: the carriage at its
-/// home end when the plant was switched on), backlash steps included, fractions
-/// allowed.
-struct Segment {
-  Vec3<double> from_steps = Vec3<double>::Zero();
-  Vec3<double> to_steps = Vec3<double>::Zero();
-  Profile profile{};
+/// Steps, travels or speeds of a machine's motors, in its own order: x y z; a b z of
+/// belts; the three towers of a delta; x y z1 z2 z3. Held without allocation.
+inline constexpr int kMostMotors = 8;
+using Motors = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMostMotors, 1>;
 
-  /// The motors at time t: a straight line, gone along as the profile says.
-  Vec3<double> Steps(double t_s) const;
+/// One move of the motors, in absolute motor steps (0: the carriage at its home end when
+/// the plant was switched on), backlash steps included, fractions allowed.
+struct Segment {
+  Motors from_steps = Motors::Zero(3);
+  Motors to_steps = Motors::Zero(3);
+  Profile profile{};
+  /// Where the motors stand when so much of the profile's length is gone [mm], for moves
+  /// that are no straight line to them: a delta's. Empty: a straight line.
+  std::function<Motors(double gone_mm)> curve{};
+
+  /// The motors at time t, gone along as the profile says.
+  Motors Steps(double t_s) const;
 };
 
 /// What ends a move before its end.
@@ -51,12 +59,15 @@ struct Watch {
 struct Outcome {
   bool stopped = false;  ///< By what was watched for, before the end.
   double time_s = 0;  ///< From its start: of the stop, latency included, or of its end.
+  /// Where the motors stand, of which each stopped at a switch of its own. None: where
+  /// the move has them at `time_s`.
+  std::optional<Motors> stand_steps{};
   std::optional<std::string> alarm{};  ///< The stylus was bent beyond its overtravel.
 };
 
-/// The mechanism that firmware drives, as little of it as a controller can feel: motors
-/// out, switches and probe in. Two of them exist (physics, fast), both in sim/twin; a
-/// test may write a third.
+/// The mechanism that a controller drives, as little of it as it can feel: motors along
+/// a path in time out, switches and probe in. Each kind of machine has its own (physics
+/// and fast), in sim/twin and sim/kinds; a test may write another.
 class Plant {
  public:
   virtual ~Plant() = default;
@@ -64,7 +75,7 @@ class Plant {
   /// abrupt, as a controller's is: the motors stand where the stop found them.
   virtual Outcome Run(const Segment& segment, const Watch& watch) = 0;
   /// After a stop: the motors settle on these whole steps (at most one away).
-  virtual void Settle(const Vec3<double>& steps) = 0;
+  virtual void Settle(const Motors& steps) = 0;
   virtual void Dwell(double s) = 0;
   virtual bool ProbeTriggered() = 0;
   virtual bool SwitchClosed(Axis axis) = 0;

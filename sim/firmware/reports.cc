@@ -48,8 +48,12 @@ Reply Firmware::Parts::ReportPosition(const Words&) {
   for (const Axis axis : kAxes) {
     line += CapitalLetter(axis);
     line += ':';
-    AppendThousandths(user_mm[Index(axis)], &line);
+    const bool is_driver = bed.is_split && axis == Axis::kZ;
+    AppendThousandths(is_driver ? bed.split_mm[0] : user_mm[Index(axis)], &line);
     line += ' ';
+  }
+  if (bed.is_split) {
+    line += fmt::format("U:{:.3f} V:{:.3f} ", bed.split_mm[1], bed.split_mm[2]);
   }
   line += "E:0.000 Count";
   for (const double count : counts) {

@@ -10,13 +10,22 @@
 namespace caltwin::rrf {
 namespace {
 
+Value ValueOf(double number) {
+  if (std::floor(number) == number && std::abs(number) < 1e9) {
+    return Value{static_cast<std::int64_t>(number)};
+  }
+  return Value{number};
+}
+
 Value ValueOf(const GcodeWord& word, const Lookup& lookup) {
   switch (word.kind) {
     case GcodeWord::Kind::kNumber:
-      if (std::floor(word.number) == word.number && std::abs(word.number) < 1e9) {
-        return Value{static_cast<std::int64_t>(word.number)};
-      }
-      return Value{word.number};
+      return ValueOf(word.number);
+    case GcodeWord::Kind::kNumbers: {
+      Value::Array numbers = {ValueOf(word.number)};
+      for (const double number : word.more) numbers.push_back(ValueOf(number));
+      return Value{std::move(numbers)};
+    }
     case GcodeWord::Kind::kQuoted:
       return Value{word.text};
     case GcodeWord::Kind::kExpression:
@@ -59,6 +68,22 @@ std::optional<double> Words::Number(char letter) const {
     throw InputError({}, fmt::format("{}: expected number after '{}'", Name(), letter));
   }
   return found->Number();
+}
+
+std::optional<std::vector<double>> Words::Numbers(char letter) const {
+  const Value* const found = Find(letter);
+  if (found == nullptr) return std::nullopt;
+  const Value::Array* const several = found->array();
+  if (several == nullptr) return std::vector<double>{*Number(letter)};
+  std::vector<double> numbers;
+  for (const Value& one : *several) {
+    if (!one.is_number() || !std::isfinite(one.Number())) {
+      throw InputError({},
+                       fmt::format("{}: expected numbers after '{}'", Name(), letter));
+    }
+    numbers.push_back(one.Number());
+  }
+  return numbers;
 }
 
 std::optional<int> Words::Whole(char letter, int min, int max) const {

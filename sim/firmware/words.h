@@ -20,6 +20,8 @@ class Words {
   /// Nullopt where the letter is absent; throws InputError, naming the command, where
   /// it has no number.
   std::optional<double> Number(char letter) const;
+  /// Z0:1:2, or a single number: all of them. Throws as Number.
+  std::optional<std::vector<double>> Numbers(char letter) const;
   std::optional<int> Whole(char letter, int min, int max) const;
   std::optional<std::string> Text(char letter) const;
   const std::vector<std::pair<char, Value>>& values() const { return values_; }

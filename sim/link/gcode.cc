@@ -238,6 +238,13 @@ GcodeWord Reader::ReadWord() {
   } else if (const auto number = ReadNumber()) {
     word.kind = GcodeWord::Kind::kNumber;
     word.number = *number;
+    while (!done() && now() == ':') {
+      ++at_;
+      const auto next = ReadNumber();
+      if (!next) Fail("expected a number behind ':'");
+      word.kind = GcodeWord::Kind::kNumbers;
+      word.more.push_back(*next);
+    }
   }
   return word;
 }

@@ -17,13 +17,15 @@ struct GcodeWord {
   enum class Kind {
     kBare,       ///< Nothing: the X of "G28 X".
     kNumber,     ///< X12.5
+    kNumbers,    ///< Z0:1:2
     kQuoted,     ///< P"sys/homeall.g"; a doubled quote means one.
     kExpression  ///< X{move.axes[0].max - 5}, kept as text without the braces.
   };
   char letter = 0;  ///< Capital.
   Kind kind = Kind::kBare;
-  double number = 0;
+  double number = 0;   ///< The first, where there are several.
   std::string text{};  ///< Of a quoted string or an expression.
+  std::vector<double> more{};  ///< Behind colons.
 };
 
 /// One command with its words, such as G38.2 X10 F60.

@@ -73,6 +73,8 @@ class MachineKind {
   virtual bool touches_with_nozzle() const { return true; }
   /// Whether its bed stands on screws, each with a motor.
   virtual bool bed_is_on_screws() const { return false; }
+  /// How many motors carry z, each with a switch of its own.
+  int num_z_motors() const { return bed_is_on_screws() ? 3 : 1; }
   /// The effects that it has; empty: all that a cartesian machine has.
   virtual std::span<const KindEffect> effects() const { return {}; }
   /// Whether it has what effects() does not name as a cartesian machine does.

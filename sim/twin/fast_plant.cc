@@ -33,7 +33,7 @@ void FastPlant::GoTo(const Vec3<double>& steps) {
   steps_ = steps;
 }
 
-void FastPlant::Settle(const Vec3<double>& steps) {
+void FastPlant::Settle(const Motors& steps) {
   GoTo(steps);
 }
 

@@ -14,7 +14,7 @@ class FastPlant final : public TwinPlant {
   FastPlant(Built built, std::uint64_t seed, std::uint64_t sample);
 
   Outcome Run(const Segment& segment, const Watch& watch) override;
-  void Settle(const Vec3<double>& steps) override;
+  void Settle(const Motors& steps) override;
   void Dwell(double s) override { Pass(s); }
   bool ProbeTriggered() override;
   bool SwitchClosed(Axis axis) override;

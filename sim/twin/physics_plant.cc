@@ -282,7 +282,7 @@ Outcome PhysicsPlant::Perform(const Segment& segment, const Watch& watch) {
   return {.stopped = false, .time_s = duration_s};
 }
 
-void PhysicsPlant::Settle(const Vec3<double>& steps) {
+void PhysicsPlant::Settle(const Motors& steps) {
   const Vec3<double> from = steps_;
   for (int i = 1; i <= kSettleSteps; ++i) {
     StepTo(from + (steps - from) * (static_cast<double>(i) / kSettleSteps));

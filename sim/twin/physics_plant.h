@@ -21,7 +21,7 @@ class PhysicsPlant final : public TwinPlant {
   PhysicsPlant(Built built, std::uint64_t seed, std::uint64_t sample);
 
   Outcome Run(const Segment& segment, const Watch& watch) override;
-  void Settle(const Vec3<double>& steps) override;
+  void Settle(const Motors& steps) override;
   void Dwell(double s) override;
   bool ProbeTriggered() override;
   bool SwitchClosed(Axis axis) override;

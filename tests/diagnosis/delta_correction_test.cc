@@ -7,10 +7,11 @@
 
 #include "sim/base/input_error.h"
 #include "sim/base/units.h"
-#include "sim/firmware/dialects/marlin_delta.h"
+#include "sim/firmware/kinds/delta/marlin.h"
 #include "sim/machine/kinds/delta/drawing.h"
 #include "sim/machine/kinds/delta/model.h"
 #include "tests/diagnosis/eighty_steps_delta.h"
+#include "tests/firmware/delta_bed.h"
 
 namespace caltwin {
 namespace {
@@ -65,14 +66,8 @@ DeltaBuild<double> BuiltSo() {
 const DeltaBed<double> kBed{.height_mm = -0.15};
 
 DeltaModel<double> ByMarlin(const std::string& text) {
-  class NoBed : public DeltaPlant {
-    std::optional<Vec3<double>> Touch(const DeltaModel<double>&,
-                                      double,
-                                      double) override {
-      return std::nullopt;
-    }
-  } bed;
   const DeltaModel<double> drawn = DeltaOf(Drawn()).model;
+  DeltaBedPlant bed(drawn, /*bed_mm=*/0);
   MarlinDelta marlin(drawn, drawn, {80, 80, 80}, &bed, {});
   std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);) {

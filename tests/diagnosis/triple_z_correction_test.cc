@@ -56,7 +56,10 @@ double LeftOf_mm(const std::vector<Injected>& effects, const std::string& correc
                            .axis = "",
                            .values = {kSlopeX_mrad, kSlopeY_mrad}});
   TripleZTwinPlant plant(built, /*is_physics=*/false, 1, 0);
-  RrfTripleZ firmware({.pivots_mm = TripleZOf(built.machine).pivots_mm()}, &plant);
+  Firmware firmware(built.machine,
+                    built.machine.settings,
+                    FirmwareOnScrews(TripleZOf(built.machine).pivots_mm()),
+                    &plant);
   std::istringstream lines(correction +
                            "G28\nG30 P0 X20 Y20 Z-99999\nG30 P1 X215 Y20 Z-99999\n"
                            "G30 P2 X20 Y215 Z-99999 S3\n");

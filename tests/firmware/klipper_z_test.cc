@@ -1,4 +1,4 @@
-#include "sim/firmware/dialects/klipper_z.h"
+#include "sim/firmware/kinds/z_station/klipper.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,9 +1,10 @@
-#include "sim/firmware/dialects/marlin_delta.h"
+#include "sim/firmware/kinds/delta/marlin.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "sim/machine/kinds/delta/model.h"
+#include "tests/firmware/delta_bed.h"
 
 namespace caltwin {
 namespace {
@@ -12,18 +13,6 @@ using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-// The bed stands 0.25 mm higher than believed.
-class RaisedBed : public DeltaPlant {
- public:
-  std::optional<Vec3<double>> Touch(const DeltaModel<double>& settings,
-                                    double x_mm,
-                                    double y_mm) override {
-    const Vec3<double> motors = DeltaMotors_mm<double>(settings, {x_mm, y_mm, 0.25});
-    if (!motors.allFinite()) return std::nullopt;
-    return motors;
-  }
-};
-
 class MarlinDeltaTest : public ::testing::Test {
  protected:
   std::vector<std::string> Lines(std::string_view line) {
@@ -31,15 +20,15 @@ class MarlinDeltaTest : public ::testing::Test {
   }
 
   DeltaModel<double> drawn_ = SymmetricDelta(300, 130, 250);
-  RaisedBed bed_;
-  MarlinDelta marlin_{drawn_, drawn_, {80, 80, 80}, &bed_, {}};
+  DeltaBedPlant bed_{drawn_, /*bed_mm=*/0.25, /*steps_per_mm=*/8000};
+  MarlinDelta marlin_{drawn_, drawn_, {8000, 8000, 8000}, &bed_, {}};
 };
 
 TEST_F(MarlinDeltaTest, HomesBeforeItProbes) {
   EXPECT_TRUE(marlin_.Execute("G30 X0 Y0").error);
   EXPECT_THAT(
       Lines("G28"),
-      ElementsAre("X:0.00 Y:0.00 Z:300.00 E:0.00 Count A:41083 B:41083 C:41083"));
+      ElementsAre("X:0.00 Y:0.00 Z:300.00 E:0.00 Count A:4108333 B:4108333 C:4108333"));
   EXPECT_THAT(Lines("G30 X10 Y-20"), ElementsAre("Bed X: 10.00 Y: -20.00 Z: 0.250"));
   EXPECT_EQ(marlin_.touches(), 1);
   EXPECT_GT(marlin_.machine_time_s(), 0);

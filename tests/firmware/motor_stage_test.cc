@@ -1,4 +1,4 @@
-#include "sim/firmware/dialects/motor_stage.h"
+#include "sim/firmware/kinds/motor_stage/controller.h"
 
 #include <array>
 #include <cmath>

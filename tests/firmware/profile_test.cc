@@ -50,8 +50,8 @@ TEST(Profile, FeedEndsAreThoseOfTheJunctions) {
 }
 
 TEST(Segment, EndsExactlyOnItsLastStep) {
-  const Segment segment{.from_steps = {0.0, 10.0, -3.0},
-                        .to_steps = {40000.0, 11.0, -7.0},
+  const Segment segment{.from_steps = Vec3<double>(0, 10, -3),
+                        .to_steps = Vec3<double>(40000, 11, -7),
                         .profile = kTrapezoid};
 
   EXPECT_EQ(segment.Steps(0), segment.from_steps);

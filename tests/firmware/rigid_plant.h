@@ -49,7 +49,7 @@ class RigidPlant : public Plant {
     steps = segment.Steps(outcome.time_s);
     return outcome;
   }
-  void Settle(const Vec3<double>& whole) override {
+  void Settle(const Motors& whole) override {
     largest_settling_steps =
         std::max(largest_settling_steps, (whole - steps).cwiseAbs().maxCoeff());
     steps = whole;

@@ -112,17 +112,21 @@ TEST_P(DeltaPhysics, TouchesWhereSixRodsSay) {
   const DeltaModel<double> settings = Drawn().model;
   double most_mm = 0;
   for (const auto& [x, y] : {std::pair(0, 0), {95, 0}, {-40, 70}, {20, -90}}) {
+    const Vec3<double> place_mm(x, y, 0);
+    const auto descent = [&](double z_mm) {
+      return DeltaMotors_mm<double>(settings, place_mm + z_mm * Unit(Axis::kZ));
+    };
     const auto exact =
-        DeltaTouchMotors(wrong.build, wrong.bed, settings, x, y, wrong.tip);
-    const auto touched = TouchInPhysics(&world,
-                                        wrong.build,
-                                        wrong.bed,
-                                        settings,
-                                        Eigen::Vector2d(x, y),
-                                        {.tip = wrong.tip});
+        DeltaTouchHeight_mm(wrong.build, wrong.bed, descent, /*near_mm=*/0, wrong.tip);
+    const auto touched = TouchInPhysics_mm(&world,
+                                           wrong.build,
+                                           wrong.bed,
+                                           descent,
+                                           /*near_mm=*/0,
+                                           {.tip = wrong.tip});
     ASSERT_TRUE(exact);
     ASSERT_TRUE(touched) << x << " " << y;
-    most_mm = std::max(most_mm, (*touched - *exact).cwiseAbs().maxCoeff());
+    most_mm = std::max(most_mm, std::abs(*touched - *exact));
   }
   RecordProperty("most_mm", std::to_string(most_mm));
   EXPECT_LT(most_mm, kAgree_mm);

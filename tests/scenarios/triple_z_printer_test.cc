@@ -4,29 +4,28 @@
 #include <gtest/gtest.h>
 
 #include "calibration/kinds/triple_z/printer.h"
-#include "scenarios/kinds/triple_z_wire.h"
 #include "sim/machine/kinds/triple_z/drawing.h"
+#include "tests/firmware/screw_bed.h"
 
 namespace caltwin {
 namespace {
 
 const Pivots<double> kDrawn_mm = TripleZDrawing{}.pivots_mm();
 
-// A firmware on its wire, whose bed stands where it was raised.
-class Raised : public TripleZPlant {
- public:
-  std::optional<double> Touch(const Vec3<double>& raised_mm,
-                              double x_mm,
-                              double y_mm) override {
-    return ScrewWeights<double>(kDrawn_mm, x_mm, y_mm).dot(raised_mm + tilted_mm);
-  }
-  Vec3<double> tilted_mm = {0.4, -0.3, 0.2};
-};
+// A bed that stands where it was raised, a little tilted.
+double Raised_mm(const Vec3<double>& raised_mm, double x_mm, double y_mm) {
+  return ScrewWeights<double>(kDrawn_mm, x_mm, y_mm)
+      .dot(raised_mm + Vec3<double>(0.4, -0.3, 0.2));
+}
 
 // Whatever moved them before: the same heights are the same bed.
 TEST(TripleZPrinter, ScrewsAreAtTheHeightsAskedForWhateverMovedThemBefore) {
-  Raised bed;
-  RrfTripleZ firmware({.pivots_mm = kDrawn_mm}, &bed);
+  ScrewBed bed(Raised_mm);
+  const Machine machine = ScrewBedMachine();
+  Firmware firmware(machine,
+                    machine.settings,
+                    {.leadscrews = Leadscrews{.at_mm = kDrawn_mm}},
+                    &bed);
   EmulatedLink wire(&firmware);
   TripleZPrinter printer({.link = &wire, .drawn_mm = kDrawn_mm});
   const Vec3<double> level_mm = Vec3<double>::Constant(240);

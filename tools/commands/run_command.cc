@@ -119,7 +119,7 @@ std::vector<RunResult> RunAll(const RunAsked& options,
           RunScenario(scenario, OptionsOf(options, scenario, i, &progress)));
       progress.Clear();
       if (is_many && !options.json_alone()) {
-        std::cout << ResultLine(results.back(), MayPaint()) << std::endl;
+        std::cout << ResultLine(results.back(), MayPaint()) << "\n" << std::flush;
       }
     }
   }

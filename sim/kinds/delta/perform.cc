@@ -61,10 +61,10 @@ class DeltaReader {
  private:
   // Of the build alone, above the nominal point.
   double Contact_mm(const Row& row, const Vec3<double>& sent_mm) {
-    const auto motors_mm = TouchOfDelta(
+    const auto touched_mm = TouchOfDelta_mm(
         world_.get(), config_.machine, config_.built, settings_, sent_mm.head<2>());
-    if (!motors_mm) FailReach(row);
-    return DeltaNozzle_mm(settings_, *motors_mm)[2] - sent_mm[2];
+    if (!touched_mm) FailReach(row);
+    return *touched_mm - sent_mm[2];
   }
 
   // Where MuJoCo's effector comes to rest.

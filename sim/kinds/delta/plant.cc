@@ -9,6 +9,7 @@
 #include "sim/machine/kinds/delta/drawing.h"
 #include "sim/machine/kinds/delta/model.h"
 #include "sim/machine/kinds/delta/sprung_probe.h"
+#include "sim/twin/twin_plant.h"
 
 namespace caltwin {
 
@@ -65,28 +66,41 @@ std::optional<Vec3<double>> NozzleOfDelta(const Machine& machine,
   return pose->nozzle_mm;
 }
 
-std::optional<Vec3<double>> TouchOfDelta(DeltaWorld* world,
-                                         const Machine& machine,
-                                         const BuiltDelta& built,
-                                         const DeltaModel<double>& settings,
-                                         const Eigen::Vector2d& at_mm) {
+std::optional<double> TouchOfDelta_mm(DeltaWorld* world,
+                                      const Machine& machine,
+                                      const BuiltDelta& built,
+                                      const DeltaDescent& descent,
+                                      double near_mm) {
   if (world != nullptr) {
-    return TouchInPhysics(
-        world, built.build, built.bed, settings, at_mm, {.tip = built.tip});
+    return TouchInPhysics_mm(
+        world, built.build, built.bed, descent, near_mm, {.tip = built.tip});
   }
-  const auto touched = [&](const DeltaBuild<double>& build) {
-    return DeltaTouchMotors(build, built.bed, settings, at_mm[0], at_mm[1], built.tip);
+  const auto touched_mm = [&](const DeltaBuild<double>& build) {
+    return DeltaTouchHeight_mm(build, built.bed, descent, near_mm, built.tip);
   };
-  const auto motors_mm = touched(built.build);
-  if (!motors_mm || !HasPlay(built.play_mm)) return motors_mm;
+  const auto z_mm = touched_mm(built.build);
+  if (!z_mm || !HasPlay(built.play_mm)) return z_mm;
+  const Vec3<double> motors_mm = descent(*z_mm);
   // Straight down go all carriages.
   const auto taken =
       built.tip.pretravel_mm > 0
           ? WithPlayTakenByProbe(
-                built.build, machine, built.play_mm, *motors_mm, built.tip.pretravel_mm)
+                built.build, machine, built.play_mm, motors_mm, built.tip.pretravel_mm)
           : WithPlayTaken(
-                built.build, machine, built.play_mm, *motors_mm, Vec3<double>::Ones());
-  return taken ? touched(*taken) : std::nullopt;
+                built.build, machine, built.play_mm, motors_mm, Vec3<double>::Ones());
+  return taken ? touched_mm(*taken) : std::nullopt;
+}
+
+std::optional<double> TouchOfDelta_mm(DeltaWorld* world,
+                                      const Machine& machine,
+                                      const BuiltDelta& built,
+                                      const DeltaModel<double>& settings,
+                                      const Eigen::Vector2d& at_mm) {
+  const auto descent = [&](double z_mm) {
+    return DeltaMotors_mm<double>(settings, {at_mm[0], at_mm[1], z_mm});
+  };
+  return TouchOfDelta_mm(
+      world, machine, built, descent, built.bed.Height_mm(at_mm[0], at_mm[1]));
 }
 
 DeltaTwinPlant::DeltaTwinPlant(const Machine& machine,
@@ -104,20 +118,46 @@ DeltaTwinPlant::DeltaTwinPlant(const Machine& machine,
   }
 }
 
-std::optional<Vec3<double>> DeltaTwinPlant::Touch(const DeltaModel<double>& settings,
-                                                  double x_mm,
-                                                  double y_mm) {
-  const auto motors_mm =
-      TouchOfDelta(world_.get(), machine_, built_, settings, {x_mm, y_mm});
-  if (!motors_mm) return std::nullopt;
-  Vec3<double> at = DeltaNozzle_mm(settings, *motors_mm);
-  if (built_.scatter_mm > 0) at[2] += built_.scatter_mm * scatter_.Normal();
-  Vec3<double> counted_mm = DeltaMotors_mm(settings, at);
-  for (int i = 0; i < 3; ++i) {
-    const double steps_per_mm = steps_per_mm_[static_cast<std::size_t>(i)];
-    counted_mm[i] = std::round(counted_mm[i] * steps_per_mm) / steps_per_mm;
+Outcome DeltaTwinPlant::RunToProbe(const Segment& segment) {
+  const Profile& profile = segment.profile;
+  const DeltaDescent descent = [&](double z_mm) {
+    const Motors steps =
+        segment.curve ? segment.curve(-z_mm)
+                      : Motors(segment.from_steps - z_mm / profile.length_mm *
+                                                        (segment.to_steps -
+                                                         segment.from_steps));
+    Vec3<double> motors_mm;
+    for (int i = 0; i < kNumTowers; ++i) {
+      motors_mm[i] = steps[i] / steps_per_mm_[static_cast<std::size_t>(i)];
+    }
+    return motors_mm;
+  };
+  const auto z_mm = TouchOfDelta_mm(world_.get(),
+                                    machine_,
+                                    built_,
+                                    descent,
+                                    -found_mm_.value_or(profile.length_mm));
+  if (!z_mm) return {.time_s = profile.Duration_s()};
+  double gone_mm = -*z_mm;
+  found_mm_ = gone_mm;
+  if (built_.scatter_mm > 0) gone_mm -= built_.scatter_mm * scatter_.Normal();
+  if (gone_mm > profile.length_mm) return {.time_s = profile.Duration_s()};
+  return {.stopped = true, .time_s = TimeAt_s(profile, std::max(gone_mm, 0.0))};
+}
+
+Outcome DeltaTwinPlant::Run(const Segment& segment, const Watch& watch) {
+  Outcome outcome{.time_s = segment.profile.Duration_s()};
+  is_triggered_ = false;
+  if (watch.kind == Watch::Kind::kProbeTriggered) {
+    outcome = RunToProbe(segment);
+    is_triggered_ = outcome.stopped;
+  } else if (watch.kind == Watch::Kind::kSwitchClosed) {
+    // Each carriage stops at its own endstop.
+    outcome.stopped = (segment.to_steps.array() <= 0).all();
+    if (outcome.stopped) outcome.stand_steps = Motors::Zero(kNumTowers);
   }
-  return counted_mm;
+  steps_ = outcome.stand_steps.value_or(segment.Steps(outcome.time_s));
+  return outcome;
 }
 
 }  // namespace caltwin

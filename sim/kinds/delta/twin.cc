@@ -15,12 +15,12 @@ constexpr double kG33Touch_s = 3, kG33Stow_s = 2;
 
 DeltaTwin::DeltaTwin(const DeltaTwinConfig& config)
     : config_(config),
-      simulated_(config_.machine,
-                 config_.built,
-                 config_.fidelity == Fidelity::kPhysics,
-                 config_.seed,
-                 config_.sample),
-      plant_(&simulated_, config_.machine, config_.built.scatter_mm, &record_),
+      plant_(config_.machine,
+             config_.built,
+             config_.fidelity == Fidelity::kPhysics,
+             config_.seed,
+             config_.sample),
+      rows_(config_.machine, config_.built.scatter_mm, &record_),
       calliper_(
           config_.built.build, config_.calliper_sigma_mm, config_.seed, config_.sample),
       marlin_(DeltaOf(config_.machine).model,
@@ -32,6 +32,10 @@ DeltaTwin::DeltaTwin(const DeltaTwinConfig& config)
               }),
       wire_(&marlin_) {
   marlin_.SetMeshRadius_mm(DeltaOf(config_.machine).print_radius_mm);
+  marlin_.SetWitness(
+      [this](const DeltaModel<double>& settings, const Vec3<double>& counted_mm) {
+        rows_.Add(settings, counted_mm);
+      });
 }
 
 double DeltaTwin::machine_time_s() const {
@@ -40,8 +44,8 @@ double DeltaTwin::machine_time_s() const {
 }
 
 void DeltaTwin::BeginRecord(const std::string& campaign) {
-  plant_.Begin(campaign);
-  plant_.SetOffset(marlin_.probe_offset_mm());
+  rows_.Begin(campaign);
+  rows_.SetOffset(marlin_.probe_offset_mm());
 }
 
 std::vector<std::string> DeltaTwin::AnswerG33(const GcodeCommand& words,
@@ -50,7 +54,7 @@ std::vector<std::string> DeltaTwin::AnswerG33(const GcodeCommand& words,
   const TouchOfBed touch = [this](
                                const DeltaModel<double>& at, double x_mm, double y_mm) {
     ++g33_touches_;
-    return plant_.Touch(at, x_mm, y_mm);
+    return marlin_.Touch(at, x_mm, y_mm);
   };
   const int before = g33_touches_;
   try {

@@ -8,11 +8,11 @@
 #include <utility>
 #include <vector>
 
-#include "sim/firmware/dialects/marlin_delta.h"
+#include "sim/firmware/kinds/delta/marlin.h"
 #include "sim/kinds/delta/calliper.h"
 #include "sim/kinds/delta/plant.h"
-#include "sim/kinds/delta/record.h"
 #include "sim/machine/kinds/delta/model.h"
+#include "sim/measure/kinds/delta_rows.h"
 #include "sim/twin/twin.h"
 
 namespace caltwin {
@@ -78,8 +78,8 @@ class DeltaTwin {
 
   DeltaTwinConfig config_;
   DeltaRecord record_{};
-  DeltaTwinPlant simulated_;
-  RecordingDeltaPlant plant_;
+  DeltaTwinPlant plant_;
+  DeltaRows rows_;
   SimulatedDeltaCalliper calliper_;
   MarlinDelta marlin_;
   EmulatedLink wire_;

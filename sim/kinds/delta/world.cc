@@ -159,25 +159,24 @@ std::optional<Vec3<double>> RestInPhysics(DeltaWorld* world,
   return world->Nozzle_mm();
 }
 
-std::optional<Vec3<double>> TouchInPhysics(DeltaWorld* world,
-                                           const DeltaBuild<double>& build,
-                                           const DeltaBed<double>& bed,
-                                           const DeltaModel<double>& settings,
-                                           const Eigen::Vector2d& at_mm,
-                                           const DeltaTouchOptions& options) {
+std::optional<double> TouchInPhysics_mm(DeltaWorld* world,
+                                        const DeltaBuild<double>& build,
+                                        const DeltaBed<double>& bed,
+                                        const DeltaDescent& descent,
+                                        double near_mm,
+                                        const DeltaTouchOptions& options) {
   const DeltaTip& tip = options.tip;
   const bool is_sprung = world->Deflection_mm().has_value();
   Require(is_sprung == (tip.pretravel_mm > 0), "the model has the tip that touches");
-  const auto expected = DeltaTouchMotors(build, bed, settings, at_mm[0], at_mm[1], tip);
-  if (!expected) return std::nullopt;
-  const Vec3<double> target = DeltaNozzle_mm(settings, *expected);
+  const auto expected_mm = DeltaTouchHeight_mm(build, bed, descent, near_mm, tip);
+  if (!expected_mm) return std::nullopt;
   const double step_mm = options.feed_mm_s * world->timestep_s();
   // Carriages with play are to have crossed it before the contact: the nozzle comes
   // down by less than half of what one carriage does alone, by as much as all do.
   const double start_mm =
       options.start_mm + tip.pretravel_mm + 3 * world->MostPlay_mm();
   const auto motors_at = [&](double above_mm) {
-    return DeltaMotors_mm<double>(settings, target + above_mm * Unit(Axis::kZ));
+    return descent(*expected_mm + above_mm);
   };
   const auto pose = DeltaPoseOf(build, motors_at(start_mm));
   if (!pose) return std::nullopt;
@@ -195,7 +194,7 @@ std::optional<Vec3<double>> TouchInPhysics(DeltaWorld* world,
     if (left_mm && *left_mm <= 0) {
       if (!before_mm) return std::nullopt;
       const double part = *before_mm / (*before_mm - *left_mm);
-      return motors_at(read_at_mm + step_mm * (1 - part));
+      return *expected_mm + read_at_mm + step_mm * (1 - part);
     }
     before_mm = left_mm;
     above_mm -= step_mm;

@@ -75,13 +75,14 @@ std::optional<Vec3<double>> RestInPhysics(DeltaWorld* world,
                                           const Vec3<double>& motors_mm,
                                           const Vec3<double>& motor_dir);
 
-/// The motors' commanded travels at the trigger, found between two steps by MuJoCo's
-/// own distance or deflection. nullopt: none, or out of reach.
-std::optional<Vec3<double>> TouchInPhysics(DeltaWorld* world,
-                                           const DeltaBuild<double>& build,
-                                           const DeltaBed<double>& bed,
-                                           const DeltaModel<double>& settings,
-                                           const Eigen::Vector2d& at_mm,
-                                           const DeltaTouchOptions& options = {});
+/// The height that the firmware believes its nozzle at when that descent triggers, found
+/// between two steps by MuJoCo's own distance or deflection, near `near_mm`. nullopt:
+/// none, or out of reach.
+std::optional<double> TouchInPhysics_mm(DeltaWorld* world,
+                                        const DeltaBuild<double>& build,
+                                        const DeltaBed<double>& bed,
+                                        const DeltaDescent& descent,
+                                        double near_mm,
+                                        const DeltaTouchOptions& options = {});
 
 }  // namespace caltwin

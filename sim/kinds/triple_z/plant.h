@@ -1,10 +1,12 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "sim/base/rng.h"
-#include "sim/firmware/dialects/rrf_triple_z.h"
+#include "sim/firmware/firmware.h"
+#include "sim/firmware/plant.h"
 #include "sim/kinds/triple_z/machine.h"
 
 namespace caltwin {
@@ -16,9 +18,11 @@ struct BuiltTripleZ {
   double scatter_mm = 0;  ///< Of the trigger, beside `trigger_scatter`.
 };
 
-/// A simulated triple-Z printer whose bed can be raised to its nozzle: closed form or
-/// MuJoCo.
-class TripleZTwinPlant : public TripleZPlant {
+/// A simulated printer whose bed stands on three screws and can be raised to its nozzle,
+/// in closed form or MuJoCo. Motors: two of the head, x y or the belts a b, then z1 z2
+/// z3, each screw with a switch at its lower end. Between touches it is where its motors
+/// are.
+class TripleZTwinPlant final : public Plant {
  public:
   /// @param is_physics  MuJoCo finds the trigger
   TripleZTwinPlant(const BuiltTripleZ& built,
@@ -26,17 +30,41 @@ class TripleZTwinPlant : public TripleZPlant {
                    std::uint64_t seed,
                    std::uint64_t sample);
 
-  std::optional<double> Touch(const Vec3<double>& raised_mm,
-                              double x_mm,
-                              double y_mm) override;
+  Outcome Run(const Segment& segment, const Watch& watch) override;
+  void Settle(const Motors& steps) override { steps_ = steps; }
+  void Dwell(double /*s*/) override {}
+  bool ProbeTriggered() override;
+  bool SwitchClosed(Axis axis) override;
 
   const BuiltTripleZ& built() const { return built_; }
 
  private:
+  /// Where the motors have head and screws, by the steps/mm of the machine's settings.
+  struct Stand {
+    Eigen::Vector2d head_mm = Eigen::Vector2d::Zero();
+    Vec3<double> screws_mm = Vec3<double>::Zero();  ///< Over their lower ends.
+    double nozzle_mm = 0;  ///< Over the bed beneath it, as drawn.
+    /// Each screw beyond what that height alone has it.
+    Vec3<double> raised_mm = Vec3<double>::Zero();
+  };
+  Stand StandAt(const Motors& steps) const;
+  /// How far the carriage of x or y is from its home end; positive before.
+  double BeforeHome_mm(Axis axis, const Stand& stand) const;
+  /// Height of the nozzle over the bed at the trigger, as drawn; nullopt: none.
+  std::optional<double> Touch_mm(const Stand& stand, double feed_mm_s);
+  Outcome RunToProbe(const Segment& segment);
+  Outcome RunToSwitch(const Segment& segment, Axis axis) const;
+
   BuiltTripleZ built_;
   std::unique_ptr<TripleZMachine> machine_{};
   Rng scatter_;
+  Motors steps_;
+  bool is_triggered_ = false;
 };
+
+/// What a printer's firmware starts with beside its settings, believing the screws to
+/// stand there.
+FirmwareOptions FirmwareOnScrews(const Pivots<double>& believed_mm);
 
 /// Where the bed is truly touched over (x, y) with the screws raised so, noise apart:
 /// what the closed forms say.

@@ -37,8 +37,8 @@ std::string TripleZRecord::IdOf(double steps_per_mm) {
 }
 
 void TripleZRecord::Add(const std::string& campaign,
-                        std::span<const TripleZTouch> touches) {
-  for (const TripleZTouch& touch : touches) {
+                        std::span<const ProbedPoint> touches) {
+  for (const ProbedPoint& touch : touches) {
     header_.campaigns[campaign].instrument = "probe";
     Row row{.row = static_cast<std::int64_t>(rows_.rows.size()) + 1,
             .campaign = campaign,

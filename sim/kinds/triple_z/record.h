@@ -3,7 +3,7 @@
 #include <span>
 #include <string>
 
-#include "sim/firmware/dialects/rrf_triple_z.h"
+#include "sim/firmware/bed_probing.h"
 #include "sim/machine/machine.h"
 #include "sim/measure/data_header.h"
 #include "sim/measure/row.h"
@@ -18,7 +18,7 @@ class TripleZRecord {
   /// @param sigma_mm  of the trigger, as stated
   TripleZRecord(const Machine& machine, double sigma_mm);
 
-  void Add(const std::string& campaign, std::span<const TripleZTouch> touches);
+  void Add(const std::string& campaign, std::span<const ProbedPoint> touches);
 
   const DataHeader& header() const { return header_; }
   const RowTable& rows() const { return rows_; }

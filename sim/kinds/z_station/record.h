@@ -3,7 +3,7 @@
 #include <span>
 #include <string>
 
-#include "sim/firmware/dialects/klipper_z.h"
+#include "sim/firmware/kinds/z_station/klipper.h"
 #include "sim/machine/kinds/z_station/drawing.h"
 #include "sim/measure/data_header.h"
 #include "sim/measure/row.h"

@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "sim/base/rng.h"
-#include "sim/firmware/dialects/klipper_z.h"
+#include "sim/firmware/kinds/z_station/klipper.h"
 #include "sim/kinds/z_station/world.h"
 
 namespace caltwin {

@@ -37,7 +37,10 @@ BuiltTripleZ BuiltAs(const TwinOptions& named) {
 
 SimulatedPrinter::SimulatedPrinter(const TwinOptions& named)
     : plant_(BuiltAs(named), named.fidelity == "physics", named.seed, /*sample=*/0),
-      firmware_(FirmwareOf(machine(), TripleZOf(machine()).pivots_mm()), &plant_),
+      firmware_(machine(),
+                machine().settings,
+                FirmwareOnScrews(TripleZOf(machine()).pivots_mm()),
+                &plant_),
       wire_(&firmware_) {}
 
 }  // namespace caltwin

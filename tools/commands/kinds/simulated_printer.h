@@ -18,7 +18,7 @@ class SimulatedPrinter {
 
  private:
   TripleZTwinPlant plant_;
-  RrfTripleZ firmware_;
+  Firmware firmware_;
   EmulatedLink wire_;
 };
 

@@ -54,27 +54,40 @@ void AddPlane(const std::vector<Vec3<double>>& commanded,
 
 }  // namespace
 
-std::optional<Vec3<double>> DeltaTouchMotors(const DeltaBuild<double>& build,
-                                             const DeltaBed<double>& bed,
-                                             const DeltaModel<double>& settings,
-                                             double x_mm,
-                                             double y_mm,
-                                             const DeltaTip& tip) {
+std::optional<double> DeltaTouchHeight_mm(const DeltaBuild<double>& build,
+                                          const DeltaBed<double>& bed,
+                                          const DeltaDescent& descent,
+                                          double near_mm,
+                                          const DeltaTip& tip) {
   constexpr int kMostRounds = 50;
   constexpr double kThere_mm = 1e-10;
-  Vec3<double> at(x_mm, y_mm, bed.Height_mm(x_mm, y_mm));
+  double z_mm = near_mm;
   for (int round = 0; round < kMostRounds; ++round) {
-    const Vec3<double> motors_mm = DeltaMotors_mm(settings, at);
+    const Vec3<double> motors_mm = descent(z_mm);
     if (!motors_mm.allFinite()) return std::nullopt;
     const auto pose = DeltaPoseOf(build, motors_mm);
     if (!pose) return std::nullopt;
     const Vec3<double> tip_mm =
         pose->nozzle_mm + delta_chain::Rotated(pose->cayley, tip.AtTrigger_mm());
     const double above_mm = tip_mm[2] - bed.Height_mm(tip_mm[0], tip_mm[1]);
-    if (std::abs(above_mm) < kThere_mm) return motors_mm;
-    at[2] -= above_mm;
+    if (std::abs(above_mm) < kThere_mm) return z_mm;
+    z_mm -= above_mm;
   }
   return std::nullopt;
+}
+
+std::optional<Vec3<double>> DeltaTouchMotors(const DeltaBuild<double>& build,
+                                             const DeltaBed<double>& bed,
+                                             const DeltaModel<double>& settings,
+                                             double x_mm,
+                                             double y_mm,
+                                             const DeltaTip& tip) {
+  const auto descent = [&](double z_mm) {
+    return DeltaMotors_mm<double>(settings, {x_mm, y_mm, z_mm});
+  };
+  const auto z_mm =
+      DeltaTouchHeight_mm(build, bed, descent, bed.Height_mm(x_mm, y_mm), tip);
+  return z_mm ? std::optional(descent(*z_mm)) : std::nullopt;
 }
 
 DeltaAccuracy DeltaAccuracyOf(const DeltaBuild<double>& build,

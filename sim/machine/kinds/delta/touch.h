@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 
 #include "sim/machine/axis.h"
@@ -40,6 +41,18 @@ struct DeltaTip {
   /// From the nozzle, when it triggers.
   Vec3<double> AtTrigger_mm() const { return off_mm + pretravel_mm * Unit(Axis::kZ); }
 };
+
+/// The motors' commanded travels while a firmware goes straight down somewhere, by the
+/// height that it believes the nozzle at. Not finite where an arm is too short.
+using DeltaDescent = std::function<Vec3<double>(double z_mm)>;
+
+/// The height that a delta's firmware believes its nozzle at when the tip touches the
+/// bed on that descent; searched for from `near_mm`. nullopt where an arm is too short.
+std::optional<double> DeltaTouchHeight_mm(const DeltaBuild<double>& build,
+                                          const DeltaBed<double>& bed,
+                                          const DeltaDescent& descent,
+                                          double near_mm,
+                                          const DeltaTip& tip = {});
 
 /// Where a delta touches its bed when its firmware, believing `settings`, goes straight
 /// down at (x, y): the motors' commanded travels at the trigger. The settings know

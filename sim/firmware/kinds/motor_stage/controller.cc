@@ -1,4 +1,4 @@
-#include "sim/firmware/dialects/motor_stage.h"
+#include "sim/firmware/kinds/motor_stage/controller.h"
 
 #include <algorithm>
 #include <cctype>
@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "sim/base/input_error.h"
-#include "sim/firmware/dialects/motor_code_words.h"
+#include "sim/firmware/kinds/motor_stage/code_words.h"
 
 namespace caltwin {
 namespace {

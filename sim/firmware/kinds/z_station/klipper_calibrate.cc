@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "sim/firmware/dialects/klipper_z.h"
+#include "sim/firmware/kinds/z_station/klipper.h"
 
 namespace caltwin {
 

@@ -8,22 +8,12 @@
 #include <vector>
 
 #include "sim/firmware/emulated_controller.h"
+#include "sim/firmware/plant.h"
 #include "sim/link/gcode.h"
 #include "sim/machine/kinds/delta/mesh.h"
 #include "sim/machine/kinds/delta/model.h"
 
 namespace caltwin {
-
-/// The mechanism that a delta's firmware drives, as little of it as it can feel.
-class DeltaPlant {
- public:
-  virtual ~DeltaPlant() = default;
-  /// Goes straight down at (x, y) as `settings` say until the probe triggers; the
-  /// motors' commanded travels there. nullopt: out of reach.
-  virtual std::optional<Vec3<double>> Touch(const DeltaModel<double>& settings,
-                                            double x_mm,
-                                            double y_mm) = 0;
-};
 
 /// What Marlin keeps of a delta: one radius, one rod length with a trim a tower, the
 /// height of the homed nozzle, and how far each carriage backs off from its endstop to
@@ -42,13 +32,25 @@ class MarlinDelta final : public EmulatedController {
   using AutoCalibration = std::function<std::vector<std::string>(
       const GcodeCommand& words, DeltaModel<double>* settings)>;
 
-  /// @param steps_per_mm  of the towers, for M114's Count
-  /// @param plant  borrowed
+  /// Told of every touch: the settings in force, and the travel of the carriages at the
+  /// trigger, whole steps [mm].
+  using Witness = std::function<void(const DeltaModel<double>& settings,
+                                     const Vec3<double>& counted_mm)>;
+
+  /// @param steps_per_mm  of the towers
+  /// @param plant  a delta's: steps are of travel down from the endstops; borrowed
   MarlinDelta(const DeltaModel<double>& drawn,
               const DeltaModel<double>& settings,
               const std::array<double, 3>& steps_per_mm,
-              DeltaPlant* plant,
+              Plant* plant,
               AutoCalibration g33);
+
+  void SetWitness(Witness witness) { witness_ = std::move(witness); }
+  /// Goes straight down at (x, y) as `settings` say until the probe triggers, G33's way:
+  /// the motors' travels there, whole steps [mm]. nullopt: out of reach, or no bed.
+  std::optional<Vec3<double>> Touch(const DeltaModel<double>& settings,
+                                    double x_mm,
+                                    double y_mm);
 
   Reply Execute(std::string_view line) override;
 
@@ -65,6 +67,14 @@ class MarlinDelta final : public EmulatedController {
  private:
   void Take(const DeltaModel<double>& settings);
   Reply Obey(const GcodeCommand& command);
+  /// The motors for a place of the nozzle, in steps.
+  Motors StepsAt(const DeltaModel<double>& settings, const Vec3<double>& nozzle_mm) const;
+  /// A straight move of the nozzle, or as much of it as comes before the probe triggers.
+  Outcome Go(const DeltaModel<double>& settings,
+             const Vec3<double>& from_mm,
+             const Vec3<double>& to_mm,
+             double feed_mm_s,
+             Watch::Kind until = Watch::Kind::kNothing);
   Reply Home();
   Reply Probe(const GcodeCommand& command);
   Reply Move(const GcodeCommand& command);
@@ -82,8 +92,10 @@ class MarlinDelta final : public EmulatedController {
   DeltaModel<double> stored_;  ///< As M500 kept them.
   double height_mm_ = 0;       ///< H: of the homed nozzle, the lowest endstop.
   std::array<double, 3> steps_per_mm_;
-  DeltaPlant* plant_;
+  Plant* plant_;
   AutoCalibration g33_;
+  Witness witness_{};
+  Motors steps_ = Motors::Zero(kNumTowers);  ///< Where the motors were told to be.
   bool is_homed_ = false;
   Vec3<double> at_mm_ = Vec3<double>::Zero();
   Vec3<double> probe_offset_mm_ = Vec3<double>::Zero();

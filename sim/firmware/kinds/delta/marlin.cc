@@ -1,4 +1,4 @@
-#include "sim/firmware/dialects/marlin_delta.h"
+#include "sim/firmware/kinds/delta/marlin.h"
 
 #include <algorithm>
 #include <cmath>
@@ -16,6 +16,7 @@ constexpr double kTravel_mm_s = 80;
 constexpr double kProbe_mm_s = 5;
 constexpr double kClearance_mm = 5;
 constexpr double kHoming_s = 12;
+constexpr double kDeepest_mm = 50;  // Below the bed believed in: then it is past it.
 constexpr double kAtEnd_mm = 1e-6;
 
 // A letter that wants a number and has none: that of `M665 Lnan` reads as a bare L. 0:
@@ -64,7 +65,7 @@ DeltaModel<double> AsMarlinHasIt(const DeltaModel<double>& settings) {
 MarlinDelta::MarlinDelta(const DeltaModel<double>& drawn,
                          const DeltaModel<double>& settings,
                          const std::array<double, 3>& steps_per_mm,
-                         DeltaPlant* plant,
+                         Plant* plant,
                          AutoCalibration g33)
     : drawn_(drawn),
       settings_(AsMarlinHasIt(settings)),
@@ -160,7 +161,70 @@ void MarlinDelta::Take(const DeltaModel<double>& settings) {
   height_mm_ = HomedHeight_mm(settings_);
 }
 
+Motors MarlinDelta::StepsAt(const DeltaModel<double>& settings,
+                            const Vec3<double>& nozzle_mm) const {
+  Motors steps = DeltaMotors_mm(settings, nozzle_mm);
+  for (int i = 0; i < kNumTowers; ++i) {
+    steps[i] *= steps_per_mm_[static_cast<std::size_t>(i)];
+  }
+  return steps;
+}
+
+Outcome MarlinDelta::Go(const DeltaModel<double>& settings,
+                        const Vec3<double>& from_mm,
+                        const Vec3<double>& to_mm,
+                        double feed_mm_s,
+                        Watch::Kind until) {
+  const Vec3<double> way_mm = to_mm - from_mm;
+  const double length_mm = way_mm.norm();
+  if (length_mm == 0) return {};
+  const Vec3<double> along = way_mm / length_mm;
+  const Segment segment{
+      .from_steps = StepsAt(settings, from_mm),
+      .to_steps = StepsAt(settings, to_mm),
+      .profile = {.length_mm = length_mm,
+                  .feed_in_mm_s = feed_mm_s,
+                  .feed_top_mm_s = feed_mm_s,
+                  .feed_out_mm_s = feed_mm_s},
+      .curve = [&](double gone_mm) {
+        return StepsAt(settings, from_mm + gone_mm * along);
+      }};
+  const Outcome outcome = plant_->Run(segment, {.kind = until});
+  steps_ = segment.Steps(outcome.time_s).array().round();
+  if (outcome.stopped) plant_->Settle(steps_);
+  return outcome;
+}
+
+std::optional<Vec3<double>> MarlinDelta::Touch(const DeltaModel<double>& settings,
+                                               double x_mm,
+                                               double y_mm) {
+  const Vec3<double> above(x_mm, y_mm, HomedHeight_mm(settings));
+  const Vec3<double> below(x_mm, y_mm, -kDeepest_mm);
+  if (!StepsAt(settings, above).allFinite()) return std::nullopt;
+  const Outcome outcome =
+      Go(settings, above, below, kProbe_mm_s, Watch::Kind::kProbeTriggered);
+  if (!outcome.stopped) return std::nullopt;
+  Vec3<double> counted_mm = steps_;
+  for (int i = 0; i < kNumTowers; ++i) {
+    counted_mm[i] /= steps_per_mm_[static_cast<std::size_t>(i)];
+  }
+  if (witness_) witness_(settings, counted_mm);
+  return counted_mm;
+}
+
+// Each carriage up to its endstop.
 Reply MarlinDelta::Home() {
+  const Motors up_steps = Motors::Zero(kNumTowers);
+  const double most_steps = std::max(steps_.maxCoeff(), 1.0);
+  plant_->Run({.from_steps = steps_,
+               .to_steps = steps_.array() - most_steps,
+               .profile = {.length_mm = most_steps / steps_per_mm_[0],
+                           .feed_in_mm_s = kTravel_mm_s,
+                           .feed_top_mm_s = kTravel_mm_s,
+                           .feed_out_mm_s = kTravel_mm_s}},
+              {.kind = Watch::Kind::kSwitchClosed});
+  steps_ = up_steps;
+  plant_->Settle(steps_);
   at_mm_ = {0, 0, height_mm_};
   is_homed_ = true;
   time_s_ += kHoming_s;
@@ -173,7 +237,7 @@ Reply MarlinDelta::Probe(const GcodeCommand& command) {
   const double y = command.Number('Y').value_or(at_mm_[1]);
   // The tip goes there, the nozzle beside.
   const double nozzle_x = x - probe_offset_mm_[0], nozzle_y = y - probe_offset_mm_[1];
-  const auto motors = plant_->Touch(settings_, nozzle_x, nozzle_y);
+  const auto motors = Touch(settings_, nozzle_x, nozzle_y);
   if (!motors) return {.lines = {"Z Probe Past Bed"}};
   const double z = DeltaNozzle_mm(settings_, *motors)[2] + probe_offset_mm_[2];
   const Vec3<double> above(nozzle_x, nozzle_y, z - probe_offset_mm_[2] + kClearance_mm);
@@ -193,6 +257,7 @@ Reply MarlinDelta::Move(const GcodeCommand& command) {
   }
   if (!DeltaMotors_mm(settings_, to).allFinite())
     return Refusal("Destination out of reach");
+  Go(settings_, at_mm_, to, kTravel_mm_s);
   time_s_ += (to - at_mm_).norm() / kTravel_mm_s;
   at_mm_ = to;
   return {};

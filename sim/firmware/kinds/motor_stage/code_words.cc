@@ -1,4 +1,4 @@
-#include "sim/firmware/dialects/motor_code_words.h"
+#include "sim/firmware/kinds/motor_stage/code_words.h"
 
 #include <algorithm>
 #include <array>

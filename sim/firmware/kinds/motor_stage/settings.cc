@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "sim/firmware/dialects/motor_stage.h"
+#include "sim/firmware/kinds/motor_stage/controller.h"
 
 // What the controller keeps: the record of each axis, by M-code and in the flash.
 

@@ -3,7 +3,7 @@
 #include <array>
 #include <cmath>
 
-#include "sim/firmware/dialects/klipper_z.h"
+#include "sim/firmware/kinds/z_station/klipper.h"
 
 namespace caltwin {
 Eigen::Vector2d BedMeshConfig::PointAt_mm(int index) const {
