@@ -20,8 +20,8 @@ KNOWS = re.compile(r"[=!]= *(Cartesian|Delta|TripleZ|ZStation|MotorStage|CoreXy)
                    r"|\b(Delta|TripleZ|ZStation|MotorStage|CoreXy)Kind\(\)|\bOwn<\w+>"
                    r"|kind(->|\.|\(\)->)name\(\) *[=!]= *\"|ProceduresOf\(\"[a-z]")
 NAMED = re.compile(r"(^|_)(delta|triple_z|z_station|z_offset|motor|gantry)(_|\.)|simulated_(stage|station|printer)")
-# A cause and dialects that CONTRACT names so.
-EXCEPTED = re.compile(r"gantry_sag|motors_swapped|dialects/")
+# Causes that CONTRACT names so.
+EXCEPTED = re.compile(r"gantry_sag|motors_swapped")
 
 
 def listed(commit):

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <optional>
 #include <set>
@@ -11,21 +10,17 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "calibration/diagnosis/correction_text.h"
 #include "calibration/diagnosis/kinds/diagnosed_kind.h"
 #include "calibration/diagnosis/screw_table.h"
 #include "calibration/diagnosis/settings_of_rows.h"
 #include "calibration/diagnosis/unseen_rows.h"
-#include "sim/base/input_error.h"
 #include "sim/base/units.h"
 #include "sim/effects/predict.h"
 #include "sim/machine/machine_kind.h"
 
 namespace caltwin {
 namespace {
-
-std::string Upper(Axis axis) {
-  return std::string(1, static_cast<char>(std::toupper(Letter(axis))));
-}
 
 class Writer {
  public:
@@ -37,38 +32,20 @@ class Writer {
         name_(std::move(name)),
         diagnosis_(diagnosis),
         observed_(observed),
-        is_gcode_(IsSetByGcode(controller)) {}
+        out_(controller, diagnosis) {}
 
   std::vector<CorrectionFile> Make() {
-    Comment(fmt::format("Correction for {}, by `caltwin diagnose`.",
-                        FullName(controller_)));
     for (const Axis axis : kAxes) AddAxis(axis);
     AddSquareness();
     if (controller_ == ControllerKind::kKlipper) AddTwist();
-    AddRest();
-    files_.insert(files_.begin(), {.text = text_});
+    for (const Finding& finding : diagnosis_.findings) {
+      if (!carried_.contains(&finding)) out_.LeaveOver(finding);
+    }
+    files_.insert(files_.begin(), {.text = out_.text()});
     return files_;
   }
 
  private:
-  void Comment(const std::string& words) {
-    text_ += fmt::format("{} {}\n", is_gcode_ ? ";" : "#", words);
-  }
-  void Line(const std::string& setting, const std::string& source) {
-    if (is_gcode_) {
-      text_ += fmt::format("{} ; {}\n", setting, source);
-      return;
-    }
-    Comment(source);
-    text_ += setting + "\n";
-  }
-
-  const BaselineLine* Fitted(const std::string& name) const {
-    const auto found =
-        std::ranges::find(diagnosis_.baseline, name, &BaselineLine::name);
-    return found == diagnosis_.baseline.end() ? nullptr : &*found;
-  }
-
   // The drive that the axis' letter stands for in settings.
   std::string Drive(Axis axis) const {
     return DriveName(observed_.machine().kind->drive_map(), Index(axis));
@@ -88,41 +65,25 @@ class Writer {
   void AddAxis(Axis axis) {
     const bool has_table = controller_ == ControllerKind::kLinuxCnc && HasShape(axis);
     const BaselineLine* scale = ScaleOf(axis);
-    const BaselineLine* gap = Fitted("backlash." + Drive(axis));
+    const BaselineLine* gap = out_.Fitted("backlash." + Drive(axis));
     if (controller_ == ControllerKind::kLinuxCnc && (scale || gap || has_table)) {
-      text_ += fmt::format("[JOINT_{}]\n", Index(axis));
+      out_.Add(fmt::format("[JOINT_{}]\n", Index(axis)));
     }
     if (controller_ == ControllerKind::kKlipper && scale) {
-      text_ += fmt::format("[stepper_{}]\n", Name(axis));
+      out_.Add(fmt::format("[stepper_{}]\n", Name(axis)));
     }
     if (scale) AddScale(axis, *scale);
     if (has_table) {
       AddTable(axis);
     } else if (gap) {
-      AddGap(axis, *gap);
+      out_.SetPlay(CapitalLetter(axis), *gap);
     }
-  }
-
-  // What two standard deviations cannot tell from nothing is no correction.
-  bool IsToBeWritten(const BaselineLine& line) {
-    constexpr double kSure_sds = 2;
-    if (line.is_determined && std::abs(line.value) >= kSure_sds * line.sd) return true;
-    Comment(
-        line.is_determined
-            ? fmt::format("{} {:+.4g} +- {:.2g} {}: not told from 0, nothing to set",
-                          line.name,
-                          line.value,
-                          line.sd,
-                          line.unit)
-            : fmt::format("{}: not determined by these rows, nothing to set",
-                          line.name));
-    return false;
   }
 
   // Moves too far by s: steps/mm / (1 + s).
   void AddScale(Axis axis, const BaselineLine& scale) {
     const Finding* pitch = PitchOf(axis);
-    const double scale_ppm = IsToBeWritten(scale) ? scale.value : 0;
+    const double scale_ppm = out_.IsToBeSet(scale) ? scale.value : 0;
     if (pitch == nullptr && scale_ppm == 0) return;
     const double belt_ppm = pitch == nullptr ? 0 : pitch->effect->values[0];
     if (pitch != nullptr) carried_.insert(pitch);
@@ -130,43 +91,16 @@ class Writer {
     const AxisDrawing& drawing = observed_.machine().axis(axis);
     const double set = SettingsOfRows(observed_).steps_per_mm[i];
     const double old = set > 0 ? set : drawing.steps_per_mm();
-    const double steps_per_mm = old / (1 + (scale_ppm + belt_ppm) * 1e-6);
-    std::string source = fmt::format(
-        "was {:.6g}: {} {:+.1f} +- {:.1f} ppm", old, scale.name, scale.value, scale.sd);
+    std::string source =
+        fmt::format("{} {:+.1f} +- {:.1f} ppm", scale.name, scale.value, scale.sd);
     if (pitch != nullptr) {
       source += fmt::format(", belt_pitch.{} {:+.1f} ppm", pitch->axis, belt_ppm);
     }
-    if (controller_ == ControllerKind::kKlipper) {
-      const double steps_a_turn = drawing.full_steps_per_rev * drawing.microsteps;
-      Line(fmt::format("rotation_distance: {:.7g}", steps_a_turn / steps_per_mm),
-           "mm a turn; steps/mm " + source);
-    } else if (controller_ == ControllerKind::kLinuxCnc) {
-      Line(fmt::format("SCALE = {:.7g}", steps_per_mm), "steps/mm, " + source);
-    } else {
-      Line(fmt::format("M92 {}{:.7g}", Upper(axis), steps_per_mm),
-           "steps/mm, " + source);
-    }
-  }
-
-  void AddGap(Axis axis, const BaselineLine& gap) {
-    if (!IsToBeWritten(gap)) return;
-    const std::string source = fmt::format(
-        "mm, backlash.{} {:.4f} +- {:.4f} mm", Drive(axis), gap.value, gap.sd);
-    if (controller_ == ControllerKind::kKlipper) {
-      Comment(source + ": Klipper has no backlash compensation; mend the drive");
-    } else if (gap.value < 0) {
-      Comment(source +
-              ": a gap that leads is none; is a sign or a sense reversed, or "
-              "is there compensation already?");
-    } else if (controller_ == ControllerKind::kLinuxCnc) {
-      Line(fmt::format("BACKLASH = {:.4f}", gap.value), source);
-    } else {
-      // Marlin corrects by the fraction F, 0 unless it is given.
-      const bool is_marlin = controller_ == ControllerKind::kMarlin;
-      Line(fmt::format(
-               "M425 {}{}{:.4f}", is_marlin ? "F1 " : "", Upper(axis), gap.value),
-           source);
-    }
+    out_.SetSteps(CapitalLetter(axis),
+                  old,
+                  (scale_ppm + belt_ppm) * 1e-6,
+                  drawing.full_steps_per_rev * drawing.microsteps,
+                  source);
   }
 
   // Acts along its own axis by position (and sense) alone, so a screw table holds it.
@@ -203,11 +137,11 @@ class Writer {
       const std::string name = fmt::format("{}.{}", finding.cause, finding.axis);
       carried_.insert(&finding);
       const UnseenRows unseen = WhatUnseenRowsSay(finding, diagnosis_.gain);
-      if (!unseen.worse.empty()) Comment(fmt::format("{}: {}", name, unseen.worse));
+      if (!unseen.worse.empty()) out_.Comment(fmt::format("{}: {}", name, unseen.worse));
       if (!unseen.is_recommended) continue;
       const Machine& machine = observed_.machine();
       if (ScrewTablePoints(machine, axis, {EffectOf(finding)}) == 0) {
-        Comment(
+        out_.Comment(
             fmt::format("{}: its wave needs more than the {} points that a screw "
                         "table of this travel has; it stays",
                         name,
@@ -217,9 +151,9 @@ class Writer {
       effects.push_back(EffectOf(finding));
       sources.push_back(name);
     }
-    const BaselineLine* gap = Fitted("backlash." + Name(axis));
+    const BaselineLine* gap = out_.Fitted("backlash." + Name(axis));
     if (effects.empty()) {
-      if (gap) AddGap(axis, *gap);
+      if (gap) out_.SetPlay(CapitalLetter(axis), *gap);
       return;
     }
     if (gap) sources.push_back("backlash." + Name(axis));
@@ -227,8 +161,8 @@ class Writer {
     files_.push_back(
         {suffix,
          ScrewTableText(observed_.machine(), axis, effects, gap ? gap->value : 0)});
-    text_ += "COMP_FILE_TYPE = 0\n";
-    Line(fmt::format("COMP_FILE = {}{}", name_, suffix),
+    out_.Add("COMP_FILE_TYPE = 0\n");
+    out_.Set(fmt::format("COMP_FILE = {}{}", name_, suffix),
          fmt::format("mm, nominal, actual forwards, actual backwards; {}",
                      fmt::join(sources, " and ")));
   }
@@ -275,18 +209,18 @@ class Writer {
     const auto [xy, xz, yz] = slopes;
     constexpr double kHeight_mm = 100;
     if (controller_ == ControllerKind::kRrf) {
-      Line(fmt::format("M556 S{:g} X{:.4f} Y{:.4f} Z{:.4f}",
+      out_.Set(fmt::format("M556 S{:g} X{:.4f} Y{:.4f} Z{:.4f}",
                        kHeight_mm,
                        -kHeight_mm * xy,
                        -kHeight_mm * yz,
                        -kHeight_mm * xz),
            fmt::format("mm over {:g} mm, {}", kHeight_mm, source));
     } else if (controller_ == ControllerKind::kMarlin) {
-      Line(fmt::format("M852 I{:.7f} J{:.7f} K{:.7f}", xy, xz, yz), "mm/mm, " + source);
+      out_.Set(fmt::format("M852 I{:.7f} J{:.7f} K{:.7f}", xy, xz, yz), "mm/mm, " + source);
     } else {
       // The first has the module loaded, the second is a profile of it.
-      text_ += "[skew_correction]\n[skew_correction caltwin]\n";
-      Line(fmt::format("xy_skew: {:.7f}\nxz_skew: {:.7f}\nyz_skew: {:.7f}", xy, xz, yz),
+      out_.Add("[skew_correction]\n[skew_correction caltwin]\n");
+      out_.Set(fmt::format("xy_skew: {:.7f}\nxz_skew: {:.7f}\nyz_skew: {:.7f}", xy, xz, yz),
            "mm/mm, load with SKEW_PROFILE LOAD=caltwin; " + source);
     }
   }
@@ -312,38 +246,23 @@ class Writer {
           ErrorsAt<double>(observed_.machine(), at, std::span(&*finding->effect, 1));
       values.push_back(fmt::format("{:.5f}", errors.motion_mm.z()));
     }
-    text_ += fmt::format(
+    out_.Add(fmt::format(
         "[axis_twist_compensation]\ncompensation_start_x: {:g}\n"
         "compensation_end_x: {:g}\n",
         x.min_mm,
-        x.max_mm);
-    Line(fmt::format("z_compensations: {}", fmt::join(values, ", ")),
+        x.max_mm));
+    out_.Set(fmt::format("z_compensations: {}", fmt::join(values, ", ")),
          fmt::format("mm, added to what a probe at y {:+g} mm reads; axis_twist "
                      "{:+.4f} mrad",
                      off_mm.y(),
                      finding->effect->values[0]));
   }
 
-  void AddRest() {
-    for (const Finding& finding : diagnosis_.findings) {
-      if (carried_.contains(&finding)) continue;
-      const auto effect = FindEffect(finding.cause);
-      Comment(
-          fmt::format("{}{}{}: no line for {} is written for this. {}",
-                      finding.cause,
-                      finding.axis.empty() ? "" : ".",
-                      finding.axis,
-                      FullName(controller_),
-                      effect ? EffectAt(*effect).words.action : std::string_view{}));
-    }
-  }
-
   ControllerKind controller_;
   std::string name_;
   const Diagnosis& diagnosis_;
   const Observed& observed_;
-  bool is_gcode_;
-  std::string text_{};
+  CorrectionText out_;
   std::vector<CorrectionFile> files_{};
   std::set<const Finding*> carried_{};
 };

@@ -2,7 +2,7 @@
 
 #include "sim/base/units.h"
 #include "sim/effects/effect.h"
-#include "sim/machine/kinds/delta/drawing.h"
+#include "sim/machine/machine_kind.h"
 
 namespace caltwin {
 
@@ -55,9 +55,7 @@ struct EffectorTilt {
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {
-    const auto* delta = asked.machine.template Own<DeltaDrawing>();
-    if (delta == nullptr) return;
-    const double h_mm = delta->joint_height_mm;
+    const double h_mm = asked.machine.kind->TipBelowJoints_mm(asked.machine);
     errors->motion_mm[0] -= h_mm * RadFromMrad(asked.p[1]);
     errors->motion_mm[1] += h_mm * RadFromMrad(asked.p[0]);
   }

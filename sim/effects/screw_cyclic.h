@@ -3,7 +3,7 @@
 #include "sim/effects/drive.h"
 #include "sim/effects/effect.h"
 #include "sim/effects/forms.h"
-#include "sim/machine/kinds/triple_z/drawing.h"
+#include "sim/machine/machine_kind.h"
 
 namespace caltwin {
 
@@ -33,9 +33,11 @@ struct ScrewCyclic {
                 .doc = "Travel per turn; left out: the screw's lead as drawn.",
                 .role = Role::kForm}};
   static double Lead_mm(const Machine& machine, std::string_view axis) {
-    const auto screw = static_cast<std::size_t>(DriveNamed(axis)->index);
-    const auto* screws = machine.Own<TripleZDrawing>();
-    return screws != nullptr ? screws->screws[screw].lead_mm : 4;
+    constexpr double kUsual_mm = 4;
+    for (const DrawnDrive& drive : machine.kind->Drives(machine)) {
+      if (drive.name == axis) return drive.lead_mm;
+    }
+    return kUsual_mm;
   }
   static void Neutral(const Machine& machine,
                       std::string_view axis,

@@ -146,6 +146,16 @@ std::optional<Vec3<double>> MachineKind::Motors_mm(const Machine&,
   return told_mm;
 }
 
+std::optional<Vec3<double>> MachineKind::Screws_mm(const Machine&,
+                                                   const Vec3<double>&,
+                                                   const Vec3<double>&) const {
+  return std::nullopt;
+}
+
+double MachineKind::TipBelowJoints_mm(const Machine&) const {
+  return 0;
+}
+
 std::optional<Vec3<double>> MachineKind::MotorSenses(const Machine&,
                                                      const Vec3<double>& from_mm,
                                                      const Vec3<double>& to_mm) const {

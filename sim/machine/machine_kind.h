@@ -80,6 +80,9 @@ class MachineKind {
   /// Whether it has what effects() does not name as a cartesian machine does.
   virtual bool has_other_effects() const { return effects().empty(); }
 
+  /// How far the tip hangs below what may lean: a delta's joints. 0: nothing may.
+  virtual double TipBelowJoints_mm(const Machine& machine) const;
+
   /// @name Its file, in the order in which it is read
   /// What only this kind has, into Machine::own.
   virtual void ReadDrawing(YamlMap* map, Machine* machine) const;
@@ -99,6 +102,11 @@ class MachineKind {
   /// What its motors that are no axes are told for this pose, `raised_mm` beyond what
   /// it takes; nullopt: it has none.
   virtual std::optional<Vec3<double>> Motors_mm(const Machine& machine,
+                                                const Vec3<double>& q_mm,
+                                                const Vec3<double>& raised_mm) const;
+  /// What the screws under its bed are told for this pose, where the motors above are
+  /// others; nullopt: they are not, or it has none.
+  virtual std::optional<Vec3<double>> Screws_mm(const Machine& machine,
                                                 const Vec3<double>& q_mm,
                                                 const Vec3<double>& raised_mm) const;
   /// The sense of each of them at the end of a straight move: -1, 0 (still) or 1.

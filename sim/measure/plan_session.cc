@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "sim/base/input_error.h"
-#include "sim/machine/kinds/triple_z/drawing.h"
 #include "sim/machine/machine_kind.h"
 
 namespace caltwin {
@@ -106,7 +105,7 @@ void MeasuringSession::Rapid(const Vec3<double>& q_mm) {
 
 void MeasuringSession::SetScrews(const Vec3<double>& raised_mm) {
   const Vec3<double> moved_mm = raised_mm - raised_mm_;
-  for (int i = 0; i < kNumScrews; ++i) {
+  for (int i = 0; i < 3; ++i) {
     screw_dir_[i] =
         std::abs(moved_mm[i]) < kStill_mm ? 0 : std::copysign(1, moved_mm[i]);
   }
@@ -136,12 +135,10 @@ void MeasuringSession::Finish(Row row) {
       row.motor_dir[k] = motor_dir_[i];
     }
   }
-  const auto* screws = machine_.Own<TripleZDrawing>();
-  if (screws != nullptr && machine_.kind->drive_map() != nullptr) {
-    for (int i = 0; i < kNumScrews; ++i) {
+  if (const auto screws = machine_.kind->Screws_mm(machine_, cmd_mm, raised_mm_)) {
+    for (int i = 0; i < 3; ++i) {
       const auto k = static_cast<std::size_t>(i);
-      const double told_mm = screws->top_mm - cmd_mm[2] + raised_mm_[i];
-      row.screw_mm[k] = std::round(told_mm * 1e6) / 1e6;
+      row.screw_mm[k] = std::round((*screws)[i] * 1e6) / 1e6;
       row.screw_dir[k] = screw_dir_[i];
     }
   }

@@ -217,7 +217,7 @@ TEST(DeltaCorrection, LeavesABentBedToItsMesh) {
 
   const std::string text = TextFor(ControllerKind::kKlipper, diagnosis);
 
-  EXPECT_THAT(text, HasSubstr("# bed_bowl: a mesh carries it (BED_MESH_CALIBRATE)"));
+  EXPECT_THAT(text, HasSubstr("# bed_bowl: a mesh carries it: BED_MESH_CALIBRATE"));
   EXPECT_THAT(text, Not(HasSubstr("delta_radius:")));
 }
 

@@ -123,7 +123,7 @@ TEST(TripleZCorrection, SaysHowFarEachScrewIsToBeRaised) {
   EXPECT_THAT(text, HasSubstr(fmt::format("z2 {:+.3f}", mean_mm - 0.585)));
   EXPECT_THAT(text, HasSubstr(fmt::format("z3 {:+.3f}", mean_mm + 0.39 - 0.125)));
   EXPECT_THAT(text, HasSubstr("nothing to set"));
-  EXPECT_THAT(text, HasSubstr("no setting of RepRapFirmware carries this"));
+  EXPECT_THAT(text, HasSubstr("no line for RepRapFirmware is written for this"));
 }
 
 TEST(TripleZCorrection, SpeaksEachControllersWords) {
@@ -143,8 +143,8 @@ TEST(TripleZCorrection, SpeaksEachControllersWords) {
   EXPECT_THAT(rrf,
               HasSubstr("; or plug the motors in as drawn, and then "
                         "X20.00:215.00:20.00 Y20.00:20.00:215.00\n"));
-  EXPECT_THAT(rrf, HasSubstr("M92 Z798.4032\n"));
-  EXPECT_THAT(rrf, HasSubstr("M425 Z0.0500\n"));
+  EXPECT_THAT(rrf, HasSubstr("M92 Z798.4032 ; steps/mm, was 800: scale.z "));
+  EXPECT_THAT(rrf, HasSubstr("M425 Z0.0500 ; mm, backlash.z "));
   EXPECT_THAT(text(ControllerKind::kMarlin),
               HasSubstr("M422 W1 X215.00 Y20.00\nM422 W2 X20.00 Y215.00\n"
                         "M422 W3 X20.00 Y20.00\n"));

@@ -79,7 +79,7 @@ TEST(ZStationCorrection, WhatNoSettingCarriesIsSaid) {
   diagnosis.findings.push_back({.cause = "ooze"});
 
   EXPECT_THAT(ZStationCorrectionText(ControllerKind::kKlipper, diagnosis, OneGap({})),
-              HasSubstr("# ooze: no setting carries this. Wipe the nozzle"));
+              HasSubstr("# ooze: no line for Klipper is written for this. Wipe the nozzle"));
 }
 
 TEST(ZStationCorrection, OtherControllersAreRefused) {

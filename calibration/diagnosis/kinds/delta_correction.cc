@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "calibration/diagnosis/as_found.h"
+#include "calibration/diagnosis/correction_text.h"
 #include "calibration/diagnosis/extension.h"
 #include "calibration/diagnosis/kinds/delta_lines.h"
 #include "calibration/diagnosis/settings_of_rows.h"
@@ -20,12 +21,6 @@
 namespace caltwin {
 namespace {
 
-constexpr double kSure_sds = 2;
-
-bool IsSure(const BaselineLine& line, double believed) {
-  return line.is_determined && std::abs(line.value - believed) >= kSure_sds * line.sd;
-}
-
 class DeltaWriter {
  public:
   DeltaWriter(ControllerKind controller,
@@ -34,6 +29,7 @@ class DeltaWriter {
       : controller_(controller),
         diagnosis_(diagnosis),
         observed_(observed),
+        out_(controller, diagnosis),
         found_(DeltaWithBaseline(observed, diagnosis.baseline)),
         radius_mm_(DeltaOf(observed.machine()).print_radius_mm) {
     // Nought is where touches trigger: what gives way first is no height of the bed.
@@ -45,12 +41,10 @@ class DeltaWriter {
   }
 
   std::string Make() {
-    Comment(fmt::format("Correction for {}, by `caltwin diagnose`.",
-                        FullName(controller_)));
-    Comment("Built minus drawn, one by one; together they are known better:");
+    out_.Comment("Built minus drawn, one by one; together they are known better:");
     for (const BaselineLine& line : diagnosis_.baseline) {
       if (KnobsOfLine(line.name, 0).empty()) continue;
-      Comment(fmt::format("  {} {:+.4g} +- {:.2g} {}{}",
+      out_.Comment(fmt::format("  {} {:+.4g} +- {:.2g} {}{}",
                           line.name,
                           line.value,
                           line.sd,
@@ -61,25 +55,20 @@ class DeltaWriter {
     if (IsGeometryTold()) {
       AddGeometry();
     } else {
-      Comment("geometry: not told from what the firmware has, nothing to set");
-      if (controller_ == ControllerKind::kKlipper) text_ += WithBelts("");
+      out_.Comment("geometry: not told from what the firmware has, nothing to set");
+      if (controller_ == ControllerKind::kKlipper) out_.Add(WithBelts(""));
     }
     for (const Finding& finding : diagnosis_.findings) AddFinding(finding);
-    return text_;
+    return out_.text();
   }
 
  private:
-  void Comment(const std::string& words) {
-    text_ += fmt::format("{} {}\n", IsSetByGcode(controller_) ? ";" : "#", words);
-  }
-
   // Steps/mm of the towers whose belts are told, which are right then: what moves too
   // far by s gets steps/mm / (1 + s).
   void SetBelts() {
     const Settings settings = SettingsOfRows(observed_);
-    const auto scale =
-        std::ranges::find(diagnosis_.baseline, "scale", &BaselineLine::name);
-    const bool is_scale = scale != diagnosis_.baseline.end() && IsSure(*scale, 0);
+    const BaselineLine* scale = out_.Fitted("scale");
+    const bool is_scale = scale != nullptr && CorrectionText::IsTold(*scale);
     std::string words;
     for (std::size_t i = 0; i < kNumTowers; ++i) {
       const std::string tower = TowerName(static_cast<int>(i));
@@ -93,7 +82,7 @@ class DeltaWriter {
       const double old = set > 0 ? set : drawing.steps_per_mm();
       steps_per_mm_[i] = old / (1 + found_.build.belt_scale[i]);
       words += fmt::format(" {}{:.7g}", "XYZ"[i], steps_per_mm_[i]);
-      Comment(
+      out_.Comment(
           fmt::format("steps/mm of tower {} were {:.6g}: its belt moves {:+.1f} ppm "
                       "too far",
                       tower,
@@ -101,7 +90,7 @@ class DeltaWriter {
                       PpmFromFraction(found_.build.belt_scale[i])));
       found_.build.belt_scale[i] = 0;
     }
-    if (!words.empty() && IsSetByGcode(controller_)) text_ += "M92" + words + "\n";
+    if (!words.empty() && IsSetByGcode(controller_)) out_.Add("M92" + words + "\n");
   }
 
   // Whether any number of the geometry, or of the bed's plane that it has to follow, is
@@ -114,7 +103,7 @@ class DeltaWriter {
         std::ranges::any_of(diagnosis_.baseline, [&](const BaselineLine& line) {
           const auto turns = KnobsOfLine(line.name, 1);
           if (turns.empty() || line.name == "scale") return false;
-          return IsSure(line, KnobValue(turns[0].knob, believed, {}, drawn));
+          return CorrectionText::IsTold(line, KnobValue(turns[0].knob, believed, {}, drawn));
         });
     return is_line || std::ranges::any_of(diagnosis_.findings, TurnsGeometry);
   }
@@ -135,7 +124,7 @@ class DeltaWriter {
       return DeltaAccuracyOf(found_.build, found_.bed, settings, radius_mm_);
     };
     const DeltaAccuracy before = off(delta.settings), after = off(best);
-    Comment(
+    out_.Comment(
         fmt::format("heights over the bed, {:g} mm around: {:.1f} um rms off with "
                     "the settings of the machine file, {:.1f} with these; sizes "
                     "{:+.2f} and {:+.2f} um/mm, as far as the values above are true",
@@ -145,10 +134,10 @@ class DeltaWriter {
                     UmFromMm(before.xy_scale),
                     UmFromMm(after.xy_scale)));
     if (controller_ == ControllerKind::kKlipper) {
-      text_ += WithBelts(AsKlipper(best));
+      out_.Add(WithBelts(AsKlipper(best)));
     } else {
-      text_ += controller_ == ControllerKind::kRrf ? AsRrf(best, delta.model)
-                                                   : AsMarlin(best, delta.model);
+      out_.Add(controller_ == ControllerKind::kRrf ? AsRrf(best, delta.model)
+                                                   : AsMarlin(best, delta.model));
     }
   }
 
@@ -169,36 +158,23 @@ class DeltaWriter {
   }
 
   void AddFinding(const Finding& finding) {
-    const std::string name = KeyOf(finding);
     if (finding.cause == "belt_pitch") return;
     if (TurnsGeometry(finding)) {
-      Comment(fmt::format(
+      out_.Comment(fmt::format(
           "{}: three rods have no number for it; the settings above do what they can",
-          name));
+          KeyOf(finding)));
       return;
     }
-    if (finding.cause.starts_with("bed_")) {
-      Comment(fmt::format("{}: a mesh carries it ({})",
-                          name,
-                          controller_ == ControllerKind::kKlipper
-                              ? "BED_MESH_CALIBRATE"
-                              : "G29, after these settings"));
-      return;
-    }
-    const auto effect = FindEffect(finding.cause);
-    Comment(fmt::format("{}: no setting of {} carries this. {}",
-                        name,
-                        FullName(controller_),
-                        effect ? EffectAt(*effect).words.action : std::string_view{}));
+    out_.LeaveOver(finding);
   }
 
   ControllerKind controller_;
   const Diagnosis& diagnosis_;
   const Observed& observed_;
+  CorrectionText out_;
   FoundDelta found_;
   double radius_mm_;
   std::array<double, kNumTowers> steps_per_mm_{};  ///< New ones; 0: as they are.
-  std::string text_{};
 };
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "calibration/diagnosis/correction_text.h"
 #include "calibration/diagnosis/extension.h"
 #include "calibration/diagnosis/settings_of_rows.h"
 #include "calibration/kinds/triple_z/plane.h"
@@ -22,7 +23,6 @@
 namespace caltwin {
 namespace {
 
-constexpr double kSure_sds = 2;
 constexpr std::array<std::string_view, 3> kPlaceCauses = {
     "pivot_position", "motors_swapped", "overconstrained_bed"};
 
@@ -48,6 +48,7 @@ class ScrewWriter {
       : controller_(controller),
         diagnosis_(diagnosis),
         observed_(observed),
+        out_(controller, diagnosis),
         machine_(observed.machine()),
         effects_(observed.effects()) {
     for (const Finding& finding : diagnosis.findings) {
@@ -66,33 +67,15 @@ class ScrewWriter {
   }
 
   std::string Make() {
-    Comment(fmt::format("Correction for {}, by `caltwin diagnose`.",
-                        FullName(controller_)));
     AddPlaces();
     AddSteps();
-    AddGap();
+    if (const BaselineLine* play = out_.Fitted("backlash.z")) out_.SetPlay('Z', *play);
     AddRaise();
     AddRest();
-    return text_;
+    return out_.text();
   }
 
  private:
-  void Comment(const std::string& words) {
-    text_ += fmt::format("{} {}\n", IsSetByGcode(controller_) ? ";" : "#", words);
-  }
-
-  const BaselineLine* Fitted(const std::string& name) const {
-    const auto found =
-        std::ranges::find(diagnosis_.baseline, name, &BaselineLine::name);
-    return found == diagnosis_.baseline.end() ? nullptr : &*found;
-  }
-  const BaselineLine* Sure(const std::string& name) const {
-    const BaselineLine* line = Fitted(name);
-    const bool is_sure = line != nullptr && line->is_determined &&
-                         std::abs(line->value) >= kSure_sds * line->sd;
-    return is_sure ? line : nullptr;
-  }
-
   // Over the place of a screw the bed follows it alone: the other two weights vanish.
   Pivots<double> Places() const {
     constexpr double kApart_mm = 100;
@@ -129,14 +112,9 @@ class ScrewWriter {
     return fmt::format("{}", fmt::join(numbers, ":"));
   }
 
-  static std::string SaidOf(const Finding& finding) {
-    std::string said = KeyOf(finding);
-    for (const FindingParameter& parameter : finding.parameters) {
-      if (finding.cause == "motors_swapped") continue;
-      said += fmt::format(
-          ", {} {:+.4g} +- {:.2g}", parameter.name, parameter.value, parameter.sd);
-    }
-    return said;
+  // Which screws are exchanged says all of a wiring.
+  static std::string PlaceSaid(const Finding& finding) {
+    return finding.cause == "motors_swapped" ? KeyOf(finding) : SaidOf(finding);
   }
 
   static bool IsOfPlaces(const Finding& finding) {
@@ -147,38 +125,37 @@ class ScrewWriter {
   void AddPlaces() {
     std::vector<std::string> sources;
     for (const Finding& finding : diagnosis_.findings) {
-      if (IsOfPlaces(finding)) sources.push_back(SaidOf(finding));
+      if (IsOfPlaces(finding)) sources.push_back(PlaceSaid(finding));
     }
     if (sources.empty()) {
       const bool is_unseen = std::ranges::any_of(
           diagnosis_.absorbed,
           [](const Absorbed& one) { return one.what.starts_with("pivot_position"); });
-      Comment(is_unseen
+      out_.Comment(is_unseen
                   ? "where the screws stand and which driver turns which: no row moves "
                     "a screw alone, nothing to set"
                   : "the screws stand and are wired as the machine file has it, "
                     "nothing to set");
       return;
     }
-    for (const std::string& source : sources) Comment(source);
-    Comment("mm, in the order of the drivers of Z: where the screw of each stands");
+    for (const std::string& source : sources) out_.Comment(source);
+    out_.Comment("mm, in the order of the drivers of Z: where the screw of each stands");
     if (controller_ == ControllerKind::kRrf) {
-      text_ += fmt::format("M671 X{} Y{}\n", InOrder(0, true), InOrder(1, true));
+      out_.Add(fmt::format("M671 X{} Y{}\n", InOrder(0, true), InOrder(1, true)));
     } else if (controller_ == ControllerKind::kMarlin) {
       for (int driver = 0; driver < kNumScrews; ++driver) {
         const Eigen::Vector2d& at_mm = PlaceOfDriver_mm(driver);
-        text_ +=
-            fmt::format("M422 W{} X{:.2f} Y{:.2f}\n", driver + 1, at_mm[0], at_mm[1]);
+        out_.Add(fmt::format("M422 W{} X{:.2f} Y{:.2f}\n", driver + 1, at_mm[0], at_mm[1]));
       }
     } else {
-      text_ += "[z_tilt]\nz_positions:\n";
+      out_.Add("[z_tilt]\nz_positions:\n");
       for (int driver = 0; driver < kNumScrews; ++driver) {
         const Eigen::Vector2d& at_mm = PlaceOfDriver_mm(driver);
-        text_ += fmt::format("    {:.2f}, {:.2f}\n", at_mm[0], at_mm[1]);
+        out_.Add(fmt::format("    {:.2f}, {:.2f}\n", at_mm[0], at_mm[1]));
       }
     }
     if (turned_ != std::array{0, 1, 2}) {
-      Comment(fmt::format("or plug the motors in as drawn, and then X{} Y{}",
+      out_.Comment(fmt::format("or plug the motors in as drawn, and then X{} Y{}",
                           InOrder(0, false),
                           InOrder(1, false)));
     }
@@ -195,28 +172,22 @@ class ScrewWriter {
     return error;
   }
 
+  static std::string ScaleSaid(const BaselineLine& scale) {
+    return fmt::format("{} {:+.1f} +- {:.1f} ppm", scale.name, scale.value, scale.sd);
+  }
+
   // What moves too far by s gets steps/mm / (1 + s).
   void AddSteps() {
-    const BaselineLine* scale = Sure("scale.z");
+    const BaselineLine* scale = out_.Fitted("scale.z");
+    if (scale != nullptr && !out_.IsToBeSet(*scale)) scale = nullptr;
     const double common = scale == nullptr ? 0 : FractionFromPpm(scale->value);
     const AxisDrawing& drawing = machine_.axis(Axis::kZ);
     const double set = SettingsOfRows(observed_).steps_per_mm[2];
     const double old = set > 0 ? set : drawing.steps_per_mm();
-    if (scale != nullptr) {
-      Comment(fmt::format("steps/mm of Z were {:.6g}: scale.z {:+.1f} +- {:.1f} ppm",
-                          old,
-                          scale->value,
-                          scale->sd));
-      if (IsSetByGcode(controller_)) {
-        text_ += fmt::format("M92 Z{:.7g}\n", old / (1 + common));
-      }
-    } else if (const BaselineLine* line = Fitted("scale.z")) {
-      Comment(line->is_determined
-                  ? fmt::format("scale.z {:+.4g} +- {:.2g} ppm: not told from 0, "
-                                "nothing to set",
-                                line->value,
-                                line->sd)
-                  : "scale.z: not determined by these rows, nothing to set");
+    if (scale != nullptr && IsSetByGcode(controller_)) {
+      out_.SetSteps('Z', old, common, /*steps_a_turn=*/0, ScaleSaid(*scale));
+    } else if (scale != nullptr) {
+      out_.Comment(fmt::format("steps/mm of Z were {:.6g}: {}", old, ScaleSaid(*scale)));
     }
     if (controller_ != ControllerKind::kKlipper) return;
     for (int driver = 0; driver < kNumScrews; ++driver) {
@@ -225,29 +196,10 @@ class ScrewWriter {
       if (common == 0 && error == 0) continue;
       const ScrewDrawing& drawn =
           TripleZOf(machine_).screws[static_cast<std::size_t>(screw)];
-      text_ += fmt::format("[stepper_z{}]\nrotation_distance: {:.7g}\n",
+      out_.Add(fmt::format("[stepper_z{}]\nrotation_distance: {:.7g}\n",
                            driver == 0 ? "" : fmt::format("{}", driver),
                            drawn.full_steps_per_rev * drawn.microsteps / old *
-                               (1 + common) * (1 + error));
-    }
-  }
-
-  void AddGap() {
-    const BaselineLine* gap = Sure("backlash.z");
-    if (gap == nullptr) return;
-    const std::string source =
-        fmt::format("backlash.z {:.4f} +- {:.4f} mm", gap->value, gap->sd);
-    if (controller_ == ControllerKind::kKlipper) {
-      Comment(source + ": Klipper has no backlash compensation; mend the drive");
-    } else if (gap->value < 0) {
-      Comment(source +
-              ": a gap that leads is none; is a sense reversed, or is there "
-              "compensation already?");
-    } else {
-      Comment(source);
-      text_ += fmt::format("M425 {}Z{:.4f}\n",
-                           controller_ == ControllerKind::kMarlin ? "F1 " : "",
-                           gap->value);
+                               (1 + common) * (1 + error)));
     }
   }
 
@@ -257,8 +209,8 @@ class ScrewWriter {
     std::array<const BaselineLine*, 2> slopes{};
     for (std::size_t i = 0; i < slopes.size(); ++i) {
       const std::string slope = i == 0 ? "slope_x" : "slope_y";
-      const BaselineLine* line = Fitted("bed_plane." + home + "." + slope);
-      if (line == nullptr) line = Fitted("bed_plane." + slope);
+      const BaselineLine* line = out_.Fitted("bed_plane." + home + "." + slope);
+      if (line == nullptr) line = out_.Fitted("bed_plane." + slope);
       if (line != nullptr && line->is_determined) slopes[i] = line;
     }
     return slopes;
@@ -286,12 +238,12 @@ class ScrewWriter {
   void AddRaise() {
     const auto slopes = Slopes();
     if (slopes[0] == nullptr || slopes[1] == nullptr) {
-      Comment("the bed's tilt: not determined by these rows");
+      out_.Comment("the bed's tilt: not determined by these rows");
       return;
     }
     const BedPlane plane = Touched(slopes);
     if (!std::isfinite(plane.a()) || !std::isfinite(plane.b())) {
-      Comment("the bed's tilt: what was found depends on more than its place");
+      out_.Comment("the bed's tilt: what was found depends on more than its place");
       return;
     }
     const Eigen::Vector2d middle_mm =
@@ -308,7 +260,7 @@ class ScrewWriter {
                             sd_mm,
                             raise_mm / TripleZOf(machine_).screws[i].lead_mm);
     }
-    Comment(fmt::format("level by {}: as measured, that raises {}",
+    out_.Comment(fmt::format("level by {}: as measured, that raises {}",
                         controller_ == ControllerKind::kRrf      ? "G32"
                         : controller_ == ControllerKind::kMarlin ? "G34"
                                                                  : "Z_TILT_ADJUST",
@@ -321,29 +273,21 @@ class ScrewWriter {
       const bool is_carried =
           controller_ == ControllerKind::kKlipper && finding.cause == "screw_pitch";
       if (is_carried) {
-        Comment(SaidOf(finding) + ": in the rotation_distance of its driver");
+        out_.Comment(SaidOf(finding) + ": in the rotation_distance of its driver");
         continue;
       }
-      const auto effect = FindEffect(finding.cause);
-      Comment(
-          fmt::format("{}: {}",
-                      SaidOf(finding),
-                      finding.cause.starts_with("bed_")
-                          ? "a mesh carries it, made after these settings"
-                          : fmt::format("no setting of {} carries this. {}",
-                                        FullName(controller_),
-                                        effect ? EffectAt(*effect).words.action : "")));
+      out_.LeaveOver(finding);
     }
   }
 
   ControllerKind controller_;
   const Diagnosis& diagnosis_;
   const Observed& observed_;
+  CorrectionText out_;
   const Machine& machine_;
   std::vector<Injected> effects_;
   std::array<int, kNumScrews> turned_{0, 1, 2};  ///< The screw of each driver.
   Pivots<double> places_mm_{};                   ///< By screw.
-  std::string text_{};
 };
 
 }  // namespace

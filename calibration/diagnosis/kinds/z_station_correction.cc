@@ -4,9 +4,10 @@
 
 #include <fmt/format.h>
 
+#include "calibration/diagnosis/correction_text.h"
 #include "sim/base/input_error.h"
 #include "sim/base/units.h"
-#include "sim/effects/predict.h"
+#include "sim/effects/catalog.h"
 #include "sim/machine/kinds/z_station/drawing.h"
 
 namespace caltwin {
@@ -61,19 +62,6 @@ std::string SwitchOffsetText(const FindingParameter& off_um,
                      *in_force_mm + off_mm);
 }
 
-std::string RestText(const Finding& finding) {
-  std::string said = finding.cause;
-  if (!finding.axis.empty()) said += "." + finding.axis;
-  for (const FindingParameter& parameter : finding.parameters) {
-    said += fmt::format(
-        ", {} {:+.4g} +- {:.2g}", parameter.name, parameter.value, parameter.sd);
-  }
-  const auto effect = FindEffect(finding.cause);
-  return fmt::format("# {}: no setting carries this. {}\n",
-                     said,
-                     effect ? EffectAt(*effect).words.action : "");
-}
-
 }  // namespace
 
 void RequireZCalibration(ControllerKind controller) {
@@ -87,25 +75,27 @@ std::string ZStationCorrectionText(ControllerKind controller,
                                    const Diagnosis& diagnosis,
                                    const Observed& observed) {
   RequireZCalibration(controller);
-  std::string text =
-      "# Correction for Klipper's z_calibration, by `caltwin diagnose`.\n";
+  CorrectionText out(controller, diagnosis);
   bool is_set = false;
   for (const Finding& finding : diagnosis.findings) {
-    const bool is_offset = finding.cause == SwitchOffset::kDeclaration.name;
-    const std::string rival = RivalOf(finding);
-    if (is_offset && !rival.empty()) {
-      text += fmt::format("# switch_offset: it may be {} as well, nothing to set yet\n",
-                          rival);
-      is_set = true;
-    } else if (is_offset && !finding.parameters.empty()) {
-      text += SwitchOffsetText(finding.parameters[0], SwitchOffsetInForce_mm(observed));
-      is_set = true;
-    } else {
-      text += RestText(finding);
+    if (finding.cause != SwitchOffset::kDeclaration.name) {
+      out.LeaveOver(finding);
+      continue;
     }
+    const std::string rival = RivalOf(finding);
+    if (!rival.empty()) {
+      out.Comment(fmt::format(
+          "switch_offset: it may be {} as well, nothing to set yet", rival));
+    } else if (!finding.parameters.empty()) {
+      out.Add(SwitchOffsetText(finding.parameters[0], SwitchOffsetInForce_mm(observed)));
+    } else {
+      out.LeaveOver(finding);
+      continue;
+    }
+    is_set = true;
   }
-  if (!is_set) text += "# switch_offset: nothing was found of it, nothing to set.\n";
-  return text;
+  if (!is_set) out.Comment("switch_offset: nothing was found of it, nothing to set.");
+  return out.text();
 }
 
 }  // namespace caltwin

@@ -153,6 +153,11 @@ class CoreXyOnScrews final : public CoreXy {
   void ReadAxes(YamlMap* map, Machine* machine) const override {
     TripleZKind()->ReadAxes(map, machine);
   }
+  std::optional<Vec3<double>> Screws_mm(const Machine& machine,
+                                        const Vec3<double>& q_mm,
+                                        const Vec3<double>& raised_mm) const override {
+    return TripleZKind()->Motors_mm(machine, q_mm, raised_mm);
+  }
   std::vector<DrawnDrive> Drives(const Machine& machine) const override {
     auto drives = CoreXy::Drives(machine);
     for (const DrawnDrive& drive : TripleZKind()->Drives(machine)) {

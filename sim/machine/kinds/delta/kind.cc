@@ -120,6 +120,10 @@ class Delta final : public MachineKind {
   }
 
   Vec3<double> Middle_mm(const Machine&) const override { return Vec3<double>::Zero(); }
+  double TipBelowJoints_mm(const Machine& machine) const override {
+    const auto* drawing = machine.Own<DeltaDrawing>();
+    return drawing == nullptr ? 0 : drawing->joint_height_mm;
+  }
 
   std::optional<OutOfReach> WhyNotAt(const Machine& machine,
                                      const Vec3<double>& q_mm) const override {

@@ -110,9 +110,9 @@ class TripleZ final : public MachineKind {
 
   std::vector<DrawnDrive> Drives(const Machine& machine) const override {
     auto drives = MachineKind::Drives(machine);
-    for (int i = 0; i < kNumScrews; ++i) {
-      const ScrewDrawing& screw =
-          TripleZOf(machine).screws[static_cast<std::size_t>(i)];
+    const auto* drawing = machine.Own<TripleZDrawing>();
+    for (int i = 0; drawing != nullptr && i < kNumScrews; ++i) {
+      const ScrewDrawing& screw = drawing->screws[static_cast<std::size_t>(i)];
       drives.push_back(
           {ScrewName(i), screw.lead_mm, /*is_belt=*/false, screw.full_steps_per_rev});
     }
