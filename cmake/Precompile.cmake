@@ -44,7 +44,8 @@ function(caltwin_precompile target kind)
     target_link_libraries(${owner} PRIVATE Eigen3::Eigen fmt::fmt nlohmann_json::nlohmann_json
       tl::expected mujoco::mujoco yaml-cpp "$<$<STREQUAL:${kind},tests>:GTest::gtest;GTest::gmock>")
     target_compile_options(${owner} PRIVATE ${caltwin_warnings}
-      $<$<NOT:$<STREQUAL:${kind},layers>>:${caltwin_optimise_once}>
+      $<$<STREQUAL:${kind},once>:${caltwin_optimise_once}>
+      $<$<STREQUAL:${kind},tests>:${caltwin_optimise_tests}>
       # ccache: what it kept is older than the headers.
       "$<$<CXX_COMPILER_ID:Clang>:SHELL:-Xclang -fno-pch-timestamp>")
     target_precompile_headers(${owner} PRIVATE ${caltwin_precompiled_libraries}
