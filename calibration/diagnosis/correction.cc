@@ -137,7 +137,8 @@ class Writer {
       const std::string name = fmt::format("{}.{}", finding.cause, finding.axis);
       carried_.insert(&finding);
       const UnseenRows unseen = WhatUnseenRowsSay(finding, diagnosis_.gain);
-      if (!unseen.worse.empty()) out_.Comment(fmt::format("{}: {}", name, unseen.worse));
+      if (!unseen.worse.empty())
+        out_.Comment(fmt::format("{}: {}", name, unseen.worse));
       if (!unseen.is_recommended) continue;
       const Machine& machine = observed_.machine();
       if (ScrewTablePoints(machine, axis, {EffectOf(finding)}) == 0) {
@@ -163,8 +164,8 @@ class Writer {
          ScrewTableText(observed_.machine(), axis, effects, gap ? gap->value : 0)});
     out_.Add("COMP_FILE_TYPE = 0\n");
     out_.Set(fmt::format("COMP_FILE = {}{}", name_, suffix),
-         fmt::format("mm, nominal, actual forwards, actual backwards; {}",
-                     fmt::join(sources, " and ")));
+             fmt::format("mm, nominal, actual forwards, actual backwards; {}",
+                         fmt::join(sources, " and ")));
   }
 
   const Finding* Found(std::string_view cause, std::string_view axis) const {
@@ -210,18 +211,20 @@ class Writer {
     constexpr double kHeight_mm = 100;
     if (controller_ == ControllerKind::kRrf) {
       out_.Set(fmt::format("M556 S{:g} X{:.4f} Y{:.4f} Z{:.4f}",
-                       kHeight_mm,
-                       -kHeight_mm * xy,
-                       -kHeight_mm * yz,
-                       -kHeight_mm * xz),
-           fmt::format("mm over {:g} mm, {}", kHeight_mm, source));
+                           kHeight_mm,
+                           -kHeight_mm * xy,
+                           -kHeight_mm * yz,
+                           -kHeight_mm * xz),
+               fmt::format("mm over {:g} mm, {}", kHeight_mm, source));
     } else if (controller_ == ControllerKind::kMarlin) {
-      out_.Set(fmt::format("M852 I{:.7f} J{:.7f} K{:.7f}", xy, xz, yz), "mm/mm, " + source);
+      out_.Set(fmt::format("M852 I{:.7f} J{:.7f} K{:.7f}", xy, xz, yz),
+               "mm/mm, " + source);
     } else {
       // The first has the module loaded, the second is a profile of it.
       out_.Add("[skew_correction]\n[skew_correction caltwin]\n");
-      out_.Set(fmt::format("xy_skew: {:.7f}\nxz_skew: {:.7f}\nyz_skew: {:.7f}", xy, xz, yz),
-           "mm/mm, load with SKEW_PROFILE LOAD=caltwin; " + source);
+      out_.Set(
+          fmt::format("xy_skew: {:.7f}\nxz_skew: {:.7f}\nyz_skew: {:.7f}", xy, xz, yz),
+          "mm/mm, load with SKEW_PROFILE LOAD=caltwin; " + source);
     }
   }
 
@@ -246,16 +249,16 @@ class Writer {
           ErrorsAt<double>(observed_.machine(), at, std::span(&*finding->effect, 1));
       values.push_back(fmt::format("{:.5f}", errors.motion_mm.z()));
     }
-    out_.Add(fmt::format(
-        "[axis_twist_compensation]\ncompensation_start_x: {:g}\n"
-        "compensation_end_x: {:g}\n",
-        x.min_mm,
-        x.max_mm));
+    out_.Add(
+        fmt::format("[axis_twist_compensation]\ncompensation_start_x: {:g}\n"
+                    "compensation_end_x: {:g}\n",
+                    x.min_mm,
+                    x.max_mm));
     out_.Set(fmt::format("z_compensations: {}", fmt::join(values, ", ")),
-         fmt::format("mm, added to what a probe at y {:+g} mm reads; axis_twist "
-                     "{:+.4f} mrad",
-                     off_mm.y(),
-                     finding->effect->values[0]));
+             fmt::format("mm, added to what a probe at y {:+g} mm reads; axis_twist "
+                         "{:+.4f} mrad",
+                         off_mm.y(),
+                         finding->effect->values[0]));
   }
 
   ControllerKind controller_;

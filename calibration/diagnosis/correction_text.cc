@@ -14,7 +14,8 @@ CorrectionText::CorrectionText(ControllerKind controller, const Diagnosis& diagn
     : controller_(controller),
       diagnosis_(diagnosis),
       is_gcode_(IsSetByGcode(controller)) {
-  Comment(fmt::format("Correction for {}, by `caltwin diagnose`.", FullName(controller)));
+  Comment(
+      fmt::format("Correction for {}, by `caltwin diagnose`.", FullName(controller)));
 }
 
 void CorrectionText::Comment(const std::string& words) {
@@ -42,14 +43,14 @@ bool CorrectionText::IsTold(const BaselineLine& line, double believed) {
 
 bool CorrectionText::IsToBeSet(const BaselineLine& line) {
   if (IsTold(line)) return true;
-  Comment(line.is_determined
-              ? fmt::format("{} {:+.4g} +- {:.2g} {}: not told from 0, nothing to set",
-                            line.name,
-                            line.value,
-                            line.sd,
-                            line.unit)
-              : fmt::format("{}: not determined by these rows, nothing to set",
-                            line.name));
+  Comment(
+      line.is_determined
+          ? fmt::format("{} {:+.4g} +- {:.2g} {}: not told from 0, nothing to set",
+                        line.name,
+                        line.value,
+                        line.sd,
+                        line.unit)
+          : fmt::format("{}: not determined by these rows, nothing to set", line.name));
   return false;
 }
 

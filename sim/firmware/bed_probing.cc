@@ -38,8 +38,8 @@ Vec3<double> Firmware::Parts::Raised_mm() const {
   const double z_mm = motion.counted_mm()[2];
   Vec3<double> raised_mm = Vec3<double>::Zero();
   for (int i = 0; i < 3 && 2 + i < steps.size(); ++i) {
-    raised_mm[i] = z_mm - machine.axis(Axis::kZ).max_mm -
-                   steps[2 + i] / settings.steps_per_mm[2];
+    raised_mm[i] =
+        z_mm - machine.axis(Axis::kZ).max_mm - steps[2 + i] / settings.steps_per_mm[2];
   }
   return raised_mm;
 }
@@ -162,7 +162,8 @@ Reply Firmware::Parts::SetLeadscrews(const Words& words) {
     if (!x || !y || x->size() != pivots_mm.size() || y->size() != pivots_mm.size()) {
       return Refuse("M671: X and Y need three numbers each, X20:215:20");
     }
-    for (std::size_t i = 0; i < pivots_mm.size(); ++i) pivots_mm[i] = {(*x)[i], (*y)[i]};
+    for (std::size_t i = 0; i < pivots_mm.size(); ++i)
+      pivots_mm[i] = {(*x)[i], (*y)[i]};
     if (TriangleShape(pivots_mm) < kFlattestTriangle) {
       return Refuse("M671: the leadscrews stand nearly in one line");
     }

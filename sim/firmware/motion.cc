@@ -36,7 +36,8 @@ Motion::Motion(const Machine& machine, const Settings* settings, Plant* plant)
       limits_(LimitsOf(machine)),
       motors_{{.drive = 0}, {.drive = 1}},
       queue_(limits_) {
-  for (int i = 0; i < machine.kind->num_z_motors(); ++i) motors_.push_back({.drive = 2});
+  for (int i = 0; i < machine.kind->num_z_motors(); ++i)
+    motors_.push_back({.drive = 2});
   NoteDone();
 }
 
@@ -44,8 +45,7 @@ Motors Motion::MotorsNow() const {
   Motors steps(static_cast<Eigen::Index>(motors_.size()));
   for (Eigen::Index k = 0; k < steps.size(); ++k) {
     const Motor& motor = motors_[k];
-    steps[k] = static_cast<double>(states_[motor.drive].motor() +
-                                   motor.beside_steps);
+    steps[k] = static_cast<double>(states_[motor.drive].motor() + motor.beside_steps);
   }
   return steps;
 }
@@ -175,9 +175,8 @@ void Motion::AccountForStop(const StepPlan& plan,
     DriveState& state = states_[i];
     const auto applied = WholeSteps(share * static_cast<double>(plan.backlash[i]));
     state.backlash.Stopped(plan.backlash[i], applied);
-    state.count = WholeSteps(whole[i]) -
-                  motors_[i].beside_steps -
-                  state.zero - state.backlash.applied_steps();
+    state.count = WholeSteps(whole[i]) - motors_[i].beside_steps - state.zero -
+                  state.backlash.applied_steps();
   }
   NoteBeside(whole);
   const Vec3<double> stopped_mm = AxesAt_mm(counts_now());
@@ -206,8 +205,7 @@ void Motion::Abandon() {
   for (int i = 0; i < 3; ++i) {
     DriveState& state = states_[i];
     state.backlash.Clear();
-    state.count = WholeSteps(motors_done_[i]) -
-                  motors_[i].beside_steps - state.zero;
+    state.count = WholeSteps(motors_done_[i]) - motors_[i].beside_steps - state.zero;
   }
   NoteBeside(Motors(motors_done_));
   commanded_mm_ = AxesAt_mm(counts_now());
@@ -325,8 +323,8 @@ void Motion::Restart() {
   counts_queued_.clear();
   alarm_.reset();
   for (int i = 0; i < 3; ++i) {
-    states_[i] = DriveState{.zero = WholeSteps(motors_done_[i]) -
-                                    motors_[i].beside_steps};
+    states_[i] =
+        DriveState{.zero = WholeSteps(motors_done_[i]) - motors_[i].beside_steps};
   }
   commanded_mm_.setZero();
   is_homed_.fill(false);

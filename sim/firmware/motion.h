@@ -106,7 +106,9 @@ class Motion {
   void PerformFirst();
   /// One move from rest to rest, or to the stop; the queue is empty.
   Outcome RunAlone(const Vec3<double>& target_mm, double feed_mm_s, const Watch& watch);
-  void AccountForStop(const StepPlan& plan, const Segment& done, const Outcome& outcome);
+  void AccountForStop(const StepPlan& plan,
+                      const Segment& done,
+                      const Outcome& outcome);
   void RaiseAlarm(const std::string& words, const Segment& segment, double time_s);
   bool RunToSwitch(Axis axis, double travel_mm, double feed_mm_s);
   void NoteDone();

@@ -26,16 +26,17 @@ struct Profile {
 /// Steps, travels or speeds of a machine's motors, in its own order: x y z; a b z of
 /// belts; the three towers of a delta; x y z1 z2 z3. Held without allocation.
 inline constexpr int kMostMotors = 8;
-using Motors = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMostMotors, 1>;
+using Motors =
+    Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMostMotors, 1>;
 
-/// One move of the motors, in absolute motor steps (0: the carriage at its home end when
-/// the plant was switched on), backlash steps included, fractions allowed.
+/// One move of the motors, in absolute motor steps (0: the carriage at its home end
+/// when the plant was switched on), backlash steps included, fractions allowed.
 struct Segment {
   Motors from_steps = Motors::Zero(3);
   Motors to_steps = Motors::Zero(3);
   Profile profile{};
-  /// Where the motors stand when so much of the profile's length is gone [mm], for moves
-  /// that are no straight line to them: a delta's. Empty: a straight line.
+  /// Where the motors stand when so much of the profile's length is gone [mm], for
+  /// moves that are no straight line to them: a delta's. Empty: a straight line.
   std::function<Motors(double gone_mm)> curve{};
 
   /// The motors at time t, gone along as the profile says.

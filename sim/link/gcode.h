@@ -23,8 +23,8 @@ struct GcodeWord {
   };
   char letter = 0;  ///< Capital.
   Kind kind = Kind::kBare;
-  double number = 0;   ///< The first, where there are several.
-  std::string text{};  ///< Of a quoted string or an expression.
+  double number = 0;           ///< The first, where there are several.
+  std::string text{};          ///< Of a quoted string or an expression.
   std::vector<double> more{};  ///< Behind colons.
 };
 

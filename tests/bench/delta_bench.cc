@@ -73,8 +73,8 @@ void DeltaGrid37InPhysics(benchmark::State& state) {
       const auto descent = [&](double z_mm) {
         return DeltaMotors_mm<double>(Drawn(), {at[0], at[1], z_mm});
       };
-      benchmark::DoNotOptimize(TouchInPhysics_mm(
-          &world, build, bed, descent, /*near_mm=*/0, {.tip = tip}));
+      benchmark::DoNotOptimize(
+          TouchInPhysics_mm(&world, build, bed, descent, /*near_mm=*/0, {.tip = tip}));
     }
   }
 }

@@ -78,8 +78,9 @@ TEST(ZStationCorrection, WhatNoSettingCarriesIsSaid) {
   Diagnosis diagnosis;
   diagnosis.findings.push_back({.cause = "ooze"});
 
-  EXPECT_THAT(ZStationCorrectionText(ControllerKind::kKlipper, diagnosis, OneGap({})),
-              HasSubstr("# ooze: no line for Klipper is written for this. Wipe the nozzle"));
+  EXPECT_THAT(
+      ZStationCorrectionText(ControllerKind::kKlipper, diagnosis, OneGap({})),
+      HasSubstr("# ooze: no line for Klipper is written for this. Wipe the nozzle"));
 }
 
 TEST(ZStationCorrection, OtherControllersAreRefused) {

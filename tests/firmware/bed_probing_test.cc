@@ -31,11 +31,11 @@ class BedProbingTest : public ::testing::Test {
   }
   Machine machine_ = ScrewBedMachine();
   ScrewBed bed_{TiltedBed_mm};
-  Firmware firmware_{machine_,
-                     machine_.settings,
-                     {.leadscrews = Leadscrews{.at_mm = kPivots_mm},
-                      .probe_recovery_s = 0.2},
-                     &bed_};
+  Firmware firmware_{
+      machine_,
+      machine_.settings,
+      {.leadscrews = Leadscrews{.at_mm = kPivots_mm}, .probe_recovery_s = 0.2},
+      &bed_};
 };
 
 TEST_F(BedProbingTest, SaysAtWhichHeightTheProbeStopped) {

@@ -10,7 +10,9 @@ namespace caltwin {
 /// A delta without any error but its bed's height, for tests.
 class DeltaBedPlant : public Plant {
  public:
-  DeltaBedPlant(const DeltaModel<double>& built, double bed_mm, double steps_per_mm = 80)
+  DeltaBedPlant(const DeltaModel<double>& built,
+                double bed_mm,
+                double steps_per_mm = 80)
       : built_(built), bed_mm_(bed_mm), steps_per_mm_(steps_per_mm) {}
 
   Outcome Run(const Segment& segment, const Watch& watch) override {

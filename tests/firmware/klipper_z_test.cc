@@ -1,7 +1,7 @@
-#include "sim/firmware/kinds/z_station/klipper.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "sim/firmware/kinds/z_station/klipper.h"
 
 namespace caltwin {
 namespace {

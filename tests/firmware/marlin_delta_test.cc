@@ -1,8 +1,7 @@
-#include "sim/firmware/kinds/delta/marlin.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "sim/firmware/kinds/delta/marlin.h"
 #include "sim/machine/kinds/delta/model.h"
 #include "tests/firmware/delta_bed.h"
 

@@ -1,5 +1,3 @@
-#include "sim/firmware/kinds/motor_stage/controller.h"
-
 #include <array>
 #include <cmath>
 #include <utility>
@@ -7,6 +5,8 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "sim/firmware/kinds/motor_stage/controller.h"
 
 namespace caltwin {
 namespace {

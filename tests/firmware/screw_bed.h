@@ -15,7 +15,8 @@ namespace caltwin {
 class ScrewBed : public Plant {
  public:
   /// Height at which the bed is touched over a place, each screw raised by so much.
-  using Height = std::function<double(const Vec3<double>& raised_mm, double x, double y)>;
+  using Height =
+      std::function<double(const Vec3<double>& raised_mm, double x, double y)>;
   explicit ScrewBed(Height height) : height_(std::move(height)) {}
 
   Outcome Run(const Segment& segment, const Watch& watch) override {

@@ -22,10 +22,8 @@ double Raised_mm(const Vec3<double>& raised_mm, double x_mm, double y_mm) {
 TEST(TripleZPrinter, ScrewsAreAtTheHeightsAskedForWhateverMovedThemBefore) {
   ScrewBed bed(Raised_mm);
   const Machine machine = ScrewBedMachine();
-  Firmware firmware(machine,
-                    machine.settings,
-                    {.leadscrews = Leadscrews{.at_mm = kDrawn_mm}},
-                    &bed);
+  Firmware firmware(
+      machine, machine.settings, {.leadscrews = Leadscrews{.at_mm = kDrawn_mm}}, &bed);
   EmulatedLink wire(&firmware);
   TripleZPrinter printer({.link = &wire, .drawn_mm = kDrawn_mm});
   const Vec3<double> level_mm = Vec3<double>::Constant(240);

@@ -109,10 +109,10 @@ TEST(TouchOfDelta, ATouchCannotTellPlayFromAnEndstop) {
 
   for (const auto& [x, y] : {std::pair(0, 0), {0, 80}, {60, -40}}) {
     const auto touch = [&](const BuiltDelta& built) {
-      return *TouchOfDelta_mm(nullptr, machine, built, DeltaOf(machine).settings, {x, y});
+      return *TouchOfDelta_mm(
+          nullptr, machine, built, DeltaOf(machine).settings, {x, y});
     };
-    EXPECT_NEAR(
-        touch(Loose(machine, {0, 0, 0.06})), touch(as_endstop), kSolved_mm);
+    EXPECT_NEAR(touch(Loose(machine, {0, 0, 0.06})), touch(as_endstop), kSolved_mm);
   }
 }
 

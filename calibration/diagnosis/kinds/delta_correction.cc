@@ -44,12 +44,13 @@ class DeltaWriter {
     out_.Comment("Built minus drawn, one by one; together they are known better:");
     for (const BaselineLine& line : diagnosis_.baseline) {
       if (KnobsOfLine(line.name, 0).empty()) continue;
-      out_.Comment(fmt::format("  {} {:+.4g} +- {:.2g} {}{}",
-                          line.name,
-                          line.value,
-                          line.sd,
-                          line.unit,
-                          line.is_determined ? "" : ", not determined by these rows"));
+      out_.Comment(
+          fmt::format("  {} {:+.4g} +- {:.2g} {}{}",
+                      line.name,
+                      line.value,
+                      line.sd,
+                      line.unit,
+                      line.is_determined ? "" : ", not determined by these rows"));
     }
     SetBelts();
     if (IsGeometryTold()) {
@@ -103,7 +104,8 @@ class DeltaWriter {
         std::ranges::any_of(diagnosis_.baseline, [&](const BaselineLine& line) {
           const auto turns = KnobsOfLine(line.name, 1);
           if (turns.empty() || line.name == "scale") return false;
-          return CorrectionText::IsTold(line, KnobValue(turns[0].knob, believed, {}, drawn));
+          return CorrectionText::IsTold(line,
+                                        KnobValue(turns[0].knob, believed, {}, drawn));
         });
     return is_line || std::ranges::any_of(diagnosis_.findings, TurnsGeometry);
   }

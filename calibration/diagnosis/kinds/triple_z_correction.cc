@@ -131,21 +131,24 @@ class ScrewWriter {
       const bool is_unseen = std::ranges::any_of(
           diagnosis_.absorbed,
           [](const Absorbed& one) { return one.what.starts_with("pivot_position"); });
-      out_.Comment(is_unseen
-                  ? "where the screws stand and which driver turns which: no row moves "
-                    "a screw alone, nothing to set"
-                  : "the screws stand and are wired as the machine file has it, "
-                    "nothing to set");
+      out_.Comment(
+          is_unseen
+              ? "where the screws stand and which driver turns which: no row moves "
+                "a screw alone, nothing to set"
+              : "the screws stand and are wired as the machine file has it, "
+                "nothing to set");
       return;
     }
     for (const std::string& source : sources) out_.Comment(source);
-    out_.Comment("mm, in the order of the drivers of Z: where the screw of each stands");
+    out_.Comment(
+        "mm, in the order of the drivers of Z: where the screw of each stands");
     if (controller_ == ControllerKind::kRrf) {
       out_.Add(fmt::format("M671 X{} Y{}\n", InOrder(0, true), InOrder(1, true)));
     } else if (controller_ == ControllerKind::kMarlin) {
       for (int driver = 0; driver < kNumScrews; ++driver) {
         const Eigen::Vector2d& at_mm = PlaceOfDriver_mm(driver);
-        out_.Add(fmt::format("M422 W{} X{:.2f} Y{:.2f}\n", driver + 1, at_mm[0], at_mm[1]));
+        out_.Add(
+            fmt::format("M422 W{} X{:.2f} Y{:.2f}\n", driver + 1, at_mm[0], at_mm[1]));
       }
     } else {
       out_.Add("[z_tilt]\nz_positions:\n");
@@ -156,8 +159,8 @@ class ScrewWriter {
     }
     if (turned_ != std::array{0, 1, 2}) {
       out_.Comment(fmt::format("or plug the motors in as drawn, and then X{} Y{}",
-                          InOrder(0, false),
-                          InOrder(1, false)));
+                               InOrder(0, false),
+                               InOrder(1, false)));
     }
   }
 
@@ -187,7 +190,8 @@ class ScrewWriter {
     if (scale != nullptr && IsSetByGcode(controller_)) {
       out_.SetSteps('Z', old, common, /*steps_a_turn=*/0, ScaleSaid(*scale));
     } else if (scale != nullptr) {
-      out_.Comment(fmt::format("steps/mm of Z were {:.6g}: {}", old, ScaleSaid(*scale)));
+      out_.Comment(
+          fmt::format("steps/mm of Z were {:.6g}: {}", old, ScaleSaid(*scale)));
     }
     if (controller_ != ControllerKind::kKlipper) return;
     for (int driver = 0; driver < kNumScrews; ++driver) {
@@ -261,10 +265,10 @@ class ScrewWriter {
                             raise_mm / TripleZOf(machine_).screws[i].lead_mm);
     }
     out_.Comment(fmt::format("level by {}: as measured, that raises {}",
-                        controller_ == ControllerKind::kRrf      ? "G32"
-                        : controller_ == ControllerKind::kMarlin ? "G34"
-                                                                 : "Z_TILT_ADJUST",
-                        fmt::join(said, ", ")));
+                             controller_ == ControllerKind::kRrf      ? "G32"
+                             : controller_ == ControllerKind::kMarlin ? "G34"
+                                                                      : "Z_TILT_ADJUST",
+                             fmt::join(said, ", ")));
   }
 
   void AddRest() {

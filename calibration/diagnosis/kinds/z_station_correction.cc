@@ -84,10 +84,11 @@ std::string ZStationCorrectionText(ControllerKind controller,
     }
     const std::string rival = RivalOf(finding);
     if (!rival.empty()) {
-      out.Comment(fmt::format(
-          "switch_offset: it may be {} as well, nothing to set yet", rival));
+      out.Comment(fmt::format("switch_offset: it may be {} as well, nothing to set yet",
+                              rival));
     } else if (!finding.parameters.empty()) {
-      out.Add(SwitchOffsetText(finding.parameters[0], SwitchOffsetInForce_mm(observed)));
+      out.Add(
+          SwitchOffsetText(finding.parameters[0], SwitchOffsetInForce_mm(observed)));
     } else {
       out.LeaveOver(finding);
       continue;

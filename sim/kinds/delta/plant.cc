@@ -122,21 +122,18 @@ Outcome DeltaTwinPlant::RunToProbe(const Segment& segment) {
   const Profile& profile = segment.profile;
   const DeltaDescent descent = [&](double z_mm) {
     const Motors steps =
-        segment.curve ? segment.curve(-z_mm)
-                      : Motors(segment.from_steps - z_mm / profile.length_mm *
-                                                        (segment.to_steps -
-                                                         segment.from_steps));
+        segment.curve
+            ? segment.curve(-z_mm)
+            : Motors(segment.from_steps - z_mm / profile.length_mm *
+                                              (segment.to_steps - segment.from_steps));
     Vec3<double> motors_mm;
     for (int i = 0; i < kNumTowers; ++i) {
       motors_mm[i] = steps[i] / steps_per_mm_[static_cast<std::size_t>(i)];
     }
     return motors_mm;
   };
-  const auto z_mm = TouchOfDelta_mm(world_.get(),
-                                    machine_,
-                                    built_,
-                                    descent,
-                                    -found_mm_.value_or(profile.length_mm));
+  const auto z_mm = TouchOfDelta_mm(
+      world_.get(), machine_, built_, descent, -found_mm_.value_or(profile.length_mm));
   if (!z_mm) return {.time_s = profile.Duration_s()};
   double gone_mm = -*z_mm;
   found_mm_ = gone_mm;

@@ -75,9 +75,9 @@ std::optional<Vec3<double>> RestInPhysics(DeltaWorld* world,
                                           const Vec3<double>& motors_mm,
                                           const Vec3<double>& motor_dir);
 
-/// The height that the firmware believes its nozzle at when that descent triggers, found
-/// between two steps by MuJoCo's own distance or deflection, near `near_mm`. nullopt:
-/// none, or out of reach.
+/// The height that the firmware believes its nozzle at when that descent triggers,
+/// found between two steps by MuJoCo's own distance or deflection, near `near_mm`.
+/// nullopt: none, or out of reach.
 std::optional<double> TouchInPhysics_mm(DeltaWorld* world,
                                         const DeltaBuild<double>& build,
                                         const DeltaBed<double>& bed,

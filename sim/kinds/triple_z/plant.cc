@@ -60,8 +60,8 @@ TripleZTwinPlant::Stand TripleZTwinPlant::StandAt(const Motors& steps) const {
   Stand stand{.head_mm = AxesOf(map, drives_mm).head<2>(),
               .screws_mm = -steps.tail<kNumScrews>() / steps_per_mm[2]};
   const TripleZDrawing& drawing = TripleZOf(machine);
-  const Vec3<double> weights = ScrewWeights<double>(
-      drawing.pivots_mm(), stand.head_mm[0], stand.head_mm[1]);
+  const Vec3<double> weights =
+      ScrewWeights<double>(drawing.pivots_mm(), stand.head_mm[0], stand.head_mm[1]);
   const double bed_mm = weights.dot(stand.screws_mm);
   stand.nozzle_mm = drawing.top_mm - bed_mm;
   stand.raised_mm = stand.screws_mm.array() - bed_mm;
@@ -114,8 +114,7 @@ Outcome TripleZTwinPlant::RunToProbe(const Segment& segment) {
   if (!touched_mm || from.nozzle_mm <= to.nozzle_mm) {
     return {.time_s = profile.Duration_s()};
   }
-  const double share =
-      (from.nozzle_mm - *touched_mm) / (from.nozzle_mm - to.nozzle_mm);
+  const double share = (from.nozzle_mm - *touched_mm) / (from.nozzle_mm - to.nozzle_mm);
   if (share > 1) return {.time_s = profile.Duration_s()};
   return {.stopped = true,
           .time_s = TimeAt_s(profile, std::max(share, 0.0) * profile.length_mm)};
@@ -130,8 +129,7 @@ Outcome TripleZTwinPlant::RunToSwitch(const Segment& segment, Axis axis) const {
     return after > 0 ? 2.0 : before / (before - after);
   };
   if (axis != Axis::kZ) {
-    const double share =
-        share_of(BeforeHome_mm(axis, from), BeforeHome_mm(axis, to));
+    const double share = share_of(BeforeHome_mm(axis, from), BeforeHome_mm(axis, to));
     if (share > 1) return {.time_s = profile.Duration_s()};
     return {.stopped = true, .time_s = TimeAt_s(profile, share * profile.length_mm)};
   }
@@ -141,8 +139,8 @@ Outcome TripleZTwinPlant::RunToSwitch(const Segment& segment, Axis axis) const {
   for (int i = 0; i < kNumScrews; ++i) {
     const double share = share_of(from.screws_mm[i], to.screws_mm[i]);
     const double from_steps = segment.from_steps[2 + i];
-    stand_steps[2 + i] = from_steps + std::min(share, 1.0) *
-                                          (segment.to_steps[2 + i] - from_steps);
+    stand_steps[2 + i] =
+        from_steps + std::min(share, 1.0) * (segment.to_steps[2 + i] - from_steps);
     last = std::max(last, share);
   }
   if (last > 1) return {.time_s = profile.Duration_s()};

@@ -18,10 +18,10 @@ struct BuiltTripleZ {
   double scatter_mm = 0;  ///< Of the trigger, beside `trigger_scatter`.
 };
 
-/// A simulated printer whose bed stands on three screws and can be raised to its nozzle,
-/// in closed form or MuJoCo. Motors: two of the head, x y or the belts a b, then z1 z2
-/// z3, each screw with a switch at its lower end. Between touches it is where its motors
-/// are.
+/// A simulated printer whose bed stands on three screws and can be raised to its
+/// nozzle, in closed form or MuJoCo. Motors: two of the head, x y or the belts a b,
+/// then z1 z2 z3, each screw with a switch at its lower end. Between touches it is
+/// where its motors are.
 class TripleZTwinPlant final : public Plant {
  public:
   /// @param is_physics  MuJoCo finds the trigger

@@ -179,16 +179,15 @@ Outcome MarlinDelta::Go(const DeltaModel<double>& settings,
   const double length_mm = way_mm.norm();
   if (length_mm == 0) return {};
   const Vec3<double> along = way_mm / length_mm;
-  const Segment segment{
-      .from_steps = StepsAt(settings, from_mm),
-      .to_steps = StepsAt(settings, to_mm),
-      .profile = {.length_mm = length_mm,
-                  .feed_in_mm_s = feed_mm_s,
-                  .feed_top_mm_s = feed_mm_s,
-                  .feed_out_mm_s = feed_mm_s},
-      .curve = [&](double gone_mm) {
-        return StepsAt(settings, from_mm + gone_mm * along);
-      }};
+  const Segment segment{.from_steps = StepsAt(settings, from_mm),
+                        .to_steps = StepsAt(settings, to_mm),
+                        .profile = {.length_mm = length_mm,
+                                    .feed_in_mm_s = feed_mm_s,
+                                    .feed_top_mm_s = feed_mm_s,
+                                    .feed_out_mm_s = feed_mm_s},
+                        .curve = [&](double gone_mm) {
+                          return StepsAt(settings, from_mm + gone_mm * along);
+                        }};
   const Outcome outcome = plant_->Run(segment, {.kind = until});
   steps_ = segment.Steps(outcome.time_s).array().round();
   if (outcome.stopped) plant_->Settle(steps_);

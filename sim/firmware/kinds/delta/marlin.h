@@ -46,8 +46,9 @@ class MarlinDelta final : public EmulatedController {
               AutoCalibration g33);
 
   void SetWitness(Witness witness) { witness_ = std::move(witness); }
-  /// Goes straight down at (x, y) as `settings` say until the probe triggers, G33's way:
-  /// the motors' travels there, whole steps [mm]. nullopt: out of reach, or no bed.
+  /// Goes straight down at (x, y) as `settings` say until the probe triggers, G33's
+  /// way: the motors' travels there, whole steps [mm]. nullopt: out of reach, or no
+  /// bed.
   std::optional<Vec3<double>> Touch(const DeltaModel<double>& settings,
                                     double x_mm,
                                     double y_mm);
@@ -68,8 +69,10 @@ class MarlinDelta final : public EmulatedController {
   void Take(const DeltaModel<double>& settings);
   Reply Obey(const GcodeCommand& command);
   /// The motors for a place of the nozzle, in steps.
-  Motors StepsAt(const DeltaModel<double>& settings, const Vec3<double>& nozzle_mm) const;
-  /// A straight move of the nozzle, or as much of it as comes before the probe triggers.
+  Motors StepsAt(const DeltaModel<double>& settings,
+                 const Vec3<double>& nozzle_mm) const;
+  /// A straight move of the nozzle, or as much of it as comes before the probe
+  /// triggers.
   Outcome Go(const DeltaModel<double>& settings,
              const Vec3<double>& from_mm,
              const Vec3<double>& to_mm,
