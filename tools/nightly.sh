@@ -3,12 +3,12 @@
 # goes on where one fails; exit code 1 then.
 #
 #   tools/nightly.sh            all of it
-#   tools/nightly.sh lint ...   the parts named: lint freeze homings mutants bench fuzz
+#   tools/nightly.sh lint ...   the parts named: lint freeze homings sanitizers mutants bench fuzz
 set -uo pipefail
 cd "$(dirname "$0")/.."
 
 parts=("$@")
-[[ ${#parts[@]} -eq 0 ]] && parts=(lint freeze homings mutants bench fuzz)
+[[ ${#parts[@]} -eq 0 ]] && parts=(lint freeze homings sanitizers mutants bench fuzz)
 ./tools/setup.sh clang-format-16 libclang-rt-16-dev python3-venv
 ./tools/build.sh build -DCALTWIN_WERROR=ON || exit 1
 
@@ -18,6 +18,17 @@ homings() {                                 # Ten thousand first homings, not a 
   CALTWIN_ALL_HOMINGS=1 build/tests/scenarios_slow_tests \
     --gtest_filter=MotorFigures.FirstHomingsTakeOneTurn
 }
+sanitizers() { # What CI leaves out of its sanitizer run: a quarter of an hour.
+  local program only code=0
+  only=$(grep -v '^#' tests/long_unoptimised.txt | paste -sd ':')
+  ./tools/build.sh build-asan -DCMAKE_CXX_COMPILER=clang++-16 \
+    -DCALTWIN_SANITIZE=address,undefined -DCMAKE_BUILD_TYPE=None \
+    -DCMAKE_CXX_FLAGS=-O0 -- unit_tests || return 1
+  for program in build-asan/tests/*_unit_tests build-asan/tests/blind/*_unit_tests; do
+    "$program" --gtest_brief=1 --gtest_filter="$only" || code=1
+  done
+  return "$code"
+}
 mutants() { ./tools/mutants.sh; }           # Each planted mistake has to turn a test red.
 bench() { ./tools/bench.sh; }               # The figures of docs/performance.md.
 fuzz() { ./tools/fuzz.sh 3600; }            # An hour, on from where the last one was.
@@ -25,7 +36,7 @@ fuzz() { ./tools/fuzz.sh 3600; }            # An hour, on from where the last on
 failed=()
 for part in "${parts[@]}"; do
   case $part in
-    lint | freeze | homings | mutants | bench | fuzz) ;;
+    lint | freeze | homings | sanitizers | mutants | bench | fuzz) ;;
     *) sed -n '2,/^set/{/^#/s/^# \{0,1\}//p}' "$0" >&2 && exit 2 ;;
   esac
   start=$SECONDS

@@ -79,6 +79,35 @@ template <typename T>
 constexpr T SFromH(const T& h) {
   return h * 3600;
 }
+/// A feed, of G-code (mm/min) or of a drive.
+template <typename T>
+constexpr T MmPerSFromMmPerMin(const T& mm_min) {
+  return mm_min / 60;
+}
+template <typename T>
+constexpr T MmPerSFromMPerMin(const T& m_min) {
+  return m_min * 1e3 / 60;
+}
+template <typename T>
+constexpr T MmPerSFromMPerS(const T& m_s) {
+  return m_s * 1e3;
+}
+template <typename T>
+constexpr T MmPerSFromInchPerMin(const T& inch_min) {
+  return inch_min * 25.4 / 60;
+}
+template <typename T>
+constexpr T NFromKN(const T& kn) {
+  return kn * 1e3;
+}
+template <typename T>
+constexpr T NFromKgf(const T& kgf) {
+  return kgf * 9.80665;
+}
+template <typename T>
+constexpr T NFromLbf(const T& lbf) {
+  return lbf * 4.4482216152605;
+}
 template <typename T>
 constexpr T CelsiusFromKelvin(const T& kelvin) {
   return kelvin - 273.15;

@@ -87,18 +87,18 @@ std::optional<double> Firmware::Parts::TouchBed(Vec3<double> over_mm) {
   motion.MoveTo(over_mm, kRapid_mm_s);
   motion.Dwell(options.probe_recovery_s);
   if (motion.alarm()) return std::nullopt;
-  const double feed_mm_s = machine.probe.speeds_mm_s.back();
+  const double slow_mm_s = machine.probe.speeds_mm_s.back();
   const Vec3<double> raised_mm = Raised_mm();
   over_mm[2] = machine.axis(Axis::kZ).min_mm - kDeepest_mm;
   const bool is_found =
-      motion.Probe(over_mm, feed_mm_s, Watch::Kind::kProbeTriggered).stopped;
+      motion.Probe(over_mm, slow_mm_s, Watch::Kind::kProbeTriggered).stopped;
   if (!is_found) return std::nullopt;
   const double stopped_mm = motion.counted_mm()[2] + 0.0;
   bed.probed.push_back({.at_mm = over_mm.head<2>(),
                         .stopped_mm = stopped_mm,
                         .raised_mm = raised_mm,
                         .steps_per_mm = settings.steps_per_mm[2],
-                        .feed_mm_s = feed_mm_s,
+                        .feed_mm_s = slow_mm_s,
                         .at_s = motion.time_s(),
                         .homing = bed.homings});
   return stopped_mm;

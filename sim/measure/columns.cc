@@ -15,7 +15,7 @@ constexpr std::array kColumns = {
     Column{"campaign", &Row::campaign},
     Column{"setup", &Row::setup},
     Column{"home", &Row::home},
-    Column{"rep", &Row::rep, {1, 1e9}, "repetitions are numbered from 1"},
+    Column{"rep", &Row::rep, {-1e9, 1e9}, "repetitions are counted, from any number"},
     Column{"settings", &Row::settings},
     Column{"t_s", &Row::t_s},
     Column{"temp_screw_c", &Row::temp_screw_c, kCelsius},

@@ -47,7 +47,7 @@ std::string RowsText(const RowTable& table) {
     if (is_used || column.name == "campaign") columns.push_back(&column);
   }
   const bool is_numbered =
-      std::ranges::all_of(table.rows, [](const Row& row) { return row.row > 0; });
+      std::ranges::any_of(table.rows, [](const Row& row) { return row.row != 0; });
   std::string text;
   for (const std::string& comment : table.comments) {
     text += comment.empty() ? "#\n" : "# " + comment + "\n";

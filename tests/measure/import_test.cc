@@ -225,6 +225,30 @@ TEST(ImportMap, InchesAndTheReversedSign) {
   EXPECT_DOUBLE_EQ(table.rows[0].value_mm, -0.0127);
 }
 
+// Of feeds, loads and angles too: a feed of G-code is sixty times that of a row.
+TEST(ImportMap, EveryColumnIsConvertedOrRefused) {
+  const auto row_of = [](const std::string& map) {
+    const std::string base = "cmd_x_mm=1[mm],value_mm=2[um],";
+    return RowsOf("csv", "1 0.5 60\n2 0.5 120\n", {.map = {base + map}}).rows[1];
+  };
+  EXPECT_NEAR(row_of("feed_mm_s=3[mm/min]").feed_mm_s, 2, 1e-12);
+  EXPECT_NEAR(row_of("feed_mm_s=3[ipm]").feed_mm_s, 50.8, 1e-12);
+  EXPECT_NEAR(row_of("feed_mm_s=3[m/min]").feed_mm_s, 2000, 1e-9);
+  EXPECT_EQ(row_of("feed_mm_s=3").feed_mm_s, 120);
+  EXPECT_NEAR(row_of("load_n=3[lbf]").load_n, 533.7866, 1e-4);
+  EXPECT_NEAR(row_of("load_n=3[kg]").load_n, 1176.798, 1e-9);
+  EXPECT_NEAR(row_of("probe_angle_deg=1[rad]").probe_angle_deg, 114.591559, 1e-6);
+  const std::string text = "pos [mm],F [mm/min],dev_um\n1,60,3\n3,120,4\n";
+  const RowTable table = RowsOf(
+      "csv", text, {.map = {"cmd_x_mm=pos,feed_mm_s=F,value_mm=dev_um"}});
+  EXPECT_EQ(table.rows[1].feed_mm_s, 2);
+  EXPECT_THAT(
+      MapFault("cmd_x_mm=1,value_mm=3[um],feed_mm_s=2[banana]", text),
+      HasSubstr("the unit 'banana' is not known here\n  it may be: mm/s, mm/min"));
+  EXPECT_THAT(MapFault("cmd_x_mm=1,value_mm=3[um],rep=2[mm]", text),
+              HasSubstr("'mm' stands behind its source, and it has no unit\n  rep=2"));
+}
+
 TEST(ImportMap, WithoutAMapTheColumnsAreListed) {
   EXPECT_THAT(
       ImportFault("csv", "pos,dev\n1,2\n3,4\n"),

@@ -47,9 +47,9 @@ DeltaWorld WorldOfDelta(const Machine& machine, const BuiltDelta& built) {
 
 void BuildPlayIn(std::vector<Injected>* effects, BuiltDelta* built) {
   std::erase_if(*effects, [&](const Injected& effect) {
-    if (effect.effect != EffectIndex<CarriageBacklash>()) return false;
-    const auto tower = static_cast<std::size_t>(DriveNamed(effect.axis)->index);
-    built->play_mm[tower] += effect.values[0];
+    const auto tower = TowerNamed(effect.axis);
+    if (effect.effect != EffectIndex<CarriageBacklash>() || !tower) return false;
+    built->play_mm[static_cast<std::size_t>(*tower)] += effect.values[0];
     return true;
   });
 }

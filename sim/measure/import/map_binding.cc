@@ -15,6 +15,9 @@ Quantity QuantityOf(std::string_view target) {
   if (target.ends_with("_mm")) return Quantity::kLength;
   if (target == "t_s") return Quantity::kTime;
   if (target.starts_with("temp_")) return Quantity::kTemperature;
+  if (target.ends_with("_mm_s")) return Quantity::kFeed;
+  if (target.ends_with("_n")) return Quantity::kForce;
+  if (target.ends_with("_deg")) return Quantity::kAngle;
   return Quantity::kPlain;
 }
 
@@ -67,8 +70,10 @@ class Binder {
     std::vector<std::string> found;
     for (std::size_t i = 0; i < sheet_.headings.size(); ++i) {
       const std::string& heading = sheet_.headings[i].text;
-      if (heading == assignment.source ||
-          PlainWord(heading) == PlainWord(assignment.source)) {
+      const std::string source = PlainWord(assignment.source);
+      // A unit in brackets is no part of a heading's name.
+      if (heading == assignment.source || PlainWord(heading) == source ||
+          PlainWord(heading.substr(0, heading.find_first_of("[("))) == source) {
         return i;
       }
     }
@@ -96,7 +101,14 @@ class Binder {
   void BindUnit(const std::string& value_unit, const Place& place, Bound* bound) {
     const Assignment& assignment = bound->assignment;
     const Quantity quantity = QuantityOf(assignment.target);
-    if (quantity == Quantity::kPlain) return;
+    if (quantity == Quantity::kPlain) {
+      if (assignment.unit.empty()) return;
+      faults_.Add(place,
+                  fmt::format("'{}' stands behind its source, and it has no unit",
+                              assignment.unit),
+                  fmt::format("{}={}", assignment.target, assignment.source));
+      return;
+    }
     if (assignment.unit == "clock" && quantity == Quantity::kTime) {
       bound->is_clock = true;
       return;
@@ -128,9 +140,7 @@ class Binder {
                               assignment.target,
                               assignment.source));
     } else {
-      const char* usual = quantity == Quantity::kLength ? "mm"
-                          : quantity == Quantity::kTime ? "s"
-                                                        : "C";
+      const std::string_view usual = UsualUnit(quantity);
       bound->unit = &FindUnit(usual, quantity, place);
       binding_.assumed.push_back(
           fmt::format("{} is in {}: nothing says so", assignment.target, usual));

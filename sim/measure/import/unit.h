@@ -9,15 +9,18 @@
 namespace caltwin {
 
 /// What a number measures; each has its own unit in measured rows.
-enum class Quantity { kLength, kTime, kTemperature, kPlain };
+enum class Quantity { kLength, kTime, kTemperature, kFeed, kForce, kAngle, kPlain };
 
 /// A unit people write, and how to come from it to the unit of measured rows (mm, s,
-/// degrees Celsius).
+/// degrees Celsius, mm/s, N, degrees).
 struct NamedUnit {
   std::string_view name{};
   Quantity quantity = Quantity::kPlain;
   double (*convert)(const double&) = nullptr;
 };
+
+/// The unit of measured rows for a quantity: "mm/s". Empty for kPlain.
+std::string_view UsualUnit(Quantity quantity);
 
 /// The unit of that name, in the spellings people use (um, µm, micron; in, inch, ";
 /// thou, mil; K, F ...). Throws InputError, with what is allowed for the quantity.
