@@ -35,7 +35,7 @@ void AddSettings(const DeltaTruth& trial, RunResult* result) {
                         .identifiable = true,
                         .is_setting = true};
     row.injected = *DeltaSettingNamed(trial.built.build.model, drawn, name);
-    row.recovered = *DeltaSettingNamed(trial.after, drawn, name);
+    row.recovered = DeltaSettingNamed(trial.after, drawn, name);
     row.error = *row.recovered - row.injected;
     const auto told = std::ranges::find(trial.settings_told, name, &Estimate::name);
     if (told != trial.settings_told.end()) SetUncertainty(*told, &row);

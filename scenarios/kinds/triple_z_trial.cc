@@ -153,7 +153,7 @@ TrueEnd TripleZTrial::End(const std::vector<ProcedureResult>& /*results*/,
   const TrueLevel after = LevelNow();
   if (!firmware_.is_homed()) {
     result->messages.push_back(
-        "nothing was homed: the bed still stands at the lower endstops");
+        "Z is not homed: its firmware does not know where the bed stands");
   }
   result->messages.push_back(
       fmt::format("the bed truly stands {:.4f} mm off its reference in the mean "

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string>
 
 #include <fmt/format.h>
 
@@ -15,16 +16,14 @@ namespace {
 constexpr double kDive_mm = 5;  // M558 H: over the bed, before and after a touch.
 constexpr double kRapid_mm_s = std::numeric_limits<double>::infinity();
 constexpr double kNotMeasured_mm = -9999;  // G30 Z below it: probe there.
-constexpr double kDeepest_mm = kDive_mm;   // Below the least z, of a touch and a screw.
+// How far beyond z's travel a touch, or a screw moved singly, may go.
+constexpr double kDeepest_mm = kDive_mm;
 constexpr std::string_view kSplitLetters = "ZUV";
 
-bool IsInside(const Machine& machine, const Vec3<double>& at_mm) {
-  for (const Axis axis : {Axis::kX, Axis::kY}) {
-    const AxisDrawing& drawing = machine.axis(axis);
-    const double mm = at_mm[Index(axis)];
-    if (mm < drawing.min_mm || mm > drawing.max_mm) return false;
-  }
-  return true;
+bool IsInside(const Machine& machine, Axis axis, double mm) {
+  constexpr double kSlack_mm = 1e-2;  // Places are those of whole steps.
+  const AxisDrawing& drawing = machine.axis(axis);
+  return mm >= drawing.min_mm - kSlack_mm && mm <= drawing.max_mm + kSlack_mm;
 }
 
 }  // namespace
@@ -33,37 +32,39 @@ bool Firmware::Parts::IsHomed() const {
   return std::ranges::all_of(kAxes, [&](Axis axis) { return motion.is_homed(axis); });
 }
 
+// By the steps/mm that the machine began with: M92 moves no screw.
 Vec3<double> Firmware::Parts::Raised_mm() const {
-  const Motors& steps = motion.motor_steps();
-  const double z_mm = motion.counted_mm()[2];
-  Vec3<double> raised_mm = Vec3<double>::Zero();
-  for (int i = 0; i < 3 && 2 + i < steps.size(); ++i) {
-    raised_mm[i] =
-        z_mm - machine.axis(Axis::kZ).max_mm - steps[2 + i] / settings.steps_per_mm[2];
-  }
-  return raised_mm;
+  const Vec3<double> up_mm = -motion.z_zero_steps() / initial_settings.steps_per_mm[2];
+  return up_mm.array() - machine.axis(Axis::kZ).max_mm;
 }
 
 Reply Firmware::Parts::ProbeBed(const Words& words) {
   if (!IsHomed()) return Refuse("G30: insufficient axes homed");
   if (bed.is_split) return Refuse("G30: the drivers of Z are not joined");
+  if (!IsInside(machine, Axis::kZ, kDive_mm)) {
+    return Refuse("G30: the dive height is outside the travel of Z");
+  }
   motion.Finish();
   Vec3<double> over_mm = motion.commanded_mm();
-  over_mm[0] = words.Number('X').value_or(over_mm[0]);
-  over_mm[1] = words.Number('Y').value_or(over_mm[1]);
+  for (const Axis axis : {Axis::kX, Axis::kY}) {
+    const auto word_mm = words.Number(CapitalLetter(axis));
+    if (!word_mm) continue;
+    if (!IsInside(machine, axis, *word_mm)) {
+      return Refuse("G30: probe point is outside the travel of X and Y");
+    }
+    over_mm[Index(axis)] = *word_mm;
+  }
   const auto point = words.Whole('P', 0, std::numeric_limits<int>::max());
   const auto factors = words.Number('S');
   const auto stated_mm = words.Number('Z');
-  if (!IsInside(machine, over_mm)) {
-    return Refuse("G30: probe point is outside the travel of X and Y");
+  if (point && static_cast<std::size_t>(*point) > bed.points.size()) {
+    return Refuse("G30: Z probe point index out of range");
   }
   double height_mm = stated_mm.value_or(0);
   if (!point || !stated_mm || *stated_mm <= kNotMeasured_mm) {
-    const auto touched_mm = TouchBed(over_mm);
-    if (!touched_mm) {
-      return motion.alarm() ? Reply{}
-                            : Refuse("Probe was not triggered during probing move");
-    }
+    std::string why_not;
+    const auto touched_mm = TouchBed(over_mm, &why_not);
+    if (!touched_mm) return why_not.empty() ? Reply{} : Refuse(why_not);
     height_mm = *touched_mm;
     // Alone it says where Z is.
     if (!point && !factors) motion.SetPosition(Axis::kZ, 0);
@@ -74,30 +75,39 @@ Reply Firmware::Parts::ProbeBed(const Words& words) {
   if (!point) {
     return {.lines = {fmt::format("Stopped at height {:.3f} mm", height_mm)}};
   }
-  if (*point == 0) bed.points.clear();
+  // Whatever was kept from there on is forgotten; P0 begins anew.
+  bed.points.resize(static_cast<std::size_t>(*point));
   bed.points.push_back({over_mm.head<2>(), height_mm});
   if (factors && *factors >= 0) return AdjustLeadscrews();
   return {};
 }
 
-std::optional<double> Firmware::Parts::TouchBed(Vec3<double> over_mm) {
+std::optional<double> Firmware::Parts::TouchBed(Vec3<double> over_mm,
+                                                std::string* why_not) {
   Vec3<double> up_mm = motion.commanded_mm();
   up_mm[2] = over_mm[2] = kDive_mm;
   motion.MoveTo(up_mm, kRapid_mm_s);
   motion.MoveTo(over_mm, kRapid_mm_s);
   motion.Dwell(options.probe_recovery_s);
   if (motion.alarm()) return std::nullopt;
+  if (plant->ProbeTriggered()) {
+    *why_not = "Probe already triggered before probing move started";
+    return std::nullopt;
+  }
   const double slow_mm_s = machine.probe.speeds_mm_s.back();
-  const Vec3<double> raised_mm = Raised_mm();
   over_mm[2] = machine.axis(Axis::kZ).min_mm - kDeepest_mm;
   const bool is_found =
       motion.Probe(over_mm, slow_mm_s, Watch::Kind::kProbeTriggered).stopped;
-  if (!is_found) return std::nullopt;
+  if (!is_found) {
+    if (!motion.alarm()) *why_not = "Probe was not triggered during probing move";
+    return std::nullopt;
+  }
   const double stopped_mm = motion.counted_mm()[2] + 0.0;
   bed.probed.push_back({.at_mm = over_mm.head<2>(),
                         .stopped_mm = stopped_mm,
-                        .raised_mm = raised_mm,
+                        .raised_mm = Raised_mm(),
                         .steps_per_mm = settings.steps_per_mm[2],
+                        .backlash_mm = settings.backlash_mm[2],
                         .feed_mm_s = slow_mm_s,
                         .at_s = motion.time_s(),
                         .homing = bed.homings});
@@ -105,19 +115,19 @@ std::optional<double> Firmware::Parts::TouchBed(Vec3<double> over_mm) {
 }
 
 Reply Firmware::Parts::AdjustLeadscrews() {
-  if (!options.leadscrews) {
+  if (!bed.leadscrews) {
     return Refuse("G30: Leadscrews are not defined, use M671");
   }
-  const auto corrections = LevelScrews(options.leadscrews->at_mm, bed.points);
+  const auto corrections = LevelScrews(bed.leadscrews->at_mm, bed.points);
   const std::size_t count = bed.points.size();
   bed.points.clear();
   if (!corrections) return Refuse("Bed calibration: 3 points apart are needed");
   const Vec3<double> raise_mm = corrections->raise_mm;
-  if (raise_mm.cwiseAbs().maxCoeff() > options.leadscrews->largest_mm) {
+  if (raise_mm.cwiseAbs().maxCoeff() > bed.leadscrews->largest_mm) {
     return Refuse(fmt::format(
         "Some computed corrections exceed configured limit of {:.2f}mm: {:.3f} {:.3f} "
         "{:.3f}",
-        options.leadscrews->largest_mm,
+        bed.leadscrews->largest_mm,
         raise_mm[0],
         raise_mm[1],
         raise_mm[2]));
@@ -140,11 +150,11 @@ Reply Firmware::Parts::AdjustLeadscrews() {
 }
 
 Reply Firmware::Parts::SetLeadscrews(const Words& words) {
-  if (!options.leadscrews) return Refuse("M671: this bed does not stand on leadscrews");
+  if (!bed.leadscrews) return Refuse("M671: this bed does not stand on leadscrews");
   const auto x = words.Numbers('X'), y = words.Numbers('Y');
   const auto largest_mm = words.Number('S');
   if (!x && !y && !largest_mm) {
-    const Pivots<double>& at = options.leadscrews->at_mm;
+    const Pivots<double>& at = bed.leadscrews->at_mm;
     return {.lines = {fmt::format(
                 "leadscrews at ({:.1f}, {:.1f}), ({:.1f}, {:.1f}), ({:.1f}, {:.1f}), "
                 "maximum correction {:.2f}mm",
@@ -154,7 +164,7 @@ Reply Firmware::Parts::SetLeadscrews(const Words& words) {
                 at[1][1],
                 at[2][0],
                 at[2][1],
-                options.leadscrews->largest_mm)}};
+                bed.leadscrews->largest_mm)}};
   }
   if (largest_mm && *largest_mm <= 0) return Refuse("M671: S needs a number above 0");
   if (x || y) {
@@ -167,9 +177,9 @@ Reply Firmware::Parts::SetLeadscrews(const Words& words) {
     if (TriangleShape(pivots_mm) < kFlattestTriangle) {
       return Refuse("M671: the leadscrews stand nearly in one line");
     }
-    options.leadscrews->at_mm = pivots_mm;
+    bed.leadscrews->at_mm = pivots_mm;
   }
-  if (largest_mm) options.leadscrews->largest_mm = *largest_mm;
+  if (largest_mm) bed.leadscrews->largest_mm = *largest_mm;
   return {};
 }
 
@@ -182,46 +192,57 @@ Reply Firmware::Parts::SetDrivers(const Words& words) {
   const bool splits = z == std::vector<double>{0} && u == std::vector<double>{1} &&
                       v == std::vector<double>{2};
   if (!joins && !splits) return Refuse("M584: Z0 U1 V2 P5, or Z0:1:2 P3, here");
+  if (splits == bed.is_split) return {};
   motion.Finish();
   // New axes stand at 0 and are not homed before G92 says where they are; drivers that
   // join an axis stand where it does.
-  if (joins && bed.is_split) motion.SetPosition(Axis::kZ, bed.split_mm[0]);
-  if (splits && !bed.is_split) bed.split_mm = {motion.commanded_mm()[2], 0, 0};
-  if (splits) bed.split_mm.tail<2>().setZero();
+  if (joins) {
+    motion.FollowFirst();
+    motion.SetPosition(Axis::kZ, bed.split_mm[0]);
+    if (!bed.are_placed[0]) motion.Unhome(Axis::kZ);
+  } else {
+    bed.split_mm = {motion.commanded_mm()[2], 0, 0};
+    bed.are_placed = {motion.is_homed(Axis::kZ), false, false};
+  }
   bed.is_split = splits;
-  bed.are_placed = {true, joins, joins};
   return {};
 }
 
-// Words of Z, U and V while each is an axis; what else the line says is obeyed before.
-Reply Firmware::Parts::MoveSplit(const Words& words) {
-  Vec3<double> to_mm = bed.split_mm;
+bool Firmware::Parts::MayStand(const Vec3<double>& z_mm) const {
+  if (motion.num_z_motors() == 1) return true;
+  const AxisDrawing& z = machine.axis(Axis::kZ);
+  const Vec3<double> stand_mm = z_mm + motion.beside_mm();
+  return stand_mm.minCoeff() >= z.min_mm - kDeepest_mm &&
+         stand_mm.maxCoeff() <= z.max_mm + kDeepest_mm;
+}
+
+// Of Z, U and V while each is an axis. Only Z has a work offset.
+std::string_view Firmware::Parts::SplitTarget(const Words& words,
+                                              Vec3<double>* to_mm) const {
+  *to_mm = bed.split_mm;
   for (int i = 0; i < 3; ++i) {
     const auto word_mm = words.Number(kSplitLetters[static_cast<std::size_t>(i)]);
     if (!word_mm) continue;
-    if (!bed.are_placed[static_cast<std::size_t>(i)] || !motion.is_homed(Axis::kZ)) {
-      return Refuse("G0/G1: insufficient axes homed");
-    }
-    to_mm[i] = is_relative ? to_mm[i] + *word_mm : *word_mm;
+    if (!bed.are_placed[static_cast<std::size_t>(i)]) return "insufficient axes homed";
+    const bool has_offset = i == 0 && !uses_machine_coordinates;
+    (*to_mm)[i] = is_relative ? bed.split_mm[i] + *word_mm
+                              : *word_mm + (has_offset ? offset_mm()[2] : 0);
   }
-  const AxisDrawing& z = machine.axis(Axis::kZ);
-  const Vec3<double> by_mm = to_mm - bed.split_mm;
-  const Eigen::Array3d stand_mm =
-      motion.counted_mm()[2] - Raised_mm().array() + by_mm.array();
-  if (stand_mm.minCoeff() < z.min_mm - kDeepest_mm ||
-      stand_mm.maxCoeff() > z.max_mm + kDeepest_mm) {
-    return Refuse("G0/G1: target position outside machine limits");
-  }
-  motion.MoveSingly(by_mm, is_rapid ? kRapid_mm_s : feed_mm_s);
+  const Vec3<double> z_mm =
+      Vec3<double>::Constant(motion.commanded_mm()[2]) + *to_mm - bed.split_mm;
+  return MayStand(z_mm) ? "" : "target position outside machine limits";
+}
+
+void Firmware::Parts::MoveSplit(const Vec3<double>& to_mm) {
+  motion.MoveSingly(to_mm - bed.split_mm, is_rapid ? kRapid_mm_s : feed_mm_s);
   bed.split_mm = to_mm;
-  return {};
 }
 
 void Firmware::Parts::PlaceSplit(const Words& words) {
   for (int i = 0; i < 3; ++i) {
     const auto to_mm = words.Number(kSplitLetters[static_cast<std::size_t>(i)]);
     if (!to_mm) continue;
-    bed.split_mm[i] = *to_mm;
+    bed.split_mm[i] = *to_mm + (i == 0 ? offset_mm()[2] : 0);
     bed.are_placed[static_cast<std::size_t>(i)] = true;
   }
 }
@@ -238,7 +259,7 @@ Reply Firmware::Parts::ReportEndstops(const Words&) {
                                                    : "at max stop");
   }
   line += fmt::format(" Z probe: {}",
-                      plant->ProbeTriggered() ? "triggered" : "not stopped");
+                      plant->ProbeTriggered() ? "at min stop" : "not stopped");
   return {.lines = {line}};
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "sim/machine/screw_levelling.h"
@@ -17,9 +18,11 @@ struct Leadscrews {
 struct ProbedPoint {
   Eigen::Vector2d at_mm = Eigen::Vector2d::Zero();
   double stopped_mm = 0;  ///< Height of the nozzle over the bed, as counted there.
-  /// Each screw beyond what that height alone has it told, whole steps.
+  /// Each screw beyond what that height alone has it told, whole steps, by the steps/mm
+  /// that the machine began with.
   Vec3<double> raised_mm = Vec3<double>::Zero();
-  double steps_per_mm = 0;  ///< Of z, in force.
+  double steps_per_mm = 0;  ///< Of z, in force,
+  double backlash_mm = 0;   ///< and its backlash compensation.
   double feed_mm_s = 0;
   double at_s = 0;  ///< Machine time.
   int homing = 0;   ///< G28s of z before it.
@@ -27,12 +30,13 @@ struct ProbedPoint {
 
 /// What a firmware keeps for G30, M584 and M671.
 struct BedProbing {
-  std::vector<BedTouch> points{};  ///< Of G30 P, until S uses them.
+  std::optional<Leadscrews> leadscrews{};  ///< M671 now; none: the bed stands on none.
+  std::vector<BedTouch> points{};          ///< Of G30 P, until S uses them.
   std::vector<ProbedPoint> probed{};
   int homings = 0;
   /// M584 Z0 U1 V2: each of z's motors is an axis of its own, Z U V, until joined.
   bool is_split = false;
-  Vec3<double> split_mm = Vec3<double>::Zero();
+  Vec3<double> split_mm = Vec3<double>::Zero();      ///< Machine coordinates of Z.
   std::array<bool, 3> are_placed{true, true, true};  ///< By G92.
 };
 

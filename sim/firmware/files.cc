@@ -162,6 +162,7 @@ Reply Firmware::Parts::Start() {
   motion.Restart();
   bed.is_split = false;
   bed.points.clear();
+  bed.leadscrews = options.leadscrews;
   settings = initial_settings;
   globals.clear();
   wire = Frame();

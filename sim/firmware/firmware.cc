@@ -4,6 +4,7 @@
 
 #include "sim/base/require.h"
 #include "sim/firmware/parts.h"
+#include "sim/machine/machine_kind.h"
 
 namespace caltwin {
 
@@ -35,6 +36,8 @@ Firmware::Firmware(const Machine& machine,
                    const FirmwareOptions& options,
                    Plant* plant) {
   Require(plant != nullptr, "the firmware has a plant");
+  Require(!options.leadscrews || machine.kind->num_z_motors() == 3,
+          "a bed that stands on screws has three");
   parts_ = std::make_unique<Parts>(machine, settings, options, plant);
 }
 Firmware::~Firmware() = default;
@@ -78,7 +81,7 @@ bool Firmware::is_homed() const {
 }
 
 const Pivots<double>& Firmware::leadscrews_mm() const {
-  return parts_->options.leadscrews.value().at_mm;
+  return parts_->bed.leadscrews.value().at_mm;
 }
 
 Vec3<double> Firmware::raised_mm() const {

@@ -233,6 +233,10 @@ bool Motion::RunToSwitch(Axis axis, double travel_mm, double feed_mm_s) {
   return RunAlone(target_mm, feed_mm_s, {Watch::Kind::kSwitchClosed, axis}).stopped;
 }
 
+void Motion::ForgetRests() {
+  for (Motor& motor : motors_) motor.rest_steps = 0;
+}
+
 bool Motion::Home(Axis axis) {
   Finish();
   if (alarm_) return false;
@@ -240,6 +244,7 @@ bool Motion::Home(Axis axis) {
   const double to_home = drawing.home == HomeEnd::kMin ? -1 : 1;
   const double search_mm = 1.1 * drawing.travel_mm() + 2 * kHomingBackOff_mm;
   is_homed_[Index(axis)] = false;
+  if (axis == Axis::kZ) ForgetRests();
   if (!RunToSwitch(axis, to_home * search_mm, kHomingFast_mm_s)) return false;
   Vec3<double> away_mm = commanded_mm();
   away_mm[Index(axis)] -= to_home * kHomingBackOff_mm;
@@ -249,6 +254,30 @@ bool Motion::Home(Axis axis) {
   }
   SetPosition(axis, drawing.home_mm());
   return true;
+}
+
+Vec3<double> Motion::beside_mm() const {
+  Vec3<double> beside_mm = Vec3<double>::Zero();
+  for (std::size_t i = 0; i < 3 && i < num_z_motors(); ++i) {
+    beside_mm[static_cast<Eigen::Index>(i)] =
+        static_cast<double>(motors_[2 + i].beside_steps) / settings_->steps_per_mm[2];
+  }
+  return beside_mm;
+}
+
+Vec3<double> Motion::z_zero_steps() const {
+  Vec3<double> steps = Vec3<double>::Constant(static_cast<double>(states_[2].zero));
+  for (std::size_t i = 0; i < 3 && i < num_z_motors(); ++i) {
+    steps[static_cast<Eigen::Index>(i)] +=
+        static_cast<double>(motors_[2 + i].beside_steps);
+  }
+  return steps;
+}
+
+void Motion::FollowFirst() {
+  const std::int64_t first = motors_[2].beside_steps;
+  for (std::size_t i = 2; i < motors_.size(); ++i) motors_[i].beside_steps -= first;
+  states_[2].zero += first;
 }
 
 void Motion::MoveSingly(const Motors& by_mm, double feed_mm_s) {
@@ -328,6 +357,7 @@ void Motion::Restart() {
   }
   commanded_mm_.setZero();
   is_homed_.fill(false);
+  ForgetRests();
   backlash_factor_ = 10;
   NoteDone();
 }

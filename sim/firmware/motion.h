@@ -48,6 +48,12 @@ class Motion {
   bool Home(Axis axis);
   /// How many motors carry z.
   std::size_t num_z_motors() const { return motors_.size() - 2; }
+  /// Each of z's motors beside z's own position.
+  Vec3<double> beside_mm() const;
+  /// Each of z's motors at z = 0, without backlash steps.
+  Vec3<double> z_zero_steps() const;
+  /// From now on z is where the first of its motors is.
+  void FollowFirst();
   /// Moves each of z's motors by so much along z; the position of z stays what it was.
   void MoveSingly(const Motors& by_mm, double feed_mm_s);
   /// Declares where the axis stands (G92, homing): counts follow, backlash is cleared.
@@ -112,6 +118,7 @@ class Motion {
   void RaiseAlarm(const std::string& words, const Segment& segment, double time_s);
   bool RunToSwitch(Axis axis, double travel_mm, double feed_mm_s);
   void NoteDone();
+  void ForgetRests();
   Motors MotorsNow() const;
   /// What is left of where a motor stands once its drive is counted.
   void NoteBeside(const Motors& whole_steps);

@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include <fmt/format.h>
@@ -12,6 +14,14 @@ constexpr double kLimitSlack_mm = 1e-3;  // Less than any axis resolves.
 
 bool NamesAxis(const rrf::Words& words) {
   return words.Has('X') || words.Has('Y') || words.Has('Z');
+}
+
+// Beyond what any machine has, and any number of steps.
+bool IsFar(const rrf::Words& words) {
+  constexpr double kFarthest_mm = 1e6;
+  return std::ranges::any_of(std::string_view("XYZUV"), [&](char letter) {
+    return std::abs(words.Number(letter).value_or(0)) > kFarthest_mm;
+  });
 }
 
 // Axes of single drivers, see M584.
@@ -40,18 +50,23 @@ Vec3<double> Firmware::Parts::Target_mm(const Words& words) const {
 
 std::string_view Firmware::Parts::Refusal(const Words& words,
                                           const Vec3<double>& target_mm) const {
+  // A single driver's axis has its own place, see M584.
+  const auto is_named = [&](Axis axis) {
+    return words.Has(CapitalLetter(axis)) && !(bed.is_split && axis == Axis::kZ);
+  };
   for (const Axis axis : kAxes) {
-    if (words.Has(CapitalLetter(axis)) && !motion.is_homed(axis)) {
-      return "insufficient axes homed";
-    }
+    if (is_named(axis) && !motion.is_homed(axis)) return "insufficient axes homed";
   }
   for (const Axis axis : kAxes) {
     const AxisDrawing& drawing = machine.axis(axis);
     const double mm = target_mm[Index(axis)];
-    if (words.Has(CapitalLetter(axis)) && (mm < drawing.min_mm - kLimitSlack_mm ||
-                                           mm > drawing.max_mm + kLimitSlack_mm)) {
+    if (is_named(axis) && (mm < drawing.min_mm - kLimitSlack_mm ||
+                           mm > drawing.max_mm + kLimitSlack_mm)) {
       return "target position outside machine limits";
     }
+  }
+  if (is_named(Axis::kZ) && !MayStand(Vec3<double>::Constant(target_mm[2]))) {
+    return "target position outside machine limits";
   }
   return "";
 }
@@ -70,11 +85,14 @@ Reply Firmware::Parts::MoveLinear(const GcodeCommand& command, const Words& word
   }
   if (!NamesAxis(words) && !(bed.is_split && NamesDriver(words))) return {};
   const Vec3<double> target_mm = Target_mm(words);
-  const std::string_view refusal = Refusal(words, target_mm);
+  std::string_view refusal = Refusal(words, target_mm);
+  Vec3<double> split_mm = Vec3<double>::Zero();
+  if (refusal.empty() && bed.is_split) refusal = SplitTarget(words, &split_mm);
   if (!refusal.empty()) return Refuse(fmt::format("G0/G1: {}", refusal));
   motion.MoveTo(target_mm,
                 is_rapid ? std::numeric_limits<double>::infinity() : feed_mm_s);
-  return bed.is_split ? MoveSplit(words) : Reply{};
+  if (bed.is_split) MoveSplit(split_mm);
+  return {};
 }
 
 Reply Firmware::Parts::Dwell(const Words& words) {
@@ -95,13 +113,14 @@ Reply Firmware::Parts::Home(const Words& words) {
   for (const Axis axis : {Axis::kZ, Axis::kX, Axis::kY}) {
     if (NamesAxis(words) && !words.Has(CapitalLetter(axis))) continue;
     if (motion.alarm()) break;
+    if (axis == Axis::kZ) {
+      bed.is_split = false;
+      bed.points.clear();
+    }
     if (!motion.Home(axis)) {
       return Refuse(fmt::format("G28: Failed to home axes {}", CapitalLetter(axis)));
     }
-    if (axis != Axis::kZ) continue;
-    ++bed.homings;
-    bed.is_split = false;
-    bed.points.clear();
+    if (axis == Axis::kZ) ++bed.homings;
   }
   return {};
 }
@@ -112,6 +131,7 @@ Reply Firmware::Parts::Probe(const GcodeCommand& command, const Words& words) {
                 fmt::format("Warning: {}: Command is not supported", command.Name())}};
   }
   if (!NamesAxis(words)) return Refuse(command.Name() + ": no axis specified");
+  if (bed.is_split) return Refuse(command.Name() + ": the drivers of Z are not joined");
   const double slow_mm_s = machine.probe.speeds_mm_s.back();
   const auto feed_word = words.Number('F');
   if (feed_word && *feed_word <= 0) {
@@ -143,6 +163,7 @@ Reply Firmware::Parts::Probe(const GcodeCommand& command, const Words& words) {
 Reply Firmware::Parts::SetPosition(const Words& words) {
   motion.Finish();
   if (motion.alarm()) return {};
+  if (IsFar(words)) return Refuse("G92: a position lies within 1000000 mm");
   if (bed.is_split) PlaceSplit(words);
   for (const Axis axis : kAxes) {
     if (bed.is_split && axis == Axis::kZ) continue;
@@ -158,10 +179,12 @@ Reply Firmware::Parts::SetWorkOffset(const Words& words) {
   if (!kind || (*kind != 2 && *kind != 20)) {
     return Refuse("G10: only L2 and L20, work offsets, are part of this machine");
   }
+  if (IsFar(words)) return Refuse("G10: an offset lies within 1000000 mm");
   const int named = words.Whole('P', 0, kWorkplaces).value_or(0);
   Vec3<double>& offset = workplaces_mm[named == 0 ? workplace : named - 1];
   if (*kind == 20) motion.Finish();
-  const Vec3<double> here_mm = motion.commanded_mm();
+  Vec3<double> here_mm = motion.commanded_mm();
+  if (bed.is_split) here_mm[2] = bed.split_mm[0];
   for (const Axis axis : kAxes) {
     if (const auto mm = words.Number(CapitalLetter(axis))) {
       offset[Index(axis)] = *kind == 2 ? *mm : here_mm[Index(axis)] - *mm;
@@ -190,7 +213,9 @@ Reply Firmware::Parts::EmergencyStop(const Words&) {
 Reply Firmware::Parts::MotorsOff(const Words& words) {
   motion.Finish();
   for (const Axis axis : kAxes) {
-    if (!NamesAxis(words) || words.Has(CapitalLetter(axis))) motion.Unhome(axis);
+    if (NamesAxis(words) && !words.Has(CapitalLetter(axis))) continue;
+    motion.Unhome(axis);
+    if (axis == Axis::kZ) bed.are_placed.fill(false);
   }
   return {};
 }

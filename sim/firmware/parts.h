@@ -81,10 +81,15 @@ struct Firmware::Parts {
   Reply SetDrivers(const Words& words);      // M584
   Reply SetLeadscrews(const Words& words);   // M671
   Reply ReportEndstops(const Words& words);  // M119
-  /// Goes down over (x, y), from and back to the dive height: the height of the touch.
-  std::optional<double> TouchBed(Vec3<double> over_mm);
+  /// Goes down over (x, y) from the dive height, and stays there: the height of the
+  /// touch; else why not, empty after an alarm.
+  std::optional<double> TouchBed(Vec3<double> over_mm, std::string* why_not);
   Reply AdjustLeadscrews();
-  Reply MoveSplit(const Words& words);
+  /// Whether all of z's motors can stand there, z at these heights for each.
+  bool MayStand(const Vec3<double>& z_mm) const;
+  /// Where Z, U and V are to go; why they may not, empty: they may.
+  std::string_view SplitTarget(const Words& words, Vec3<double>* to_mm) const;
+  void MoveSplit(const Vec3<double>& to_mm);
   void PlaceSplit(const Words& words);  // G92
   bool IsHomed() const;
   Vec3<double> Raised_mm() const;

@@ -67,8 +67,9 @@ struct Outcome {
 };
 
 /// The mechanism that a controller drives, as little of it as it can feel: motors along
-/// a path in time out, switches and probe in. Each kind of machine has its own (physics
-/// and fast), in sim/twin and sim/kinds; a test may write another.
+/// a path in time out, switches and probe in. Gantry and CoreXY have one (physics
+/// and fast) in sim/twin, a delta and a bed on screws theirs in sim/kinds; a test may
+/// write another.
 class Plant {
  public:
   virtual ~Plant() = default;

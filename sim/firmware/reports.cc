@@ -49,7 +49,8 @@ Reply Firmware::Parts::ReportPosition(const Words&) {
     line += CapitalLetter(axis);
     line += ':';
     const bool is_driver = bed.is_split && axis == Axis::kZ;
-    AppendThousandths(is_driver ? bed.split_mm[0] : user_mm[Index(axis)], &line);
+    AppendThousandths(
+        is_driver ? bed.split_mm[0] - offset_mm()[2] : user_mm[Index(axis)], &line);
     line += ' ';
   }
   if (bed.is_split) {
@@ -81,8 +82,10 @@ Reply Firmware::Parts::ReportTemperatures(const Words&) {
 }
 
 Reply Firmware::Parts::Say(const GcodeCommand& command, const Words& words) {
-  const auto text = words.Text('S');
-  return {.lines = {text ? *text : command.rest}};
+  const GcodeWord* const word = command.Find('S');
+  const bool is_said = word != nullptr && (word->kind == GcodeWord::Kind::kQuoted ||
+                                           word->kind == GcodeWord::Kind::kExpression);
+  return {.lines = {is_said ? words.Text('S').value_or("") : command.rest}};
 }
 
 Reply Firmware::Parts::ReportObjectModel(const Words& words) {

@@ -3,6 +3,12 @@
 #include "sim/firmware/parts.h"
 
 namespace caltwin {
+namespace {
+
+// Beyond what any machine has, and any number of steps.
+constexpr double kMostSteps = 1e6, kWidest_mm = 100;
+
+}  // namespace
 
 Reply Firmware::Parts::StepsPerMm(const Words& words) {
   Settings changed = settings;
@@ -11,6 +17,8 @@ Reply Firmware::Parts::StepsPerMm(const Words& words) {
     const auto steps_per_mm = words.Number(CapitalLetter(axis));
     if (!steps_per_mm) continue;
     if (*steps_per_mm <= 0) return Refuse("M92: steps/mm must be above 0");
+    if (*steps_per_mm > kMostSteps)
+      return Refuse("M92: steps/mm must be below 1000000");
     changed.steps_per_mm[Index(axis)] = *steps_per_mm;
     has_changed = true;
   }
@@ -34,6 +42,7 @@ Reply Firmware::Parts::BacklashSettings(const Words& words) {
     const auto gap_mm = words.Number(CapitalLetter(axis));
     if (!gap_mm) continue;
     if (*gap_mm < 0) return Refuse("M425: backlash must not be negative");
+    if (*gap_mm > kWidest_mm) return Refuse("M425: backlash must be below 100 mm");
     changed.backlash_mm[Index(axis)] = *gap_mm;
     has_changed = true;
   }

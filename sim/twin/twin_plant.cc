@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "sim/base/require.h"
+
 namespace caltwin {
 namespace {
 
@@ -57,6 +59,7 @@ double TwinPlant::Carriage_mm(Axis axis,
 }
 
 void TwinPlant::Begin(const Segment& segment) {
+  Require(segment.to_steps.size() == 3, "three motors move this machine");
   const Vec3<double> from_mm = built_.Drawn_mm(segment.from_steps);
   const Vec3<double> by_steps = segment.to_steps - segment.from_steps;
   Vec3<double> travel = by_steps;

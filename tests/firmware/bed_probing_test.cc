@@ -153,7 +153,58 @@ TEST_F(BedProbingTest, ScrewsStayWhereTheyAreWhenTheirStepsChange) {
   SayAll({"M92 Z400"});
 
   EXPECT_EQ(firmware_.motor_steps(), before);
-  EXPECT_NEAR(firmware_.raised_mm()[1] - firmware_.raised_mm()[0], 2, 1e-9);
+  EXPECT_NEAR(firmware_.raised_mm()[1] - firmware_.raised_mm()[0], 1, 1e-9);
+}
+
+// A bed over the dive height bends what comes down on it.
+TEST_F(BedProbingTest, RefusesABedThatStandsOverTheDiveHeight) {
+  SayAll({"G28", "G1 Z10", "M584 Z0 U1 V2 P5", "G92 U10 V10", "G1 Z1 U1 V1"});
+  SayAll({"M584 Z0:1:2 P3", "G92 Z10"});
+
+  EXPECT_THAT(
+      Say("G30 X20 Y20 S-1").lines,
+      ElementsAre("Error: Probe already triggered before probing move started"));
+  EXPECT_TRUE(firmware_.probed().empty());
+}
+
+TEST_F(BedProbingTest, SplittingHomesNothing) {
+  SayAll({"M584 Z0 U1 V2 P5", "M584 Z0:1:2 P3"});
+  EXPECT_TRUE(Say("G1 Z10").error);
+  SayAll({"G28", "M18 Z", "M584 Z0 U1 V2 P5", "M584 Z0:1:2 P3"});
+  EXPECT_TRUE(Say("G30 X20 Y20 S-1").error);
+  SayAll(
+      {"M584 Z0 U1 V2 P5", "G92 Z10 U10 V10", "G1 Z9.5", "M584 Z0:1:2 P3", "G1 Z10"});
+}
+
+TEST_F(BedProbingTest, ZKeepsItsWorkOffsetWhileSplit) {
+  SayAll({"G28", "G1 Z10", "G10 L2 P1 Z1", "M584 Z0 U1 V2 P5"});
+  EXPECT_THAT(Say("M114").lines[0], HasSubstr("Z:9.000 U:0.000"));
+  SayAll({"G92 U9 V9", "G1 Z9", "M584 Z0:1:2 P3"});
+  EXPECT_LT(firmware_.raised_mm().norm(), 1e-9);
+}
+
+TEST_F(BedProbingTest, NoScrewGoesBeyondItsTravelAndARefusedLineMovesNothing) {
+  SayAll({"G28", "G1 X10 Z10", "M584 Z0 U1 V2 P5", "G92 U10"});
+  EXPECT_TRUE(Say("G1 X50 V9").error);
+  EXPECT_TRUE(Say("G1 X50 U9999").error);
+  EXPECT_THAT(Say("M114").lines[0], HasSubstr("X:10.000"));
+  SayAll({"G1 U240", "M584 Z0:1:2 P3"});
+  EXPECT_THAT(Say("G1 Z250").lines[0], HasSubstr("outside machine limits"));
+  SayAll({"G28", "G1 Z10"});
+  EXPECT_TRUE(Say("G92 Z1" + std::string(200, '0')).error);
+}
+
+// What it was told does not depend on the sense in which the screws came.
+TEST_F(BedProbingTest, BacklashStepsAreNoHeight) {
+  SayAll({"M425 Z0.1 S1", "G28", "G30 X20 Y20 S-1", "G30 X20 Y20 S-1"});
+
+  EXPECT_LT(firmware_.probed()[1].raised_mm.norm(), 1e-9);
+  EXPECT_EQ(firmware_.probed()[1].backlash_mm, 0.1);
+}
+
+TEST_F(BedProbingTest, RestartsWithTheScrewsItBeganWith) {
+  SayAll({"M671 X30:200:30 Y25:25:210 S5", "M999"});
+  EXPECT_THAT(Say("M671").lines[0], HasSubstr("(20.0, 20.0)"));
 }
 
 // G30 with neither P nor S sets Z; with a Z it takes that height for granted.

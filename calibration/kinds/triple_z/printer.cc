@@ -42,6 +42,10 @@ std::optional<double> StoppedHeight_mm(const std::vector<std::string>& lines) {
 }
 
 Expected<std::vector<std::string>> TripleZPrinter::Say(const std::string& line) {
+  if (is_relative_) {
+    is_relative_ = false;
+    if (const auto absolute = Say("G90"); !absolute) return absolute;
+  }
   return bench_.link->Send(line, kPrinterPatience);
 }
 
@@ -71,6 +75,13 @@ void TripleZPrinter::Heard(const std::string& line) {
     return;
   }
   z_mm_.reset();
+  if (code == "G91") is_relative_ = true;
+  if (code == "G90" || code == "M999") is_relative_ = false;
+  constexpr std::array kUnhome = {"M18", "M84", "M112", "M999"};
+  if (std::ranges::find(kUnhome, code) != kUnhome.end()) {
+    is_homed_ = false;
+    LoseHeights();
+  }
   constexpr std::array kLift = {"M584", "G92", "G30", "G32", "M92", "M98"};
   if (std::ranges::find(kLift, code) != kLift.end()) LoseHeights();
 }

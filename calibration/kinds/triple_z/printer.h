@@ -76,6 +76,7 @@ class TripleZPrinter {
   TripleZBench bench_;
   bool is_homed_ = false;
   bool are_heights_known_ = false;
+  bool is_relative_ = false;  ///< Somebody has sent G91.
   /// Of the nozzle over the bed, as the firmware has it; none: it moved by itself.
   std::optional<double> z_mm_{};
   Vec3<double> raised_mm_ = Vec3<double>::Zero();

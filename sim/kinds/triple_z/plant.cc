@@ -107,13 +107,12 @@ std::optional<double> TripleZTwinPlant::Touch_mm(const Stand& stand, double feed
 }
 
 // On the way to the probe's trigger the head stands and all screws go alike.
-Outcome TripleZTwinPlant::RunToProbe(const Segment& segment) {
+Outcome TripleZTwinPlant::RunToProbe(const Segment& segment, bool is_release) {
   const Profile& profile = segment.profile;
   const Stand from = StandAt(segment.from_steps), to = StandAt(segment.to_steps);
   const auto touched_mm = Touch_mm(from, profile.feed_top_mm_s);
-  if (!touched_mm || from.nozzle_mm <= to.nozzle_mm) {
-    return {.time_s = profile.Duration_s()};
-  }
+  const bool goes_up = from.nozzle_mm <= to.nozzle_mm;
+  if (!touched_mm || goes_up != is_release) return {.time_s = profile.Duration_s()};
   const double share = (from.nozzle_mm - *touched_mm) / (from.nozzle_mm - to.nozzle_mm);
   if (share > 1) return {.time_s = profile.Duration_s()};
   return {.stopped = true,
@@ -152,9 +151,10 @@ Outcome TripleZTwinPlant::RunToSwitch(const Segment& segment, Axis axis) const {
 Outcome TripleZTwinPlant::Run(const Segment& segment, const Watch& watch) {
   Outcome outcome{.time_s = segment.profile.Duration_s()};
   is_triggered_ = false;
-  if (watch.kind == Watch::Kind::kProbeTriggered) {
-    outcome = RunToProbe(segment);
-    is_triggered_ = outcome.stopped;
+  const bool is_release = watch.kind == Watch::Kind::kProbeReleased;
+  if (is_release || watch.kind == Watch::Kind::kProbeTriggered) {
+    outcome = RunToProbe(segment, is_release);
+    is_triggered_ = outcome.stopped && !is_release;
   } else if (watch.kind == Watch::Kind::kSwitchClosed) {
     outcome = RunToSwitch(segment, watch.axis);
   }

@@ -52,7 +52,7 @@ class TripleZTwinPlant final : public Plant {
   double BeforeHome_mm(Axis axis, const Stand& stand) const;
   /// Height of the nozzle over the bed at the trigger, as drawn; nullopt: none.
   std::optional<double> Touch_mm(const Stand& stand, double feed_mm_s);
-  Outcome RunToProbe(const Segment& segment);
+  Outcome RunToProbe(const Segment& segment, bool is_release);
   Outcome RunToSwitch(const Segment& segment, Axis axis) const;
 
   BuiltTripleZ built_;

@@ -24,15 +24,18 @@ TripleZRecord::TripleZRecord(const Machine& machine, double sigma_mm)
   }
 }
 
-std::string TripleZRecord::IdOf(double steps_per_mm) {
+std::string TripleZRecord::IdOf(const ProbedPoint& touch) {
   const auto found =
       std::ranges::find_if(header_.settings, [&](const auto& id_and_settings) {
-        return id_and_settings.second.steps_per_mm.at("z") == steps_per_mm;
+        const SettingsInForce& settings = id_and_settings.second;
+        return settings.steps_per_mm.at("z") == touch.steps_per_mm &&
+               settings.backlash_mm.at("z") == touch.backlash_mm;
       });
   if (found != header_.settings.end()) return found->first;
   const std::string id = fmt::format("s{}", header_.settings.size() + 1);
   header_.settings[id] = AsHeader(machine_.settings, *machine_.kind);
-  header_.settings[id].steps_per_mm["z"] = steps_per_mm;
+  header_.settings[id].steps_per_mm["z"] = touch.steps_per_mm;
+  header_.settings[id].backlash_mm["z"] = touch.backlash_mm;
   return id;
 }
 
@@ -45,7 +48,7 @@ void TripleZRecord::Add(const std::string& campaign,
             .kind = RowKind::kTouch,
             .setup = "bed",
             .home = fmt::format("{}", touch.homing),
-            .settings = IdOf(touch.steps_per_mm),
+            .settings = IdOf(touch),
             .t_s = touch.at_s};
     row.cmd_mm = {touch.at_mm[0], touch.at_mm[1], 0};
     const ScrewCells screws = ScrewCellsOf(&row, machine_.kind->drive_map() != nullptr);

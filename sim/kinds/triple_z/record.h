@@ -24,7 +24,7 @@ class TripleZRecord {
   const RowTable& rows() const { return rows_; }
 
  private:
-  std::string IdOf(double steps_per_mm);
+  std::string IdOf(const ProbedPoint& touch);
 
   const Machine& machine_;
   DataHeader header_{};

@@ -207,13 +207,14 @@ std::optional<Vec3<double>> MarlinDelta::Touch(const DeltaModel<double>& setting
   for (int i = 0; i < kNumTowers; ++i) {
     counted_mm[i] /= steps_per_mm_[static_cast<std::size_t>(i)];
   }
+  const Vec3<double> stopped_mm = DeltaNozzle_mm(settings, counted_mm);
+  Go(settings, stopped_mm, stopped_mm + kClearance_mm * Unit(Axis::kZ), kProbe_mm_s);
   if (witness_) witness_(settings, counted_mm);
   return counted_mm;
 }
 
 // Each carriage up to its endstop.
 Reply MarlinDelta::Home() {
-  const Motors up_steps = Motors::Zero(kNumTowers);
   const double most_steps = std::max(steps_.maxCoeff(), 1.0);
   plant_->Run({.from_steps = steps_,
                .to_steps = steps_.array() - most_steps,
@@ -222,7 +223,7 @@ Reply MarlinDelta::Home() {
                            .feed_top_mm_s = kTravel_mm_s,
                            .feed_out_mm_s = kTravel_mm_s}},
               {.kind = Watch::Kind::kSwitchClosed});
-  steps_ = up_steps;
+  steps_.setZero();
   plant_->Settle(steps_);
   at_mm_ = {0, 0, height_mm_};
   is_homed_ = true;
