@@ -239,8 +239,8 @@ TEST(ImportMap, EveryColumnIsConvertedOrRefused) {
   EXPECT_NEAR(row_of("load_n=3[kg]").load_n, 1176.798, 1e-9);
   EXPECT_NEAR(row_of("probe_angle_deg=1[rad]").probe_angle_deg, 114.591559, 1e-6);
   const std::string text = "pos [mm],F [mm/min],dev_um\n1,60,3\n3,120,4\n";
-  const RowTable table = RowsOf(
-      "csv", text, {.map = {"cmd_x_mm=pos,feed_mm_s=F,value_mm=dev_um"}});
+  const RowTable table =
+      RowsOf("csv", text, {.map = {"cmd_x_mm=pos,feed_mm_s=F,value_mm=dev_um"}});
   EXPECT_EQ(table.rows[1].feed_mm_s, 2);
   EXPECT_THAT(
       MapFault("cmd_x_mm=1,value_mm=3[um],feed_mm_s=2[banana]", text),
