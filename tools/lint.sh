@@ -56,7 +56,7 @@ source_of() {
   elif [[ -f $own ]]; then
     echo "$own"
   else
-    sources '*.cc' | xargs grep -lF "\"$1\"" | head -n 1 || true
+    sources '*.cc' | xargs grep -lF "\"$1\"" 2>/dev/null | head -n 1 || true
   fi
 }
 

@@ -206,7 +206,7 @@ std::vector<int> GroupsBy(const Observed& o, const Key& key_of, int most) {
 }
 
 std::string RunOf(const Row& row) {
-  return row.rep > 0 ? std::to_string(row.rep) : "";
+  return row.rep ? std::to_string(*row.rep) : "";
 }
 
 std::string PoseOf(const Row& row) {

@@ -321,12 +321,12 @@ void DoubtRuns(const RowTable& table, std::vector<Doubt>* doubts) {
   using Key = std::tuple<std::string, std::string, std::array<long, 3>>;
   std::map<Key, std::map<std::int64_t, std::vector<const Row*>>> campaigns;
   for (const Row& row : table.rows) {
-    if (row.rep <= 0) continue;
+    if (!row.rep) continue;
     std::array<long, 3> n{};
     for (int axis = 0; axis < 3; ++axis) {
       n[axis] = Known(row.n[axis]) ? std::lround(1000 * row.n[axis]) : 0;
     }
-    campaigns[{row.campaign, row.settings, n}][row.rep].push_back(&row);
+    campaigns[{row.campaign, row.settings, n}][*row.rep].push_back(&row);
   }
   for (const auto& [key, by_run] : campaigns) {
     const std::array<long, 3>& n = std::get<2>(key);

@@ -254,7 +254,7 @@ void DoubtSteps(const RowTable& table,
 RowTable RunsAsCampaigns(const RowTable& table) {
   RowTable by_run = table;
   for (Row& row : by_run.rows) {
-    if (row.rep > 0) row.campaign += fmt::format(" (run {})", row.rep);
+    if (row.rep) row.campaign += fmt::format(" (run {})", *row.rep);
   }
   return by_run;
 }

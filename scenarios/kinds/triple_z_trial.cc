@@ -151,7 +151,7 @@ void TripleZTrial::AddParameters(const Expectation& /*expect*/,
 TrueEnd TripleZTrial::End(const std::vector<ProcedureResult>& /*results*/,
                           RunResult* result) {
   const TrueLevel after = LevelNow();
-  if (!firmware_.is_homed()) {
+  if (!firmware_.is_homed(Axis::kZ)) {
     result->messages.push_back(
         "Z is not homed: its firmware does not know where the bed stands");
   }

@@ -76,8 +76,8 @@ Vec3<double> Firmware::direction() const {
   return parts_->motion.senses();
 }
 
-bool Firmware::is_homed() const {
-  return parts_->IsHomed();
+bool Firmware::is_homed(Axis axis) const {
+  return parts_->motion.is_homed(axis);
 }
 
 const Pivots<double>& Firmware::leadscrews_mm() const {

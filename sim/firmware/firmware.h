@@ -66,7 +66,7 @@ class Firmware final : public EmulatedController {
   Vec3<double> direction() const;
 
   /// @name A bed that is probed (G30)
-  bool is_homed() const;
+  bool is_homed(Axis axis) const;
   /// Where it believes the screws to stand; only with options.leadscrews.
   const Pivots<double>& leadscrews_mm() const;
   /// How much higher than z alone has it each screw is told to stand, whole steps.

@@ -1,6 +1,7 @@
 #include "sim/firmware/plant.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace caltwin {
 namespace {
@@ -56,6 +57,24 @@ double Profile::Feed_mm_s(double t_s) const {
   return std::min({feed_top_mm_s,
                    feed_in_mm_s + acceleration_mm_s2 * t_s,
                    feed_out_mm_s + acceleration_mm_s2 * left_s});
+}
+
+double Profile::Time_s(double distance_mm) const {
+  const double a = acceleration_mm_s2;
+  const double top = feed_top_mm_s;
+  const double up_mm = (top * top - feed_in_mm_s * feed_in_mm_s) / (2 * a);
+  const double down_mm = (top * top - feed_out_mm_s * feed_out_mm_s) / (2 * a);
+  const double s_mm = std::clamp(distance_mm, 0.0, length_mm);
+  if (s_mm < up_mm) {
+    return (std::sqrt(feed_in_mm_s * feed_in_mm_s + 2 * a * s_mm) - feed_in_mm_s) / a;
+  }
+  const double up_s = (top - feed_in_mm_s) / a;
+  const double along_mm = length_mm - up_mm - down_mm;
+  if (s_mm <= up_mm + along_mm) return up_s + (s_mm - up_mm) / top;
+  const double left_mm = length_mm - s_mm;
+  const double feed =
+      std::sqrt(feed_out_mm_s * feed_out_mm_s + 2 * a * std::max(0.0, left_mm));
+  return up_s + std::max(0.0, along_mm) / top + (top - feed) / a;
 }
 
 Motors Segment::Steps(double t_s) const {

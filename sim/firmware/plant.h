@@ -20,6 +20,8 @@ struct Profile {
   double Duration_s() const;
   /// Distance gone at time t, clamped to 0 .. length_mm.
   double Distance_mm(double t_s) const;
+  /// Its inverse.
+  double Time_s(double distance_mm) const;
   double Feed_mm_s(double t_s) const;
 };
 

@@ -18,8 +18,10 @@ struct Component {
 };
 
 /// Where in a `Row` a column's value stands.
-using Member =
-    std::variant<double Row::*, Component, std::int64_t Row::*, std::string Row::*>;
+using Member = std::variant<double Row::*,
+                            Component,
+                            std::optional<std::int64_t> Row::*,
+                            std::string Row::*>;
 
 /// A column of measured rows, format 1: its name in the file and what it may hold.
 /// `row`, `kind` and `value_mm` have rules of their own (sim/measure/rows.cc).

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -27,11 +28,11 @@ enum class RowKind { kPosition, kTouch, kRadial };
 /// configured tip radius along -n. In general touch = -(motion error) . n - pre-travel
 /// - b/2 + (R_true - R_cfg) + (artefact error) . n.
 struct Row {
-  std::int64_t row = 0;  ///< Running number in the order measured, from 1.
+  std::int64_t row = 0;  ///< Running number in the order measured.
   std::string campaign{};
   RowKind kind = RowKind::kPosition;
   std::string setup{}, home{}, settings{};
-  std::int64_t rep = 0;  ///< 0: unknown.
+  std::optional<std::int64_t> rep{};  ///< Counted from any number.
   double t_s = kUnknown;
   double temp_screw_c = kUnknown, temp_frame_c = kUnknown, temp_bed_c = kUnknown;
   double temp_chamber_c = kUnknown, temp_ambient_c = kUnknown;

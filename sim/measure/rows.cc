@@ -78,7 +78,6 @@ class Reader {
                        "no measured rows: only a header stands here");
     }
     table_.comments = csv_.comments();
-    CountRepsFromOne();
     return std::move(table_);
   }
 
@@ -183,7 +182,7 @@ class Reader {
       return;
     }
     Row row{.place = PlaceOf(record.front())};
-    has_number_ = has_rep_ = false;
+    number_.reset();
     for (std::size_t i = 0; i < record.size(); ++i) {
       ReadField(targets_[i], record[i], &row);
     }
@@ -192,16 +191,15 @@ class Reader {
     }
     CheckPose(&row);
     CheckNumber(&row);
-    if (has_rep_) counted_.push_back(table_.rows.size());
     table_.rows.push_back(std::move(row));
   }
 
   void ReadField(const Target& target, const CsvField& field, Row* row) {
     switch (target.what) {
       case Target::What::kRow:
-        row->row = Integer(
+        number_ = Integer(
             target.name, field, {-1e15, 1e15}, "rows are counted, from any number");
-        has_number_ = !field.text.empty();
+        row->row = number_.value_or(0);
         return;
       case Target::What::kKind:
         ReadKind(field, row);
@@ -256,12 +254,11 @@ class Reader {
       FailValue(column.name, field, "is not -1, 0 or 1", column.hint);
     }
   }
-  void Assign(std::int64_t Row::*member,
+  void Assign(std::optional<std::int64_t> Row::*member,
               const Column& column,
               const CsvField& field,
               Row* row) {
     row->*member = Integer(column.name, field, column.bounds, column.hint);
-    has_rep_ = !field.text.empty();
   }
   void Assign(std::string Row::*member,
               const Column& /*column*/,
@@ -307,12 +304,12 @@ class Reader {
     return kUnknown;
   }
 
-  std::int64_t Integer(std::string_view name,
-                       const CsvField& field,
-                       Bounds bounds,
-                       std::string_view hint) {
+  std::optional<std::int64_t> Integer(std::string_view name,
+                                      const CsvField& field,
+                                      Bounds bounds,
+                                      std::string_view hint) {
     const double value = Number(name, field, bounds, hint);
-    if (!Known(value)) return 0;
+    if (!Known(value)) return std::nullopt;
     if (value != std::round(value))
       FailValue(name, field, "is not a whole number", hint);
     return static_cast<std::int64_t>(value);
@@ -357,22 +354,12 @@ class Reader {
     }
   }
 
-  // Scripts count from 0; 0 is what a row has that states no repetition.
-  void CountRepsFromOne() {
-    if (counted_.empty()) return;
-    const auto least = std::ranges::min(
-        counted_, {}, [&](std::size_t i) { return table_.rows[i].rep; });
-    const std::int64_t before = 1 - table_.rows[least].rep;
-    if (before <= 0) return;
-    for (const std::size_t i : counted_) table_.rows[i].rep += before;
-  }
-
   void CheckNumber(Row* row) {
     const bool has_column = std::ranges::any_of(
         targets_, [](const Target& t) { return t.what == Target::What::kRow; });
     if (!has_column) {
       row->row = static_cast<std::int64_t>(table_.rows.size()) + 1;
-    } else if (!has_number_) {
+    } else if (!number_) {
       faults_.Add(row->place,
                   "row is empty or no number",
                   "number every row, or leave the column out: then they count in file "
@@ -392,8 +379,7 @@ class Reader {
   std::vector<Target> targets_;
   int pose_columns_ = 0;
   std::map<std::int64_t, int> line_of_;
-  bool has_number_ = false, has_rep_ = false;  ///< The row being read.
-  std::vector<std::size_t> counted_{};         ///< Rows that state a repetition.
+  std::optional<std::int64_t> number_{};  ///< That the row being read states.
   RowTable table_;
 };
 

@@ -17,8 +17,8 @@ std::string Text(double value) {
   Require(std::isfinite(value), "a measured row holds an infinite number");
   return fmt::format("{}", value);
 }
-std::string Text(std::int64_t value) {
-  return value == 0 ? "" : fmt::format("{}", value);
+std::string Text(const std::optional<std::int64_t>& value) {
+  return value ? fmt::format("{}", *value) : "";
 }
 std::string Text(const std::string& value) {
   return CsvQuoted(value);
@@ -31,7 +31,8 @@ std::string TextOf(const Column& column, const Row& row) {
   if (const auto* number = std::get_if<double Row::*>(&column.member)) {
     return Text(row.**number);
   }
-  if (const auto* integer = std::get_if<std::int64_t Row::*>(&column.member)) {
+  if (const auto* integer =
+          std::get_if<std::optional<std::int64_t> Row::*>(&column.member)) {
     return Text(row.**integer);
   }
   return Text(row.*std::get<std::string Row::*>(column.member));

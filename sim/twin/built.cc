@@ -92,7 +92,7 @@ void Built::Prepare() {
       }
       // Without links, what would turn a delta's parts (a belt's pitch) moves the tool.
       const bool moves_tool =
-          kind == ActKind::kReadingMap || kind == ActKind::kDeltaBuild;
+          kind == ActKind::kReadingMap || kind == ActKind::kLinkBuild;
       if (moves_tool) tool_effects.push_back(effect);
     }
     if (kind == ActKind::kArtefactMap) surface_effects.push_back(effect);

@@ -83,7 +83,7 @@ Outcome FastPlant::Run(const Segment& segment, const Watch& watch) {
   Outcome outcome{.time_s = duration_s};
   double gone_mm = 0;
   for (int i = 0; i < kMostAdvances && gone_mm < segment.profile.length_mm; ++i) {
-    const double t_s = TimeAt_s(segment.profile, gone_mm);
+    const double t_s = segment.profile.Time_s(gone_mm);
     const Ahead ahead = Look(watch, segment, segment.Steps(t_s), allowed_mm);
     const double free_mm = std::min(ahead.watched_mm, ahead.collision_mm);
     if (free_mm <= kReached_mm) {

@@ -206,9 +206,8 @@ double PhysicsPlant::Jump(const Segment& segment, const Watch& watch, double t_s
   const double gone_mm = segment.profile.Distance_mm(t_s);
   const double duration_s = segment.profile.Duration_s();
   const double to_mm = gone_mm + Caution() * free_mm * scale;
-  const double to_s = to_mm >= segment.profile.length_mm
-                          ? duration_s
-                          : TimeAt_s(segment.profile, to_mm);
+  const double to_s =
+      to_mm >= segment.profile.length_mm ? duration_s : segment.profile.Time_s(to_mm);
   if (to_s < t_s + kStepsBeforeContact * kTimestep_s / 4 && to_s < duration_s)
     return t_s;
   PlaceAt(segment, to_s);

@@ -132,24 +132,4 @@ std::string TwinPlant::CollisionText() const {
                      built_.machine.probe.overtravel_mm);
 }
 
-double TimeAt_s(const Profile& p, double distance_mm) {
-  const double a = p.acceleration_mm_s2;
-  const double top = p.feed_top_mm_s;
-  const double up_mm = (top * top - p.feed_in_mm_s * p.feed_in_mm_s) / (2 * a);
-  const double down_mm = (top * top - p.feed_out_mm_s * p.feed_out_mm_s) / (2 * a);
-  const double s_mm = std::clamp(distance_mm, 0.0, p.length_mm);
-  if (s_mm < up_mm) {
-    return (std::sqrt(p.feed_in_mm_s * p.feed_in_mm_s + 2 * a * s_mm) -
-            p.feed_in_mm_s) /
-           a;
-  }
-  const double up_s = (top - p.feed_in_mm_s) / a;
-  const double along_mm = p.length_mm - up_mm - down_mm;
-  if (s_mm <= up_mm + along_mm) return up_s + (s_mm - up_mm) / top;
-  const double left_mm = p.length_mm - s_mm;
-  const double feed =
-      std::sqrt(p.feed_out_mm_s * p.feed_out_mm_s + 2 * a * std::max(0.0, left_mm));
-  return up_s + std::max(0.0, along_mm) / top + (top - feed) / a;
-}
-
 }  // namespace caltwin

@@ -76,10 +76,6 @@ class TwinPlant : public Plant {
 bool WatchesProbe(const Watch& watch);
 bool WatchesSwitch(const Watch& watch);
 
-/// The time at which a move has gone `distance_mm`, the inverse of
-/// Profile::Distance_mm.
-double TimeAt_s(const Profile& profile, double distance_mm);
-
 /// Motor steps at power-up: the tool in the middle, near the top.
 Vec3<double> PowerUpSteps(const Built& built);
 

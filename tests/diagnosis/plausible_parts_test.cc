@@ -153,7 +153,7 @@ TEST(PlausibleRuns, SomeRunsWrittenDownOtherwise) {
 TEST(PlausibleRuns, AScrewThatWarmsIsNoReversedSign) {
   RowTable table = FiveRuns();
   for (Row& row : table.rows) {
-    const double grown = 0.05 * (static_cast<double>(row.rep) - 3);
+    const double grown = 0.05 * (static_cast<double>(*row.rep) - 3);
     row.value_mm += MmFromUm((grown - 0.05) * row.cmd_mm[0]);
   }
   EXPECT_THAT(RefusalsOf(table), IsEmpty());

@@ -127,7 +127,7 @@ TEST(Plausible, CopiesOfRowsAreToldAndTheLaterOnesNamed) {
 
 TEST(Plausible, AFilePastedTwiceIsToldWithoutRepetitionsToo) {
   RowTable table = X();
-  for (Row& row : table.rows) row.rep = 0;
+  for (Row& row : table.rows) row.rep.reset();
   EXPECT_THAT(KindsOf(table), IsEmpty());  // A few equal readings are no copies.
   const std::vector<Row> rows = table.rows;
   for (const Row& row : rows) {

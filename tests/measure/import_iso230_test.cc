@@ -27,7 +27,7 @@ std::string EcmcText(const RowTable& table) {
     (row.dir[0] > 0 ? forward : backward) += fmt::format("REF_DATA_{}[{},{}]={:.9f}\n",
                                                          row.dir[0] > 0 ? "FWD" : "BWD",
                                                          position,
-                                                         row.rep,
+                                                         *row.rep,
                                                          row.cmd_mm[0] + row.value_mm);
   }
   return "TEST_DATA=# derived from x.log\n#\nTGT_SET_PV=TARGET_DU:X-PosCmd\nUNIT=mm\n" +

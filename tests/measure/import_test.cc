@@ -235,6 +235,9 @@ TEST(ImportMap, EveryColumnIsConvertedOrRefused) {
   EXPECT_NEAR(row_of("feed_mm_s=3[ipm]").feed_mm_s, 50.8, 1e-12);
   EXPECT_NEAR(row_of("feed_mm_s=3[m/min]").feed_mm_s, 2000, 1e-9);
   EXPECT_EQ(row_of("feed_mm_s=3").feed_mm_s, 120);
+  const RowTable from_nought =
+      RowsOf("csv", "1 5 0\n2 5 1\n", {.map = {"cmd_x_mm=1,value_mm=2[um],rep=3"}});
+  EXPECT_EQ(from_nought.rows[0].rep, 0);
   EXPECT_NEAR(row_of("load_n=3[lbf]").load_n, 533.7866, 1e-4);
   EXPECT_NEAR(row_of("load_n=3[kg]").load_n, 1176.798, 1e-9);
   EXPECT_NEAR(row_of("probe_angle_deg=1[rad]").probe_angle_deg, 114.591559, 1e-6);

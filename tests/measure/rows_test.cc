@@ -190,17 +190,15 @@ TEST(Rows, NumbersAreFiniteAndHaveADot) {
                     "  an unknown value is an empty field between its commas"));
 }
 
-// Scripts count from 0; what states none has none.
+// As scripts do; what states none has none.
 TEST(Rows, RowsAndRepetitionsCountFromAnyNumber) {
-  const auto reps_of = [](const std::string& lines) {
-    std::vector<std::int64_t> reps;
-    const std::string text = "row,campaign,rep,cmd_x_mm,value_mm\n" + lines;
-    for (const Row& row : ParseRows(text, "d.csv").rows) reps.push_back(row.rep);
-    return reps;
-  };
-  EXPECT_THAT(reps_of("0,a,0,1,0\n1,a,1,1,0\n2,a,,1,0\n"), ElementsAre(1, 2, 0));
-  EXPECT_THAT(reps_of("-3,a,-2,1,0\n-2,a,5,1,0\n"), ElementsAre(1, 8));
-  EXPECT_THAT(reps_of("7,a,3,1,0\n8,a,4,1,0\n"), ElementsAre(3, 4));
+  const std::string heading = "row,campaign,rep,cmd_x_mm,value_mm\n";
+  const RowTable counted =
+      ParseRows(heading + "0,a,0,1,0\n1,a,-2,1,0\n2,a,,1,0\n", "d");
+  EXPECT_EQ(counted.rows[0].rep, 0);
+  EXPECT_EQ(counted.rows[1].rep, -2);
+  EXPECT_FALSE(counted.rows[2].rep);
+  EXPECT_THAT(RowsText(counted), HasSubstr("\n0,position,a,0,"));
   const RowTable table =
       ParseRows("row,campaign,cmd_x_mm,value_mm\n0,a,1,0\n4,a,2,0\n", "d");
   EXPECT_EQ(table.rows[0].row, 0);

@@ -1,5 +1,8 @@
+#include <algorithm>
+#include <array>
 #include <iostream>
 #include <memory>
+#include <string_view>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -49,11 +52,6 @@ int RunMeasured(const CompareAsked& options) {
                      "is of random machines; only one was measured",
                      "--draws says how often each noisy row is drawn");
   }
-  if (options.kind != "delta") {
-    throw InputError({.file = "--machine"},
-                     "only a delta has been measured",
-                     "caltwin compare delta --machine measured");
-  }
   ProgressLine line;
   const auto tasks = CompareMeasuredDelta(
       options.draws, options.seed, [&](const std::string& name) { line.Show(name); });
@@ -62,34 +60,43 @@ int RunMeasured(const CompareAsked& options) {
   return InterruptRequested() ? kInterrupted : kPassed;
 }
 
+// `compare(machines, seed, progress)`, and its result as text and as JSON.
+template <auto compare, auto text, auto json>
 int RunRandom(const CompareAsked& options) {
   ProgressLine line;
-  const auto progress = [&](int done) {
+  const auto comparison = compare(options.machines, options.seed, [&](int done) {
     line.Show(fmt::format("machine {} of {}", done + 1, options.machines));
-  };
-  if (options.kind == "levelling") {
-    const LevellingComparison comparison =
-        CompareLevelling(options.machines, options.seed, progress);
-    line.Clear();
-    Write(options,
-          LevellingComparisonText(comparison),
-          LevellingComparisonJson(comparison));
-    return comparison.is_interrupted ? kInterrupted : kPassed;
-  }
-  if (options.kind == "backlash") {
-    const BacklashComparison comparison =
-        CompareBacklash(options.machines, options.seed, progress);
-    line.Clear();
-    Write(options,
-          BacklashComparisonText(comparison),
-          BacklashComparisonJson(comparison));
-    return comparison.is_interrupted ? kInterrupted : kPassed;
-  }
-  const DeltaComparison comparison =
-      CompareDelta(options.machines, options.seed, progress);
+  });
   line.Clear();
-  Write(options, DeltaComparisonText(comparison), DeltaComparisonJson(comparison));
+  Write(options, text(comparison), json(comparison));
   return comparison.is_interrupted ? kInterrupted : kPassed;
+}
+
+/// What is calibrated on random machines; `on_measured`: on one that was measured.
+struct Comparison {
+  std::string_view name;
+  int (*on_random)(const CompareAsked& options);
+  int (*on_measured)(const CompareAsked& options) = nullptr;
+};
+constexpr std::array kComparisons = {
+    Comparison{"delta",
+               RunRandom<CompareDelta, DeltaComparisonText, DeltaComparisonJson>,
+               RunMeasured},
+    Comparison{
+        "levelling",
+        RunRandom<CompareLevelling, LevellingComparisonText, LevellingComparisonJson>},
+    Comparison{
+        "backlash",
+        RunRandom<CompareBacklash, BacklashComparisonText, BacklashComparisonJson>}};
+
+int RunCompare(const CompareAsked& options) {
+  const auto* const asked =
+      std::ranges::find(kComparisons, options.kind, &Comparison::name);
+  if (options.machine != "measured") return asked->on_random(options);
+  if (asked->on_measured != nullptr) return asked->on_measured(options);
+  throw InputError({.file = "--machine"},
+                   "only a delta has been measured",
+                   "caltwin compare delta --machine measured");
 }
 
 }  // namespace
@@ -120,7 +127,7 @@ Action DeclareCompare(CLI::App* app) {
       "--json", options->json, "write the figures as JSON; - for stdout alone");
   return [options, machines] {
     options->has_machines = machines->count() > 0;
-    return options->machine == "measured" ? RunMeasured(*options) : RunRandom(*options);
+    return RunCompare(*options);
   };
 }
 

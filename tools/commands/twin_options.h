@@ -5,8 +5,6 @@
 #include <vector>
 
 #include "scenarios/machine_file.h"
-#include "sim/kinds/delta/perform.h"
-#include "sim/kinds/delta/twin.h"
 #include "sim/machine/artefact.h"
 #include "sim/twin/twin.h"
 
@@ -26,18 +24,8 @@ struct TwinOptions {
 /// speak no G-code here only `only_measures` takes.
 TwinConfig MakeTwinConfig(const TwinOptions& options, bool only_measures = false);
 
-/// A delta that measures, as `file` and the truth file have it; `options.machine` is
-/// not read.
-DeltaPerformConfig MakeDeltaConfig(const MachineFile& file, const TwinOptions& options);
-
-/// A delta that G-code drives; likewise. Throws InputError where the truth holds what
-/// is no part of it.
-DeltaTwinConfig MakeDeltaTwinConfig(const MachineFile& file,
-                                    const TwinOptions& options);
-
-/// @name Of a delta's instruments: what one reading scatters by [mm]
-double ProbeSigma_mm(const Instruments& instruments);     ///< 0 where none is stated.
-double CalliperSigma_mm(const Instruments& instruments);  ///< 0.02 likewise.
+/// By how much one touch of the probe scatters [mm]; 0 where nobody stated it.
+double ProbeSigma_mm(const Instruments& instruments);
 
 /// Reads `twin:M.yaml?truth=T.yaml&fidelity=fast&seed=7`. Throws InputError.
 TwinOptions TwinOptionsOf(const std::string& url);

@@ -10,14 +10,14 @@ namespace caltwin {
 
 /// Where an effect acts in the physics.
 enum class ActKind {
-  kEditModel,   ///< Bodies, joints, springs of the model, before it is compiled.
-  kDriveMap,    ///< Where the motors put the nuts: steps to position, the gap's width.
-  kReadingMap,  ///< The tip's place and the probe's switch, while it runs.
-  kTableMap,    ///< How the table stands under the tip, while it runs.
-  kDeltaBuild,  ///< The parts of a delta, before its model is made (TurnsOf).
-  kTripleZBuild,  ///< Where a bed's screws stand, before its model is made.
-  kStationMap,    ///< Parts of a printer's station, while it runs: ZStationMachine.
-  kArtefactMap,   ///< Size and turn of what lies on the table: BuiltArtefacts.
+  kEditModel,    ///< Bodies, joints, springs of the model, before it is compiled.
+  kDriveMap,     ///< Where the motors put the nuts: steps to position, the gap's width.
+  kReadingMap,   ///< The tip's place and the probe's switch, while it runs.
+  kTableMap,     ///< How the table stands under the tip, while it runs.
+  kLinkBuild,    ///< Parts of a chain of rods, before its model is made (TurnsOf).
+  kScrewBuild,   ///< Where a bed's screws stand, before its model is made.
+  kStationMap,   ///< Parts of a printer's station, while it runs: ZStationMachine.
+  kArtefactMap,  ///< Size and turn of what lies on the table: BuiltArtefacts.
 };
 
 struct ActOf {

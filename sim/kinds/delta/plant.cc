@@ -9,7 +9,6 @@
 #include "sim/machine/kinds/delta/drawing.h"
 #include "sim/machine/kinds/delta/model.h"
 #include "sim/machine/kinds/delta/sprung_probe.h"
-#include "sim/twin/twin_plant.h"
 
 namespace caltwin {
 
@@ -139,7 +138,7 @@ Outcome DeltaTwinPlant::RunToProbe(const Segment& segment) {
   found_mm_ = gone_mm;
   if (built_.scatter_mm > 0) gone_mm -= built_.scatter_mm * scatter_.Normal();
   if (gone_mm > profile.length_mm) return {.time_s = profile.Duration_s()};
-  return {.stopped = true, .time_s = TimeAt_s(profile, std::max(gone_mm, 0.0))};
+  return {.stopped = true, .time_s = profile.Time_s(std::max(gone_mm, 0.0))};
 }
 
 Outcome DeltaTwinPlant::Run(const Segment& segment, const Watch& watch) {

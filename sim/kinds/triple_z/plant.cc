@@ -9,7 +9,6 @@
 #include "sim/kinds/perform.h"
 #include "sim/machine/kinds/triple_z/drawing.h"
 #include "sim/machine/machine_kind.h"
-#include "sim/twin/twin_plant.h"
 
 namespace caltwin {
 namespace {
@@ -116,7 +115,7 @@ Outcome TripleZTwinPlant::RunToProbe(const Segment& segment, bool is_release) {
   const double share = (from.nozzle_mm - *touched_mm) / (from.nozzle_mm - to.nozzle_mm);
   if (share > 1) return {.time_s = profile.Duration_s()};
   return {.stopped = true,
-          .time_s = TimeAt_s(profile, std::max(share, 0.0) * profile.length_mm)};
+          .time_s = profile.Time_s(std::max(share, 0.0) * profile.length_mm)};
 }
 
 Outcome TripleZTwinPlant::RunToSwitch(const Segment& segment, Axis axis) const {
@@ -130,7 +129,7 @@ Outcome TripleZTwinPlant::RunToSwitch(const Segment& segment, Axis axis) const {
   if (axis != Axis::kZ) {
     const double share = share_of(BeforeHome_mm(axis, from), BeforeHome_mm(axis, to));
     if (share > 1) return {.time_s = profile.Duration_s()};
-    return {.stopped = true, .time_s = TimeAt_s(profile, share * profile.length_mm)};
+    return {.stopped = true, .time_s = profile.Time_s(share * profile.length_mm)};
   }
   // Each screw stops at its own.
   Motors stand_steps = segment.to_steps;
@@ -144,7 +143,7 @@ Outcome TripleZTwinPlant::RunToSwitch(const Segment& segment, Axis axis) const {
   }
   if (last > 1) return {.time_s = profile.Duration_s()};
   return {.stopped = true,
-          .time_s = TimeAt_s(profile, last * profile.length_mm),
+          .time_s = profile.Time_s(last * profile.length_mm),
           .stand_steps = stand_steps};
 }
 

@@ -174,7 +174,7 @@ class FrameLogReader {
     row.value_mm = (position - start_steps_) * header_.step_mm;
     if (const auto sample = IndexOf("sample")) {
       const double rep = NumberIn(record[*sample], "sample", name_, &faults_);
-      if (rep >= 0 && rep < 1e9) row.rep = static_cast<std::int64_t>(rep) + 1;
+      if (rep >= 0 && rep < 1e9) row.rep = static_cast<std::int64_t>(rep);
     }
     for (const LogColumn& column : kColumns) {
       const auto index = IndexOf(column.name);

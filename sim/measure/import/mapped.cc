@@ -186,7 +186,7 @@ class Mapper {
         fmt::format("{} = {} is not -1, 0 or 1", bound.assignment.target, value),
         std::string(bound.column->hint));
   }
-  void Assign(std::int64_t Row::*member,
+  void Assign(std::optional<std::int64_t> Row::*member,
               const Bound& bound,
               const CsvField& field,
               Row* row) {

@@ -12,6 +12,7 @@
 #include "sim/kinds/delta/twin.h"
 #include "sim/machine/kinds/delta/drawing.h"
 #include "tools/commands/kinds/desks.h"
+#include "tools/commands/kinds/simulated_delta.h"
 
 namespace caltwin {
 namespace {

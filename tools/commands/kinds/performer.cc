@@ -2,9 +2,9 @@
 
 #include <utility>
 
-#include "sim/kinds/delta/perform.h"
 #include "sim/kinds/perform.h"
 #include "sim/machine/kinds/kinds.h"
+#include "tools/commands/kinds/simulated_delta.h"
 
 namespace caltwin {
 namespace {

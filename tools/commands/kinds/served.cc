@@ -12,6 +12,7 @@
 #include "sim/machine/kinds/triple_z/drawing.h"
 #include "sim/machine/machine_kind.h"
 #include "sim/twin/twin.h"
+#include "tools/commands/kinds/simulated_delta.h"
 #include "tools/commands/kinds/simulated_printer.h"
 #include "tools/commands/kinds/simulated_stage.h"
 #include "tools/commands/kinds/simulated_station.h"
