@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "calibration/kinds/triple_z/printer.h"
+#include "calibration/kinds/triple_z/procedures.h"
 #include "sim/machine/kinds/triple_z/drawing.h"
 #include "tests/firmware/screw_bed.h"
 
@@ -48,6 +49,28 @@ TEST(TripleZPrinter, ScrewsAreAtTheHeightsAskedForWhateverMovedThemBefore) {
   ASSERT_FALSE(firmware.Execute("G92 Z17").error);
   printer.Heard("G92 Z17");
   EXPECT_LT(off_mm(), kStep_mm);
+}
+
+// Raised by 3 mm the far corner stands over the height from which the probe dives.
+TEST(TripleZPrinter, AScrewIsMovedByLessWhereTheBedComesTooNear) {
+  ScrewBed bed([](const Vec3<double>& raised_mm, double x_mm, double y_mm) {
+    return ScrewWeights<double>(kDrawn_mm, x_mm, y_mm)
+        .dot(raised_mm + Vec3<double>(-2, 0.5, 0.5));
+  });
+  const Machine machine = ScrewBedMachine();
+  Firmware firmware(
+      machine, machine.settings, {.leadscrews = Leadscrews{.at_mm = kDrawn_mm}}, &bed);
+  EmulatedLink wire(&firmware);
+  TripleZPrinter printer({.link = &wire, .drawn_mm = kDrawn_mm});
+
+  const TripleZResult found = RunPivotsAndWiring(&printer, {.test_mm = 3});
+
+  EXPECT_EQ(found.result.ending, Ending::kDone) << found.result.fault;
+  ASSERT_TRUE(found.response);
+  for (std::size_t i = 0; i < kDrawn_mm.size(); ++i) {
+    EXPECT_LT((found.response->at_mm[i] - kDrawn_mm[i]).norm(), 0.2) << i;
+  }
+  EXPECT_LT(firmware.raised_mm().norm(), 1e-9);  // Put back.
 }
 
 }  // namespace

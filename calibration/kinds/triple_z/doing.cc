@@ -129,22 +129,46 @@ BedPlane LevelPlane(double level_mm) {
   return plane;
 }
 
+namespace {
+
+// Touches with one screw moved alone, and put back. Where the bed comes too near or too
+// far to be touched it is moved by less.
+std::optional<RaisedTouches> TryScrew(TripleZPrinter* printer,
+                                      const std::vector<Eigen::Vector2d>& points,
+                                      const Vec3<double>& test_mm,
+                                      Doing* doing) {
+  constexpr double kLeastPart = 0.25;
+  for (double part = 1;; part /= 2) {
+    const Vec3<double> up_mm = part * test_mm;
+    if (!doing->Did(printer->Raise(up_mm))) return std::nullopt;
+    auto touches = printer->ProbeAll(points);
+    const bool is_untouched =
+        !touches && (touches.error().kind == MachineFault::Kind::kNoTrigger ||
+                     touches.error().kind == MachineFault::Kind::kRefused);
+    if ((touches || is_untouched) && !doing->Did(printer->Raise(-up_mm))) {
+      return std::nullopt;
+    }
+    if (touches) return RaisedTouches{up_mm, *std::move(touches)};
+    if (!is_untouched || part <= kLeastPart) {
+      doing->Fail(touches.error());
+      return std::nullopt;
+    }
+  }
+}
+
+}  // namespace
+
 std::optional<std::vector<RaisedTouches>> TryScrews(TripleZPrinter* printer,
                                                     const TripleZOptions& o,
                                                     Doing* doing) {
   const auto points = ProbeGrid(printer->bench(), 3, 3, o.margin_mm);
-  std::vector<RaisedTouches> stands;
-  const auto touch = [&](const Vec3<double>& raised_mm) {
-    auto touches = doing->Got(printer->ProbeAll(points));
-    if (!touches) return false;
-    stands.push_back({raised_mm, *std::move(touches)});
-    return true;
-  };
-  if (!touch(Vec3<double>::Zero())) return std::nullopt;
+  auto as_found = doing->Got(printer->ProbeAll(points));
+  if (!as_found) return std::nullopt;
+  std::vector<RaisedTouches> stands = {{Vec3<double>::Zero(), *std::move(as_found)}};
   for (int i = 0; i < kNumScrews; ++i) {
-    const Vec3<double> up_mm = o.test_mm * Vec3<double>::Unit(i);
-    if (!doing->Did(printer->Raise(up_mm)) || !touch(up_mm)) return std::nullopt;
-    if (!doing->Did(printer->Raise(-up_mm))) return std::nullopt;
+    auto tried = TryScrew(printer, points, o.test_mm * Vec3<double>::Unit(i), doing);
+    if (!tried) return std::nullopt;
+    stands.push_back(*std::move(tried));
   }
   return stands;
 }

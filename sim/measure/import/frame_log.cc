@@ -117,6 +117,8 @@ class FrameLogReader {
           "caltwin import csv FILE --map ...");
     }
     faults_.ThrowIfAny();
+    time_at_ = IndexOf("time").value_or(0);
+    steps_at_ = IndexOf("mcu_pos_z").value_or(0);
     for (const LogColumn& column : kColumns) {
       if (column.member == nullptr && IndexOf(column.name)) {
         imported_.table.extra_columns.emplace_back(column.extra);
@@ -134,7 +136,7 @@ class FrameLogReader {
   void RequireStep() {
     if (Known(header_.step_mm)) return;
     throw InputError(
-        PlaceOf(columns_[*IndexOf("mcu_pos_z")], name_),
+        PlaceOf(columns_[steps_at_], name_),
         "mcu_pos_z counts motor steps, and nothing here says how long one is",
         "say it: --step-mm, rotation_distance / gear ratio / (full steps "
         "per turn * microsteps); 0.0025 for a Voron 2");
@@ -152,14 +154,14 @@ class FrameLogReader {
             .kind = RowKind::kTouch,
             .setup = "pin",
             .place = PlaceOf(record.front(), name_)};
-    const CsvField& clock = record[*IndexOf("time")];
+    const CsvField& clock = record[time_at_];
     const auto time_s = ClockTime_s(clock.text);
     if (!time_s) {
       faults_.Add(PlaceOf(clock, name_),
                   fmt::format("time = '{}' is no time", clock.text),
                   "as 2021/06/13-20:05:00");
     }
-    const CsvField& steps = record[*IndexOf("mcu_pos_z")];
+    const CsvField& steps = record[steps_at_];
     const double position = NumberIn(steps, "mcu_pos_z", name_, &faults_);
     if (imported_.table.rows.empty()) {
       start_s_ = time_s.value_or(0);
@@ -276,6 +278,8 @@ class FrameLogReader {
   Faults faults_;
   CsvReader csv_;
   CsvRecord columns_;
+  std::size_t time_at_ = 0;
+  std::size_t steps_at_ = 0;  ///< Of mcu_pos_z.
   FrameLogHeader header_;
   Imported imported_;
   double start_s_ = 0;
