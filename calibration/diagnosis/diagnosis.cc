@@ -1,7 +1,9 @@
 #include "calibration/diagnosis/diagnosis.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -296,6 +298,105 @@ void WeighWhereFound(const Observed& observed,
   }
 }
 
+// Whether rows are enough for a model of the machine, and near enough to one: an axis
+// that moves twice what it is told is set right first.
+bool IsForAModel(const Facts& facts, Eigen::Index num_rows) {
+  constexpr Eigen::Index kFewest = 5, kFewestOfOnePlace = 60;
+  if (num_rows < kFewest || facts.Find("known_ratio") != nullptr) return false;
+  // A few readings of one place tell no part of a machine from another.
+  const bool has_answer =
+      std::ranges::any_of(facts.all, [](const Fact& fact) { return fact.is_answer; });
+  return !facts.is_one_place || !has_answer || num_rows >= kFewestOfOnePlace;
+}
+
+// Rows that are bad by themselves, so long as they are few.
+std::set<std::int64_t> FarRows(const Facts& facts, Eigen::Index num_rows) {
+  constexpr double kMost = 0.2;
+  std::set<std::int64_t> far;
+  for (const Fact& fact : facts.all) {
+    if (fact.id == "outliers") far.insert(fact.rows.begin(), fact.rows.end());
+  }
+  if (static_cast<double>(far.size()) > kMost * static_cast<double>(num_rows))
+    return {};
+  return far;
+}
+
+// Where no model found a cause, one that the numbers amount to by themselves; and where
+// they show something without a cause, that the cause is open.
+void NameByFacts(Diagnosis* diagnosis) {
+  const bool is_named = diagnosis->verdict == DiagnosisVerdict::kNamed;
+  bool is_open = !diagnosis->findings.empty() && !is_named;
+  if (is_named) return;
+  for (const Fact& fact : diagnosis->facts.all) {
+    constexpr std::array kOpen = {"plane",
+                                  "form",
+                                  "drift",
+                                  "jump",
+                                  "homing_scatter",
+                                  "offset",
+                                  "outliers",
+                                  "levelling"};
+    if (fact.cause.empty()) {
+      is_open |= std::ranges::find(kOpen, fact.id) != kOpen.end() ||
+                 (fact.id == "repeatability" && fact.is_answer) ||
+                 fact.id == "contradiction";
+      continue;
+    }
+    if (!diagnosis->findings.empty()) continue;
+    constexpr double kSure = 0.99;
+    Finding finding{.cause = fact.cause,
+                    .axis = fact.cause_axis,
+                    .probability = kSure,
+                    .candidates = {{fact.cause, fact.cause_axis, kSure, false}},
+                    .share = 1,
+                    .rows = static_cast<int>(fact.rows.size()),
+                    .is_of_facts = true};
+    for (const FactFigure& figure : fact.parameters) {
+      finding.parameters.push_back({figure.key, figure.value, figure.sd});
+    }
+    diagnosis->findings.push_back(std::move(finding));
+    diagnosis->verdict = DiagnosisVerdict::kNamed;
+  }
+  if (!is_open || diagnosis->verdict == DiagnosisVerdict::kNamed) return;
+  diagnosis->facts.not_determined.emplace_back("cause");
+  diagnosis->facts.cannot.emplace_back(
+      "which part of the machine does it: the numbers show what happens, not why");
+}
+
+// The answer of rows that no model is fitted to: what they say by themselves.
+Diagnosis WithoutModel(const Observed& observed, const Facts& facts) {
+  Diagnosis diagnosis{.facts = facts};
+  diagnosis.residual_before_mm = observed.residual_mm();
+  diagnosis.residual_after_mm = observed.residual_mm();
+  diagnosis.sigma_mm = Eigen::VectorXd::Ones(observed.num_rows());
+  const double rows =
+      static_cast<double>(std::max<Eigen::Index>(1, observed.num_rows()));
+  diagnosis.gain.blocks.before_mm = diagnosis.gain.blocks.after_mm =
+      observed.residual_mm().norm() / std::sqrt(rows);
+  const Fact* repeats = facts.Find("repeatability");
+  if (repeats != nullptr) {
+    diagnosis.gain.noise_floor_mm = MmFromUm(repeats->figures[0].value);
+    diagnosis.gain.floor_from_replicates = true;
+  }
+  for (const std::int64_t row : FarRows(facts, observed.num_rows())) {
+    diagnosis.outlier_rows.push_back(row);
+  }
+  diagnosis.has_model = false;
+  NameByFacts(&diagnosis);
+  return diagnosis;
+}
+
+// Lines of the baseline that the rows cannot determine, whatever their fit says: equal
+// readings would make anything certain.
+void LeaveOpen(const Facts& facts, std::vector<BaselineLine>* baseline) {
+  for (BaselineLine& line : *baseline) {
+    if (std::ranges::find(facts.at_one_place, line.name) != facts.at_one_place.end()) {
+      line.is_determined = false;
+    }
+    if (!line.is_determined) line.sd = kUnknown;
+  }
+}
+
 }  // namespace
 
 std::string ToString(DiagnosisVerdict verdict) {
@@ -312,10 +413,16 @@ std::string ToString(DiagnosisVerdict verdict) {
   return "unknown";
 }
 
-Diagnosis Diagnose(const Observed& as_read, const DiagnoseOptions& options) {
+Diagnosis Diagnose(const Observed& as_read, const DiagnoseOptions& asked) {
+  DiagnoseOptions options = asked;
   const auto say = [&](const std::string& text) {
     if (options.progress) options.progress(text);
   };
+  const Facts facts = FactsOf(as_read.table(), as_read.header(), options.levelling);
+  if (!options.has_places || !IsForAModel(facts, as_read.num_rows())) {
+    return WithoutModel(as_read, facts);
+  }
+  options.search.far_rows = FarRows(facts, as_read.num_rows());
   Observed observed = AtBaseline(as_read);
   say(fmt::format("{} rows: listing what they could show", observed.num_rows()));
   std::vector<Candidate> candidates = AllCandidates(observed);
@@ -352,6 +459,9 @@ Diagnosis Diagnose(const Observed& as_read, const DiagnoseOptions& options) {
   const std::string noise = RemarkOnStatedNoise(observed, search);
   if (!noise.empty()) diagnosis.remarks.push_back(noise);
   diagnosis.min_effect_um = options.min_effect_um;
+  diagnosis.facts = facts;
+  LeaveOpen(facts, &diagnosis.baseline);
+  NameByFacts(&diagnosis);
   DoubtNone(RemainsOf(observed, search), &diagnosis);
   NameTheLead(&diagnosis);
   return diagnosis;

@@ -11,7 +11,9 @@
 #include "calibration/diagnosis/gain.h"
 #include "calibration/diagnosis/observed.h"
 #include "calibration/diagnosis/search.h"
+#include "calibration/facts/fact.h"
 #include "sim/measure/data_header.h"
+#include "sim/measure/import/import.h"
 #include "sim/measure/row.h"
 
 namespace caltwin {
@@ -65,6 +67,8 @@ struct Finding {
   std::vector<double> sds{};         ///< Of its values.
   std::optional<FreeMap> map{};
   Eigen::VectorXd change_mm{};  ///< What it does to each row.
+  /// It follows from the numbers by themselves (Fact::cause); no model was fitted to it.
+  bool is_of_facts = false;
 };
 
 /// One line of the evidence table: how likely a cause is before any was accepted.
@@ -110,6 +114,8 @@ struct Diagnosis {
   std::vector<std::int64_t> outlier_rows{};
   std::vector<BaselineLine> baseline{};
   std::vector<std::string> remarks{};  ///< What a person should know.
+  Facts facts{};                       ///< What the rows say without a model.
+  bool has_model = true;  ///< False: too few rows, or too far from any, to fit one.
   double wander_um_per_sqrt_h = 0;
 
   /// @name For pictures
@@ -127,6 +133,9 @@ struct DiagnoseOptions {
   double min_effect_um = 0;
   /// Told of progress in words; may be empty.
   std::function<void(const std::string&)> progress{};
+  LevellingLog levelling{};  ///< Of a console, where the rows are from one.
+  /// False: positions are indices of a grid; only what rows say by themselves is told.
+  bool has_places = true;
 };
 
 /// Diagnoses rows against a machine. Throws InputError where rows lack what they must

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "calibration/diagnosis/unseen_rows.h"
+#include "calibration/facts/facts_text.h"
 #include "sim/base/units.h"
 
 namespace caltwin {
@@ -91,7 +92,8 @@ Json ToJson(const Diagnosis& diagnosis,
     baseline.push_back({{"name", line.name},
                         {"unit", line.unit},
                         {"value", line.value},
-                        {"sd", NumberOrNull(line.sd)}});
+                        {"sd", NumberOrNull(line.sd)},
+                        {"determined", line.is_determined}});
   }
   Json evidence = Json::array();
   for (const EvidenceLine& line : diagnosis.evidence) {
@@ -117,6 +119,10 @@ Json ToJson(const Diagnosis& diagnosis,
       {"next_campaign", next},
       {"outlier_rows", diagnosis.outlier_rows},
       {"baseline", baseline},
+      {"facts", FactsJson(diagnosis.facts)},
+      {"not_determined", NotDeterminedJson(diagnosis.facts)},
+      {"not_the_machine", NotTheMachineJson(diagnosis.facts)},
+      {"next_measurement", NextMeasurementJson(diagnosis.facts)},
       {"evidence", evidence},
       {"wander_um_per_sqrt_h", diagnosis.wander_um_per_sqrt_h},
       {"extended_model", extended_model.empty() ? Json(nullptr) : Json(extended_model)},

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <optional>
 #include <set>
@@ -13,6 +14,7 @@
 
 #include "calibration/diagnosis/diagnosis_words.h"
 #include "calibration/diagnosis/unseen_rows.h"
+#include "calibration/facts/facts_text.h"
 #include "sim/base/units.h"
 #include "sim/effects/catalog.h"
 
@@ -116,8 +118,23 @@ void AddKernel(const Finding& finding, std::string* text) {
                        TwoDigits(map.prior_size_um));
 }
 
+std::string Capitalised(std::string text) {
+  if (!text.empty()) {
+    text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
+  }
+  return text;
+}
+
+// The first thing that the rows say by themselves and that answers a question.
+const Fact* FirstAnswer(const Diagnosis& diagnosis) {
+  const auto& all = diagnosis.facts.all;
+  const auto found = std::ranges::find(all, true, &Fact::is_answer);
+  return found == all.end() ? nullptr : &*found;
+}
+
 // Whether the rows determine nothing of what is always fitted.
 bool IsOpen(const Diagnosis& diagnosis) {
+  if (!diagnosis.has_model) return true;
   return !diagnosis.baseline.empty() &&
          std::ranges::none_of(diagnosis.baseline, &BaselineLine::is_determined);
 }
@@ -132,6 +149,11 @@ std::string Headline(const Diagnosis& diagnosis) {
             "more; what is smaller was not asked for.",
             diagnosis.min_effect_um);
       }
+      if (IsOpen(diagnosis) && FirstAnswer(diagnosis) != nullptr) {
+        return fmt::format(
+            "Verdict: no cause of the catalogue, but the numbers speak. {}.",
+            FirstAnswer(diagnosis)->sentence);
+      }
       if (IsOpen(diagnosis) && diagnosis.wander_um_per_sqrt_h > 0) {
         return "Verdict: none. The machine drifted while these rows were taken, and "
                "nothing that was tried foretells how; they determine not even the "
@@ -145,6 +167,11 @@ std::string Headline(const Diagnosis& diagnosis) {
           "Verdict: none. Beyond the baseline these rows show nothing but {}.",
           diagnosis.wander_um_per_sqrt_h > 0 ? "a slow wander and noise" : "noise");
     case DiagnosisVerdict::kNamed:
+      if (diagnosis.findings[0].is_of_facts) {
+        return fmt::format("Verdict: named. {}.",
+                           Capitalised(NameInWords(diagnosis.findings[0].cause,
+                                                   diagnosis.findings[0].axis)));
+      }
       return fmt::format("Verdict: named. {} found.",
                          count == 1 ? "One cause" : fmt::format("{} causes", count));
     case DiagnosisVerdict::kAmbiguous:
@@ -200,7 +227,8 @@ void AddWouldShow(const std::vector<WouldShow>& all, std::string* text) {
   for (const WouldShow& one : all) {
     if (!told.insert(one.cause).second) continue;
     const std::string name = NameInWords(one.cause, one.axis);
-    if (std::isfinite(one.smallest_mm)) {
+    constexpr double kAnyMachine_mm = 2;  // Nobody asks for errors larger than that.
+    if (one.smallest_mm < kAnyMachine_mm) {
       shown.push_back(
           fmt::format("{} from {} um", name, TwoDigits(Um(one.smallest_mm))));
     } else {
@@ -371,6 +399,7 @@ std::string FindingText(const Finding& finding,
 std::string DiagnosisText(const Diagnosis& diagnosis, const TextNotes& notes) {
   std::string text = Headline(diagnosis) + "\n";
   for (const Finding& finding : diagnosis.findings) {
+    if (finding.is_of_facts) continue;  // Its sentence stands among the facts.
     text += "\n" + FindingText(finding, diagnosis, notes.measured) + "\n";
     AddRivals(finding, &text);
     AddKernel(finding, &text);
@@ -379,13 +408,20 @@ std::string DiagnosisText(const Diagnosis& diagnosis, const TextNotes& notes) {
     const std::string action = unseen.is_recommended ? WhatToDo(finding) : "";
     if (!action.empty()) text += "  What to do: " + action + "\n";
   }
+  const bool is_told = diagnosis.verdict == DiagnosisVerdict::kNone &&
+                       IsOpen(diagnosis) && diagnosis.min_effect_um == 0 &&
+                       FirstAnswer(diagnosis) != nullptr;
+  const std::string facts = FactsText(diagnosis.facts, is_told);
+  if (!facts.empty()) text += "\n" + facts;
   text += "\n";
-  AddGain(diagnosis, &text);
-  if (diagnosis.verdict == DiagnosisVerdict::kNone)
-    AddWouldShow(notes.would_show, &text);
-  AddCannotTell(diagnosis, &text);
+  if (!IsOpen(diagnosis)) {
+    AddGain(diagnosis, &text);
+    if (diagnosis.verdict == DiagnosisVerdict::kNone)
+      AddWouldShow(notes.would_show, &text);
+    AddCannotTell(diagnosis, &text);
+  }
   AddChanges(notes, &text);
-  AddBaseline(diagnosis, &text);
+  if (!IsOpen(diagnosis)) AddBaseline(diagnosis, &text);
   AddRows(diagnosis, &text);
   return text;
 }

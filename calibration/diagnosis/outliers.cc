@@ -94,11 +94,19 @@ double Deleted(const Ridge& ridge, const Eigen::VectorXd& keep, Eigen::Index i) 
 
 class Judge {
  public:
-  Judge(const Observed& observed, Eigen::MatrixXd columns, Eigen::VectorXd white)
+  Judge(const Observed& observed,
+        Eigen::MatrixXd columns,
+        Eigen::VectorXd white,
+        const std::vector<bool>& suspects)
       : observed_(observed),
         columns_(std::move(columns)),
         white_(std::move(white)),
-        keep_(Eigen::VectorXd::Ones(observed.num_rows())) {}
+        suspects_(suspects),
+        keep_(Eigen::VectorXd::Ones(observed.num_rows())) {
+    for (Eigen::Index i = 0; i < keep_.size(); ++i) {
+      if (suspects_[static_cast<std::size_t>(i)]) keep_[i] = 0;
+    }
+  }
 
   void Run() {
     const auto most =
@@ -190,7 +198,7 @@ class Judge {
     const std::vector<double> spreads = Spreads();
     bool is_any_back = false;
     for (Eigen::Index i = 0; i < keep_.size(); ++i) {
-      if (keep_[i] > 0) continue;
+      if (keep_[i] > 0 || suspects_[static_cast<std::size_t>(i)]) continue;
       const double size =
           std::abs(Deleted(ridge_, keep_, i)) / std::max(spreads[CampaignOf(i)], 1e-9);
       if (size > kOutlier_sigma) continue;
@@ -203,6 +211,7 @@ class Judge {
   const Observed& observed_;
   Eigen::MatrixXd columns_;
   Eigen::VectorXd white_;
+  const std::vector<bool>& suspects_;
   Eigen::VectorXd keep_;
   Ridge ridge_{};
 };
@@ -212,11 +221,13 @@ class Judge {
 Richest JudgeRows(const Observed& observed,
                   const std::vector<Candidate>& candidates,
                   const Weighing& weighing,
-                  const Circumstances& circumstances) {
+                  const Circumstances& circumstances,
+                  const std::vector<bool>& suspects) {
   Judge judge(
       observed,
       ColumnsOf(observed, candidates, weighing, circumstances),
-      circumstances.sigma_mm.cwiseInverse().cwiseProduct(observed.residual_mm()));
+      circumstances.sigma_mm.cwiseInverse().cwiseProduct(observed.residual_mm()),
+      suspects);
   judge.Run();
   return judge.Take(circumstances.sigma_mm);
 }

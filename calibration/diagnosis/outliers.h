@@ -22,11 +22,13 @@ struct Richest {
 };
 
 /// Judges rows against the richest model; outliers are found one by one, the farthest
-/// first, and never more than a twentieth of the rows.
+/// first, and never more than a twentieth of the rows. `suspects` take no part at all:
+/// several bad rows would hide each other.
 Richest JudgeRows(const Observed& observed,
                   const std::vector<Candidate>& candidates,
                   const Weighing& weighing,
-                  const Circumstances& circumstances);
+                  const Circumstances& circumstances,
+                  const std::vector<bool>& suspects);
 
 /// Rows that contradict their own replicates (same pose, sense and circumstances; four
 /// of them or more) by ten times what these scatter by, and stand alone: three of a

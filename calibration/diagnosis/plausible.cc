@@ -299,26 +299,27 @@ void DoubtRows(const RowTable& table, std::vector<Doubt>* doubts) {
 
 std::vector<Doubt> Doubts(const RowTable& table,
                           const DataHeader& header,
-                          const Machine* machine) {
+                          const Machine* machine,
+                          const KnownOfRows& known) {
   std::vector<Doubt> doubts;
   if (DoubtFinite(table, &doubts)) return doubts;
   if (table.rows.size() < kFewestRows) {
     doubts.push_back(
         {.kind = "too_few",
-         .message = fmt::format("{} rows: no cause can be told from fewer "
-                                "than {}",
-                                table.rows.size(),
-                                kFewestRows),
+         .message =
+             fmt::format("{} rows: no cause can be told from fewer than {}, only "
+                         "what the numbers say by themselves",
+                         table.rows.size(),
+                         kFewestRows),
          .hint = std::string(
-             DiagnosedAs(machine != nullptr ? *machine : Machine{}).FewestRowsHint()),
-         .refuse = true});
+             DiagnosedAs(machine != nullptr ? *machine : Machine{}).FewestRowsHint())});
     return doubts;
   }
   const bool may_have_screws = machine == nullptr || machine->kind->bed_is_on_screws();
   const RowTable alike = may_have_screws ? WithoutLoneScrews(table) : table;
   DoubtRows(table, &doubts);
-  DoubtBlocks(InOrder(alike), &doubts);
-  DoubtSizes(table, alike, header, machine, &doubts);
+  if (!known.has_unit) DoubtBlocks(InOrder(alike), &doubts);
+  DoubtSizes(table, alike, header, machine, known, &doubts);
   if (machine != nullptr) {
     DoubtTravel(table, *machine, &doubts);
     DoubtReachInInches(table, *machine, &doubts);

@@ -28,6 +28,14 @@ struct Doubt {
   bool refuse = false;
 };
 
+/// What whoever read the rows knows of them for sure.
+struct KnownOfRows {
+  /// The file's format, or a person, says the unit of the readings.
+  bool has_unit = false;
+  /// value_mm was made here, as position read less position commanded.
+  bool is_deviation = false;
+};
+
 /// Every doubt about the rows, the gravest first. `machine`, if given, says how far its
 /// axes travel.
 ///
@@ -35,6 +43,7 @@ struct Doubt {
 /// that moves 5 % too far is a finding, one that moves 25.4 times too far is a unit.
 std::vector<Doubt> Doubts(const RowTable& table,
                           const DataHeader& header,
-                          const Machine* machine = nullptr);
+                          const Machine* machine = nullptr,
+                          const KnownOfRows& known = {});
 
 }  // namespace caltwin

@@ -33,10 +33,10 @@ Spread SpreadOf(const std::vector<double>& values_mm) {
   return spread;
 }
 
-// A thousandth of what lies far off is where the others lie, and scatters as they do: a
-// machine that lost its way would scatter a thousand times less.
+// A thousandth of what lies far off is where the others lie, and scatters as they do,
+// within a factor of five: homings that differ by twenty times are no unit.
 bool AreMicrometres(const std::vector<double>& far_mm, const Spread& others) {
-  constexpr double kNear = 10, kSame = 20;
+  constexpr double kNear = 10, kSame = 200;
   const auto fitting = std::ranges::count_if(far_mm, [&](double value_mm) {
     return std::abs(MmFromUm(value_mm) - others.middle_mm) < kNear * others.size_mm;
   });

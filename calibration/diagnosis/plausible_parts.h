@@ -26,6 +26,7 @@ void DoubtSizes(const RowTable& table,
                 const RowTable& moved_alike,
                 const DataHeader& header,
                 const Machine* machine,
+                const KnownOfRows& known,
                 std::vector<Doubt>* doubts);
 
 /// Campaigns that measured the same places held alike, against each other: the

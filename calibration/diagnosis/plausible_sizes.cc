@@ -10,6 +10,7 @@
 
 #include "calibration/diagnosis/plausible_parts.h"
 #include "calibration/diagnosis/stated_noise.h"
+#include "calibration/facts/ratios.h"
 #include "sim/base/median.h"
 #include "sim/base/units.h"
 
@@ -45,7 +46,12 @@ void DoubtSlope(const RowSeries& series, double slope, std::vector<Doubt>* doubt
   Doubt doubt{.kind = "scale_absurd", .refuse = true};
   if (IsNear(moved, 2)) {
     doubt.kind = "value_is_position";
-    doubt.hint = "value_mm is the position read, not actual minus commanded";
+    doubt.hint =
+        "value_mm is the position read, not actual minus commanded; where the axis "
+        "does "
+        "move twice as far (microsteps, a lead, a diameter for a radius), give "
+        "commanded "
+        "and read positions as two columns: caltwin diagnose subtracts them";
   } else if (std::abs(moved) < 0.003) {
     doubt.kind = "value_is_position";
     doubt.hint =
@@ -60,6 +66,8 @@ void DoubtSlope(const RowSeries& series, double slope, std::vector<Doubt>* doubt
   } else if (IsNear(moved, kThousand) || IsNear(moved, 1 / kThousand)) {
     doubt.kind = "position_unit";
     doubt.hint = "that is a factor of 1000: reading and command are in different units";
+  } else if (!KnownRatioOf(moved, kUnknown).reading.empty()) {
+    return;  // A fact of its own: microsteps, leads.
   } else if (std::abs(slope) > kAbsurdSlope) {
     doubt.hint = "units, sign or column of value_mm or of the position are wrong";
   } else {
@@ -70,12 +78,24 @@ void DoubtSlope(const RowSeries& series, double slope, std::vector<Doubt>* doubt
   doubts->push_back(std::move(doubt));
 }
 
+// Whether readings come in steps of a tenth or more: no probe shows a thousandth of a
+// micrometre, so what is written finer is in mm.
+bool IsCoarse(const RowSeries& series) {
+  constexpr double kStep = 0.1, kRounding = 1e-6;
+  return std::ranges::all_of(series.rows, [&](const Row* row) {
+    const double steps = row->value_mm / kStep;
+    return std::abs(steps - std::round(steps)) < kRounding;
+  });
+}
+
 void DoubtSize(const RowSeries& series,
                const SeriesFit& fit,
                std::vector<Doubt>* doubts) {
-  const double largest_mm =
-      IsGauged(*series.first) ? kLargestGauged_mm : kLargestTouched_mm;
+  constexpr double kNoBed_mm = 30;  // Gantries rack and beds lean by less.
+  const bool is_gauged = IsGauged(*series.first);
+  const double largest_mm = is_gauged ? kLargestGauged_mm : kLargestTouched_mm;
   if (fit.size_mm < largest_mm) return;
+  if (!is_gauged && fit.size_mm < kNoBed_mm && !IsCoarse(series)) return;
   doubts->push_back(
       {.kind = "value_unit",
        .message = fmt::format("{}: readings scatter by {:.3g} mm about a straight line",
@@ -285,15 +305,16 @@ void DoubtSizes(const RowTable& table,
                 const RowTable& moved_alike,
                 const DataHeader& header,
                 const Machine* machine,
+                const KnownOfRows& known,
                 std::vector<Doubt>* doubts) {
   const std::vector<RowSeries> all = SeriesOf(table);
   for (const RowSeries& series : SeriesOf(moved_alike)) {
     if (series.rows.size() < kFewestInLine) continue;
     const SeriesFit fit = FitSeries(series);
     const std::size_t before = doubts->size();
-    DoubtSlope(series, fit.slope, doubts);
+    if (!known.is_deviation) DoubtSlope(series, fit.slope, doubts);
     if (doubts->size() > before) continue;
-    DoubtSize(series, fit, doubts);
+    if (!known.has_unit) DoubtSize(series, fit, doubts);
     DoubtGap(series, fit, doubts);
   }
   DoubtGaps(all, doubts);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,9 @@ struct SearchOptions {
   /// Names (Candidate::Name) of what was found at another baseline, the first found
   /// first: looked at before anything else.
   std::vector<std::string> start{};
+  /// Running numbers of rows that are far from all others of their place or surface, as
+  /// they are seen before anything is fitted (facts.h): left out from the start.
+  std::set<std::int64_t> far_rows{};
 };
 
 /// Everything the search knows at its end.

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 namespace caltwin {
 namespace {
@@ -30,6 +31,8 @@ std::pair<double, double> Reach_mm(const RowTable& table, Axis axis) {
 Machine AssumedMachine(const RowTable& table, std::vector<std::string>* notes) {
   Machine machine;
   machine.name = "assumed";
+  std::vector<std::string> travels;
+  double lead_mm = 0;
   for (const Axis axis : kAxes) {
     AxisDrawing& drawing = machine.axes[Index(axis)];
     machine.settings.steps_per_mm[Index(axis)] = drawing.steps_per_mm();
@@ -37,15 +40,17 @@ Machine AssumedMachine(const RowTable& table, std::vector<std::string>* notes) {
     if (least_mm > largest_mm) continue;
     drawing.min_mm = least_mm;
     drawing.max_mm = std::max(largest_mm, least_mm + kLeastTravel_mm);
-    notes->push_back(fmt::format(
-        "no machine is named: axis {} is taken to travel from {:g} to {:g} mm, as far "
-        "as "
-        "the rows go, with a lead of {:g} mm unless the header's transmission says "
-        "otherwise (--machine says it)",
-        Name(axis),
-        drawing.min_mm,
-        drawing.max_mm,
-        drawing.lead_mm));
+    travels.push_back(
+        fmt::format("{} {:g} to {:g}", Name(axis), drawing.min_mm, drawing.max_mm));
+    lead_mm = drawing.lead_mm;
+  }
+  if (!travels.empty()) {
+    notes->push_back(
+        fmt::format("no machine is named (--machine): taken to travel as far as the "
+                    "rows go ({} mm), "
+                    "with leads of {:g} mm where the header does not say",
+                    fmt::join(travels, ", "),
+                    lead_mm));
   }
   return machine;
 }

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "sim/base/input_error.h"
+#include "sim/base/yaml.h"
 #include "sim/machine/machine_kind.h"
 #include "tools/commands/assumed_machine.h"
 
@@ -22,6 +23,17 @@ Believed BelievedMachine(const std::string& data_file,
     believed.file = FindMachine(data->header.machine,
                                 header_file.parent_path(),
                                 {.file = header_file.string()});
+  }
+  if (believed.file.empty() && !data->machine_yaml.empty()) {
+    Faults faults;
+    YamlMap map = ReadYamlText(data->machine_yaml, data_file, &faults);
+    believed.machine = ReadMachine(&map);
+    map.NoMoreKeys();
+    faults.ThrowIfAny();
+    believed.machine.file.clear();
+    data->notes.emplace_back("the machine is that of the settings in the same file");
+    NoteMissingMotors(believed.machine, data);
+    return believed;
   }
   if (believed.file.empty()) {
     const bool has_motors = std::ranges::any_of(data->table.rows, [](const Row& row) {

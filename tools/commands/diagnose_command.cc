@@ -53,6 +53,8 @@ struct DiagnoseAsked {
   bool must_replay = false;  // The person said so, however many rows there are.
   double min_effect_um = 0;
   std::uint64_t seed = 1;
+  ImportOptions import{};  // Of a file that is no rows yet.
+  double step_mm = 0;
 };
 
 // Rows held against a machine, and the answer.
@@ -70,12 +72,13 @@ Judged Judge(const Data& data, const Believed& believed, const DiagnoseAsked& op
                                      data.header,
                                      believed.machine,
                                      DrawEffects(believed.effects, options.seed, 0))};
-  judged.diagnosis = Diagnose(judged.observed,
-                              {.search = {.seed = options.seed},
-                               .min_effect_um = options.min_effect_um,
-                               .progress = [&](const std::string& text) {
-                                 progress.Show(text);
-                               }});
+  judged.diagnosis =
+      Diagnose(judged.observed,
+               {.search = {.seed = options.seed},
+                .min_effect_um = options.min_effect_um,
+                .progress = [&](const std::string& text) { progress.Show(text); },
+                .levelling = data.levelling,
+                .has_places = data.has_places});
   return judged;
 }
 
@@ -222,6 +225,13 @@ void WriteCorrection(const DiagnoseAsked& options, const Judged& judged) {
   }
 }
 
+// What pictures can show: findings that a model was fitted to.
+Diagnosis OfModel(Diagnosis diagnosis) {
+  std::erase_if(diagnosis.findings,
+                [](const Finding& finding) { return finding.is_of_facts; });
+  return diagnosis;
+}
+
 void WriteJson(const DiagnoseAsked& options,
                const Believed& believed,
                const Judged& judged,
@@ -237,7 +247,7 @@ void WriteJson(const DiagnoseAsked& options,
   tree["gain"]["volumetric"] = VolumetricJson(judged.volumetric);
   tree["replay"] = ReplayJson(judged.replay);
   if (!options.closed_loop.empty()) tree["rounds"] = RoundsJson(judged.rounds);
-  tree["show"] = ShowJson(PicturesDataOf(judged.observed, judged.diagnosis));
+  tree["show"] = ShowJson(PicturesDataOf(judged.observed, OfModel(judged.diagnosis)));
   if (text_notes.has_before) tree["changes"] = ChangesJson(text_notes.changes);
   const std::string json = tree.dump(kJsonIndent) + "\n";
   if (options.json == "-") {
@@ -253,7 +263,7 @@ void WriteReportOf(const DiagnoseAsked& options,
   if (options.report.empty()) return;
   WriteDiagnosisReport(
       judged.diagnosis,
-      PicturesDataOf(judged.observed, judged.diagnosis),
+      PicturesDataOf(judged.observed, OfModel(judged.diagnosis)),
       {.data = options.file,
        .text = DiagnosisText(judged.diagnosis, text_notes) + "\n" +
                VolumetricText(judged.volumetric) + ReplayText(judged.replay),
@@ -307,10 +317,71 @@ void CheckSparesOfDiagnose(const DiagnoseAsked& options, const Believed& believe
                 RowsAndHeader("--record", options.record)}));
 }
 
+// What a file says beyond its readings, as facts.
+void AddStory(const Data& data, Facts* facts) {
+  std::vector<Fact> found;
+  for (const FileNote& note : data.story) {
+    if (note.kind == FileNote::Kind::kOpen) {
+      facts->not_determined.push_back(note.what);
+      facts->cannot.push_back(note.sentence);
+      continue;
+    }
+    const bool is_setting = note.kind == FileNote::Kind::kSetting;
+    if (facts->not_the_machine.reason.empty()) {
+      facts->not_the_machine = {is_setting ? "settings" : note.what, note.sentence};
+    }
+    if (!is_setting) continue;
+    found.push_back({.id = "settings",
+                     .word = note.what,
+                     .figures = {{"line", static_cast<double>(note.place.line)}},
+                     .sentence = note.sentence,
+                     .is_answer = true});
+  }
+  facts->all.insert(facts->all.begin(), found.begin(), found.end());
+  if (!data.next_instrument.empty()) {
+    facts->next.insert(
+        facts->next.begin(),
+        {data.next_instrument, "measure that with a " + data.next_instrument});
+  }
+}
+
+// A file that describes a machine and measures nothing.
+int TellSettings(const DiagnoseAsked& options, const Data& data) {
+  Diagnosis diagnosis{.remarks = data.notes, .has_model = false};
+  AddStory(data, &diagnosis.facts);
+  if (data.story.empty()) {
+    throw InputError(
+        {.file = options.file},
+        "describes a machine and measures nothing, and no setting in it "
+        "contradicts another",
+        "add what was measured: touched heights, commanded and read positions; "
+        "caltwin import FILE --machine-out M.yaml writes the machine");
+  }
+  if (options.json != "-") std::cout << DiagnosisText(diagnosis, {});
+  if (options.json.empty()) return kPassed;
+  const std::string json = ToJson(diagnosis,
+                                  "",
+                                  {.data_sha256 = Sha256OfFile(options.file),
+                                   .version = CALTWIN_VERSION,
+                                   .seed = options.seed,
+                                   .command = CommandOf(options)})
+                               .dump(kJsonIndent) +
+                           "\n";
+  if (options.json == "-") {
+    std::cout << json;
+  } else {
+    WriteTextFile(options.json, json);
+  }
+  return kPassed;
+}
+
 int RunDiagnose(DiagnoseAsked options) {
   CheckLoop(options.file, options.closed_loop, options.record);
   Data data;
-  if (!options.file.empty()) data = ReadData(options.file);
+  if (options.step_mm > 0) options.import.step_mm = options.step_mm;
+  if (!options.file.empty()) data = ReadData(options.file, options.import);
+  if (!options.file.empty() && data.table.rows.empty())
+    return TellSettings(options, data);
   const auto tested = Tested(&options, data);
   const Believed believed = BelievedMachine(options.file, options.machine, &data);
   RequireSettings(options, believed.machine);
@@ -320,7 +391,11 @@ int RunDiagnose(DiagnoseAsked options) {
   }
   Judged judged = tested ? JudgeInLoop(*tested, believed, options, &data)
                          : Judge(data, believed, options);
-  TryInTwin(options, &judged);
+  AddStory(data, &judged.diagnosis.facts);
+  const bool is_of_facts =
+      std::ranges::any_of(judged.diagnosis.findings, &Finding::is_of_facts);
+  const bool is_replayed = judged.diagnosis.has_model && !is_of_facts;
+  if (is_replayed) TryInTwin(options, &judged);
   TextNotes notes{.measured = WhatRowsMeasure(data.table),
                   .has_before = !options.before.empty()};
   if (notes.has_before) {
@@ -328,12 +403,14 @@ int RunDiagnose(DiagnoseAsked options) {
   }
   auto& remarks = judged.diagnosis.remarks;
   remarks.insert(remarks.begin(), data.notes.begin(), data.notes.end());
-  if (judged.diagnosis.verdict == DiagnosisVerdict::kNone) {
+  if (judged.diagnosis.verdict == DiagnosisVerdict::kNone &&
+      judged.diagnosis.has_model) {
     notes.would_show = WhatRowsWouldShow(judged.observed, judged.diagnosis);
   }
   if (options.json != "-") {
     std::cout << DiagnosisText(judged.diagnosis, notes) << "\n"
-              << VolumetricText(judged.volumetric) << ReplayText(judged.replay);
+              << VolumetricText(judged.volumetric)
+              << (is_replayed ? ReplayText(judged.replay) : "");
   }
   const std::string extended = WriteExtension(options, believed, judged.diagnosis);
   WriteCorrection(options, judged);
@@ -346,7 +423,21 @@ int RunDiagnose(DiagnoseAsked options) {
 
 Action DeclareDiagnose(CLI::App* app) {
   const auto options = std::make_shared<DiagnoseAsked>();
-  app->add_option("data", options->file, "measured rows, DATA.csv");
+  app->add_option("data",
+                  options->file,
+                  "measured rows (DATA.csv), or any file that caltwin import reads: a "
+                  "console log, a table, a height map, a printer.cfg");
+  app->add_option("--unit",
+                  options->import.unit,
+                  "of the readings, where the file does not say: mm um inch thou");
+  app->add_option(
+      "--axis", options->import.axis, "measured, where the file does not say: x y z");
+  app->add_option("--map",
+                  options->import.map,
+                  "which column of a table is which (caltwin import csv)")
+      ->allow_extra_args(false);
+  app->add_option("--step-mm", options->step_mm, "the true length of a motor step")
+      ->check(CLI::Range(1e-7, 1.0));
   app->add_option(
       "--machine", options->machine, "a name, a machine file, or an extension");
   app->add_option(

@@ -22,6 +22,7 @@ namespace fs = std::filesystem;
 namespace {
 
 struct ImportAsked {
+  std::vector<std::string> words{};
   std::string kind{};
   std::string file{};
   std::string out{};
@@ -117,25 +118,33 @@ void WriteAskedFor(const ImportAsked& options, const Imported& imported) {
   if (!options.out.empty()) WriteRows(options.out, imported.table);
 }
 
-int RunImport(const ImportAsked& options) {
+int RunImport(ImportAsked options) {
   ImportOptions import = options.import;
   if (options.step_mm > 0) import.step_mm = options.step_mm;
   RefuseOverwriting({{"the file", options.file}},
                     Together({RowsAndHeader("--out", options.out),
                               {{"--machine-out", options.machine_out}}}));
-  const Imported imported = Import(options.kind, options.file, import);
+  const std::string text = ReadTextFile(options.file, kLargestData_bytes);
+  options.kind = KindOrFound(options.kind, text, options.file);
+  if (options.kind == "rows") {
+    throw InputError({.file = options.file},
+                     "measured rows already: there is nothing to import",
+                     fmt::format("caltwin diagnose {}", options.file));
+  }
+  const Imported imported = ImportText(options.kind, text, options.file, import);
   RefuseMissing(options, imported);
   if (imported.table.rows.empty()) {
     WriteMachineAlone(options, imported);
     return kPassed;
   }
-  const std::vector<Doubt> doubts = Doubts(imported.table, imported.header);
+  const std::vector<Doubt> doubts =
+      Doubts(imported.table,
+             imported.header,
+             nullptr,
+             {.has_unit = imported.has_unit, .is_deviation = imported.is_deviation});
   RefuseImplausible(doubts, options.file);
   const std::vector<std::string> account =
-      ImportAccount(options.kind,
-                    ReadTextFile(options.file, kLargestData_bytes),
-                    options.file,
-                    import);
+      ImportAccount(options.kind, text, options.file, import);
   WriteAskedFor(options, imported);
   std::cout << (options.out.empty()
                     ? fmt::format(
@@ -162,8 +171,12 @@ Action DeclareImport(CLI::App* app) {
   for (const Importer& importer : AllImporters()) {
     kinds += fmt::format("  {:<16}{}\n", importer.kind, importer.about);
   }
-  app->add_option("KIND", options->kind, "what the file is, below")->required();
-  app->add_option("FILE", options->file, "the file to read")->required();
+  app->add_option("KIND FILE",
+                  options->words,
+                  "the file to read; before it what it is (below), where that is not "
+                  "found by its text")
+      ->required()
+      ->expected(1, 2);
   app->add_option(
       "--out",
       options->out,
@@ -184,6 +197,8 @@ Action DeclareImport(CLI::App* app) {
       ->check(CLI::Range(1e-7, 1.0));
   app->footer("Kinds:\n" + kinds);
   return [options] {
+    options->file = options->words.back();
+    options->kind = options->words.size() == 2 ? options->words.front() : "";
     return RunImport(*options);
   };
 }

@@ -6,13 +6,12 @@
 
 #include "calibration/diagnosis/plausible.h"
 #include "sim/base/input_error.h"
+#include "sim/base/text_file.h"
 #include "sim/machine/machine_kind.h"
 #include "sim/measure/rows.h"
 
 namespace caltwin {
 namespace {
-
-constexpr std::size_t kLeastRows = 3;
 
 // The line of the first row a doubt is about; none: of the file.
 Place PlaceOf(const Doubt& doubt, const Data& data, const std::string& file) {
@@ -22,29 +21,56 @@ Place PlaceOf(const Doubt& doubt, const Data& data, const std::string& file) {
   return {.file = file, .line = 1};
 }
 
+void Tell(const std::vector<std::string>& remarks, Data* data) {
+  data->notes.insert(data->notes.end(), remarks.begin(), remarks.end());
+}
+
+Data ImportedData(const std::string& kind,
+                  const std::string& text,
+                  const std::string& file,
+                  const ImportOptions& options) {
+  Imported imported = ImportText(kind, text, file, options);
+  Data data{
+      .table = std::move(imported.table),
+      .header = std::move(imported.header),
+      .imported_as = kind,
+      .machine_yaml = std::move(imported.machine_yaml),
+      .story = std::move(imported.notes),
+      .levelling = std::move(imported.levelling),
+      .next_instrument = std::move(imported.next_instrument),
+      .has_places = imported.has_places,
+      .known = {.has_unit = imported.has_unit, .is_deviation = imported.is_deviation}};
+  for (const std::string& found : imported.recognised) {
+    data.notes.push_back("read as " + found);
+  }
+  for (const std::string& assumed : imported.assumed) {
+    data.notes.push_back("assumed: " + assumed);
+  }
+  Tell(imported.warnings, &data);
+  return data;
+}
+
 }  // namespace
 
-Data ReadData(const std::string& file) {
+Data ReadData(const std::string& file, const ImportOptions& options) {
+  const std::string text = ReadTextFile(file, kLargestData_bytes);
+  const std::string kind =
+      options.map.empty() ? KindOrFound("", text, file) : std::string("csv");
+  if (kind != "rows") return ImportedData(kind, text, file, options);
   Data data{.table = ReadRows(file), .header = HeaderOf(file)};
-  if (data.table.rows.size() < kLeastRows) {
-    throw InputError(
-        {.file = file},
-        fmt::format("{} rows: too few to tell anything from", data.table.rows.size()),
-        "a diagnosis takes at least 5; eight positions both ways are a "
-        "beginning");
+  data.known.has_unit = !options.unit.empty();
+  if (data.table.rows.empty()) {
+    throw InputError({.file = file}, "no rows: only a heading stands here");
   }
-  const auto tell = [&](const std::vector<std::string>& remarks) {
-    data.notes.insert(data.notes.end(), remarks.begin(), remarks.end());
-  };
-  tell(data.table.remarks);
-  tell(data.header.remarks);
-  tell(Unexplained(data.table, data.header));
+  Tell(data.table.remarks, &data);
+  Tell(data.header.remarks, &data);
+  Tell(Unexplained(data.table, data.header), &data);
   return data;
 }
 
 void JudgeData(const std::string& file, const Machine* machine, Data* data) {
   Faults faults;
-  for (const Doubt& doubt : Doubts(data->table, data->header, machine)) {
+  for (const Doubt& doubt : Doubts(data->table, data->header, machine, data->known)) {
     if (doubt.refuse) {
       faults.Add(PlaceOf(doubt, *data, file), doubt.message, doubt.hint);
     } else if (doubt.kind == "duplicated_rows") {

@@ -8,16 +8,19 @@
 #include "sim/measure/import/blunders.h"
 #include "sim/measure/import/check.h"
 #include "sim/measure/import/cmm_plate.h"
+#include "sim/measure/import/console_log.h"
 #include "sim/measure/import/import.h"
 #include "sim/measure/import/iso230_dat.h"
 #include "sim/measure/import/kinds/klipper_delta.h"
 #include "sim/measure/import/klipper_mesh.h"
 #include "sim/measure/import/klipper_thermal.h"
 #include "sim/measure/import/map.h"
-#include "sim/measure/import/marlin_log.h"
-#include "sim/measure/import/probe_accuracy.h"
+#include "sim/measure/import/plain_table.h"
+#include "sim/measure/import/printer_lint.h"
+#include "sim/measure/import/recognise.h"
 #include "sim/measure/import/rrf_config.h"
 #include "sim/measure/import/rrf_heightmap.h"
+#include "sim/measure/import/screw_table.h"
 
 namespace caltwin {
 namespace {
@@ -33,21 +36,48 @@ constexpr std::array kImporters = {
     Importer{"cmm-plate",
              "holes of a plate, nominal and measured on a coordinate measuring machine",
              ReadCmmPlate},
-    Importer{"probe-accuracy",
-             "a terminal log of PROBE_ACCURACY (Klipper) or M48 (Marlin)",
-             ReadProbeAccuracy},
     Importer{
-        "marlin-log",
-        "a terminal log of Marlin: touches of G30, G29 V4 and M48, settings of M503",
-        ReadMarlinLog},
+        "console-log",
+        "a terminal log of Klipper, Marlin, RepRapFirmware or grbl: touches, homings",
+        ReadConsoleLog,
+        /*has_unit=*/true},
+    Importer{"probe-accuracy",
+             "the same, of PROBE_ACCURACY (Klipper) or M48 (Marlin)",
+             ReadConsoleLog,
+             /*has_unit=*/true},
+    Importer{"marlin-log",
+             "the same, of Marlin: G30, G29 V4, G29 T, M48, settings of M503",
+             ReadConsoleLog,
+             /*has_unit=*/true},
     Importer{"klipper-delta",
              "a delta's printer.cfg with the touches of its saved calibration",
-             ReadKlipperDelta},
-    Importer{"klipper-mesh", "the meshes that a printer.cfg holds", ReadKlipperMesh},
+             ReadKlipperDelta,
+             /*has_unit=*/true},
+    Importer{"klipper-mesh",
+             "the meshes that a printer.cfg holds",
+             ReadKlipperMesh,
+             /*has_unit=*/true},
     Importer{"rrf-config",
              "config.g, config-override.g of a delta (M665 M666): a machine file",
              ReadRrfConfig},
-    Importer{"rrf-heightmap", "heightmap.csv of RepRapFirmware", ReadRrfHeightmap},
+    Importer{"rrf-heightmap",
+             "heightmap.csv of RepRapFirmware",
+             ReadRrfHeightmap,
+             /*has_unit=*/true},
+    Importer{
+        "printer-cfg",
+        "a Klipper configuration without measurements: what in it contradicts itself",
+        ReadPrinterCfg},
+    Importer{"marlin-config",
+             "the lengths of a square in a Configuration.h of Marlin",
+             ReadMarlinConfig,
+             /*has_unit=*/true},
+    Importer{"screw-table",
+             "a compensation table: LinuxCNC .comp, Centroid .tab",
+             ReadScrewTable},
+    Importer{"table",
+             "a table whose headings say what is what; markdown and HTML too",
+             ReadPlainTable},
     Importer{"csv", "a spreadsheet, its columns named by --map", ReadMapped}};
 
 const Importer& Find(const std::string& kind) {
@@ -70,6 +100,13 @@ std::span<const Importer> AllImporters() {
   return kImporters;
 }
 
+std::string KindOrFound(const std::string& kind,
+                        const std::string& text,
+                        const std::string& name) {
+  if (!kind.empty()) return std::string(Find(kind).kind);
+  return KindOfText(text, name);
+}
+
 Imported Import(const std::string& kind,
                 const std::filesystem::path& file,
                 const ImportOptions& options) {
@@ -84,8 +121,9 @@ Imported ImportText(const std::string& kind,
                     const ImportOptions& options) {
   const Importer& importer = Find(kind);
   RequireText(text, name);
-  RefuseBlunders(text, name);
+  if (kind != "printer-cfg") RefuseBlunders(text, name);
   Imported imported = importer.read(text, name, options);
+  imported.has_unit |= importer.has_unit || !options.unit.empty();
   std::int64_t number = 0;
   for (Row& row : imported.table.rows) row.row = ++number;
   CheckImported(imported.table);

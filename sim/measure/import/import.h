@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <span>
@@ -22,6 +23,36 @@ struct ImportOptions {
   std::vector<std::string> map{};  ///< `value_mm=dev[um]` (sim/measure/import/map.h).
 };
 
+/// What a file says beyond its readings.
+struct FileNote {
+  enum class Kind {
+    kSetting,    ///< A value in a configuration that cannot be right. what: the key.
+    kOpen,       ///< What these figures do not determine. what: its name.
+    kElsewhere,  ///< Why it is not the machine. what: firmware, file ...
+  };
+  Kind kind = Kind::kSetting;
+  std::string what{};
+  std::string
+      sentence{};  ///< Plain English: what is so, and what is right. No full stop.
+  Place place{};
+};
+
+/// One round of a levelling command: what each motor was moved by before the touches of
+/// a session.
+struct LevellingRound {
+  std::string home{};              ///< Row::home of the touches after it.
+  std::vector<double> moved_mm{};  ///< By motor, in the order of the firmware.
+};
+
+/// Levelling as a console shows it.
+struct LevellingLog {
+  std::vector<std::array<double, 2>> pivots_mm{};  ///< As configured; may be empty.
+  std::vector<LevellingRound> rounds{};
+  /// Left less right as an alignment of two motors printed it, a round each.
+  std::vector<double> differences_mm{};
+  bool is_by_hand = false;  ///< A person turned the screws as told.
+};
+
 /// A stranger's file as measured rows, and what a person should know of the way there.
 struct Imported {
   RowTable table{};
@@ -30,6 +61,14 @@ struct Imported {
   std::vector<std::string> recognised{};  ///< What the file was found to be.
   std::vector<std::string> assumed{};     ///< Units, signs, senses nobody stated.
   std::vector<std::string> warnings{};    ///< What is odd and was kept as it stands.
+  std::vector<FileNote> notes{};          ///< Of the configuration or story in it.
+  LevellingLog levelling{};
+  std::string next_instrument{};  ///< What would tell the open ones; empty: not said.
+  bool has_places =
+      true;  ///< False: positions are indices, of use among themselves only.
+  bool has_unit = false;  ///< The format, or a person, says the unit of the readings.
+  /// The value was made here, as position read less position commanded.
+  bool is_deviation = false;
 };
 
 /// One kind of file that can be read. `read` throws InputError, with file:line:column,
@@ -40,7 +79,14 @@ struct Importer {
   Imported (*read)(const std::string& text,
                    const std::string& name,
                    const ImportOptions& options) = nullptr;
+  bool has_unit = false;  ///< The format fixes the unit of the readings.
 };
+
+/// The kind of a file that somebody names or leaves open (empty: found by its text).
+/// Throws InputError where the name is none.
+std::string KindOrFound(const std::string& kind,
+                        const std::string& text,
+                        const std::string& name);
 
 /// Every kind there is (catalog.cc).
 std::span<const Importer> AllImporters();

@@ -1,0 +1,48 @@
+#include <algorithm>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "calibration/facts/advice.h"
+#include "calibration/facts/cells.h"
+#include "calibration/facts/fact.h"
+#include "calibration/facts/levelling.h"
+#include "calibration/facts/motion.h"
+#include "calibration/facts/repeats.h"
+#include "calibration/facts/series.h"
+#include "calibration/facts/surface.h"
+#include "calibration/facts/temperature.h"
+#include "calibration/facts/turn.h"
+
+namespace caltwin {
+
+const Fact* Facts::Find(const std::string& id) const {
+  const auto found = std::ranges::find(all, id, &Fact::id);
+  return found == all.end() ? nullptr : &*found;
+}
+
+Facts FactsOf(const RowTable& table,
+              const DataHeader& header,
+              const LevellingLog& levelling) {
+  Facts facts;
+  const std::vector<const Row*> rows = RowsInOrder(table);
+  if (rows.empty()) return facts;
+  Repeats repeats = FactsOfRepeats(rows, header, &facts);
+  const std::set<std::int64_t> far = FactsOfSurface(rows, repeats, &facts);
+  repeats.outliers.insert(far.begin(), far.end());
+  FactsOfMotion(rows, repeats, header, &facts);
+  FactsOfLengths(rows, header, &facts);
+  FactsOfTemperature(rows, &facts);
+  facts.is_one_place = CellsOf(rows, kAnyHome | kAnyCampaign | kAnyFeed).size() <= 3;
+  FactsOfTurn(rows, &facts);
+  FactsOfSeries(rows, repeats, &facts);
+  FactsOfProbeOffset(rows, &facts);
+  FactsOfSetting(rows, &facts);
+  FactsOfLevelling(rows, repeats, levelling, &facts);
+  TellBadProbe(rows, repeats, &facts);
+  std::ranges::stable_sort(facts.all, std::ranges::greater{}, &Fact::is_answer);
+  AddAdvice(rows, repeats, &facts);
+  return facts;
+}
+
+}  // namespace caltwin

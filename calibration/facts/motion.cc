@@ -1,0 +1,583 @@
+#include "calibration/facts/motion.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <set>
+#include <string>
+#include <utility>
+
+#include <Eigen/Core>
+#include <fmt/format.h>
+
+#include "calibration/facts/cells.h"
+#include "calibration/facts/ratios.h"
+#include "sim/base/dense.h"
+#include "sim/base/median.h"
+#include "sim/base/units.h"
+#include "sim/base/with_sd.h"
+
+namespace caltwin {
+namespace {
+
+using Rows = std::vector<const Row*>;
+
+constexpr std::array<const char*, 3> kNames = {"x", "y", "z"};
+constexpr double kSure = 4;
+
+Rows Without(const Rows& rows, const std::set<std::int64_t>& out) {
+  Rows kept;
+  for (const Row* row : rows) {
+    if (!out.contains(row->row)) kept.push_back(row);
+  }
+  return kept;
+}
+
+/// Readings against command along one axis: value = a + slope q - gap sense / 2.
+struct Line {
+  double offset_mm = 0, slope = 0, gap_mm = 0;
+  double offset_unit_sd = 0, slope_unit_sd = 0,
+         gap_unit_sd = 0;                           ///< For a noise of 1 mm.
+  double least_mm = HUGE_VAL, most_mm = -HUGE_VAL;  ///< Of positions.
+  bool has_senses_unknown = false, are_moves = false;
+  double left_mm2 = 0, dof = 0;
+  bool has_gap = false, has_slope = false;
+};
+
+// What a line's columns are made of.
+struct LineTerms {
+  bool has_offset = true, has_slope = true, has_gap = false;
+  Eigen::Index num() const {
+    return (has_offset ? 1 : 0) + (has_slope ? 1 : 0) + (has_gap ? 1 : 0);
+  }
+};
+
+// Moves begin at nought; readings of one place tell no slope.
+LineTerms TermsOf(const Rows& rows, std::size_t axis) {
+  std::set<long> places;
+  std::set<double> senses;
+  bool are_moves = true, is_far = true;
+  for (const Row* row : rows) {
+    // One size that is a quarter off or more is no surplus.
+    constexpr double kFarOff = 0.25;
+    is_far &= row->cmd_mm[axis] != 0 &&
+              std::abs(row->value_mm) > kFarOff * std::abs(row->cmd_mm[axis]);
+    places.insert(std::lround(row->cmd_mm[axis] * 1e3));
+    if (Known(row->dir[axis]) && row->dir[axis] != 0) senses.insert(row->dir[axis]);
+    are_moves &= row->flag == "move" && row->cmd_mm[axis] != 0;
+  }
+  const bool is_one_far = places.size() == 1 && is_far && senses.empty();
+  return {.has_offset = !are_moves && !is_one_far,
+          .has_slope = places.size() > 1 || are_moves || is_one_far,
+          .has_gap = senses.size() > 1};
+}
+
+// dof < 0 where there is nothing to fit.
+Line FitLine(const Rows& rows, std::size_t axis, LineTerms terms) {
+  Line line{.dof = -1, .has_gap = terms.has_gap, .has_slope = terms.has_slope};
+  const auto n = static_cast<Eigen::Index>(rows.size());
+  if (n < terms.num() || (!terms.has_slope && !terms.has_gap)) return line;
+  line.are_moves = rows.front()->flag == "move";
+  line.has_senses_unknown = std::ranges::none_of(rows, [&](const Row* row) {
+    return Known(row->dir[axis]) && row->dir[axis] != 0;
+  });
+  Eigen::MatrixXd columns(n, terms.num());
+  Eigen::VectorXd values(n);
+  double mid_mm = 0;
+  for (const Row* row : rows) {
+    if (terms.has_offset) mid_mm += row->cmd_mm[axis] / static_cast<double>(n);
+    line.least_mm = std::min(line.least_mm, row->cmd_mm[axis]);
+    line.most_mm = std::max(line.most_mm, row->cmd_mm[axis]);
+  }
+  const Eigen::Index slope_at = terms.has_offset ? 1 : 0;
+  const Eigen::Index gap_at = slope_at + (terms.has_slope ? 1 : 0);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Row& row = *rows[static_cast<std::size_t>(i)];
+    const double n_axis = row.n[axis] < 0 ? -1 : 1;
+    if (terms.has_offset) columns(i, 0) = 1;
+    if (terms.has_slope) columns(i, slope_at) = row.cmd_mm[axis] - mid_mm;
+    if (terms.has_gap)
+      columns(i, gap_at) = Known(row.dir[axis]) ? -row.dir[axis] / 2 : 0;
+    values[i] = row.value_mm * n_axis;
+  }
+  const Eigen::MatrixXd normal = columns.transpose() * columns;
+  if (EigenvaluesOf(normal)[0] < 1e-12 * normal.trace()) return line;
+  const Cholesky solver(normal);
+  const Eigen::VectorXd sizes = solver.Solve(columns.transpose() * values);
+  const Eigen::VectorXd sds =
+      solver.SolveEach(Eigen::MatrixXd::Identity(terms.num(), terms.num()))
+          .diagonal()
+          .cwiseSqrt();
+  if (terms.has_slope) {
+    line.slope = sizes[slope_at];
+    line.slope_unit_sd = sds[slope_at];
+  }
+  if (terms.has_offset) {
+    line.offset_mm = sizes[0] - line.slope * mid_mm;
+    line.offset_unit_sd = std::hypot(sds[0], line.slope_unit_sd * mid_mm);
+  }
+  if (terms.has_gap) {
+    line.gap_mm = sizes[gap_at];
+    line.gap_unit_sd = sds[gap_at];
+  }
+  line.left_mm2 = (values - columns * sizes).squaredNorm();
+  line.dof = static_cast<double>(n - terms.num());
+  return line;
+}
+
+// Moves begin at nought, unless what is missing of them is the same of every length.
+Line FitLine(const Rows& rows, std::size_t axis) {
+  constexpr std::size_t kFewestPlaces = 3;
+  LineTerms terms = TermsOf(rows, axis);
+  std::set<long> places;
+  for (const Row* row : rows) places.insert(std::lround(row->cmd_mm[axis] * 1e3));
+  if (terms.has_offset || places.size() < kFewestPlaces)
+    return FitLine(rows, axis, terms);
+  terms.has_offset = true;
+  const Line with = FitLine(rows, axis, terms);
+  if (with.dof >= 1) {
+    const double sd_mm = std::sqrt(with.left_mm2 / with.dof) * with.offset_unit_sd;
+    if (std::abs(with.offset_mm) > kSure * sd_mm && sd_mm > 0) return with;
+  }
+  terms.has_offset = false;
+  return FitLine(rows, axis, terms);
+}
+
+// The larger of what repeats show and what the line leaves; kUnknown of neither, and of
+// readings that lie on the line to their last digit.
+double NoiseOf_mm(const Line& line, const ReadingNoise& noise) {
+  constexpr double kFewest = 2, kNothing_mm = 1e-6;
+  double left_mm = line.dof >= kFewest ? std::sqrt(line.left_mm2 / line.dof) : kUnknown;
+  if (left_mm < kNothing_mm) left_mm = kUnknown;
+  if (!Known(noise.sd_mm)) return left_mm;
+  return Known(left_mm) ? std::max(noise.sd_mm, left_mm) : noise.sd_mm;
+}
+
+void AddScale(const Line& line, double noise_mm, std::size_t axis, Facts* facts) {
+  const double factor = 1 + line.slope;
+  const double sd = noise_mm * line.slope_unit_sd;
+  const double steps_sd = sd / (factor * factor);
+  const KnownRatio known = KnownRatioOf(factor, sd);
+  const char letter = "XYZ"[axis];
+  const std::vector<FactFigure> figures = {{"factor", factor, sd},
+                                           {"steps_factor", 1 / factor, steps_sd}};
+  const double sigmas =
+      Known(sd) ? std::abs(line.slope) / std::max(sd, 1e-12) : kUnknown;
+  if (!known.reading.empty()) {
+    facts->all.push_back(
+        {.id = "known_ratio",
+         .axis = kNames[axis],
+         .word = known.reading,
+         .also = known.also,
+         .figures = figures,
+         .sigmas = sigmas,
+         .sentence = fmt::format("{} moves {} times what is commanded, and {}",
+                                 letter,
+                                 WithSd(factor, sd, ""),
+                                 known.sentence),
+         .is_answer = true});
+    const bool is_of_file = known.reading == "inches" && !line.are_moves;
+    if (facts->not_the_machine.reason.empty() && known.reading != "sign") {
+      facts->not_the_machine = {
+          is_of_file ? "file" : "settings",
+          is_of_file
+              ? "Sizes at 1/25.4: the program's numbers are inches and are read as "
+                "millimetres. Put G20 at its start, or write it in millimetres; leave "
+                "steps/mm alone"
+              : facts->all.back().sentence};
+    }
+  }
+  Fact fact{.id = "scale",
+            .axis = kNames[axis],
+            .figures = figures,
+            .sigmas = sigmas,
+            .is_answer = known.reading.empty() && Known(sd) && sigmas > kSure};
+  fact.sentence =
+      Known(sd) && sigmas < kSure / 2
+          ? fmt::format(
+                "{} moves what is commanded, to {} (standard uncertainty): nothing "
+                "speaks against its steps/mm",
+                letter,
+                WithSd(sd, kUnknown, ""))
+          : fmt::format(
+                "{} moves {} times what is commanded: multiply its steps/mm by {} "
+                "(divide its rotation_distance by it){}",
+                letter,
+                WithSd(factor, sd, ""),
+                WithSd(1 / factor, steps_sd, ""),
+                Known(sd) ? ""
+                          : ". Its uncertainty is not known: nothing was "
+                            "measured twice");
+  facts->all.push_back(std::move(fact));
+}
+
+// Sizes that are all off by the same amount, whatever their length: no steps/mm does
+// that.
+bool AddSurplus(const Line& line, double noise_mm, std::size_t axis, Facts* facts) {
+  constexpr double kLeast_mm = 0.02, kLeastPlace_mm = 1;
+  const bool is_of_sizes = line.least_mm > kLeastPlace_mm && line.has_senses_unknown;
+  const double at_ends_mm = line.slope * (line.most_mm - line.least_mm);
+  const double sd_mm = noise_mm * line.offset_unit_sd;
+  const bool is_offset = std::abs(line.offset_mm) > kLeast_mm &&
+                         (!Known(sd_mm) || std::abs(line.offset_mm) > kSure * sd_mm);
+  if (!is_of_sizes || !is_offset ||
+      std::abs(at_ends_mm) > 0.3 * std::abs(line.offset_mm)) {
+    return false;
+  }
+  facts->all.push_back(
+      {.id = "offset",
+       .axis = kNames[axis],
+       .word = "surplus",
+       .figures = {{"change_um", UmFromMm(line.offset_mm), UmFromMm(sd_mm)},
+                   {"factor", 1 + line.slope, noise_mm * line.slope_unit_sd}},
+       .sigmas =
+           Known(sd_mm) ? std::abs(line.offset_mm) / std::max(sd_mm, 1e-12) : kUnknown,
+       .sentence = fmt::format("Every size along {} is {} {} by {}, whatever its "
+                               "length: a constant on both "
+                               "walls (plastic or cutter width, how the calliper "
+                               "sits), not steps/mm. Leave "
+                               "steps/mm alone; correct extrusion, line width or tool "
+                               "diameter by {} a wall",
+                               "XYZ"[axis],
+                               "too",
+                               line.offset_mm > 0 ? "large" : "small",
+                               WithSd(std::abs(line.offset_mm), sd_mm, "mm"),
+                               WithSd(std::abs(line.offset_mm) / 2, sd_mm / 2, "mm")),
+       .is_answer = true});
+  return true;
+}
+
+void AddReversal(const Line& line, double noise_mm, std::size_t axis, Facts* facts) {
+  if (!line.has_gap) return;
+  const double sd_mm = noise_mm * line.gap_unit_sd;
+  constexpr double kLeastUnknown_mm = 0.01;
+  const bool is_there = Known(sd_mm) ? std::abs(line.gap_mm) > kSure * sd_mm
+                                     : std::abs(line.gap_mm) > kLeastUnknown_mm;
+  if (!is_there) return;
+  Fact fact{.id = "reversal",
+            .axis = kNames[axis],
+            .figures = {{"gap_um", UmFromMm(line.gap_mm), UmFromMm(sd_mm)}},
+            .sigmas = std::abs(line.gap_mm) / std::max(sd_mm, 1e-12),
+            .is_answer = true};
+  if (!Known(sd_mm)) fact.sigmas = kUnknown;
+  fact.sentence = fmt::format(
+      "{} {} {} at its reversals{}",
+      "XYZ"[axis],
+      line.gap_mm > 0 ? "loses" : "leads by",
+      WithSd(std::abs(line.gap_mm), sd_mm, "mm"),
+      Known(sd_mm) ? ""
+                   : ". Its uncertainty is not known: no reading was repeated, and no "
+                     "uncertainty is stated");
+  facts->all.push_back(std::move(fact));
+}
+
+// Rows of one gauge along one axis.
+void AddAlong(const Rows& rows, const Repeats& repeats, Facts* facts) {
+  using Key = std::pair<std::string, int>;
+  std::map<Key, Rows> series;
+  for (const Row* row : rows) {
+    const int axis = AxisAlong(*row);
+    if (row->kind != RowKind::kPosition || axis < 0) continue;
+    if (!Known(row->cmd_mm[static_cast<std::size_t>(axis)])) continue;
+    series[{row->campaign + "|" + row->setup + "|" + row->settings, axis}].push_back(
+        row);
+  }
+  for (const auto& [key, all] : series) {
+    const auto axis = static_cast<std::size_t>(key.second);
+    const Line line = FitLine(Without(all, repeats.outliers), axis);
+    if (line.dof < 0) continue;
+    const double noise_mm = NoiseOf_mm(line, repeats.noise);
+    if (line.has_slope && !AddSurplus(line, noise_mm, axis, facts)) {
+      AddScale(line, noise_mm, axis, facts);
+    }
+    AddReversal(line, noise_mm, axis, facts);
+  }
+}
+
+/// Difference of readings by the sense of an axis across which they are taken.
+struct SenseContrast {
+  double sum_mm = 0, weight = 0;
+  int places = 0;
+};
+
+// Readings along n, at the same place, that differ by the sense in which an axis across
+// n arrived.
+void AddAcross(const Rows& rows, const Repeats& repeats, Facts* facts) {
+  if (!Known(repeats.noise.sd_mm)) return;
+  constexpr int kFewestPlaces = 2;
+  std::map<std::pair<int, int>, SenseContrast> contrasts;
+  for (const auto& [key, cell] : CellsOf(rows, kAnySense | kAnyHome)) {
+    const int along = AxisAlong(*cell.front());
+    if (along < 0) continue;
+    for (int across = 0; across < 3; ++across) {
+      if (across == along) continue;
+      double sum_mm[2] = {0, 0}, num[2] = {0, 0};
+      for (const Row* row : cell) {
+        const double sense = row->dir[static_cast<std::size_t>(across)];
+        if (!Known(sense) || sense == 0) continue;
+        sum_mm[sense > 0] += row->value_mm;
+        num[sense > 0] += 1;
+      }
+      if (num[0] == 0 || num[1] == 0) continue;
+      const double weight = 1 / (1 / num[0] + 1 / num[1]);
+      SenseContrast& contrast = contrasts[{along, across}];
+      contrast.sum_mm += weight * (sum_mm[1] / num[1] - sum_mm[0] / num[0]);
+      contrast.weight += weight;
+      ++contrast.places;
+    }
+  }
+  for (const auto& [axes, contrast] : contrasts) {
+    const double gap_mm = contrast.sum_mm / contrast.weight;
+    const double sd_mm = repeats.noise.sd_mm / std::sqrt(contrast.weight);
+    const bool is_sure =
+        std::abs(gap_mm) > kSure * sd_mm && contrast.places >= kFewestPlaces;
+    if (!is_sure) continue;
+    const auto along = static_cast<std::size_t>(axes.first);
+    const auto across = static_cast<std::size_t>(axes.second);
+    facts->all.push_back(
+        {.id = "cross_reversal",
+         .axis = kNames[across],
+         .word = kNames[along],
+         .figures = {{"gap_um", UmFromMm(gap_mm), UmFromMm(sd_mm)}},
+         .sigmas = std::abs(gap_mm) / sd_mm,
+         .sentence = fmt::format("At the same place {} reads {} more when {} arrived "
+                                 "in its + sense than in "
+                                 "its - sense ({} places): the {} carriage tilts or "
+                                 "shifts with the sense in "
+                                 "which it is pulled (play of its wheels, bearings or "
+                                 "belt anchor), and shows "
+                                 "it in {}. It is no backlash of {} and no noise",
+                                 "XYZ"[along],
+                                 WithSd(gap_mm, sd_mm, "mm"),
+                                 "XYZ"[across],
+                                 contrast.places,
+                                 "XYZ"[across],
+                                 "XYZ"[along],
+                                 "XYZ"[along]),
+         .is_answer = true});
+  }
+}
+
+// Touches of one face at several feeds: value = a - latency v, so long as nothing else
+// differs.
+void AddLatency(const Rows& rows, const Repeats& repeats, Facts* facts) {
+  constexpr std::size_t kFewestFeeds = 3;
+  for (const auto& [key, cell] : CellsOf(rows, kAnyFeed | kAnyHome)) {
+    std::map<double, std::pair<double, double>> feeds;
+    for (const Row* row : cell) {
+      if (!Known(row->feed_mm_s) || row->kind != RowKind::kTouch) continue;
+      feeds[row->feed_mm_s].first += row->value_mm;
+      feeds[row->feed_mm_s].second += 1;
+    }
+    if (feeds.size() < kFewestFeeds) continue;
+    double w = 0, wv = 0, wz = 0, wvv = 0, wvz = 0;
+    for (const auto& [feed, sum] : feeds) {
+      w += sum.second;
+      wv += sum.second * feed;
+      wz += sum.first;
+      wvv += sum.second * feed * feed;
+      wvz += feed * sum.first;
+    }
+    const double spread = wvv - wv * wv / w;
+    const double slope_s = (wvz - wv * wz / w) / spread;
+    double left_mm2 = 0;
+    for (const auto& [feed, sum] : feeds) {
+      const double fit_mm = wz / w + slope_s * (feed - wv / w);
+      left_mm2 += sum.second * std::pow(sum.first / sum.second - fit_mm, 2);
+    }
+    const double dof = static_cast<double>(feeds.size()) - 2;
+    double noise_mm = std::sqrt(left_mm2 / dof);
+    if (Known(repeats.noise.sd_mm)) noise_mm = std::max(noise_mm, repeats.noise.sd_mm);
+    const double sd_s = noise_mm / std::sqrt(spread);
+    if (std::abs(slope_s) < kSure * sd_s) continue;
+    facts->all.push_back(
+        {.id = "latency",
+         .axis = AxisAlong(*cell.front()) < 0
+                     ? ""
+                     : kNames[static_cast<std::size_t>(AxisAlong(*cell.front()))],
+         .figures = {{"latency_ms", -1e3 * slope_s, 1e3 * sd_s}},
+         .sigmas = std::abs(slope_s) / sd_s,
+         .sentence = fmt::format(
+             "The trigger comes {} {}: the faster the probe, the further it has gone "
+             "({} feeds, a straight line). Probe at one feed always, or slower: the "
+             "rest "
+             "is constant and calibrates away",
+             WithSd(std::abs(1e3 * slope_s), 1e3 * sd_s, "ms"),
+             slope_s < 0 ? "late" : "early",
+             feeds.size()),
+         .is_answer = true});
+    return;
+  }
+}
+
+}  // namespace
+
+namespace {
+
+// Steps/mm were changed and the travel was not: what is set is not in force.
+void AddIdleSettings(const Rows& rows, const DataHeader& header, Facts* facts) {
+  constexpr double kLeastChange = 1.05, kAlike = 0.02;
+  std::map<int, std::map<double, std::vector<double>>> factors;
+  for (const Row* row : rows) {
+    const int axis = AxisAlong(*row);
+    const auto settings = header.settings.find(row->settings);
+    if (row->flag != "move" || axis < 0 || settings == header.settings.end()) continue;
+    const auto steps =
+        settings->second.steps_per_mm.find(kNames[static_cast<std::size_t>(axis)]);
+    const double told_mm = row->cmd_mm[static_cast<std::size_t>(axis)];
+    if (steps == settings->second.steps_per_mm.end() || told_mm == 0) continue;
+    factors[axis][steps->second].push_back(1 + row->value_mm / told_mm);
+  }
+  for (const auto& [axis, by_steps] : factors) {
+    if (by_steps.size() < 2) continue;
+    const double range = by_steps.rbegin()->first / by_steps.begin()->first;
+    double least = HUGE_VAL, most = -HUGE_VAL;
+    for (const auto& [steps, all] : by_steps) {
+      least = std::min(least, Median(all));
+      most = std::max(most, Median(all));
+    }
+    if (range < kLeastChange || most / least - 1 > kAlike) continue;
+    const std::string sentence = fmt::format(
+        "{} moves {:.4g} times what is commanded whatever steps/mm are set ({:g} to "
+        "{:g}): "
+        "the setting is not in force. Find out which file or memory the board reads "
+        "(ask it: "
+        "M503, M92, $$) before anything else; nothing of the mechanics is shown to be "
+        "wrong",
+        "XYZ"[axis],
+        (least + most) / 2,
+        by_steps.begin()->first,
+        by_steps.rbegin()->first);
+    facts->all.push_back({.id = "settings",
+                          .axis = kNames[static_cast<std::size_t>(axis)],
+                          .word = "steps_per_mm",
+                          .sentence = sentence,
+                          .is_answer = true});
+    facts->not_the_machine = {"settings", sentence};
+  }
+}
+
+}  // namespace
+
+void FactsOfMotion(const std::vector<const Row*>& rows,
+                   const Repeats& repeats,
+                   const DataHeader& header,
+                   Facts* facts) {
+  AddIdleSettings(rows, header, facts);
+  const Rows kept = Without(rows, repeats.outliers);
+  AddAlong(kept, repeats, facts);
+  AddAcross(kept, repeats, facts);
+  AddLatency(kept, repeats, facts);
+}
+
+namespace {
+
+/// One length: along which direction, from where to where, and how much too long.
+struct Length {
+  Eigen::Vector3d from_mm = Eigen::Vector3d::Zero(), to_mm = from_mm, n = from_mm;
+  double change_mm = 0;
+  double sd_mm = kUnknown;
+  std::int64_t row = 0;
+};
+
+// Two rows of one setup are a length from the first to the second.
+std::vector<Length> LengthsOf(const Rows& rows, const DataHeader& header) {
+  std::map<std::string, Rows> setups;
+  for (const Row* row : rows) {
+    if (row->kind == RowKind::kPosition && !row->setup.empty()) {
+      setups[row->campaign + "|" + row->setup].push_back(row);
+    }
+  }
+  std::vector<Length> lengths;
+  for (const auto& [key, both] : setups) {
+    if (both.size() != 2) continue;
+    Length length{.sd_mm = std::hypot(StatedSigma_mm(*both[0], header),
+                                      StatedSigma_mm(*both[1], header)),
+                  .row = both[1]->row};
+    for (int k = 0; k < 3; ++k) {
+      const auto i = static_cast<std::size_t>(k);
+      const auto at = [&](const Row* row) {
+        return Known(row->cmd_mm[i]) ? row->cmd_mm[i] : 0;
+      };
+      length.from_mm[k] = at(both[0]);
+      length.to_mm[k] = at(both[1]);
+      length.n[k] = Known(both[1]->n[i]) ? both[1]->n[i] : 0;
+    }
+    length.change_mm = both[1]->value_mm - both[0]->value_mm;
+    lengths.push_back(length);
+  }
+  return lengths;
+}
+
+struct PlaneWords {
+  int first = 0, second = 1;
+  const char* name = nullptr;
+};
+constexpr std::array kPlanes = {
+    PlaneWords{0, 1, "C0Y"}, PlaneWords{0, 2, "B0Z"}, PlaneWords{1, 2, "A0Z"}};
+
+}  // namespace
+
+// Change of a length in one plane: n . E d, E = [[s1, -c], [0, s2]] (C0Y: dx = -c y;
+// B0Z turns dx the other way).
+void FactsOfLengths(const std::vector<const Row*>& rows,
+                    const DataHeader& header,
+                    Facts* facts) {
+  constexpr double kFewest = 3, kInPlane = 0.999, kDiagonal = 0.2;
+  const std::vector<Length> all = LengthsOf(rows, header);
+  for (const PlaneWords& plane : kPlanes) {
+    std::vector<Length> lengths;
+    int num_diagonal = 0;
+    for (const Length& length : all) {
+      const double a = length.n[plane.first], b = length.n[plane.second];
+      if (std::hypot(a, b) < kInPlane) continue;
+      num_diagonal += std::abs(a * b) > kDiagonal ? 1 : 0;
+      lengths.push_back(length);
+    }
+    if (static_cast<double>(lengths.size()) < kFewest || num_diagonal < 2) continue;
+    const auto num = static_cast<Eigen::Index>(lengths.size());
+    Eigen::MatrixXd columns(num, 3);
+    Eigen::VectorXd changes(num), sds(num);
+    for (Eigen::Index i = 0; i < num; ++i) {
+      const Length& length = lengths[static_cast<std::size_t>(i)];
+      const Eigen::Vector3d d_mm = length.to_mm - length.from_mm;
+      columns(i, 0) = length.n[plane.first] * d_mm[plane.first];
+      columns(i, 1) = length.n[plane.second] * d_mm[plane.second];
+      columns(i, 2) = (plane.first == 0 && plane.second == 2 ? 1 : -1) *
+                      length.n[plane.first] * d_mm[plane.second];
+      changes[i] = length.change_mm;
+      sds[i] = length.sd_mm;
+    }
+    const Eigen::MatrixXd normal = columns.transpose() * columns;
+    if (EigenvaluesOf(normal)[0] < 1e-6 * normal.trace()) continue;
+    const Cholesky solver(normal);
+    const Eigen::MatrixXd half = solver.SolveEach(columns.transpose());
+    const Eigen::VectorXd sizes = half * changes;
+    const double sd = (half.row(2).transpose().cwiseProduct(sds)).norm();
+    const double angle = sizes[2];
+    if (Known(sd) && std::abs(angle) < kSure * sd) continue;
+    Fact fact{.id = "skew",
+              .axis = plane.name,
+              .figures = {{"angle_mrad", MradFromRad(angle), MradFromRad(sd)}},
+              .sigmas = std::abs(angle) / std::max(sd, 1e-12),
+              .is_answer = true};
+    if (!Known(sd)) fact.sigmas = kUnknown;
+    for (const Length& length : lengths) fact.rows.push_back(length.row);
+    fact.sentence = fmt::format(
+        "The lengths fit together only if {} and {} are out of square by {} ({}): the "
+        "two "
+        "diagonals differ{}",
+        "XYZ"[plane.first],
+        "XYZ"[plane.second],
+        WithSd(MradFromRad(std::abs(angle)), MradFromRad(sd), "mrad"),
+        WithSd(DegFromRad(std::abs(angle)), DegFromRad(sd), "degrees"),
+        Known(sd)
+            ? fmt::format(" by {:.0f} times what their stated uncertainties allow",
+                          fact.sigmas)
+            : ". Its uncertainty is not known: no length was measured twice");
+    facts->all.push_back(std::move(fact));
+  }
+}
+
+}  // namespace caltwin

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <set>
+#include <vector>
+
+#include "calibration/facts/fact.h"
+
+namespace caltwin {
+
+/// How far one reading scatters about what is measured again.
+struct ReadingNoise {
+  double sd_mm = kUnknown;
+  double dof = 0;
+  bool is_stated = false;  ///< By the person, not shown by repeats.
+};
+
+/// What repeats of one place and sense say, two sufficing: how they scatter, whether
+/// they drift, fall on levels (homings), or one of them is far from the others.
+struct Repeats {
+  ReadingNoise noise{};
+  std::set<std::int64_t> outliers{};  ///< Running numbers of rows.
+  /// Rows of each place at each level (homing, or where readings jumped): those alike.
+  std::vector<std::vector<const Row*>> batches{};
+};
+
+/// Adds facts to `facts`. `rows` in the order measured.
+Repeats FactsOfRepeats(const std::vector<const Row*>& rows,
+                       const DataHeader& header,
+                       Facts* facts);
+
+/// The stated standard uncertainty of a row: its own, else its instrument's; kUnknown.
+double StatedSigma_mm(const Row& row, const DataHeader& header);
+
+/// The finest step between any two readings [mm]; 0 of fewer than two different ones.
+double FinestStep_mm(const std::vector<const Row*>& rows);
+
+}  // namespace caltwin

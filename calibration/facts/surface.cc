@@ -1,0 +1,394 @@
+#include "calibration/facts/surface.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <optional>
+#include <utility>
+
+#include <Eigen/Core>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "calibration/estimate/f_test.h"
+#include "sim/base/dense.h"
+#include "sim/base/median.h"
+#include "sim/base/rng.h"
+#include "sim/base/units.h"
+#include "sim/base/with_sd.h"
+
+namespace caltwin {
+namespace {
+
+constexpr Eigen::Index kPlaneTerms = 3;
+constexpr Eigen::Index kTwistTerms = 4;
+constexpr Eigen::Index kAllTerms = 6;
+constexpr double kMostChance = 1e-3;
+
+/// One touched place: the mean of its readings.
+struct Spot {
+  double x_mm = 0, y_mm = 0, height_mm = 0;
+  double num = 0;
+  std::vector<std::int64_t> rows{};
+};
+
+/// Spots of one bed as it stood, scaled to -1 .. 1.
+class Sheet {
+ public:
+  explicit Sheet(std::vector<Spot> spots) : spots_(std::move(spots)) {
+    double low_x = HUGE_VAL, high_x = -HUGE_VAL, low_y = HUGE_VAL, high_y = -HUGE_VAL;
+    for (const Spot& spot : spots_) {
+      low_x = std::min(low_x, spot.x_mm);
+      high_x = std::max(high_x, spot.x_mm);
+      low_y = std::min(low_y, spot.y_mm);
+      high_y = std::max(high_y, spot.y_mm);
+    }
+    mid_ = {(low_x + high_x) / 2, (low_y + high_y) / 2};
+    half_mm_ = {(high_x - low_x) / 2, (high_y - low_y) / 2};
+  }
+
+  Eigen::Index size() const { return static_cast<Eigen::Index>(spots_.size()); }
+  const std::vector<Spot>& spots() const { return spots_; }
+  const Eigen::Vector2d& half_mm() const { return half_mm_; }
+  bool has_area() const { return half_mm_.minCoeff() > 1; }
+
+  // Columns 1 u v uv u^2 v^2, as many as asked for.
+  Eigen::MatrixXd Columns(Eigen::Index num) const {
+    Eigen::MatrixXd columns(size(), num);
+    for (Eigen::Index i = 0; i < size(); ++i) {
+      const Spot& spot = spots_[static_cast<std::size_t>(i)];
+      const double u = (spot.x_mm - mid_[0]) / half_mm_[0];
+      const double v = (spot.y_mm - mid_[1]) / half_mm_[1];
+      const double all[kAllTerms] = {1, u, v, u * v, u * u, v * v};
+      for (Eigen::Index k = 0; k < num; ++k) columns(i, k) = all[k];
+    }
+    return columns;
+  }
+
+  Eigen::VectorXd Heights_mm() const {
+    Eigen::VectorXd heights_mm(size());
+    for (Eigen::Index i = 0; i < size(); ++i) {
+      heights_mm[i] = spots_[static_cast<std::size_t>(i)].height_mm;
+    }
+    return heights_mm;
+  }
+
+  Sheet Without(const std::vector<bool>& is_out) const {
+    std::vector<Spot> kept;
+    for (std::size_t i = 0; i < spots_.size(); ++i) {
+      if (!is_out[i]) kept.push_back(spots_[i]);
+    }
+    return Sheet(std::move(kept));
+  }
+
+ private:
+  std::vector<Spot> spots_;
+  Eigen::Vector2d mid_ = Eigen::Vector2d::Zero(), half_mm_ = Eigen::Vector2d::Zero();
+};
+
+/// Least squares of spots: sizes, their standard deviations for a noise of one.
+struct SheetFit {
+  Eigen::VectorXd sizes_mm{}, unit_sds{}, left_mm{};
+  double dof = 0;
+  bool is_determined = false;
+  double squares_mm2() const { return left_mm.squaredNorm(); }
+};
+
+SheetFit Fit(const Sheet& sheet, Eigen::Index terms) {
+  const Eigen::MatrixXd columns = sheet.Columns(terms);
+  const Eigen::VectorXd heights_mm = sheet.Heights_mm();
+  const Eigen::MatrixXd normal = columns.transpose() * columns;
+  SheetFit fit;
+  if (sheet.size() < terms || EigenvaluesOf(normal)[0] < 1e-6 * normal.trace())
+    return fit;
+  const Cholesky solver(normal);
+  fit.is_determined = true;
+  fit.sizes_mm = solver.Solve(columns.transpose() * heights_mm);
+  fit.unit_sds =
+      solver.SolveEach(Eigen::MatrixXd::Identity(terms, terms)).diagonal().cwiseSqrt();
+  fit.left_mm = heights_mm - columns * fit.sizes_mm;
+  fit.dof = static_cast<double>(sheet.size() - terms);
+  return fit;
+}
+
+// The smallest half of squared distances from what passes through `chosen`; none where
+// those do not determine it.
+std::optional<std::pair<double, Eigen::VectorXd>> TrimmedBy(
+    const Eigen::MatrixXd& columns,
+    const Eigen::VectorXd& heights_mm,
+    const std::vector<Eigen::Index>& chosen,
+    Eigen::Index half) {
+  Eigen::MatrixXd own(static_cast<Eigen::Index>(chosen.size()), columns.cols());
+  Eigen::VectorXd right(own.rows());
+  for (Eigen::Index k = 0; k < own.rows(); ++k) {
+    own.row(k) = columns.row(chosen[static_cast<std::size_t>(k)]);
+    right[k] = heights_mm[chosen[static_cast<std::size_t>(k)]];
+  }
+  const Eigen::VectorXd sizes = LeastSquares(own, right);
+  if (!sizes.allFinite() || (own * sizes - right).cwiseAbs().maxCoeff() > 1e-6) {
+    return std::nullopt;
+  }
+  const Eigen::VectorXd left = heights_mm - columns * sizes;
+  std::vector<double> squares(left.size());
+  for (Eigen::Index i = 0; i < left.size(); ++i) {
+    squares[static_cast<std::size_t>(i)] = left[i] * left[i];
+  }
+  std::ranges::nth_element(squares, squares.begin() + half);
+  const double sum = std::accumulate(squares.begin(), squares.begin() + half, 0.0);
+  return std::pair{sum, left};
+}
+
+// Least trimmed squares: of many surfaces through as many spots as they have sizes, the
+// one whose better half of distances is smallest. Bad touches cannot hide each other.
+std::vector<bool> FarSpots(const Sheet& sheet, double noise_mm) {
+  constexpr Eigen::Index kFewest = 7, kFewestForShape = 15;
+  constexpr int kDraws = 400;
+  constexpr double kFar = 8, kMostShare = 0.2, kLeast_mm = 0.03;
+  const Eigen::Index n = sheet.size();
+  std::vector<bool> is_out(static_cast<std::size_t>(n), false);
+  if (n < kFewest) return is_out;
+  const Eigen::Index terms = n >= kFewestForShape ? kAllTerms : kPlaneTerms;
+  const Eigen::MatrixXd columns = sheet.Columns(terms);
+  const Eigen::VectorXd heights_mm = sheet.Heights_mm();
+  const Eigen::Index half = (n + terms + 1) / 2;
+  Rng rng(1, 0, "facts.surface");
+  std::optional<std::pair<double, Eigen::VectorXd>> best;
+  std::vector<Eigen::Index> order(static_cast<std::size_t>(n));
+  std::iota(order.begin(), order.end(), 0);
+  for (int draw = 0; draw < kDraws; ++draw) {
+    for (Eigen::Index k = 0; k < terms; ++k) {
+      const auto other =
+          k + static_cast<Eigen::Index>(rng.Uniform() * static_cast<double>(n - k));
+      std::swap(order[static_cast<std::size_t>(k)],
+                order[static_cast<std::size_t>(std::min(other, n - 1))]);
+    }
+    const std::vector<Eigen::Index> chosen(order.begin(), order.begin() + terms);
+    auto tried = TrimmedBy(columns, heights_mm, chosen, half);
+    if (tried && (!best || tried->first < best->first)) best = std::move(tried);
+  }
+  if (!best) return is_out;
+  std::vector<double> sizes_mm;
+  for (const double left_mm : best->second) sizes_mm.push_back(std::abs(left_mm));
+  // Half of the spots fit their own surface too well.
+  const double spread_mm =
+      kSigmaOfMedian * Median(sizes_mm) * (1 + 5.0 / static_cast<double>(n - terms));
+  const double limit_mm =
+      std::max({kFar * spread_mm, Known(noise_mm) ? kFar * noise_mm : 0, kLeast_mm});
+  Eigen::Index num_out = 0;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    is_out[static_cast<std::size_t>(i)] = std::abs(best->second[i]) > limit_mm;
+    num_out += is_out[static_cast<std::size_t>(i)] ? 1 : 0;
+  }
+  const auto most = std::max<Eigen::Index>(
+      1, static_cast<Eigen::Index>(kMostShare * static_cast<double>(n)));
+  if (num_out > most) is_out.assign(is_out.size(), false);
+  return is_out;
+}
+
+std::map<std::string, std::vector<Spot>> SheetsOf(const std::vector<const Row*>& rows,
+                                                  const std::set<std::int64_t>& out) {
+  constexpr double kUp = 0.999;
+  std::map<std::string, std::map<std::pair<long, long>, Spot>> sheets;
+  for (const Row* row : rows) {
+    const bool is_height = row->kind == RowKind::kTouch && row->n[2] > kUp &&
+                           Known(row->cmd_mm[0]) && Known(row->cmd_mm[1]);
+    // Motors moved one by one raise what is touched.
+    if (!is_height || out.contains(row->row) || row->flag == "release") continue;
+    std::string key =
+        row->campaign + "|" + row->setup + "|" + row->feature + "|" + row->home;
+    if (Known(row->cmd_mm[2])) key += fmt::format("|{:.3f}", row->cmd_mm[2]);
+    Spot& spot = sheets[key][{std::lround(row->cmd_mm[0] * 100),
+                              std::lround(row->cmd_mm[1] * 100)}];
+    spot.x_mm = row->cmd_mm[0];
+    spot.y_mm = row->cmd_mm[1];
+    spot.height_mm += row->value_mm;
+    spot.num += 1;
+    spot.rows.push_back(row->row);
+  }
+  std::map<std::string, std::vector<Spot>> all;
+  for (auto& [key, spots] : sheets) {
+    for (auto& [at, spot] : spots) {
+      spot.height_mm /= spot.num;
+      all[key].push_back(spot);
+    }
+  }
+  return all;
+}
+
+double RepeatsOf(const Sheet& sheet) {
+  double num = 0;
+  for (const Spot& spot : sheet.spots()) num += spot.num;
+  return num / static_cast<double>(sheet.size());
+}
+
+// Standard deviation of a spot: of repeats, else of what a fit leaves; kUnknown.
+struct SpotNoise {
+  double sd_mm = kUnknown;
+  double dof = 0;
+};
+
+SpotNoise NoiseOf(const Sheet& sheet, const SheetFit& fit, const ReadingNoise& noise) {
+  constexpr double kFewest = 3, kStatedDof = 10;
+  if (Known(noise.sd_mm)) {
+    return {noise.sd_mm / std::sqrt(RepeatsOf(sheet)),
+            noise.is_stated ? kStatedDof : noise.dof};
+  }
+  if (fit.dof >= kFewest) return {std::sqrt(fit.squares_mm2() / fit.dof), fit.dof};
+  return {};
+}
+
+void AddPlane(const Sheet& sheet,
+              const SheetFit& plane,
+              const SpotNoise& noise,
+              Facts* facts) {
+  Fact fact{.id = "plane"};
+  for (Eigen::Index k = 0; k < 2; ++k) {
+    const double slope = plane.sizes_mm[1 + k] / sheet.half_mm()[k];
+    const double sd = noise.sd_mm * plane.unit_sds[1 + k] / sheet.half_mm()[k];
+    fact.figures.push_back({k == 0 ? "slope_x_mrad" : "slope_y_mrad",
+                            MradFromRad(slope),
+                            MradFromRad(sd)});
+    if (Known(sd)) {
+      const double sigmas = std::abs(slope) / std::max(sd, 1e-12);
+      fact.sigmas = Known(fact.sigmas) ? std::max(fact.sigmas, sigmas) : sigmas;
+    }
+  }
+  fact.sentence = fmt::format(
+      "The plane of the {} touched places rises by {} over {:.4g} mm along X and by {} "
+      "over {:.4g} mm along Y",
+      sheet.size(),
+      WithSd(2 * plane.sizes_mm[1], 2 * noise.sd_mm * plane.unit_sds[1], "mm"),
+      2 * sheet.half_mm()[0],
+      WithSd(2 * plane.sizes_mm[2], 2 * noise.sd_mm * plane.unit_sds[2], "mm"),
+      2 * sheet.half_mm()[1]);
+  facts->all.push_back(std::move(fact));
+}
+
+// What no screw or leg of three can level: corners against corners.
+void AddTwist(const SheetFit& fit, const SpotNoise& noise, Facts* facts) {
+  constexpr double kSure = 5, kLeastUnknown_mm = 0.05;
+  constexpr Eigen::Index kTwist = 3;
+  const double twist_mm = fit.sizes_mm[kTwist];
+  const double sd_mm = noise.sd_mm * fit.unit_sds[kTwist];
+  const bool is_sure = Known(sd_mm) ? std::abs(twist_mm) > kSure * sd_mm
+                                    : std::abs(twist_mm) > kLeastUnknown_mm;
+  if (!is_sure) return;
+  Fact fact{.id = "twist",
+            .figures = {{"height_um", UmFromMm(twist_mm), UmFromMm(sd_mm)},
+                        {"corners_um", UmFromMm(2 * twist_mm), UmFromMm(2 * sd_mm)}},
+            .sigmas = std::abs(twist_mm) / std::max(sd_mm, 1e-12),
+            .is_answer = true};
+  if (!Known(sd_mm)) fact.sigmas = kUnknown;
+  fact.sentence = fmt::format(
+      "Two opposite corners stand {} higher than the other two ({}): a twist, which no "
+      "plane, no three screws and no tilt removes. Either the gantry is racked or "
+      "bends "
+      "(its two sides are not parallel), or the bed itself is twisted{}",
+      WithSd(2 * std::abs(twist_mm), 2 * sd_mm, "mm"),
+      twist_mm > 0
+          ? "front left and rear right, where X and Y run to the right and to the rear"
+          : "front right and rear left, where X and Y run to the right and to the rear",
+      Known(sd_mm) ? "" : ". Its uncertainty is not known: no place was touched twice");
+  facts->all.push_back(std::move(fact));
+}
+
+// What a plane leaves, against how one touch repeats; without repeats, whether a smooth
+// shape takes it up.
+void AddForm(const Sheet& sheet,
+             const SheetFit& plane,
+             const ReadingNoise& noise,
+             Facts* facts) {
+  if (plane.dof < 2) return;
+  double chance = 1;
+  SpotNoise spot{};
+  if (Known(noise.sd_mm)) {
+    spot = NoiseOf(sheet, plane, noise);
+    const double f = plane.squares_mm2() / plane.dof / (spot.sd_mm * spot.sd_mm);
+    chance = FUpperTail(f, plane.dof, spot.dof);
+  } else {
+    const SheetFit shape = Fit(sheet, kAllTerms);
+    if (!shape.is_determined || shape.dof < 3) return;
+    const double more = plane.dof - shape.dof;
+    const double f = (plane.squares_mm2() - shape.squares_mm2()) / more /
+                     std::max(shape.squares_mm2() / shape.dof, 1e-14);
+    chance = FUpperTail(f, more, shape.dof);
+    spot.sd_mm = std::sqrt(shape.squares_mm2() / shape.dof);
+  }
+  if (chance > kMostChance) return;
+  const double range_mm = plane.left_mm.maxCoeff() - plane.left_mm.minCoeff();
+  const double rms_mm = std::sqrt(plane.squares_mm2() / plane.dof);
+  facts->all.push_back(
+      {.id = "form",
+       .figures = {{"peak_to_peak_um",
+                    UmFromMm(range_mm),
+                    UmFromMm(spot.sd_mm) * std::sqrt(2.0)},
+                   {"rms_um", UmFromMm(rms_mm)}},
+       .sigmas = rms_mm / std::max(spot.sd_mm, 1e-12),
+       .sentence = fmt::format("Beside its plane the surface is uneven by {} um from "
+                               "lowest to highest ({} um "
+                               "rms), where a touch {} {} um: a shape that is there, "
+                               "for a mesh to take out",
+                               TwoDigits(UmFromMm(range_mm)),
+                               TwoDigits(UmFromMm(rms_mm)),
+                               Known(noise.sd_mm) ? "repeats to" : "scatters by",
+                               TwoDigits(UmFromMm(spot.sd_mm))),
+       .is_answer = true});
+}
+
+void AddFar(const Sheet& sheet,
+            const std::vector<bool>& is_out,
+            std::set<std::int64_t>* rows,
+            Facts* facts) {
+  Fact fact{.id = "outliers", .is_answer = true};
+  for (std::size_t i = 0; i < is_out.size(); ++i) {
+    if (!is_out[i]) continue;
+    const Spot& spot = sheet.spots()[i];
+    fact.rows.insert(fact.rows.end(), spot.rows.begin(), spot.rows.end());
+  }
+  if (fact.rows.empty()) return;
+  std::ranges::sort(fact.rows);
+  rows->insert(fact.rows.begin(), fact.rows.end());
+  fact.figures = {{"count", static_cast<double>(fact.rows.size())}};
+  fact.sentence = fmt::format(
+      "{} {} far from the surface that all other touches lie on: bad touch{}, left out",
+      fact.rows.size() == 1 ? "Row" : "Rows",
+      fmt::format(
+          "{} {}", fmt::join(fact.rows, ", "), fact.rows.size() == 1 ? "is" : "are"),
+      fact.rows.size() == 1 ? "" : "es");
+  facts->all.push_back(std::move(fact));
+}
+
+}  // namespace
+
+std::set<std::int64_t> FactsOfSurface(const std::vector<const Row*>& rows,
+                                      const Repeats& repeats,
+                                      Facts* facts) {
+  std::set<std::int64_t> outliers;
+  const std::size_t before = facts->all.size();
+  for (const auto& [key, spots] : SheetsOf(rows, repeats.outliers)) {
+    Sheet sheet(spots);
+    if (sheet.size() < kPlaneTerms || !sheet.has_area()) continue;
+    const std::vector<bool> is_out = FarSpots(sheet, repeats.noise.sd_mm);
+    AddFar(sheet, is_out, &outliers, facts);
+    sheet = sheet.Without(is_out);
+    // One bed as it first stood: later sheets only for what is far off.
+    const bool is_told =
+        std::any_of(facts->all.begin() + static_cast<std::ptrdiff_t>(before),
+                    facts->all.end(),
+                    [](const Fact& fact) { return fact.id == "plane"; });
+    const SheetFit plane = Fit(sheet, kPlaneTerms);
+    if (is_told || !plane.is_determined) continue;
+    const SheetFit twist = Fit(sheet, kTwistTerms);
+    const SheetFit shape = Fit(sheet, kAllTerms);
+    const SheetFit& richest = shape.is_determined && shape.dof >= 3 ? shape : twist;
+    const SpotNoise noise =
+        NoiseOf(sheet, richest.is_determined ? richest : plane, repeats.noise);
+    AddPlane(sheet, plane, noise, facts);
+    if (richest.is_determined) AddTwist(richest, noise, facts);
+    AddForm(sheet, plane, repeats.noise, facts);
+  }
+  return outliers;
+}
+
+}  // namespace caltwin

@@ -1,0 +1,137 @@
+#include "sim/measure/import/console_settings.h"
+
+#include <array>
+#include <cmath>
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "sim/base/units.h"
+#include "sim/measure/import/fields.h"
+#include "sim/measure/import/klipper_geometry.h"
+
+namespace caltwin {
+namespace {
+
+constexpr std::array kNominal_deg = {210.0, 330.0, 90.0};
+constexpr double kLongest_mm = 10'000;
+constexpr double kMostSteps_per_mm = 1e6;
+constexpr double kUsualHeight_mm = 300;  // Older Marlin does not print it; it cancels.
+constexpr double kSteps_per_rev = 3200;  // 200 full steps in sixteenths: the usual.
+constexpr std::array<std::string_view, 6> kWanted = {
+    "M92", "M665", "M666", "M851", "M425", "M852"};
+
+bool IsNumberLike(std::string_view text) {
+  return !text.empty() &&
+         std::string_view("+-.0123456789").find(text[0]) != std::string_view::npos;
+}
+
+double MostOf(std::string_view command) {
+  return command == "M92" ? kMostSteps_per_mm : kLongest_mm;
+}
+
+}  // namespace
+
+bool ConsoleSettings::Take(const ConsoleLine& line,
+                           const Place& place,
+                           Faults* faults) {
+  for (const std::string_view command : kWanted) {
+    if (!IsCommand(line, PlainWord(command))) continue;
+    const std::string_view words = line.text.substr(0, line.text.find_first_of("*;"));
+    for (std::size_t at = words.find(' '); at < words.size();
+         at = words.find(' ', at + 1)) {
+      if (at + 1 >= words.size() || words[at + 1] == ' ') continue;
+      const std::string_view rest = words.substr(at + 2);
+      const auto value = NumberOf(rest.substr(0, rest.find(' ')));
+      if (!value || std::abs(*value) > MostOf(command)) {
+        // What a firmware answers ("M665 Diagonals ...") is no setting.
+        if (!IsNumberLike(rest)) return true;
+        faults->Add(
+            place,
+            fmt::format("{} {} is no number that it may have",
+                        command,
+                        words.substr(at + 1, words.find(' ', at + 1) - at - 1)));
+        return true;
+      }
+      numbers_[std::string(command) + words[at + 1]] = *value;
+    }
+    places_[std::string(command)] = place;
+    for (const char* axis : {"X", "Y", "Z"}) {
+      const double steps_per_mm = Number(std::string("M92") + axis, 0);
+      if (steps_per_mm > 0) in_force_.steps_per_mm[PlainWord(axis)] = steps_per_mm;
+      const double gap_mm = Number(std::string("M425") + axis, -1);
+      if (gap_mm >= 0) in_force_.backlash_mm[PlainWord(axis)] = gap_mm;
+    }
+    return true;
+  }
+  return false;
+}
+
+double ConsoleSettings::Number(const std::string& word, double fallback) const {
+  const auto found = numbers_.find(word);
+  return found == numbers_.end() ? fallback : found->second;
+}
+
+std::string ConsoleSettings::MachineText(Faults* faults) const {
+  if (has_geometry()) return DeltaText(faults);
+  return has_steps() ? CartesianText() : "";
+}
+
+// M665 L R H, angles X Y Z, rods A B C; M666 X Y Z below 0 and below the highest.
+std::string ConsoleSettings::DeltaText(Faults* faults) const {
+  DeltaMachineText machine{.source = std::filesystem::path(name_).filename().string(),
+                           .name = MachineNameOf(name_)};
+  const Place& place = places_.at("M665");
+  for (const char* word : {"M665L", "M665R"}) {
+    if (numbers_.contains(word)) continue;
+    faults->Add(place, fmt::format("M665 has no {}", word[4]));
+  }
+  if (!faults->empty()) return "";
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::string axis(1, "XYZ"[i]);
+    const std::string rod(1, "ABC"[i]);
+    machine.model.radius_mm[i] = Number("M665R", 0);
+    machine.model.arm_mm[i] = Number("M665L", 0) + Number("M665" + rod, 0);
+    machine.model.angle_rad[i] = RadFromDeg(kNominal_deg[i] + Number("M665" + axis, 0));
+    machine.model.endstop_mm[i] =
+        Number("M665H", kUsualHeight_mm) - Number("M666" + axis, 0);
+    const double steps_per_mm = Number("M92" + axis, 0);
+    if (steps_per_mm > 0) machine.drive[i].step_mm = 1 / steps_per_mm;
+  }
+  if (!(machine.model.radius_mm[0] > 0) ||
+      !(machine.model.arm_mm[0] > machine.model.radius_mm[0])) {
+    faults->Add(place,
+                fmt::format("rods of {:g} mm at a delta radius of {:g} mm",
+                            machine.model.arm_mm[0],
+                            machine.model.radius_mm[0]),
+                "a rod is longer than the delta radius");
+    return "";
+  }
+  return DeltaMachineYaml(machine);
+}
+
+std::string ConsoleSettings::CartesianText() const {
+  std::string text = fmt::format(
+      "# From {}: steps/mm, taken for motors of 200 full steps in sixteenths. Travels "
+      "are "
+      "not in it: put yours.\nformat: 1\nname: {}\nkinematics: cartesian\naxes:\n",
+      std::filesystem::path(name_).filename().string(),
+      MachineNameOf(name_));
+  std::string steps, gaps;
+  for (const auto& [axis, steps_per_mm] : in_force_.steps_per_mm) {
+    text += fmt::format("  {}: {{min_mm: 0, max_mm: 200, {}: {:.9g}}}\n",
+                        axis,
+                        axis == "z" ? "lead_mm" : "pulley_mm_per_rev",
+                        kSteps_per_rev / steps_per_mm);
+    steps += fmt::format("{}{}: {:.9g}", steps.empty() ? "" : ", ", axis, steps_per_mm);
+  }
+  for (const auto& [axis, gap_mm] : in_force_.backlash_mm) {
+    gaps += fmt::format("{}{}: {:g}", gaps.empty() ? "" : ", ", axis, gap_mm);
+  }
+  text += fmt::format("settings: {{steps_per_mm: {{{}}}{}}}\n",
+                      steps,
+                      gaps.empty() ? "" : ", backlash_mm: {" + gaps + "}");
+  return text;
+}
+
+}  // namespace caltwin

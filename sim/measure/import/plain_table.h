@@ -1,0 +1,21 @@
+#pragma once
+
+#include "sim/measure/import/import.h"
+
+namespace caltwin {
+
+/// Reads a table as people keep it, its columns known by their headings: `commanded,
+/// measured`, `axis,target,actual`, `x,y,height`, `X cmd (mm), X meas`, `nominal, run
+/// 1, run 2`, `target, error um`; apart by commas, semicolons, tabs, blanks or the bars
+/// of markdown; HTML tables too. Lengths without a unit are in mm (said so); a column
+/// of deviations must say its unit. Throws InputError, listing the columns, where
+/// headings say too little: then `--map` names them.
+Imported ReadPlainTable(const std::string& text,
+                        const std::string& name,
+                        const ImportOptions& options);
+
+/// The table of a markdown or HTML text as lines of fields apart by tabs, each at the
+/// place it had; a text without such a table comes back as it is.
+std::string WithoutMarkup(const std::string& text);
+
+}  // namespace caltwin

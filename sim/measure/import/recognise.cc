@@ -1,0 +1,91 @@
+#include "sim/measure/import/recognise.h"
+
+#include <algorithm>
+#include <cctype>
+#include <string_view>
+
+#include "sim/measure/import/console_line.h"
+#include "sim/measure/import/fields.h"
+
+namespace caltwin {
+namespace {
+
+std::string Lower(std::string_view text) {
+  std::string lower(text);
+  std::ranges::transform(lower, lower.begin(), [](unsigned char c) {
+    return static_cast<char>(std::tolower(c));
+  });
+  return lower;
+}
+
+/// What of the lines of a text is looked for.
+struct Seen {
+  bool is_rows = false, has_console = false, has_settings = false, has_config = false;
+};
+
+// Lines that only a console writes, and lines that also stand in a configuration.
+Seen Look(const std::string& text) {
+  Seen seen;
+  bool is_first = true;
+  for (const TextLine& line : LinesOf(text)) {
+    if (is_first && !line.text.starts_with('#')) {
+      is_first = false;
+      seen.is_rows = line.text.find("value_mm") != std::string_view::npos &&
+                     line.text.find("campaign") != std::string_view::npos;
+    }
+    const ConsoleLine said = ConsoleLineOf(line.text);
+    const std::string& lower = said.lower;
+    const auto has = [&](std::string_view words) {
+      return lower.find(words) != std::string::npos;
+    };
+    seen.has_console |=
+        ((lower.starts_with("probe at ") || lower.starts_with("probe: at ")) &&
+         has("z=")) ||
+        lower.starts_with("bed x:") || (has(" of ") && has(": z:")) ||
+        lower.starts_with("[prb:") || has("bed probe heights:") ||
+        lower.starts_with("stopped at height") || has("bed topography report") ||
+        has("g33 auto calibrate") || has("z1-z2=") || has("probe: z_offset:") ||
+        (has("calibrated ") && has("factors")) || has("z-calibration:") ||
+        has("average measured backlash") || has(" z_offset: ") ||
+        lower.starts_with("[g54:") || lower.starts_with("g92 x0 y0") ||
+        has("screws_tilt_calculate") || has("making the following z adjustments") ||
+        has("leveling grid") || has("mesh bed level data");
+    const bool is_echo =
+        line.text.starts_with("echo:") || Lower(line.text).starts_with("recv:");
+    for (const std::string_view word :
+         {"m92", "m665", "m666", "m671", "m208", "m669"}) {
+      if (!IsCommand(said, word)) continue;
+      seen.has_config = true;
+      seen.has_settings |= is_echo;
+    }
+    seen.has_settings |= IsCommand(said, "m503") || has("steps per unit");
+  }
+  return seen;
+}
+
+}  // namespace
+
+std::string KindOfText(const std::string& text, const std::string& name) {
+  const std::string lower = Lower(text);
+  const auto has = [&](std::string_view words) {
+    return lower.find(words) != std::string::npos;
+  };
+  const std::string ending = Lower(name.substr(std::min(name.size(), name.rfind('.'))));
+  const Seen seen = Look(text);
+  if (seen.is_rows) return "rows";
+  if (has("#*# [delta_calibrate]") && has("height0") && !has("height0 = -"))
+    return "klipper-delta";
+  if (has("#*# [bed_mesh ")) return "klipper-mesh";
+  if (has("reprapfirmware height map") || has("xmin,xmax,ymin")) return "rrf-heightmap";
+  if (has("tgt_data") || ending == ".rtl" || has("fwd1_")) return "iso230-dat";
+  if (has("mcu_pos_z") || (has("\"ts\"") && has("\"z\""))) return "klipper-thermal";
+  if (has("meas x") && has("nom x")) return "cmm-plate";
+  if (ending == ".comp" || ending == ".tab") return "screw-table";
+  if (seen.has_console || seen.has_settings) return "console-log";
+  if (has("#define") && has("_diag_ac")) return "marlin-config";
+  if (has("[stepper_") || has("[printer]")) return "printer-cfg";
+  if (seen.has_config) return "rrf-config";
+  return "table";
+}
+
+}  // namespace caltwin

@@ -1,0 +1,6 @@
+#define SKEW_CORRECTION
+#if ENABLED(SKEW_CORRECTION)
+  #define XY_DIAG_AC 140.9
+  #define XY_DIAG_BD 141.4
+  #define XY_SIDE_AD 100
+#endif
