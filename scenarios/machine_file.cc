@@ -133,6 +133,12 @@ MachineFile ReadExtension(const fs::path& file, YamlMap* map) {
   extension.machine.name = map->TextOr("name", extension.machine.name);
   CheckBase(file, base_file, map->TextOr("extends_sha256", ""), &extension);
   map->Optional("evidence");
+  if (const auto baseline = map->Optional("baseline"); baseline && baseline->is_map()) {
+    YamlMap lines = baseline->Map();
+    for (const auto& [name, value] : lines.Entries()) {
+      extension.baseline[name] = value.Number({-1e9, 1e9});
+    }
+  }
   if (map->Has("effects") && map->Optional("effects")->is_map()) {
     const auto more = ReadEffects(PlainEffects(file, map->faults()), extension.machine);
     extension.effects.insert(extension.effects.end(), more.begin(), more.end());

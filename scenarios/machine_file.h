@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -18,6 +19,8 @@ namespace caltwin {
 struct MachineFile {
   Machine machine{};
   std::vector<InjectedSpec> effects{};
+  /// Lines of a baseline that an extension was fitted beside (`scale.x`: ppm).
+  std::map<std::string, double> baseline{};
   std::vector<std::string> notes{};  ///< What a person should know of it.
   std::vector<std::string> draws{};  ///< Of its distributions, what Faults::Note says.
   /// Contents of every file it is made of, one after the other: itself, what it

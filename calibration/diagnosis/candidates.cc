@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "calibration/diagnosis/drawn.h"
 #include "calibration/diagnosis/kinds/diagnosed_kind.h"
 #include "sim/base/units.h"
 #include "sim/effects/predict.h"
@@ -98,7 +99,9 @@ std::vector<std::string> AxesOf(const Observed& o, const Effect& effect) {
   if (axes.empty() || axes[0] != kAnyAxis) return {axes.begin(), axes.end()};
   std::set<std::string> ids;
   for (Eigen::Index i = 0; i < o.num_rows(); ++i) {
-    if (!o.at(i).artefact.empty() && o.at(i).artefact != "bed") {
+    // Only what has a size can have another.
+    const std::string id(o.at(i).artefact);
+    if (!id.empty() && id != "bed" && IsDrawn(o.header(), id)) {
       ids.emplace(o.at(i).artefact);
     }
   }

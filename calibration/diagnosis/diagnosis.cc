@@ -309,16 +309,22 @@ bool IsForAModel(const Facts& facts, Eigen::Index num_rows) {
   return !facts.is_one_place || !has_answer || num_rows >= kFewestOfOnePlace;
 }
 
-// Rows that are bad by themselves, so long as they are few.
+// Rows that are bad by themselves, so long as they are few: those off a surface, and
+// several off their repeats, which may hide each other. One alone the search meets by
+// itself.
 std::set<std::int64_t> FarRows(const Facts& facts, Eigen::Index num_rows) {
   constexpr double kMost = 0.2;
   std::set<std::int64_t> far;
+  bool is_of_surface = false;
   for (const Fact& fact : facts.all) {
-    if (fact.id == "outliers") far.insert(fact.rows.begin(), fact.rows.end());
+    if (fact.id != "outliers") continue;
+    far.insert(fact.rows.begin(), fact.rows.end());
+    is_of_surface |= fact.word == "surface";
   }
-  if (static_cast<double>(far.size()) > kMost * static_cast<double>(num_rows))
-    return {};
-  return far;
+  const bool may_hide = is_of_surface || far.size() > 1;
+  const bool are_few =
+      static_cast<double>(far.size()) <= kMost * static_cast<double>(num_rows);
+  return may_hide && are_few ? far : std::set<std::int64_t>();
 }
 
 // Where no model found a cause, one that the numbers amount to by themselves; and where
@@ -378,10 +384,22 @@ Diagnosis WithoutModel(const Observed& observed, const Facts& facts) {
     diagnosis.gain.noise_floor_mm = MmFromUm(repeats->figures[0].value);
     diagnosis.gain.floor_from_replicates = true;
   }
-  for (const std::int64_t row : FarRows(facts, observed.num_rows())) {
-    diagnosis.outlier_rows.push_back(row);
+  std::set<std::int64_t> far;
+  for (const Fact& fact : facts.all) {
+    if (fact.id == "outliers") far.insert(fact.rows.begin(), fact.rows.end());
   }
+  diagnosis.outlier_rows.assign(far.begin(), far.end());
   diagnosis.has_model = false;
+  for (const Fact& fact : facts.all) {
+    const bool is_gap = fact.id == "reversal";
+    if (!is_gap && fact.id != "scale") continue;
+    const FactFigure& figure = fact.figures[0];
+    diagnosis.baseline.push_back(
+        {.name = (is_gap ? "backlash." : "scale.") + fact.axis,
+         .unit = is_gap ? "mm" : "ppm",
+         .value = is_gap ? MmFromUm(figure.value) : PpmFromFraction(figure.value - 1),
+         .sd = is_gap ? MmFromUm(figure.sd) : PpmFromFraction(figure.sd)});
+  }
   NameByFacts(&diagnosis);
   return diagnosis;
 }

@@ -139,6 +139,20 @@ bool IsOpen(const Diagnosis& diagnosis) {
          std::ranges::none_of(diagnosis.baseline, &BaselineLine::is_determined);
 }
 
+// Whether no cause is named and the rows answer all the same: what no baseline takes
+// up.
+bool SpeaksByItself(const Diagnosis& diagnosis) {
+  const Fact* answer = FirstAnswer(diagnosis);
+  if (answer == nullptr || diagnosis.verdict != DiagnosisVerdict::kNone ||
+      diagnosis.min_effect_um > 0) {
+    return false;
+  }
+  constexpr std::array<std::string_view, 4> kOfBaseline = {
+      "scale", "reversal", "outliers", "repeatability"};
+  return IsOpen(diagnosis) ||
+         std::ranges::find(kOfBaseline, answer->id) == kOfBaseline.end();
+}
+
 std::string Headline(const Diagnosis& diagnosis) {
   const std::size_t count = diagnosis.findings.size();
   switch (diagnosis.verdict) {
@@ -149,7 +163,7 @@ std::string Headline(const Diagnosis& diagnosis) {
             "more; what is smaller was not asked for.",
             diagnosis.min_effect_um);
       }
-      if (IsOpen(diagnosis) && FirstAnswer(diagnosis) != nullptr) {
+      if (SpeaksByItself(diagnosis)) {
         return fmt::format(
             "Verdict: no cause of the catalogue, but the numbers speak. {}.",
             FirstAnswer(diagnosis)->sentence);
@@ -408,9 +422,7 @@ std::string DiagnosisText(const Diagnosis& diagnosis, const TextNotes& notes) {
     const std::string action = unseen.is_recommended ? WhatToDo(finding) : "";
     if (!action.empty()) text += "  What to do: " + action + "\n";
   }
-  const bool is_told = diagnosis.verdict == DiagnosisVerdict::kNone &&
-                       IsOpen(diagnosis) && diagnosis.min_effect_um == 0 &&
-                       FirstAnswer(diagnosis) != nullptr;
+  const bool is_told = SpeaksByItself(diagnosis);
   const std::string facts = FactsText(diagnosis.facts, is_told);
   if (!facts.empty()) text += "\n" + facts;
   text += "\n";

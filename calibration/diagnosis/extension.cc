@@ -170,6 +170,23 @@ OncePerName Merged(const std::vector<Finding>& findings) {
   return once;
 }
 
+// What was fitted beside the findings and is the machine's, not a placement's:
+// `predict` holds it as it was.
+std::string BaselineText(const Diagnosis& diagnosis) {
+  std::string text;
+  for (const BaselineLine& line : diagnosis.baseline) {
+    const bool is_placed = line.name.starts_with("placement.") ||
+                           line.name.starts_with("bed_plane") ||
+                           line.name.starts_with("tracker_frame");
+    if (is_placed || !line.is_determined) continue;
+    text += fmt::format("  {}: {:.9g}\n", line.name, line.value);
+  }
+  return text.empty()
+             ? text
+             : "# as fitted beside the findings, for caltwin predict\nbaseline:\n" +
+                   text;
+}
+
 }  // namespace
 
 std::string KeyOf(const Finding& finding) {
@@ -206,6 +223,7 @@ std::string ExtensionText(const Diagnosis& diagnosis, const ExtensionBase& base)
         "unknown:\n" +
         maps;
   }
+  text += BaselineText(diagnosis);
   return text + EvidenceText(once.findings, diagnosis.gain, base);
 }
 

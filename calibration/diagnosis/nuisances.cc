@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include <Eigen/Geometry>
 
 #include "calibration/diagnosis/candidates.h"
+#include "calibration/diagnosis/drawn.h"
 #include "calibration/diagnosis/free_form.h"
 #include "calibration/diagnosis/kinds/diagnosed_kind.h"
 #include "calibration/diagnosis/nuisance_list.h"
@@ -19,9 +21,11 @@ namespace {
 constexpr double kSlopeSd_mrad = 30;
 constexpr double kTurnSd_mrad = 100;
 constexpr double kHysteresisSd_mm = 0.1;
-// How far a plate laid on the bed may lie from its plane: a speck of 10 um under one
-// end.
-constexpr double kPlateSlopeSd_mrad = 0.05;
+// How far a plate laid on the bed may lie from its plane: a speck of 60 um under one
+// end of 200 mm.
+constexpr double kPlateSlopeSd_mrad = 0.3;
+// How far a face may stand from where it was written, if nobody measured it.
+constexpr double kFaceSd_mm = 10;
 // What an effect of the model may still go by, of its size. Of homings: the model draws
 // where each stood, and the machine drew differently, each with the stated scatter.
 constexpr double kFreedomShare = 0.2;
@@ -94,14 +98,52 @@ void AddPlacements(const Observed& o, NuisanceList* builder) {
         return belongs(row) ? 1.0 : 0.0;
       });
     }
+    const bool is_gauged_face = placement.is_gauge && placement.has_feature;
     if (placement.has_feature && !placement.is_radial) {
-      const Vec3<double> up(0, 0, 1);
-      builder->Add(name + "turn", "mrad", kTurnSd_mrad, turned(up));
+      builder->Add(name + "turn", "mrad", kTurnSd_mrad, turned({0, 0, 1}));
+    }
+    if (!placement.is_radial) {
       const double tilt_sd = placement.is_gauge ? kTurnSd_mrad : kPlateSlopeSd_mrad;
-      if (placement.is_gauge || (placement.only_faces_up && num_plates > 1)) {
+      if (is_gauged_face ||
+          (!placement.is_gauge && placement.only_faces_up && num_plates > 1)) {
         builder->Add(name + "tilt_x", "mrad", tilt_sd, turned({1, 0, 0}));
         builder->Add(name + "tilt_y", "mrad", tilt_sd, turned({0, 1, 0}));
       }
+    }
+  }
+}
+
+// A face that nobody measured stands where it stands: an offset along its normal, of
+// each setup anew. A placement with a single face has it in its place.
+void AddFaces(const Observed& o, NuisanceList* builder) {
+  const auto face_of = [](const Row& row) {
+    std::string face = PlacementKey(row) + "|" + row.feature;
+    if (row.feature.empty()) {
+      for (const double n : row.n)
+        face += Known(n) ? "," + std::to_string(std::lround(n)) : ",?";
+    }
+    return face;
+  };
+  std::map<std::string, std::set<std::string>> faces;
+  for (Eigen::Index i = 0; i < o.num_rows(); ++i) {
+    const Row& row = o.row(i);
+    if (o.at(i).kind != RowKind::kTouch || o.at(i).station) continue;
+    if (IsDrawn(o.header(), std::string(ArtefactOf(row)))) continue;
+    faces[PlacementKey(row)].insert(face_of(row));
+  }
+  for (const auto& [placement, own] : faces) {
+    if (own.size() < 2) continue;
+    for (const std::string& face : own) {
+      builder->Add(
+          "face." + face,
+          "mm",
+          kFaceSd_mm,
+          [&](Eigen::Index i) {
+            return o.at(i).kind == RowKind::kTouch && face_of(o.row(i)) == face ? 1.0
+                                                                                : 0.0;
+          },
+          /*offset=*/0,
+          /*reported=*/false);
     }
   }
 }
@@ -242,6 +284,7 @@ void AddBedPlane(const Observed& o, NuisanceList* builder) {
 
 void AddWhatIsTouched(const Observed& o, NuisanceList* builder) {
   AddPlacements(o, builder);
+  AddFaces(o, builder);
   AddSizes(o, builder);
   builder->Add("probe_hysteresis", "mm", kHysteresisSd_mm, [&](Eigen::Index row) {
     return IsRelease(o.row(row)) ? -1.0 : 0.0;

@@ -32,12 +32,12 @@ struct Fact {
   std::vector<FactFigure> figures{};
   std::vector<std::int64_t> rows{};  ///< That it is about; empty: all.
   double sigmas = kUnknown;  ///< How far beyond noise it is, where noise is known.
-  std::string sentence{};    ///< Plain English, with its figures.
   /// @name The cause that it amounts to, where it does
   std::string cause{};  ///< As in the catalogue: "motors_swapped"; empty: none.
   std::string cause_axis{};
   std::vector<FactFigure> parameters{};
 
+  std::string sentence{};  ///< Plain English, with its figures.
   /// Whether it answers a question, or only describes the rows (a repeatability).
   bool is_answer = false;
 };

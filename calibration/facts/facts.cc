@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 #include <fmt/format.h>
@@ -15,6 +16,31 @@
 #include "calibration/facts/turn.h"
 
 namespace caltwin {
+
+namespace {
+
+// What many places show is told once, where it is largest.
+void KeepLargest(const std::string& id, Facts* facts) {
+  const Fact* largest = nullptr;
+  for (const Fact& fact : facts->all) {
+    if (fact.id != id) continue;
+    const bool is_larger =
+        largest == nullptr ||
+        std::abs(fact.figures[0].value) > std::abs(largest->figures[0].value);
+    if (is_larger) largest = &fact;
+  }
+  if (largest == nullptr) return;
+  const Fact kept = *largest;
+  bool is_kept = false;
+  std::erase_if(facts->all, [&](const Fact& fact) {
+    if (fact.id != id) return false;
+    const bool is_it = !is_kept && fact.sentence == kept.sentence;
+    is_kept |= is_it;
+    return !is_it;
+  });
+}
+
+}  // namespace
 
 const Fact* Facts::Find(const std::string& id) const {
   const auto found = std::ranges::find(all, id, &Fact::id);
@@ -33,13 +59,17 @@ Facts FactsOf(const RowTable& table,
   FactsOfMotion(rows, repeats, header, &facts);
   FactsOfLengths(rows, header, &facts);
   FactsOfTemperature(rows, &facts);
-  facts.is_one_place = CellsOf(rows, kAnyHome | kAnyCampaign | kAnyFeed).size() <= 3;
+  facts.is_one_place =
+      CellsOf(rows, kAnyHome | kAnyCampaign | kAnyFeed | kAnySense).size() <= 3;
   FactsOfTurn(rows, &facts);
   FactsOfSeries(rows, repeats, &facts);
   FactsOfProbeOffset(rows, &facts);
   FactsOfSetting(rows, &facts);
   FactsOfLevelling(rows, repeats, levelling, &facts);
   TellBadProbe(rows, repeats, &facts);
+  KeepLargest("homing_scatter", &facts);
+  KeepLargest("drift", &facts);
+  KeepLargest("jump", &facts);
   std::ranges::stable_sort(facts.all, std::ranges::greater{}, &Fact::is_answer);
   AddAdvice(rows, repeats, &facts);
   return facts;

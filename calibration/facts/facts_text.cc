@@ -43,9 +43,16 @@ std::string FactsText(const Facts& facts, bool first_is_told) {
     }
   }
   const NotTheMachine& other = facts.not_the_machine;
-  if (!other.reason.empty() && std::ranges::find(says, other.sentence) == says.end()) {
-    says.insert(says.begin(), other.sentence);
+  const bool is_a_fact = std::ranges::any_of(
+      facts.all, [&](const Fact& fact) { return fact.sentence == other.sentence; });
+  if (!other.reason.empty() && !is_a_fact) says.insert(says.begin(), other.sentence);
+  // Two series of one axis may say the same.
+  std::vector<std::string> once;
+  for (std::string& sentence : says) {
+    if (std::ranges::find(once, sentence) == once.end())
+      once.push_back(std::move(sentence));
   }
+  says = std::move(once);
   for (const Advice& advice : facts.next) next.push_back(advice.sentence);
   std::string text;
   AddLines(first_is_told ? "What the numbers also say:"

@@ -364,6 +364,13 @@ void FactsOfLevelling(const std::vector<const Row*>& rows,
         RoundsInWords(*response));
   } else if (IsNear(*response, 2)) {
     fact.word = "doubles";
+    const bool are_two = std::ranges::all_of(
+        levelling.rounds,
+        [](const LevellingRound& one) { return one.moved_mm.size() == 2; });
+    if (are_two && !levelling.rounds.empty() && !levelling.is_by_hand) {
+      fact.cause = "motors_swapped";
+      fact.cause_axis = PairName(0, 1);
+    }
     fact.sentence = fmt::format(
         "Each correction doubles the tilt ({}): right in size, wrong in sense. Two "
         "motors "

@@ -193,22 +193,25 @@ void AddScale(const Line& line, double noise_mm, std::size_t axis, Facts* facts)
             .figures = figures,
             .sigmas = sigmas,
             .is_answer = known.reading.empty() && Known(sd) && sigmas > kSure};
-  fact.sentence =
-      Known(sd) && sigmas < kSure / 2
-          ? fmt::format(
-                "{} moves what is commanded, to {} (standard uncertainty): nothing "
-                "speaks against its steps/mm",
-                letter,
-                WithSd(sd, kUnknown, ""))
-          : fmt::format(
-                "{} moves {} times what is commanded: multiply its steps/mm by {} "
-                "(divide its rotation_distance by it){}",
-                letter,
-                WithSd(factor, sd, ""),
-                WithSd(1 / factor, steps_sd, ""),
-                Known(sd) ? ""
-                          : ". Its uncertainty is not known: nothing was "
-                            "measured twice");
+  constexpr double kNothing = 1e-6;
+  if (!Known(sd) && std::abs(line.slope) < kNothing) {
+    fact.sentence = fmt::format(
+        "{} moves what is commanded, as far as these few readings show", letter);
+  } else if (Known(sd) && sigmas < kSure / 2) {
+    fact.sentence = fmt::format(
+        "{} moves what is commanded, to {} ppm (standard uncertainty): "
+        "nothing speaks against its steps/mm",
+        letter,
+        TwoDigits(PpmFromFraction(sd)));
+  } else {
+    fact.sentence = fmt::format(
+        "{} moves {} times what is commanded: multiply its steps/mm by {} (divide its "
+        "rotation_distance by it){}",
+        letter,
+        WithSd(factor, sd, ""),
+        WithSd(1 / factor, steps_sd, ""),
+        Known(sd) ? "" : ". Its uncertainty is not known: nothing was measured twice");
+  }
   facts->all.push_back(std::move(fact));
 }
 
@@ -287,7 +290,7 @@ void AddAlong(const Rows& rows, const Repeats& repeats, Facts* facts) {
     const auto axis = static_cast<std::size_t>(key.second);
     const Line line = FitLine(Without(all, repeats.outliers), axis);
     if (line.dof < 0) continue;
-    const double noise_mm = NoiseOf_mm(line, repeats.noise);
+    const double noise_mm = NoiseOf_mm(line, repeats.NoiseOf(all.front()->campaign));
     if (line.has_slope && !AddSurplus(line, noise_mm, axis, facts)) {
       AddScale(line, noise_mm, axis, facts);
     }
@@ -297,7 +300,7 @@ void AddAlong(const Rows& rows, const Repeats& repeats, Facts* facts) {
 
 /// Difference of readings by the sense of an axis across which they are taken.
 struct SenseContrast {
-  double sum_mm = 0, weight = 0;
+  double sum_mm = 0, weight = 0, noise_mm = 0;
   int places = 0;
 };
 
@@ -324,12 +327,14 @@ void AddAcross(const Rows& rows, const Repeats& repeats, Facts* facts) {
       SenseContrast& contrast = contrasts[{along, across}];
       contrast.sum_mm += weight * (sum_mm[1] / num[1] - sum_mm[0] / num[0]);
       contrast.weight += weight;
+      const double noise_mm = repeats.NoiseOf(cell.front()->campaign).sd_mm;
+      if (Known(noise_mm)) contrast.noise_mm = std::max(contrast.noise_mm, noise_mm);
       ++contrast.places;
     }
   }
   for (const auto& [axes, contrast] : contrasts) {
     const double gap_mm = contrast.sum_mm / contrast.weight;
-    const double sd_mm = repeats.noise.sd_mm / std::sqrt(contrast.weight);
+    const double sd_mm = contrast.noise_mm / std::sqrt(contrast.weight);
     const bool is_sure =
         std::abs(gap_mm) > kSure * sd_mm && contrast.places >= kFewestPlaces;
     if (!is_sure) continue;
@@ -388,7 +393,8 @@ void AddLatency(const Rows& rows, const Repeats& repeats, Facts* facts) {
     }
     const double dof = static_cast<double>(feeds.size()) - 2;
     double noise_mm = std::sqrt(left_mm2 / dof);
-    if (Known(repeats.noise.sd_mm)) noise_mm = std::max(noise_mm, repeats.noise.sd_mm);
+    const double reading_mm = repeats.NoiseOf(cell.front()->campaign).sd_mm;
+    if (Known(reading_mm)) noise_mm = std::max(noise_mm, reading_mm);
     const double sd_s = noise_mm / std::sqrt(spread);
     if (std::abs(slope_s) < kSure * sd_s) continue;
     facts->all.push_back(
@@ -398,6 +404,8 @@ void AddLatency(const Rows& rows, const Repeats& repeats, Facts* facts) {
                      : kNames[static_cast<std::size_t>(AxisAlong(*cell.front()))],
          .figures = {{"latency_ms", -1e3 * slope_s, 1e3 * sd_s}},
          .sigmas = std::abs(slope_s) / sd_s,
+         .cause = slope_s < 0 ? "trigger_latency" : "",
+         .parameters = {{"latency_ms", -1e3 * slope_s, 1e3 * sd_s}},
          .sentence = fmt::format(
              "The trigger comes {} {}: the faster the probe, the further it has gone "
              "({} feeds, a straight line). Probe at one feed always, or slower: the "
@@ -561,6 +569,9 @@ void FactsOfLengths(const std::vector<const Row*>& rows,
               .axis = plane.name,
               .figures = {{"angle_mrad", MradFromRad(angle), MradFromRad(sd)}},
               .sigmas = std::abs(angle) / std::max(sd, 1e-12),
+              .cause = "squareness",
+              .cause_axis = plane.name,
+              .parameters = {{"angle_mrad", MradFromRad(angle), MradFromRad(sd)}},
               .is_answer = true};
     if (!Known(sd)) fact.sigmas = kUnknown;
     for (const Length& length : lengths) fact.rows.push_back(length.row);

@@ -269,7 +269,7 @@ void AddJump(const std::vector<Rows>& levels, Facts* facts) {
 }
 
 // Kendall's tau against chance: normal, and exact where every step goes one way.
-double TrendChance(const Rows& rows) {
+double TrendSum(const Rows& rows) {
   double s = 0;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     for (std::size_t j = i + 1; j < rows.size(); ++j) {
@@ -277,10 +277,19 @@ double TrendChance(const Rows& rows) {
       s += step_mm > 0 ? 1 : step_mm < 0 ? -1 : 0;
     }
   }
+  return s;
+}
+
+double TrendVariance(const Rows& rows) {
+  const auto n = static_cast<double>(rows.size());
+  return n * (n - 1) * (2 * n + 5) / 18;
+}
+
+double TrendChance(const Rows& rows) {
+  const double s = TrendSum(rows);
   const auto n = static_cast<double>(rows.size());
   if (std::abs(s) == n * (n - 1) / 2) return 2 / std::tgamma(n + 1);
-  const double z =
-      std::max(0.0, std::abs(s) - 1) / std::sqrt(n * (n - 1) * (2 * n + 5) / 18);
+  const double z = std::max(0.0, std::abs(s) - 1) / std::sqrt(TrendVariance(rows));
   return std::erfc(z / std::sqrt(2.0));
 }
 
@@ -291,10 +300,8 @@ struct Drift {
   double noise_mm = 0;   ///< Of one reading about the drift.
 };
 
-std::optional<Drift> DriftOf(const Rows& rows, double resolution_mm) {
-  constexpr std::size_t kFewest = 6;
-  constexpr double kMostChance = 3e-3, kLeastSigmas = 4;
-  if (rows.size() < kFewest || TrendChance(rows) > kMostChance) return std::nullopt;
+// What a series does from its first readings to its last, drift or not.
+Drift ChangeOf(const Rows& rows, double resolution_mm) {
   const std::vector<double> steps_mm = StepsOf(rows);
   const double mean_mm = std::accumulate(steps_mm.begin(), steps_mm.end(), 0.0) /
                          static_cast<double>(steps_mm.size());
@@ -309,7 +316,15 @@ std::optional<Drift> DriftOf(const Rows& rows, double resolution_mm) {
   Drift drift{.change_mm = MeanOf(last) - MeanOf(first),
               .sd_mm = noise_mm * std::sqrt(2 / static_cast<double>(num)),
               .noise_mm = noise_mm};
-  if (std::abs(drift.change_mm) < kLeastSigmas / 2 * drift.sd_mm) return std::nullopt;
+  return drift;
+}
+
+std::optional<Drift> DriftOf(const Rows& rows, double resolution_mm) {
+  constexpr std::size_t kFewest = 6;
+  constexpr double kMostChance = 3e-3, kLeastSigmas = 2;
+  if (rows.size() < kFewest || TrendChance(rows) > kMostChance) return std::nullopt;
+  const Drift drift = ChangeOf(rows, resolution_mm);
+  if (std::abs(drift.change_mm) < kLeastSigmas * drift.sd_mm) return std::nullopt;
   return drift;
 }
 
@@ -340,6 +355,21 @@ std::string WarmedInWords(const Rows& rows) {
                                 last_c));
   }
   return fmt::format("{}", fmt::join(parts, ", "));
+}
+
+// Whether any temperature differs by more than five kelvin among rows.
+bool IsWarmed(const Rows& rows) {
+  constexpr double kApart_k = 5;
+  return std::ranges::any_of(kCompanions, [&](const Companion& one) {
+    double least_c = HUGE_VAL, most_c = -HUGE_VAL;
+    for (const Row* row : rows) {
+      const double at_c = row->*one.member;
+      if (!Known(at_c)) continue;
+      least_c = std::min(least_c, at_c);
+      most_c = std::max(most_c, at_c);
+    }
+    return most_c - least_c > kApart_k;
+  });
 }
 
 bool KnowsTemperature(const Rows& rows) {
@@ -392,20 +422,28 @@ double MedianOf(const Rows& rows) {
                                    : (values_mm[half - 1] + values_mm[half]) / 2;
 }
 
-// How far a reading may be from the middle of its place: ten times the usual distance
-// of all places with three readings or more; kUnknown where there are too few.
-double FarLimit_mm(const std::vector<Rows>& cells, double resolution_mm) {
+// How far a reading may be from the middle of its place, by campaign: ten times the
+// usual distance of all its places with three readings or more; none where there are
+// too few.
+std::map<std::string, double> FarLimits_mm(const std::vector<Rows>& cells,
+                                           double resolution_mm) {
   constexpr std::size_t kFewest = 3, kFewestInAll = 4;
   constexpr double kFar = 10;
-  std::vector<double> sizes_mm;
+  std::map<std::string, std::vector<double>> sizes_mm;
   for (const Rows& cell : cells) {
     if (cell.size() < kFewest) continue;
     const double middle_mm = MedianOf(cell);
-    for (const Row* row : cell) sizes_mm.push_back(std::abs(row->value_mm - middle_mm));
+    for (const Row* row : cell) {
+      sizes_mm[cell.front()->campaign].push_back(std::abs(row->value_mm - middle_mm));
+    }
   }
-  if (sizes_mm.size() < kFewestInAll) return kUnknown;
-  return kFar *
-         std::max(kSigmaOfMedian * Median(sizes_mm), std::max(resolution_mm, 1e-6));
+  std::map<std::string, double> limits_mm;
+  for (const auto& [campaign, sizes] : sizes_mm) {
+    if (sizes.size() < kFewestInAll) continue;
+    limits_mm[campaign] =
+        kFar * std::max(kSigmaOfMedian * Median(sizes), std::max(resolution_mm, 1e-6));
+  }
+  return limits_mm;
 }
 
 // A reading far from the middle of its place, homing or not, is bad where it stands
@@ -415,12 +453,13 @@ void LeaveOutFar(const std::vector<Rows>& cells,
                  double resolution_mm,
                  std::set<std::int64_t>* outliers) {
   constexpr std::size_t kFewest = 3;
-  const double limit_mm = FarLimit_mm(cells, resolution_mm);
-  if (!Known(limit_mm)) return;
+  const auto limits_mm = FarLimits_mm(cells, resolution_mm);
   std::set<std::int64_t> far;
-  std::map<std::int64_t, double> far_mm;
+  std::map<std::int64_t, double> far_mm, limit_of_mm;
   for (const Rows& cell : cells) {
-    if (cell.size() < kFewest) continue;
+    const auto limit = limits_mm.find(cell.front()->campaign);
+    if (cell.size() < kFewest || limit == limits_mm.end()) continue;
+    const double limit_mm = limit->second;
     const double middle_mm = MedianOf(cell);
     Rows here;
     for (const Row* row : cell) {
@@ -430,6 +469,7 @@ void LeaveOutFar(const std::vector<Rows>& cells,
     for (const Row* row : here) {
       far.insert(row->row);
       far_mm[row->row] = std::abs(row->value_mm - middle_mm);
+      limit_of_mm[row->row] = limit_mm;
     }
   }
   for (Rows& batch : *batches) {
@@ -442,7 +482,8 @@ void LeaveOutFar(const std::vector<Rows>& cells,
     const bool is_session = batch.front()->home != batches->front().front()->home ||
                             batches->size() > cells.size();
     const auto [low, high] = std::ranges::minmax(own, {}, &Row::value_mm);
-    const bool are_together = high->value_mm - low->value_mm < limit_mm;
+    const bool are_together =
+        high->value_mm - low->value_mm < limit_of_mm.at(own.front()->row);
     if (is_session && own.size() == batch.size() && own.size() > 1) {
       if (are_together) continue;
       // They contradict each other: the one that is further from the place's middle.
@@ -467,15 +508,16 @@ void AddOutliers(const std::set<std::int64_t>& outliers,
             .rows = {outliers.begin(), outliers.end()},
             .is_answer = true};
   double worst_mm = 0;
-  for (const Row* row : rows) {
-    if (!outliers.contains(row->row)) continue;
-    double near_mm = kUnknown;
-    for (const Row* other : rows) {
-      if (outliers.contains(other->row) || other->cmd_mm != row->cmd_mm) continue;
-      const double off_mm = std::abs(other->value_mm - row->value_mm);
-      if (!Known(near_mm) || off_mm < near_mm) near_mm = off_mm;
+  for (const auto& [key, cell] : CellsOf(rows, kAnyHome | kAnyCampaign)) {
+    Rows good;
+    for (const Row* row : cell) {
+      if (!outliers.contains(row->row)) good.push_back(row);
     }
-    if (Known(near_mm)) worst_mm = std::max(worst_mm, near_mm);
+    if (good.empty() || good.size() == cell.size()) continue;
+    for (const Row* row : cell) {
+      if (!outliers.contains(row->row)) continue;
+      worst_mm = std::max(worst_mm, std::abs(row->value_mm - MedianOf(good)));
+    }
   }
   fact.sentence =
       outliers.size() == 1
@@ -622,14 +664,53 @@ class RepeatReader {
     for (const Rows& run : runs) ReadSession(run);
   }
 
+  // Places that each climb (or fall) from touch to touch, none of them long enough
+  // alone.
+  void AddCommonDrift() {
+    constexpr std::size_t kFewestRows = 4, kFewestPlaces = 2;
+    constexpr double kMostChance = 1e-3;
+    double sum = 0, variance = 0;
+    std::size_t num = 0;
+    const Rows* longest = nullptr;
+    bool is_alike = true;
+    for (const Rows& batch : found_.batches) {
+      if (batch.size() < kFewestRows || drifted_.contains(batch.front())) continue;
+      const double own = TrendSum(batch);
+      is_alike &= own * sum >= 0 && own != 0;
+      sum += own;
+      variance += TrendVariance(batch);
+      ++num;
+      if (longest == nullptr || batch.size() > longest->size()) longest = &batch;
+    }
+    if (num < kFewestPlaces || !is_alike || facts_->Find("drift") != nullptr) return;
+    const double z = std::max(0.0, std::abs(sum) - 1) / std::sqrt(variance);
+    if (std::erfc(z / std::sqrt(2.0)) > kMostChance) return;
+    AddDrift(*longest, ChangeOf(*longest, resolution_mm_), facts_);
+    facts_->all.back().sentence +=
+        fmt::format(". All {} places with so many touches do the same", num);
+  }
+
   Repeats Take() {
+    AddCommonDrift();
     LeaveOutFar(cells_, &found_.batches, resolution_mm_, &found_.outliers);
+    constexpr double kEnoughOfCampaign = 5;
     double squares_mm2 = drifted_mm2_, dof = drifted_dof_;
+    std::map<std::string, Within> by_campaign;
     for (const Rows& batch : found_.batches) {
       if (batch.size() < 2 || drifted_.contains(batch.front())) continue;
+      if (IsWarmed(batch)) continue;  // Readings at other temperatures are no repeats.
       ++num_places_;
       squares_mm2 += SquaresAbout(batch, MeanOf(batch));
       dof += static_cast<double>(batch.size()) - 1;
+      Within& own = by_campaign[batch.front()->campaign];
+      own.squares_mm2 += SquaresAbout(batch, MeanOf(batch));
+      own.dof += static_cast<double>(batch.size()) - 1;
+    }
+    for (const auto& [campaign, within] : by_campaign) {
+      if (within.dof < kEnoughOfCampaign) continue;
+      found_.of_campaign[campaign] = {
+          .sd_mm = std::max(within.sd_mm(), resolution_mm_ / std::sqrt(12.0)),
+          .dof = within.dof};
     }
     if (dof > 0) {
       found_.noise = {.sd_mm = std::max(std::sqrt(squares_mm2 / dof),

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <map>
 #include <set>
+#include <string>
 #include <vector>
 
 #include "calibration/facts/fact.h"
@@ -17,10 +19,17 @@ struct ReadingNoise {
 /// What repeats of one place and sense say, two sufficing: how they scatter, whether
 /// they drift, fall on levels (homings), or one of them is far from the others.
 struct Repeats {
-  ReadingNoise noise{};
-  std::set<std::int64_t> outliers{};  ///< Running numbers of rows.
+  ReadingNoise noise{};                               ///< Of all rows together.
+  std::map<std::string, ReadingNoise> of_campaign{};  ///< Each has its instrument.
+  std::set<std::int64_t> outliers{};                  ///< Running numbers of rows.
   /// Rows of each place at each level (homing, or where readings jumped): those alike.
   std::vector<std::vector<const Row*>> batches{};
+
+  /// Of a campaign where it shows or states one, else of all.
+  const ReadingNoise& NoiseOf(const std::string& campaign) const {
+    const auto found = of_campaign.find(campaign);
+    return found == of_campaign.end() ? noise : found->second;
+  }
 };
 
 /// Adds facts to `facts`. `rows` in the order measured.

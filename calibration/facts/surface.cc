@@ -238,6 +238,34 @@ SpotNoise NoiseOf(const Sheet& sheet, const SheetFit& fit, const ReadingNoise& n
   return {};
 }
 
+// Places on a line along one axis show the slope along it, and nothing of the other.
+void AddLine(const Sheet& sheet, const ReadingNoise& noise, Facts* facts) {
+  const bool is_x = sheet.half_mm()[0] > 1, is_y = sheet.half_mm()[1] > 1;
+  if (is_x == is_y || sheet.size() < 2 || facts->Find("plane") != nullptr) return;
+  double n = 0, q = 0, z = 0, qq = 0, qz = 0;
+  for (const Spot& spot : sheet.spots()) {
+    const double at_mm = is_x ? spot.x_mm : spot.y_mm;
+    n += 1;
+    q += at_mm;
+    z += spot.height_mm;
+    qq += at_mm * at_mm;
+    qz += at_mm * spot.height_mm;
+  }
+  const double spread = qq - q * q / n;
+  const double slope = (qz - q * z / n) / spread;
+  const double sd = noise.sd_mm / std::sqrt(RepeatsOf(sheet)) / std::sqrt(spread);
+  facts->all.push_back(
+      {.id = "plane",
+       .figures = {{is_x ? "slope_x_mrad" : "slope_y_mrad",
+                    MradFromRad(slope),
+                    MradFromRad(sd)}},
+       .sentence = fmt::format(
+           "The touched places rise by {} along {}; along {} they say nothing",
+           WithSd(MradFromRad(slope), MradFromRad(sd), "mrad"),
+           is_x ? "X" : "Y",
+           is_x ? "Y" : "X")});
+}
+
 void AddPlane(const Sheet& sheet,
               const SheetFit& plane,
               const SpotNoise& noise,
@@ -293,6 +321,25 @@ void AddTwist(const SheetFit& fit, const SpotNoise& noise, Facts* facts) {
   facts->all.push_back(std::move(fact));
 }
 
+// Too few places to tell a shape from scatter, and too much left to be scatter.
+void AddLargeForm(const SheetFit& plane, Facts* facts) {
+  constexpr double kLeast_mm = 0.2;
+  const double range_mm = plane.left_mm.maxCoeff() - plane.left_mm.minCoeff();
+  if (range_mm < kLeast_mm) return;
+  facts->all.push_back(
+      {.id = "form",
+       .figures = {{"peak_to_peak_um", UmFromMm(range_mm)},
+                   {"rms_um", UmFromMm(std::sqrt(plane.squares_mm2() / plane.dof))}},
+       .sentence =
+           fmt::format("Beside its plane the surface is uneven by {:.2g} mm from "
+                       "lowest to highest. Whether "
+                       "it repeats is not known (no place was touched twice), but no "
+                       "probe scatters by so "
+                       "much: a shape that no tilt, and on a delta no endstop, removes",
+                       range_mm),
+       .is_answer = true});
+}
+
 // What a plane leaves, against how one touch repeats; without repeats, whether a smooth
 // shape takes it up.
 void AddForm(const Sheet& sheet,
@@ -308,7 +355,7 @@ void AddForm(const Sheet& sheet,
     chance = FUpperTail(f, plane.dof, spot.dof);
   } else {
     const SheetFit shape = Fit(sheet, kAllTerms);
-    if (!shape.is_determined || shape.dof < 3) return;
+    if (!shape.is_determined || shape.dof < 3) return AddLargeForm(plane, facts);
     const double more = plane.dof - shape.dof;
     const double f = (plane.squares_mm2() - shape.squares_mm2()) / more /
                      std::max(shape.squares_mm2() / shape.dof, 1e-14);
@@ -340,7 +387,7 @@ void AddFar(const Sheet& sheet,
             const std::vector<bool>& is_out,
             std::set<std::int64_t>* rows,
             Facts* facts) {
-  Fact fact{.id = "outliers", .is_answer = true};
+  Fact fact{.id = "outliers", .word = "surface", .is_answer = true};
   for (std::size_t i = 0; i < is_out.size(); ++i) {
     if (!is_out[i]) continue;
     const Spot& spot = sheet.spots()[i];
@@ -367,9 +414,11 @@ std::set<std::int64_t> FactsOfSurface(const std::vector<const Row*>& rows,
   std::set<std::int64_t> outliers;
   const std::size_t before = facts->all.size();
   for (const auto& [key, spots] : SheetsOf(rows, repeats.outliers)) {
+    const ReadingNoise& reading = repeats.NoiseOf(key.substr(0, key.find('|')));
     Sheet sheet(spots);
+    if (!sheet.has_area()) AddLine(sheet, reading, facts);
     if (sheet.size() < kPlaneTerms || !sheet.has_area()) continue;
-    const std::vector<bool> is_out = FarSpots(sheet, repeats.noise.sd_mm);
+    const std::vector<bool> is_out = FarSpots(sheet, reading.sd_mm);
     AddFar(sheet, is_out, &outliers, facts);
     sheet = sheet.Without(is_out);
     // One bed as it first stood: later sheets only for what is far off.
@@ -383,10 +432,10 @@ std::set<std::int64_t> FactsOfSurface(const std::vector<const Row*>& rows,
     const SheetFit shape = Fit(sheet, kAllTerms);
     const SheetFit& richest = shape.is_determined && shape.dof >= 3 ? shape : twist;
     const SpotNoise noise =
-        NoiseOf(sheet, richest.is_determined ? richest : plane, repeats.noise);
+        NoiseOf(sheet, richest.is_determined ? richest : plane, reading);
     AddPlane(sheet, plane, noise, facts);
     if (richest.is_determined) AddTwist(richest, noise, facts);
-    AddForm(sheet, plane, repeats.noise, facts);
+    AddForm(sheet, plane, reading, facts);
   }
   return outliers;
 }

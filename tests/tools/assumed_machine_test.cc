@@ -43,7 +43,7 @@ TEST(AssumedMachine, TravelsAsFarAsTheRowsGoAndSaysSo) {
   EXPECT_EQ(machine.axis(Axis::kX).min_mm, 20);
   EXPECT_EQ(machine.axis(Axis::kX).max_mm, 140);
   ASSERT_THAT(notes, SizeIs(1));
-  EXPECT_THAT(notes[0], HasSubstr("axis x is taken to travel from 20 to 140 mm"));
+  EXPECT_THAT(notes[0], HasSubstr("as far as the rows go (x 20 to 140 mm)"));
 }
 
 // The stated steps are as built: a twin of other steps would read everything scaled.

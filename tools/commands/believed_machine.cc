@@ -51,6 +51,7 @@ Believed BelievedMachine(const std::string& data_file,
     MachineFile read = ReadMachineWithTip(believed.file);
     believed.machine = std::move(read.machine);
     believed.effects = std::move(read.effects);
+    believed.baseline = std::move(read.baseline);
     data->notes.insert(data->notes.end(), read.notes.begin(), read.notes.end());
   }
   NoteMissingMotors(believed.machine, data);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,7 @@ struct Believed {
   Machine machine{};
   std::vector<InjectedSpec> effects{};
   std::filesystem::path file{};  ///< Empty: assumed from the rows.
+  std::map<std::string, double> baseline{};  ///< Of an extension (MachineFile).
 };
 
 /// `machine` (--machine), else the header's `machine:` (relative to the header), else

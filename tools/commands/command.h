@@ -45,6 +45,7 @@ int RunCommandLine(int argc, const char* const* argv);
 Action DeclareCalibrate(CLI::App* app);
 Action DeclareCompare(CLI::App* app);
 Action DeclareDiagnose(CLI::App* app);
+Action DeclarePredict(CLI::App* app);
 Action DeclareExplain(CLI::App* app);
 Action DeclareImport(CLI::App* app);
 Action DeclareIso230(CLI::App* app);

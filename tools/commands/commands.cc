@@ -16,6 +16,8 @@ constexpr std::array kCommands = {
     Command{"run", "run scenarios and check what they expect", DeclareRun},
     Command{"calibrate", "run a procedure on a machine", DeclareCalibrate},
     Command{"diagnose", "say what measured rows tell of a machine", DeclareDiagnose},
+    Command{
+        "predict", "hold the frozen model of one run against another", DeclarePredict},
     Command{"compare", "rival procedures on the same machines", DeclareCompare},
     Command{"study", "Monte Carlo over many machines", DeclareStudy},
     Command{"plan", "what a measuring plan can and cannot see", DeclarePlan},

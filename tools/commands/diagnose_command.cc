@@ -291,6 +291,32 @@ void RequireSettings(const DiagnoseAsked& options, const Machine& machine) {
   DiagnosedAs(machine).RequireSettings(controller);
 }
 
+// No steps/mm are written that nobody stated: those of a machine that is only assumed.
+void RequireStatedSteps(const DiagnoseAsked& options, const Data& data) {
+  if (options.correction.empty()) return;
+  for (const Axis axis : kAxes) {
+    const bool is_read = std::ranges::any_of(data.table.rows, [&](const Row& row) {
+      return row.kind == RowKind::kPosition && std::abs(row.n[Index(axis)]) > 0.5;
+    });
+    const bool is_stated = std::ranges::any_of(
+        data.header.settings,
+        [&](const auto& one) { return one.second.steps_per_mm.contains(Name(axis)); });
+    if (!is_read || is_stated) continue;
+    throw InputError(
+        {.file = "--correction"},
+        fmt::format(
+            "nobody says which steps/mm are set for {}, so none can be corrected",
+            CapitalLetter(axis)),
+        fmt::format(
+            "say them in {}: settings: {{s1: {{steps_per_mm: {{{}: 80}}}}}}, or name "
+            "the "
+            "machine (--machine). Without --correction the answer gives the factor to "
+            "multiply yours by",
+            fs::path(options.file).replace_extension(".yaml").filename().string(),
+            Name(axis)));
+  }
+}
+
 void CheckSparesOfDiagnose(const DiagnoseAsked& options, const Believed& believed) {
   const fs::path assumed = FileOfAssumed(options);
   if (believed.file.empty() && fs::exists(assumed)) {
@@ -386,6 +412,7 @@ int RunDiagnose(DiagnoseAsked options) {
   const Believed believed = BelievedMachine(options.file, options.machine, &data);
   RequireSettings(options, believed.machine);
   CheckSparesOfDiagnose(options, believed);
+  if (believed.file.empty()) RequireStatedSteps(options, data);
   if (!options.file.empty()) {
     JudgeData(options.file, believed.file.empty() ? nullptr : &believed.machine, &data);
   }

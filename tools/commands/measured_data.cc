@@ -29,7 +29,9 @@ Data ImportedData(const std::string& kind,
                   const std::string& text,
                   const std::string& file,
                   const ImportOptions& options) {
-  Imported imported = ImportText(kind, text, file, options);
+  ImportOptions how = options;
+  how.tells_blunders = true;
+  Imported imported = ImportText(kind, text, file, how);
   Data data{
       .table = std::move(imported.table),
       .header = std::move(imported.header),

@@ -19,7 +19,9 @@ constexpr double kDeepestHeight_mm = -1;  // Below: no probe triggers there.
 /// Looks for one kind of blunder in a line; keeps what it must remember.
 class Seeker {
  public:
-  Seeker(std::string name, Faults* faults) : name_(std::move(name)), faults_(faults) {}
+  /// Either may be null.
+  Seeker(std::string name, Faults* faults, std::vector<FileNote>* notes)
+      : name_(std::move(name)), faults_(faults), notes_(notes) {}
 
   void Look(const TextLine& line) {
     if (line.words.front().text == "DELTA_ANALYZE") LookAtLists(line);
@@ -30,9 +32,20 @@ class Seeker {
   }
 
  private:
-  void Add(const TextLine& line, const std::string& text, const std::string& hint) {
-    faults_->Add(
-        {.file = name_, .line = line.line, .column = line.words[0].column}, text, hint);
+  // `reason`: of FileNote::what; empty: only a refusal.
+  void Add(const TextLine& line,
+           const std::string& text,
+           const std::string& hint,
+           const std::string& reason) {
+    const Place place{.file = name_, .line = line.line, .column = line.words[0].column};
+    if (faults_ != nullptr) faults_->Add(place, text, hint);
+    if (notes_ == nullptr || reason.empty()) return;
+    const bool is_setting = reason == "z_offset";
+    notes_->push_back(
+        {.kind = is_setting ? FileNote::Kind::kSetting : FileNote::Kind::kElsewhere,
+         .what = reason,
+         .sentence = fmt::format("line {}: {}; {}", line.line, text, hint),
+         .place = place});
   }
 
   void LookAtLists(const TextLine& line) {
@@ -47,7 +60,8 @@ class Seeker {
       Add(line,
           fmt::format("{} repeats the list of {}", key, first->second),
           "two measurements of different things do not agree in every figure: the list "
-          "was pasted twice. Enter what was measured");
+          "was pasted twice. Enter what was measured",
+          "file");
     }
   }
 
@@ -63,7 +77,7 @@ class Seeker {
       heights_mm.push_back(*value);
     }
     const std::string climb = ClimbText(heights_mm);
-    if (!climb.empty()) Add(line, climb, std::string(kClimbHint));
+    if (!climb.empty()) Add(line, climb, std::string(kClimbHint), "");
   }
 
   void LookAtAdjustment(const TextLine& line) {
@@ -78,7 +92,8 @@ class Seeker {
           fmt::format(
               "{} is to be moved by {:.0f} mm", line.words[i].text, *adjustment_mm),
           "the probed points do not tell how the screws stand: they lie on one line "
-          "with, or beside, the pivots. Probe points spread in x and y");
+          "with, or beside, the pivots. Probe points spread in x and y",
+          "firmware");
     }
   }
 
@@ -99,7 +114,8 @@ class Seeker {
         "z_offset has the wrong sign: it is the height of the nozzle above the bed at "
         "the trigger, above 0 for a probe that hangs lower than the nozzle. Correct "
         "it, "
-        "probe again");
+        "probe again",
+        "z_offset");
   }
 
   void LookAtDeviation(const TextLine& line) {
@@ -114,11 +130,13 @@ class Seeker {
         fmt::format("a standard deviation of {:g} mm", *deviation_mm),
         "below 0 it is an overflow of the firmware's arithmetic: its calibration ran "
         "away, and the geometry it prints beside it is worth nothing. Begin again from "
-        "the drawing's figures");
+        "the drawing's figures",
+        "firmware");
   }
 
   std::string name_;
   Faults* faults_;
+  std::vector<FileNote>* notes_;
   std::map<std::string, std::string> name_of_list_;
   bool has_height_ = false;
 };
@@ -127,9 +145,16 @@ class Seeker {
 
 void RefuseBlunders(const std::string& text, const std::string& name) {
   Faults faults;
-  Seeker seeker(name, &faults);
+  Seeker seeker(name, &faults, nullptr);
   for (const TextLine& line : LinesOf(text)) seeker.Look(line);
   faults.ThrowIfAny();
+}
+
+std::vector<FileNote> BlundersIn(const std::string& text, const std::string& name) {
+  std::vector<FileNote> notes;
+  Seeker seeker(name, nullptr, &notes);
+  for (const TextLine& line : LinesOf(text)) seeker.Look(line);
+  return notes;
 }
 
 }  // namespace caltwin

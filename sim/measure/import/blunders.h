@@ -1,6 +1,9 @@
 #pragma once
 
 #include <string>
+#include <vector>
+
+#include "sim/measure/import/import.h"
 
 namespace caltwin {
 
@@ -16,5 +19,8 @@ namespace caltwin {
 /// Looked for in every text whatever its kind, since it is a person's guess which kind
 /// a log is.
 void RefuseBlunders(const std::string& text, const std::string& name);
+
+/// The same as notes: why it is not the machine, or which setting is wrong.
+std::vector<FileNote> BlundersIn(const std::string& text, const std::string& name);
 
 }  // namespace caltwin

@@ -121,8 +121,14 @@ Imported ImportText(const std::string& kind,
                     const ImportOptions& options) {
   const Importer& importer = Find(kind);
   RequireText(text, name);
-  if (kind != "printer-cfg") RefuseBlunders(text, name);
+  // What the lint of a configuration tells is an answer there, and no refusal.
+  const bool is_told = kind == "printer-cfg" && !NotesOfPrinterCfg(text, name).empty();
+  if (!is_told && !options.tells_blunders) RefuseBlunders(text, name);
   Imported imported = importer.read(text, name, options);
+  if (options.tells_blunders && !is_told) {
+    const std::vector<FileNote> blunders = BlundersIn(text, name);
+    imported.notes.insert(imported.notes.begin(), blunders.begin(), blunders.end());
+  }
   imported.has_unit |= importer.has_unit || !options.unit.empty();
   std::int64_t number = 0;
   for (Row& row : imported.table.rows) row.row = ++number;

@@ -103,7 +103,8 @@ std::optional<double> TakeTime(std::string_view* text) {
 }  // namespace
 
 ConsoleLine ConsoleLineOf(std::string_view line) {
-  constexpr std::array<std::string_view, 14> kPrefixes = {"recv:",
+  constexpr std::array<std::string_view, 15> kPrefixes = {"recv:",
+                                                          "read:",
                                                           "send:",
                                                           "sent:",
                                                           "received:",

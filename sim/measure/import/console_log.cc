@@ -27,25 +27,40 @@ constexpr const char* kAxes = "xyz";
 bool IsLevelling(const ConsoleLine& line) {
   constexpr std::array<std::string_view, 5> kCommands = {
       "g32", "g34", "z_tilt_adjust", "quad_gantry_level", "screws_tilt_calculate"};
+  if (line.lower.find("heights:") != std::string::npos) return false;
   return std::ranges::any_of(kCommands,
                              [&](auto word) { return IsCommand(line, word); }) ||
          line.lower.starts_with("making the following z adjustments") ||
          line.lower.starts_with("leadscrew adjustments made");
 }
 
-// The first line last, where every time is no later than the one before it.
-std::vector<TextLine> InOrderOfTime(std::vector<TextLine> lines) {
+/// A line and the time beside it or on a line of its own before it.
+struct TimedLine {
+  TextLine line{};
+  double t_s = kUnknown;
+};
+
+// The first line last, where no time is later than the one before it.
+std::vector<TimedLine> InOrderOfTime(std::vector<TextLine> lines) {
   constexpr int kFewest = 3;
-  double before_s = kUnknown;
+  std::vector<TimedLine> timed;
+  double alone_s = kUnknown, before_s = kUnknown;
   int falls = 0, rises = 0;
-  for (const TextLine& line : lines) {
-    const double t_s = ConsoleLineOf(line.text).t_s;
+  for (TextLine& line : lines) {
+    const ConsoleLine said = ConsoleLineOf(line.text);
+    if (said.text.empty() && Known(said.t_s)) {
+      alone_s = said.t_s;
+      continue;
+    }
+    const double t_s = Known(said.t_s) ? said.t_s : alone_s;
+    if (Known(said.t_s)) alone_s = kUnknown;
+    timed.push_back({std::move(line), t_s});
     if (!Known(t_s)) continue;
     if (Known(before_s)) (t_s < before_s ? falls : rises) += t_s == before_s ? 0 : 1;
     before_s = t_s;
   }
-  if (falls >= kFewest && rises == 0) std::ranges::reverse(lines);
-  return lines;
+  if (falls >= kFewest && rises == 0) std::ranges::reverse(timed);
+  return timed;
 }
 
 /// What the terminal last said of the heaters.
@@ -86,7 +101,8 @@ class LogReader {
         settings_(name_) {}
 
   Imported Read(const ImportOptions& options) {
-    for (const TextLine& line : lines_) ReadLine(line);
+    tells_blunders_ = options.tells_blunders;
+    for (const TimedLine& line : lines_) ReadLine(line.line, line.t_s);
     grid_.End();
     if (grid_.is_whole()) AddGrid();
     CheckClimb();
@@ -113,14 +129,10 @@ class LogReader {
   }
 
  private:
-  void ReadLine(const TextLine& line) {
+  void ReadLine(const TextLine& line, double t_s) {
     ConsoleLine said = ConsoleLineOf(line.text);
-    // Some terminals write the time on a line of its own.
-    if (!Known(said.t_s)) said.t_s = time_alone_s_;
-    if (said.text.empty()) {
-      time_alone_s_ = said.t_s;
-      return;
-    }
+    if (!Known(said.t_s)) said.t_s = t_s;
+    if (said.text.empty()) return;
     heaters_.Take(said);
     if (said.lower == "ok" || said.lower.find("leveling grid") != std::string::npos) {
       grid_.End();
@@ -165,6 +177,7 @@ class LogReader {
       if (said.lower.find("repeatability") != std::string::npos)
         return true;  // A banner.
       Begin("m48");
+      is_in_m48_ = true;
       at_mm_[0] = WordOf(said, 'x').value_or(to_mm_[0]);
       at_mm_[1] = WordOf(said, 'y').value_or(to_mm_[1]);
     } else if (said.lower.starts_with("probe_accuracy at")) {
@@ -197,7 +210,7 @@ class LogReader {
                said.lower.find("z=") == std::string::npos) {
       RefuseTouch(line, "'probe at X,Y is z=Z'");
     } else if (ReadScrew(line, said) || ReadOffset(line, said) ||
-               ReadCalibration(line, said)) {
+               ReadCalibration(line, said) || ReadProbed(line, said)) {
       return true;
     } else if (said.lower.starts_with("[prb:")) {
       ReadPrb(line, said);
@@ -274,6 +287,11 @@ class LogReader {
     const auto z_mm = NumberAfter(said.lower, "z:");
     if (!x_mm || !y_mm || !z_mm)
       return RefuseTouch(line, "'Bed X: 10.00 Y: 20.00 Z: 0.03'");
+    // A talkative M48 says where it stands before it counts.
+    if (kind_ == "m48" && is_in_m48_) {
+      at_mm_ = {*x_mm, *y_mm};
+      return;
+    }
     if (kind_.empty() || kind_ == "m48") Begin("g30");
     GoTo(*x_mm, *y_mm);
     Add(line, *z_mm, said.t_s);
@@ -284,6 +302,9 @@ class LogReader {
     const auto z_mm = NumberAfter(said.lower, "z:");
     if (!z_mm) return RefuseTouch(line, "'2 of 10: z: 0.031'");
     if (kind_ != "m48") Begin("m48");
+    const std::size_t of = said.lower.find(" of ");
+    const auto all = NumberAfter(said.lower.substr(of), " of ");
+    is_in_m48_ = all && NumberOf(said.lower.substr(0, of)) < all;
     Add(line, *z_mm, said.t_s);
   }
 
@@ -374,6 +395,24 @@ class LogReader {
     return true;
   }
 
+  // "probed 3/12> 2.401 0.000 0.006", as height maps of sending programs print it.
+  bool ReadProbed(const TextLine& line, const ConsoleLine& said) {
+    const std::size_t mark = said.lower.find("> ");
+    if (!said.lower.starts_with("probed ") || mark == std::string::npos) return false;
+    std::vector<double> numbers;
+    for (const TextLine& rest :
+         LinesOf(std::string_view(said.lower).substr(mark + 2))) {
+      for (const CsvField& word : rest.words) {
+        if (const auto number = NumberOf(word.text)) numbers.push_back(*number);
+      }
+    }
+    if (numbers.size() != 3) return false;
+    if (kind_ != "map") Begin("map");
+    GoTo(numbers[0], numbers[1]);
+    Add(line, numbers[2], said.t_s);
+    return true;
+  }
+
   // "Z-CALIBRATION: probe=5.421 - (switch=7.382 - nozzle=2.407 ...": three readings.
   bool ReadCalibration(const TextLine& line, const ConsoleLine& said) {
     if (said.lower.find("z-calibration:") == std::string::npos) return false;
@@ -426,7 +465,7 @@ class LogReader {
     if (imported_.levelling.differences_mm.empty() || !imported_.table.rows.empty())
       return;
     Begin("alignment");
-    const TextLine& line = lines_.front();
+    const TextLine& line = lines_.front().line;
     for (const double difference_mm : imported_.levelling.differences_mm) {
       Add(line, difference_mm, kUnknown);
       imported_.table.rows.back().feature = "beam.left_less_right";
@@ -488,7 +527,7 @@ class LogReader {
   }
 
   void CheckClimb() {
-    const std::string climb = ClimbText(heights_mm_);
+    const std::string climb = tells_blunders_ ? "" : ClimbText(heights_mm_);
     if (!climb.empty()) faults_.Add(first_, climb, std::string(kClimbHint));
     heights_mm_.clear();
   }
@@ -568,7 +607,7 @@ class LogReader {
   Place Here(const TextLine& line) const { return PlaceOf(line.words.front(), name_); }
 
   std::string name_;
-  std::vector<TextLine> lines_;
+  std::vector<TimedLine> lines_;
   Faults faults_;
   Imported imported_;
   ConsoleSettings settings_;
@@ -580,9 +619,11 @@ class LogReader {
   int tools_ = 0;  ///< Changes of tool.
   int homings_ = 0;
   bool was_homed_ = false;  ///< Since the last touch.
+  bool tells_blunders_ = false;
+  bool is_in_m48_ = false;  ///< Between its command and the last of its touches.
   int session_ = 0;         ///< Homings and levellings.
   std::int64_t rep_ = 0;
-  double first_s_ = kUnknown, time_alone_s_ = kUnknown, feed_mm_s_ = kUnknown;
+  double first_s_ = kUnknown, feed_mm_s_ = kUnknown;
   std::array<double, 2> at_mm_{kUnknown, kUnknown};
   std::array<double, 3> to_mm_{kUnknown, kUnknown, kUnknown};  ///< Of the last move.
   bool is_relative_ = false;                                   ///< G91.

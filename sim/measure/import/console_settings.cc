@@ -22,8 +22,10 @@ constexpr std::array<std::string_view, 6> kWanted = {
     "M92", "M665", "M666", "M851", "M425", "M852"};
 
 bool IsNumberLike(std::string_view text) {
-  return !text.empty() &&
-         std::string_view("+-.0123456789").find(text[0]) != std::string_view::npos;
+  const std::string word = PlainWord(text.substr(0, 3));
+  return word == "nan" || word == "inf" ||
+         (!text.empty() &&
+          std::string_view("+-.0123456789").find(text[0]) != std::string_view::npos);
 }
 
 double MostOf(std::string_view command) {

@@ -21,6 +21,8 @@ struct ImportOptions {
   std::optional<double>
       step_mm{};                   ///< True length of a motor step; wins over the file.
   std::vector<std::string> map{};  ///< `value_mm=dev[um]` (sim/measure/import/map.h).
+  /// Known blunders of people and firmware become notes, and no refusal.
+  bool tells_blunders = false;
 };
 
 /// What a file says beyond its readings.

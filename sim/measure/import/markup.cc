@@ -16,6 +16,7 @@ std::string Trimmed(std::string_view text) {
 
 bool IsRule(std::string_view line) {
   return line.find('-') != std::string_view::npos &&
+         line.find('|') != std::string_view::npos &&
          line.find_first_not_of("|-: \t\r") == std::string_view::npos;
 }
 
@@ -27,11 +28,11 @@ std::string FromMarkdown(const std::string& text) {
     const std::size_t end = std::min(text.size(), text.find('\n', at));
     std::string line = Trimmed(std::string_view(text).substr(at, end - at));
     at = end + 1;
-    if (!line.starts_with('|') || IsRule(line)) {
+    if (line.find('|') == std::string::npos || IsRule(line)) {
       table += '\n';
       continue;
     }
-    line.erase(0, 1);
+    if (line.starts_with('|')) line.erase(0, 1);
     if (line.ends_with('|')) line.pop_back();
     for (std::size_t from = 0; from <= line.size();) {
       const std::size_t bar = std::min(line.size(), line.find('|', from));
@@ -91,7 +92,7 @@ std::string WithoutMarkup(const std::string& text) {
   int rows = 0;
   bool has_rule = false;
   for (const TextLine& line : LinesOf(text)) {
-    if (!line.text.starts_with('|')) continue;
+    if (line.text.find('|') == std::string_view::npos) continue;
     ++rows;
     has_rule |= IsRule(line.text);
   }

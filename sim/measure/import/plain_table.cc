@@ -47,7 +47,7 @@ const std::vector<PartWords>& AllWords() {
       {Part::kFeed, {"feed", "feedrate", "speed", "f"}},
       {Part::kHome, {"home", "homing"}},
       {Part::kSteps, {"steps", "step", "microsteps"}},
-      {Part::kSense, {"dir", "direction", "sense", "approach"}},
+      {Part::kSense, {"dir", "direction", "sense", "approach", "moving"}},
       {Part::kTemperature,
        {"pinda",
         "temp",
@@ -72,7 +72,16 @@ const std::vector<PartWords>& AllWords() {
         "setpoint",  "expected",   "told",   "requested", "ideal",   "design",
         "designed",  "programmed", "size",   "model",     "asked",   "jog",
         "gcode",     "drawing",    "should", "ideal",     "wanted"}},
-      {Part::kHeight, {"height", "z", "probe", "probed", "trigger", "offset"}},
+      {Part::kHeight,
+       {"height",
+        "z",
+        "probe",
+        "probed",
+        "trigger",
+        "offset",
+        "gap",
+        "feeler",
+        "clearance"}},
       {Part::kRun,
        {"run",
         "rep",
@@ -93,6 +102,9 @@ const std::vector<PartWords>& AllWords() {
        {"setup", "part", "place", "line", "piece", "feature", "calibration"}}};
   return kAll;
 }
+
+constexpr std::array<std::string_view, 8> kSides = {
+    "outside", "outer", "external", "boss", "inside", "inner", "internal", "hole"};
 
 std::vector<std::string> TokensOf(const std::string& heading) {
   std::vector<std::string> tokens;
@@ -115,6 +127,7 @@ struct TableColumn {
   int axis = -1;  ///< Where the heading has a letter x, y or z.
   const NamedUnit* unit = nullptr;
   double Row::*temperature = nullptr;
+  std::string side{};  ///< "outside", "inside": a wall measured by that column.
 };
 
 Quantity QuantityOf(Part part) {
@@ -195,6 +208,7 @@ class TableReader {
     for (std::size_t i = 0; i < sheet_.headings.size(); ++i) {
       columns_.push_back(ColumnOf(sheet_.headings[i], i));
     }
+    TakeReadColumns();
     if (HasHeights()) {
       ReadHeights();
     } else if (!ReadMoves()) {
@@ -229,6 +243,26 @@ class TableReader {
   std::optional<TableColumn> FirstOf(Part part, int axis = -1) const {
     const auto found = Of(part, axis);
     return found.empty() ? std::nullopt : std::optional(found.front());
+  }
+
+  // Beside a column of nominal sizes, plain columns "x", "Y (mm)" and "outside" are
+  // what was read.
+  void TakeReadColumns() {
+    const bool has_nominal =
+        std::ranges::any_of(columns_, [](const TableColumn& column) {
+          return column.part == Part::kCommanded && column.axis < 0;
+        });
+    const bool has_read = FirstOf(Part::kActual) || FirstOf(Part::kDeviation);
+    if (!has_nominal || has_read) return;
+    for (TableColumn& column : columns_) {
+      const auto tokens = TokensOf(sheet_.headings[column.index].text);
+      for (const std::string& token : tokens) {
+        if (std::ranges::find(kSides, token) != kSides.end()) column.side = token;
+      }
+      const bool is_letter = column.axis >= 0 && (column.part == Part::kPosition ||
+                                                  column.part == Part::kHeight);
+      if (is_letter || !column.side.empty()) column.part = Part::kActual;
+    }
   }
 
   // A place along an axis: the plain column of its letter.
@@ -296,8 +330,6 @@ class TableReader {
 
   // What a line was called; walls outside and inside are measured apart.
   void TakeLabel(const CsvRecord& record, Row* row) {
-    constexpr std::array<std::string_view, 8> kSides = {
-        "outside", "outer", "external", "boss", "inside", "inner", "internal", "hole"};
     std::string label;
     for (const TableColumn& column : columns_) {
       if (column.part == Part::kHome) row->home = record[column.index].text;
@@ -316,6 +348,10 @@ class TableReader {
 
   void ReadHeights() {
     const TableColumn height = *HeightColumn();
+    const auto words = TokensOf(sheet_.headings[height.index].text);
+    const bool is_gap = std::ranges::any_of(words, [](const std::string& word) {
+      return word == "gap" || word == "feeler" || word == "clearance";
+    });
     const auto x = PlaceOn(0), y = PlaceOn(1);
     for (const CsvRecord& record : sheet_.records) {
       const auto value = NumberAt(record, height);
@@ -331,12 +367,16 @@ class TableReader {
       row.dir[2] = -1;
       row.n = {0, 0, 1};
       row.feature = "bed.top";
-      row.value_mm = *value;
+      // A gap under the nozzle is the larger, the lower the bed.
+      row.value_mm = is_gap ? -*value : *value;
       TakeState(record, &row);
       imported_.table.rows.push_back(std::move(row));
     }
     imported_.assumed.emplace_back(
-        "each line is a touch from above; its height is the bed's, + is up, nominal 0");
+        is_gap
+            ? "each line is a gap between nozzle and bed: the bed's height is minus it"
+            : "each line is a touch from above; its height is the bed's, + is up, "
+              "nominal 0");
     if (takes_feed_)
       imported_.assumed.emplace_back("feeds are in mm/min, as in G-code");
   }
@@ -410,17 +450,22 @@ class TableReader {
     // One place come upon from both sides: a dial against it, no command beside it.
     if (!commanded && !FirstOf(Part::kSense) && !FirstOf(Part::kHome)) return false;
     LookAtDifference();
-    const bool is_actual = !actual.empty();
+    const bool is_actual =
+        !actual.empty() && !(commanded && AreDeviations(*commanded, actual));
+    const bool is_dial = !actual.empty() && !is_actual;
     const bool has_series = !is_actual && deviation.size() > 1;
-    for (const TableColumn& column : is_actual ? actual : deviation) {
+    for (const TableColumn& column : is_actual || is_dial ? actual : deviation) {
       series_ = has_series ? sheet_.headings[column.index].text : "";
-      RequireUnit(column, is_actual);
+      RequireUnit(column, is_actual || is_dial);
       for (const CsvRecord& record : sheet_.records)
         AddMove(record, commanded, column, letter, is_actual);
     }
     imported_.is_deviation = is_actual;
-    imported_.assumed.emplace_back(is_actual ? "value = read - commanded"
-                                             : "the deviation is read minus commanded");
+    imported_.assumed.emplace_back(
+        is_actual ? "value = read - commanded"
+        : is_dial ? "the gauge was set to nought at each target: it reads what "
+                    "is off there"
+                  : "the deviation is read minus commanded");
     if (takes_x_)
       imported_.assumed.emplace_back("the axis is x: nothing names it (--axis)");
     return true;
@@ -476,6 +521,22 @@ class TableReader {
     }
   }
 
+  // A dial that is set to nought at every target reads what is off, not where it is.
+  bool AreDeviations(const TableColumn& commanded,
+                     const std::vector<TableColumn>& read) {
+    constexpr double kSmall = 0.05;
+    double least_mm = HUGE_VAL, most_mm = 0;
+    for (const CsvRecord& record : sheet_.records) {
+      const auto at_mm = NumberAt(record, commanded);
+      if (at_mm) least_mm = std::min(least_mm, std::abs(*at_mm));
+      for (const TableColumn& column : read) {
+        const auto value_mm = NumberAt(record, column);
+        if (value_mm) most_mm = std::max(most_mm, std::abs(*value_mm));
+      }
+    }
+    return most_mm < kSmall * least_mm;
+  }
+
   // A position's unit is that of the command, a deviation's may be any.
   void RequireUnit(const TableColumn& column, bool is_actual) {
     if (is_actual || column.unit != nullptr || !options_.unit.empty()) return;
@@ -528,6 +589,7 @@ class TableReader {
     row.n = {0, 0, 0};
     row.n[axis] = 1;
     row.value_mm = is_actual ? *value - *at_mm : *value;
+    if (!read.side.empty()) row.setup = read.side;
     if (commanded && is_actual && IsMove(*commanded)) row.flag = "move";
     TakeState(record, &row);
     TakeLabel(record, &row);

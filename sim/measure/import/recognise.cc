@@ -46,6 +46,7 @@ Seen Look(const std::string& text) {
         lower.starts_with("stopped at height") || has("bed topography report") ||
         has("g33 auto calibrate") || has("z1-z2=") || has("probe: z_offset:") ||
         (has("calibrated ") && has("factors")) || has("z-calibration:") ||
+        (lower.starts_with("probed ") && has("> ")) ||
         has("average measured backlash") || has(" z_offset: ") ||
         lower.starts_with("[g54:") || lower.starts_with("g92 x0 y0") ||
         has("screws_tilt_calculate") || has("making the following z adjustments") ||

@@ -118,7 +118,7 @@ class Rows:
             setattr(self, key, np.array([r[key] for r in items], float))
         for key in ("cmd", "n", "off"):
             setattr(self, key, np.array([r[key] for r in items], float))
-        self.motor = None if items[0]["motor"] is None else np.array([r["motor"] for r in items], float)
+        self.motor = None                                        # machines that are not cartesian fill it in
         self.start = np.array([r["cmd"] if r["start"] is None else r["start"] for r in items], float)
         sense = np.sign(np.where(np.abs(self.cmd - self.start) > 1e-6, self.cmd - self.start, 0.0))
         given = [r["dir"] for r in items]

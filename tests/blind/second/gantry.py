@@ -15,7 +15,7 @@ class Gantry:
         self.lo = np.zeros(3)
         self.hi = np.array([rng.choice([240., 300., 420., 600.]), rng.choice([240., 300., 400., 600.]), rng.choice([100., 120., 160.])])
         self.belt = [bool(rng.uniform() < 0.25), bool(rng.uniform() < 0.25), False]
-        self.turn_mm = np.array([float(rng.choice([32., 40., 60.])) if b else float(rng.choice([2., 4., 5., 5., 8., 10.])) for b in self.belt])
+        self.turn_mm = np.array([float(rng.choice([32., 40.])) if b else float(rng.choice([2., 4., 5., 5., 8., 10.])) for b in self.belt])
         self.turn_mm[2] = float(rng.choice([2., 4., 5.]))
         self.full = 200
         self.micro = [int(rng.choice([16, 32])) if not b else 64 for b in self.belt]
@@ -106,8 +106,6 @@ class Gantry:
                 s[:, k] += c["jump_um"] * MM * ((rows.t >= c["at_t_s"]) & (rows.home == home0))
             elif name == "homing_scatter":
                 s[:, k] += np.array([c["draws"][h % len(c["draws"])] for h in rows.home]) * c["sd_um"] * MM
-            elif name == "frame_growth":
-                s[:, k] += c["growth_um"] * MM * (1 - np.exp(-rows.t / c["tau_s"]))
         return s
 
     # -- rails, tool -----------------------------------------------------------------------------------------------
@@ -157,6 +155,8 @@ class Gantry:
                 tool[:, 1] += c["offset_um"] * MM * np.sin(way) * rows.touch
             elif name == "frame_temperature" and axis == "frame":
                 along_z[:, 2] += c["growth_um_per_k"] * MM * rows.weather.rise("frame", rows.t, c["lag_s"])
+            elif name == "frame_growth":
+                along_z[:, 2] += c["growth_um"] * MM * (1 - np.exp(-rows.t / c["tau_s"]))
             elif name == "servo_lag":
                 along_x, along_y = self._servo(rows, along_x, along_y, c["lag_um_at_50_mm_s"], None)
             elif name == "servo_mismatch":

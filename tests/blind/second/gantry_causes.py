@@ -68,10 +68,8 @@ def drift(b, top=True):
 
 
 def frame_growth(b):
-    axis = pick(b, "z", "z", "x", "y")
-    faces = ("z+", "x+", "x-", "y+") if axis == "z" else (axis + "+", axis + "-", "z+")
-    b.posts(faces, rounds=int(b.rng.integers(22, 36)), pause=b.rng.uniform(60, 200))
-    return dict(axis=axis, size="growth_um", tau_share=float(b.rng.uniform(0.15, 0.5)), limits=(3, 80), needs={"t", "temp"}, warm=True)
+    b.posts(("z+", "x+", "x-") if b.rng.uniform() < 0.5 else ("z+", "y+"), rounds=int(b.rng.integers(22, 36)), pause=b.rng.uniform(60, 200))
+    return dict(axis="", size="growth_um", tau_share=float(b.rng.uniform(0.15, 0.5)), limits=(3, 80), needs={"t", "temp"}, warm=True)
 
 
 def probe_temperature(b):
@@ -127,7 +125,7 @@ def homing_scatter(b):
 
 def squareness(b):
     axis, pair = [("C0Y", "xy"), ("B0Z", "xz"), ("A0Z", "yz")][int(b.rng.integers(3))]
-    b.square(pair[0], pair[1])
+    b.square(pair[0], pair[1], turned=b.rng.uniform() < 0.7)
     if b.rng.uniform() < 0.4:
         b.plate()
     return dict(axis=axis, size="angle_mrad", limits=(0.005, 0.8))
@@ -246,10 +244,10 @@ def twin_candidates(machine, rows):
         out.append(("reversal_spike", a, [[dict(height_um=1.0, decay_mm=d)] for d in (0.3, 0.8, 2.0)]))
         if np.isfinite(rows.load).any():
             out.append(("windup_load", a, [[dict(compliance_um_per_n=0.1)]]))
-        if "t" in rows.told:
-            out.append(("frame_growth", a, [[dict(growth_um=1.0, tau_s=s * laps)] for s in (0.1, 0.25, 0.5, 1.0)]))
         if "temp" in rows.told:
             out.append(("thermal_screw", a, [[dict(expansion_um_per_m_k=5.0, lag_s=s)] for s in (0, 150, 400)]))
+    if "t" in rows.told:
+        out.append(("frame_growth", "", [[dict(growth_um=1.0, tau_s=s * laps)] for s in (0.1, 0.25, 0.5, 1.0)]))
     for a in ("C0Y", "B0Z", "A0Z"):
         out.append(("squareness", a, [[dict(angle_mrad=0.01)]]))
     for a in ("EYX", "EXY", "EZY", "EXZ", "EYZ"):

@@ -6,7 +6,8 @@ XYZ = "xyz"
 LASERS = dict(kind="laser", sigma=(0.3, 1.0), res=[0.01, 0.1])
 PROBES = dict(kind="probe", sigma=(0.8, 3.0), res=[0.1, 1.0])
 BALLBARS = dict(kind="ballbar", sigma=(0.3, 0.8), res=[0.1])
-WORDS = {"laser": ["laser_{}", "iso_{}", "pos_{}", "lin-{}", "run{}", "messung_{}"], "probe": ["touch_{}", "probe_{}", "Tast{}", "c{}", "probing-{}"],
+WORDS = {"dial": ["dial_{}", "uhr{}", "gauge-{}", "indicator_{}"],
+         "laser": ["laser_{}", "iso_{}", "pos_{}", "lin-{}", "run{}", "messung_{}"], "probe": ["touch_{}", "probe_{}", "Tast{}", "c{}", "probing-{}"],
          "ballbar": ["bb_{}", "kreisform_{}", "circle_{}"]}
 
 
@@ -163,26 +164,33 @@ class Builder:
             self.rows.artefacts[setup].update(kind="straight_edge", sizes=[float(m.hi[k] - m.lo[k])])
         return camp
 
-    def square(self, first, second, camp=None):
-        """A square, leg along `first`, blade along `second`: flat on the table (xy) or upright on it."""
+    def square(self, first, second, camp=None, turned=False):
+        """A square, leg along `first`, blade along `second`: flat on the table (xy) or upright on it. Turned: the same square
+        once more, turned about the vertical by 90 degrees (flat) or 180 (upright), which swaps the sign of its own error."""
         m, k, j = self.mach, XYZ.index(first), XYZ.index(second)
         camp = camp or self.campaign(PROBES)
-        setup = self.rows.new_setup()
-        corner = np.round(m.lo + 0.15 * (m.hi - m.lo))
-        if "z" not in (first, second):
-            corner[2] = 20.0
+        flat = "z" not in (first, second)
+        mid = (m.lo + m.hi) / 2
         span = np.round(0.7 * (m.hi - m.lo))
-        m.place(self.rows, setup, self.rng, centre=corner)
-        faces = [(k, j, f"{first}_leg"), (j, k, f"{second}_leg")]
-        for rep in range(int(self.rng.integers(1, 3))):
-            for a, b, face in faces:
-                n = np.zeros(3)
-                n[b] = 1
-                for share in np.linspace(0.08, 1.0, int(self.rng.integers(9, 14))):
-                    point = corner.copy()
-                    point[a] += round(share * span[a], 2)
-                    self.touch(camp, point, n, setup=setup, rep=rep, feature=f"square.{face}")
-        self.rows.artefacts[setup].update(kind="square", sizes=[float(span[k])])
+        if flat and turned:
+            span[:2] = span[:2].min()
+        corner = np.round(mid - span / 2)
+        if flat:
+            corner[2] = 20.0
+        count, repeats = int(self.rng.integers(9, 14)), int(self.rng.integers(1, 3))
+        for turn in ((0.0, 90.0 if flat else 180.0) if turned else (0.0,)):
+            a = math.radians(turn)
+            R = np.array([[math.cos(a), -math.sin(a), 0], [math.sin(a), math.cos(a), 0], [0, 0, 1]])
+            setup = self.rows.new_setup()
+            m.place(self.rows, setup, self.rng, centre=R @ (corner - mid) + mid, speck=False)       # leans with the table
+            for rep in range(repeats):
+                for along, across, face in ((k, j, f"{first}_leg"), (j, k, f"{second}_leg")):
+                    n = np.eye(3)[across]
+                    for share in np.linspace(0.08, 1.0, count):
+                        point = corner.copy()
+                        point[along] += round(share * span[along], 2)
+                        self.touch(camp, R @ (point - mid) + mid, np.round(R @ n, 9) + 0.0, setup=setup, rep=rep, turn=turn, feature=f"square.{face}")
+            self.rows.artefacts[setup].update(kind="square", sizes=[float(span[k])])
         return camp
 
     def blocks(self, axis="x", sizes=(25.0, 50.0, 76.2), camp=None):

@@ -136,8 +136,8 @@ def readings(machine, rows, causes, rng):
     return np.round(value / rows.res) * rows.res, wrong
 
 
-def case(kind_name, cause, seed):
-    """One case from its own stream. `cause` None: null data, of a plan that would show some cause."""
+def draw_case(kind_name, cause, seed):
+    """One case from its own stream, as objects. `cause` None: null data, of a plan that would show some cause."""
     kind = kinds()[kind_name]
     rng = np.random.default_rng(seed)
     names = list(kind.causes)
@@ -160,15 +160,28 @@ def case(kind_name, cause, seed):
                          twins=find_twins(kind, machine, rows, c, effect, project))
         value, wrong = readings(machine, rows, causes, rng)
         truth.update(rows=rows.N, outliers=[i + writer.base["row"] if "row" in rows.told else i + 1 for i in wrong])
-        if hasattr(machine, "fine"):
-            truth["fine"] = machine.fine
-        files = {"DATA.csv": writer.csv(rows, value), "machine.yaml": kind.machine_yaml(machine, rng)}
-        header = writer.header(rows, machine, b.kinds)
-        if header:
-            files["DATA.yaml"] = header
-        files["truth.json"] = json.dumps(truth, indent=1, default=float) + "\n"
-        return files
+        return dict(machine=machine, rows=rows, builder=b, writer=writer, causes=causes, value=value, truth=truth, kind=kind, rng=rng)
     raise RuntimeError(f"no plan shows {cause} on {kind_name}")
+
+
+def case(kind_name, cause, seed):
+    """The files of one case."""
+    c = draw_case(kind_name, cause, seed)
+    files = {"DATA.csv": c["writer"].csv(c["rows"], c["value"]), "machine.yaml": c["kind"].machine_yaml(c["machine"], c["rng"])}
+    header = c["writer"].header(c["rows"], c["machine"], c["builder"].kinds)
+    if header:
+        files["DATA.yaml"] = header
+    files["truth.json"] = json.dumps(c["truth"], indent=1, default=float) + "\n"
+    return files
+
+
+def streams(kind_name, nulls, causes, seed, only=None):
+    """(number, cause or None, stream) of every case."""
+    names = list(kinds()[kind_name].causes)
+    root = np.random.SeedSequence([seed, ["gantry", "delta", "triple_z"].index(kind_name)])
+    for i, stream in enumerate(root.spawn(nulls + causes)):
+        draw, own = stream.spawn(2)
+        yield i + 1, None if i < nulls else only or str(np.random.default_rng(draw).choice(names)), own
 
 
 def main():
@@ -183,11 +196,8 @@ def main():
     names = list(kinds()[args.kind].causes)
     if args.cause and args.cause not in names:
         parser.error(f"{args.cause}: not a cause of {args.kind}; there are {' '.join(names)}")
-    streams = np.random.SeedSequence([args.seed, ["gantry", "delta", "triple_z"].index(args.kind)]).spawn(args.nulls + args.causes)
-    for i, stream in enumerate(streams):
-        draw, own = stream.spawn(2)
-        cause = None if i < args.nulls else args.cause or str(np.random.default_rng(draw).choice(names))
-        folder = os.path.join(args.out, f"case_{i + 1:04d}")
+    for i, cause, own in streams(args.kind, args.nulls, args.causes, args.seed, args.cause):
+        folder = os.path.join(args.out, f"case_{i:04d}")
         os.makedirs(folder, exist_ok=True)
         stale = os.path.join(folder, "DATA.yaml")
         if os.path.exists(stale):

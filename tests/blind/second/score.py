@@ -153,13 +153,14 @@ def main():
         heard = [r for r in planted if r["verdict"] not in ("refused", "lost")]
         intervals = [c for r in planted if r["verdict"].startswith("right") for c in r["covered"]]
         t = tables[kind] = dict(cases=len(mine), refused=count(mine, "refused", "lost"), nulls=len(nulls), alarms=count(nulls, "alarm"),
-                                nulls_heard=count(nulls, "alarm", "quiet"),
+                                nulls_heard=count(nulls, "alarm", "quiet"), uneasy=sum(r["verdict"] == "quiet" and not r["said"].startswith("none") for r in nulls),
                                 planted=len(planted), heard=len(heard), lone=len(lone), lone_right=count(lone, "right"), with_twins=len(twin),
                                 twins_right=count(twin, "right"), right=count(planted, "right"), extra=count(planted, "right+extra"),
                                 in_set=count(planted, "in set"), unknown=count(planted, "unknown"), wrong=count(planted, "wrong", "unknown elsewhere"),
                                 missed=count(planted, "missed"), intervals=len(intervals), inside=sum(c[4] for c in intervals))
         print(f"{kind}: {t['cases']} cases")
         for label, text in (("refused or lost", share(t["refused"], t["cases"])), ("nulls alarmed", share(t["alarms"], t["nulls_heard"])),
+                            ("  quiet, but verdict unknown", share(t["uneasy"], t["nulls_heard"])),
                             ("named right", share(t["right"], t["heard"])), ("  without twins", share(t["lone_right"], t["lone"])),
                             ("  with twins: truth in the set", share(t["twins_right"], t["with_twins"])),
                             ("right, and a second name", share(t["extra"], t["heard"])),

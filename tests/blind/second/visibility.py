@@ -115,6 +115,8 @@ def twins(projector, effect, candidates, skip):
         best = total
         for group in groups:
             raw = np.array(group).T
+            if np.abs(raw).max() < 2e-5:              # mm: a second-order whiff of a cause that these rows do not move
+                continue
             phi = projector(raw)
             norm = np.linalg.norm(phi, axis=0)
             keep = norm > 0.01 * np.linalg.norm(raw.T / projector.sigma, axis=1)      # the plan must see it at all

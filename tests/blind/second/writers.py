@@ -13,7 +13,7 @@ class Writer:
         told = set(needs) | {"dir"}
         artefact = rows.touch.any()
         for word, chance in (("t", 0.5), ("temp", 0.15), ("sigma", 0.4), ("feature", 0.8), ("since", 0.15), ("header", 0.7),
-                             ("row", 0.6), ("rep", 0.7), ("home", 0.4), ("setup", 1.0), ("load", 0.0), ("feed", 0.5), ("spin", 0.3)):
+                             ("row", 0.6), ("rep", 0.7), ("home", 0.4), ("setup", 1.0), ("dir_motor", 0.6), ("feed", 0.5), ("spin", 0.3)):
             if u() < chance:
                 told.add(word)
         if "temp" in told:
@@ -37,7 +37,9 @@ class Writer:
             told.add("feature")
         if any(a.get("kind") in ("square", "straight_edge", "block", "ring") for a in rows.artefacts.values()):
             told |= {"feature", "header"}          # whoever touches these must say what they are, or nobody can know
-        if not artefact:
+        if (rows.feature == "glass.grid").any():
+            told |= {"feature", "header"}          # that a gauge looks at a plate: it lies there turned
+        if not (rows.feature != "").any():
             told.discard("feature")
         rows.told = self.told = told
         self.base = {w: int(rng.choice([0, 1, 1, 7])) for w in ("row", "rep", "home", "setup")}
