@@ -66,8 +66,8 @@ FittedBaseline FitBaseline(const Observed& observed,
   FittedBaseline at{.left_mm = fit.residual_mm};
   const DiagnosedKind& kind = DiagnosedAs(observed.machine());
   if (kind.turns_build()) {
-    at.point.turns =
-        kind.Turned(observed.turns(), {baseline.data(), num_own}, fit.values);
+    at.point.turns = kind.Turned(
+        observed.machine(), observed.turns(), {baseline.data(), num_own}, fit.values);
     return at;
   }
   for (const Axis axis : kAxes) {
@@ -99,8 +99,8 @@ Observed TurnedBy(const Observed& as_read,
                   const Eigen::VectorXd& left_mm) {
   const DiagnosedKind& kind = DiagnosedAs(at.machine());
   if (!kind.turns_build()) return at;
-  return as_read.AtFitted(left_mm,
-                          {.turns = kind.Turned(at.turns(), baseline, values)});
+  return as_read.AtFitted(
+      left_mm, {.turns = kind.Turned(at.machine(), at.turns(), baseline, values)});
 }
 
 bool AreApart(const Observed& one, const Observed& other) {

@@ -14,7 +14,29 @@ double Covariate::Scaled(double value) const {
   return max > min ? std::clamp(2 * (value - min) / (max - min) - 1, -1.0, 1.0) : 0;
 }
 
+namespace {
+
+// Whether an axis was told to go to more than one place: of one that was not, a touch's
+// place differs by its own reading alone, and would explain itself.
+bool IsTold(const Observed& observed, std::size_t axis) {
+  constexpr double kApart_mm = 1e-3;
+  double least_mm = HUGE_VAL, most_mm = -HUGE_VAL;
+  for (Eigen::Index i = 0; i < observed.num_rows(); ++i) {
+    const double told_mm = observed.row(i).cmd_mm[axis];
+    if (!Known(told_mm)) continue;
+    least_mm = std::min(least_mm, told_mm);
+    most_mm = std::max(most_mm, told_mm);
+  }
+  return most_mm - least_mm > kApart_mm;
+}
+
+}  // namespace
+
 std::optional<Covariate> CovariateOf(const Observed& observed, std::string_view word) {
+  const bool is_place = word.size() == 1 && word[0] >= 'x' && word[0] <= 'z';
+  if (is_place && !IsTold(observed, static_cast<std::size_t>(word[0] - 'x'))) {
+    return std::nullopt;
+  }
   constexpr std::size_t kMostCounted = 64;
   Covariate covariate{.word = std::string(word),
                       .values = Eigen::VectorXd(observed.num_rows())};

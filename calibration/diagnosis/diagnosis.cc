@@ -332,7 +332,7 @@ std::set<std::int64_t> FarRows(const Facts& facts, Eigen::Index num_rows) {
 void NameByFacts(Diagnosis* diagnosis) {
   const bool is_named = diagnosis->verdict == DiagnosisVerdict::kNamed;
   bool is_open = !diagnosis->findings.empty() && !is_named;
-  if (is_named) return;
+  if (is_named || diagnosis->is_extended) return;
   for (const Fact& fact : diagnosis->facts.all) {
     constexpr std::array kOpen = {"plane",
                                   "form",
@@ -478,6 +478,7 @@ Diagnosis Diagnose(const Observed& as_read, const DiagnoseOptions& asked) {
   if (!noise.empty()) diagnosis.remarks.push_back(noise);
   diagnosis.min_effect_um = options.min_effect_um;
   diagnosis.facts = facts;
+  diagnosis.is_extended = !as_read.effects().empty();
   LeaveOpen(facts, &diagnosis.baseline);
   NameByFacts(&diagnosis);
   DoubtNone(RemainsOf(observed, search), &diagnosis);

@@ -67,7 +67,8 @@ struct Finding {
   std::vector<double> sds{};         ///< Of its values.
   std::optional<FreeMap> map{};
   Eigen::VectorXd change_mm{};  ///< What it does to each row.
-  /// It follows from the numbers by themselves (Fact::cause); no model was fitted to it.
+  /// It follows from the numbers by themselves (Fact::cause); no model was fitted to
+  /// it.
   bool is_of_facts = false;
 };
 
@@ -115,6 +116,9 @@ struct Diagnosis {
   std::vector<BaselineLine> baseline{};
   std::vector<std::string> remarks{};  ///< What a person should know.
   Facts facts{};                       ///< What the rows say without a model.
+  /// The model at hand already holds effects: what the rows say by themselves may be
+  /// theirs, and leads no answer.
+  bool is_extended = false;
   bool has_model = true;  ///< False: too few rows, or too far from any, to fit one.
   double wander_um_per_sqrt_h = 0;
 

@@ -144,7 +144,7 @@ bool IsOpen(const Diagnosis& diagnosis) {
 bool SpeaksByItself(const Diagnosis& diagnosis) {
   const Fact* answer = FirstAnswer(diagnosis);
   if (answer == nullptr || diagnosis.verdict != DiagnosisVerdict::kNone ||
-      diagnosis.min_effect_um > 0) {
+      diagnosis.min_effect_um > 0 || diagnosis.is_extended) {
     return false;
   }
   constexpr std::array<std::string_view, 4> kOfBaseline = {

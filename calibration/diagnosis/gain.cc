@@ -101,6 +101,23 @@ class Gainer {
     return score;
   }
 
+  // How much of the rows the baseline can be told of while their block is left out.
+  double ForetoldShare(const std::vector<int>& block_of) const {
+    const std::vector<bool>& out = search_.circumstances.left_out;
+    const Evidence::Foretold foretold =
+        EvidenceOf(NoFinding(), out, more_).Foretell(block_of);
+    double told = 0, rows = 0;
+    for (std::size_t i = 0; i < out.size(); ++i) {
+      if (block_of[i] < 0 || out[i]) continue;
+      const auto row = static_cast<Eigen::Index>(i);
+      rows += 1;
+      told += foretold.sd_mm[row] <= kForetold * search_.circumstances.sigma_mm[row]
+                  ? 1
+                  : 0;
+    }
+    return rows > 0 ? told / rows : 1;
+  }
+
   unsigned All() const { return (1U << more_.size()) - 1; }
   static unsigned NoFinding() { return 0; }
   std::size_t num_findings() const { return more_.size(); }
@@ -171,11 +188,14 @@ std::string SetupOf(const Row& row) {
   return row.campaign + "|" + row.setup;
 }
 
-// Contiguous pieces of the time inside each setup.
-std::vector<int> TimeBlocks(const Observed& o) {
+// Contiguous pieces of the time inside each setup or, where `by_home`, inside each
+// homing session of it.
+std::vector<int> TimeBlocks(const Observed& o, bool by_home) {
   std::map<std::string, std::vector<Eigen::Index>> by_setup;
   for (Eigen::Index i = 0; i < o.num_rows(); ++i) {
-    by_setup[SetupOf(o.row(i))].push_back(i);
+    std::string key = SetupOf(o.row(i));
+    if (by_home) key += "|" + o.row(i).home;
+    by_setup[key].push_back(i);
   }
   std::vector<int> blocks(static_cast<std::size_t>(o.num_rows()), -1);
   for (auto& [setup, rows] : by_setup) {
@@ -314,6 +334,17 @@ double NoiseFloor_mm(const Observed& o,
   return std::sqrt(sum / std::max(rows, 1));
 }
 
+// Where a block is most of a homing session, nothing tells where the machine stood in
+// it: then a part of each session is left out in place of one session.
+std::vector<int> BlocksFor(const Observed& observed, const Gainer& gainer) {
+  constexpr double kLeastTold = 0.7;
+  std::vector<int> blocks = TimeBlocks(observed, /*by_home=*/false);
+  const double told = gainer.ForetoldShare(blocks);
+  if (told >= kLeastTold) return blocks;
+  std::vector<int> by_home = TimeBlocks(observed, /*by_home=*/true);
+  return gainer.ForetoldShare(by_home) > told ? by_home : blocks;
+}
+
 }  // namespace
 
 GainFigures GainOf(const Observed& observed,
@@ -323,8 +354,8 @@ GainFigures GainOf(const Observed& observed,
                    GainDepth depth) {
   // The freedom of form that each finding is granted may foretell or mislead: as the
   // rows left out say.
-  const std::vector<int> blocks = TimeBlocks(observed);
   const Gainer free(observed, candidates, search, refined, /*has_freedom=*/true);
+  const std::vector<int> blocks = BlocksFor(observed, free);
   const Gainer strict(observed, candidates, search, refined, /*has_freedom=*/false);
   const double free_score = free.Score(free.All(), blocks);
   const double strict_score = strict.Score(strict.All(), blocks);

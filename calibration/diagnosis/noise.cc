@@ -216,7 +216,10 @@ PureError PureErrorOf(const Observed& observed,
 Eigen::VectorXd GuessSigma_mm(const Observed& observed,
                               const Eigen::VectorXd& baseline_residual_mm) {
   constexpr int kEnoughReplicates = 10;
-  const PureError pure = PureErrorOf(observed, kEnoughReplicates);
+  // From each replicate to the next: what drifts between them may have a cause.
+  const std::vector<bool> none(static_cast<std::size_t>(observed.num_rows()), false);
+  const PureError pure =
+      PureErrorOf(observed, observed.residual_mm(), none, kEnoughReplicates);
   std::vector<double> rounded_mm;
   for (const std::string& name : observed.campaigns()) {
     rounded_mm.push_back(RoundedTo_mm(observed, name));

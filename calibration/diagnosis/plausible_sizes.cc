@@ -66,12 +66,11 @@ void DoubtSlope(const RowSeries& series, double slope, std::vector<Doubt>* doubt
   } else if (IsNear(moved, kThousand) || IsNear(moved, 1 / kThousand)) {
     doubt.kind = "position_unit";
     doubt.hint = "that is a factor of 1000: reading and command are in different units";
-  } else if (!KnownRatioOf(moved, kUnknown).reading.empty()) {
-    return;  // A fact of its own: microsteps, leads.
-  } else if (std::abs(slope) > kAbsurdSlope) {
+  } else if (KnownRatioOf(moved, kUnknown).reading.empty() &&
+             std::abs(slope) > kAbsurdSlope) {
     doubt.hint = "units, sign or column of value_mm or of the position are wrong";
   } else {
-    return;
+    return;  // Microsteps and leads are a fact of their own.
   }
   doubt.message = fmt::format(
       "{}: for every mm commanded the readings move {:.4g} mm", NameOf(series), moved);

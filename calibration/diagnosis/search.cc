@@ -77,7 +77,7 @@ class Searcher {
   // Sigma of each campaign and outliers, both against the richest model.
   void JudgeNoise(const Circumstances& circumstances) {
     const Weighing weighing = WeighAll(circumstances);
-    richest_ = JudgeRows(observed_, candidates_, weighing, circumstances, suspects_);
+    richest_ = JudgeRows(observed_, candidates_, weighing, circumstances, far_);
     left_out_ = richest_.is_outlier;
     for (std::size_t i = 0; i < suspects_.size(); ++i) {
       if (suspects_[i]) left_out_[i] = true;
@@ -96,10 +96,10 @@ class Searcher {
     baseline_ = BaselineOf(observed_);
     sigma_mm_ = GuessSigma_mm(observed_, FitBaseline(observed_).left_mm);
     suspects_ = LoneRows(observed_);
+    far_.assign(suspects_.size(), false);
     for (Eigen::Index i = 0; i < observed_.num_rows(); ++i) {
-      if (options_.far_rows.contains(observed_.row(i).row)) {
-        suspects_[static_cast<std::size_t>(i)] = true;
-      }
+      if (!options_.far_rows.contains(observed_.row(i).row)) continue;
+      suspects_[static_cast<std::size_t>(i)] = far_[static_cast<std::size_t>(i)] = true;
     }
     left_out_ = suspects_;
     for (int round = 0; round < kNoiseRounds; ++round) JudgeNoise(Under({}));
@@ -374,6 +374,7 @@ class Searcher {
   Eigen::VectorXd sigma_mm_{};
   std::vector<bool> left_out_{};
   std::vector<bool> suspects_{};  ///< Of them, those that the search met.
+  std::vector<bool> far_{};       ///< SearchOptions::far_rows.
   std::vector<Found> found_{};
   Weighing first_{};
   Richest richest_{};

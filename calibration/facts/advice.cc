@@ -114,9 +114,8 @@ void Next(const std::string& instrument, const std::string& sentence, Facts* fac
   facts->next.push_back({instrument, sentence});
 }
 
-void AddNext(const Rows& rows, const Repeats& repeats, Facts* facts) {
-  const bool has_touches = std::ranges::any_of(
-      rows, [](const Row* row) { return row->kind == RowKind::kTouch; });
+// What tells more of what the facts are.
+void AddNextOfFacts(Facts* facts) {
   if (facts->Find("drift") != nullptr) {
     Next("probe",
          "touch the same place 20 times more, without homing, once cold and once after "
@@ -157,6 +156,12 @@ void AddNext(const Rows& rows, const Repeats& repeats, Facts* facts) {
          "ratio needs no fine gauge",
          facts);
   }
+}
+
+void AddNext(const Rows& rows, const Repeats& repeats, Facts* facts) {
+  AddNextOfFacts(facts);
+  const bool has_touches = std::ranges::any_of(
+      rows, [](const Row* row) { return row->kind == RowKind::kTouch; });
   if (!facts->next.empty()) return;
   if (AreSizes(rows)) {
     Next("printed_part",

@@ -7,6 +7,7 @@
 #include "calibration/facts/advice.h"
 #include "calibration/facts/cells.h"
 #include "calibration/facts/fact.h"
+#include "calibration/facts/groups.h"
 #include "calibration/facts/levelling.h"
 #include "calibration/facts/motion.h"
 #include "calibration/facts/repeats.h"
@@ -56,6 +57,7 @@ Facts FactsOf(const RowTable& table,
   Repeats repeats = FactsOfRepeats(rows, header, &facts);
   const std::set<std::int64_t> far = FactsOfSurface(rows, repeats, &facts);
   repeats.outliers.insert(far.begin(), far.end());
+  FactsOfArrival(rows, &facts);
   FactsOfMotion(rows, repeats, header, &facts);
   FactsOfLengths(rows, header, &facts);
   FactsOfTemperature(rows, &facts);
@@ -65,6 +67,8 @@ Facts FactsOf(const RowTable& table,
   FactsOfSeries(rows, repeats, &facts);
   FactsOfProbeOffset(rows, &facts);
   FactsOfSetting(rows, &facts);
+  FactsOfGroups(rows, repeats, header, &facts);
+  FactsOfHistory(rows, &facts);
   FactsOfLevelling(rows, repeats, levelling, &facts);
   TellBadProbe(rows, repeats, &facts);
   KeepLargest("homing_scatter", &facts);

@@ -181,7 +181,8 @@ MovedPivot BestPivot(const std::vector<RoundShown>& rounds,
                      const std::vector<Eigen::Vector2d>& pivots_mm,
                      double sense,
                      double noise_mm) {
-  constexpr double kFarthest_mm = 200, kStep_mm = 1;
+  constexpr int kFarthest = 200;
+  constexpr double kStep_mm = 1;
   MovedPivot best;
   for (std::size_t motor = 0; motor < pivots_mm.size(); ++motor) {
     for (int axis = 0; axis < 2; ++axis) {
@@ -190,7 +191,8 @@ MovedPivot BestPivot(const std::vector<RoundShown>& rounds,
         tried[motor][axis] += by_mm;
         return Misses2(rounds, tried, sense);
       };
-      for (double by_mm = -kFarthest_mm; by_mm <= kFarthest_mm; by_mm += kStep_mm) {
+      for (int step = -kFarthest; step <= kFarthest; ++step) {
+        const double by_mm = step * kStep_mm;
         const double here2 = misses2(by_mm);
         if (here2 >= best.misses2) continue;
         const double bend =
@@ -324,6 +326,55 @@ std::string RoundsInWords(const Response& response) {
   return fmt::format("{} round{}", response.rounds, response.rounds == 1 ? "" : "s");
 }
 
+// Each correction doubles the tilt.
+void TellDoubled(const Response& response,
+                 const LevellingLog& levelling,
+                 Fact* fact,
+                 Facts* facts) {
+  fact->word = "doubles";
+  const bool are_two = std::ranges::all_of(
+      levelling.rounds,
+      [](const LevellingRound& one) { return one.moved_mm.size() == 2; });
+  if (are_two && !levelling.rounds.empty() && !levelling.is_by_hand) {
+    fact->cause = "motors_swapped";
+    fact->cause_axis = PairName(0, 1);
+  }
+  fact->sentence = fmt::format(
+      "Each correction doubles the tilt ({}): right in size, wrong in sense. Two "
+      "motors "
+      "are swapped, or each moves the other way, or (screws turned by hand) the sense "
+      "of "
+      "the thread is set wrong",
+      RoundsInWords(response));
+  if (!levelling.is_by_hand) return;
+  fact->sentence = fmt::format(
+      "Each screw was turned as told, by the right amount and in the wrong sense: "
+      "every "
+      "deviation doubled ({}). The sense of the thread is set wrong: choose the other "
+      "one "
+      "(screw_thread: CCW-M4 in place of CW-M4); bed and probe are right",
+      RoundsInWords(response));
+  facts->not_the_machine = {"settings", fact->sentence};
+  facts->all.push_back({.id = "settings",
+                        .word = "screw_thread",
+                        .sentence = fact->sentence,
+                        .is_answer = false});
+}
+
+// Which of the sessions came after a correction.
+std::vector<bool> CorrectedOf(const LevellingLog& levelling,
+                              const std::vector<std::string>& homes,
+                              std::size_t num) {
+  if (!levelling.differences_mm.empty()) return std::vector<bool>(num, true);
+  std::vector<bool> is_corrected(num, false);
+  for (std::size_t k = 0; k < homes.size() && k < num; ++k) {
+    is_corrected[k] =
+        std::ranges::find(levelling.rounds, homes[k], &LevellingRound::home) !=
+        levelling.rounds.end();
+  }
+  return is_corrected;
+}
+
 }  // namespace
 
 void FactsOfLevelling(const std::vector<const Row*>& rows,
@@ -339,14 +390,8 @@ void FactsOfLevelling(const std::vector<const Row*>& rows,
   if (tilts.size() < 2 || !is_levelling) return;
   const double noise_mm =
       Known(repeats.noise.sd_mm) ? std::max(repeats.noise.sd_mm, 1e-3) : kUsualNoise_mm;
-  std::vector<bool> is_corrected(tilts.size(), !levelling.differences_mm.empty());
-  for (std::size_t k = 0; k < homes.size() && k < tilts.size(); ++k) {
-    is_corrected[k] =
-        std::ranges::find(levelling.rounds, homes[k], &LevellingRound::home) !=
-        levelling.rounds.end();
-  }
-  if (!levelling.differences_mm.empty()) is_corrected.assign(tilts.size(), true);
-  const auto response = ResponseOf(tilts, is_corrected, noise_mm);
+  const auto response =
+      ResponseOf(tilts, CorrectedOf(levelling, homes, tilts.size()), noise_mm);
   if (!response) return;
   LevellingReader reader(RoundsOf(levelling, tilts, homes), levelling, noise_mm, facts);
   if (reader.Name(*response)) return;
@@ -363,35 +408,7 @@ void FactsOfLevelling(const std::vector<const Row*>& rows,
         "off",
         RoundsInWords(*response));
   } else if (IsNear(*response, 2)) {
-    fact.word = "doubles";
-    const bool are_two = std::ranges::all_of(
-        levelling.rounds,
-        [](const LevellingRound& one) { return one.moved_mm.size() == 2; });
-    if (are_two && !levelling.rounds.empty() && !levelling.is_by_hand) {
-      fact.cause = "motors_swapped";
-      fact.cause_axis = PairName(0, 1);
-    }
-    fact.sentence = fmt::format(
-        "Each correction doubles the tilt ({}): right in size, wrong in sense. Two "
-        "motors "
-        "are swapped, or each moves the other way, or (screws turned by hand) the "
-        "sense of "
-        "the thread is set wrong",
-        RoundsInWords(*response));
-    if (levelling.is_by_hand) {
-      fact.sentence = fmt::format(
-          "Each screw was turned as told, by the right amount and in the wrong sense: "
-          "every "
-          "deviation doubled ({}). The sense of the thread is set wrong: choose the "
-          "other one "
-          "(screw_thread: CCW-M4 in place of CW-M4); bed and probe are right",
-          RoundsInWords(*response));
-      facts->not_the_machine = {"settings", fact.sentence};
-      facts->all.push_back({.id = "settings",
-                            .word = "screw_thread",
-                            .sentence = fact.sentence,
-                            .is_answer = false});
-    }
+    TellDoubled(*response, levelling, &fact, facts);
   } else if (std::abs(response->factor) > 1) {
     fact.word = "diverges";
     fact.sentence = fmt::format(

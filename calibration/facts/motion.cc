@@ -144,6 +144,41 @@ Line FitLine(const Rows& rows, std::size_t axis) {
   return FitLine(rows, axis, terms);
 }
 
+// Without rows that went less far since they turned round than what is lost there: the
+// play takes up part of them only.
+Rows BeyondGap(const Rows& rows, std::size_t axis, double gap_mm) {
+  constexpr double kClear = 1.2;
+  Rows beyond;
+  double turned_at_mm = kUnknown;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const Row& row = *rows[i];
+    const bool turns = i > 0 && row.dir[axis] != rows[i - 1]->dir[axis];
+    if (i == 0 || turns) turned_at_mm = i > 0 ? rows[i - 1]->cmd_mm[axis] : kUnknown;
+    const double went_mm = std::abs(row.cmd_mm[axis] - turned_at_mm);
+    const bool is_clear = !Known(went_mm) || went_mm > kClear * std::abs(gap_mm);
+    if (is_clear && Known(turned_at_mm)) beyond.push_back(&row);
+  }
+  return beyond;
+}
+
+Line FitBeyondGap(const Rows& rows, std::size_t axis) {
+  constexpr int kRounds = 3;
+  Line line = FitLine(rows, axis);
+  for (int round = 0; round < kRounds && line.has_gap && line.dof >= 1; ++round) {
+    const Rows beyond = BeyondGap(rows, axis, line.gap_mm);
+    // Targets that are far apart lose nothing of it.
+    constexpr std::size_t kFewest = 6;
+    if (beyond.size() < kFewest || 2 * beyond.size() < rows.size()) break;
+    const Line refined = FitLine(beyond, axis);
+    if (!refined.has_gap || refined.dof < 1) break;
+    const bool is_better =
+        refined.left_mm2 / refined.dof < line.left_mm2 / line.dof / 2;
+    if (!is_better) break;
+    line = refined;
+  }
+  return line;
+}
+
 // The larger of what repeats show and what the line leaves; kUnknown of neither, and of
 // readings that lie on the line to their last digit.
 double NoiseOf_mm(const Line& line, const ReadingNoise& noise) {
@@ -152,6 +187,44 @@ double NoiseOf_mm(const Line& line, const ReadingNoise& noise) {
   if (left_mm < kNothing_mm) left_mm = kUnknown;
   if (!Known(noise.sd_mm)) return left_mm;
   return Known(left_mm) ? std::max(noise.sd_mm, left_mm) : noise.sd_mm;
+}
+
+// A ratio that people know.
+void AddKnownRatio(const Line& line,
+                   const KnownRatio& known,
+                   const Fact& scale,
+                   Facts* facts) {
+  const std::size_t axis =
+      scale.axis.empty() ? 0 : static_cast<std::size_t>(scale.axis[0] - 'x');
+  const char letter = "XYZ"[axis];
+  const double factor = scale.figures[0].value, sd = scale.figures[0].sd;
+
+  facts->all.push_back(
+      {.id = "known_ratio",
+       .axis = kNames[axis],
+       .word = known.reading,
+       .also = known.also,
+       .figures = scale.figures,
+       .sigmas = scale.sigmas,
+       .sentence = fmt::format("{} moves {} times what is commanded, and {}",
+                               letter,
+                               WithSd(factor, sd, ""),
+                               known.sentence),
+       .is_answer = true});
+  const bool is_of_file = known.reading == "inches" && !line.are_moves;
+  if (known.has_rival) {
+    facts->not_determined.emplace_back("cause");
+    facts->cannot.push_back(fmt::format(
+        "which of the two makes the factor of {}: {}", letter, known.sentence));
+  } else if (facts->not_the_machine.reason.empty() && known.reading != "sign") {
+    facts->not_the_machine = {
+        is_of_file ? "file" : "settings",
+        is_of_file
+            ? "Sizes at 1/25.4: the program's numbers are inches and are read as "
+              "millimetres. Put G20 at its start, or write it in millimetres; leave "
+              "steps/mm alone"
+            : facts->all.back().sentence};
+  }
 }
 
 void AddScale(const Line& line, double noise_mm, std::size_t axis, Facts* facts) {
@@ -164,35 +237,12 @@ void AddScale(const Line& line, double noise_mm, std::size_t axis, Facts* facts)
                                            {"steps_factor", 1 / factor, steps_sd}};
   const double sigmas =
       Known(sd) ? std::abs(line.slope) / std::max(sd, 1e-12) : kUnknown;
-  if (!known.reading.empty()) {
-    facts->all.push_back(
-        {.id = "known_ratio",
-         .axis = kNames[axis],
-         .word = known.reading,
-         .also = known.also,
-         .figures = figures,
-         .sigmas = sigmas,
-         .sentence = fmt::format("{} moves {} times what is commanded, and {}",
-                                 letter,
-                                 WithSd(factor, sd, ""),
-                                 known.sentence),
-         .is_answer = true});
-    const bool is_of_file = known.reading == "inches" && !line.are_moves;
-    if (facts->not_the_machine.reason.empty() && known.reading != "sign") {
-      facts->not_the_machine = {
-          is_of_file ? "file" : "settings",
-          is_of_file
-              ? "Sizes at 1/25.4: the program's numbers are inches and are read as "
-                "millimetres. Put G20 at its start, or write it in millimetres; leave "
-                "steps/mm alone"
-              : facts->all.back().sentence};
-    }
-  }
   Fact fact{.id = "scale",
             .axis = kNames[axis],
             .figures = figures,
             .sigmas = sigmas,
             .is_answer = known.reading.empty() && Known(sd) && sigmas > kSure};
+  if (!known.reading.empty()) AddKnownRatio(line, known, fact, facts);
   constexpr double kNothing = 1e-6;
   if (!Known(sd) && std::abs(line.slope) < kNothing) {
     fact.sentence = fmt::format(
@@ -251,6 +301,114 @@ bool AddSurplus(const Line& line, double noise_mm, std::size_t axis, Facts* fact
   return true;
 }
 
+// Moves that all end short by the same amount, beside what goes with their length.
+void AddLostPerMove(const Line& line, double noise_mm, std::size_t axis, Facts* facts) {
+  constexpr double kLeast_mm = 0.02;
+  const double sd_mm = noise_mm * line.offset_unit_sd;
+  const bool is_sure = Known(sd_mm) && std::abs(line.offset_mm) > kSure * sd_mm &&
+                       std::abs(line.offset_mm) > kLeast_mm;
+  if (!line.are_moves || !is_sure) return;
+  facts->all.push_back(
+      {.id = "offset",
+       .axis = kNames[axis],
+       .word = "per_move",
+       .figures = {{"change_um", UmFromMm(line.offset_mm), UmFromMm(sd_mm)}},
+       .sigmas = std::abs(line.offset_mm) / std::max(sd_mm, 1e-12),
+       .sentence = fmt::format(
+           "Each move of {} ends {} {}, whatever its length, beside what goes with its "
+           "length: the play that is lost at a reversal, if each move turned round. A "
+           "move of one length alone hides it in the steps/mm; take out the play, then "
+           "set steps/mm by the scale above",
+           "XYZ"[axis],
+           WithSd(std::abs(line.offset_mm), sd_mm, "mm"),
+           line.offset_mm < 0 ? "short" : "far"),
+       .is_answer = true});
+}
+
+// The drive moves and what it drives stands still, until the play is used up.
+bool AddDeadZone(const Rows& rows, std::size_t axis, Facts* facts) {
+  constexpr std::size_t kFewest = 2, kFewestBeyond = 4;
+  constexpr double kStill = 0.15, kAlike = 0.1, kLeast_mm = 0.005;
+  std::vector<double> lost_mm;
+  double most_mm = 0;
+  for (const Row* row : rows) most_mm = std::max(most_mm, row->cmd_mm[axis]);
+  for (const Row* row : rows) {
+    if (row->cmd_mm[axis] > most_mm / 2) lost_mm.push_back(-row->value_mm);
+  }
+  if (lost_mm.size() < 3) return false;
+  const double gap_mm = Median(lost_mm);
+  std::size_t num_still = 0, num_beyond = 0;
+  double squares_mm2 = 0;
+  for (const Row* row : rows) {
+    const double told_mm = row->cmd_mm[axis], moved_mm = told_mm + row->value_mm;
+    if (told_mm < 0.9 * gap_mm) {
+      if (std::abs(moved_mm) > kStill * gap_mm) return false;
+      ++num_still;
+    } else if (told_mm > 1.1 * gap_mm) {
+      if (std::abs(moved_mm - (told_mm - gap_mm)) > kAlike * gap_mm) return false;
+      squares_mm2 += std::pow(moved_mm - (told_mm - gap_mm), 2);
+      ++num_beyond;
+    }
+  }
+  if (num_still < kFewest || num_beyond < kFewestBeyond || gap_mm < kLeast_mm)
+    return false;
+  const auto num = static_cast<double>(num_beyond);
+  const double sd_mm = std::sqrt(squares_mm2 / (num - 1) / num);
+  facts->all.push_back(
+      {.id = "reversal",
+       .axis = kNames[axis],
+       .word = "dead_zone",
+       .figures = {{"gap_um", UmFromMm(gap_mm), UmFromMm(sd_mm)}},
+       .sigmas = gap_mm / std::max(sd_mm, 1e-12),
+       .sentence = fmt::format(
+           "Nothing moves until the drive has gone {}, and beyond that everything lags "
+           "by "
+           "as much: play between the two places that were measured (a coupling, a "
+           "nut, a "
+           "grub screw). What drives follows its steps; steps/mm are not in question",
+           WithSd(gap_mm, sd_mm, "mm")),
+       .is_answer = true});
+  return true;
+}
+
+// The coarsest step that all readings are whole multiples of, of a rule or a gauge that
+// is read to it [mm]; 0 where they are finer than a tenth.
+double CoarseStep_mm(const Rows& rows, std::size_t axis) {
+  for (const double step_mm : {1.0, 0.5, 0.1}) {
+    const bool is_it = std::ranges::all_of(rows, [&](const Row* row) {
+      const double steps = (row->cmd_mm[axis] + row->value_mm) / step_mm;
+      return std::abs(steps - std::round(steps)) < 1e-6;
+    });
+    if (is_it) return step_mm;
+  }
+  return 0;
+}
+
+// No reading is off by more than one step of the gauge: it does not show a scale.
+bool IsWithinStep(const Rows& rows, std::size_t axis, Facts* facts) {
+  constexpr std::size_t kMost = 6;
+  const double step_mm = CoarseStep_mm(rows, axis);
+  const bool is_within = step_mm >= 0.5 && rows.size() <= kMost &&
+                         std::ranges::all_of(rows, [&](const Row* row) {
+                           return row->flag == "move" &&
+                                  std::abs(row->value_mm) < 1.001 * step_mm &&
+                                  row->cmd_mm[axis] > 5 * step_mm;
+                         });
+  if (!is_within) return false;
+  facts->not_determined.push_back(fmt::format("scale.{}", kNames[axis]));
+  facts->cannot.push_back(fmt::format(
+      "steps/mm of {}: no reading is off by more than one division of the gauge ({:g} "
+      "mm), and that is what it leaves open",
+      "XYZ"[axis],
+      step_mm));
+  facts->next.push_back({"calliper",
+                         "measure a move as long as the axis allows with a calliper or "
+                         "a scale, from a mark "
+                         "to a mark: a rule read to its divisions does not tell a few "
+                         "parts in a thousand"});
+  return true;
+}
+
 void AddReversal(const Line& line, double noise_mm, std::size_t axis, Facts* facts) {
   if (!line.has_gap) return;
   const double sd_mm = noise_mm * line.gap_unit_sd;
@@ -288,11 +446,13 @@ void AddAlong(const Rows& rows, const Repeats& repeats, Facts* facts) {
   }
   for (const auto& [key, all] : series) {
     const auto axis = static_cast<std::size_t>(key.second);
-    const Line line = FitLine(Without(all, repeats.outliers), axis);
+    if (AddDeadZone(all, axis, facts) || IsWithinStep(all, axis, facts)) continue;
+    const Line line = FitBeyondGap(Without(all, repeats.outliers), axis);
     if (line.dof < 0) continue;
     const double noise_mm = NoiseOf_mm(line, repeats.NoiseOf(all.front()->campaign));
     if (line.has_slope && !AddSurplus(line, noise_mm, axis, facts)) {
       AddScale(line, noise_mm, axis, facts);
+      AddLostPerMove(line, noise_mm, axis, facts);
     }
     AddReversal(line, noise_mm, axis, facts);
   }
@@ -364,65 +524,6 @@ void AddAcross(const Rows& rows, const Repeats& repeats, Facts* facts) {
   }
 }
 
-// Touches of one face at several feeds: value = a - latency v, so long as nothing else
-// differs.
-void AddLatency(const Rows& rows, const Repeats& repeats, Facts* facts) {
-  constexpr std::size_t kFewestFeeds = 3;
-  for (const auto& [key, cell] : CellsOf(rows, kAnyFeed | kAnyHome)) {
-    std::map<double, std::pair<double, double>> feeds;
-    for (const Row* row : cell) {
-      if (!Known(row->feed_mm_s) || row->kind != RowKind::kTouch) continue;
-      feeds[row->feed_mm_s].first += row->value_mm;
-      feeds[row->feed_mm_s].second += 1;
-    }
-    if (feeds.size() < kFewestFeeds) continue;
-    double w = 0, wv = 0, wz = 0, wvv = 0, wvz = 0;
-    for (const auto& [feed, sum] : feeds) {
-      w += sum.second;
-      wv += sum.second * feed;
-      wz += sum.first;
-      wvv += sum.second * feed * feed;
-      wvz += feed * sum.first;
-    }
-    const double spread = wvv - wv * wv / w;
-    const double slope_s = (wvz - wv * wz / w) / spread;
-    double left_mm2 = 0;
-    for (const auto& [feed, sum] : feeds) {
-      const double fit_mm = wz / w + slope_s * (feed - wv / w);
-      left_mm2 += sum.second * std::pow(sum.first / sum.second - fit_mm, 2);
-    }
-    const double dof = static_cast<double>(feeds.size()) - 2;
-    double noise_mm = std::sqrt(left_mm2 / dof);
-    const double reading_mm = repeats.NoiseOf(cell.front()->campaign).sd_mm;
-    if (Known(reading_mm)) noise_mm = std::max(noise_mm, reading_mm);
-    const double sd_s = noise_mm / std::sqrt(spread);
-    if (std::abs(slope_s) < kSure * sd_s) continue;
-    facts->all.push_back(
-        {.id = "latency",
-         .axis = AxisAlong(*cell.front()) < 0
-                     ? ""
-                     : kNames[static_cast<std::size_t>(AxisAlong(*cell.front()))],
-         .figures = {{"latency_ms", -1e3 * slope_s, 1e3 * sd_s}},
-         .sigmas = std::abs(slope_s) / sd_s,
-         .cause = slope_s < 0 ? "trigger_latency" : "",
-         .parameters = {{"latency_ms", -1e3 * slope_s, 1e3 * sd_s}},
-         .sentence = fmt::format(
-             "The trigger comes {} {}: the faster the probe, the further it has gone "
-             "({} feeds, a straight line). Probe at one feed always, or slower: the "
-             "rest "
-             "is constant and calibrates away",
-             WithSd(std::abs(1e3 * slope_s), 1e3 * sd_s, "ms"),
-             slope_s < 0 ? "late" : "early",
-             feeds.size()),
-         .is_answer = true});
-    return;
-  }
-}
-
-}  // namespace
-
-namespace {
-
 // Steps/mm were changed and the travel was not: what is set is not in force.
 void AddIdleSettings(const Rows& rows, const DataHeader& header, Facts* facts) {
   constexpr double kLeastChange = 1.05, kAlike = 0.02;
@@ -476,119 +577,7 @@ void FactsOfMotion(const std::vector<const Row*>& rows,
   const Rows kept = Without(rows, repeats.outliers);
   AddAlong(kept, repeats, facts);
   AddAcross(kept, repeats, facts);
-  AddLatency(kept, repeats, facts);
-}
-
-namespace {
-
-/// One length: along which direction, from where to where, and how much too long.
-struct Length {
-  Eigen::Vector3d from_mm = Eigen::Vector3d::Zero(), to_mm = from_mm, n = from_mm;
-  double change_mm = 0;
-  double sd_mm = kUnknown;
-  std::int64_t row = 0;
-};
-
-// Two rows of one setup are a length from the first to the second.
-std::vector<Length> LengthsOf(const Rows& rows, const DataHeader& header) {
-  std::map<std::string, Rows> setups;
-  for (const Row* row : rows) {
-    if (row->kind == RowKind::kPosition && !row->setup.empty()) {
-      setups[row->campaign + "|" + row->setup].push_back(row);
-    }
-  }
-  std::vector<Length> lengths;
-  for (const auto& [key, both] : setups) {
-    if (both.size() != 2) continue;
-    Length length{.sd_mm = std::hypot(StatedSigma_mm(*both[0], header),
-                                      StatedSigma_mm(*both[1], header)),
-                  .row = both[1]->row};
-    for (int k = 0; k < 3; ++k) {
-      const auto i = static_cast<std::size_t>(k);
-      const auto at = [&](const Row* row) {
-        return Known(row->cmd_mm[i]) ? row->cmd_mm[i] : 0;
-      };
-      length.from_mm[k] = at(both[0]);
-      length.to_mm[k] = at(both[1]);
-      length.n[k] = Known(both[1]->n[i]) ? both[1]->n[i] : 0;
-    }
-    length.change_mm = both[1]->value_mm - both[0]->value_mm;
-    lengths.push_back(length);
-  }
-  return lengths;
-}
-
-struct PlaneWords {
-  int first = 0, second = 1;
-  const char* name = nullptr;
-};
-constexpr std::array kPlanes = {
-    PlaneWords{0, 1, "C0Y"}, PlaneWords{0, 2, "B0Z"}, PlaneWords{1, 2, "A0Z"}};
-
-}  // namespace
-
-// Change of a length in one plane: n . E d, E = [[s1, -c], [0, s2]] (C0Y: dx = -c y;
-// B0Z turns dx the other way).
-void FactsOfLengths(const std::vector<const Row*>& rows,
-                    const DataHeader& header,
-                    Facts* facts) {
-  constexpr double kFewest = 3, kInPlane = 0.999, kDiagonal = 0.2;
-  const std::vector<Length> all = LengthsOf(rows, header);
-  for (const PlaneWords& plane : kPlanes) {
-    std::vector<Length> lengths;
-    int num_diagonal = 0;
-    for (const Length& length : all) {
-      const double a = length.n[plane.first], b = length.n[plane.second];
-      if (std::hypot(a, b) < kInPlane) continue;
-      num_diagonal += std::abs(a * b) > kDiagonal ? 1 : 0;
-      lengths.push_back(length);
-    }
-    if (static_cast<double>(lengths.size()) < kFewest || num_diagonal < 2) continue;
-    const auto num = static_cast<Eigen::Index>(lengths.size());
-    Eigen::MatrixXd columns(num, 3);
-    Eigen::VectorXd changes(num), sds(num);
-    for (Eigen::Index i = 0; i < num; ++i) {
-      const Length& length = lengths[static_cast<std::size_t>(i)];
-      const Eigen::Vector3d d_mm = length.to_mm - length.from_mm;
-      columns(i, 0) = length.n[plane.first] * d_mm[plane.first];
-      columns(i, 1) = length.n[plane.second] * d_mm[plane.second];
-      columns(i, 2) = (plane.first == 0 && plane.second == 2 ? 1 : -1) *
-                      length.n[plane.first] * d_mm[plane.second];
-      changes[i] = length.change_mm;
-      sds[i] = length.sd_mm;
-    }
-    const Eigen::MatrixXd normal = columns.transpose() * columns;
-    if (EigenvaluesOf(normal)[0] < 1e-6 * normal.trace()) continue;
-    const Cholesky solver(normal);
-    const Eigen::MatrixXd half = solver.SolveEach(columns.transpose());
-    const Eigen::VectorXd sizes = half * changes;
-    const double sd = (half.row(2).transpose().cwiseProduct(sds)).norm();
-    const double angle = sizes[2];
-    if (Known(sd) && std::abs(angle) < kSure * sd) continue;
-    Fact fact{.id = "skew",
-              .axis = plane.name,
-              .figures = {{"angle_mrad", MradFromRad(angle), MradFromRad(sd)}},
-              .sigmas = std::abs(angle) / std::max(sd, 1e-12),
-              .cause = "squareness",
-              .cause_axis = plane.name,
-              .parameters = {{"angle_mrad", MradFromRad(angle), MradFromRad(sd)}},
-              .is_answer = true};
-    if (!Known(sd)) fact.sigmas = kUnknown;
-    for (const Length& length : lengths) fact.rows.push_back(length.row);
-    fact.sentence = fmt::format(
-        "The lengths fit together only if {} and {} are out of square by {} ({}): the "
-        "two "
-        "diagonals differ{}",
-        "XYZ"[plane.first],
-        "XYZ"[plane.second],
-        WithSd(MradFromRad(std::abs(angle)), MradFromRad(sd), "mrad"),
-        WithSd(DegFromRad(std::abs(angle)), DegFromRad(sd), "degrees"),
-        Known(sd)
-            ? fmt::format(" by {:.0f} times what their stated uncertainties allow",
-                          fact.sigmas)
-            : ". Its uncertainty is not known: no length was measured twice");
-    facts->all.push_back(std::move(fact));
-  }
+  FactsOfLatency(kept, repeats, facts);
 }
 
 }  // namespace caltwin

@@ -20,4 +20,9 @@ void FactsOfLengths(const std::vector<const Row*>& rows,
                     const DataHeader& header,
                     Facts* facts);
 
+/// Touches of one face at several feeds: value = a - latency v.
+void FactsOfLatency(const std::vector<const Row*>& rows,
+                    const Repeats& repeats,
+                    Facts* facts);
+
 }  // namespace caltwin

@@ -42,20 +42,9 @@ constexpr std::array kMixed = {
     Mixed{5, "screws of 10 and 2 mm lead, or a gear of 5 : 1"},
     Mixed{1.27, "screws of 5.08 mm (five threads an inch) and 4 mm lead"}};
 
-}  // namespace
-
-KnownRatio KnownRatioOf(double factor, double sd) {
-  if (std::abs(factor - 1) < kCalibration || factor == 0) return {};
-  if (factor < 0) {
-    if (!IsNear(-factor, 1, sd)) return {};
-    return {.reading = "sign",
-            .sentence =
-                "it moves the other way: the direction of the motor, or the sign "
-                "of the readings, is reversed"};
-  }
+// An inch, a tenth of one, or a thousand; empty reading: none of them.
+KnownRatio OfInches(double factor, double sd, const std::string& mend) {
   const double inverse = 1 / factor;
-  const std::string mend =
-      fmt::format("steps/mm are to be multiplied by {}", Ratio(inverse));
   if (IsNear(factor, MmFromInch(1.0), sd) || IsNear(inverse, MmFromInch(1.0), sd)) {
     return {.reading = "inches",
             .sentence =
@@ -65,6 +54,22 @@ KnownRatio KnownRatioOf(double factor, double sd) {
   constexpr double kTenthOfInch = 10;
   const double in_tenths = MmFromInch(1.0) / kTenthOfInch;
   if (IsNear(factor, in_tenths, sd) || IsNear(inverse, in_tenths, sd)) {
+    constexpr double kLead = 2.5, kExact = 0.005;
+    const double larger = std::max(factor, inverse);
+    const bool has_rival =
+        IsNear(larger, kLead, sd) && std::abs(larger / in_tenths - 1) > kExact;
+    if (has_rival) {
+      return {
+          .reading = "inches",
+          .also = {"lead"},
+          .has_rival = true,
+          .sentence = fmt::format(
+              "2.5 is what a screw of another lead does (5 and 2 mm), 2.54 what "
+              "inches and centimetres do that were taken for each other; this "
+              "measurement does not part them. Jog 100 mm by hand: if that is right, "
+              "the file is at fault; else {}",
+              mend)};
+    }
     return {.reading = "inches",
             .also = {"lead"},
             .sentence =
@@ -78,6 +83,11 @@ KnownRatio KnownRatioOf(double factor, double sd) {
         .reading = "unit",
         .sentence = "1000: one of the two is in micrometres, the other in millimetres"};
   }
+  return {};
+}
+
+// A power of two.
+KnownRatio OfPower(double factor, double sd, const std::string& mend) {
   const double power = std::round(std::log2(factor));
   if (power != 0 && std::abs(power) <= 8 && IsNear(factor, std::exp2(power), sd)) {
     KnownRatio known{
@@ -99,6 +109,27 @@ KnownRatio KnownRatioOf(double factor, double sd) {
     if (std::abs(power) == 2) known.also = {"lead", "gear"};
     return known;
   }
+  return {};
+}
+
+}  // namespace
+
+KnownRatio KnownRatioOf(double factor, double sd) {
+  if (std::abs(factor - 1) < kCalibration || factor == 0) return {};
+  if (factor < 0) {
+    if (!IsNear(-factor, 1, sd)) return {};
+    return {.reading = "sign",
+            .sentence =
+                "it moves the other way: the direction of the motor, or the sign "
+                "of the readings, is reversed"};
+  }
+  const double inverse = 1 / factor;
+  const std::string mend =
+      fmt::format("steps/mm are to be multiplied by {}", Ratio(inverse));
+  if (KnownRatio inches = OfInches(factor, sd, mend); !inches.reading.empty())
+    return inches;
+  if (KnownRatio power = OfPower(factor, sd, mend); !power.reading.empty())
+    return power;
   for (const Mixed& mixed : kMixed) {
     if (!IsNear(factor, mixed.ratio, sd) && !IsNear(inverse, mixed.ratio, sd)) continue;
     return {.reading = "lead",

@@ -9,7 +9,8 @@ namespace caltwin {
 struct KnownRatio {
   std::string reading{};  ///< microsteps inches diameter_radius lead sign unit
   std::vector<std::string> also{};  ///< Others that give the same ratio.
-  std::string sentence{};           ///< What a person needs; no full stop.
+  bool has_rival = false;  ///< Another reading is as near, and no figure parts them.
+  std::string sentence{};  ///< What a person needs; no full stop.
 };
 
 /// Of an axis that moves `factor` times what is commanded, known to `sd`. Empty

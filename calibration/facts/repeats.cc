@@ -570,10 +570,13 @@ void AddContradiction(const std::vector<Rows>& batches,
        .is_answer = true});
 }
 
-void AddRepeatability(const ReadingNoise& noise, std::size_t num_places, Facts* facts) {
+void AddRepeatability(const ReadingNoise& noise,
+                      std::size_t num_places,
+                      bool are_touches,
+                      Facts* facts) {
   if (!Known(noise.sd_mm) || noise.is_stated) return;
   constexpr double kWild_mm = 0.3;
-  const bool is_wild = noise.sd_mm > kWild_mm;
+  const bool is_wild = are_touches && noise.sd_mm > kWild_mm;
   facts->all.push_back(
       {.id = "repeatability",
        .figures = {{"sd_um",
@@ -889,7 +892,8 @@ Repeats FactsOfRepeats(const std::vector<const Row*>& rows,
         reader.firsts_mm() > 0 ? "higher" : "lower");
   }
   AddContradiction(repeats.batches, header, facts);
-  AddRepeatability(repeats.noise, reader.num_places(), facts);
+  AddRepeatability(
+      repeats.noise, reader.num_places(), rows.front()->kind == RowKind::kTouch, facts);
   if (!Known(repeats.noise.sd_mm)) {
     std::vector<double> stated_mm;
     for (const Row* row : rows) {

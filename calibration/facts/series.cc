@@ -96,6 +96,48 @@ void AddRunaway(const Rows& rows, Facts* facts) {
 /// Heights of one map, by place.
 using Map = std::map<Place, std::pair<double, double>>;
 
+// How far one map lies from another at the same places.
+struct Apart {
+  double mean_mm = 0, scatter_mm = 0, sd_mm = 0;
+  std::size_t num = 0;
+};
+
+void AddOffset(const std::string& before,
+               const std::string& now,
+               const Apart& apart,
+               Facts* facts) {
+  const auto& [mean_mm, scatter_mm, sd_mm, num_places] = apart;
+  facts->all.push_back({.id = "offset",
+                        .word = "zero",
+                        .figures = {{"change_um", UmFromMm(mean_mm), UmFromMm(sd_mm)},
+                                    {"scatter_um", UmFromMm(scatter_mm)}},
+                        .sigmas = std::abs(mean_mm) / std::max(sd_mm, 1e-9),
+                        .sentence = fmt::format(
+                            "{} lies {} {} {} at every place ({} places, to {} um): "
+                            "the shape is the same, "
+                            "only the zero moved (homing, a probe offset applied in "
+                            "one of them, warming). "
+                            "A third with and one without homing between tells which",
+                            now,
+                            WithSd(std::abs(mean_mm), sd_mm, "mm"),
+                            mean_mm > 0 ? "above" : "below",
+                            before,
+                            num_places,
+                            TwoDigits(UmFromMm(scatter_mm))),
+                        .is_answer = true});
+  // No homing scatters by so much.
+  constexpr double kMoved_mm = 0.5;
+  if (std::abs(mean_mm) > kMoved_mm && facts->not_the_machine.reason.empty()) {
+    facts->not_the_machine = {
+        "probe_mount",
+        fmt::format("Between the two maps only the height changed, by {}, and not the "
+                    "shape: the bed and the frame stand as before, and the probe sits "
+                    "at another height against the nozzle (moved, bent, another "
+                    "offset). Find its offset anew",
+                    WithSd(std::abs(mean_mm), sd_mm, "mm"))};
+  }
+}
+
 // Two maps of the same places: apart by a constant, alike in shape.
 void AddOffsets(const Rows& rows, const Repeats& repeats, Facts* facts) {
   constexpr std::size_t kFewest = 4;
@@ -129,24 +171,8 @@ void AddOffsets(const Rows& rows, const Repeats& repeats, Facts* facts) {
     const double sd_mm = scatter_mm / std::sqrt(num);
     const bool is_constant = std::abs(mean_mm) > 3 * scatter_mm;
     if (!is_constant || std::abs(mean_mm) < kSure * sd_mm) continue;
-    facts->all.push_back({.id = "offset",
-                          .word = "zero",
-                          .figures = {{"change_um", UmFromMm(mean_mm), UmFromMm(sd_mm)},
-                                      {"scatter_um", UmFromMm(scatter_mm)}},
-                          .sigmas = std::abs(mean_mm) / std::max(sd_mm, 1e-9),
-                          .sentence = fmt::format(
-                              "{} lies {} {} {} at every place ({} places, to {} um): "
-                              "the shape is the same, "
-                              "only the zero moved (homing, a probe offset applied in "
-                              "one of them, warming). "
-                              "A third with and one without homing between tells which",
-                              names[k],
-                              WithSd(std::abs(mean_mm), sd_mm, "mm"),
-                              mean_mm > 0 ? "above" : "below",
-                              names[k - 1],
-                              changes_mm.size(),
-                              TwoDigits(UmFromMm(scatter_mm))),
-                          .is_answer = true});
+    AddOffset(
+        names[k - 1], names[k], {mean_mm, scatter_mm, sd_mm, changes_mm.size()}, facts);
     return;
   }
 }

@@ -4,10 +4,12 @@
 #include <cmath>
 #include <map>
 #include <string>
+#include <tuple>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "calibration/facts/average.h"
 #include "calibration/facts/cells.h"
 #include "calibration/facts/series.h"
 #include "sim/base/median.h"
@@ -20,18 +22,6 @@ namespace {
 using Rows = std::vector<const Row*>;
 
 constexpr std::array<const char*, 3> kNames = {"x", "y", "z"};
-
-struct Average {
-  double mean = 0, sd = 0, num = 0;
-};
-
-Average AverageOf(const std::vector<double>& values) {
-  Average average{.num = static_cast<double>(values.size())};
-  for (const double value : values) average.mean += value / average.num;
-  for (const double value : values) average.sd += std::pow(value - average.mean, 2);
-  average.sd = values.size() > 1 ? std::sqrt(average.sd / (average.num - 1)) : kUnknown;
-  return average;
-}
 
 void Tell(const std::string& reason, const std::string& sentence, Facts* facts) {
   if (facts->not_the_machine.reason.empty())
@@ -215,14 +205,14 @@ void AddAddedConstant(const Rows& rows, Facts* facts) {
 // The same size made twice and millimetres apart: no scale explains it.
 void AddContradictingSizes(const Rows& rows, Facts* facts) {
   constexpr double kLeast_mm = 1, kRight = 0.01;
-  std::map<std::pair<int, long>, Rows> sizes;
+  std::map<std::tuple<std::string, int, long>, Rows> sizes;
   int num_right = 0;
   for (const Row* row : rows) {
     const int axis = AxisAlong(*row);
     if (row->kind != RowKind::kPosition || axis < 0 || row->flag == "move") return;
     const double at_mm = row->cmd_mm[static_cast<std::size_t>(axis)];
     if (!(at_mm > 0) || (Known(row->dir[static_cast<std::size_t>(axis)]))) return;
-    sizes[{axis, std::lround(at_mm * 100)}].push_back(row);
+    sizes[{row->campaign, axis, std::lround(at_mm * 100)}].push_back(row);
     num_right += std::abs(row->value_mm) < kRight * at_mm ? 1 : 0;
   }
   for (const auto& [key, same] : sizes) {
@@ -230,7 +220,7 @@ void AddContradictingSizes(const Rows& rows, Facts* facts) {
     if (same.size() < 2 || high->value_mm - low->value_mm < kLeast_mm || num_right < 2)
       continue;
     Fact fact{.id = "contradiction",
-              .axis = kNames[static_cast<std::size_t>(key.first)],
+              .axis = kNames[static_cast<std::size_t>(std::get<int>(key))],
               .figures = {{"apart_um", UmFromMm(high->value_mm - low->value_mm)}},
               .rows = {low->row, high->row},
               .is_answer = true};
@@ -240,13 +230,13 @@ void AddContradictingSizes(const Rows& rows, Facts* facts) {
         "no scale of {} does that. The files or slicer settings of the short ones "
         "differ, or "
         "the axis stalls now and then; leave steps/mm. Look at the sliced height first",
-        static_cast<double>(key.second) / 100,
+        static_cast<double>(std::get<long>(key)) / 100,
         high->value_mm - low->value_mm,
-        "XYZ"[key.first]);
+        "XYZ"[std::get<int>(key)]);
     const std::string name = fmt::format("scale.{}", fact.axis);
     facts->not_determined.push_back(name);
     facts->cannot.push_back(fmt::format(
-        "steps/mm of {}: its sizes contradict each other", "XYZ"[key.first]));
+        "steps/mm of {}: its sizes contradict each other", "XYZ"[std::get<int>(key)]));
     // The bad ones share a word that the good ones lack.
     if (Label(*low).find("slicer") != std::string::npos)
       Tell("slicer", fact.sentence, facts);

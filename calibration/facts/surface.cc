@@ -362,9 +362,9 @@ void AddForm(const Sheet& sheet,
     chance = FUpperTail(f, more, shape.dof);
     spot.sd_mm = std::sqrt(shape.squares_mm2() / shape.dof);
   }
-  if (chance > kMostChance) return;
   const double range_mm = plane.left_mm.maxCoeff() - plane.left_mm.minCoeff();
   const double rms_mm = std::sqrt(plane.squares_mm2() / plane.dof);
+  const bool is_there = chance <= kMostChance;
   facts->all.push_back(
       {.id = "form",
        .figures = {{"peak_to_peak_um",
@@ -372,15 +372,20 @@ void AddForm(const Sheet& sheet,
                     UmFromMm(spot.sd_mm) * std::sqrt(2.0)},
                    {"rms_um", UmFromMm(rms_mm)}},
        .sigmas = rms_mm / std::max(spot.sd_mm, 1e-12),
-       .sentence = fmt::format("Beside its plane the surface is uneven by {} um from "
-                               "lowest to highest ({} um "
-                               "rms), where a touch {} {} um: a shape that is there, "
-                               "for a mesh to take out",
-                               TwoDigits(UmFromMm(range_mm)),
-                               TwoDigits(UmFromMm(rms_mm)),
-                               Known(noise.sd_mm) ? "repeats to" : "scatters by",
-                               TwoDigits(UmFromMm(spot.sd_mm))),
-       .is_answer = true});
+       .sentence =
+           is_there
+               ? fmt::format("Beside its plane the surface is uneven by {} um from "
+                             "lowest to highest ({} um rms), where a touch {} {} um: a "
+                             "shape that is there, for a mesh to take out",
+                             TwoDigits(UmFromMm(range_mm)),
+                             TwoDigits(UmFromMm(rms_mm)),
+                             Known(noise.sd_mm) ? "repeats to" : "scatters by",
+                             TwoDigits(UmFromMm(spot.sd_mm)))
+               : fmt::format(
+                     "Beside its plane the surface is flat to {} um from lowest "
+                     "to highest: no more than touches scatter",
+                     TwoDigits(UmFromMm(range_mm))),
+       .is_answer = is_there});
 }
 
 void AddFar(const Sheet& sheet,

@@ -17,4 +17,8 @@ std::set<std::int64_t> FactsOfSurface(const std::vector<const Row*>& rows,
                                       const Repeats& repeats,
                                       Facts* facts);
 
+/// Maps whose heights depend on the sense in which an axis came to the point, by the
+/// order in which the points were touched, beside any smooth shape.
+void FactsOfArrival(const std::vector<const Row*>& rows, Facts* facts);
+
 }  // namespace caltwin

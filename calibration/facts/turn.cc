@@ -39,13 +39,51 @@ std::vector<Move> MovesOf(const std::vector<const Row*>& rows) {
   return moves;
 }
 
+std::string MirrorInWords(const Eigen::MatrixXd& a) {
+  if (std::abs(a(0, 1)) > std::abs(a(0, 0))) {
+    return "What is told along X goes along Y and the other way round, lengths right: "
+           "the two motors or axes are exchanged (on a CoreXY: one motor turns the "
+           "wrong "
+           "way)";
+  }
+  return fmt::format(
+      "The plane is mirrored, lengths right: {} runs the other way. Reverse its motor, "
+      "or move its zero to the other end",
+      a(0, 0) < 0 ? "X" : "Y");
+}
+
+std::string TurnInWords(double turn_deg, Fact* fact) {
+  constexpr std::array kTurns_deg = {
+      30.0, 45.0, 60.0, 90.0, 120.0, 135.0, 150.0, 180.0};
+  constexpr double kNear_deg = 4;
+  double near_deg = 0;
+  for (const double known_deg : kTurns_deg) {
+    if (std::abs(std::abs(turn_deg) - known_deg) < kNear_deg) near_deg = known_deg;
+  }
+  if (near_deg == 120 || near_deg == 60) fact->also = {"angle"};
+  return fmt::format(
+      "Everything is turned by {:.0f} degrees ({}), lengths right and nothing "
+      "mirrored. "
+      "{}",
+      std::abs(turn_deg),
+      turn_deg > 0 ? "counter-clockwise from above" : "clockwise from above",
+      near_deg == 120
+          ? "A third of a turn: each tower of a delta has its neighbour's angle (or "
+            "motor). Give each its own; no calibration is needed for it"
+      : near_deg == 90 || near_deg == 180 ? "Motors or ends of axes are exchanged in "
+                                            "the configuration, not bent in the "
+                                            "machine"
+      : near_deg == 45
+          ? "Half a right angle: one motor of a CoreXY stands still"
+          : "The angle of the towers or of the part on the bed is not what "
+            "the configuration says");
+}
+
 }  // namespace
 
 void FactsOfTurn(const std::vector<const Row*>& rows, Facts* facts) {
   constexpr std::size_t kFewest = 3;
-  constexpr std::array kTurns_deg = {
-      30.0, 45.0, 60.0, 90.0, 120.0, 135.0, 150.0, 180.0};
-  constexpr double kNear_deg = 4, kLeast_deg = 15, kSizeAlike = 0.1;
+  constexpr double kLeast_deg = 15, kSizeAlike = 0.1;
   const std::vector<Move> moves = MovesOf(rows);
   if (moves.size() < kFewest) return;
   const auto num = static_cast<Eigen::Index>(moves.size());
@@ -70,40 +108,7 @@ void FactsOfTurn(const std::vector<const Row*>& rows, Facts* facts) {
             .word = is_mirrored ? "mirror" : "turn",
             .figures = {{"angle_deg", turn_deg}, {"scale", size}},
             .is_answer = true};
-  if (is_mirrored) {
-    const bool is_exchange = std::abs(a(0, 1)) > std::abs(a(0, 0));
-    fact.sentence =
-        is_exchange
-            ? "What is told along X goes along Y and the other way round, lengths "
-              "right: the two motors or axes are exchanged (on a CoreXY: one "
-              "motor turns the wrong way)"
-            : fmt::format(
-                  "The plane is mirrored, lengths right: {} runs the other way. "
-                  "Reverse its motor, or move its zero to the other end",
-                  a(0, 0) < 0 ? "X" : "Y");
-  } else {
-    double near_deg = 0;
-    for (const double known_deg : kTurns_deg) {
-      if (std::abs(std::abs(turn_deg) - known_deg) < kNear_deg) near_deg = known_deg;
-    }
-    fact.sentence = fmt::format(
-        "Everything is turned by {:.0f} degrees ({}), lengths right and nothing "
-        "mirrored. "
-        "{}",
-        std::abs(turn_deg),
-        turn_deg > 0 ? "counter-clockwise from above" : "clockwise from above",
-        near_deg == 120
-            ? "A third of a turn: each tower of a delta has its neighbour's angle (or "
-              "motor). Give each its own; no calibration is needed for it"
-        : near_deg == 90 || near_deg == 180 ? "Motors or ends of axes are exchanged in "
-                                              "the configuration, not bent in the "
-                                              "machine"
-        : near_deg == 45
-            ? "Half a right angle: one motor of a CoreXY stands still"
-            : "The angle of the towers or of the part on the bed is not what "
-              "the configuration says");
-    if (near_deg == 120 || near_deg == 60) fact.also = {"angle"};
-  }
+  fact.sentence = is_mirrored ? MirrorInWords(a) : TurnInWords(turn_deg, &fact);
   facts->not_the_machine = {"settings", fact.sentence};
   Fact setting{.id = "settings",
                .word = is_mirrored ? "direction" : "angle",

@@ -117,7 +117,7 @@ void CheckTruthFile(const fs::path& file) {
     nearest = error;
     most = known;
   }
-  throw *nearest;
+  throw InputError(std::move(*nearest));
 }
 
 }  // namespace caltwin

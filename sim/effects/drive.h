@@ -44,6 +44,14 @@ inline std::string SenseCovariate(std::string_view name) {
   return std::string("dir_") + (drive.is_motor ? "abc"[drive.index] : name[0]);
 }
 
+/// The axis over whose travel a drive goes: a screw under a bed over that of the
+/// height.
+inline const AxisDrawing& TravelOf(const Machine& machine, std::string_view name) {
+  constexpr std::size_t kHeight = 2;
+  const Drive drive = *DriveNamed(name);
+  return machine.axes[drive.is_screw ? kHeight : drive.slot()];
+}
+
 /// How high the screws under a bed are told to stand; nullopt: there are none.
 inline std::optional<Vec3<double>> ScrewsOf_mm(const At& at) {
   if (!at.screws) return std::nullopt;

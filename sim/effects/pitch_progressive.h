@@ -1,6 +1,7 @@
 #pragma once
 
 #include "sim/base/units.h"
+#include "sim/effects/drive.h"
 #include "sim/effects/effect.h"
 
 namespace caltwin {
@@ -9,9 +10,10 @@ namespace caltwin {
 ///
 ///   actual - commanded = bow (U^2 - 1/3),  U = (q - mid) / (travel / 2)   [mm]
 ///
-/// U runs from -1 to 1 over the travel, q is the commanded position. Positive: both
-/// ends go to + against the middle; bow is peak to valley over the travel. The third
-/// takes off the mean, which any placement absorbs.
+/// U runs from -1 to 1 over the travel, q is the commanded position: of a tower or a
+/// screw under a bed that of its motor, in whose sense + is. Positive: both ends go to
+/// + against the middle; bow is peak to valley over the travel. The third takes off the
+/// mean, which any placement absorbs.
 struct PitchProgressive {
   static constexpr std::array<std::string_view, 3> kAxes = {"x", "y", "z"};
   static constexpr std::array kParameters = {
@@ -25,7 +27,7 @@ struct PitchProgressive {
     values[0] = 0;
   }
   static Shown In(std::string_view axis) {
-    return {.channel = std::string(axis), .covariates = {std::string(axis)}};
+    return {.channel = std::string(axis), .covariates = {DriveCovariate(axis)}};
   }
   static constexpr Effect kDeclaration = {
       .name = "pitch_progressive",
@@ -56,11 +58,9 @@ struct PitchProgressive {
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {
-    const Axis axis = *AxisNamed(asked.axis);
-    const AxisDrawing& drawing = asked.machine.axis(axis);
-    const int i = Index(axis);
-    const T u = (asked.q_mm[i] - drawing.mid_mm()) / (drawing.travel_mm() / 2);
-    errors->motion_mm[i] += MmFromUm(asked.p[0]) * (u * u - 1.0 / 3);
+    const AxisDrawing& drawing = TravelOf(asked.machine, asked.axis);
+    const T u = (DriveAt_mm(asked) - drawing.mid_mm()) / (drawing.travel_mm() / 2);
+    DriveError_mm(asked.axis, errors) += MmFromUm(asked.p[0]) * (u * u - 1.0 / 3);
   }
 };
 

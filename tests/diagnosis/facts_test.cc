@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/QR>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -170,7 +171,8 @@ TEST(Facts, FarTouchesOfAMeshCannotHideEachOther) {
     Rng rng(3, static_cast<std::uint64_t>(mesh.side), "facts.test");
     std::vector<Row> rows;
     for (int i = 0; i < mesh.side * mesh.side; ++i) {
-      const double x = 40.0 * (i % mesh.side), y = 40.0 * (i / mesh.side);
+      const int column = i % mesh.side, line = i / mesh.side;
+      const double x = 40.0 * column, y = 40.0 * line;
       rows.push_back(Touch(x, y, 7e-4 * x - 4e-4 * y + 0.01 * rng.Normal()));
     }
     for (const std::int64_t row : mesh.bad)

@@ -45,7 +45,16 @@ TEST(DeltaScenario, EffectsMakeTheMachine) {
       DrawDelta(*scenario.kind.As<DeltaScenario>(), scenario.machine.machine, 1, 0);
 
   EXPECT_DOUBLE_EQ(built.build.model.endstop_mm[1], 299.8);
-  EXPECT_NEAR(built.build.model.angle_rad[0] * 180 / M_PI, 210.35, 1e-12);
+  // The tower goes round with its carriage's joints, the effector's stay as drawn: 160
+  // mm out to the carriage less 30 mm to the effector.
+  const double turn_rad = 0.35 * M_PI / 180;
+  const double out_mm = 160 * std::cos(turn_rad) - 30,
+               round_mm = 160 * std::sin(turn_rad);
+  EXPECT_NEAR(built.build.model.angle_rad[0],
+              210 * M_PI / 180 + std::atan2(round_mm, out_mm),
+              1e-14);
+  EXPECT_NEAR(built.build.model.radius_mm[0], std::hypot(out_mm, round_mm), 1e-12);
+  EXPECT_DOUBLE_EQ(built.build.twist_rad[0], turn_rad);
   EXPECT_DOUBLE_EQ(built.build.rod_error_mm[1], 0.3);
   EXPECT_DOUBLE_EQ(built.build.rod_error_mm[4], 0.1);
   EXPECT_DOUBLE_EQ(built.build.rod_error_mm[5], 0.1);

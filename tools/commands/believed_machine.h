@@ -14,7 +14,7 @@ namespace caltwin {
 struct Believed {
   Machine machine{};
   std::vector<InjectedSpec> effects{};
-  std::filesystem::path file{};  ///< Empty: assumed from the rows.
+  std::filesystem::path file{};              ///< Empty: assumed from the rows.
   std::map<std::string, double> baseline{};  ///< Of an extension (MachineFile).
 };
 

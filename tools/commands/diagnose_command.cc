@@ -103,7 +103,7 @@ Judged JudgeInLoop(const MachineUnderTest& tested,
   ProgressLine progress;
   const auto tell = [&](const LoopRound& round) {
     progress.Clear();
-    if (options.json != "-") std::cout << RoundText(round) << std::endl;
+    if (options.json != "-") std::cout << RoundText(round) << '\n' << std::flush;
   };
   ClosedLoop loop =
       MeasureUntilSettled({data->table, WithUsualInstruments(data->header)},
@@ -346,6 +346,7 @@ void CheckSparesOfDiagnose(const DiagnoseAsked& options, const Believed& believe
 // What a file says beyond its readings, as facts.
 void AddStory(const Data& data, Facts* facts) {
   std::vector<Fact> found;
+  bool is_told = false;
   for (const FileNote& note : data.story) {
     if (note.kind == FileNote::Kind::kOpen) {
       facts->not_determined.push_back(note.what);
@@ -353,8 +354,20 @@ void AddStory(const Data& data, Facts* facts) {
       continue;
     }
     const bool is_setting = note.kind == FileNote::Kind::kSetting;
-    if (facts->not_the_machine.reason.empty()) {
+    // What the file itself says goes before what a ratio suggests.
+    if (!is_told) {
+      is_told = true;
       facts->not_the_machine = {is_setting ? "settings" : note.what, note.sentence};
+    }
+    if (!note.fact.empty()) {
+      Fact fact{.id = note.fact,
+                .axis = note.axis,
+                .word = note.word,
+                .sentence = note.sentence,
+                .is_answer = true};
+      for (const NoteFigure& figure : note.figures)
+        fact.figures.push_back({figure.key, figure.value, figure.sd});
+      found.push_back(std::move(fact));
     }
     if (!is_setting) continue;
     found.push_back({.id = "settings",

@@ -17,9 +17,9 @@ struct Data {
   DataHeader header{};
   std::vector<std::string> notes{};
   /// @name Of a file that was imported on the way
-  std::string imported_as{};   ///< The kind; empty: it holds rows itself.
-  std::string machine_yaml{};  ///< A machine's text, where the file knows one.
-  std::vector<FileNote> story{};         ///< What the file says beyond its readings.
+  std::string imported_as{};      ///< The kind; empty: it holds rows itself.
+  std::string machine_yaml{};     ///< A machine's text, where the file knows one.
+  std::vector<FileNote> story{};  ///< What the file says beyond its readings.
   LevellingLog levelling{};
   std::string next_instrument{};
   bool has_places = true;  ///< False: positions are indices.

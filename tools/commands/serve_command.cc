@@ -28,7 +28,7 @@ struct ServeAsked {
 };
 
 void Announce(const std::string& text) {
-  std::cout << text << std::endl;
+  std::cout << text << '\n' << std::flush;
 }
 
 void OnPort(const ServeAsked& options, Link* link) {

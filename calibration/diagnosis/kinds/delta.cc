@@ -25,7 +25,7 @@ constexpr double kUntouchedRim_mm = 100;
 // The knobs of a delta that its baseline holds, each line with all that it turns.
 void AddDelta(const Observed& o, NuisanceList* builder) {
   const auto add = [&](std::string_view name, double prior_sd) {
-    const auto turns = KnobsOfLine(name, 1);
+    const auto turns = KnobsOfLine(name, 1, DeltaOf(o.machine()));
     const auto first = static_cast<std::size_t>(turns[0].knob);
     builder->Add(
         std::string(name),
@@ -40,7 +40,7 @@ void AddDelta(const Observed& o, NuisanceList* builder) {
           }
           return o.MotionSign(row) * at.n.dot(moved_mm);
         },
-        o.turns()[first]);
+        o.turns()[first] / turns[0].by);
   };
   for (const int knob :
        {kEndstopKnob, kEndstopKnob + 1, kRadiusKnob, kAngleKnob, kAngleKnob + 1}) {
@@ -83,14 +83,16 @@ class Delta final : public DiagnosedKind {
     return sds;
   }
   bool Turns(std::string_view line) const override {
-    return !KnobsOfLine(line, 0).empty();
+    return !KnobsOfLine(line, 0, {}).empty();
   }
-  std::vector<double> Turned(std::vector<double> knobs,
+  std::vector<double> Turned(const Machine& machine,
+                             std::vector<double> knobs,
                              std::span<const Nuisance> baseline,
                              const Eigen::VectorXd& values) const override {
     for (std::size_t k = 0; k < baseline.size(); ++k) {
       const double value = values[static_cast<Eigen::Index>(k)];
-      for (const auto& [knob, by] : KnobsOfLine(baseline[k].name, value)) {
+      for (const auto& [knob, by] :
+           KnobsOfLine(baseline[k].name, value, DeltaOf(machine))) {
         // The bed's plane is straight wherever it is taken.
         if (knob < kBedKnob) knobs[static_cast<std::size_t>(knob)] += by;
       }

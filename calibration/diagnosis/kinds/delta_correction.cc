@@ -43,7 +43,7 @@ class DeltaWriter {
   std::string Make() {
     out_.Comment("Built minus drawn, one by one; together they are known better:");
     for (const BaselineLine& line : diagnosis_.baseline) {
-      if (KnobsOfLine(line.name, 0).empty()) continue;
+      if (KnobsOfLine(line.name, 0, DeltaOf(observed_.machine())).empty()) continue;
       out_.Comment(
           fmt::format("  {} {:+.4g} +- {:.2g} {}{}",
                       line.name,
@@ -102,10 +102,10 @@ class DeltaWriter {
     const DeltaBuild<double> drawn = DeltaOf(observed_.machine()).Build();
     const bool is_line =
         std::ranges::any_of(diagnosis_.baseline, [&](const BaselineLine& line) {
-          const auto turns = KnobsOfLine(line.name, 1);
+          const auto turns = KnobsOfLine(line.name, 1, DeltaOf(observed_.machine()));
           if (turns.empty() || line.name == "scale") return false;
-          return CorrectionText::IsTold(line,
-                                        KnobValue(turns[0].knob, believed, {}, drawn));
+          return CorrectionText::IsTold(
+              line, KnobValue(turns[0].knob, believed, {}, drawn) / turns[0].by);
         });
     return is_line || std::ranges::any_of(diagnosis_.findings, TurnsGeometry);
   }

@@ -12,7 +12,9 @@
 
 namespace caltwin {
 
-std::vector<KnobTurn<double>> KnobsOfLine(std::string_view name, double value) {
+std::vector<KnobTurn<double>> KnobsOfLine(std::string_view name,
+                                          double value,
+                                          const DeltaDrawing& drawing) {
   if (name == "bed_plane.slope_x") return {{kBedKnob, value}};
   if (name == "bed_plane.slope_y") return {{kBedKnob + 1, value}};
   if (name == "scale") {
@@ -20,6 +22,10 @@ std::vector<KnobTurn<double>> KnobsOfLine(std::string_view name, double value) {
   }
   const auto knob = DeltaKnobNamed(name);
   if (!knob) return {};
+  if (*knob >= kAngleKnob && *knob < kArmKnob && drawing.states_effector) {
+    return {{*knob, AngleLever(drawing.model, drawing.effector_radius_mm) * value},
+            {kTwistKnob + *knob - kAngleKnob, value}};
+  }
   if (*knob >= kRadiusKnob) return {{*knob, value}};
   return {{*knob, value}, {kEndstopKnob + 2, -value}};
 }
@@ -53,7 +59,8 @@ FoundDelta DeltaWithBaseline(const Observed& observed,
   FoundDelta found{.build = DeltaOf(observed.machine()).Build()};
   const std::string bed_line = fmt::format("placement.{}.z", TouchedSetup(observed));
   for (const BaselineLine& line : lines) {
-    for (const auto& [knob, by] : KnobsOfLine(line.name, line.value)) {
+    for (const auto& [knob, by] :
+         KnobsOfLine(line.name, line.value, DeltaOf(observed.machine()))) {
       const double inside = by * kDeltaKnobs[static_cast<std::size_t>(knob)].per_unit;
       TurnKnob(knob, inside, &found.build, &found.bed);
     }

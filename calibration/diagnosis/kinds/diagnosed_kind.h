@@ -62,7 +62,8 @@ class DiagnosedKind {
   /// Whether that line turns the build.
   virtual bool Turns(std::string_view) const { return false; }
   /// `turns` with what these lines, so fitted, add.
-  virtual std::vector<double> Turned(std::vector<double> turns,
+  virtual std::vector<double> Turned(const Machine&,
+                                     std::vector<double> turns,
                                      std::span<const Nuisance>,
                                      const Eigen::VectorXd&) const {
     return turns;

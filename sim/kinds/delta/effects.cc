@@ -56,7 +56,7 @@ constexpr std::array kParameters = {
                    "angle_deg",
                    {-10, 10},
                    [](BuiltDelta* d, const DeltaTarget& t, double v) {
-                     d->build.model.angle_rad[At(t)] += RadFromDeg(v);
+                     StandRound(t.tower, RadFromDeg(v), &d->build);
                    }},
     DeltaParameter{"arm_length",
                    "",

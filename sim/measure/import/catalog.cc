@@ -9,6 +9,7 @@
 #include "sim/measure/import/check.h"
 #include "sim/measure/import/cmm_plate.h"
 #include "sim/measure/import/console_log.h"
+#include "sim/measure/import/heightmap_xml.h"
 #include "sim/measure/import/import.h"
 #include "sim/measure/import/iso230_dat.h"
 #include "sim/measure/import/kinds/klipper_delta.h"
@@ -63,6 +64,10 @@ constexpr std::array kImporters = {
     Importer{"rrf-heightmap",
              "heightmap.csv of RepRapFirmware",
              ReadRrfHeightmap,
+             /*has_unit=*/true},
+    Importer{"xml-heightmap",
+             "a height map in XML, as OpenCNCPilot and GRBL-Plotter save it",
+             ReadHeightmapXml,
              /*has_unit=*/true},
     Importer{
         "printer-cfg",

@@ -100,9 +100,34 @@ std::optional<double> TakeTime(std::string_view* text) {
   return time_s;
 }
 
+// "g91g38.2z-30f250" as "g91 g38.2 z-30 f250": words of G-code that stand together.
+std::string WithBlanks(const std::string& lower) {
+  constexpr std::string_view kLetters = "gmtxyzfijkpqrsl";
+  if (lower.size() < 4 || (lower[0] != 'g' && lower[0] != 'm')) return lower;
+  std::string apart;
+  std::size_t words = 0;
+  for (std::size_t i = 0; i < lower.size(); ++i) {
+    const char c = lower[i];
+    const bool is_letter = kLetters.find(c) != std::string_view::npos;
+    const bool is_number = IsDigit(c) || c == '.' || c == '-' || c == '+';
+    const bool is_behind_number =
+        i > 0 && (IsDigit(lower[i - 1]) || lower[i - 1] == '.');
+    if ((!is_letter && !is_number) || (is_letter && i > 0 && !is_behind_number))
+      return lower;
+    if (is_letter && i > 0) apart += ' ';
+    words += is_letter ? 1 : 0;
+    apart += c;
+  }
+  return words > 1 ? apart : lower;
+}
+
 }  // namespace
 
-ConsoleLine ConsoleLineOf(std::string_view line) {
+namespace {
+
+// What host, terminal or chat wrote before the line, and the time in it.
+void TakePrefixes(ConsoleLine* line) {
+  ConsoleLine& said = *line;
   constexpr std::array<std::string_view, 15> kPrefixes = {"recv:",
                                                           "read:",
                                                           "send:",
@@ -118,7 +143,6 @@ ConsoleLine ConsoleLineOf(std::string_view line) {
                                                           "$ ",
                                                           ">",
                                                           "<"};
-  ConsoleLine said{.text = line};
   for (bool is_done = false; !is_done;) {
     is_done = true;
     SkipBlanks(&said.text);
@@ -147,6 +171,13 @@ ConsoleLine ConsoleLineOf(std::string_view line) {
       break;
     }
   }
+}
+
+}  // namespace
+
+ConsoleLine ConsoleLineOf(std::string_view line) {
+  ConsoleLine said{.text = line};
+  TakePrefixes(&said);
   // "N12 G29*33": a line number.
   if (said.text.size() > 1 && (said.text.front() == 'N' || said.text.front() == 'n') &&
       IsDigit(said.text[1])) {
@@ -162,6 +193,7 @@ ConsoleLine ConsoleLineOf(std::string_view line) {
   std::ranges::transform(said.lower, said.lower.begin(), [](unsigned char c) {
     return static_cast<char>(std::tolower(c));
   });
+  said.lower = WithBlanks(said.lower);
   return said;
 }
 

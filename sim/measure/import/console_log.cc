@@ -16,6 +16,9 @@
 #include "sim/measure/import/console_settings.h"
 #include "sim/measure/import/console_story.h"
 #include "sim/measure/import/fields.h"
+#include "sim/measure/import/grbl_story.h"
+#include "sim/measure/import/plain_table.h"
+#include "sim/measure/import/text_table.h"
 
 namespace caltwin {
 namespace {
@@ -96,7 +99,8 @@ bool HasWord(const ConsoleLine& line, std::string_view word) {
 class LogReader {
  public:
   LogReader(const std::string& text, std::string name)
-      : name_(std::move(name)),
+      : text_(text),
+        name_(std::move(name)),
         lines_(InOrderOfTime(LinesOf(text))),
         settings_(name_) {}
 
@@ -110,6 +114,8 @@ class LogReader {
     imported_.machine_yaml = settings_.MachineText(&faults_);
     faults_.ThrowIfAny();
     story_.Tell(&imported_);
+    grbl_.Tell(&imported_);
+    if (imported_.table.rows.empty()) ReadTableBelow(options);
     AddDifferences();
     AddCalibrations();
     if (imported_.table.rows.empty() && imported_.machine_yaml.empty() &&
@@ -129,11 +135,30 @@ class LogReader {
   }
 
  private:
+  // A table of what was measured, below settings that were pasted.
+  void ReadTableBelow(const ImportOptions& options) {
+    const std::string found = TableInText(text_);
+    const bool is_marked_up = WithoutMarkup(text_) != text_;
+    if (found.empty() && !is_marked_up) return;
+    try {
+      Imported table = ReadPlainTable(is_marked_up ? text_ : found, name_, options);
+      imported_.table = std::move(table.table);
+      imported_.assumed = std::move(table.assumed);
+      imported_.is_deviation = table.is_deviation;
+      imported_.notes.insert(
+          imported_.notes.end(), table.notes.begin(), table.notes.end());
+      is_table_ = true;
+    } catch (const InputError&) {
+      // No table that says what it holds: the settings alone are told.
+    }
+  }
+
   void ReadLine(const TextLine& line, double t_s) {
     ConsoleLine said = ConsoleLineOf(line.text);
     if (!Known(said.t_s)) said.t_s = t_s;
     if (said.text.empty()) return;
     heaters_.Take(said);
+    grbl_.Take(said);
     if (said.lower == "ok" || said.lower.find("leveling grid") != std::string::npos) {
       grid_.End();
       if (grid_.is_whole()) AddGrid();
@@ -557,7 +582,10 @@ class LogReader {
 
   void Explain() {
     std::vector<Row>& rows = imported_.table.rows;
-    if (!rows.empty()) {
+    if (is_table_) {
+      imported_.recognised.push_back(
+          fmt::format("settings, and a table below them: {} readings", rows.size()));
+    } else if (!rows.empty()) {
       imported_.recognised.push_back(
           fmt::format("a console log: {} touches, {} homing{}",
                       rows.size(),
@@ -606,6 +634,7 @@ class LogReader {
 
   Place Here(const TextLine& line) const { return PlaceOf(line.words.front(), name_); }
 
+  const std::string& text_;
   std::string name_;
   std::vector<TimedLine> lines_;
   Faults faults_;
@@ -613,13 +642,14 @@ class LogReader {
   ConsoleSettings settings_;
   ConsoleGrid grid_;
   ConsoleStory story_;
+  GrblStory grbl_;
   Heaters heaters_;
   std::map<std::string, int> counts_;  ///< Campaigns of each kind so far.
   std::string kind_, tool_, microsteps_;
   int tools_ = 0;  ///< Changes of tool.
   int homings_ = 0;
   bool was_homed_ = false;  ///< Since the last touch.
-  bool tells_blunders_ = false;
+  bool tells_blunders_ = false, is_table_ = false;
   bool is_in_m48_ = false;  ///< Between its command and the last of its touches.
   int session_ = 0;         ///< Homings and levellings.
   std::int64_t rep_ = 0;

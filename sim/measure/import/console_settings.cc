@@ -37,6 +37,17 @@ double MostOf(std::string_view command) {
 bool ConsoleSettings::Take(const ConsoleLine& line,
                            const Place& place,
                            Faults* faults) {
+  // "$100=250.000 (x, step/mm)", as grbl lists its settings.
+  for (int k = 0; k < 3; ++k) {
+    const std::string key = fmt::format("$10{}=", k);
+    const auto steps_per_mm = NumberAfter(line.lower, key);
+    if (!line.lower.starts_with(key) || !steps_per_mm) continue;
+    if (*steps_per_mm > 0 && *steps_per_mm < kMostSteps_per_mm) {
+      numbers_[fmt::format("M92{}", "XYZ"[k])] = *steps_per_mm;
+      in_force_.steps_per_mm[std::string(1, "xyz"[k])] = *steps_per_mm;
+    }
+    return true;
+  }
   for (const std::string_view command : kWanted) {
     if (!IsCommand(line, PlainWord(command))) continue;
     const std::string_view words = line.text.substr(0, line.text.find_first_of("*;"));
@@ -76,7 +87,7 @@ double ConsoleSettings::Number(const std::string& word, double fallback) const {
 
 std::string ConsoleSettings::MachineText(Faults* faults) const {
   if (has_geometry()) return DeltaText(faults);
-  return has_steps() ? CartesianText() : "";
+  return in_force_.steps_per_mm.size() >= 3 ? CartesianText() : "";
 }
 
 // M665 L R H, angles X Y Z, rods A B C; M666 X Y Z below 0 and below the highest.

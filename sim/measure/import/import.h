@@ -25,6 +25,13 @@ struct ImportOptions {
   bool tells_blunders = false;
 };
 
+/// A figure of a note. The key ends in its unit: "change_um".
+struct NoteFigure {
+  std::string key{};
+  double value = 0;
+  double sd = kUnknown;  ///< kUnknown: nothing in the file determines it.
+};
+
 /// What a file says beyond its readings.
 struct FileNote {
   enum class Kind {
@@ -37,6 +44,10 @@ struct FileNote {
   std::string
       sentence{};  ///< Plain English: what is so, and what is right. No full stop.
   Place place{};
+  /// @name Where the note rests on figures: the fact that they are, as a fact has it
+  std::string fact{};  ///< "offset", "known_ratio"; empty: no figures.
+  std::string axis{}, word{};
+  std::vector<NoteFigure> figures{};
 };
 
 /// One round of a levelling command: what each motor was moved by before the touches of

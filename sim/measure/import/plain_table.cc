@@ -4,6 +4,7 @@
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <map>
 #include <optional>
 #include <set>
 
@@ -13,206 +14,34 @@
 #include "sim/base/units.h"
 #include "sim/measure/import/fields.h"
 #include "sim/measure/import/spreadsheet.h"
+#include "sim/measure/import/square_lengths.h"
+#include "sim/measure/import/table_columns.h"
+#include "sim/measure/import/table_notes.h"
+#include "sim/measure/import/text_table.h"
 #include "sim/measure/import/unit.h"
 
 namespace caltwin {
 namespace {
-
-enum class Part {
-  kNone,
-  kAxis,
-  kPosition,
-  kCommanded,
-  kActual,
-  kDeviation,
-  kHeight,
-  kSense,
-  kRun,
-  kFeed,
-  kTemperature,
-  kTime,
-  kSetup,
-  kSteps,
-  kHome
-};
-
-struct PartWords {
-  Part part = Part::kNone;
-  std::vector<std::string_view> words{};
-};
-
-// The first part one of whose words stands in a heading.
-const std::vector<PartWords>& AllWords() {
-  static const std::vector<PartWords> kAll = {
-      {Part::kFeed, {"feed", "feedrate", "speed", "f"}},
-      {Part::kHome, {"home", "homing"}},
-      {Part::kSteps, {"steps", "step", "microsteps"}},
-      {Part::kSense, {"dir", "direction", "sense", "approach", "moving"}},
-      {Part::kTemperature,
-       {"pinda",
-        "temp",
-        "temperature",
-        "bed",
-        "nozzle",
-        "frame",
-        "chamber",
-        "ambient",
-        "room",
-        "screw"}},
-      {Part::kDeviation,
-       {"error", "err", "deviation", "dev", "diff", "difference", "off", "delta"}},
-      {Part::kActual,
-       {"actual",   "measured", "measure",   "meas",      "reading",  "read",
-        "reads",    "moved",    "real",      "got",       "calliper", "caliper",
-        "calipers", "gauge",    "indicator", "dial",      "dro",      "laser",
-        "observed", "seen",     "result",    "travelled", "printed",  "ruler",
-        "scale",    "is",       "cut",       "display",   "came"}},
-      {Part::kCommanded,
-       {"commanded", "command",    "cmd",    "target",    "nominal", "set",
-        "setpoint",  "expected",   "told",   "requested", "ideal",   "design",
-        "designed",  "programmed", "size",   "model",     "asked",   "jog",
-        "gcode",     "drawing",    "should", "ideal",     "wanted"}},
-      {Part::kHeight,
-       {"height",
-        "z",
-        "probe",
-        "probed",
-        "trigger",
-        "offset",
-        "gap",
-        "feeler",
-        "clearance"}},
-      {Part::kRun,
-       {"run",
-        "rep",
-        "repeat",
-        "repetition",
-        "trial",
-        "sample",
-        "no",
-        "n",
-        "nr",
-        "touch",
-        "try",
-        "pass"}},
-      {Part::kTime, {"time", "t", "min", "minutes", "s", "sec", "seconds", "minute"}},
-      {Part::kPosition, {"position", "pos", "distance", "travel", "length", "at"}},
-      {Part::kAxis, {"axis"}},
-      {Part::kSetup,
-       {"setup", "part", "place", "line", "piece", "feature", "calibration"}}};
-  return kAll;
-}
-
-constexpr std::array<std::string_view, 8> kSides = {
-    "outside", "outer", "external", "boss", "inside", "inner", "internal", "hole"};
-
-std::vector<std::string> TokensOf(const std::string& heading) {
-  std::vector<std::string> tokens;
-  std::string token;
-  for (const char c : heading + " ") {
-    if (std::isalnum(static_cast<unsigned char>(c)) != 0) {
-      token += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    } else if (!token.empty()) {
-      tokens.push_back(std::move(token));
-      token.clear();
-    }
-  }
-  return tokens;
-}
-
-/// A column and what it is.
-struct TableColumn {
-  std::size_t index = 0;
-  Part part = Part::kNone;
-  int axis = -1;  ///< Where the heading has a letter x, y or z.
-  const NamedUnit* unit = nullptr;
-  double Row::*temperature = nullptr;
-  std::string side{};  ///< "outside", "inside": a wall measured by that column.
-};
-
-Quantity QuantityOf(Part part) {
-  switch (part) {
-    case Part::kFeed:
-      return Quantity::kFeed;
-    case Part::kTemperature:
-      return Quantity::kTemperature;
-    case Part::kTime:
-      return Quantity::kTime;
-    case Part::kPosition:
-    case Part::kCommanded:
-    case Part::kActual:
-    case Part::kDeviation:
-    case Part::kHeight:
-      return Quantity::kLength;
-    default:
-      return Quantity::kPlain;
-  }
-}
-
-double Row::*TemperatureOf(const std::vector<std::string>& tokens) {
-  for (const std::string& token : tokens) {
-    if (token == "bed") return &Row::temp_bed_c;
-    if (token == "nozzle") return &Row::temp_nozzle_c;
-    if (token == "chamber") return &Row::temp_chamber_c;
-    // A probe follows its own temperature as a screw does (probe_temperature).
-    if (token == "screw" || token == "pinda" || token == "probe")
-      return &Row::temp_screw_c;
-    if (token == "ambient" || token == "room") return &Row::temp_ambient_c;
-  }
-  return &Row::temp_frame_c;
-}
-
-TableColumn ColumnOf(const CsvField& heading, std::size_t index) {
-  const std::vector<std::string> tokens = TokensOf(heading.text);
-  TableColumn column{.index = index};
-  const auto has = [&](std::string_view word) {
-    return std::ranges::find(tokens, word) != tokens.end();
-  };
-  for (int axis = 0; axis < 3; ++axis) {
-    if (has(std::string(1, "xyz"[axis]))) column.axis = axis;
-  }
-  // "bed" is a temperature only beside a word or unit of one.
-  const bool is_hot = has("temp") || has("temperature") || has("c") || has("degc") ||
-                      (has("t") && tokens.size() > 1);
-  for (const PartWords& words : AllWords()) {
-    const bool is_meant = words.part == Part::kTemperature ? is_hot
-                          : words.part == Part::kSteps     ? has("mm")
-                                                           : true;
-    if (column.part == Part::kNone && is_meant &&
-        std::ranges::any_of(words.words, has)) {
-      column.part = words.part;
-    }
-  }
-  if (column.part == Part::kTemperature) column.temperature = TemperatureOf(tokens);
-  // "height in the model" is a Z size.
-  if (column.axis < 0 && has("height") && column.part != Part::kHeight) column.axis = 2;
-  if (column.part == Part::kNone && column.axis >= 0) column.part = Part::kPosition;
-  column.unit = UnitInHeading(heading.text, QuantityOf(column.part));
-  // "off (mm), correction on": in brackets before the end.
-  const std::size_t close = heading.text.rfind(')');
-  if (column.unit == nullptr && close != std::string::npos) {
-    column.unit =
-        UnitInHeading(heading.text.substr(0, close + 1), QuantityOf(column.part));
-  }
-  return column;
-}
 
 class TableReader {
  public:
   TableReader(const std::string& text, std::string name, const ImportOptions& options)
       : name_(std::move(name)),
         options_(options),
-        sheet_(ReadSpreadsheet(WithoutMarkup(text), name_)) {}
+        sheet_(ReadSpreadsheet(WithoutMarkup(text), name_, PlaceCells::kParted)) {
+    PartCells(&sheet_);
+  }
 
   Imported Read() {
-    for (std::size_t i = 0; i < sheet_.headings.size(); ++i) {
-      columns_.push_back(ColumnOf(sheet_.headings[i], i));
-    }
-    TakeReadColumns();
-    if (HasHeights()) {
-      ReadHeights();
+    columns_ = ColumnsOf(sheet_, &imported_.assumed);
+    if (ReadSquares(sheet_, name_, &imported_)) {
+      // Its rows stand there.
+    } else if (HasBoth()) {
+      ReadBoth();
+    } else if (HasHeights()) {
+      ReadHeights(*HeightColumn(), "heights");
     } else if (!ReadMoves()) {
-      LookAtDifference();
+      AddDifferences(sheet_, &imported_);
       if (imported_.notes.empty()) ThrowWithColumns();
     }
     faults_.ThrowIfAny();
@@ -240,29 +69,13 @@ class TableReader {
     return found;
   }
 
+  std::string HeadingOf(const TableColumn& column) const {
+    return sheet_.headings.empty() ? "" : sheet_.headings[column.index].text;
+  }
+
   std::optional<TableColumn> FirstOf(Part part, int axis = -1) const {
     const auto found = Of(part, axis);
     return found.empty() ? std::nullopt : std::optional(found.front());
-  }
-
-  // Beside a column of nominal sizes, plain columns "x", "Y (mm)" and "outside" are
-  // what was read.
-  void TakeReadColumns() {
-    const bool has_nominal =
-        std::ranges::any_of(columns_, [](const TableColumn& column) {
-          return column.part == Part::kCommanded && column.axis < 0;
-        });
-    const bool has_read = FirstOf(Part::kActual) || FirstOf(Part::kDeviation);
-    if (!has_nominal || has_read) return;
-    for (TableColumn& column : columns_) {
-      const auto tokens = TokensOf(sheet_.headings[column.index].text);
-      for (const std::string& token : tokens) {
-        if (std::ranges::find(kSides, token) != kSides.end()) column.side = token;
-      }
-      const bool is_letter = column.axis >= 0 && (column.part == Part::kPosition ||
-                                                  column.part == Part::kHeight);
-      if (is_letter || !column.side.empty()) column.part = Part::kActual;
-    }
   }
 
   // A place along an axis: the plain column of its letter.
@@ -288,16 +101,17 @@ class TableReader {
     if (field.text.empty()) return std::nullopt;
     std::string word = field.text;
     if (word.starts_with('+')) word.erase(0, 1);
-    const auto value = NumberOf(word, sheet_.decimal);
+    std::optional<double> value = NumberOf(word, sheet_.decimal);
     if (!value) {
       faults_.Add(PlaceOf(field, name_),
                   fmt::format("'{}' is no number", field.text),
                   "an unknown value is an empty field");
-      return std::nullopt;
+    } else if (column.unit != nullptr) {
+      value = column.unit->convert(*value);
+    } else {
+      takes_mm_ |= QuantityOf(column.part) == Quantity::kLength;
     }
-    if (column.unit != nullptr) return column.unit->convert(*value);
-    takes_mm_ |= QuantityOf(column.part) == Quantity::kLength;
-    return *value;
+    return value;
   }
 
   // What a line says beside its readings.
@@ -314,9 +128,8 @@ class TableReader {
         takes_feed_ |= column.unit == nullptr;
       } else if (column.part == Part::kTime) {
         if (const auto t_s = NumberAt(record, column)) {
-          const bool is_min =
-              TokensOf(sheet_.headings[column.index].text).front() == "min" ||
-              PlainWord(sheet_.headings[column.index].text).starts_with("minute");
+          const bool is_min = HeadingOf(column).starts_with("min") ||
+                              PlainWord(HeadingOf(column)).starts_with("minute");
           row->t_s = column.unit == nullptr && is_min ? SFromMin(*t_s) : *t_s;
         }
       } else if (column.part == Part::kRun) {
@@ -342,21 +155,50 @@ class TableReader {
     }
     row->extra = {label};
     for (const std::string& token : TokensOf(label)) {
-      if (std::ranges::find(kSides, token) != kSides.end()) row->setup = token;
+      if (IsSideWord(token)) row->setup = token;
     }
   }
 
-  void ReadHeights() {
-    const TableColumn height = *HeightColumn();
-    const auto words = TokensOf(sheet_.headings[height.index].text);
+  // A probe and another gauge at the same places.
+  bool HasBoth() const {
+    return FirstOf(Part::kHeight) && FirstOf(Part::kActual) && PlaceOn(0) &&
+           PlaceOn(1) && !FirstOf(Part::kCommanded);
+  }
+
+  void ReadBoth() {
+    for (const Part part : {Part::kHeight, Part::kActual}) {
+      const TableColumn column = *FirstOf(part);
+      ReadHeights(column, "gauge_" + PlainWord(HeadingOf(column)));
+    }
+  }
+
+  // What tells the lines of a table of heights apart, where each word stands at three
+  // lines or more and there are two to four words; the reading's campaign then.
+  std::optional<TableColumn> Groups() const {
+    constexpr std::size_t kMost = 4;
+    constexpr int kFewest = 3;
+    for (const TableColumn& column : Of(Part::kSetup)) {
+      std::map<std::string, int> words;
+      for (const CsvRecord& record : sheet_.records) ++words[record[column.index].text];
+      const bool are_groups = words.size() > 1 && words.size() <= kMost &&
+                              std::ranges::all_of(words, [](const auto& word) {
+                                return word.second >= kFewest;
+                              });
+      if (are_groups) return column;
+    }
+    return std::nullopt;
+  }
+
+  void ReadHeights(const TableColumn& height, const std::string& campaign) {
+    const auto words = TokensOf(HeadingOf(height));
     const bool is_gap = std::ranges::any_of(words, [](const std::string& word) {
       return word == "gap" || word == "feeler" || word == "clearance";
     });
-    const auto x = PlaceOn(0), y = PlaceOn(1);
+    const auto x = PlaceOn(0), y = PlaceOn(1), groups = Groups();
     for (const CsvRecord& record : sheet_.records) {
       const auto value = NumberAt(record, height);
       if (!value) continue;
-      Row row{.campaign = "heights",
+      Row row{.campaign = groups ? PlainWord(record[groups->index].text) : campaign,
               .kind = RowKind::kTouch,
               .setup = "bed",
               .place = PlaceOf(record.front(), name_)};
@@ -421,8 +263,18 @@ class TableReader {
              : PlainWord(options_.axis) == "z" ? 2
                                                : 0;
     }
+    if (!column && GoesUpAndDown()) return 2;
     takes_x_ |= !column.has_value();
     return 0;
+  }
+
+  // Senses that only a height has.
+  bool GoesUpAndDown() const {
+    const auto sense = FirstOf(Part::kSense);
+    return sense && std::ranges::all_of(sheet_.records, [&](const CsvRecord& record) {
+             const std::string word = PlainWord(record[sense->index].text);
+             return word == "up" || word == "down";
+           });
   }
 
   // Commanded against read, a pair of columns an axis; several read columns are runs.
@@ -439,7 +291,57 @@ class TableReader {
     return is_any;
   }
 
+  // "X real (told X10)": what was told stands in the heading; kUnknown of others.
+  double ToldIn(const TableColumn& column) const {
+    constexpr std::array<std::string_view, 3> kWords = {"told", "commanded", "set"};
+    const std::vector<std::string> tokens = TokensOf(HeadingOf(column));
+    for (std::size_t i = 1; i < tokens.size(); ++i) {
+      std::string number = tokens[i];
+      if (std::ranges::find(kWords, tokens[i - 1]) == kWords.end()) continue;
+      if (number[0] >= 'x' && number[0] <= 'z') number.erase(0, 1);
+      if (const auto told = NumberOf(number)) return *told;
+    }
+    return kUnknown;
+  }
+
+  // One column a line of places: read along its letter, at what the other columns say.
+  bool ReadLines(int letter) {
+    const std::vector<TableColumn> read = Of(Part::kActual, letter);
+    const bool are_lines =
+        !read.empty() && std::ranges::all_of(read, [&](const auto& each) {
+          return Known(ToldIn(each));
+        });
+    if (!are_lines || letter < 0) return false;
+    const auto axis = static_cast<std::size_t>(letter);
+    for (const TableColumn& column : read) {
+      for (const CsvRecord& record : sheet_.records) {
+        const auto value = NumberAt(record, column);
+        if (!value) continue;
+        Row row{.campaign = fmt::format("line_{:g}", ToldIn(column)),
+                .place = PlaceOf(record.front(), name_)};
+        for (int other = 0; other < 3; ++other) {
+          const auto place = PlaceOn(other);
+          if (other != letter && place)
+            row.cmd_mm[static_cast<std::size_t>(other)] =
+                NumberAt(record, *place).value_or(kUnknown);
+        }
+        row.cmd_mm[axis] = ToldIn(column);
+        row.n = {0, 0, 0};
+        row.n[axis] = 1;
+        row.value_mm = *value - row.cmd_mm[axis];
+        TakeState(record, &row);
+        TakeLabel(record, &row);
+        imported_.table.rows.push_back(std::move(row));
+      }
+    }
+    imported_.is_deviation = true;
+    imported_.assumed.emplace_back(
+        "value = read - told, as the headings have it, a line of places a column");
+    return true;
+  }
+
   bool ReadPair(int letter) {
+    if (ReadLines(letter)) return true;
     auto commanded = FirstOf(Part::kCommanded, letter);
     if (!commanded) commanded = FirstOf(Part::kPosition, letter);
     if (!commanded && letter >= 0) commanded = FirstOf(Part::kCommanded);
@@ -447,15 +349,28 @@ class TableReader {
     const std::vector<TableColumn> actual = Of(Part::kActual, letter);
     const std::vector<TableColumn> deviation = Of(Part::kDeviation, letter);
     if (actual.empty() && deviation.empty()) return false;
-    // One place come upon from both sides: a dial against it, no command beside it.
-    if (!commanded && !FirstOf(Part::kSense) && !FirstOf(Part::kHome)) return false;
-    LookAtDifference();
+    AddDifferences(sheet_, &imported_);
+    // An artefact that is not what it is believed to be: nothing of the machine is
+    // read.
+    const bool lacks_unit =
+        actual.empty() && deviation.front().unit == nullptr && options_.unit.empty();
+    const bool is_artefact =
+        !imported_.notes.empty() && imported_.notes.front().what != "firmware";
+    if (is_artefact && (!commanded || lacks_unit)) return false;
+    if (!commanded && actual.size() == 2 && deviation.empty() && letter < 0) {
+      ReadSides(actual[0], actual[1]);
+      return true;
+    }
+    if (!commanded) {
+      imported_.assumed.emplace_back(
+          "all readings are of one place: no command stands beside them");
+    }
     const bool is_actual =
-        !actual.empty() && !(commanded && AreDeviations(*commanded, actual));
+        commanded && !actual.empty() && !AreDeviations(*commanded, actual);
     const bool is_dial = !actual.empty() && !is_actual;
-    const bool has_series = !is_actual && deviation.size() > 1;
+    const bool has_series = !is_actual && (is_dial ? actual : deviation).size() > 1;
     for (const TableColumn& column : is_actual || is_dial ? actual : deviation) {
-      series_ = has_series ? sheet_.headings[column.index].text : "";
+      series_ = has_series ? HeadingOf(column) : "";
       RequireUnit(column, is_actual || is_dial);
       for (const CsvRecord& record : sheet_.records)
         AddMove(record, commanded, column, letter, is_actual);
@@ -471,54 +386,25 @@ class TableReader {
     return true;
   }
 
-  // Where an error is the difference of what was believed of an artefact and what it
-  // is.
-  void LookAtDifference() {
-    constexpr double kAlike = 0.1;
-    std::vector<std::size_t> numbers;
-    for (std::size_t i = 0; i < sheet_.headings.size(); ++i) {
-      const bool is_number =
-          std::ranges::all_of(sheet_.records, [&](const CsvRecord& record) {
-            return NumberOf(record[i].text, sheet_.decimal).has_value();
-          });
-      if (is_number) numbers.push_back(i);
+  // Two sides measured at once: how far the second is from the first.
+  void ReadSides(const TableColumn& first, const TableColumn& second) {
+    for (const CsvRecord& record : sheet_.records) {
+      const auto one = NumberAt(record, first), other = NumberAt(record, second);
+      if (!one || !other) continue;
+      Row row{.campaign = "sides", .place = PlaceOf(record.front(), name_)};
+      const auto axis = static_cast<std::size_t>(AxisIn(record));
+      row.cmd_mm[axis] = 0;
+      row.n = {0, 0, 0};
+      row.n[axis] = 1;
+      row.value_mm = *other - *one;
+      TakeState(record, &row);
+      TakeLabel(record, &row);
+      row.flag = "sides";
+      imported_.table.rows.push_back(std::move(row));
     }
-    if (numbers.size() < 3 || sheet_.records.size() < 4 || !imported_.notes.empty())
-      return;
-    const auto at = [&](const CsvRecord& record, std::size_t i) {
-      return *NumberOf(record[i].text, sheet_.decimal);
-    };
-    for (const std::size_t a : numbers) {
-      for (const std::size_t b : numbers) {
-        for (const std::size_t c : numbers) {
-          if (a == b || b == c || a == c) continue;
-          double left = 0, size = 0, least = HUGE_VAL, most = -HUGE_VAL, apart = 0;
-          for (const CsvRecord& record : sheet_.records) {
-            const double error = at(record, c), by = at(record, a) - at(record, b);
-            left += std::pow(error - by, 2);
-            size += error * error;
-            least = std::min(least, error);
-            most = std::max(most, error);
-            apart = std::max(apart, std::abs(at(record, b)));
-          }
-          const bool is_small = most - least < 0.2 * apart;
-          if (size == 0 || most == least || left > kAlike * kAlike * size || !is_small)
-            continue;
-          imported_.notes.push_back(
-              {.kind = FileNote::Kind::kElsewhere,
-               .what = "gauge",
-               .sentence = fmt::format("'{}' is '{}' less '{}' in every line: what is "
-                                       "believed of the block or "
-                                       "plate is wrong, and the machine does what it "
-                                       "is told. Enter the measured "
-                                       "size",
-                                       sheet_.headings[c].text,
-                                       sheet_.headings[a].text,
-                                       sheet_.headings[b].text)});
-          return;
-        }
-      }
-    }
+    imported_.is_deviation = true;
+    imported_.assumed.push_back(
+        fmt::format("value = '{}' less '{}'", HeadingOf(second), HeadingOf(first)));
   }
 
   // A dial that is set to nought at every target reads what is off, not where it is.
@@ -541,8 +427,7 @@ class TableReader {
   void RequireUnit(const TableColumn& column, bool is_actual) {
     if (is_actual || column.unit != nullptr || !options_.unit.empty()) return;
     faults_.Add(PlaceOf(sheet_.headings[column.index], name_),
-                fmt::format("nothing says the unit of '{}'",
-                            sheet_.headings[column.index].text),
+                fmt::format("nothing says the unit of '{}'", HeadingOf(column)),
                 "say it: --unit mm, um or inch");
   }
 
@@ -557,7 +442,7 @@ class TableReader {
                                                         "asked",
                                                         "gcode",
                                                         "move"};
-    const auto tokens = TokensOf(sheet_.headings[commanded.index].text);
+    const auto tokens = TokensOf(HeadingOf(commanded));
     return std::ranges::any_of(tokens, [&](const std::string& token) {
       return std::ranges::find(kWords, token) != kWords.end();
     });
@@ -576,7 +461,10 @@ class TableReader {
     const auto value = NumberAt(record, column);
     if (!at_mm || !value) return;
     const auto axis = static_cast<std::size_t>(letter >= 0 ? letter : AxisIn(record));
-    Row row{.campaign = series_.empty() ? "moves" : series_,
+    const auto groups = Groups();
+    Row row{.campaign = !series_.empty() ? series_
+                        : groups         ? PlainWord(record[groups->index].text)
+                                         : "moves",
             .place = PlaceOf(record.front(), name_)};
     row.cmd_mm[axis] = *at_mm;
     for (int other = 0; other < 3 && letter >= 0; ++other) {
@@ -591,6 +479,11 @@ class TableReader {
     row.value_mm = is_actual ? *value - *at_mm : *value;
     if (!read.side.empty()) row.setup = read.side;
     if (commanded && is_actual && IsMove(*commanded)) row.flag = "move";
+    if (const auto event = FirstOf(Part::kEvent)) {
+      const std::string word = PlainWord(record[event->index].text);
+      if (word.starts_with('y') || word == "true")
+        row.flag = "after " + PlainWord(HeadingOf(*event));
+    }
     TakeState(record, &row);
     TakeLabel(record, &row);
     TakeSteps(record, axis, &row);
@@ -638,12 +531,36 @@ class TableReader {
   bool takes_mm_ = false, takes_x_ = false, takes_feed_ = false;
 };
 
+Imported ReadSentences(const std::string& sentences,
+                       const std::string& name,
+                       const ImportOptions& options) {
+  Imported imported = TableReader(sentences, name, options).Read();
+  imported.assumed.emplace_back(
+      "what the sentences say of sizes was read, and no other line");
+  return imported;
+}
+
 }  // namespace
 
 Imported ReadPlainTable(const std::string& text,
                         const std::string& name,
                         const ImportOptions& options) {
-  return TableReader(text, name, options).Read();
+  // Where sentences say more than one thing, no table does.
+  constexpr long kFewest = 4;
+  const std::string sentences = SentencesAsTable(text);
+  const bool are_sentences = std::ranges::count(sentences, ',') >= 2 * kFewest;
+  try {
+    if (are_sentences) return ReadSentences(sentences, name, options);
+    return TableReader(text, name, options).Read();
+  } catch (const InputError&) {
+    const std::string found = TableInText(text);
+    if (found.empty() && sentences.empty()) throw;
+    if (found.empty()) return ReadSentences(sentences, name, options);
+    Imported imported = TableReader(found, name, options).Read();
+    imported.assumed.emplace_back(
+        "the lines around the table are remarks and were not read");
+    return imported;
+  }
 }
 
 }  // namespace caltwin

@@ -8,8 +8,11 @@ namespace caltwin {
 /// measured`, `axis,target,actual`, `x,y,height`, `X cmd (mm), X meas`, `nominal, run
 /// 1, run 2`, `target, error um`; apart by commas, semicolons, tabs, blanks or the bars
 /// of markdown; HTML tables too. Lengths without a unit are in mm (said so); a column
-/// of deviations must say its unit. Throws InputError, listing the columns, where
-/// headings say too little: then `--map` names them.
+/// of deviations must say its unit. Where headings say too little the numbers do (said
+/// so): a number beside a command was read. Diagonals and sides of squares
+/// (square_lengths.h) and a probe beside another gauge are known too. Throws
+/// InputError, listing the columns, where headings say too little: then `--map` names
+/// them.
 Imported ReadPlainTable(const std::string& text,
                         const std::string& name,
                         const ImportOptions& options);

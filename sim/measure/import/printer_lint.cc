@@ -10,6 +10,7 @@
 
 #include "sim/measure/import/fields.h"
 #include "sim/measure/import/printer_cfg.h"
+#include "sim/measure/import/square_lengths.h"
 
 namespace caltwin {
 namespace {
@@ -48,7 +49,7 @@ void AddUnequalSteps(const PrinterCfg& cfg,
         agree &= !others || std::abs(their / *others - 1) < kAlike;
         others = their;
       }
-      if (!agree || std::abs(value / *others - 1) < kAlike) continue;
+      if (!others || !agree || std::abs(value / *others - 1) < kAlike) continue;
       if (values.size() == 2 && section != values.rbegin()->first) continue;
       notes->push_back(Setting(
           key,
@@ -187,24 +188,46 @@ struct Square {
 constexpr std::array kSquares = {
     Square{"XY", 0, 1}, Square{"XZ", 0, 2}, Square{"YZ", 1, 2}};
 
-// A length from one corner to another, as two readings of a setup of its own.
-void AddLength(const std::string& square,
-               const std::string& line,
-               const std::array<double, 3>& from_mm,
-               const std::array<double, 3>& to_mm,
-               double read_mm,
-               const Place& place,
+void AddSquare(const Square& square,
+               const std::map<std::string, Defined>& defines,
                Imported* imported) {
-  double length_mm = 0;
-  for (std::size_t k = 0; k < 3; ++k) length_mm += std::pow(to_mm[k] - from_mm[k], 2);
-  length_mm = std::sqrt(length_mm);
-  Row row{.campaign = "square_" + square, .setup = line, .place = place};
-  for (std::size_t k = 0; k < 3; ++k) row.n[k] = (to_mm[k] - from_mm[k]) / length_mm;
-  row.cmd_mm = from_mm;
-  imported->table.rows.push_back(row);
-  row.cmd_mm = to_mm;
-  row.value_mm = read_mm - length_mm;
-  imported->table.rows.push_back(row);
+  const std::string letters = square.letters;
+  const auto find = [&](const std::string& part) {
+    const auto found = defines.find(letters + part);
+    return found == defines.end() ? nullptr : &found->second;
+  };
+  const Defined *ac = find("_DIAG_AC"), *bd = find("_DIAG_BD"), *ad = find("_SIDE_AD");
+  const Defined* factor = find("_SKEW_FACTOR");
+  if (ac == nullptr || bd == nullptr) return;
+  if (factor != nullptr) {
+    imported->notes.push_back(Setting(
+        letters + "_SKEW_FACTOR",
+        fmt::format(
+            "{0}_SKEW_FACTOR {1:g} overrides the measured lengths: they have no "
+            "effect. Leave the line out",
+            letters,
+            factor->value),
+        factor->place));
+  }
+  if (ad == nullptr) {
+    imported->notes.push_back(
+        {.kind = FileNote::Kind::kOpen,
+         .what = "skew." + letters,
+         .sentence = fmt::format(
+             "the skew of {}: the side AD of that square is missing, and the "
+             "firmware would "
+             "take its default. The diagonals differ by {:.2g} mm; measure that side",
+             letters,
+             std::abs(ac->value - bd->value))});
+    return;
+  }
+  std::array<double, 3> a{}, b{}, c{}, d{};
+  const double side_mm = ad->value;
+  b[square.second] = c[square.second] = side_mm;  // A near left, B far left.
+  c[square.first] = d[square.first] = side_mm;
+  AddLength("square_" + letters, "AD", {a, d}, ad->value, ad->place, imported);
+  AddLength("square_" + letters, "AC", {a, c}, ac->value, ac->place, imported);
+  AddLength("square_" + letters, "BD", {b, d}, bd->value, bd->place, imported);
 }
 
 }  // namespace
@@ -225,46 +248,7 @@ Imported ReadMarlinConfig(const std::string& text,
             defined.value),
         defined.place));
   }
-  for (const Square& square : kSquares) {
-    const std::string letters = square.letters;
-    const auto find = [&](const std::string& part) {
-      const auto found = defines.find(letters + part);
-      return found == defines.end() ? nullptr : &found->second;
-    };
-    const Defined *ac = find("_DIAG_AC"), *bd = find("_DIAG_BD"),
-                  *ad = find("_SIDE_AD");
-    const Defined* factor = find("_SKEW_FACTOR");
-    if (ac == nullptr || bd == nullptr) continue;
-    if (factor != nullptr) {
-      imported.notes.push_back(Setting(
-          letters + "_SKEW_FACTOR",
-          fmt::format(
-              "{0}_SKEW_FACTOR {1:g} overrides the measured lengths: they have no "
-              "effect. Leave the line out",
-              letters,
-              factor->value),
-          factor->place));
-    }
-    if (ad == nullptr) {
-      imported.notes.push_back(
-          {.kind = FileNote::Kind::kOpen,
-           .what = "skew." + letters,
-           .sentence = fmt::format(
-               "the skew of {}: the side AD of that square is missing, and the "
-               "firmware would "
-               "take its default. The diagonals differ by {:.2g} mm; measure that side",
-               letters,
-               std::abs(ac->value - bd->value))});
-      continue;
-    }
-    std::array<double, 3> a{}, b{}, c{}, d{};
-    const double side_mm = ad->value;
-    b[square.second] = c[square.second] = side_mm;  // A near left, B far left.
-    c[square.first] = d[square.first] = side_mm;
-    AddLength(letters, "AD", a, d, ad->value, ad->place, &imported);
-    AddLength(letters, "AC", a, c, ac->value, ac->place, &imported);
-    AddLength(letters, "BD", b, d, bd->value, bd->place, &imported);
-  }
+  for (const Square& square : kSquares) AddSquare(square, defines, &imported);
   if (imported.table.rows.empty() && imported.notes.empty()) {
     throw InputError({.file = name, .line = 1, .column = 1},
                      "no lengths of a square stand here",

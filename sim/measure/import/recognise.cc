@@ -51,6 +51,9 @@ Seen Look(const std::string& text) {
         lower.starts_with("[g54:") || lower.starts_with("g92 x0 y0") ||
         has("screws_tilt_calculate") || has("making the following z adjustments") ||
         has("leveling grid") || has("mesh bed level data");
+    // grbl: its status, and "$100=250.000".
+    seen.has_console |= has("mpos:") || has("wpos:");
+    seen.has_settings |= lower.starts_with("$10") && has("=");
     const bool is_echo =
         line.text.starts_with("echo:") || Lower(line.text).starts_with("recv:");
     for (const std::string_view word :
@@ -78,6 +81,7 @@ std::string KindOfText(const std::string& text, const std::string& name) {
     return "klipper-delta";
   if (has("#*# [bed_mesh ")) return "klipper-mesh";
   if (has("reprapfirmware height map") || has("xmin,xmax,ymin")) return "rrf-heightmap";
+  if (has("<heightmap")) return "xml-heightmap";
   if (has("tgt_data") || ending == ".rtl" || has("fwd1_")) return "iso230-dat";
   if (has("mcu_pos_z") || (has("\"ts\"") && has("\"z\""))) return "klipper-thermal";
   if (has("meas x") && has("nom x")) return "cmm-plate";

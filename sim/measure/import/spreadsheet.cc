@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cctype>
 #include <map>
+#include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -87,9 +89,77 @@ void CheckFields(const Split& split, std::size_t first, const std::string& name)
   faults.ThrowIfAny();
 }
 
+// "(50, 50)" as "50" and "50"; nullopt of anything else.
+std::optional<std::pair<std::string, std::string>> PlaceIn(std::string text) {
+  if (text.starts_with('(') && text.ends_with(')'))
+    text = text.substr(1, text.size() - 2);
+  const std::size_t comma = text.find_first_of(",;/");
+  if (comma == std::string::npos) return std::nullopt;
+  std::string first = text.substr(0, comma), second = text.substr(comma + 1);
+  second.erase(0, std::min(second.size(), second.find_first_not_of(' ')));
+  if (!NumberOf(first) || !NumberOf(second)) return std::nullopt;
+  return std::pair{first, second};
+}
+
+// A comma inside all cells of a column is no decimal mark where other cells have dots,
+// or where a word over the column says that places stand there.
+bool HoldsPlaces(const Split& split, std::size_t first, std::size_t column) {
+  if (first + 1 >= split.records.size()) return false;
+  bool has_dots = false;
+  for (std::size_t i = first + 1; i < split.records.size(); ++i) {
+    const CsvRecord& record = split.records[i];
+    if (record.size() != split.num_fields || !PlaceIn(record[column].text))
+      return false;
+    for (const CsvField& field : record) has_dots |= HasDigitsAround(field.text, '.');
+  }
+  const std::string heading = PlainWord(split.records[first][column].text);
+  return has_dots || heading == "corner" || heading == "point" || heading == "place" ||
+         heading == "xy" || heading == "x,y" || heading == "position";
+}
+
+// The first that is no title: as many fields as most, and more than half of them
+// filled where others are.
+std::size_t FirstRecord(const Split& split) {
+  std::size_t first = 0;
+  const auto is_title = [&](const CsvRecord& record) {
+    if (record.size() != split.num_fields) return true;
+    const auto empty = static_cast<std::size_t>(std::ranges::count_if(
+        record, [](const CsvField& field) { return field.text.empty(); }));
+    const bool has_number = std::ranges::any_of(record, [](const CsvField& field) {
+      return NumberOf(field.text).has_value() || NumberOf(field.text, ',').has_value();
+    });
+    return 2 * empty > record.size() && !has_number;
+  };
+  while (first + 1 < split.records.size() && is_title(split.records[first])) ++first;
+  return first;
+}
+
+void PartPlaces(Split* split) {
+  const std::size_t first = FirstRecord(*split);
+  for (std::size_t column = 0; column < split->num_fields; ++column) {
+    if (NumberOf(split->records[first][column].text) ||
+        !HoldsPlaces(*split, first, column)) {
+      continue;
+    }
+    for (std::size_t i = first; i < split->records.size(); ++i) {
+      CsvRecord& record = split->records[i];
+      const auto at = record.begin() + static_cast<std::ptrdiff_t>(column);
+      const auto place = PlaceIn(record[column].text).value_or(std::pair{"x", "y"});
+      CsvField second = record[column];
+      record[column].text = i == first ? "x" : place.first;
+      second.text = i == first ? "y" : place.second;
+      record.insert(at + 1, second);
+    }
+    ++split->num_fields;
+    return;
+  }
+}
+
 }  // namespace
 
-Spreadsheet ReadSpreadsheet(const std::string& text, const std::string& name) {
+Spreadsheet ReadSpreadsheet(const std::string& text,
+                            const std::string& name,
+                            PlaceCells places) {
   Split best;
   Spreadsheet sheet;
   for (const char separator : {';', '\t', ',', ' '}) {
@@ -104,9 +174,9 @@ Spreadsheet ReadSpreadsheet(const std::string& text, const std::string& name) {
                      "columns apart by commas, semicolons, tabs or blanks, a line a "
                      "reading");
   }
+  if (places == PlaceCells::kParted) PartPlaces(&best);
   sheet.decimal = DecimalOf(best, name);
-  std::size_t first = 0;
-  while (best.records[first].size() != best.num_fields) ++first;
+  const std::size_t first = FirstRecord(best);
   CheckFields(best, first, name);
   const bool has_headings =
       std::ranges::none_of(best.records[first], [&](const CsvField& field) {

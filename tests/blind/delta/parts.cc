@@ -35,6 +35,9 @@ std::array<Rod, 6> RodsOf(const DeltaPaper& paper,
     const double angle = AngleOf(tower) + made.angle[i];
     const Vec out(std::cos(angle), std::sin(angle), 0);
     const Vec round(-std::sin(angle), std::cos(angle), 0);
+    // A tower that stands round leaves the effector as it is drawn.
+    const Vec drawn_out(std::cos(AngleOf(tower)), std::sin(AngleOf(tower)), 0);
+    const Vec drawn_round(-std::sin(AngleOf(tower)), std::cos(AngleOf(tower)), 0);
     const double height_mm = paper.endstop_mm + made.endstop_mm[i] + Reach_mm(paper) +
                              paper.joint_height_mm -
                              (1 + made.belt[i]) * travel_mm[tower];
@@ -48,11 +51,11 @@ std::array<Rod, 6> RodsOf(const DeltaPaper& paper,
         round * height_mm * made.lean_round[i] + Vec(0, 0, height_mm);
     const Vec across(
         -std::sin(angle + made.twist[i]), std::cos(angle + made.twist[i]), 0);
-    for (int side = 0; side < 2; ++side) {
-      const auto k = static_cast<std::size_t>(2 * tower + side);
+    for (std::size_t side = 0; side < 2; ++side) {
+      const std::size_t k = 2 * i + side;
       const double half_mm = (side == 0 ? -0.5 : 0.5) * paper.rod_spacing_mm;
       rods[k] = {carriage + across * half_mm,
-                 out * paper.effector_radius_mm + round * half_mm +
+                 drawn_out * paper.effector_radius_mm + drawn_round * half_mm +
                      Vec(0, 0, paper.joint_height_mm),
                  paper.arm_mm + made.arm_mm + made.rod_mm[k]};
     }

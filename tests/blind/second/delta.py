@@ -10,6 +10,7 @@ RODS = ("a1", "a2", "b1", "b2", "c1", "c2")
 
 class Delta:
     kind = "delta"
+    effector_turns = False        # counterfactual: True is Klipper's tower angle, not CONTRACT.md's
 
     def __init__(self, rng):
         self.name = str(rng.choice(["kossel", "delta_one", "rostock", "tall-delta"]))
@@ -118,7 +119,8 @@ class Delta:
             for k, side in enumerate((-0.5, 0.5)):                  # the first is the clockwise one from above
                 x, y = -self.rail, side * self.spacing
                 joints[:, 2 * t + k] = rail + (c * x - sn * y) * u + (sn * x + c * y) * w
-                effector[2 * t + k] = self.eff * ud + side * self.spacing * wd + np.array([0, 0, self.joint])
+                eu, ew = (u, w) if self.effector_turns else (ud, wd)
+                effector[2 * t + k] = self.eff * eu + side * self.spacing * ew + np.array([0, 0, self.joint])
         return joints, effector, self.arm + b["arm"] + rods
 
     @staticmethod

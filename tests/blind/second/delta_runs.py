@@ -155,7 +155,8 @@ def probe_temperature(b):
 
 def frame_temperature(b):
     slow(b)
-    return dict(axis=pick(b, "frame", "bed"), size="growth_um_per_k", lag_s=float(b.rng.uniform(0, 300)), limits=(0.5, 80), needs={"t", "temp"}, warm=True)
+    axis = pick(b, "frame", "bed")                 # a warm bed rises; a warm frame lifts the tool or lowers it
+    return dict(axis=axis, positive=axis == "bed", size="growth_um_per_k", lag_s=float(b.rng.uniform(0, 300)), limits=(0.5, 80), needs={"t", "temp"}, warm=True)
 
 
 def missed_steps(b):

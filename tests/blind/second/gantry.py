@@ -9,6 +9,7 @@ MM = 1e-3            # micrometres to millimetres
 
 class Gantry:
     kind = "gantry"
+    whole_steps = True            # counterfactual: False lets motors stand between micro-steps
 
     def __init__(self, rng):
         self.name = str(rng.choice(["router_one", "bench_mill", "gantry", "kreuz_2", "mill-north", "cnc6040"]))
@@ -253,7 +254,7 @@ class Gantry:
             w = np.where(t, w - (self.distance(self.tip(m, rows, causes), rows, causes) - reach), 0.0)
         w = np.where(t, w - np.nan_to_num(rows.feed) * latency, 0.0)
         m = rows.cmd - back + np.where(t[:, None], rows.n * (self.tip_cfg + w)[:, None], 0.0)
-        if counts:
+        if counts and self.whole_steps:
             stood = np.round(m * self.steps) / self.steps
             w = np.where(t, w + ((stood - m) * rows.n).sum(1), w)
             m = np.where(t[:, None], m, stood)

@@ -79,7 +79,8 @@ def probe_temperature(b):
 
 def frame_temperature(b):
     drift(b)
-    return dict(axis=pick(b, "frame", "bed"), size="growth_um_per_k", lag_s=float(b.rng.uniform(0, 400)), limits=(0.5, 60),
+    axis = pick(b, "frame", "bed")                 # a warm bed rises; a warm frame lifts the tool or lowers it
+    return dict(axis=axis, positive=axis == "bed", size="growth_um_per_k", lag_s=float(b.rng.uniform(0, 400)), limits=(0.5, 60),
                 needs={"t", "temp"}, warm=True)
 
 
@@ -250,14 +251,15 @@ def twin_candidates(machine, rows):
         out.append(("frame_growth", "", [[dict(growth_um=1.0, tau_s=s * laps)] for s in (0.1, 0.25, 0.5, 1.0)]))
     for a in ("C0Y", "B0Z", "A0Z"):
         out.append(("squareness", a, [[dict(angle_mrad=0.01)]]))
+    bent = lambda key: [[{key: 1.0, "fourth": 0.0}], [{key: 1.0, "fourth": 0.0}, {key: 1.0, "fourth": 0.2}]]     # no bow is an exact parabola
     for a in ("EYX", "EXY", "EZY", "EXZ", "EYZ"):
-        out.append(("straightness", a, [[dict(bow_um=1.0)]]))
+        out.append(("straightness", a, bent("bow_um")))
     for a in ("EBX", "ECX", "EAY", "EBY", "ECY"):
         out.append(("angular", a, [[dict(slope_urad=20.0)]]))
-    out += [("gantry_sag", "", [[dict(sag_um=1.0)]]), ("axis_twist", "", [[dict(twist_mrad=0.05)]])]
+    out += [("gantry_sag", "", bent("sag_um")), ("axis_twist", "", [[dict(twist_mrad=0.05)]])]
     if any("half" in a for a in rows.artefacts.values()):
         for name, axes in (("bed_bowl", [""]), ("bed_cylinder", ["x", "y"]), ("bed_twist", [""])):
-            out += [(name, a, [[dict(height_um=1.0)]]) for a in axes]
+            out += [(name, a, bent("height_um")) for a in axes]
     if rows.touch.any():
         if "temp" in rows.told:
             out.append(("probe_temperature", "", [[dict(drift_um_per_k=1.0, lag_s=s)] for s in (0, 150, 400)]))

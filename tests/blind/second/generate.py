@@ -4,13 +4,19 @@ import argparse
 import json
 import os
 import sys
-import numpy as np
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+import numpy as np                                             # noqa: E402
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import chain                                                   # noqa: E402
+import delta                                                   # noqa: E402
+import delta_runs                                              # noqa: E402
 import gantry                                                  # noqa: E402
 import gantry_causes                                           # noqa: E402
 import gantry_runs                                             # noqa: E402
+import screws                                                  # noqa: E402
+import screws_runs                                             # noqa: E402
 import visibility                                              # noqa: E402
 import writers                                                 # noqa: E402
 
@@ -29,17 +35,10 @@ class Kind:
 def kinds():
     out = {"gantry": Kind(gantry.Gantry, gantry_runs.Builder, gantry_causes.CAUSES, gantry_causes.fillers,
                           gantry_causes.twin_candidates, visibility.gantry_baseline, writers.gantry_machine)}
-    try:
-        import delta
-        import delta_runs
-        import screws
-        import screws_runs
-        out["delta"] = Kind(delta.Delta, delta_runs.Builder, delta_runs.CAUSES, delta_runs.fillers, delta_runs.twin_candidates,
-                            delta.baseline, delta.machine_yaml)
-        out["triple_z"] = Kind(screws.TripleZ, screws_runs.Builder, screws_runs.CAUSES, screws_runs.fillers,
-                               screws_runs.twin_candidates, screws.baseline, screws.machine_yaml)
-    except ImportError:
-        pass
+    out["delta"] = Kind(delta.Delta, delta_runs.Builder, delta_runs.CAUSES, delta_runs.fillers, delta_runs.twin_candidates,
+                        delta.baseline, delta.machine_yaml)
+    out["triple_z"] = Kind(screws.TripleZ, screws_runs.Builder, screws_runs.CAUSES, screws_runs.fillers,
+                           screws_runs.twin_candidates, screws.baseline, screws.machine_yaml)
     return out
 
 
@@ -96,6 +95,7 @@ def plant(kind, cause, machine, rows, recipe, rng):
         sign = 1.0
     size = (lo * hi) ** 0.5 * sign
     for _ in range(3 if recipe["size"] else 1):
+        size = float(f"{size:.9g}")                    # so that the last bit of a sum does not show
         truth = sized(cause, recipe, size)
         effect = machine.measure(rows, [truth]) - rows.plain
         seen, energy = visibility.near_peak(project(effect), rows, sigma)
@@ -191,8 +191,13 @@ def main():
     parser.add_argument("--causes", type=int, default=0)
     parser.add_argument("--cause", help="plant this cause only")
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--counterfactual", choices=["no_steps", "klipper_angle", "one_plane"],
+                        help="the same cases in a world with one trouble less, to see what a difference comes from")
     parser.add_argument("--out", required=True)
     args = parser.parse_args()
+    gantry.Gantry.whole_steps = args.counterfactual != "no_steps"
+    delta.Delta.effector_turns = args.counterfactual == "klipper_angle"
+    screws.TripleZ.homing_share = 0.0 if args.counterfactual == "one_plane" else 1.0
     names = list(kinds()[args.kind].causes)
     if args.cause and args.cause not in names:
         parser.error(f"{args.cause}: not a cause of {args.kind}; there are {' '.join(names)}")

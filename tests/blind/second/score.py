@@ -106,7 +106,7 @@ def covered(truth, answer):
             d = p["value"] - truth["parameters"][name]
             if name == "phase_deg":
                 d = (d + 180) % 360 - 180
-            out.append((name, truth["parameters"][name], p["value"], sd, abs(d) <= 1.96 * sd))
+            out.append((name, truth["parameters"][name], truth["parameters"][name] + d, sd, abs(d) <= 1.96 * sd))
         break
     return out
 
@@ -153,7 +153,8 @@ def main():
         heard = [r for r in planted if r["verdict"] not in ("refused", "lost")]
         intervals = [c for r in planted if r["verdict"].startswith("right") for c in r["covered"]]
         t = tables[kind] = dict(cases=len(mine), refused=count(mine, "refused", "lost"), nulls=len(nulls), alarms=count(nulls, "alarm"),
-                                nulls_heard=count(nulls, "alarm", "quiet"), uneasy=sum(r["verdict"] == "quiet" and not r["said"].startswith("none") for r in nulls),
+                                nulls_heard=count(nulls, "alarm", "quiet"),
+                                uneasy=sum(r["verdict"] == "quiet" and not r["said"].startswith("none") for r in nulls),
                                 planted=len(planted), heard=len(heard), lone=len(lone), lone_right=count(lone, "right"), with_twins=len(twin),
                                 twins_right=count(twin, "right"), right=count(planted, "right"), extra=count(planted, "right+extra"),
                                 in_set=count(planted, "in set"), unknown=count(planted, "unknown"), wrong=count(planted, "wrong", "unknown elsewhere"),
@@ -168,6 +169,13 @@ def main():
                             ("unknown, right variable", share(t["unknown"], t["heard"])), ("wrong name", share(t["wrong"], t["heard"])),
                             ("missed", share(t["missed"], t["heard"])), ("95 % intervals hold the truth", share(t["inside"], t["intervals"]))):
             print(f"  {label:34s} {text}")
+        by_cause = {}
+        for r in planted:
+            cell = by_cause.setdefault(r["truth"]["cause"], {})
+            cell[r["verdict"]] = cell.get(r["verdict"], 0) + 1
+        t["by_cause"] = {c: dict(sorted(by_cause[c].items())) for c in sorted(by_cause)}
+        for c, cell in t["by_cause"].items():
+            print(f"    {c:32s} " + ", ".join(f"{n} {v}" for v, n in cell.items()))
         worse |= args.max_alarms is not None and t["alarms"] > args.max_alarms * t["nulls_heard"]
         worse |= args.min_named is not None and t["right"] < args.min_named * t["planted"]
         worse |= args.max_refused is not None and t["refused"] > args.max_refused * t["cases"]
@@ -176,8 +184,11 @@ def main():
         outside = [c for c in r["covered"] if not c[4] and abs(c[2] - c[1]) > 4 * c[3]]
         if r["verdict"] not in ("right", "quiet"):
             t = r["truth"]
-            planted = "nothing" if t["cause"] is None else f"{t['cause']} {t['axis']} {t['sigma']:.1f} sigma " + " ".join(
-                f"{k}={v:.4g}" for k, v in t["parameters"].items()) + ("; twins " + ", ".join(f"{w['cause']} {w['axis']}".strip() for w in t["twins"]) if t["twins"] else "")
+            planted = "nothing"
+            if t["cause"]:
+                sizes = " ".join(f"{k}={v:.4g}" for k, v in t["parameters"].items())
+                twins = ", ".join(f"{w['cause']} {w['axis']}".strip() for w in t["twins"])
+                planted = f"{t['cause']} {t['axis']} {t['sigma']:.1f} sigma {sizes}" + (f"; twins {twins}" if twins else "")
             print(f"{r['case']}: {r['verdict'].upper()}\n    planted: {planted} (plan {t['plan']}, {t['rows']} rows)\n    said:    {r['said']}")
         elif outside:
             print(f"{r['case']}: beyond 4 sd: {r['truth']['cause']} " + "; ".join(f"{n} true {a:.5g}, said {v:.5g} +- {s:.2g}" for n, a, v, s, _ in outside))

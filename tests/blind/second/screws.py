@@ -9,6 +9,7 @@ Z, MM = ("z1", "z2", "z3"), 1e-3
 
 class TripleZ:
     kind = "triple_z"
+    homing_share = 1.0            # counterfactual: 0 makes every homing leave the bed on the same plane
 
     def __init__(self, rng):
         self.name = str(rng.choice(["trident", "three_screws", "vcore", "bed3z"]))
@@ -132,9 +133,13 @@ class TripleZ:
                 u = chain.bow(x, self.lo[0], self.hi[0])
                 z = z + c["sag_um"] * MM * (u + c.get("fourth", 0.0) * (u * u - u))
             elif c["cause"] == "straightness":                                     # EZY: twins only
-                z = z + c["bow_um"] * MM * chain.bow(y, self.lo[1], self.hi[1])
-            elif c["cause"] == "angular":                                          # EBY: dz = -beta(y) x
-                z = z - c["slope_urad"] * 1e-6 * chain.middle(y, self.lo[1], self.hi[1]) * x
+                u = chain.bow(y, self.lo[1], self.hi[1])
+                z = z + c["bow_um"] * MM * (u + c.get("fourth", 0.0) * (u * u - u))
+            elif c["cause"] == "angular":                                          # EBY, EBZ: dz = -beta x; EAZ: dz = alpha y
+                along = y if c["axis"][2] == "Y" else rows.cmd[:, 2]
+                k = 1 if c["axis"][2] == "Y" else 2
+                turn = c["slope_urad"] * 1e-6 * chain.middle(along, self.lo[k], self.hi[k])
+                z = z + (turn * y if c["axis"][1] == "A" else -turn * x)
             elif c["cause"] == "frame_temperature" and c["axis"] == "frame":
                 z = z + c["growth_um_per_k"] * MM * rows.weather.rise("frame", rows.t, c["lag_s"])
         return z
@@ -153,7 +158,7 @@ class TripleZ:
         rows.dir_motor = np.sign(np.where(np.abs(rows.motor - rows.motor_start) > 1e-6, rows.motor - rows.motor_start, 0))
         rows.dir[:, 2] = -np.sign(np.round((rows.motor - rows.motor_start).mean(1), 6))
         rows.stack = np.where(rows.touch, rows.cmd[:, 2], 0.0)       # gauge blocks on the bed, carried from place to place
-        rows.home_error = self.rng_homes[rows.home % 40]
+        rows.home_error = self.homing_share * self.rng_homes[rows.home % 40]
         for setup in np.unique(rows.setup):
             here = rows.setup == setup
             a = rows.artefacts.get(int(setup))

@@ -138,7 +138,8 @@ def probe_temperature(b):
 
 def frame_temperature(b):
     slow(b)
-    return dict(axis=pick(b, "frame", "bed"), size="growth_um_per_k", lag_s=float(b.rng.uniform(0, 300)), limits=(0.5, 80), needs={"t", "temp"}, warm=True)
+    axis = pick(b, "frame", "bed")                 # a warm bed rises; a warm frame lifts the tool or lowers it
+    return dict(axis=axis, positive=axis == "bed", size="growth_um_per_k", lag_s=float(b.rng.uniform(0, 300)), limits=(0.5, 80), needs={"t", "temp"}, warm=True)
 
 
 def missed_steps(b):
@@ -173,15 +174,16 @@ def fillers(b):
 
 def twin_candidates(machine, rows):
     waves = lambda p: [[dict(amplitude_um=1.0, phase_deg=a, period_mm=p) for a in (0.0, 90.0)]]
+    bent = lambda key: [[{key: 1.0, "fourth": 0.0}], [{key: 1.0, "fourth": 0.0}, {key: 1.0, "fourth": 0.2}]]     # no bow is an exact parabola
     out = []
     for z in Z:
         out += [("screw_pitch", z, [[dict(error_ppm=10.0)]]), ("screw_cyclic", z, waves(machine.lead)), ("screw_backlash", z, [[dict(gap_mm=1e-3)]]),
                 ("pivot_position", z, [[dict(dx_mm=0.1, dy_mm=0.0), dict(dx_mm=0.0, dy_mm=0.1)]]), ("pitch_progressive", z, [[dict(bow_um=1.0)]])]
     out += [("motors_swapped", a, [[dict()]]) for a in ("z1z2", "z1z3", "z2z3")]
     if rows.touch.any():
-        out += [("bed_bowl", "", [[dict(height_um=1.0)]]), ("bed_twist", "", [[dict(height_um=1.0)]]), ("gantry_sag", "", [[dict(sag_um=1.0)]])]
-        out += [("bed_cylinder", a, [[dict(height_um=1.0)]]) for a in "xy"]
-        out += [("straightness", "EZY", [[dict(bow_um=1.0)]]), ("angular", "EBY", [[dict(slope_urad=20.0)]])]
+        out += [("bed_bowl", "", bent("height_um")), ("bed_twist", "", bent("height_um")), ("gantry_sag", "", bent("sag_um"))]
+        out += [("bed_cylinder", a, bent("height_um")) for a in "xy"]
+        out += [("straightness", "EZY", bent("bow_um")), *(("angular", a, [[dict(slope_urad=20.0)]]) for a in ("EBY", "EAZ", "EBZ"))]
         if "temp" in rows.told:
             out.append(("probe_temperature", "", [[dict(drift_um_per_k=1.0, lag_s=s)] for s in (0, 150, 400)]))
             out += [("frame_temperature", a, [[dict(growth_um_per_k=1.0, lag_s=s)] for s in (0, 150, 400)]) for a in ("frame", "bed")]

@@ -279,7 +279,8 @@ class World(unittest.TestCase):
         self.assertLess(np.abs(project(3 + 5 * q)).max(), 1e-9)
         p = project(q * q)
         self.assertAlmostEqual(np.abs(p).max(), abs(1 - (q * q).mean()) / 2, 6)
-        found = visibility.twins(project, 100 * q * q, [("same", "x", [[q * q + 7 * q]]), ("other", "x", [[q ** 3]]), ("blind", "x", [[q]]), ("whiff", "x", [[1e-6 * q * q]])],
+        found = visibility.twins(project, 100 * q * q, [("same", "x", [[q * q + 7 * q]]), ("other", "x", [[q ** 3]]), ("blind", "x", [[q]]),
+                                                        ("whiff", "x", [[1e-6 * q * q]])],
                                  ("me", "x"))
         self.assertEqual([f["cause"] for f in found], ["same"])
         del rng

@@ -119,22 +119,36 @@ constexpr std::array<std::string_view, 3> kBelow = {"EYX", "EXY", "EZY"};
 constexpr std::array<std::string_view, 3> kTurns = {"EBY", "EAZ", "EBZ"};
 constexpr std::array<std::string_view, 1> kPlane = {"C0Y"};
 constexpr std::array<std::string_view, 2> kBodies = {"frame", "bed"};
-constexpr std::array kOnScrews = {
-    KindEffect{"steps_per_mm", kDrives},    KindEffect{"backlash", kDrives},
-    KindEffect{"pulley_eccentric", kBelts}, KindEffect{"microstep", kBelts},
-    KindEffect{"missed_steps", kMissing},   KindEffect{"belt_pitch", kBelts},
-    KindEffect{"racking", kWhole},          KindEffect{"squareness", kPlane},
-    KindEffect{"straightness", kBelow},     KindEffect{"angular", kTurns},
-    KindEffect{"gantry_sag", kWhole},       KindEffect{"axis_twist", kWhole},
-    KindEffect{"screw_pitch", kScrews},     KindEffect{"screw_cyclic", kScrews},
-    KindEffect{"screw_backlash", kScrews},  KindEffect{"pivot_position", kScrews},
-    KindEffect{"motors_swapped", kWirings}, KindEffect{"overconstrained_bed", kWhole},
-    KindEffect{"frame_growth", kWhole},     KindEffect{"frame_temperature", kBodies},
-    KindEffect{"random_walk", kWhole},      KindEffect{"probe_temperature", kWhole},
-    KindEffect{"trigger_latency", kWhole},  KindEffect{"trigger_scatter", kWhole},
-    KindEffect{"bed_tilt", kWhole},         KindEffect{"bed_bowl", kWhole},
-    KindEffect{"bed_cylinder", kLevel},     KindEffect{"bed_twist", kWhole},
-    KindEffect{"unknown", kAllChannels}};
+constexpr std::array kOnScrews = {KindEffect{"steps_per_mm", kDrives},
+                                  KindEffect{"backlash", kDrives},
+                                  KindEffect{"pulley_eccentric", kBelts},
+                                  KindEffect{"microstep", kBelts},
+                                  KindEffect{"missed_steps", kMissing},
+                                  KindEffect{"belt_pitch", kBelts},
+                                  KindEffect{"racking", kWhole},
+                                  KindEffect{"squareness", kPlane},
+                                  KindEffect{"straightness", kBelow},
+                                  KindEffect{"angular", kTurns},
+                                  KindEffect{"gantry_sag", kWhole},
+                                  KindEffect{"axis_twist", kWhole},
+                                  KindEffect{"screw_pitch", kScrews},
+                                  KindEffect{"screw_cyclic", kScrews},
+                                  KindEffect{"screw_backlash", kScrews},
+                                  KindEffect{"pivot_position", kScrews},
+                                  KindEffect{"pitch_progressive", kScrews},
+                                  KindEffect{"motors_swapped", kWirings},
+                                  KindEffect{"overconstrained_bed", kWhole},
+                                  KindEffect{"frame_growth", kWhole},
+                                  KindEffect{"frame_temperature", kBodies},
+                                  KindEffect{"random_walk", kWhole},
+                                  KindEffect{"probe_temperature", kWhole},
+                                  KindEffect{"trigger_latency", kWhole},
+                                  KindEffect{"trigger_scatter", kWhole},
+                                  KindEffect{"bed_tilt", kWhole},
+                                  KindEffect{"bed_bowl", kWhole},
+                                  KindEffect{"bed_cylinder", kLevel},
+                                  KindEffect{"bed_twist", kWhole},
+                                  KindEffect{"unknown", kAllChannels}};
 
 // The same belts over a bed on three screws, each with a motor: the screws, and how the
 // file gives them, are a triple-Z printer's.

@@ -72,6 +72,7 @@ DeltaDrawing ReadDeltaDrawing(YamlMap* map) {
   ReadByTower(map, "endstop_mm", {1, 4000}, &drawing.model.endstop_mm);
   CheckReach(*map, drawing.model);
   drawing.rod_spacing_mm = map->NumberOr("rod_spacing_mm", 40, {1, 500});
+  drawing.states_effector = map->Has("effector_radius_mm");
   drawing.effector_radius_mm = map->NumberOr("effector_radius_mm", 30, {1, 500});
   drawing.joint_height_mm = map->NumberOr("joint_height_mm", 20, {-200, 500});
   drawing.effector_mass_kg = map->NumberOr("effector_mass_kg", 0.35, {1e-3, 100});

@@ -11,6 +11,7 @@ struct DeltaDrawing {
   DeltaModel<double> model = SymmetricDelta(300, 130, 250);  ///< As drawn.
   double rod_spacing_mm = 40;
   double effector_radius_mm = 30;
+  bool states_effector = false;  ///< The file says how large the effector is.
   double joint_height_mm = 20;
   double effector_mass_kg = 0.35;  ///< All that hangs on the rods.
   double print_radius_mm = 100;    ///< Of the bed's part that is probed and printed on.

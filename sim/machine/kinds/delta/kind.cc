@@ -22,16 +22,16 @@ constexpr std::array<std::string_view, 8> kChannels = {
     "x", "y", "z", "a", "b", "c", "probe", "bed"};
 constexpr std::array kEffects = {
     KindEffect{"pulley_eccentric", kTowers},  KindEffect{"missed_steps", kTowers},
-    KindEffect{"homing_scatter", kTowers},    KindEffect{"belt_pitch", kTowers},
-    KindEffect{"carriage_backlash", kTowers}, KindEffect{"rod_mismatch", kRods},
-    KindEffect{"tower_lean", kTowers},        KindEffect{"tower_twist", kTowers},
-    KindEffect{"tower_radius", kTowers},      KindEffect{"effector_tilt", kWhole},
-    KindEffect{"frame_growth", kWhole},       KindEffect{"frame_temperature", kBodies},
-    KindEffect{"random_walk", kWhole},        KindEffect{"probe_temperature", kWhole},
-    KindEffect{"trigger_latency", kWhole},    KindEffect{"trigger_scatter", kWhole},
-    KindEffect{"bed_tilt", kWhole},           KindEffect{"bed_bowl", kWhole},
-    KindEffect{"bed_cylinder", kLevel},       KindEffect{"bed_twist", kWhole},
-    KindEffect{"unknown", kChannels}};
+    KindEffect{"pitch_progressive", kTowers}, KindEffect{"homing_scatter", kTowers},
+    KindEffect{"belt_pitch", kTowers},        KindEffect{"carriage_backlash", kTowers},
+    KindEffect{"rod_mismatch", kRods},        KindEffect{"tower_lean", kTowers},
+    KindEffect{"tower_twist", kTowers},       KindEffect{"tower_radius", kTowers},
+    KindEffect{"effector_tilt", kWhole},      KindEffect{"frame_growth", kWhole},
+    KindEffect{"frame_temperature", kBodies}, KindEffect{"random_walk", kWhole},
+    KindEffect{"probe_temperature", kWhole},  KindEffect{"trigger_latency", kWhole},
+    KindEffect{"trigger_scatter", kWhole},    KindEffect{"bed_tilt", kWhole},
+    KindEffect{"bed_bowl", kWhole},           KindEffect{"bed_cylinder", kLevel},
+    KindEffect{"bed_twist", kWhole},          KindEffect{"unknown", kChannels}};
 
 // A belt of 20 teeth of 2 mm, down from the endstop.
 AxisDrawing TowerAxis(const DeltaDrawing& delta, std::size_t tower) {

@@ -1,5 +1,7 @@
 #include "sim/machine/kinds/delta/model.h"
 
+#include <cmath>
+
 #include "sim/base/units.h"
 
 namespace caltwin {
@@ -86,6 +88,21 @@ DeltaModel<double> SymmetricDelta(double endstop_mm, double radius_mm, double ar
   model.arm_mm.fill(arm_mm);
   model.angle_rad = {RadFromDeg(210.0), RadFromDeg(330.0), RadFromDeg(90.0)};
   return model;
+}
+
+double AngleLever(const DeltaModel<double>& drawn, double effector_radius_mm) {
+  return 1 + effector_radius_mm / MeanOfTowers(drawn.radius_mm);
+}
+
+void StandRound(int tower, double angle_rad, DeltaBuild<double>* build) {
+  const auto i = static_cast<std::size_t>(tower);
+  // From the effector's joint, which stays, to the carriage's, which goes round.
+  const double carriage_mm = build->model.radius_mm[i] + build->effector_radius_mm;
+  const double out_mm = carriage_mm * std::cos(angle_rad) - build->effector_radius_mm;
+  const double round_mm = carriage_mm * std::sin(angle_rad);
+  build->model.radius_mm[i] = std::hypot(out_mm, round_mm);
+  build->model.angle_rad[i] += std::atan2(round_mm, out_mm);
+  build->twist_rad[i] += angle_rad;
 }
 
 double MeanOfTowers(const std::array<double, 3>& values) {

@@ -67,6 +67,17 @@ struct DeltaPose {
   Vec3<T> cayley = Vec3<T>::Zero();
 };
 
+/// How far a tower that stands round by a small angle is round for three-rod formulas,
+/// over that angle: the effector's joints stay as drawn, so it is
+///
+///   1 + effector radius / delta radius
+double AngleLever(const DeltaModel<double>& drawn, double effector_radius_mm);
+
+/// Stands a tower round by an angle (+ counter-clockwise from above): its rail and the
+/// joints of its carriage turn about the machine's axis, the effector's do not. For
+/// three-rod formulas it has another angle and radius, and its carriage is twisted.
+void StandRound(int tower, double angle_rad, DeltaBuild<double>* build);
+
 /// Of a number that each tower has, its mean.
 double MeanOfTowers(const std::array<double, 3>& values);
 

@@ -1,5 +1,7 @@
 #include "sim/machine/kinds/motor_stage/drawing.h"
 
+#include <stdexcept>
+
 #include <fmt/format.h>
 
 #include "sim/base/require.h"
@@ -171,7 +173,7 @@ void ReadMotorAxes(YamlMap* map, MotorStageDrawing* stage) {
 
 const MotorStageDrawing& MotorStageOf(const Machine& machine) {
   const auto* const drawing = machine.Own<MotorStageDrawing>();
-  Require(drawing != nullptr, "this machine is a motor stage");
+  if (drawing == nullptr) throw std::logic_error("this machine is a motor stage");
   return *drawing;
 }
 

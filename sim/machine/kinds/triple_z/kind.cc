@@ -19,30 +19,20 @@ constexpr std::array<std::string_view, 5> kWirings = {
 constexpr std::array<std::string_view, 2> kBodies = {"frame", "bed"};
 constexpr std::array<std::string_view, 8> kChannels = {
     "x", "y", "z", "z1", "z2", "z3", "probe", "bed"};
-constexpr std::array kEffects = {KindEffect{"steps_per_mm", kHeight},
-                                 KindEffect{"backlash", kHeight},
-                                 KindEffect{"missed_steps", kScrews},
-                                 KindEffect{"straightness", kSag},
-                                 KindEffect{"angular", kTurns},
-                                 KindEffect{"gantry_sag", kWhole},
-                                 KindEffect{"axis_twist", kWhole},
-                                 KindEffect{"screw_pitch", kScrews},
-                                 KindEffect{"screw_cyclic", kScrews},
-                                 KindEffect{"screw_backlash", kScrews},
-                                 KindEffect{"pivot_position", kScrews},
-                                 KindEffect{"motors_swapped", kWirings},
-                                 KindEffect{"overconstrained_bed", kWhole},
-                                 KindEffect{"frame_growth", kWhole},
-                                 KindEffect{"frame_temperature", kBodies},
-                                 KindEffect{"random_walk", kWhole},
-                                 KindEffect{"probe_temperature", kWhole},
-                                 KindEffect{"trigger_latency", kWhole},
-                                 KindEffect{"trigger_scatter", kWhole},
-                                 KindEffect{"bed_tilt", kWhole},
-                                 KindEffect{"bed_bowl", kWhole},
-                                 KindEffect{"bed_cylinder", kLevel},
-                                 KindEffect{"bed_twist", kWhole},
-                                 KindEffect{"unknown", kChannels}};
+constexpr std::array kEffects = {
+    KindEffect{"steps_per_mm", kHeight},    KindEffect{"backlash", kHeight},
+    KindEffect{"missed_steps", kScrews},    KindEffect{"straightness", kSag},
+    KindEffect{"angular", kTurns},          KindEffect{"gantry_sag", kWhole},
+    KindEffect{"axis_twist", kWhole},       KindEffect{"pitch_progressive", kScrews},
+    KindEffect{"screw_pitch", kScrews},     KindEffect{"screw_cyclic", kScrews},
+    KindEffect{"screw_backlash", kScrews},  KindEffect{"pivot_position", kScrews},
+    KindEffect{"motors_swapped", kWirings}, KindEffect{"overconstrained_bed", kWhole},
+    KindEffect{"frame_growth", kWhole},     KindEffect{"frame_temperature", kBodies},
+    KindEffect{"random_walk", kWhole},      KindEffect{"probe_temperature", kWhole},
+    KindEffect{"trigger_latency", kWhole},  KindEffect{"trigger_scatter", kWhole},
+    KindEffect{"bed_tilt", kWhole},         KindEffect{"bed_bowl", kWhole},
+    KindEffect{"bed_cylinder", kLevel},     KindEffect{"bed_twist", kWhole},
+    KindEffect{"unknown", kChannels}};
 
 // Belts along x and y, and along z the screws: the nozzle over a bed of 235 mm.
 void ReadTripleZAxes(YamlMap* map, Machine* machine) {

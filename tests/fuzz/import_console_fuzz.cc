@@ -1,6 +1,6 @@
 #include "tests/fuzz/import_fuzz.h"
 
-// Terminal logs of probing.
+// Terminal logs of any firmware.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  return caltwin::TryImport("probe-accuracy", data, size);
+  return caltwin::TryImport("console-log", data, size);
 }

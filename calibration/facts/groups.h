@@ -1,0 +1,21 @@
+#pragma once
+
+#include <vector>
+
+#include "calibration/facts/repeats.h"
+
+namespace caltwin {
+
+/// What two groups of rows say against each other: two sides measured at once, two
+/// gauges over the same places, one place come upon in two ways, trials with several
+/// steps/mm. `rows` in the order measured.
+void FactsOfGroups(const std::vector<const Row*>& rows,
+                   const Repeats& repeats,
+                   const DataHeader& header,
+                   Facts* facts);
+
+/// What depends on what went before a reading: a change of axis, a stop. No mechanics
+/// do that.
+void FactsOfHistory(const std::vector<const Row*>& rows, Facts* facts);
+
+}  // namespace caltwin

@@ -1,0 +1,175 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+#include <fmt/format.h>
+
+#include "calibration/facts/average.h"
+#include "calibration/facts/motion.h"
+#include "sim/base/dense.h"
+#include "sim/base/units.h"
+#include "sim/base/with_sd.h"
+
+namespace caltwin {
+namespace {
+
+/// One length: along which direction, from where to where, and how much too long.
+struct Length {
+  Eigen::Vector3d from_mm = Eigen::Vector3d::Zero(), to_mm = from_mm, n = from_mm;
+  double change_mm = 0;
+  double sd_mm = kUnknown;
+  std::int64_t row = 0;
+};
+
+// Two rows of one setup are a length from the first to the second.
+std::vector<Length> LengthsOf(const std::vector<const Row*>& rows,
+                              const DataHeader& header) {
+  std::map<std::string, std::vector<const Row*>> setups;
+  for (const Row* row : rows) {
+    if (row->kind == RowKind::kPosition && !row->setup.empty()) {
+      setups[row->campaign + "|" + row->setup].push_back(row);
+    }
+  }
+  std::vector<Length> lengths;
+  for (const auto& [key, both] : setups) {
+    if (both.size() != 2) continue;
+    Length length{.sd_mm = std::hypot(StatedSigma_mm(*both[0], header),
+                                      StatedSigma_mm(*both[1], header)),
+                  .row = both[1]->row};
+    for (int k = 0; k < 3; ++k) {
+      const auto i = static_cast<std::size_t>(k);
+      const auto at = [&](const Row* row) {
+        return Known(row->cmd_mm[i]) ? row->cmd_mm[i] : 0;
+      };
+      length.from_mm[k] = at(both[0]);
+      length.to_mm[k] = at(both[1]);
+      length.n[k] = Known(both[1]->n[i]) ? both[1]->n[i] : 0;
+    }
+    length.change_mm = both[1]->value_mm - both[0]->value_mm;
+    lengths.push_back(length);
+  }
+  return lengths;
+}
+
+struct PlaneWords {
+  int first = 0, second = 1;
+  const char* name = nullptr;
+};
+constexpr std::array kPlanes = {
+    PlaneWords{0, 1, "C0Y"}, PlaneWords{0, 2, "B0Z"}, PlaneWords{1, 2, "A0Z"}};
+
+// Squares measured one after the other whose two diagonals differ now this way, now
+// that: no one angle.
+void TellUnsteady(const std::vector<Length>& lengths,
+                  const PlaneWords& plane,
+                  Facts* facts) {
+  constexpr double kLeast = 1e-3, kFewest = 4;
+  std::vector<double> angles;
+  const Length* rising = nullptr;
+  for (const Length& length : lengths) {
+    const double a = length.n[plane.first], b = length.n[plane.second];
+    const double span_mm = (length.to_mm - length.from_mm).norm();
+    if (a * b > 0) rising = &length;
+    if (a * b >= 0 || rising == nullptr) continue;
+    angles.push_back((length.change_mm - rising->change_mm) / span_mm);
+    rising = nullptr;
+  }
+  const Average average = AverageOf(angles);
+  if (average.num < kFewest || average.sd < kLeast) return;
+  facts->not_determined.push_back(
+      fmt::format("skew.{}{}", "XYZ"[plane.first], "XYZ"[plane.second]));
+  facts->cannot.push_back(fmt::format(
+      "one angle between {} and {}: from square to square it goes from {:.1f} to "
+      "{:.1f} "
+      "mrad. The two sides settle anew each time; home each on a switch of its own",
+      "XYZ"[plane.first],
+      "XYZ"[plane.second],
+      MradFromRad(*std::ranges::min_element(angles)),
+      MradFromRad(*std::ranges::max_element(angles))));
+}
+
+}  // namespace
+
+// Change of a length in one plane: n . E d, E = [[s1, -c], [0, s2]] (C0Y: dx = -c y;
+// B0Z turns dx the other way).
+void FactsOfLengths(const std::vector<const Row*>& rows,
+                    const DataHeader& header,
+                    Facts* facts) {
+  constexpr double kFewest = 3, kInPlane = 0.999, kDiagonal = 0.2, kSure = 4;
+  const std::vector<Length> all = LengthsOf(rows, header);
+  for (const PlaneWords& plane : kPlanes) {
+    std::vector<Length> lengths;
+    int num_diagonal = 0;
+    for (const Length& length : all) {
+      const double a = length.n[plane.first], b = length.n[plane.second];
+      if (std::hypot(a, b) < kInPlane) continue;
+      num_diagonal += std::abs(a * b) > kDiagonal ? 1 : 0;
+      lengths.push_back(length);
+    }
+    if (static_cast<double>(lengths.size()) < kFewest || num_diagonal < 2) continue;
+    const auto num = static_cast<Eigen::Index>(lengths.size());
+    Eigen::MatrixXd columns(num, 3);
+    Eigen::VectorXd changes(num), sds(num);
+    for (Eigen::Index i = 0; i < num; ++i) {
+      const Length& length = lengths[static_cast<std::size_t>(i)];
+      const Eigen::Vector3d d_mm = length.to_mm - length.from_mm;
+      columns(i, 0) = length.n[plane.first] * d_mm[plane.first];
+      columns(i, 1) = length.n[plane.second] * d_mm[plane.second];
+      columns(i, 2) = (plane.first == 0 && plane.second == 2 ? 1 : -1) *
+                      length.n[plane.first] * d_mm[plane.second];
+      changes[i] = length.change_mm;
+      sds[i] = length.sd_mm;
+    }
+    // Diagonals alone do not part the two scales.
+    Eigen::MatrixXd normal = columns.transpose() * columns;
+    if (EigenvaluesOf(normal)[0] < 1e-6 * normal.trace()) {
+      columns.col(0) += columns.col(1);
+      columns.col(1).setZero();
+      normal = columns.transpose() * columns;
+      normal(1, 1) = normal.trace();
+    }
+    if (EigenvaluesOf(normal)[0] < 1e-6 * normal.trace()) continue;
+    const Cholesky solver(normal);
+    const Eigen::MatrixXd half = solver.SolveEach(columns.transpose());
+    const Eigen::VectorXd sizes = half * changes;
+    double sd = (half.row(2).transpose().cwiseProduct(sds)).norm();
+    const double angle = sizes[2];
+    // Lengths measured more than once say by themselves how far they scatter.
+    const double dof = static_cast<double>(num) - 3;
+    if (!Known(sd) && dof >= 3) {
+      const double left_mm2 = (changes - columns * sizes).squaredNorm();
+      sd = std::sqrt(left_mm2 / dof) * half.row(2).norm();
+    }
+    if (Known(sd) && std::abs(angle) < kSure * sd) {
+      TellUnsteady(lengths, plane, facts);
+      continue;
+    }
+    Fact fact{.id = "skew",
+              .axis = plane.name,
+              .figures = {{"angle_mrad", MradFromRad(angle), MradFromRad(sd)}},
+              .sigmas = std::abs(angle) / std::max(sd, 1e-12),
+              .cause = "squareness",
+              .cause_axis = plane.name,
+              .parameters = {{"angle_mrad", MradFromRad(angle), MradFromRad(sd)}},
+              .is_answer = true};
+    if (!Known(sd)) fact.sigmas = kUnknown;
+    for (const Length& length : lengths) fact.rows.push_back(length.row);
+    fact.sentence = fmt::format(
+        "The lengths fit together only if {} and {} are out of square by {} ({}): the "
+        "two "
+        "diagonals differ{}",
+        "XYZ"[plane.first],
+        "XYZ"[plane.second],
+        WithSd(MradFromRad(std::abs(angle)), MradFromRad(sd), "mrad"),
+        WithSd(DegFromRad(std::abs(angle)), DegFromRad(sd), "degrees"),
+        Known(sd) ? fmt::format(" by {:.0f} times their uncertainty", fact.sigmas)
+                  : ". Its uncertainty is not known: no length was measured twice");
+    facts->all.push_back(std::move(fact));
+  }
+}
+
+}  // namespace caltwin

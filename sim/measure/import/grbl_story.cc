@@ -1,0 +1,250 @@
+#include "sim/measure/import/grbl_story.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "sim/base/units.h"
+#include "sim/measure/import/fields.h"
+
+namespace caltwin {
+namespace {
+
+constexpr const char* kAxisLetters = "xyz";
+
+// "1.000,2.000,3.000" behind a key; nullopt: it does not stand there.
+std::optional<std::array<double, 3>> TripleAfter(const std::string& lower,
+                                                 std::string_view key) {
+  const std::size_t at = lower.find(key);
+  if (at == std::string::npos) return std::nullopt;
+  std::array<double, 3> numbers{};
+  std::string_view rest = std::string_view(lower).substr(at + key.size());
+  for (double& number : numbers) {
+    const std::size_t end = std::min(rest.size(), rest.find_first_of(",|:>]"));
+    const auto value = NumberOf(rest.substr(0, end));
+    if (!value) return std::nullopt;
+    number = *value;
+    rest.remove_prefix(std::min(rest.size(), end + 1));
+  }
+  return numbers;
+}
+
+bool Has(const ConsoleLine& line, std::string_view word) {
+  return (" " + line.lower + " ").find(" " + std::string(word) + " ") !=
+         std::string::npos;
+}
+
+}  // namespace
+
+void GrblStory::Take(const ConsoleLine& line) {
+  if (Has(line, "g91")) is_relative_ = true;
+  TakeExtents(line);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto steps = NumberAfter(line.lower, fmt::format("$10{}=", k));
+    if (steps && *steps > 0) steps_per_mm_[k] = *steps;
+  }
+  if (line.lower.find("g38.") != std::string::npos) {
+    for (std::size_t k = 0; k < 3; ++k)
+      is_probed_[k] |= WordOf(line, kAxisLetters[k]).has_value();
+  } else if (Has(line, "g10") && Has(line, "l20")) {
+    zero_mm_ = WordOf(line, 'z').value_or(kUnknown);
+  } else if (Has(line, "g0") || Has(line, "g1") || Has(line, "g00") ||
+             Has(line, "g01")) {
+    TakeMove(line);
+  } else if (line.lower.starts_with("[prb:")) {
+    TakeProbing(line);
+  } else if (line.lower.find("mpos:") != std::string::npos) {
+    TakeStatus(line);
+  }
+  if (Has(line, "g90")) is_relative_ = false;
+}
+
+void GrblStory::TakeMove(const ConsoleLine& line) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    // WordOf needs a word before the letter: "g91 x1".
+    const auto value_mm = WordOf(line, kAxisLetters[k]);
+    if (!value_mm) continue;
+    told_mm_[k] += is_relative_ ? *value_mm : kUnknown;
+    since_probe_mm_[k] += is_relative_ ? *value_mm : kUnknown;
+  }
+}
+
+void GrblStory::TakeProbing(const ConsoleLine& line) {
+  constexpr double kLeast_mm = 3;
+  const auto at = TripleAfter(line.lower, "[prb:");
+  if (!at) return;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const bool is_told = !is_probed_[k] && std::abs(since_probe_mm_[k]) >= kLeast_mm;
+    if (is_told && Known(probe_[k])) {
+      probings_.push_back({k, since_probe_mm_[k], (*at)[k] - probe_[k], (*at)[k]});
+    }
+  }
+  probe_ = *at;
+  touch_mm_ = (*at)[2];
+  since_probe_mm_ = {};
+  is_probed_ = {};
+}
+
+void GrblStory::TakeStatus(const ConsoleLine& line) {
+  const auto at_mm = TripleAfter(line.lower, "mpos:");
+  if (!at_mm) return;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const bool is_moved =
+        Known(reported_mm_[k]) && Known(told_mm_[k]) && told_mm_[k] != 0;
+    if (is_moved) {
+      moves_.push_back({k, told_mm_[k], (*at_mm)[k] - reported_mm_[k], (*at_mm)[k]});
+    }
+  }
+  reported_mm_ = *at_mm;
+  told_mm_ = {};
+  const auto zero_mm = TripleAfter(line.lower, "wco:");
+  if (zero_mm && Known(zero_mm_) && Known(touch_mm_)) {
+    zeros_mm_.push_back((*zero_mm)[2] + zero_mm_ - touch_mm_);
+    zero_mm_ = touch_mm_ = kUnknown;
+  }
+}
+
+// "X 0.000 mm 91.486 mm 91.486 mm" of a sender, "probed 3/12> 2.401 0.000 0.006".
+void GrblStory::TakeExtents(const ConsoleLine& line) {
+  std::vector<double> numbers;
+  const std::size_t mark = line.lower.find("> ");
+  const bool is_touch = line.lower.starts_with("probed ") && mark != std::string::npos;
+  for (const TextLine& rest :
+       LinesOf(std::string_view(line.lower).substr(is_touch ? mark + 2 : 0))) {
+    for (const CsvField& word : rest.words) {
+      if (const auto number = NumberOf(word.text)) numbers.push_back(*number);
+    }
+  }
+  if (numbers.size() != 3) return;
+  for (std::size_t k = 0; k < 2; ++k) {
+    if (is_touch) {
+      touched_[k] = std::max(touched_[k], numbers[k]);
+    } else if (line.lower.starts_with(std::string(1, kAxisLetters[k]) + " ") &&
+               line.lower.ends_with("mm")) {
+      program_mm_[k] = numbers[2];
+    }
+  }
+}
+
+void GrblStory::TellExtents(Imported* imported) const {
+  constexpr double kAlike = 0.01;
+  for (std::size_t k = 0; k < 2; ++k) {
+    const double factor = touched_[k] / program_mm_[k];
+    if (!Known(factor) || std::abs(MmFromInch(factor) - 1) > kAlike) return;
+  }
+  imported->notes.push_back(
+      {.kind = FileNote::Kind::kElsewhere,
+       .what = "settings",
+       .sentence = fmt::format(
+           "The map ends at {:g} and {:g}, the program at {:g} and {:g} mm: 25.4 times "
+           "as far. The touches are reported in inches and taken for millimetres, and "
+           "so "
+           "are the heights. Set the controller to report millimetres ($13=0), then "
+           "probe "
+           "again",
+           touched_[0],
+           touched_[1],
+           program_mm_[0],
+           program_mm_[1]),
+       .fact = "known_ratio",
+       .word = "inches",
+       .figures = {{"factor", touched_[0] / program_mm_[0]}}});
+}
+
+void GrblStory::Tell(Imported* imported) const {
+  TellExtents(imported);
+  TellUnit(imported);
+  TellZero(imported);
+  TellSteps(imported);
+}
+
+// Positions are kept in steps and told in mm: none is off by more than half a step.
+void GrblStory::TellSteps(Imported* imported) const {
+  constexpr double kPrinted_mm = 1e-3, kSame_mm = 4e-4;
+  std::size_t num_rounded = 0;
+  const Reported* worst = nullptr;
+  for (const Reported& move : moves_) {
+    const double step_mm = 1 / steps_per_mm_[move.axis];
+    if (!Known(step_mm)) return;
+    const double off_mm = std::abs(move.moved_mm - move.told_mm);
+    const double whole_mm = std::round(move.at_mm / step_mm) * step_mm;
+    if (off_mm > step_mm + kPrinted_mm || std::abs(whole_mm - move.at_mm) > kPrinted_mm)
+      return;
+    num_rounded += off_mm > kSame_mm ? 1 : 0;
+    if (worst == nullptr || off_mm > std::abs(worst->moved_mm - worst->told_mm))
+      worst = &move;
+  }
+  if (num_rounded < 2) return;
+  const double steps = steps_per_mm_[worst->axis];
+  imported->notes.push_back(
+      {.kind = FileNote::Kind::kElsewhere,
+       .what = "settings",
+       .sentence = fmt::format(
+           "The position is a whole number of steps: at {:g} steps/mm one step is "
+           "{:.3g} "
+           "um, and a move of {:g} mm is {:g} steps. What is reported is never off by "
+           "more "
+           "than half a step and does not add up. Nothing is wrong; more steps/mm, if "
+           "that matters",
+           steps,
+           UmFromMm(1 / steps),
+           worst->told_mm,
+           worst->told_mm * steps)});
+}
+
+void GrblStory::TellUnit(Imported* imported) const {
+  constexpr double kAlike = 0.03;
+  for (const Reported& one : probings_) {
+    const double factor = one.moved_mm / one.told_mm;
+    if (!Known(factor) || std::abs(MmFromInch(factor) - 1) > kAlike) continue;
+    imported->notes.push_back(
+        {.kind = FileNote::Kind::kElsewhere,
+         .what = "settings",
+         .sentence = fmt::format("After {:.4g} mm in {} the probe's report changes by "
+                                 "{:.4g}: the controller "
+                                 "reports in inches ($13=1), while the program's moves "
+                                 "are in millimetres. Set "
+                                 "$13=0, or the sender to inches, and probe again: a "
+                                 "plate's thickness and a "
+                                 "zero computed from both units at once are wrong",
+                                 one.told_mm,
+                                 "XYZ"[one.axis],
+                                 one.moved_mm),
+         .fact = "known_ratio",
+         .axis = std::string(1, kAxisLetters[one.axis]),
+         .word = "inches",
+         .figures = {{"factor", factor}}});
+    return;
+  }
+}
+
+void GrblStory::TellZero(Imported* imported) const {
+  constexpr double kLeast_mm = 0.005, kSure = 4;
+  if (zeros_mm_.size() < 2) return;
+  double mean_mm = 0, squares_mm2 = 0;
+  const auto num = static_cast<double>(zeros_mm_.size());
+  for (const double zero_mm : zeros_mm_) mean_mm += zero_mm / num;
+  for (const double zero_mm : zeros_mm_) squares_mm2 += std::pow(zero_mm - mean_mm, 2);
+  const double sd_mm = std::sqrt(squares_mm2 / (num - 1));
+  if (std::abs(mean_mm) < kLeast_mm || std::abs(mean_mm) < kSure * sd_mm) return;
+  imported->notes.push_back(
+      {.kind = FileNote::Kind::kElsewhere,
+       .what = "firmware",
+       .sentence = fmt::format(
+           "The zero of Z is {:.0f} um {} the touch, {} times alike: it was set where "
+           "the "
+           "axis came to rest, not where it touched (G10 L20 takes the present place). "
+           "Use the position of the [PRB] report; probe and axis are in order",
+           std::abs(UmFromMm(mean_mm)),
+           mean_mm < 0 ? "below" : "above",
+           zeros_mm_.size()),
+       .fact = "offset",
+       .axis = "z",
+       .word = "zero",
+       .figures = {
+           {"change_um", UmFromMm(mean_mm), UmFromMm(sd_mm) / std::sqrt(num)}}});
+}
+
+}  // namespace caltwin

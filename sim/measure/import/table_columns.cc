@@ -1,0 +1,209 @@
+#include "sim/measure/import/table_columns.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+
+#include "sim/measure/import/table_parts.h"
+
+namespace caltwin {
+namespace {
+
+struct PartWords {
+  Part part = Part::kNone;
+  std::vector<std::string_view> words{};
+};
+
+// The first part one of whose words stands in a heading.
+const std::vector<PartWords>& AllWords() {
+  static const std::vector<PartWords> kAll = {
+      {Part::kFeed, {"feed", "feedrate", "speed", "f"}},
+      {Part::kHome, {"home", "homing"}},
+      {Part::kSteps, {"steps", "step", "microsteps"}},
+      {Part::kSense, {"dir", "direction", "sense", "approach", "moving"}},
+      {Part::kTemperature,
+       {"pinda",
+        "temp",
+        "temperature",
+        "bed",
+        "nozzle",
+        "frame",
+        "chamber",
+        "ambient",
+        "room",
+        "screw"}},
+      {Part::kDeviation,
+       {"error", "err", "deviation", "dev", "diff", "difference", "off", "delta"}},
+      {Part::kActual,
+       {"actual",   "measured", "measure",   "meas",      "reading",  "read",
+        "reads",    "moved",    "real",      "got",       "calliper", "caliper",
+        "calipers", "gauge",    "indicator", "dial",      "dro",      "laser",
+        "observed", "seen",     "result",    "travelled", "printed",  "ruler",
+        "engraved", "milled",   "enlev",     "removed",   "ist",      "gemessen",
+        "mesure",   "says",     "burned",    "made",      "obtained", "achieved",
+        "actually", "scale",    "is",        "cut",       "display",  "came"}},
+      {Part::kCommanded,
+       {"commanded", "command",    "cmd",         "target",    "nominal",  "set",
+        "setpoint",  "expected",   "told",        "requested", "ideal",    "design",
+        "designed",  "programmed", "size",        "model",     "asked",    "jog",
+        "avance",    "consigne",   "soll",        "vorgabe",   "gcode",    "drawing",
+        "should",    "drawn",      "wanted",      "desired",   "intended", "ordered",
+        "nom",       "theory",     "theoretical", "sent",      "cad"}},
+      {Part::kHeight,
+       {"height",
+        "z",
+        "probe",
+        "probed",
+        "trigger",
+        "offset",
+        "gap",
+        "feeler",
+        "clearance"}},
+      {Part::kRun,
+       {"run",
+        "rep",
+        "repeat",
+        "repetition",
+        "trial",
+        "sample",
+        "no",
+        "n",
+        "nr",
+        "touch",
+        "try",
+        "pass",
+        "pecks",
+        "lifts",
+        "cycles",
+        "laps",
+        "loops"}},
+      {Part::kTime, {"time", "t", "min", "minutes", "s", "sec", "seconds", "minute"}},
+      {Part::kPosition, {"position", "pos", "distance", "travel", "length", "at"}},
+      {Part::kAxis, {"axis"}},
+      {Part::kSetup,
+       {"setup", "part", "place", "line", "piece", "feature", "calibration"}}};
+  return kAll;
+}
+
+double Row::*TemperatureOf(const std::vector<std::string>& tokens) {
+  for (const std::string& token : tokens) {
+    if (token == "bed") return &Row::temp_bed_c;
+    if (token == "nozzle") return &Row::temp_nozzle_c;
+    if (token == "chamber") return &Row::temp_chamber_c;
+    // A probe follows its own temperature as a screw does (probe_temperature).
+    if (token == "screw" || token == "pinda" || token == "probe")
+      return &Row::temp_screw_c;
+    if (token == "ambient" || token == "room") return &Row::temp_ambient_c;
+  }
+  return &Row::temp_frame_c;
+}
+
+// "$100", "$101" or "$102", grbl's steps/mm; empty: none of them stands there.
+std::string StepsSetting(const std::string& heading) {
+  const std::size_t at = heading.find("$10");
+  const bool is_there = at != std::string::npos && at + 3 < heading.size() &&
+                        heading[at + 3] >= '0' && heading[at + 3] <= '2';
+  return is_there ? heading.substr(at, 4) : "";
+}
+
+TableColumn ColumnOf(const CsvField& heading, std::size_t index) {
+  const std::vector<std::string> tokens = TokensOf(heading.text);
+  TableColumn column{.index = index};
+  const auto has = [&](std::string_view word) {
+    return std::ranges::find(tokens, word) != tokens.end();
+  };
+  for (int axis = 0; axis < 3; ++axis) {
+    if (has(std::string(1, "xyz"[axis]))) column.axis = axis;
+  }
+  // "bed" is a temperature only beside a word or unit of one.
+  const bool is_hot = has("temp") || has("temperature") || has("c") || has("degc") ||
+                      (has("t") && tokens.size() > 1);
+  for (const PartWords& words : AllWords()) {
+    const bool is_meant = words.part == Part::kTemperature ? is_hot
+                          : words.part == Part::kSteps
+                              ? has("mm") || !StepsSetting(heading.text).empty()
+                              : true;
+    if (column.part == Part::kNone && is_meant &&
+        std::ranges::any_of(words.words, has)) {
+      column.part = words.part;
+    }
+  }
+  if (!StepsSetting(heading.text).empty()) column.part = Part::kSteps;
+  // "dial at Z0": read there.
+  for (int axis = 0; axis < 3; ++axis) {
+    if (column.axis < 0 && has(std::string(1, "xyz"[axis]) + "0")) column.axis = axis;
+  }
+  if (column.part == Part::kTemperature) column.temperature = TemperatureOf(tokens);
+  // "across" and "up" of what was drawn.
+  constexpr std::size_t kFewWords = 1;
+  if (column.axis < 0 && tokens.size() <= kFewWords) {
+    if (has("across") || has("width") || has("wide") || has("horizontal"))
+      column.axis = 0;
+    if (has("up") || has("vertical") || has("depth")) column.axis = 1;
+  }
+  // "height in the model" is a Z size.
+  if (column.axis < 0 && has("height") && column.part != Part::kHeight) column.axis = 2;
+  if (column.part == Part::kNone && column.axis >= 0) column.part = Part::kPosition;
+  column.unit = UnitInHeading(heading.text, QuantityOf(column.part));
+  // "off (mm), correction on": in brackets before the end.
+  const std::size_t close = heading.text.rfind(')');
+  if (column.unit == nullptr && close != std::string::npos) {
+    column.unit =
+        UnitInHeading(heading.text.substr(0, close + 1), QuantityOf(column.part));
+  }
+  return column;
+}
+
+}  // namespace
+
+std::vector<std::string> TokensOf(const std::string& heading) {
+  std::vector<std::string> tokens;
+  std::string token;
+  for (const char c : heading + " ") {
+    if (std::isalnum(static_cast<unsigned char>(c)) != 0) {
+      token += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    } else if (!token.empty()) {
+      tokens.push_back(std::move(token));
+      token.clear();
+    }
+  }
+  return tokens;
+}
+
+Quantity QuantityOf(Part part) {
+  switch (part) {
+    case Part::kFeed:
+      return Quantity::kFeed;
+    case Part::kTemperature:
+      return Quantity::kTemperature;
+    case Part::kTime:
+      return Quantity::kTime;
+    case Part::kPosition:
+    case Part::kCommanded:
+    case Part::kActual:
+    case Part::kDeviation:
+    case Part::kHeight:
+      return Quantity::kLength;
+    default:
+      return Quantity::kPlain;
+  }
+}
+
+bool IsSideWord(const std::string& token) {
+  constexpr std::array<std::string_view, 8> kSides = {
+      "outside", "outer", "external", "boss", "inside", "inner", "internal", "hole"};
+  return std::ranges::find(kSides, token) != kSides.end();
+}
+
+std::vector<TableColumn> ColumnsOf(const Spreadsheet& sheet,
+                                   std::vector<std::string>* taken) {
+  std::vector<TableColumn> columns;
+  for (std::size_t i = 0; i < sheet.records.front().size(); ++i) {
+    columns.push_back(sheet.headings.empty() ? TableColumn{.index = i}
+                                             : ColumnOf(sheet.headings[i], i));
+  }
+  TakePartsByNumbers(sheet, &columns, taken);
+  return columns;
+}
+
+}  // namespace caltwin
