@@ -2,6 +2,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -92,83 +93,115 @@ void TellUnsteady(const std::vector<Length>& lengths,
       MradFromRad(*std::ranges::max_element(angles))));
 }
 
+// Of these, the lengths that lie in the plane, where there are enough of them and two
+// go across it; else none.
+std::vector<Length> InPlane(const std::vector<Length>& all, const PlaneWords& plane) {
+  constexpr double kInPlane = 0.999, kDiagonal = 0.2;
+  constexpr std::size_t kFewest = 3;
+  std::vector<Length> lengths;
+  int num_diagonal = 0;
+  for (const Length& length : all) {
+    const double a = length.n[plane.first], b = length.n[plane.second];
+    if (std::hypot(a, b) < kInPlane) continue;
+    num_diagonal += std::abs(a * b) > kDiagonal ? 1 : 0;
+    lengths.push_back(length);
+  }
+  if (lengths.size() < kFewest || num_diagonal < 2) lengths.clear();
+  return lengths;
+}
+
+struct Angle {
+  double rad = 0;
+  double sd_rad = kUnknown;
+};
+
+// Two scales and the angle from changes of length in one plane: n . E d,
+// E = [[s1, -c], [0, s2]] (C0Y: dx = -c y; B0Z turns dx the other way).
+std::optional<Angle> FitAngle(const std::vector<Length>& lengths,
+                              const PlaneWords& plane) {
+  const auto num = static_cast<Eigen::Index>(lengths.size());
+  Eigen::MatrixXd columns(num, 3);
+  Eigen::VectorXd changes(num), sds(num);
+  for (Eigen::Index i = 0; i < num; ++i) {
+    const Length& length = lengths[static_cast<std::size_t>(i)];
+    const Eigen::Vector3d d_mm = length.to_mm - length.from_mm;
+    columns(i, 0) = length.n[plane.first] * d_mm[plane.first];
+    columns(i, 1) = length.n[plane.second] * d_mm[plane.second];
+    columns(i, 2) = (plane.first == 0 && plane.second == 2 ? 1 : -1) *
+                    length.n[plane.first] * d_mm[plane.second];
+    changes[i] = length.change_mm;
+    sds[i] = length.sd_mm;
+  }
+  // Diagonals alone do not part the two scales.
+  constexpr double kSingular = 1e-6;
+  Eigen::MatrixXd normal = columns.transpose() * columns;
+  if (EigenvaluesOf(normal)[0] < kSingular * normal.trace()) {
+    columns.col(0) += columns.col(1);
+    columns.col(1).setZero();
+    normal = columns.transpose() * columns;
+    normal(1, 1) = normal.trace();
+  }
+  if (EigenvaluesOf(normal)[0] < kSingular * normal.trace()) return std::nullopt;
+  const Eigen::MatrixXd half = Cholesky(normal).SolveEach(columns.transpose());
+  const Eigen::VectorXd sizes = half * changes;
+  Angle angle{.rad = sizes[2],
+              .sd_rad = (half.row(2).transpose().cwiseProduct(sds)).norm()};
+  // Lengths measured more than once say by themselves how far they scatter.
+  const double dof = static_cast<double>(num) - 3;
+  if (!Known(angle.sd_rad) && dof >= 3) {
+    const double left_mm2 = (changes - columns * sizes).squaredNorm();
+    angle.sd_rad = std::sqrt(left_mm2 / dof) * half.row(2).norm();
+  }
+  return angle;
+}
+
+Fact SkewFact(const std::vector<Length>& lengths,
+              const PlaneWords& plane,
+              const Angle& angle) {
+  const FactFigure figure{
+      "angle_mrad", MradFromRad(angle.rad), MradFromRad(angle.sd_rad)};
+  Fact fact{.id = "skew",
+            .axis = plane.name,
+            .figures = {figure},
+            .cause = "squareness",
+            .cause_axis = plane.name,
+            .parameters = {figure},
+            .is_answer = true};
+  if (Known(angle.sd_rad)) {
+    fact.sigmas = std::abs(angle.rad) / std::max(angle.sd_rad, 1e-12);
+  }
+  for (const Length& length : lengths) fact.rows.push_back(length.row);
+  fact.sentence = fmt::format(
+      "The lengths fit together only if {} and {} are out of square by {} ({}): the "
+      "two "
+      "diagonals differ{}",
+      "XYZ"[plane.first],
+      "XYZ"[plane.second],
+      WithSd(MradFromRad(std::abs(angle.rad)), MradFromRad(angle.sd_rad), "mrad"),
+      WithSd(DegFromRad(std::abs(angle.rad)), DegFromRad(angle.sd_rad), "degrees"),
+      Known(angle.sd_rad)
+          ? fmt::format(" by {:.0f} times their uncertainty", fact.sigmas)
+          : ". Its uncertainty is not known: no length was measured twice");
+  return fact;
+}
+
 }  // namespace
 
-// Change of a length in one plane: n . E d, E = [[s1, -c], [0, s2]] (C0Y: dx = -c y;
-// B0Z turns dx the other way).
 void FactsOfLengths(const std::vector<const Row*>& rows,
                     const DataHeader& header,
                     Facts* facts) {
-  constexpr double kFewest = 3, kInPlane = 0.999, kDiagonal = 0.2, kSure = 4;
+  constexpr double kSure = 4;
   const std::vector<Length> all = LengthsOf(rows, header);
   for (const PlaneWords& plane : kPlanes) {
-    std::vector<Length> lengths;
-    int num_diagonal = 0;
-    for (const Length& length : all) {
-      const double a = length.n[plane.first], b = length.n[plane.second];
-      if (std::hypot(a, b) < kInPlane) continue;
-      num_diagonal += std::abs(a * b) > kDiagonal ? 1 : 0;
-      lengths.push_back(length);
-    }
-    if (static_cast<double>(lengths.size()) < kFewest || num_diagonal < 2) continue;
-    const auto num = static_cast<Eigen::Index>(lengths.size());
-    Eigen::MatrixXd columns(num, 3);
-    Eigen::VectorXd changes(num), sds(num);
-    for (Eigen::Index i = 0; i < num; ++i) {
-      const Length& length = lengths[static_cast<std::size_t>(i)];
-      const Eigen::Vector3d d_mm = length.to_mm - length.from_mm;
-      columns(i, 0) = length.n[plane.first] * d_mm[plane.first];
-      columns(i, 1) = length.n[plane.second] * d_mm[plane.second];
-      columns(i, 2) = (plane.first == 0 && plane.second == 2 ? 1 : -1) *
-                      length.n[plane.first] * d_mm[plane.second];
-      changes[i] = length.change_mm;
-      sds[i] = length.sd_mm;
-    }
-    // Diagonals alone do not part the two scales.
-    Eigen::MatrixXd normal = columns.transpose() * columns;
-    if (EigenvaluesOf(normal)[0] < 1e-6 * normal.trace()) {
-      columns.col(0) += columns.col(1);
-      columns.col(1).setZero();
-      normal = columns.transpose() * columns;
-      normal(1, 1) = normal.trace();
-    }
-    if (EigenvaluesOf(normal)[0] < 1e-6 * normal.trace()) continue;
-    const Cholesky solver(normal);
-    const Eigen::MatrixXd half = solver.SolveEach(columns.transpose());
-    const Eigen::VectorXd sizes = half * changes;
-    double sd = (half.row(2).transpose().cwiseProduct(sds)).norm();
-    const double angle = sizes[2];
-    // Lengths measured more than once say by themselves how far they scatter.
-    const double dof = static_cast<double>(num) - 3;
-    if (!Known(sd) && dof >= 3) {
-      const double left_mm2 = (changes - columns * sizes).squaredNorm();
-      sd = std::sqrt(left_mm2 / dof) * half.row(2).norm();
-    }
-    if (Known(sd) && std::abs(angle) < kSure * sd) {
+    const std::vector<Length> lengths = InPlane(all, plane);
+    if (lengths.empty()) continue;
+    const std::optional<Angle> angle = FitAngle(lengths, plane);
+    if (!angle) continue;
+    if (Known(angle->sd_rad) && std::abs(angle->rad) < kSure * angle->sd_rad) {
       TellUnsteady(lengths, plane, facts);
-      continue;
+    } else {
+      facts->all.push_back(SkewFact(lengths, plane, *angle));
     }
-    Fact fact{.id = "skew",
-              .axis = plane.name,
-              .figures = {{"angle_mrad", MradFromRad(angle), MradFromRad(sd)}},
-              .sigmas = std::abs(angle) / std::max(sd, 1e-12),
-              .cause = "squareness",
-              .cause_axis = plane.name,
-              .parameters = {{"angle_mrad", MradFromRad(angle), MradFromRad(sd)}},
-              .is_answer = true};
-    if (!Known(sd)) fact.sigmas = kUnknown;
-    for (const Length& length : lengths) fact.rows.push_back(length.row);
-    fact.sentence = fmt::format(
-        "The lengths fit together only if {} and {} are out of square by {} ({}): the "
-        "two "
-        "diagonals differ{}",
-        "XYZ"[plane.first],
-        "XYZ"[plane.second],
-        WithSd(MradFromRad(std::abs(angle)), MradFromRad(sd), "mrad"),
-        WithSd(DegFromRad(std::abs(angle)), DegFromRad(sd), "degrees"),
-        Known(sd) ? fmt::format(" by {:.0f} times their uncertainty", fact.sigmas)
-                  : ". Its uncertainty is not known: no length was measured twice");
-    facts->all.push_back(std::move(fact));
   }
 }
 

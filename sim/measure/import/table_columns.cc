@@ -4,6 +4,8 @@
 #include <array>
 #include <cctype>
 
+#include <fmt/format.h>
+
 #include "sim/measure/import/table_parts.h"
 
 namespace caltwin {
@@ -11,78 +13,47 @@ namespace {
 
 struct PartWords {
   Part part = Part::kNone;
-  std::vector<std::string_view> words{};
+  std::string_view words{};  ///< Parted by blanks.
 };
 
 // The first part one of whose words stands in a heading.
-const std::vector<PartWords>& AllWords() {
-  static const std::vector<PartWords> kAll = {
-      {Part::kFeed, {"feed", "feedrate", "speed", "f"}},
-      {Part::kHome, {"home", "homing"}},
-      {Part::kSteps, {"steps", "step", "microsteps"}},
-      {Part::kSense, {"dir", "direction", "sense", "approach", "moving"}},
-      {Part::kTemperature,
-       {"pinda",
-        "temp",
-        "temperature",
-        "bed",
-        "nozzle",
-        "frame",
-        "chamber",
-        "ambient",
-        "room",
-        "screw"}},
-      {Part::kDeviation,
-       {"error", "err", "deviation", "dev", "diff", "difference", "off", "delta"}},
-      {Part::kActual,
-       {"actual",   "measured", "measure",   "meas",      "reading",  "read",
-        "reads",    "moved",    "real",      "got",       "calliper", "caliper",
-        "calipers", "gauge",    "indicator", "dial",      "dro",      "laser",
-        "observed", "seen",     "result",    "travelled", "printed",  "ruler",
-        "engraved", "milled",   "enlev",     "removed",   "ist",      "gemessen",
-        "mesure",   "says",     "burned",    "made",      "obtained", "achieved",
-        "actually", "scale",    "is",        "cut",       "display",  "came"}},
-      {Part::kCommanded,
-       {"commanded", "command",    "cmd",         "target",    "nominal",  "set",
-        "setpoint",  "expected",   "told",        "requested", "ideal",    "design",
-        "designed",  "programmed", "size",        "model",     "asked",    "jog",
-        "avance",    "consigne",   "soll",        "vorgabe",   "gcode",    "drawing",
-        "should",    "drawn",      "wanted",      "desired",   "intended", "ordered",
-        "nom",       "theory",     "theoretical", "sent",      "cad"}},
-      {Part::kHeight,
-       {"height",
-        "z",
-        "probe",
-        "probed",
-        "trigger",
-        "offset",
-        "gap",
-        "feeler",
-        "clearance"}},
-      {Part::kRun,
-       {"run",
-        "rep",
-        "repeat",
-        "repetition",
-        "trial",
-        "sample",
-        "no",
-        "n",
-        "nr",
-        "touch",
-        "try",
-        "pass",
-        "pecks",
-        "lifts",
-        "cycles",
-        "laps",
-        "loops"}},
-      {Part::kTime, {"time", "t", "min", "minutes", "s", "sec", "seconds", "minute"}},
-      {Part::kPosition, {"position", "pos", "distance", "travel", "length", "at"}},
-      {Part::kAxis, {"axis"}},
-      {Part::kSetup,
-       {"setup", "part", "place", "line", "piece", "feature", "calibration"}}};
-  return kAll;
+constexpr std::array kAllWords = {
+    PartWords{Part::kFeed, "feed feedrate speed f"},
+    PartWords{Part::kHome, "home homing"},
+    PartWords{Part::kSteps, "steps step microsteps"},
+    PartWords{Part::kSense, "dir direction sense approach moving"},
+    PartWords{Part::kTemperature,
+              "pinda temp temperature bed nozzle frame chamber ambient room screw"},
+    PartWords{Part::kDeviation, "error err deviation dev diff difference off delta"},
+    PartWords{Part::kActual,
+              "actual measured measure meas reading read reads moved real got calliper "
+              "caliper calipers gauge indicator dial dro laser observed seen result "
+              "travelled printed ruler engraved milled enlev removed ist gemessen "
+              "mesure says burned made obtained achieved actually scale is cut display "
+              "came"},
+    PartWords{
+        Part::kCommanded,
+        "commanded command cmd target nominal set setpoint expected told "
+        "requested ideal design designed programmed size model asked jog avance "
+        "consigne soll vorgabe gcode drawing should drawn wanted desired intended "
+        "ordered nom theory theoretical sent cad"},
+    PartWords{Part::kHeight,
+              "height z probe probed trigger offset gap feeler clearance"},
+    PartWords{
+        Part::kRun,
+        "run rep repeat repetition trial sample no n nr touch try pass pecks lifts "
+        "cycles laps loops"},
+    PartWords{Part::kTime, "time t min minutes s sec seconds minute"},
+    PartWords{Part::kPosition, "position pos distance travel length at"},
+    PartWords{Part::kAxis, "axis"},
+    PartWords{Part::kSetup, "setup part place line piece feature calibration"}};
+
+// Whether one of `tokens` stands among `words`.
+bool HasAny(std::string_view words, const std::vector<std::string>& tokens) {
+  const std::string parted = fmt::format(" {} ", words);
+  return std::ranges::any_of(tokens, [&](const std::string& token) {
+    return parted.find(fmt::format(" {} ", token)) != std::string::npos;
+  });
 }
 
 double Row::*TemperatureOf(const std::vector<std::string>& tokens) {
@@ -118,13 +89,12 @@ TableColumn ColumnOf(const CsvField& heading, std::size_t index) {
   // "bed" is a temperature only beside a word or unit of one.
   const bool is_hot = has("temp") || has("temperature") || has("c") || has("degc") ||
                       (has("t") && tokens.size() > 1);
-  for (const PartWords& words : AllWords()) {
+  for (const PartWords& words : kAllWords) {
     const bool is_meant = words.part == Part::kTemperature ? is_hot
                           : words.part == Part::kSteps
                               ? has("mm") || !StepsSetting(heading.text).empty()
                               : true;
-    if (column.part == Part::kNone && is_meant &&
-        std::ranges::any_of(words.words, has)) {
+    if (column.part == Part::kNone && is_meant && HasAny(words.words, tokens)) {
       column.part = words.part;
     }
   }

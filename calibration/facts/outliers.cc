@@ -1,0 +1,176 @@
+#include "calibration/facts/outliers.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <string>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "calibration/facts/cells.h"
+#include "calibration/facts/repeats.h"
+#include "sim/base/median.h"
+#include "sim/base/units.h"
+#include "sim/base/with_sd.h"
+
+namespace caltwin {
+namespace {
+
+double MedianOf(const Rows& rows) {
+  std::vector<double> values_mm;
+  for (const Row* row : rows) values_mm.push_back(row->value_mm);
+  std::ranges::sort(values_mm);
+  const std::size_t half = values_mm.size() / 2;
+  return values_mm.size() % 2 == 1 ? values_mm[half]
+                                   : (values_mm[half - 1] + values_mm[half]) / 2;
+}
+
+// How far a reading may be from the middle of its place, by campaign: ten times the
+// usual distance of all its places with three readings or more; none where there are
+// too few.
+std::map<std::string, double> FarLimits_mm(const std::vector<Rows>& cells,
+                                           double resolution_mm) {
+  constexpr std::size_t kFewest = 3, kFewestInAll = 4;
+  constexpr double kFar = 10;
+  std::map<std::string, std::vector<double>> sizes_mm;
+  for (const Rows& cell : cells) {
+    if (cell.size() < kFewest) continue;
+    const double middle_mm = MedianOf(cell);
+    for (const Row* row : cell) {
+      sizes_mm[cell.front()->campaign].push_back(std::abs(row->value_mm - middle_mm));
+    }
+  }
+  std::map<std::string, double> limits_mm;
+  for (const auto& [campaign, sizes] : sizes_mm) {
+    if (sizes.size() < kFewestInAll) continue;
+    limits_mm[campaign] =
+        kFar * std::max(kSigmaOfMedian * Median(sizes), std::max(resolution_mm, 1e-6));
+  }
+  return limits_mm;
+}
+
+}  // namespace
+
+void LeaveOutFar(const std::vector<Rows>& cells,
+                 std::vector<Rows>* batches,
+                 double resolution_mm,
+                 std::set<std::int64_t>* outliers) {
+  constexpr std::size_t kFewest = 3;
+  const auto limits_mm = FarLimits_mm(cells, resolution_mm);
+  std::set<std::int64_t> far;
+  std::map<std::int64_t, double> far_mm, limit_of_mm;
+  for (const Rows& cell : cells) {
+    const auto limit = limits_mm.find(cell.front()->campaign);
+    if (cell.size() < kFewest || limit == limits_mm.end()) continue;
+    const double limit_mm = limit->second;
+    const double middle_mm = MedianOf(cell);
+    Rows here;
+    for (const Row* row : cell) {
+      if (std::abs(row->value_mm - middle_mm) > limit_mm) here.push_back(row);
+    }
+    if (3 * here.size() > cell.size()) continue;
+    for (const Row* row : here) {
+      far.insert(row->row);
+      far_mm[row->row] = std::abs(row->value_mm - middle_mm);
+      limit_of_mm[row->row] = limit_mm;
+    }
+  }
+  for (Rows& batch : *batches) {
+    // All of a homing session are far together, beside each other: no bad reading.
+    Rows own;
+    for (const Row* row : batch) {
+      if (far.contains(row->row)) own.push_back(row);
+    }
+    if (own.empty()) continue;
+    const bool is_session = batch.front()->home != batches->front().front()->home ||
+                            batches->size() > cells.size();
+    const auto [low, high] = std::ranges::minmax(own, {}, &Row::value_mm);
+    const bool are_together =
+        high->value_mm - low->value_mm < limit_of_mm.at(own.front()->row);
+    if (is_session && own.size() == batch.size() && own.size() > 1) {
+      if (are_together) continue;
+      // They contradict each other: the one that is further from the place's middle.
+      const auto further = std::ranges::max_element(
+          own, {}, [&](const Row* row) { return far_mm.at(row->row); });
+      own = {*further};
+    }
+    for (const Row* row : own) outliers->insert(row->row);
+    std::erase_if(batch, [&](const Row* row) {
+      return std::ranges::find(own, row) != own.end();
+    });
+  }
+  std::erase_if(*batches, [](const Rows& batch) { return batch.empty(); });
+}
+
+void AddOutliers(const std::set<std::int64_t>& outliers,
+                 const Rows& rows,
+                 Facts* facts) {
+  if (outliers.empty()) return;
+  Fact fact{.id = "outliers",
+            .figures = {{"count", static_cast<double>(outliers.size())}},
+            .rows = {outliers.begin(), outliers.end()},
+            .is_answer = true};
+  double worst_mm = 0;
+  for (const auto& [key, cell] : CellsOf(rows, kAnyHome | kAnyCampaign)) {
+    Rows good;
+    for (const Row* row : cell) {
+      if (!outliers.contains(row->row)) good.push_back(row);
+    }
+    if (good.empty() || good.size() == cell.size()) continue;
+    for (const Row* row : cell) {
+      if (!outliers.contains(row->row)) continue;
+      worst_mm = std::max(worst_mm, std::abs(row->value_mm - MedianOf(good)));
+    }
+  }
+  fact.sentence =
+      outliers.size() == 1
+          ? fmt::format(
+                "Row {} is {} um from the others of its place: a bad reading, "
+                "left out",
+                *outliers.begin(),
+                TwoDigits(UmFromMm(worst_mm)))
+          : fmt::format(
+                "Rows {} are up to {} um from the others of their places: bad "
+                "readings, left out",
+                fmt::join(fact.rows, ", "),
+                TwoDigits(UmFromMm(worst_mm)));
+  facts->all.push_back(std::move(fact));
+}
+
+void AddContradiction(const std::vector<Rows>& batches,
+                      const DataHeader& header,
+                      Facts* facts) {
+  constexpr double kFar = 5;
+  const Row *one = nullptr, *other = nullptr;
+  double worst = kFar;
+  for (const Rows& batch : batches) {
+    const auto [low, high] = std::ranges::minmax_element(batch, {}, &Row::value_mm);
+    const double sd_mm =
+        std::hypot(StatedSigma_mm(**low, header), StatedSigma_mm(**high, header));
+    if (!Known(sd_mm) || sd_mm <= 0) continue;
+    const double sigmas = ((*high)->value_mm - (*low)->value_mm) / sd_mm;
+    if (sigmas <= worst) continue;
+    worst = sigmas;
+    one = *low;
+    other = *high;
+  }
+  if (one == nullptr) return;
+  facts->all.push_back(
+      {.id = "contradiction",
+       .figures = {{"sigmas", worst},
+                   {"apart_um", UmFromMm(other->value_mm - one->value_mm)}},
+       .rows = {std::min(one->row, other->row), std::max(one->row, other->row)},
+       .sigmas = worst,
+       .sentence = fmt::format(
+           "Rows {} and {} measure the same and are {} um apart, {:.0f} times what "
+           "their "
+           "stated uncertainties allow: one of them, or the stated figure, is wrong",
+           std::min(one->row, other->row),
+           std::max(one->row, other->row),
+           TwoDigits(UmFromMm(other->value_mm - one->value_mm)),
+           worst),
+       .is_answer = true});
+}
+
+}  // namespace caltwin
