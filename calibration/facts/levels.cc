@@ -153,12 +153,12 @@ std::vector<Rows> ByHome(const Rows& rows) {
   return batches;
 }
 
-double Within::sd_mm() const {
+double BatchScatter::sd_mm() const {
   return dof > 0 ? std::sqrt(squares_mm2 / dof) : kUnknown;
 }
 
-Within WithinOf(const std::vector<Rows>& batches) {
-  Within within;
+BatchScatter ScatterWithin(const std::vector<Rows>& batches) {
+  BatchScatter within;
   for (const Rows& batch : batches) {
     within.squares_mm2 += SquaresAbout(batch, MeanOf(batch));
     within.dof += static_cast<double>(batch.size()) - 1;
@@ -171,7 +171,7 @@ void AddHomings(const std::vector<Rows>& batches,
                 double resolution_mm,
                 Facts* facts) {
   constexpr double kMostChance = 1e-3;
-  Within within = WithinOf(batches);
+  BatchScatter within = ScatterWithin(batches);
   const double rounding_mm = resolution_mm / std::sqrt(12.0);
   within.squares_mm2 =
       std::max(within.squares_mm2, within.dof * rounding_mm * rounding_mm);
@@ -232,7 +232,7 @@ void AddHomings(const std::vector<Rows>& batches,
 
 void AddJump(const std::vector<Rows>& levels, Facts* facts) {
   const double change_mm = MeanOf(levels[1]) - MeanOf(levels[0]);
-  const Within within = WithinOf(levels);
+  const BatchScatter within = ScatterWithin(levels);
   const double sd_mm =
       within.sd_mm() * std::sqrt(1.0 / static_cast<double>(levels[0].size()) +
                                  1.0 / static_cast<double>(levels[1].size()));

@@ -40,13 +40,13 @@ std::vector<Rows> WithoutExcursions(std::vector<Rows> levels,
 std::vector<Rows> ByHome(const Rows& rows);
 
 /// Scatter about the mean of each batch.
-struct Within {
+struct BatchScatter {
   double squares_mm2 = 0;
   double dof = 0;
   double sd_mm() const;  ///< kUnknown without degrees of freedom.
 };
 
-Within WithinOf(const std::vector<Rows>& batches);
+BatchScatter ScatterWithin(const std::vector<Rows>& batches);
 
 /// Batches of one place: how far their means scatter beyond what each shows by itself.
 void AddHomings(const std::vector<Rows>& batches,

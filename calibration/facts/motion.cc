@@ -276,6 +276,15 @@ void AddReversal(const Line& line, double noise_mm, std::size_t axis, Facts* fac
   facts->all.push_back(std::move(fact));
 }
 
+// What part of the rows facts from `first` on are of, where others say the same of the
+// same axis.
+void NamePart(const Row& row, std::size_t first, Facts* facts) {
+  for (std::size_t k = first; k < facts->all.size(); ++k) {
+    facts->all[k].sentence =
+        fmt::format("By the rows of '{}': {}", row.campaign, facts->all[k].sentence);
+  }
+}
+
 // Rows of one gauge along one axis.
 void AddAlong(const Rows& rows, const Repeats& repeats, Facts* facts) {
   using Key = std::pair<std::string, int>;
@@ -287,8 +296,13 @@ void AddAlong(const Rows& rows, const Repeats& repeats, Facts* facts) {
     series[{row->campaign + "|" + row->setup + "|" + row->settings, axis}].push_back(
         row);
   }
+  std::map<int, std::set<std::string>> campaigns;
+  for (const auto& [key, all] : series) {
+    campaigns[key.second].insert(all.front()->campaign);
+  }
   for (const auto& [key, all] : series) {
     const auto axis = static_cast<std::size_t>(key.second);
+    const std::size_t first = facts->all.size();
     if (AddDeadZone(all, axis, facts) || IsWithinStep(all, axis, facts)) continue;
     const Line line = FitBeyondGap(Without(all, repeats.outliers), axis);
     if (line.dof < 0) continue;
@@ -298,6 +312,7 @@ void AddAlong(const Rows& rows, const Repeats& repeats, Facts* facts) {
       AddLostPerMove(line, noise_mm, axis, facts);
     }
     AddReversal(line, noise_mm, axis, facts);
+    if (campaigns[key.second].size() > 1) NamePart(*all.front(), first, facts);
   }
 }
 

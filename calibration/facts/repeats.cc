@@ -146,14 +146,14 @@ class RepeatReader {
     LeaveOutFar(cells_, &found_.batches, resolution_mm_, &found_.outliers);
     constexpr double kEnoughOfCampaign = 5;
     double squares_mm2 = drifted_mm2_, dof = drifted_dof_;
-    std::map<std::string, Within> by_campaign;
+    std::map<std::string, BatchScatter> by_campaign;
     for (const Rows& batch : found_.batches) {
       if (batch.size() < 2 || drifted_.contains(batch.front())) continue;
       if (IsWarmed(batch)) continue;  // Readings at other temperatures are no repeats.
       ++num_places_;
       squares_mm2 += SquaresAbout(batch, MeanOf(batch));
       dof += static_cast<double>(batch.size()) - 1;
-      Within& own = by_campaign[batch.front()->campaign];
+      BatchScatter& own = by_campaign[batch.front()->campaign];
       own.squares_mm2 += SquaresAbout(batch, MeanOf(batch));
       own.dof += static_cast<double>(batch.size()) - 1;
     }

@@ -90,7 +90,7 @@ ObservabilityReport PlanModel::Report() const {
   for (const std::string& name : names) {
     UnknownColumn column{.name = name};
     if (name.starts_with("steps_per_mm.")) {
-      const Axis axis = *AxisNamed(name.substr(name.size() - 1));
+      const Axis axis = AxisNamed(name.substr(name.size() - 1)).value();
       column.mm_per_unit =
           kTypicalTravel_mm / session_->Believed(Setting::kStepsPerMm, axis);
     }

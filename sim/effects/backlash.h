@@ -51,7 +51,7 @@ struct Backlash {
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {
-    const Drive drive = *DriveNamed(asked.axis);
+    const Drive drive = DriveNamed(asked.axis).value();
     const bool is_z = asked.axis == "z";
     if (is_z && WeightKeepsGapShut(Axis::kZ, asked.machine.axis(Axis::kZ))) return;
     errors->lost_motion_mm[drive.index] += asked.p[0];

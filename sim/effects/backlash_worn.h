@@ -41,7 +41,7 @@ struct BacklashWorn {
   static void Neutral(const Machine& machine,
                       std::string_view axis,
                       std::span<double> values) {
-    const AxisDrawing& drawing = machine.axis(*AxisNamed(axis));
+    const AxisDrawing& drawing = machine.axis(AxisNamed(axis).value());
     values[0] = 0;
     values[1] = drawing.mid_mm();
     values[2] = drawing.travel_mm() / 2;
@@ -57,7 +57,7 @@ struct BacklashWorn {
                     const Extent& extent) {
     constexpr int kNumCentres = 9;
     constexpr double kLeastPartOfTravel = 0.05;
-    const Axis axis = *AxisNamed(name);
+    const Axis axis = AxisNamed(name).value();
     const double span_mm = Span_mm(extent, axis);
     if (span_mm < kLeastPartOfTravel * machine.axis(axis).travel_mm()) return {};
     Forms forms;
@@ -103,7 +103,7 @@ struct BacklashWorn {
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {
     using std::exp;
-    const Axis axis = *AxisNamed(asked.axis);
+    const Axis axis = AxisNamed(asked.axis).value();
     if (WeightKeepsGapShut(axis, asked.machine.axis(axis))) return;
     const int i = Index(axis);
     const T half_widths = (asked.q_mm[i] - asked.p[1]) / (asked.p[2] / 2.0);

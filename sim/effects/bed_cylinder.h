@@ -53,7 +53,7 @@ struct BedCylinder {
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {
-    const T along = OnPlate(asked)[Index(*AxisNamed(asked.axis))];
+    const T along = OnPlate(asked)[Index(AxisNamed(asked.axis).value())];
     // The edges of a round bed are on its rim.
     const double at_edge = asked.at.rim_mm > 0 ? 0.5 : 1.0;
     AddHeight(asked, T(MmFromUm(asked.p[0]) * at_edge * along * along), errors);

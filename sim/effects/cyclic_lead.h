@@ -39,7 +39,7 @@ struct CyclicLead {
                       std::string_view axis,
                       std::span<double> values) {
     values[0] = values[1] = 0;
-    values[2] = machine.axis(*AxisNamed(axis)).lead_mm;
+    values[2] = machine.axis(AxisNamed(axis).value()).lead_mm;
   }
   static Shown In(std::string_view axis) {
     return {.channel = std::string(axis), .covariates = {std::string(axis)}};
@@ -48,7 +48,7 @@ struct CyclicLead {
   static Forms Grid(const Machine& machine,
                     std::string_view name,
                     const Extent& extent) {
-    const Axis axis = *AxisNamed(name);
+    const Axis axis = AxisNamed(name).value();
     const AxisDrawing& drawing = machine.axis(axis);
     if (drawing.is_belt) return {};
     return OfOne(Periods_mm(drawing.lead_mm, Span_mm(extent, axis)));
@@ -88,7 +88,7 @@ struct CyclicLead {
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {
-    const int i = Index(*AxisNamed(asked.axis));
+    const int i = Index(AxisNamed(asked.axis).value());
     errors->motion_mm[i] += Wave_mm(asked.p[0], asked.p[1], asked.q_mm[i], asked.p[2]);
   }
 };

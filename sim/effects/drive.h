@@ -34,13 +34,13 @@ constexpr std::optional<Drive> DriveNamed(std::string_view name) {
 
 /// Its word as a covariate: "x", or "motor_a" (a screw's too).
 inline std::string DriveCovariate(std::string_view name) {
-  const Drive drive = *DriveNamed(name);
+  const Drive drive = DriveNamed(name).value();
   if (!drive.is_motor) return std::string(name);
   return std::string("motor_") + "abc"[drive.index];
 }
 /// The word of its sense: "dir_x", or "dir_a".
 inline std::string SenseCovariate(std::string_view name) {
-  const Drive drive = *DriveNamed(name);
+  const Drive drive = DriveNamed(name).value();
   return std::string("dir_") + (drive.is_motor ? "abc"[drive.index] : name[0]);
 }
 
@@ -48,7 +48,7 @@ inline std::string SenseCovariate(std::string_view name) {
 /// height.
 inline const AxisDrawing& TravelOf(const Machine& machine, std::string_view name) {
   constexpr std::size_t kHeight = 2;
-  const Drive drive = *DriveNamed(name);
+  const Drive drive = DriveNamed(name).value();
   return machine.axes[drive.is_screw ? kHeight : drive.slot()];
 }
 
@@ -77,7 +77,7 @@ inline std::optional<Vec3<double>> MotorDirOf(const At& at) {
 /// Where it stands by command [mm], motors as in MotorsOf_mm.
 template <typename T>
 T DriveAt_mm(const Asked<T>& asked) {
-  const Drive drive = *DriveNamed(asked.axis);
+  const Drive drive = DriveNamed(asked.axis).value();
   if (!drive.is_motor) return asked.q_mm[drive.index];
   const auto motors_mm = drive.is_screw ? ScrewsOf_mm(asked.at) : MotorsOf_mm(asked.at);
   return T(motors_mm ? (*motors_mm)[drive.index] : 0.0);
@@ -86,7 +86,7 @@ T DriveAt_mm(const Asked<T>& asked) {
 /// What it moves further than commanded [mm], in its own sense.
 template <typename T>
 T& DriveError_mm(std::string_view axis, Errors<T>* errors) {
-  const Drive drive = *DriveNamed(axis);
+  const Drive drive = DriveNamed(axis).value();
   if (drive.is_screw) return errors->screw_mm[drive.index];
   return drive.is_motor ? errors->motor_mm[drive.index]
                         : errors->motion_mm[drive.index];

@@ -26,7 +26,7 @@ double Span_mm(const Extent& extent, Axis axis) {
 }
 
 double DriveSpan_mm(const Extent& extent, std::string_view name) {
-  const Drive drive = *DriveNamed(name);
+  const Drive drive = DriveNamed(name).value();
   return drive.is_motor
              ? extent.motor_max_mm[drive.index] - extent.motor_min_mm[drive.index]
              : extent.q_max_mm[drive.index] - extent.q_min_mm[drive.index];

@@ -199,7 +199,7 @@ double BuiltValue(const Machine& machine,
                   std::size_t parameter) {
   double value = NeutralEffect(effect, axis, machine).values[parameter];
   if (EffectAt(effect).name == ProbePretravel::kDeclaration.name) {
-    const int i = Index(*AxisNamed(axis.substr(0, 1)));
+    const int i = Index(AxisNamed(axis.substr(0, 1)).value());
     const auto both = ErrorsAt<double>(machine, At{}, effects).pretravel_mm[i];
     if (axis.ends_with('+')) return both[0];
     if (axis.ends_with('-')) return both[1];

@@ -54,7 +54,7 @@ struct PitchMap {
   static void Add(const Asked<T>& asked, Errors<T>* errors) {
     const MapWords words{
         .channel = asked.axis, .covariates = {asked.axis, ""}, .num_covariates = 1};
-    errors->motion_mm[Index(*AxisNamed(asked.axis))] +=
+    errors->motion_mm[Index(AxisNamed(asked.axis).value())] +=
         MmFromUm(MapValue(asked.p, words, asked.at));
   }
 };

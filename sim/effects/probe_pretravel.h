@@ -49,7 +49,8 @@ struct ProbePretravel {
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {
-    auto& both = errors->pretravel_mm[Index(*AxisNamed(asked.axis.substr(0, 1)))];
+    auto& both =
+        errors->pretravel_mm[Index(AxisNamed(asked.axis.substr(0, 1)).value())];
     const bool plus = !asked.axis.ends_with('-');
     const bool minus = !asked.axis.ends_with('+');
     if (plus) both[0] = asked.p[0];

@@ -78,7 +78,7 @@ struct ReversalSpike {
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {
     using std::exp;
-    const int i = Index(*AxisNamed(asked.axis));
+    const int i = Index(AxisNamed(asked.axis).value());
     const double since_mm = asked.at.since_rev_mm[i];
     if (!Known(since_mm)) return;
     errors->motion_mm[i] -=

@@ -71,7 +71,7 @@ struct ThermalScrew {
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {
     if (asked.at.climate == nullptr) return;
-    const Axis axis = *AxisNamed(asked.axis);
+    const Axis axis = AxisNamed(asked.axis).value();
     const int i = Index(axis);
     const T from_home_mm = asked.q_mm[i] - asked.machine.axis(axis).home_mm();
     const T warmer_k =

@@ -54,7 +54,7 @@ struct WindupLoad {
 
   template <typename T>
   static void Add(const Asked<T>& asked, Errors<T>* errors) {
-    const Drive drive = *DriveNamed(asked.axis);
+    const Drive drive = DriveNamed(asked.axis).value();
     const double load_n = Known(asked.at.load_n)
                               ? asked.at.load_n
                               : asked.machine.axes[drive.slot()].rail_friction_n;

@@ -219,7 +219,7 @@ const std::vector<double>& CampaignOptions::Numbers(std::string_view name) const
   return std::get<std::vector<double>>(At(name));
 }
 Axis CampaignOptions::axis(std::string_view name) const {
-  return *AxisNamed(Text(name));
+  return AxisNamed(Text(name)).value();
 }
 
 std::map<std::string, std::string> CampaignOptions::AsWritten() const {

@@ -77,6 +77,8 @@ class Reader {
       throw InputError(PlaceOf(header->front()),
                        "no measured rows: only a header stands here");
     }
+    // A table without numbers is one whose rows all have the number 0.
+    if (table_.rows.size() == 1 && table_.rows[0].row == 0) table_.rows[0].row = 1;
     table_.comments = csv_.comments();
     return std::move(table_);
   }

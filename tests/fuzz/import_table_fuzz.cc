@@ -6,8 +6,8 @@
 // Tables known by their headings, screw tables, configurations; the first byte chooses
 // the kind. Whatever stands in it, a file has a kind.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  constexpr std::array<const char*, 4> kKinds = {
-      "table", "screw-table", "printer-cfg", "marlin-config"};
+  constexpr std::array<const char*, 5> kKinds = {
+      "table", "screw-table", "printer-cfg", "marlin-config", "xml-heightmap"};
   if (size == 0) return 0;
   caltwin::KindOfText(std::string(data + 1, data + size), "f.csv");
   return caltwin::TryImport(kKinds[data[0] % kKinds.size()],

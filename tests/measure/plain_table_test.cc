@@ -71,6 +71,14 @@ TEST(PlainTable, HeadingsThatSayTooLittleAreListed) {
               ::testing::ThrowsMessage<InputError>(HasSubstr("1 'foo', 2 'bar'")));
 }
 
+// Found by a fuzzer: one line of two says what it is of.
+TEST(PlainTable, ALineMayHaveNoLabel) {
+  const Imported imported = Read("part,told,moved\n,10,9.9\nrail,20,19.9\n");
+
+  ASSERT_THAT(imported.table.rows, SizeIs(2));
+  for (const Row& row : imported.table.rows) EXPECT_THAT(row.extra, SizeIs(1));
+}
+
 TEST(PlainTable, MarkdownAndHtml) {
   EXPECT_EQ(WithoutMarkup("words\n| a | b |\n|---|---|\n| 1 | 2 |\n"),
             "\na\tb\n\n1\t2\n");

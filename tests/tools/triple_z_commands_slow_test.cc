@@ -36,12 +36,13 @@ TEST(TripleZCommands, WhatARunRecordsIsDiagnosed) {
   const TempFolder folder;
   const std::string rows = (folder / "rows.csv").string();
   const std::string json = (folder / "answer.json").string();
-  Printed(DeclareRun,
-          {CALTWIN_SOURCE_DIR "/scenarios/tz_three_motors_in_a_ring.yaml",
-           "--fidelity",
-           "fast",
-           "--record",
-           rows});
+  Printed(
+      DeclareRun,
+      {std::string(CALTWIN_SOURCE_DIR) + "/scenarios/tz_three_motors_in_a_ring.yaml",
+       "--fidelity",
+       "fast",
+       "--record",
+       rows});
 
   Printed(DeclareDiagnose, {rows, "--replay", "none", "--json", json});
 

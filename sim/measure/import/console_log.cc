@@ -115,7 +115,9 @@ class LogReader {
     faults_.ThrowIfAny();
     story_.Tell(&imported_);
     grbl_.Tell(&imported_);
-    if (imported_.table.rows.empty()) ReadTableBelow(options);
+    const bool has_readings = !imported_.table.rows.empty() || !calibrated_.empty() ||
+                              !imported_.levelling.differences_mm.empty();
+    if (!has_readings) ReadTableBelow(options);
     AddDifferences();
     AddCalibrations();
     if (imported_.table.rows.empty() && imported_.machine_yaml.empty() &&

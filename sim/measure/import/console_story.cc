@@ -145,8 +145,9 @@ bool ConsoleStory::TakeAdjustment(const ConsoleLine& line, const std::string& ho
     levelling_.rounds.back().moved_mm.push_back(moved_mm[0]);
     return true;
   }
-  if (line.lower.starts_with("leadscrew adjustments made")) {
-    const std::size_t colon = line.lower.find(':');
+  const std::size_t colon = line.lower.find(':');
+  if (line.lower.starts_with("leadscrew adjustments made") &&
+      colon != std::string::npos) {
     const std::size_t comma = line.lower.find(',', colon);
     levelling_.rounds.push_back(
         {.home = home, .moved_mm = NumbersOf(line.lower.substr(colon, comma - colon))});

@@ -46,8 +46,11 @@ class TableReader {
     }
     faults_.ThrowIfAny();
     if (imported_.table.rows.empty() && imported_.notes.empty()) ThrowWithColumns();
+    if (imported_.table.rows.empty()) imported_.table.extra_columns.clear();
     for (Row& row : imported_.table.rows) {
       if (!options_.campaign.empty()) row.campaign = options_.campaign;
+      // A line may have no label.
+      row.extra.resize(imported_.table.extra_columns.size());
     }
     imported_.recognised.insert(imported_.recognised.begin(),
                                 fmt::format("a table of {} lines: {} readings",

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -103,6 +105,54 @@ bool IsSmall(const Spreadsheet& sheet, const Difference& columns) {
   return most - least < kSmall * apart;
 }
 
+// What it means that c = a - b in every line; nothing: no reason that people know.
+std::optional<FileNote> NoteOn(const Spreadsheet& sheet, const Difference& columns) {
+  const std::string& a = sheet.headings[columns.a].text;
+  const std::string& b = sheet.headings[columns.b].text;
+  const std::string& c = sheet.headings[columns.c].text;
+  FileNote note{.kind = FileNote::Kind::kElsewhere};
+  if (IsWorkOffset(c)) {
+    note.what = "work_offset";
+    note.sentence = fmt::format(
+        "'{}' and '{}' differ by '{}' in every line, whatever else changes: one of the "
+        "two was taken in work coordinates and the other in machine coordinates. The "
+        "machine does what it is told; correct the routine, or measure with that "
+        "offset "
+        "at 0",
+        a,
+        b,
+        c);
+    return note;
+  }
+  if (!IsSmall(sheet, columns)) return std::nullopt;
+  note.what = "gauge";
+  note.sentence = fmt::format(
+      "'{}' is '{}' less '{}' in every line: what is believed of the block or plate is "
+      "wrong, and the machine does what it is told. Enter the measured size",
+      c,
+      a,
+      b);
+  return note;
+}
+
+std::vector<Difference> AllDifferences(const Spreadsheet& sheet,
+                                       const std::vector<std::size_t>& numbers) {
+  std::vector<Difference> all;
+  for (const std::size_t a : numbers) {
+    for (const std::size_t b : numbers) {
+      for (const std::size_t c : numbers) {
+        if (a != b && b != c && a != c) all.push_back({a, b, c});
+      }
+    }
+  }
+  std::erase_if(all, [&](const Difference& columns) {
+    return IsBeforeAndAfter(sheet.headings[columns.a].text,
+                            sheet.headings[columns.b].text) ||
+           !IsDifference(sheet, columns);
+  });
+  return all;
+}
+
 }  // namespace
 
 void AddDifferences(const Spreadsheet& sheet, Imported* imported) {
@@ -117,45 +167,11 @@ void AddDifferences(const Spreadsheet& sheet, Imported* imported) {
       sheet.records.size() < kFewest || !imported->notes.empty()) {
     return;
   }
-  const auto name = [&](std::size_t i) {
-    return sheet.headings[i].text;
-  };
-  for (const std::size_t a : numbers) {
-    for (const std::size_t b : numbers) {
-      for (const std::size_t c : numbers) {
-        const Difference columns{a, b, c};
-        if (a == b || b == c || a == c || IsBeforeAndAfter(name(a), name(b)) ||
-            !IsDifference(sheet, columns)) {
-          continue;
-        }
-        FileNote note{.kind = FileNote::Kind::kElsewhere};
-        if (IsWorkOffset(name(c))) {
-          note.what = "work_offset";
-          note.sentence = fmt::format(
-              "'{}' and '{}' differ by '{}' in every line, whatever else changes: one "
-              "of the two was taken in work coordinates and the other in machine "
-              "coordinates. The machine does what it is told; correct the routine, or "
-              "measure with that offset at 0",
-              name(a),
-              name(b),
-              name(c));
-        } else if (IsSmall(sheet, columns)) {
-          note.what = "gauge";
-          note.sentence = fmt::format(
-              "'{}' is '{}' less '{}' in every line: what is believed of the block or "
-              "plate is wrong, and the machine does what it is told. Enter the "
-              "measured "
-              "size",
-              name(c),
-              name(a),
-              name(b));
-        } else {
-          continue;
-        }
-        imported->notes.push_back(std::move(note));
-        return;
-      }
-    }
+  for (const Difference& columns : AllDifferences(sheet, numbers)) {
+    std::optional<FileNote> note = NoteOn(sheet, columns);
+    if (!note) continue;
+    imported->notes.push_back(std::move(*note));
+    return;
   }
 }
 

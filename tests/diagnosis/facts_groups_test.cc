@@ -1,0 +1,193 @@
+// Facts of groups of readings, of what came before them and of the direction they came
+// from, against closed forms.
+
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "calibration/facts/fact.h"
+#include "sim/base/rng.h"
+
+namespace caltwin {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+
+Facts Of(std::vector<Row> rows, const DataHeader& header = {}) {
+  RowTable table{.rows = std::move(rows)};
+  std::int64_t number = 0;
+  for (Row& row : table.rows) row.row = ++number;
+  return FactsOf(table, header, {});
+}
+
+double Figure(const Fact& fact, const std::string& key) {
+  for (const FactFigure& figure : fact.figures) {
+    if (figure.key == key) return figure.value;
+  }
+  return kUnknown;
+}
+
+Row Move(std::size_t axis, double told_mm, double off_mm, double sense = kUnknown) {
+  Row row{.campaign = "moves", .flag = "move"};
+  row.cmd_mm[axis] = told_mm;
+  row.dir[axis] = sense;
+  row.n[axis] = 1;
+  row.value_mm = off_mm;
+  return row;
+}
+
+Row Height(double x_mm, double y_mm, double z_mm, std::string campaign = "map") {
+  Row row{.campaign = std::move(campaign),
+          .kind = RowKind::kTouch,
+          .setup = "bed",
+          .feature = "bed.top"};
+  row.cmd_mm = {x_mm, y_mm, kUnknown};
+  row.dir = {kUnknown, kUnknown, -1};
+  row.n = {0, 0, 1};
+  row.value_mm = z_mm;
+  return row;
+}
+
+TEST(FactsOfGroups, TwoGaugesThatTellTwoTiltsContradictEachOther) {
+  std::vector<Row> rows;
+  for (const double x : {0.0, 100.0, 200.0}) {
+    for (const double y : {0.0, 100.0}) {
+      rows.push_back(Height(x, y, 0.001 * x, "gauge_probe"));
+      rows.push_back(Height(x, y, 0.0, "gauge_dial"));
+    }
+  }
+  const Facts facts = Of(rows);
+
+  const Fact* fact = facts.Find("contradiction");
+  ASSERT_NE(fact, nullptr);
+  EXPECT_EQ(fact->axis, "x");
+  EXPECT_NEAR(Figure(*fact, "slope_mrad"), -1, 1e-9);
+  EXPECT_THAT(facts.not_determined, Contains("cause"));
+}
+
+TEST(FactsOfGroups, GaugesThatAgreeDoNot) {
+  std::vector<Row> rows;
+  for (const double x : {0.0, 100.0, 200.0}) {
+    for (const double y : {0.0, 100.0}) {
+      rows.push_back(Height(x, y, 0.001 * x, "gauge_probe"));
+      rows.push_back(Height(x, y, 0.001 * x + 0.5, "gauge_dial"));
+    }
+  }
+  EXPECT_EQ(Of(rows).Find("contradiction"), nullptr);
+}
+
+TEST(FactsOfGroups, TrialsMustGoAsTheirStepsPerMm) {
+  DataHeader header;
+  header.settings["a"].steps_per_mm = {{"x", 80}};
+  header.settings["b"].steps_per_mm = {{"x", 160}};
+  const auto trials = [&](double at_80, double at_160) {
+    std::vector<Row> rows = {Move(0, 100, 100 * (at_80 - 1)),
+                             Move(0, 100, 100 * (at_160 - 1))};
+    rows[0].settings = "a";
+    rows[1].settings = "b";
+    return Of(rows, header);
+  };
+
+  EXPECT_EQ(trials(0.5, 1.0).Find("contradiction"), nullptr);
+  const Facts stalls = trials(0.5, 0.8);
+  ASSERT_NE(stalls.Find("contradiction"), nullptr);
+  EXPECT_THAT(stalls.not_determined, Contains("scale.x"));
+}
+
+TEST(FactsOfHistory, AnAmountThatComesWithAChangeOfAxisIsTheFirmwares) {
+  Rng rng(3, 0, "history.test");
+  std::vector<Row> rows;
+  for (int i = 0; i < 16; ++i) {
+    const bool is_changed = i > 0 && (i / 2) % 2 != ((i - 1) / 2) % 2;
+    rows.push_back(Move(static_cast<std::size_t>((i / 2) % 2),
+                        10,
+                        (is_changed ? 0.1 : 0) + 0.002 * rng.Normal(),
+                        1));
+  }
+  const Facts facts = Of(rows);
+
+  const Fact* fact = facts.Find("offset");
+  ASSERT_NE(fact, nullptr);
+  EXPECT_EQ(fact->word, "change_of_axis");
+  EXPECT_NEAR(Figure(*fact, "change_um"), 100, 4);
+  EXPECT_EQ(facts.not_the_machine.reason, "firmware");
+}
+
+// A bowed bed under a probe that reads 0.03 mm more where X arrived from below.
+TEST(FactsOfArrival, StripesOfAMapTouchedToAndFro) {
+  const auto map = [](double gap_mm) {
+    Rng rng(4, 0, "arrival.test");
+    std::vector<Row> rows;
+    for (int j = 0; j < 6; ++j) {
+      for (int i = 0; i < 6; ++i) {
+        const bool is_back = j % 2 == 1;
+        const double x_mm = 20.0 * (is_back ? 5 - i : i), y_mm = 20.0 * j;
+        // The first node of a line is come upon in Y alone: X stands as it did.
+        const double sense = (i == 0 ? !is_back : is_back) ? -1 : 1;
+        rows.push_back(Height(
+            x_mm,
+            y_mm,
+            1e-5 * std::pow(x_mm - 50, 2) + gap_mm * sense / 2 + 0.001 * rng.Normal()));
+      }
+    }
+    return Of(rows);
+  };
+
+  const Facts striped = map(0.03);
+  const Fact* fact = striped.Find("cross_reversal");
+  ASSERT_NE(fact, nullptr);
+  EXPECT_EQ(fact->axis, "x");
+  EXPECT_NEAR(Figure(*fact, "gap_um"), 30, 2);
+  EXPECT_EQ(map(0).Find("cross_reversal"), nullptr);
+}
+
+TEST(FactsOfMotion, NothingMovesUntilThePlayIsTakenUp) {
+  std::vector<Row> rows;
+  for (int k = 1; k <= 12; ++k) {
+    const double told_mm = 0.01 * k;
+    rows.push_back(Move(2, told_mm, std::max(0.0, told_mm - 0.045) - told_mm, 1));
+  }
+  const Facts facts = Of(rows);
+
+  const Fact* fact = facts.Find("reversal");
+  ASSERT_NE(fact, nullptr);
+  EXPECT_EQ(fact->word, "dead_zone");
+  EXPECT_NEAR(Figure(*fact, "gap_um"), 45, 1e-6);
+}
+
+TEST(FactsOfMotion, EachMoveEndsShortByOneAmountBesideAScale) {
+  std::vector<Row> rows;
+  Rng rng(5, 0, "per_move.test");
+  for (const double told_mm : {5.0, 10.0, 20.0, 40.0, 80.0, 100.0}) {
+    rows.push_back(Move(0, told_mm, 0.004 * told_mm - 0.2 + 0.002 * rng.Normal()));
+  }
+  const Facts facts = Of(rows);
+
+  const Fact* lost = facts.Find("offset");
+  ASSERT_NE(lost, nullptr);
+  EXPECT_NEAR(Figure(*lost, "change_um"), -200, 8);
+  ASSERT_NE(facts.Find("scale"), nullptr);
+}
+
+TEST(FactsOfLatency, TheFasterTheTouchTheLaterTheTrigger) {
+  std::vector<Row> rows;
+  for (const double feed_mm_s : {1.0, 2.0, 5.0, 10.0}) {
+    for (int k = 0; k < 3; ++k) {
+      rows.push_back(Height(0, 0, 0.2 - 0.004 * feed_mm_s + 0.0005 * (k - 1)));
+      rows.back().feed_mm_s = feed_mm_s;
+    }
+  }
+  const Facts facts = Of(rows);
+
+  const Fact* fact = facts.Find("latency");
+  ASSERT_NE(fact, nullptr);
+  EXPECT_NEAR(Figure(*fact, "latency_ms"), 4, 0.2);
+}
+
+}  // namespace
+}  // namespace caltwin

@@ -1,0 +1,111 @@
+// Tables among prose, sentences of sizes, squares by their diagonals, maps in XML.
+
+#include "sim/measure/import/text_table.h"
+
+#include <cmath>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim/base/input_error.h"
+#include "sim/measure/import/import.h"
+
+namespace caltwin {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+using ::testing::ThrowsMessage;
+
+Imported Read(const std::string& text) {
+  return ImportText("table", text, "f", {});
+}
+
+TEST(TextTable, IsFoundAmongProseAtItsOwnLines) {
+  const std::string text =
+      "My router loses something.\n\n"
+      "told moved\n"
+      "10 9.8\n"
+      "20 19.8\n"
+      "30 29.8\n\n"
+      "Thanks for any help!\n";
+
+  const std::string table = TableInText(text);
+  EXPECT_THAT(table, HasSubstr("told\tmoved\n10\t9.8\n"));
+  EXPECT_TRUE(table.starts_with("\n\n"));  // Messages name the line of the file.
+  EXPECT_THAT(Read(text).table.rows, SizeIs(3));
+}
+
+TEST(TextTable, ADamagedLineIsNotLost) {
+  // Whatever becomes of the file, two of three readings are no answer.
+  EXPECT_THAT(TableInText("told moved\n10 9.8\n20 19.8 ?? 7\n30 29.8\n"), IsEmpty());
+}
+
+TEST(TextTable, ProseIsNoTable) {
+  EXPECT_THAT(TableInText("Bought it in 2019, it has 3 axes.\nIt never worked.\n"),
+              IsEmpty());
+}
+
+TEST(Sentences, SayWhatWasDrawnAndWhatCameOut) {
+  const Imported imported =
+      Read("drew 40 x 40, burned 20 x 20\ndrew 60 wide, burned 30\n");
+
+  ASSERT_THAT(imported.table.rows, SizeIs(3));
+  EXPECT_EQ(imported.table.rows[0].cmd_mm[0], 40);
+  EXPECT_EQ(imported.table.rows[1].cmd_mm[1], 40);
+  EXPECT_NEAR(imported.table.rows[2].value_mm, -30, 1e-9);
+}
+
+TEST(Sentences, ACubeAboveItsSides) {
+  const Imported imported = Read("30 mm cube\nX 30.05\nY 30.10\nZ 29.90\n");
+
+  ASSERT_THAT(imported.table.rows, SizeIs(3));
+  EXPECT_NEAR(imported.table.rows[1].value_mm, 0.10, 1e-9);
+  EXPECT_NEAR(imported.table.rows[2].value_mm, -0.10, 1e-9);
+}
+
+TEST(Sentences, SayNothingWithoutBothNumbers) {
+  EXPECT_THAT(SentencesAsTable("I drew 40 mm and it looks odd.\n"), IsEmpty());
+}
+
+// A square of side a leaning by c: diagonals a sqrt(2) (1 -+ c/2).
+TEST(Squares, DiagonalsBecomeLengthsAcrossThePlane) {
+  const Imported imported = Read(
+      "part,AC [mm],BD [mm],front edge [mm]\n1,141.2,141.6,100\n2,141.2,141.6,100\n");
+
+  ASSERT_THAT(imported.table.rows, SizeIs(12));
+  int num_diagonals = 0;
+  for (const Row& row : imported.table.rows) {
+    num_diagonals += std::abs(row.n[0] * row.n[1]) > 0.4 ? 1 : 0;
+  }
+  EXPECT_EQ(num_diagonals, 8);
+}
+
+constexpr const char* kMap = R"(<?xml version="1.0"?>
+<heightmap MinX="10" MinY="0" MaxX="30" MaxY="50" SizeX="3" SizeY="2">
+  <point X="0" Y="0">0.1</point>
+  <point X="2" Y="1">-0.2</point>
+  <point X="1" Y="0">NaN</point>
+</heightmap>
+)";
+
+TEST(HeightmapXml, NodesStandWhereTheGridPutsThem) {
+  const Imported imported = ImportText("xml-heightmap", kMap, "f", {});
+
+  ASSERT_THAT(imported.table.rows, SizeIs(2));  // One was not probed.
+  EXPECT_EQ(imported.table.rows[1].cmd_mm[0], 30);
+  EXPECT_EQ(imported.table.rows[1].cmd_mm[1], 50);
+  EXPECT_EQ(imported.table.rows[1].value_mm, -0.2);
+}
+
+TEST(HeightmapXml, APointOutsideItsGridIsRefused) {
+  std::string text = kMap;
+  text.replace(text.find("X=\"2\""), 5, "X=\"3\"");
+  EXPECT_THAT([&] { ImportText("xml-heightmap", text, "f", {}); },
+              ThrowsMessage<InputError>(HasSubstr("f:")));
+}
+
+}  // namespace
+}  // namespace caltwin
