@@ -59,6 +59,7 @@ DeltaBuild<double> DeltaDrawing::Build() const {
   return {.model = model,
           .rod_spacing_mm = rod_spacing_mm,
           .effector_radius_mm = effector_radius_mm,
+          .states_effector = states_effector,
           .joint_height_mm = joint_height_mm};
 }
 

@@ -96,6 +96,10 @@ double AngleLever(const DeltaModel<double>& drawn, double effector_radius_mm) {
 
 void StandRound(int tower, double angle_rad, DeltaBuild<double>* build) {
   const auto i = static_cast<std::size_t>(tower);
+  if (!build->states_effector) {
+    build->model.angle_rad[i] += angle_rad;
+    return;
+  }
   // From the effector's joint, which stays, to the carriage's, which goes round.
   const double carriage_mm = build->model.radius_mm[i] + build->effector_radius_mm;
   const double out_mm = carriage_mm * std::cos(angle_rad) - build->effector_radius_mm;

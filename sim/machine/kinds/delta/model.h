@@ -56,6 +56,8 @@ struct DeltaBuild {
   /// @name As drawn; they change nothing while all errors are nought.
   double rod_spacing_mm = 40;
   double effector_radius_mm = 30;
+  /// The drawing says how large the effector is, so where its joints are is known.
+  bool states_effector = false;
   double joint_height_mm = 20;  ///< Effector joints above the nozzle.
 };
 
@@ -76,6 +78,7 @@ double AngleLever(const DeltaModel<double>& drawn, double effector_radius_mm);
 /// Stands a tower round by an angle (+ counter-clockwise from above): its rail and the
 /// joints of its carriage turn about the machine's axis, the effector's do not. For
 /// three-rod formulas it has another angle and radius, and its carriage is twisted.
+/// Where no drawing states the effector, its joints turn too: the firmware's angle.
 void StandRound(int tower, double angle_rad, DeltaBuild<double>* build);
 
 /// Of a number that each tower has, its mean.
