@@ -12,10 +12,6 @@
 namespace caltwin {
 namespace {
 
-using Rows = std::vector<const Row*>;
-
-constexpr std::array<const char*, 3> kNames = {"x", "y", "z"};
-
 /// What the rows hold of one axis.
 struct Coverage {
   std::set<long> places{};    ///< Of positions read along it.
@@ -62,20 +58,20 @@ void AddLimits(const Rows& rows, const Repeats& repeats, Facts* facts) {
     if (!axis.is_read && !axis.is_touched) continue;
     const char letter = "XYZ"[k];
     if (axis.places.size() < 2) {
-      facts->at_one_place.push_back(fmt::format("scale.{}", kNames[k]));
+      facts->at_one_place.push_back(fmt::format("scale.{}", kAxisNames[k]));
       Cannot(
-          fmt::format("scale.{}", kNames[k]),
+          fmt::format("scale.{}", kAxisNames[k]),
           fmt::format("steps/mm of {}: all readings are at one position of it", letter),
           facts);
     } else if (!axis.is_read) {
       Cannot(
-          fmt::format("scale.{}", kNames[k]),
+          fmt::format("scale.{}", kAxisNames[k]),
           fmt::format("steps/mm of {}: touches tell it only from a size that is known",
                       letter),
           facts);
     }
     if (axis.senses.size() < 2) {
-      Cannot(fmt::format("backlash.{}", kNames[k]),
+      Cannot(fmt::format("backlash.{}", kAxisNames[k]),
              axis.senses.empty()
                  ? fmt::format("lost motion of {}: no row says from which side it came",
                                letter)

@@ -17,8 +17,6 @@
 namespace caltwin {
 namespace {
 
-using Rows = std::vector<const Row*>;
-
 constexpr Eigen::Index kTerms = 7;  // 1 x y x2 y2 xy and the sense.
 
 // The sense in which an axis came to each row, by where the row before was touched; 0

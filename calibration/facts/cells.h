@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <map>
 #include <string>
 #include <vector>
@@ -7,6 +8,11 @@
 #include "sim/measure/row.h"
 
 namespace caltwin {
+
+using Rows = std::vector<const Row*>;
+
+/// Axes as facts name them, by index.
+inline constexpr std::array<const char*, 3> kAxisNames = {"x", "y", "z"};
 
 /// What may differ between rows that are called repeats of each other.
 enum CellFreedom : unsigned {
@@ -18,13 +24,13 @@ enum CellFreedom : unsigned {
 
 /// Rows that measured the same thing: place (to 1 um), normal, feature, probe and
 /// artefact held alike, under the same settings.
-using Cells = std::map<std::string, std::vector<const Row*>>;
+using Cells = std::map<std::string, Rows>;
 
 /// By key; rows in the order measured.
-Cells CellsOf(const std::vector<const Row*>& rows, unsigned freedom);
+Cells CellsOf(const Rows& rows, unsigned freedom);
 
 /// In the order measured.
-std::vector<const Row*> RowsInOrder(const RowTable& table);
+Rows RowsInOrder(const RowTable& table);
 
 /// Index of the axis along which a row is measured; -1 where it is none of them.
 int AxisAlong(const Row& row);

@@ -21,10 +21,6 @@
 namespace caltwin {
 namespace {
 
-using Rows = std::vector<const Row*>;
-
-constexpr std::array<const char*, 3> kNames = {"x", "y", "z"};
-
 void Open(const std::string& what, const std::string& sentence, Facts* facts) {
   facts->not_determined.push_back(what);
   facts->cannot.push_back(sentence);
@@ -47,7 +43,8 @@ void AddSideBySide(const Rows& rows, Facts* facts) {
   });
   facts->all.push_back(
       {.id = "offset",
-       .axis = kNames[static_cast<std::size_t>(std::max(0, AxisAlong(*rows.front())))],
+       .axis =
+           kAxisNames[static_cast<std::size_t>(std::max(0, AxisAlong(*rows.front())))],
        .word = "sides",
        .figures = {{"change_um", UmFromMm(apart.mean), UmFromMm(sd_mm)},
                    {"scatter_um", UmFromMm(apart.sd)}},
@@ -118,7 +115,7 @@ void AddGauges(const Rows& rows, Facts* facts) {
     }
     facts->all.push_back(
         {.id = "contradiction",
-         .axis = kNames[static_cast<std::size_t>(axis)],
+         .axis = kAxisNames[static_cast<std::size_t>(axis)],
          .word = "gauges",
          .figures = {{"apart_um", UmFromMm(tilt_mm)},
                      {"slope_mrad", MradFromRad(plane[1 + axis])}},
@@ -205,7 +202,7 @@ void AddTrials(const Rows& rows, const DataHeader& header, Facts* facts) {
     const auto settings = header.settings.find(row->settings);
     if (axis < 0 || settings == header.settings.end()) continue;
     const auto k = static_cast<std::size_t>(axis);
-    const auto steps = settings->second.steps_per_mm.find(kNames[k]);
+    const auto steps = settings->second.steps_per_mm.find(kAxisNames[k]);
     if (steps == settings->second.steps_per_mm.end() || !(row->cmd_mm[k] > 0)) continue;
     factors[axis][steps->second].push_back(1 + row->value_mm / row->cmd_mm[k]);
   }
@@ -225,12 +222,12 @@ void AddTrials(const Rows& rows, const DataHeader& header, Facts* facts) {
     facts->not_the_machine = {};  // A factor of contradicting trials is none.
     const auto k = static_cast<std::size_t>(axis);
     std::erase_if(facts->all, [&](const Fact& fact) {
-      return fact.axis == kNames[k] &&
+      return fact.axis == kAxisNames[k] &&
              (fact.id == "scale" || fact.id == "known_ratio" || fact.id == "offset");
     });
     facts->all.push_back(
         {.id = "contradiction",
-         .axis = kNames[k],
+         .axis = kAxisNames[k],
          .word = "trials",
          .figures = {{"apart", most / least - 1}},
          .sentence = fmt::format(
@@ -241,7 +238,7 @@ void AddTrials(const Rows& rows, const DataHeader& header, Facts* facts) {
              trials.front(),
              trials.size() > 1 ? ", " + trials.back() : ""),
          .is_answer = true});
-    Open(fmt::format("scale.{}", kNames[k]),
+    Open(fmt::format("scale.{}", kAxisNames[k]),
          fmt::format("steps/mm of {}: its trials contradict each other", "XYZ"[axis]),
          facts);
   }
@@ -292,12 +289,12 @@ void AddDefaults(const Rows& rows, const DataHeader& header, Facts* facts) {
   constexpr double kFreshGrbl = 250, kFar = 0.12, kRound = 10, kAlike = 0.01;
   for (std::size_t k = 0; k < 3; ++k) {
     const auto scale = std::ranges::find_if(facts->all, [&](const Fact& fact) {
-      return fact.id == "scale" && fact.axis == kNames[k];
+      return fact.id == "scale" && fact.axis == kAxisNames[k];
     });
     const auto settings = header.settings.find(rows.front()->settings);
     if (scale == facts->all.end() || settings == header.settings.end()) continue;
     const auto& all = settings->second.steps_per_mm;
-    const auto own = all.find(kNames[k]);
+    const auto own = all.find(kAxisNames[k]);
     if (own == all.end() || own->second != kFreshGrbl) continue;
     const double factor = scale->figures.front().value;
     const double needed = own->second / factor;

@@ -14,8 +14,6 @@
 namespace caltwin {
 namespace {
 
-using Rows = std::vector<const Row*>;
-
 // Whether the second of two groups is larger than the first beyond all doubt.
 bool AreApart(const Average& one, const Average& other, double least_mm) {
   constexpr double kSure = 6, kFewest = 3;

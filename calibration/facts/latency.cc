@@ -15,8 +15,6 @@ namespace caltwin {
 namespace {
 
 constexpr double kSure = 4;
-constexpr std::array<const char*, 3> kNames = {"x", "y", "z"};
-
 }  // namespace
 
 // Touches of one face at several feeds: value = a - latency v, so long as nothing else
@@ -58,7 +56,7 @@ void FactsOfLatency(const std::vector<const Row*>& rows,
         {.id = "latency",
          .axis = AxisAlong(*cell.front()) < 0
                      ? ""
-                     : kNames[static_cast<std::size_t>(AxisAlong(*cell.front()))],
+                     : kAxisNames[static_cast<std::size_t>(AxisAlong(*cell.front()))],
          .figures = {{"latency_ms", -1e3 * slope_s, 1e3 * sd_s}},
          .sigmas = std::abs(slope_s) / sd_s,
          .cause = slope_s < 0 ? "trigger_latency" : "",

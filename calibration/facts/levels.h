@@ -6,11 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "calibration/facts/cells.h"
 #include "calibration/facts/fact.h"
 
 namespace caltwin {
-
-using Rows = std::vector<const Row*>;
 
 double MeanOf(const Rows& rows);
 double SquaresAbout(const Rows& rows, double mean_mm);

@@ -21,7 +21,6 @@
 namespace caltwin {
 namespace {
 
-constexpr std::array<const char*, 3> kNames = {"x", "y", "z"};
 constexpr double kSure = 4;
 
 Rows Without(const Rows& rows, const std::set<std::int64_t>& out) {
@@ -44,7 +43,7 @@ void AddKnownRatio(const Line& line,
 
   facts->all.push_back(
       {.id = "known_ratio",
-       .axis = kNames[axis],
+       .axis = kAxisNames[axis],
        .word = known.reading,
        .also = known.also,
        .figures = scale.figures,
@@ -81,7 +80,7 @@ void AddScale(const Line& line, double noise_mm, std::size_t axis, Facts* facts)
   const double sigmas =
       Known(sd) ? std::abs(line.slope) / std::max(sd, 1e-12) : kUnknown;
   Fact fact{.id = "scale",
-            .axis = kNames[axis],
+            .axis = kAxisNames[axis],
             .figures = figures,
             .sigmas = sigmas,
             .is_answer = known.reading.empty() && Known(sd) && sigmas > kSure};
@@ -123,7 +122,7 @@ bool AddSurplus(const Line& line, double noise_mm, std::size_t axis, Facts* fact
   }
   facts->all.push_back(
       {.id = "offset",
-       .axis = kNames[axis],
+       .axis = kAxisNames[axis],
        .word = "surplus",
        .figures = {{"change_um", UmFromMm(line.offset_mm), UmFromMm(sd_mm)},
                    {"factor", 1 + line.slope, noise_mm * line.slope_unit_sd}},
@@ -153,7 +152,7 @@ void AddLostPerMove(const Line& line, double noise_mm, std::size_t axis, Facts* 
   if (!line.are_moves || !is_sure) return;
   facts->all.push_back(
       {.id = "offset",
-       .axis = kNames[axis],
+       .axis = kAxisNames[axis],
        .word = "per_move",
        .figures = {{"change_um", UmFromMm(line.offset_mm), UmFromMm(sd_mm)}},
        .sigmas = std::abs(line.offset_mm) / std::max(sd_mm, 1e-12),
@@ -199,7 +198,7 @@ bool AddDeadZone(const Rows& rows, std::size_t axis, Facts* facts) {
   const double sd_mm = std::sqrt(squares_mm2 / (num - 1) / num);
   facts->all.push_back(
       {.id = "reversal",
-       .axis = kNames[axis],
+       .axis = kAxisNames[axis],
        .word = "dead_zone",
        .figures = {{"gap_um", UmFromMm(gap_mm), UmFromMm(sd_mm)}},
        .sigmas = gap_mm / std::max(sd_mm, 1e-12),
@@ -238,7 +237,7 @@ bool IsWithinStep(const Rows& rows, std::size_t axis, Facts* facts) {
                                   row->cmd_mm[axis] > 5 * step_mm;
                          });
   if (!is_within) return false;
-  facts->not_determined.push_back(fmt::format("scale.{}", kNames[axis]));
+  facts->not_determined.push_back(fmt::format("scale.{}", kAxisNames[axis]));
   facts->cannot.push_back(fmt::format(
       "steps/mm of {}: no reading is off by more than one division of the gauge ({:g} "
       "mm), and that is what it leaves open",
@@ -260,7 +259,7 @@ void AddReversal(const Line& line, double noise_mm, std::size_t axis, Facts* fac
                                      : std::abs(line.gap_mm) > kLeastUnknown_mm;
   if (!is_there) return;
   Fact fact{.id = "reversal",
-            .axis = kNames[axis],
+            .axis = kAxisNames[axis],
             .figures = {{"gap_um", UmFromMm(line.gap_mm), UmFromMm(sd_mm)}},
             .sigmas = std::abs(line.gap_mm) / std::max(sd_mm, 1e-12),
             .is_answer = true};
@@ -360,8 +359,8 @@ void AddAcross(const Rows& rows, const Repeats& repeats, Facts* facts) {
     const auto across = static_cast<std::size_t>(axes.second);
     facts->all.push_back(
         {.id = "cross_reversal",
-         .axis = kNames[across],
-         .word = kNames[along],
+         .axis = kAxisNames[across],
+         .word = kAxisNames[along],
          .figures = {{"gap_um", UmFromMm(gap_mm), UmFromMm(sd_mm)}},
          .sigmas = std::abs(gap_mm) / sd_mm,
          .sentence = fmt::format("At the same place {} reads {} more when {} arrived "
@@ -391,7 +390,7 @@ void AddIdleSettings(const Rows& rows, const DataHeader& header, Facts* facts) {
     const auto settings = header.settings.find(row->settings);
     if (row->flag != "move" || axis < 0 || settings == header.settings.end()) continue;
     const auto steps =
-        settings->second.steps_per_mm.find(kNames[static_cast<std::size_t>(axis)]);
+        settings->second.steps_per_mm.find(kAxisNames[static_cast<std::size_t>(axis)]);
     const double told_mm = row->cmd_mm[static_cast<std::size_t>(axis)];
     if (steps == settings->second.steps_per_mm.end() || told_mm == 0) continue;
     factors[axis][steps->second].push_back(1 + row->value_mm / told_mm);
@@ -417,7 +416,7 @@ void AddIdleSettings(const Rows& rows, const DataHeader& header, Facts* facts) {
         by_steps.begin()->first,
         by_steps.rbegin()->first);
     facts->all.push_back({.id = "settings",
-                          .axis = kNames[static_cast<std::size_t>(axis)],
+                          .axis = kAxisNames[static_cast<std::size_t>(axis)],
                           .word = "steps_per_mm",
                           .sentence = sentence,
                           .is_answer = true});

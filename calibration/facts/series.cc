@@ -10,6 +10,7 @@
 #include <Eigen/Core>
 #include <fmt/format.h>
 
+#include "calibration/facts/cells.h"
 #include "sim/base/dense.h"
 #include "sim/base/median.h"
 #include "sim/base/units.h"
@@ -18,7 +19,6 @@
 namespace caltwin {
 namespace {
 
-using Rows = std::vector<const Row*>;
 using Place = std::array<long, 3>;
 
 bool IsHeight(const Row& row) {

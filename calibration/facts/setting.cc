@@ -19,10 +19,6 @@
 namespace caltwin {
 namespace {
 
-using Rows = std::vector<const Row*>;
-
-constexpr std::array<const char*, 3> kNames = {"x", "y", "z"};
-
 void Tell(const std::string& reason, const std::string& sentence, Facts* facts) {
   if (facts->not_the_machine.reason.empty())
     facts->not_the_machine = {reason, sentence};
@@ -54,7 +50,7 @@ void AddZeroOffset(const Rows& rows, Facts* facts) {
       continue;
     }
     Fact fact{.id = "offset",
-              .axis = kNames[static_cast<std::size_t>(axis)],
+              .axis = kAxisNames[static_cast<std::size_t>(axis)],
               .word = "zero",
               .figures = {{"change_um",
                            UmFromMm(average.mean),
@@ -220,7 +216,7 @@ void AddContradictingSizes(const Rows& rows, Facts* facts) {
     if (same.size() < 2 || high->value_mm - low->value_mm < kLeast_mm || num_right < 2)
       continue;
     Fact fact{.id = "contradiction",
-              .axis = kNames[static_cast<std::size_t>(std::get<int>(key))],
+              .axis = kAxisNames[static_cast<std::size_t>(std::get<int>(key))],
               .figures = {{"apart_um", UmFromMm(high->value_mm - low->value_mm)}},
               .rows = {low->row, high->row},
               .is_answer = true};

@@ -54,6 +54,12 @@ TEST(PredictCommand, AModelTransfersToItsMachineAndToNoOther) {
               StartsWith("Transfers: "));
 }
 
+TEST(PredictCommand, AMissingModelIsCalledWhatItIs) {
+  const Answer answer = RunCommand(
+      DeclarePredict, {"none.ext.yaml", "tests/data/iso230/ess_target_y_2022-04.csv"});
+  EXPECT_THAT(answer.fault, StartsWith("MODEL: there is no machine file"));
+}
+
 TEST(PredictCommand, AMachineAsDrawnPredictsNothing) {
   const Answer answer = RunCommand(DeclarePredict,
                                    {"models/gantry_router/machine.yaml",

@@ -14,11 +14,12 @@ namespace fs = std::filesystem;
 
 Believed BelievedMachine(const std::string& data_file,
                          const std::string& machine,
-                         Data* data) {
+                         Data* data,
+                         const std::string& asked_by) {
   const fs::path header_file = fs::path(data_file).replace_extension(".yaml");
   Believed believed;
   if (!machine.empty()) {
-    believed.file = FindMachine(machine, "", {.file = "--machine"});
+    believed.file = FindMachine(machine, "", {.file = asked_by});
   } else if (!data->header.machine.empty()) {
     believed.file = FindMachine(data->header.machine,
                                 header_file.parent_path(),

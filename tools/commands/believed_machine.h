@@ -18,11 +18,12 @@ struct Believed {
   std::map<std::string, double> baseline{};  ///< Of an extension (MachineFile).
 };
 
-/// `machine` (--machine), else the header's `machine:` (relative to the header), else
-/// assumed from the rows of `data_file`; what a person should know of it goes to
-/// `data->notes`. Throws InputError where rows of motors have none.
+/// `machine`, which messages call `asked_by`, else the header's `machine:` (relative to
+/// the header), else assumed from the rows of `data_file`; what a person should know of
+/// it goes to `data->notes`. Throws InputError where rows of motors have none.
 Believed BelievedMachine(const std::string& data_file,
                          const std::string& machine,
-                         Data* data);
+                         Data* data,
+                         const std::string& asked_by = "--machine");
 
 }  // namespace caltwin

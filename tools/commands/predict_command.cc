@@ -58,7 +58,7 @@ int RunPredict(const PredictAsked& options) {
   if (data.table.rows.empty()) {
     throw InputError({.file = options.file}, "no rows to predict");
   }
-  const Believed model = BelievedMachine(options.file, options.model, &data);
+  const Believed model = BelievedMachine(options.file, options.model, &data, "MODEL");
   if (model.effects.empty()) {
     throw InputError(
         {.file = options.model},

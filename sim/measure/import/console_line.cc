@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 
 #include "sim/measure/import/fields.h"
 
@@ -157,13 +156,7 @@ void TakePrefixes(ConsoleLine* line) {
       is_done = false;
       continue;
     }
-    const std::string head = [&] {
-      std::string lower(said.text.substr(0, 10));
-      std::ranges::transform(lower, lower.begin(), [](unsigned char c) {
-        return static_cast<char>(std::tolower(c));
-      });
-      return lower;
-    }();
+    const std::string head = Lowered(said.text.substr(0, 10));
     for (const std::string_view prefix : kPrefixes) {
       if (!head.starts_with(prefix)) continue;
       said.text.remove_prefix(prefix.size());
@@ -189,11 +182,7 @@ ConsoleLine ConsoleLineOf(std::string_view line) {
       said.text.find_first_not_of("0123456789", star + 1) == std::string_view::npos) {
     said.text = said.text.substr(0, star);
   }
-  said.lower = std::string(said.text);
-  std::ranges::transform(said.lower, said.lower.begin(), [](unsigned char c) {
-    return static_cast<char>(std::tolower(c));
-  });
-  said.lower = WithBlanks(said.lower);
+  said.lower = WithBlanks(Lowered(said.text));
   return said;
 }
 

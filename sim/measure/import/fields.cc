@@ -126,6 +126,14 @@ std::optional<double> NumberAfter(std::string_view text, std::string_view key) {
   return NumberOf(rest.substr(0, rest.find_first_of(" ,)\t#")));
 }
 
+std::string Lowered(std::string_view text) {
+  std::string lower(text);
+  std::ranges::transform(lower, lower.begin(), [](unsigned char c) {
+    return static_cast<char>(std::tolower(c));
+  });
+  return lower;
+}
+
 std::string PlainWord(std::string_view text) {
   std::string word;
   for (const char c : text) {

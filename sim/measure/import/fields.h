@@ -34,6 +34,9 @@ double NumberIn(const CsvField& field,
 /// nullopt where the key does not stand there or no number follows.
 std::optional<double> NumberAfter(std::string_view text, std::string_view key);
 
+/// In small letters.
+std::string Lowered(std::string_view text);
+
 /// In small letters, and without blanks, underscores and quotes: "Meas X" is "measx".
 std::string PlainWord(std::string_view text);
 

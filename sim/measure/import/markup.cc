@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cctype>
 #include <string>
 
 #include "sim/measure/import/fields.h"
@@ -47,10 +46,7 @@ std::string FromMarkdown(const std::string& text) {
 
 // Cells of <td> and <th>, a line a <tr>.
 std::string FromHtml(const std::string& text) {
-  std::string lower = text;
-  std::ranges::transform(lower, lower.begin(), [](unsigned char c) {
-    return static_cast<char>(std::tolower(c));
-  });
+  const std::string lower = Lowered(text);
   std::string table;
   bool is_cell = false, is_first = true;
   std::string cell;
@@ -82,10 +78,7 @@ std::string FromHtml(const std::string& text) {
 }  // namespace
 
 std::string WithoutMarkup(const std::string& text) {
-  std::string head = text.substr(0, 20'000);
-  std::ranges::transform(head, head.begin(), [](unsigned char c) {
-    return static_cast<char>(std::tolower(c));
-  });
+  const std::string head = Lowered(text.substr(0, 20'000));
   if (head.find("<tr") != std::string::npos && head.find("<td") != std::string::npos) {
     return FromHtml(text);
   }

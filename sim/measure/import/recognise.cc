@@ -1,7 +1,6 @@
 #include "sim/measure/import/recognise.h"
 
 #include <algorithm>
-#include <cctype>
 #include <string_view>
 
 #include "sim/measure/import/console_line.h"
@@ -9,14 +8,6 @@
 
 namespace caltwin {
 namespace {
-
-std::string Lower(std::string_view text) {
-  std::string lower(text);
-  std::ranges::transform(lower, lower.begin(), [](unsigned char c) {
-    return static_cast<char>(std::tolower(c));
-  });
-  return lower;
-}
 
 /// What of the lines of a text is looked for.
 struct Seen {
@@ -55,7 +46,7 @@ Seen Look(const std::string& text) {
     seen.has_console |= has("mpos:") || has("wpos:");
     seen.has_settings |= lower.starts_with("$10") && has("=");
     const bool is_echo =
-        line.text.starts_with("echo:") || Lower(line.text).starts_with("recv:");
+        line.text.starts_with("echo:") || Lowered(line.text).starts_with("recv:");
     for (const std::string_view word :
          {"m92", "m665", "m666", "m671", "m208", "m669"}) {
       if (!IsCommand(said, word)) continue;
@@ -70,11 +61,12 @@ Seen Look(const std::string& text) {
 }  // namespace
 
 std::string KindOfText(const std::string& text, const std::string& name) {
-  const std::string lower = Lower(text);
+  const std::string lower = Lowered(text);
   const auto has = [&](std::string_view words) {
     return lower.find(words) != std::string::npos;
   };
-  const std::string ending = Lower(name.substr(std::min(name.size(), name.rfind('.'))));
+  const std::string ending =
+      Lowered(name.substr(std::min(name.size(), name.rfind('.'))));
   const Seen seen = Look(text);
   if (seen.is_rows) return "rows";
   if (has("#*# [delta_calibrate]") && has("height0") && !has("height0 = -"))

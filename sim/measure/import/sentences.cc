@@ -13,14 +13,6 @@
 namespace caltwin {
 namespace {
 
-std::string Lower(std::string_view text) {
-  std::string lower(text);
-  std::ranges::transform(lower, lower.begin(), [](unsigned char c) {
-    return static_cast<char>(std::tolower(c));
-  });
-  return lower;
-}
-
 // Where the first of the words begins that stands by itself; npos.
 template <std::size_t kNum>
 std::size_t FirstOf(const std::string& line,
@@ -147,7 +139,7 @@ std::string SentencesAsTable(const std::string& text) {
   std::vector<Said> said;
   double cube_mm = 0;
   for (const TextLine& line : LinesOf(text)) {
-    const std::string lower = Lower(line.text);
+    const std::string lower = Lowered(line.text);
     AddToldAndRead(lower, line.line, &said);
     if (const double size_mm = CubeIn(lower); size_mm > 0) cube_mm = size_mm;
     // "X 30.05", "y: 30.15 mm"
