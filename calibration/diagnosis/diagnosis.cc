@@ -135,11 +135,13 @@ class Reporter {
     spread_ = TimeNoise(observed_, noise_, all_, search_.circumstances.left_out)
                   .of_nuisances();
     for (std::size_t i = 0; i < first.size(); ++i) {
-      const Eigen::Index num = refined_[i].variant.columns_mm.cols();
+      const Eigen::Index num =
+          std::max(refined_[i].variant.columns_mm.cols(), refined_[i].half_mm.rows());
       if (num == 0) continue;
       const double spread =
           spread_.segment(static_cast<Eigen::Index>(first[i]), num).maxCoeff();
       for (double& sd : refined_[i].sds) sd *= spread;
+      refined_[i].half_mm *= spread;
     }
   }
 
@@ -163,6 +165,7 @@ class Reporter {
           candidate.is_free() ? refined_[i].sizes_mm : found.sizes_mm;
       finding.change_mm = found.variant.columns_mm * sizes_mm;
       finding.map = MapOf(observed_, candidate, found, sizes_mm);
+      if (candidate.is_free()) finding.map->parts = PartsOf(i);
     } else {
       const Refined& refined = refined_[i];
       finding.effect = refined.effect;
@@ -187,6 +190,25 @@ class Reporter {
                                     rival.structural});
     }
     return finding;
+  }
+
+  std::vector<TablePart> PartsOf(std::size_t i) const {
+    const Found& found = search_.found[i];
+    const Candidate& candidate = candidates_[found.candidate];
+    std::vector<Covariate> covariates;
+    for (const std::string& word : candidate.shown.covariates) {
+      covariates.push_back(*CovariateOf(observed_, word));
+    }
+    const Eigen::VectorXd shows = ChannelOf(observed_, candidate.shown.channel);
+    std::vector<bool> is_of_it;
+    for (Eigen::Index k = 0; k < shows.size(); ++k) {
+      is_of_it.push_back(shows[k] != 0 &&
+                         !search_.circumstances.left_out[static_cast<std::size_t>(k)]);
+    }
+    return PartsOfTable(covariates,
+                        candidate.free_terms,
+                        {refined_[i].sizes_mm, refined_[i].half_mm},
+                        is_of_it);
   }
 
   void AddEvidence(Diagnosis* diagnosis) const {

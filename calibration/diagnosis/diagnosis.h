@@ -11,6 +11,7 @@
 #include "calibration/diagnosis/gain.h"
 #include "calibration/diagnosis/observed.h"
 #include "calibration/diagnosis/search.h"
+#include "calibration/diagnosis/table_parts.h"
 #include "calibration/facts/fact.h"
 #include "sim/measure/data_header.h"
 #include "sim/measure/import/import.h"
@@ -48,6 +49,7 @@ struct FreeMap {
   /// variance of 1 / (1 + (k - 1)^2) of the first.
   int terms = 0;
   double prior_size_um = 0;  ///< Standard deviation of the whole, as the rows chose it.
+  std::vector<TablePart> parts{};
 };
 
 /// One cause found.

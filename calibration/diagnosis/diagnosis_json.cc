@@ -15,6 +15,18 @@ Json NumberOrNull(double value) {
   return std::isfinite(value) ? Json(value) : Json(nullptr);
 }
 
+Json PartsJson(const std::vector<TablePart>& parts) {
+  Json json = Json::array();
+  for (const TablePart& part : parts) {
+    json.push_back({{"name", part.name},
+                    {"along", part.along},
+                    {"size_um", part.size_um},
+                    {"sd_um", NumberOrNull(part.sd_um)},
+                    {"period", part.period > 0 ? Json(part.period) : Json(nullptr)}});
+  }
+  return json;
+}
+
 Json FindingJson(const Finding& finding, const GainFigures& gain) {
   Json candidates = Json::array();
   for (const FindingCandidate& candidate : finding.candidates) {
@@ -49,6 +61,7 @@ Json FindingJson(const Finding& finding, const GainFigures& gain) {
                       {{"form", "line, bow, cosines"},
                        {"terms", finding.map->terms},
                        {"prior_size_um", finding.map->prior_size_um}}}};
+    json["parts"] = PartsJson(finding.map->parts);
   }
   return json;
 }

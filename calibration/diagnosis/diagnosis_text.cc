@@ -16,6 +16,7 @@
 #include "calibration/diagnosis/unseen_rows.h"
 #include "calibration/facts/facts_text.h"
 #include "sim/base/units.h"
+#include "sim/base/with_sd.h"
 #include "sim/effects/catalog.h"
 
 namespace caltwin {
@@ -116,6 +117,31 @@ void AddKernel(const Finding& finding, std::string* text) {
   }
   *text += fmt::format("; prior size {} um, as these rows chose it.\n",
                        TwoDigits(map.prior_size_um));
+}
+
+// "straight 12 +- 3 um", and how the part is meant.
+std::string PartInWords(const TablePart& part, const Finding& finding) {
+  const bool is_surface = finding.map->covariates.size() > 1 &&
+                          !finding.map->covariates[0].starts_with("dir_");
+  std::string text = part.name;
+  if (is_surface && !part.along.empty()) text += " along " + part.along;
+  text += " " + WithSd(part.size_um, part.sd_um, "um");
+  if (part.period > 0) {
+    text += fmt::format(
+        " of {:.3g}{}", part.period, UnitOfCovariate(part.along, finding.is_by_order));
+  }
+  if (part.name == "rest") text += " rms";
+  return text;
+}
+
+// What the table is made of that has a name.
+void AddParts(const Finding& finding, std::string* text) {
+  if (!finding.map || finding.map->parts.empty()) return;
+  std::vector<std::string> parts;
+  for (const TablePart& part : finding.map->parts) {
+    parts.push_back(PartInWords(part, finding));
+  }
+  *text += fmt::format("  In parts: {}.\n", fmt::join(parts, "; "));
 }
 
 std::string Capitalised(std::string text) {
@@ -417,6 +443,7 @@ std::string DiagnosisText(const Diagnosis& diagnosis, const TextNotes& notes) {
     text += "\n" + FindingText(finding, diagnosis, notes.measured) + "\n";
     AddRivals(finding, &text);
     AddKernel(finding, &text);
+    AddParts(finding, &text);
     const UnseenRows unseen = WhatUnseenRowsSay(finding, diagnosis.gain);
     if (!unseen.worse.empty()) text += "  " + unseen.worse + "\n";
     const std::string action = unseen.is_recommended ? WhatToDo(finding) : "";

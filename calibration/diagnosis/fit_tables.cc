@@ -37,6 +37,15 @@ Eigen::VectorXd WithoutPlaces(const Eigen::MatrixXd& columns_mm,
   return LeastSquares(columns_mm, table_mm - leans_mm);
 }
 
+Eigen::MatrixXd EachWithoutPlaces(const Eigen::MatrixXd& columns_mm,
+                                  Eigen::MatrixXd half_mm,
+                                  const Eigen::MatrixXd& places) {
+  for (auto column : half_mm.colwise()) {
+    column = WithoutPlaces(columns_mm, column, places);
+  }
+  return half_mm;
+}
+
 }  // namespace
 
 void FitTables(const Observed& observed,
@@ -76,6 +85,10 @@ void FitTables(const Observed& observed,
     const Eigen::VectorXd sizes_mm =
         fit.values.segment(static_cast<Eigen::Index>(first), columns_mm.cols());
     (*refined)[i].sizes_mm = WithoutPlaces(columns_mm, sizes_mm, places);
+    (*refined)[i].half_mm = EachWithoutPlaces(
+        columns_mm,
+        fit.half.middleRows(static_cast<Eigen::Index>(first), columns_mm.cols()),
+        places);
   }
 }
 

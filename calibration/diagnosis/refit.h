@@ -15,6 +15,7 @@ struct Refined {
   std::vector<double> sds{};  ///< As declared, in the same units.
   Variant variant{};          ///< At the refined forms.
   Eigen::VectorXd sizes_mm{};
+  Eigen::MatrixXd half_mm{};  ///< Of a table: covariance of `sizes_mm` = half half'.
 };
 
 /// Refines the named findings together: their form parameters by Ceres over the

@@ -68,6 +68,7 @@ Facts FactsOf(const RowTable& table,
   FactsOfProbeOffset(rows, &facts);
   FactsOfSetting(rows, &facts);
   FactsOfGroups(rows, repeats, header, &facts);
+  FactsOfInstruments(rows, repeats, header, &facts);
   FactsOfHistory(rows, &facts);
   FactsOfLevelling(rows, repeats, levelling, &facts);
   TellBadProbe(rows, repeats, &facts);

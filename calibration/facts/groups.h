@@ -14,6 +14,14 @@ void FactsOfGroups(const std::vector<const Row*>& rows,
                    const DataHeader& header,
                    Facts* facts);
 
+/// What two instruments (as the header has them) say of one axis over the same places:
+/// whether one reads a longer way, or more at a reversal, and which of the two errs
+/// where their certificates tell.
+void FactsOfInstruments(const std::vector<const Row*>& rows,
+                        const Repeats& repeats,
+                        const DataHeader& header,
+                        Facts* facts);
+
 /// What depends on what went before a reading: a change of axis, a stop. No mechanics
 /// do that.
 void FactsOfHistory(const std::vector<const Row*>& rows, Facts* facts);

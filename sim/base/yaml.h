@@ -22,6 +22,8 @@ namespace caltwin {
 struct Bounds {
   double min = -std::numeric_limits<double>::infinity();
   double max = std::numeric_limits<double>::infinity();
+
+  bool Contains(double value) const { return min <= value && value <= max; }
 };
 inline constexpr Bounds kAnyNumber{-1e12, 1e12};
 inline constexpr Bounds kPositive{1e-12, 1e12};

@@ -138,8 +138,9 @@ class HeaderReader {
 
   static SettingsInForce ReadSettingsInForce(YamlMap* map) {
     SettingsInForce settings;
-    settings.steps_per_mm = ByMotor(map, "steps_per_mm", {1e-3, 1e7});
-    settings.backlash_mm = ByMotor(map, "backlash_mm", {0, 10});
+    settings.steps_per_mm =
+        ByMotor(map, "steps_per_mm", SettingsInForce::kSteps_per_mm);
+    settings.backlash_mm = ByMotor(map, "backlash_mm", SettingsInForce::kBacklash_mm);
     settings.probe_deflection_mm = ByMotor(map, "probe_deflection_mm", {-10, 10});
     settings.tip_radius_mm = OptionalNumber(map, "tip_radius_mm", {0, 50});
     settings.switch_offset_mm = OptionalNumber(map, "switch_offset_mm", {-10, 10});

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/base/yaml.h"
 #include "sim/measure/instrument.h"
 #include "sim/measure/row.h"
 
@@ -13,6 +14,10 @@ namespace caltwin {
 
 /// Firmware settings in force while rows were measured; by axis, tower or screw.
 struct SettingsInForce {
+  /// What a setting may be, in every file that states one.
+  static constexpr Bounds kSteps_per_mm{1e-3, 1e7};
+  static constexpr Bounds kBacklash_mm{0, 10};
+
   std::map<std::string, double> steps_per_mm{};
   std::map<std::string, double> backlash_mm{};
   std::map<std::string, double> probe_deflection_mm{};

@@ -9,6 +9,8 @@ namespace caltwin {
 
 /// A measuring instrument as scenario, plan and data header describe it.
 struct Instrument {
+  static constexpr Bounds kResolution_um{0, 1e5};
+
   std::string kind{};        ///< laser, dial, calliper, probe, ... a free word.
   double sigma_um = 0;       ///< Standard deviation of one reading.
   double resolution_um = 0;  ///< Readings are rounded to multiples of it; 0: not.

@@ -121,6 +121,22 @@ TEST(EngineUncertainty, CountsWhatTheModelHasNot) {
   }
 }
 
+// A carriage is twisted with its tower's angle, which the engine moves alone.
+TEST(EngineUncertainty, CountsTheTwistThatGoesWithAnAngle) {
+  DeltaBuild<double> drawn{.model = kDrawn};
+  SimulatedDelta machine(drawn, {}, 0, 1);
+  const auto of_twist = [&](double twist_per_angle) {
+    drawn.twist_per_angle = twist_per_angle;
+    const EngineUncertainty told = UncertaintyOfHeightSquares(
+        kDrawn, {.knobs = kSix, .touches = Touched(&machine, kDrawn), .drawn = drawn});
+    return ShareOf(told.estimates[0], "tower_twist, not in its model");
+  };
+  // Priors of 0.5 deg, and of 2 deg for two towers' angles: c strays by its twist
+  // alone.
+  EXPECT_GT(of_twist(0.8), of_twist(0));
+  EXPECT_LT(of_twist(0.8), std::hypot(0.5, 2) / 0.5 * of_twist(0));
+}
+
 TEST(EngineUncertainty, CorrelatesWhatATiltMovesTogether) {
   const EngineUncertainty stated = Stated();
 

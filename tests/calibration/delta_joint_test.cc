@@ -109,6 +109,31 @@ TEST(DeltaJoint, RecoversWhatThreeRodsKnow) {
   EXPECT_LT(fit.hold_out_mm, 2e-6);
 }
 
+// The drawing says where the effector's joints are, so a tower that stands round twists
+// its carriage: six numbers and no twist tell it all the same.
+TEST(DeltaJoint, RecoversTowersThatStandRound) {
+  DeltaBuild<double> drawn = Drawn();
+  drawn.twist_per_angle = TwistPerAngle(drawn.model, drawn.effector_radius_mm);
+  DeltaBuild<double> built = drawn;
+  StandRound(0, 0.35 * kDegree, &built);
+  StandRound(1, -0.25 * kDegree, &built);
+  SimulatedDelta machine(built, {}, 0, 1);
+  const DeltaReadings readings = Touch(&machine, ThirtySevenPoints(), 0);
+  const std::vector<int> six = {0, 1, 2, 3, 4, 5};
+  const DeltaJointFit fit = FitDeltaJointly(drawn, readings, {.knobs = six});
+  const DeltaJointFit without = FitDeltaJointly(Drawn(), readings, {.knobs = six});
+
+  const double per_angle = drawn.twist_per_angle;
+  EXPECT_NEAR(Value(fit, "tower_angle.a"), 0.35 / per_angle, 1e-3);
+  EXPECT_NEAR(Value(fit, "tower_angle.b"), -0.25 / per_angle, 1e-3);
+  EXPECT_LT(fit.rms_mm, 1e-4);
+  EXPECT_GT(without.rms_mm, 10 * fit.rms_mm);
+  // From settings that have the angles already there is nothing to find.
+  const DeltaJointFit again =
+      FitDeltaJointly(WithSettings(drawn, fit.build.model), readings, {.knobs = six});
+  EXPECT_NEAR(Value(again, "tower_angle.a"), 0, 1e-4);
+}
+
 // What 10 um of noise in 16 touches leaves of six unknowns, over the disc: the mean
 // variance foretold by the covariance is the least there can be.
 TEST(DeltaJoint, ReachesTheLeastSquaresOptimum) {
@@ -271,6 +296,7 @@ TEST(ClosedDelta, ItsSlopesAreThoseOfTheChain) {
   DeltaBed<double> bed;
   DeltaBuild<Jet> free_build;
   DeltaBed<Jet> free_bed;
+  build.twist_per_angle = free_build.twist_per_angle = 0.8;
   for (std::size_t i = 0; i < 3; ++i) {
     free_build.model.endstop_mm[i] = Jet(build.model.endstop_mm[i]);
     free_build.model.radius_mm[i] = Jet(build.model.radius_mm[i]);
@@ -312,7 +338,8 @@ TEST(DeltaSettings, AreTheMachinesOwnWhereThreeRodsSuffice) {
 }
 
 TEST(DeltaKnobs, ReadWhatTheyWereTurned) {
-  const DeltaBuild<double> drawn = Drawn();
+  DeltaBuild<double> drawn = Drawn();
+  drawn.twist_per_angle = 0.8;
   for (int knob = 0; knob < kNumDeltaKnobs; ++knob) {
     DeltaBuild<double> build = drawn;
     DeltaBed<double> bed;

@@ -58,7 +58,7 @@ TEST(DeltaTwoDerivations, AgreeOnATowerThatStandsRound) {
   blind::DeltaMade made;
   DeltaBuild<double> build = Drawn();
   made.angle[0] = 2e-3;
-  build.states_effector = true;
+  build.twist_per_angle = TwistPerAngle(build.model, build.effector_radius_mm);
   StandRound(0, 2e-3, &build);
   ExpectSame(made, build, 1e-3);
   // A hundred times less than what the angle does.

@@ -22,9 +22,8 @@ std::vector<KnobTurn<double>> KnobsOfLine(std::string_view name,
   }
   const auto knob = DeltaKnobNamed(name);
   if (!knob) return {};
-  if (*knob >= kAngleKnob && *knob < kArmKnob && drawing.states_effector) {
-    return {{*knob, AngleLever(drawing.model, drawing.effector_radius_mm) * value},
-            {kTwistKnob + *knob - kAngleKnob, value}};
+  if (IsAngleKnob(*knob) && drawing.states_effector) {
+    return {{*knob, value / TwistPerAngle(drawing.model, drawing.effector_radius_mm)}};
   }
   if (*knob >= kRadiusKnob) return {{*knob, value}};
   return {{*knob, value}, {kEndstopKnob + 2, -value}};

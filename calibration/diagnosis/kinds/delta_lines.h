@@ -15,7 +15,7 @@ namespace caltwin {
 /// What a line of a delta's baseline turns, by index of kDeltaKnobs and in the knob's
 /// unit: its endstops sum to nought, its scale is all three belts', and a tower that
 /// stands round (`tower_angle`) turns its carriage's joints along and leaves the
-/// effector's as drawn, which is `AngleLever` times the firmware's angle and as much
+/// effector's as drawn, which is the firmware's angle over `TwistPerAngle` and as much
 /// twist; on a machine whose file says nothing of its effector, the firmware's angle.
 /// Empty: nothing.
 std::vector<KnobTurn<double>> KnobsOfLine(std::string_view name,

@@ -31,22 +31,35 @@ std::vector<int> KnobsBeside(const std::vector<int>& moved) {
 }
 
 // Columns in units of what machines stray by, so that all are alike.
-Eigen::VectorXd PriorsOf(const std::vector<int>& knobs) {
+Eigen::VectorXd PriorsOf(const std::vector<int>& knobs,
+                         const DeltaBuild<double>& drawn) {
   Eigen::VectorXd priors(std::ssize(knobs));
+  std::ranges::transform(
+      knobs, priors.begin(), [&](int knob) { return PriorSdOf(knob, drawn); });
+  return priors;
+}
+
+// The engine moves an angle and not the twist that goes with it.
+Eigen::VectorXd PriorsOfLacking(const std::vector<int>& lacking,
+                                const HeightSquares& engine) {
+  Eigen::VectorXd priors = PriorsOf(lacking, engine.drawn);
   for (Eigen::Index k = 0; k < priors.size(); ++k) {
-    const DeltaKnob& knob = KnobAt(knobs[static_cast<std::size_t>(k)]);
-    priors[k] = knob.prior_sd * knob.per_unit;
+    const int angle = lacking[static_cast<std::size_t>(k)] - kTwistKnob + kAngleKnob;
+    if (!IsAngleKnob(angle) ||
+        std::ranges::find(engine.knobs, angle) == engine.knobs.end())
+      continue;
+    priors[k] = std::hypot(
+        priors[k], engine.drawn.twist_per_angle * PriorSdOf(angle, engine.drawn));
   }
   return priors;
 }
 
-Eigen::MatrixXd ScaledSlopes(const DeltaModel<double>& found,
-                             const HeightSquares& engine,
-                             const std::vector<int>& knobs) {
+Eigen::MatrixXd SlopesOf(const DeltaBuild<double>& build,
+                         const HeightSquares& engine,
+                         const std::vector<int>& knobs) {
   std::vector<Vec3<double>> motors_mm;
   for (const DeltaTouch& touch : engine.touches) motors_mm.push_back(touch.motors_mm);
-  const Eigen::MatrixXd slopes = HeightSlopes({.model = found}, motors_mm, knobs);
-  return slopes * PriorsOf(knobs).asDiagonal();
+  return HeightSlopes(build, motors_mm, knobs);
 }
 
 // One line a cause that the engine's model has not; `moved`: G B, in prior's units.
@@ -77,7 +90,9 @@ std::vector<Contribution> BudgetOfRow(const Eigen::VectorXd& moved,
 
 EngineUncertainty UncertaintyOfHeightSquares(const DeltaModel<double>& found,
                                              const HeightSquares& engine) {
-  const Eigen::MatrixXd a = ScaledSlopes(found, engine, engine.knobs);
+  const Eigen::VectorXd reach = PriorsOf(engine.knobs, engine.drawn);
+  const Eigen::MatrixXd a =
+      SlopesOf({.model = found}, engine, engine.knobs) * reach.asDiagonal();
   const Eigen::VectorXd sigmas_mm = [&] {
     Eigen::VectorXd sigmas(std::ssize(engine.touches));
     for (Eigen::Index i = 0; i < sigmas.size(); ++i) {
@@ -90,8 +105,10 @@ EngineUncertainty UncertaintyOfHeightSquares(const DeltaModel<double>& found,
   const Eigen::MatrixXd gain = fit.covariance * a.transpose();
   const std::vector<int> lacking = KnobsBeside(engine.knobs);
   const Eigen::MatrixXd noise = gain * sigmas_mm.asDiagonal();
-  const Eigen::MatrixXd moved = gain * ScaledSlopes(found, engine, lacking);
-  const Eigen::VectorXd reach = PriorsOf(engine.knobs);
+  DeltaBuild<double> build = engine.drawn;
+  build.model = found;
+  const Eigen::MatrixXd moved = gain * SlopesOf(build, engine, lacking) *
+                                PriorsOfLacking(lacking, engine).asDiagonal();
   EngineUncertainty told;
   std::vector<std::string> names;
   for (std::size_t k = 0; k < engine.knobs.size(); ++k) {

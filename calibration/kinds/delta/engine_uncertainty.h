@@ -17,6 +17,8 @@ struct HeightSquares {
   std::string procedure{};
   std::vector<int> knobs{};  ///< What it moves; all else it takes for as drawn.
   std::vector<DeltaTouch> touches{};
+  /// As far as the machine's drawing goes: what twists where a tower stands round.
+  DeltaBuild<double> drawn{};
 };
 
 /// How sure settings so found are, and how their errors go together.
@@ -32,8 +34,10 @@ struct EngineUncertainty {
 ///
 ///   settings - built = G noise + G B lacking,   C = G (V + B P B^T) G^T
 ///
-/// V the touches' variances, P those of kDeltaKnobs, straight about `found`. Empty
-/// where the touches do not tell the knobs apart. Tower angles count against tower c.
+/// V the touches' variances, P those of kDeltaKnobs, straight about `found`; a twist
+/// strays by that of its tower's angle too, where the engine moves the angle and the
+/// drawing says that a carriage is twisted with it. Empty where the touches do not tell
+/// the knobs apart. Tower angles count against tower c.
 EngineUncertainty UncertaintyOfHeightSquares(const DeltaModel<double>& found,
                                              const HeightSquares& engine);
 

@@ -126,11 +126,14 @@ DeltaReadings ReadAll(const DeltaStep& step,
 // of one that is a setting is its value.
 DeltaJointOptions JointOptions(const DeltaStep& step,
                                const DeltaModel<double>& start,
-                               const DeltaModel<double>& drawn) {
+                               const DeltaBuild<double>& drawn) {
   constexpr double kNothingBelieved_mm = 2;
   DeltaJointOptions options{.knobs = step.knobs};
   options.prior_mean.assign(kNumDeltaKnobs, 0);
-  for (const DeltaKnob& knob : kDeltaKnobs) options.prior_sd.push_back(knob.prior_sd);
+  for (int knob = 0; knob < kNumDeltaKnobs; ++knob) {
+    options.prior_sd.push_back(PriorSdOf(knob, drawn) /
+                               kDeltaKnobs[static_cast<std::size_t>(knob)].per_unit);
+  }
   // Rods that somebody reads need no belief in their length.
   if (step.reads_rods || step.reads_print) {
     options.prior_sd[kArmKnob] = kNothingBelieved_mm;
@@ -139,7 +142,7 @@ DeltaJointOptions JointOptions(const DeltaStep& step,
     const auto at = static_cast<std::size_t>(prior.knob);
     options.prior_sd[at] = prior.sd;
     if (!prior.value) continue;
-    const auto set = DeltaSettingNamed(start, drawn, kDeltaKnobs[at].name);
+    const auto set = DeltaSettingNamed(start, drawn.model, kDeltaKnobs[at].name);
     options.prior_mean[at] = *prior.value - set.value_or(0);
   }
   return options;
@@ -187,14 +190,13 @@ Performed PerformJoint(const DeltaStep& step,
                        const DeltaDoors& doors,
                        const DeltaModel<double>& start) {
   const double radius_mm = DeltaOf(machine).print_radius_mm;
-  DeltaBuild<double> believed = DeltaOf(machine).Build();
-  believed.model = start;
+  const DeltaBuild<double> drawn = DeltaOf(machine).Build();
+  const DeltaBuild<double> believed = WithSettings(drawn, start);
   const DeltaReadings readings = ReadAll(step, probe_sigma_mm, machine, doors, start);
   Performed performed{.outcome = {.settings = start}};
   performed.outcome.touches = static_cast<int>(readings.touches.size());
   if (readings.touches.empty()) return performed;
-  performed.fit = FitDeltaJointly(
-      believed, readings, JointOptions(step, start, DeltaOf(machine).model));
+  performed.fit = FitDeltaJointly(believed, readings, JointOptions(step, start, drawn));
   const DeltaJointFit& fit = *performed.fit;
   const DeltaModel<double> best = BestDeltaSettings(
       fit.build, fit.bed, start, radius_mm, {.has_radius_per_tower = false});
@@ -236,17 +238,18 @@ std::vector<int> KnobsOfEngine(const DeltaStep& step) {
 
 // Neither firmware says how sure its settings are: told beside them.
 void AddUncertainty(const DeltaStep& step,
-                    const DeltaModel<double>& drawn,
+                    const DeltaBuild<double>& drawn,
                     std::vector<DeltaTouch> touches,
                     DeltaOutcome* outcome) {
   if (!outcome->is_done) return;
   EngineUncertainty sure = UncertaintyOfHeightSquares(outcome->settings,
                                                       {.procedure = step.name,
                                                        .knobs = KnobsOfEngine(step),
-                                                       .touches = std::move(touches)});
+                                                       .touches = std::move(touches),
+                                                       .drawn = drawn});
   outcome->correlations = std::move(sure.correlations);
   for (Estimate& estimate : sure.estimates) {
-    const auto set = DeltaSettingNamed(outcome->settings, drawn, estimate.name);
+    const auto set = DeltaSettingNamed(outcome->settings, drawn.model, estimate.name);
     if (!set) continue;  // A tilt, which is no setting.
     estimate.value = *set;
     outcome->estimates.push_back(std::move(estimate));
@@ -290,7 +293,7 @@ DeltaOutcome PerformDeltaStep(const DeltaStep& step,
                               const DeltaModel<double>& start,
                               std::optional<DeltaJointFit>* fit) {
   const double radius_mm = DeltaOf(machine).print_radius_mm;
-  const DeltaModel<double>& drawn = DeltaOf(machine).model;
+  const DeltaBuild<double> drawn = DeltaOf(machine).Build();
   std::vector<DeltaTouch> touches;
   const DeltaProbe probe =
       [&](const DeltaModel<double>& settings, double x_mm, double y_mm) {

@@ -5,6 +5,8 @@
 #include <fmt/ranges.h>
 
 #include "sim/base/text_file.h"
+#include "sim/base/yaml.h"
+#include "sim/machine/machine.h"
 #include "sim/measure/import/blunders.h"
 #include "sim/measure/import/check.h"
 #include "sim/measure/import/cmm_plate.h"
@@ -99,6 +101,23 @@ const Importer& Find(const std::string& kind) {
           fmt::format("It may be: {}", fmt::join(kinds, ", ")));
 }
 
+// A machine that cannot be is no machine; the readings beside it stay.
+void CheckMachine(const std::string& name, Imported* imported) {
+  if (imported->machine_yaml.empty()) return;
+  try {
+    Faults faults;
+    YamlMap map = ReadYamlText(imported->machine_yaml, name + " as a machine", &faults);
+    ReadMachine(&map);
+    faults.ThrowIfAny();
+  } catch (const InputError& error) {
+    if (imported->table.rows.empty()) throw;
+    imported->warnings.push_back(fmt::format(
+        "the machine that the settings describe cannot be and was left out: {}",
+        error.what()));
+    imported->machine_yaml.clear();
+  }
+}
+
 }  // namespace
 
 std::span<const Importer> AllImporters() {
@@ -138,6 +157,7 @@ Imported ImportText(const std::string& kind,
   std::int64_t number = 0;
   for (Row& row : imported.table.rows) row.row = ++number;
   CheckImported(imported.table);
+  CheckMachine(name, &imported);
   imported.table.comments.insert(
       imported.table.comments.begin(),
       fmt::format("Read from {} by caltwin import {}",

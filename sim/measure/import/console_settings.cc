@@ -15,7 +15,6 @@ namespace {
 
 constexpr std::array kNominal_deg = {210.0, 330.0, 90.0};
 constexpr double kLongest_mm = 10'000;
-constexpr double kMostSteps_per_mm = 1e6;
 constexpr double kUsualHeight_mm = 300;  // Older Marlin does not print it; it cancels.
 constexpr double kSteps_per_rev = 3200;  // 200 full steps in sixteenths: the usual.
 constexpr std::array<std::string_view, 6> kWanted = {
@@ -28,8 +27,11 @@ bool IsNumberLike(std::string_view text) {
           std::string_view("+-.0123456789").find(text[0]) != std::string_view::npos);
 }
 
-double MostOf(std::string_view command) {
-  return command == "M92" ? kMostSteps_per_mm : kLongest_mm;
+Bounds BoundsOf(std::string_view command, char letter) {
+  const bool is_axis = letter >= 'X' && letter <= 'Z';
+  if (command == "M92" && is_axis) return SettingsInForce::kSteps_per_mm;
+  if (command == "M425" && is_axis) return SettingsInForce::kBacklash_mm;
+  return {-kLongest_mm, kLongest_mm};
 }
 
 }  // namespace
@@ -42,7 +44,7 @@ bool ConsoleSettings::Take(const ConsoleLine& line,
     const std::string key = fmt::format("$10{}=", k);
     const auto steps_per_mm = NumberAfter(line.lower, key);
     if (!line.lower.starts_with(key) || !steps_per_mm) continue;
-    if (*steps_per_mm > 0 && *steps_per_mm < kMostSteps_per_mm) {
+    if (SettingsInForce::kSteps_per_mm.Contains(*steps_per_mm)) {
       numbers_[fmt::format("M92{}", "XYZ"[k])] = *steps_per_mm;
       in_force_.steps_per_mm[std::string(1, "xyz"[k])] = *steps_per_mm;
     }
@@ -56,7 +58,7 @@ bool ConsoleSettings::Take(const ConsoleLine& line,
       if (at + 1 >= words.size() || words[at + 1] == ' ') continue;
       const std::string_view rest = words.substr(at + 2);
       const auto value = NumberOf(rest.substr(0, rest.find(' ')));
-      if (!value || std::abs(*value) > MostOf(command)) {
+      if (!value || !BoundsOf(command, words[at + 1]).Contains(*value)) {
         // What a firmware answers ("M665 Diagonals ...") is no setting.
         if (!IsNumberLike(rest)) return true;
         faults->Add(

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "sim/base/units.h"
+#include "sim/measure/instrument.h"
 
 namespace caltwin {
 namespace {
@@ -166,9 +167,9 @@ std::optional<double> ClockTime_s(std::string_view text) {
   return SFromH(24.0 * static_cast<double>(days)) + *of_day_s;
 }
 
-double StepOf(const std::vector<double>& values) {
+double StepOf(const std::vector<double>& values_mm) {
   constexpr double kOfAStep = 0.02;
-  std::vector<double> sorted = values;
+  std::vector<double> sorted = values_mm;
   std::ranges::sort(sorted);
   double step = 0;
   for (std::size_t i = 1; i < sorted.size(); ++i) {
@@ -176,7 +177,9 @@ double StepOf(const std::vector<double>& values) {
     const bool is_rounding = gap <= 1e-9 * std::abs(sorted[i]) + 1e-12;
     if (!is_rounding && (step == 0 || gap < step)) step = gap;
   }
-  if (step == 0 || values.size() < 3) return 0;
+  if (step == 0 || values_mm.size() < 3) return 0;
+  // Coarser than any instrument.
+  if (!Instrument::kResolution_um.Contains(UmFromMm(step))) return 0;
   const bool is_grid = std::ranges::all_of(sorted, [&](double value) {
     const double steps = (value - sorted.front()) / step;
     return std::abs(steps - std::round(steps)) < kOfAStep;

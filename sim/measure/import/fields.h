@@ -49,7 +49,8 @@ Place PlaceOf(const CsvField& field, const std::string& name);
 std::optional<double> ClockTime_s(std::string_view text);
 
 /// The smallest step of which all values are multiples from the first, to a fiftieth of
-/// it; 0 where there is none worth the name (fewer than three values, or all the same).
-double StepOf(const std::vector<double>& values);
+/// it; 0 where there is none worth the name (fewer than three values, or all the same,
+/// or coarser than an instrument's resolution may be).
+double StepOf(const std::vector<double>& values_mm);
 
 }  // namespace caltwin

@@ -43,7 +43,8 @@ void GrblStory::Take(const ConsoleLine& line) {
   TakeExtents(line);
   for (std::size_t k = 0; k < 3; ++k) {
     const auto steps = NumberAfter(line.lower, fmt::format("$10{}=", k));
-    if (steps && *steps > 0) steps_per_mm_[k] = *steps;
+    if (steps && SettingsInForce::kSteps_per_mm.Contains(*steps))
+      steps_per_mm_[k] = *steps;
   }
   if (line.lower.find("g38.") != std::string::npos) {
     for (std::size_t k = 0; k < 3; ++k)

@@ -223,7 +223,8 @@ std::string DeltaMachineYaml(const DeltaMachineText& text) {
     yaml +=
         fmt::format("# it prints within {:g} mm of the middle\n", text.print_radius_mm);
   }
-  if (Known(text.drive[0].step_mm)) {
+  if (std::ranges::all_of(
+          text.drive, [](const KlipperDrive& drive) { return Known(drive.step_mm); })) {
     yaml += fmt::format(
         "\nsettings:\n  steps_per_mm: {{a: {:.6g}, b: {:.6g}, c: {:.6g}}}\n",
         1 / text.drive[0].step_mm,

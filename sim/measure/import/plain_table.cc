@@ -52,6 +52,7 @@ class TableReader {
       // A line may have no label.
       row.extra.resize(imported_.table.extra_columns.size());
     }
+    NameInstruments();
     imported_.recognised.insert(imported_.recognised.begin(),
                                 fmt::format("a table of {} lines: {} readings",
                                             sheet_.records.size(),
@@ -371,8 +372,9 @@ class TableReader {
     const bool is_actual =
         commanded && !actual.empty() && !AreDeviations(*commanded, actual);
     const bool is_dial = !actual.empty() && !is_actual;
-    const bool has_series = !is_actual && (is_dial ? actual : deviation).size() > 1;
-    for (const TableColumn& column : is_actual || is_dial ? actual : deviation) {
+    const std::vector<TableColumn>& read = is_actual || is_dial ? actual : deviation;
+    const bool has_series = read.size() > 1 && (!is_actual || AreInstruments(read));
+    for (const TableColumn& column : read) {
       series_ = has_series ? HeadingOf(column) : "";
       RequireUnit(column, is_actual || is_dial);
       for (const CsvRecord& record : sheet_.records)
@@ -424,6 +426,33 @@ class TableReader {
       }
     }
     return most_mm < kSmall * least_mm;
+  }
+
+  // Whether each column was read off an instrument of its own.
+  bool AreInstruments(const std::vector<TableColumn>& read) const {
+    std::set<std::string> instruments;
+    for (const TableColumn& column : read) {
+      const std::string instrument = InstrumentIn(HeadingOf(column));
+      if (instrument.empty() || !instruments.insert(instrument).second) return false;
+    }
+    return true;
+  }
+
+  // Campaigns that have each an instrument in their names.
+  void NameInstruments() {
+    std::map<std::string, std::string> instruments;
+    for (const Row& row : imported_.table.rows) {
+      instruments[row.campaign] = InstrumentIn(row.campaign);
+    }
+    const bool are_named =
+        instruments.size() > 1 && std::ranges::none_of(instruments, [](const auto& of) {
+          return of.second.empty();
+        });
+    if (!are_named) return;
+    for (const auto& [campaign, instrument] : instruments) {
+      imported_.header.instruments[instrument].kind = instrument;
+      imported_.header.campaigns[campaign].instrument = instrument;
+    }
   }
 
   // A position's unit is that of the command, a deviation's may be any.
@@ -498,7 +527,16 @@ class TableReader {
     const auto column = FirstOf(Part::kSteps);
     if (!column) return;
     const auto steps = NumberOf(record[column->index].text, sheet_.decimal);
-    if (!steps || *steps <= 0) return;
+    if (!steps) return;
+    constexpr Bounds kBounds = SettingsInForce::kSteps_per_mm;
+    if (!kBounds.Contains(*steps)) {
+      faults_.Add(PlaceOf(record[column->index], name_),
+                  fmt::format("{:.9g} steps/mm is outside {:g} .. {:g}",
+                              *steps,
+                              kBounds.min,
+                              kBounds.max));
+      return;
+    }
     row->settings = record[column->index].text;
     imported_.header.settings[row->settings].steps_per_mm[std::string(1, "xyz"[axis])] =
         *steps;

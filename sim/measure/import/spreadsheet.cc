@@ -136,6 +136,8 @@ std::size_t FirstRecord(const Split& split) {
 
 void PartPlaces(Split* split) {
   const std::size_t first = FirstRecord(*split);
+  // Titles and nothing else.
+  if (split->records[first].size() != split->num_fields) return;
   for (std::size_t column = 0; column < split->num_fields; ++column) {
     if (NumberOf(split->records[first][column].text) ||
         !HoldsPlaces(*split, first, column)) {

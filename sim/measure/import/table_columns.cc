@@ -46,7 +46,8 @@ constexpr std::array kAllWords = {
     PartWords{Part::kTime, "time t min minutes s sec seconds minute"},
     PartWords{Part::kPosition, "position pos distance travel length at"},
     PartWords{Part::kAxis, "axis"},
-    PartWords{Part::kSetup, "setup part place line piece feature calibration"}};
+    PartWords{Part::kSetup,
+              "setup part place line piece feature calibration instrument"}};
 
 // Whether one of `tokens` stands among `words`.
 bool HasAny(std::string_view words, const std::vector<std::string>& tokens) {
@@ -157,6 +158,26 @@ Quantity QuantityOf(Part part) {
     default:
       return Quantity::kPlain;
   }
+}
+
+std::string InstrumentIn(const std::string& label) {
+  constexpr std::array<std::string_view, 13> kInstruments = {"laser",
+                                                             "interferometer",
+                                                             "dial",
+                                                             "indicator",
+                                                             "calliper",
+                                                             "caliper",
+                                                             "calipers",
+                                                             "micrometer",
+                                                             "dro",
+                                                             "scale",
+                                                             "ruler",
+                                                             "probe",
+                                                             "ballbar"};
+  for (const std::string& token : TokensOf(label)) {
+    if (std::ranges::find(kInstruments, token) != kInstruments.end()) return token;
+  }
+  return "";
 }
 
 bool IsSideWord(const std::string& token) {

@@ -45,6 +45,9 @@ std::vector<std::string> TokensOf(const std::string& heading);
 Quantity QuantityOf(Part part);
 /// Whether a word says on which side of a wall something was measured: "inside".
 bool IsSideWord(const std::string& token);
+/// The measuring instrument that a heading or a label names ("laser" of "Laser (um)");
+/// empty: none.
+std::string InstrumentIn(const std::string& label);
 
 /// Cells that hold two things become columns of their own: "X+1" is an axis, a move and
 /// its sense, "12.3 mm" a number whose unit stands in the heading.

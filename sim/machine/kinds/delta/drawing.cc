@@ -56,11 +56,12 @@ void ReadByTower(YamlMap* map,
 }
 
 DeltaBuild<double> DeltaDrawing::Build() const {
-  return {.model = model,
-          .rod_spacing_mm = rod_spacing_mm,
-          .effector_radius_mm = effector_radius_mm,
-          .states_effector = states_effector,
-          .joint_height_mm = joint_height_mm};
+  return {
+      .model = model,
+      .rod_spacing_mm = rod_spacing_mm,
+      .effector_radius_mm = effector_radius_mm,
+      .twist_per_angle = states_effector ? TwistPerAngle(model, effector_radius_mm) : 0,
+      .joint_height_mm = joint_height_mm};
 }
 
 DeltaDrawing ReadDeltaDrawing(YamlMap* map) {

@@ -31,6 +31,13 @@ std::vector<int> DeltaKnobsNamed(std::span<const std::string> names) {
   return knobs;
 }
 
+double PriorSdOf(int knob, const DeltaBuild<double>& drawn) {
+  const DeltaKnob& is = kDeltaKnobs[static_cast<std::size_t>(knob)];
+  const double sd = is.prior_sd * is.per_unit;
+  const bool is_larger = IsAngleKnob(knob) && drawn.twist_per_angle > 0;
+  return is_larger ? sd / drawn.twist_per_angle : sd;
+}
+
 double KnobValue(int knob,
                  const DeltaBuild<double>& build,
                  const DeltaBed<double>& bed,
@@ -46,6 +53,11 @@ double KnobValue(int knob,
   }
   if (name.starts_with("tower_angle")) {
     turned -= build.model.angle_rad[2] - drawn.model.angle_rad[2];
+  }
+  if (name.starts_with("tower_twist")) {
+    const auto i = static_cast<std::size_t>(knob - kTwistKnob);
+    turned -=
+        drawn.twist_per_angle * (build.model.angle_rad[i] - drawn.model.angle_rad[i]);
   }
   return turned / kDeltaKnobs[static_cast<std::size_t>(knob)].per_unit;
 }

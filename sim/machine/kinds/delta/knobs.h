@@ -86,6 +86,16 @@ std::optional<int> DeltaKnobNamed(std::string_view name);
 /// Indices of these names; throws InputError naming the closest knob.
 std::vector<int> DeltaKnobsNamed(std::span<const std::string> names);
 
+/// Whether the knob is a tower's angle.
+constexpr bool IsAngleKnob(int knob) {
+  return knob >= kAngleKnob && knob < kArmKnob;
+}
+
+/// How far machines stray from their drawings in this knob (inside value). A tower
+/// stands round by its prior; of three-rod formulas that is more where the drawing
+/// states the effector (`twist_per_angle`).
+double PriorSdOf(int knob, const DeltaBuild<double>& drawn);
+
 /// @name Usual choices
 /// What three-rod firmwares set, with the bed's tilt beside it: endstops, radius,
 /// angles, slopes.
@@ -135,10 +145,16 @@ void AtKnob(int knob, Build& build, Bed& bed, const With& with) {
   }
 }
 
-/// Turns one knob of a machine by `by` (inside value, added to what it has).
+/// Turns one knob of a machine by `by` (inside value, added to what it has). The angle
+/// of a tower is the firmware's, and its carriage is twisted with it by
+/// `twist_per_angle`; the knob of the twist is what it is twisted beside that.
 template <typename T>
 void TurnKnob(int knob, const T& by, DeltaBuild<T>* build, DeltaBed<T>* bed) {
   AtKnob(knob, *build, *bed, [&by](T& value) { value += by; });
+  if (IsAngleKnob(knob)) {
+    build->twist_rad[static_cast<std::size_t>(knob - kAngleKnob)] +=
+        build->twist_per_angle * by;
+  }
 }
 
 /// How far a knob of a machine on its bed is turned against its drawing [the knob's

@@ -90,13 +90,14 @@ DeltaModel<double> SymmetricDelta(double endstop_mm, double radius_mm, double ar
   return model;
 }
 
-double AngleLever(const DeltaModel<double>& drawn, double effector_radius_mm) {
-  return 1 + effector_radius_mm / MeanOfTowers(drawn.radius_mm);
+double TwistPerAngle(const DeltaModel<double>& drawn, double effector_radius_mm) {
+  const double radius_mm = MeanOfTowers(drawn.radius_mm);
+  return radius_mm / (radius_mm + effector_radius_mm);
 }
 
 void StandRound(int tower, double angle_rad, DeltaBuild<double>* build) {
   const auto i = static_cast<std::size_t>(tower);
-  if (!build->states_effector) {
+  if (build->twist_per_angle == 0) {
     build->model.angle_rad[i] += angle_rad;
     return;
   }
@@ -107,6 +108,16 @@ void StandRound(int tower, double angle_rad, DeltaBuild<double>* build) {
   build->model.radius_mm[i] = std::hypot(out_mm, round_mm);
   build->model.angle_rad[i] += std::atan2(round_mm, out_mm);
   build->twist_rad[i] += angle_rad;
+}
+
+DeltaBuild<double> WithSettings(DeltaBuild<double> drawn,
+                                const DeltaModel<double>& settings) {
+  for (std::size_t i = 0; i < kNumTowers; ++i) {
+    drawn.twist_rad[i] +=
+        drawn.twist_per_angle * (settings.angle_rad[i] - drawn.model.angle_rad[i]);
+  }
+  drawn.model = settings;
+  return drawn;
 }
 
 double MeanOfTowers(const std::array<double, 3>& values) {

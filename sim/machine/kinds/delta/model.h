@@ -56,8 +56,9 @@ struct DeltaBuild {
   /// @name As drawn; they change nothing while all errors are nought.
   double rod_spacing_mm = 40;
   double effector_radius_mm = 30;
-  /// The drawing says how large the effector is, so where its joints are is known.
-  bool states_effector = false;
+  /// Twist of a carriage whose tower stands round, over the firmware's angle of it
+  /// (`TwistPerAngle`). 0: no drawing states the effector, whose joints then turn too.
+  double twist_per_angle = 0;
   double joint_height_mm = 20;  ///< Effector joints above the nozzle.
 };
 
@@ -69,17 +70,23 @@ struct DeltaPose {
   Vec3<T> cayley = Vec3<T>::Zero();
 };
 
-/// How far a tower that stands round by a small angle is round for three-rod formulas,
-/// over that angle: the effector's joints stay as drawn, so it is
+/// A tower stands round by a small angle, and its carriage is twisted by as much; the
+/// effector's joints stay as drawn. Three-rod formulas see a larger angle. Twist over
+/// that angle:
 ///
-///   1 + effector radius / delta radius
-double AngleLever(const DeltaModel<double>& drawn, double effector_radius_mm);
+///   delta radius / (delta radius + effector radius)
+double TwistPerAngle(const DeltaModel<double>& drawn, double effector_radius_mm);
 
 /// Stands a tower round by an angle (+ counter-clockwise from above): its rail and the
 /// joints of its carriage turn about the machine's axis, the effector's do not. For
 /// three-rod formulas it has another angle and radius, and its carriage is twisted.
 /// Where no drawing states the effector, its joints turn too: the firmware's angle.
 void StandRound(int tower, double angle_rad, DeltaBuild<double>* build);
+
+/// The machine as drawn, but for what the settings say of it: where they have a tower
+/// round by an angle, its carriage is twisted.
+DeltaBuild<double> WithSettings(DeltaBuild<double> drawn,
+                                const DeltaModel<double>& settings);
 
 /// Of a number that each tower has, its mean.
 double MeanOfTowers(const std::array<double, 3>& values);

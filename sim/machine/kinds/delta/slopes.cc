@@ -88,7 +88,7 @@ std::array<double, kNumDeltaKnobs> ClosedDelta::Slopes(
         pull.dot(carriage.out) - by_height * model.radius_mm[i] / carriage.drop_mm;
     slopes[kEndstopKnob + i] = by_height;
     slopes[kRadiusKnob] += by_radius;
-    if (i < 2) slopes[kAngleKnob + i] = by_angle;
+    if (i < 2) slopes[kAngleKnob + i] = by_angle + build.twist_per_angle * by_twist;
     slopes[kArmKnob] += by_height * model.arm_mm[i] / carriage.drop_mm + by_length;
     if (i < 2) slopes[kTowerRadiusKnob + i] = by_radius;
     slopes[kLeanRadialKnob + i] = pull.dot(carriage.ByLean(carriage.out));
