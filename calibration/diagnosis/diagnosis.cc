@@ -21,6 +21,7 @@
 #include "calibration/diagnosis/stated_noise.h"
 #include "calibration/diagnosis/time_noise.h"
 #include "calibration/diagnosis/whole_tables.h"
+#include "calibration/facts/repeats.h"
 #include "sim/base/units.h"
 
 namespace caltwin {
@@ -265,6 +266,30 @@ class Reporter {
            is_kept && IsDetermined(baseline[k], with.sds[at])});
       if (baseline[k].name == "endstop.b") AddLastEndstop(with, at, diagnosis);
     }
+    if (HasNoRowToSpare(baseline)) ForgetHowSure(diagnosis);
+  }
+
+  // As many unknowns as rows pass through all of them, and nothing is left that would
+  // tell how far a reading strays; unless it was stated.
+  bool HasNoRowToSpare(const std::vector<Nuisance>& baseline) const {
+    Eigen::Index used = 0;
+    for (Eigen::Index i = 0; i < observed_.num_rows(); ++i) {
+      if (search_.circumstances.left_out[static_cast<std::size_t>(i)]) continue;
+      if (Known(StatedSigma_mm(observed_.row(i), observed_.header()))) return false;
+      ++used;
+    }
+    return used <= std::ssize(baseline);
+  }
+
+  static void ForgetHowSure(Diagnosis* diagnosis) {
+    for (BaselineLine& line : diagnosis->baseline) {
+      line.sd = kUnknown;
+      line.is_determined = false;
+    }
+    diagnosis->remarks.emplace_back(
+        "The baseline has as many unknowns as these rows have readings: it passes "
+        "through all of them, and how sure any line of it is, or whether the model "
+        "holds, is not known. Touch twice as many places");
   }
 
   // The three of them sum to nought. `b`: which nuisance the second is; the first

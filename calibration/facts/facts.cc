@@ -55,6 +55,7 @@ Facts FactsOf(const RowTable& table,
   const std::vector<const Row*> rows = RowsInOrder(table);
   if (rows.empty()) return facts;
   Repeats repeats = FactsOfRepeats(rows, header, &facts);
+  FactsOfMeshes(rows, &repeats, &facts);
   const std::set<std::int64_t> far = FactsOfSurface(rows, repeats, &facts);
   repeats.outliers.insert(far.begin(), far.end());
   FactsOfArrival(rows, &facts);

@@ -413,17 +413,92 @@ void AddFar(const Sheet& sheet,
 
 }  // namespace
 
+namespace {
+
+using Sheets = std::map<std::string, std::vector<Spot>>;
+
+double MeanOf(const std::vector<Spot>& spots) {
+  double sum_mm = 0;
+  for (const Spot& spot : spots) sum_mm += spot.height_mm;
+  return sum_mm / static_cast<double>(spots.size());
+}
+
+// What another sheet has at the same place is the surface, and no bad touch.
+void KeepWhatRepeats(const Sheets& sheets,
+                     const std::string& own,
+                     const Sheet& sheet,
+                     std::vector<bool>* is_out) {
+  constexpr double kAlike = 0.3;
+  const double mean_mm = MeanOf(sheet.spots());
+  for (const auto& [key, others] : sheets) {
+    if (key == own) continue;
+    const double other_mean_mm = MeanOf(others);
+    for (std::size_t i = 0; i < is_out->size(); ++i) {
+      const Spot& spot = sheet.spots()[i];
+      const auto same = std::ranges::find_if(others, [&](const Spot& other) {
+        return other.x_mm == spot.x_mm && other.y_mm == spot.y_mm;
+      });
+      if (!(*is_out)[i] || same == others.end()) continue;
+      const double off_mm = spot.height_mm - mean_mm;
+      const double again_mm = same->height_mm - other_mean_mm;
+      if (std::abs(again_mm - off_mm) < kAlike * std::abs(off_mm)) (*is_out)[i] = false;
+    }
+  }
+}
+
+// How far the nearest other spot stands from each.
+double Pitch_mm(const std::vector<Spot>& spots) {
+  std::vector<double> nearest_mm;
+  for (const Spot& one : spots) {
+    double least_mm = HUGE_VAL;
+    for (const Spot& other : spots) {
+      if (&one == &other) continue;
+      const double apart_mm = std::hypot(one.x_mm - other.x_mm, one.y_mm - other.y_mm);
+      least_mm = std::min(least_mm, apart_mm);
+    }
+    nearest_mm.push_back(least_mm);
+  }
+  return Median(nearest_mm);
+}
+
+// Bad touches stand alone. Several beside each other, an edge or a corner, are the
+// shape of the surface there.
+void KeepRegions(const Sheet& sheet, std::vector<bool>* is_out) {
+  constexpr double kBeside = 1.5;
+  constexpr std::ptrdiff_t kFewest = 4;
+  const auto num_out = std::ranges::count(*is_out, true);
+  if (num_out < kFewest) return;
+  const std::vector<Spot>& spots = sheet.spots();
+  const double beside_mm = kBeside * Pitch_mm(spots);
+  std::ptrdiff_t num_beside = 0;
+  for (std::size_t i = 0; i < spots.size(); ++i) {
+    bool has_neighbour = false;
+    for (std::size_t k = 0; k < spots.size() && (*is_out)[i]; ++k) {
+      has_neighbour |= k != i && (*is_out)[k] &&
+                       std::hypot(spots[i].x_mm - spots[k].x_mm,
+                                  spots[i].y_mm - spots[k].y_mm) < beside_mm;
+    }
+    num_beside += has_neighbour ? 1 : 0;
+  }
+  if (2 * num_beside > num_out) is_out->assign(is_out->size(), false);
+}
+
+}  // namespace
+
 std::set<std::int64_t> FactsOfSurface(const std::vector<const Row*>& rows,
                                       const Repeats& repeats,
                                       Facts* facts) {
   std::set<std::int64_t> outliers;
   const std::size_t before = facts->all.size();
-  for (const auto& [key, spots] : SheetsOf(rows, repeats.outliers)) {
+  const Sheets sheets = SheetsOf(rows, repeats.outliers);
+  for (const auto& [key, spots] : sheets) {
     const ReadingNoise& reading = repeats.NoiseOf(key.substr(0, key.find('|')));
     Sheet sheet(spots);
     if (!sheet.has_area()) AddLine(sheet, reading, facts);
     if (sheet.size() < kPlaneTerms || !sheet.has_area()) continue;
-    const std::vector<bool> is_out = FarSpots(sheet, reading.sd_mm);
+    std::vector<bool> is_out = FarSpots(sheet, reading.sd_mm);
+    KeepWhatRepeats(sheets, key, sheet, &is_out);
+    KeepRegions(sheet, &is_out);
     AddFar(sheet, is_out, &outliers, facts);
     sheet = sheet.Without(is_out);
     // One bed as it first stood: later sheets only for what is far off.

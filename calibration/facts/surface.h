@@ -21,4 +21,8 @@ std::set<std::int64_t> FactsOfSurface(const std::vector<const Row*>& rows,
 /// order in which the points were touched, beside any smooth shape.
 void FactsOfArrival(const std::vector<const Row*>& rows, Facts* facts);
 
+/// How several meshes of the same places repeat, where no place was touched twice in
+/// one: the noise of a touch from then on. `rows` in the order measured.
+void FactsOfMeshes(const std::vector<const Row*>& rows, Repeats* repeats, Facts* facts);
+
 }  // namespace caltwin

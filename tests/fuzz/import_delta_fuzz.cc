@@ -11,9 +11,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     case 'h':
       return caltwin::TryImport("rrf-heightmap", data + 1, size - 1);
     case 'g':
-      return caltwin::Try(data + 1, size - 1, [](const std::string& text) {
-        caltwin::ImportText("rrf-config", text, "f", {});
-      });
+      return caltwin::TryImport("rrf-config", data + 1, size - 1);
     case 's':
       return caltwin::TryImport("klipper-delta", data + 1, size - 1, with_step);
     default:

@@ -176,6 +176,23 @@ TEST(KlipperDelta, WritesAMachineThatIsReadAgain) {
   EXPECT_DOUBLE_EQ(rrf.settings.steps_per_mm[0], 80);
 }
 
+// People change microsteps after DELTA_CALIBRATE and keep what was saved.
+TEST(KlipperDelta, ReckonsCountsOfOtherMicrostepsWithTheirs) {
+  std::string text = PrinterCfgText(kPoses_mm, 16);
+  const Imported as_saved = ImportText("klipper-delta", text, "f.cfg", {});
+  for (std::size_t at = 0;
+       (at = text.find("microsteps: 16", at)) != std::string::npos;) {
+    text.replace(at, 14, "microsteps: 64");
+  }
+  const Imported changed = ImportText("klipper-delta", text, "f.cfg", {});
+
+  EXPECT_NEAR(changed.table.rows[1].value_mm, as_saved.table.rows[1].value_mm, 1e-9);
+  EXPECT_THAT(as_saved.warnings, testing::IsEmpty());
+  ASSERT_EQ(changed.warnings.size(), 1U);
+  EXPECT_THAT(changed.warnings[0], HasSubstr("(16 in place of 64)"));
+  EXPECT_THAT(changed.warnings[0], HasSubstr("lengths 4 times as short"));
+}
+
 TEST(KlipperDelta, WritesTheMachineThatItBelievesIn) {
   const Imported imported =
       ImportText("klipper-delta", PrinterCfgText(kPoses_mm, 16), "my printer.cfg", {});
@@ -273,7 +290,8 @@ TEST(KlipperMesh, OfADeltaSaysWhereTheCarriagesAre) {
 
   EXPECT_EQ(imported.table.rows.size(), 49);
   EXPECT_THAT(imported.recognised,
-              ElementsAre(HasSubstr("32 beyond it are copies of their neighbours")));
+              ElementsAre(HasSubstr("32 beyond it are copies of their neighbours"),
+                          HasSubstr("not among these rows")));
   const Row& row = imported.table.rows[24];
   const Vec3<double> nozzle_mm =
       DeltaNozzle_mm(ReadKlipperBed(text, "f.cfg").geometry->model,
@@ -330,8 +348,8 @@ TEST(RrfConfig, BecomesAMachineOfThreeTowers) {
 }
 
 TEST(RrfConfig, RefusesWhatIsNoDelta) {
-  EXPECT_THAT(ImportFault("rrf-config", "M92 X80 Y80 Z400\n"),
-              HasSubstr("no delta's geometry stands here"));
+  EXPECT_THAT(ImportFault("rrf-config", "M92 X80 Y80\n"),
+              HasSubstr("no machine among them"));
   EXPECT_THAT(ImportFault("rrf-config", "M665 L440 R441 H400\n"),
               HasSubstr("f:1:12: arms of 440 mm at a delta radius of 441 mm"));
   EXPECT_THAT(ImportFault("rrf-config", "M665 L440:1 R100 H400\n"),

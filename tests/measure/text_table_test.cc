@@ -107,5 +107,18 @@ TEST(HeightmapXml, APointOutsideItsGridIsRefused) {
               ThrowsMessage<InputError>(HasSubstr("f:")));
 }
 
+TEST(PlainTable, TwoInstrumentsBesideEachOtherAreTwoCampaigns) {
+  const Imported imported = ImportText(
+      "table",
+      "commanded_x,dial,laser\n0,0.000,0.000\n50,50.012,50.003\n100,100.021,100.004\n",
+      "f.csv",
+      {});
+
+  EXPECT_EQ(imported.header.campaigns.at("dial").instrument, "dial");
+  EXPECT_EQ(imported.header.instruments.at("laser").kind, "laser");
+  EXPECT_EQ(imported.table.rows.front().campaign, "dial");
+  EXPECT_EQ(imported.table.rows.back().campaign, "laser");
+}
+
 }  // namespace
 }  // namespace caltwin

@@ -15,7 +15,6 @@
 #include "sim/measure/import/import.h"
 #include "sim/measure/import/iso230_dat.h"
 #include "sim/measure/import/kinds/klipper_delta.h"
-#include "sim/measure/import/klipper_mesh.h"
 #include "sim/measure/import/klipper_thermal.h"
 #include "sim/measure/import/map.h"
 #include "sim/measure/import/plain_table.h"
@@ -58,7 +57,7 @@ constexpr std::array kImporters = {
              /*has_unit=*/true},
     Importer{"klipper-mesh",
              "the meshes that a printer.cfg holds",
-             ReadKlipperMesh,
+             ReadMeshesOfPrinter,
              /*has_unit=*/true},
     Importer{"rrf-config",
              "config.g, config-override.g of a delta (M665 M666): a machine file",

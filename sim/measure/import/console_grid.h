@@ -23,6 +23,11 @@ class ConsoleGrid {
   /// Takes the line where it belongs to a mesh.
   bool Take(const ConsoleLine& line, int number);
 
+  /// A mesh begins there whose heights say so by themselves.
+  void Begin(int number) {
+    if (lost_line_ == 0) lost_line_ = number;
+  }
+
   /// Whether a mesh is whole; then its heights, and the next may begin.
   bool is_whole() const { return is_whole_; }
   /// Ends a mesh without corners.

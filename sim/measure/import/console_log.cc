@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "sim/base/units.h"
+#include "sim/measure/import/bare_grid.h"
 #include "sim/measure/import/bed_touch.h"
 #include "sim/measure/import/climb.h"
 #include "sim/measure/import/console_grid.h"
@@ -102,7 +103,8 @@ class LogReader {
       : text_(text),
         name_(std::move(name)),
         lines_(InOrderOfTime(LinesOf(text))),
-        settings_(name_) {}
+        settings_(name_),
+        grids_(BareGrids(text)) {}
 
   Imported Read(const ImportOptions& options) {
     tells_blunders_ = options.tells_blunders;
@@ -161,6 +163,11 @@ class LogReader {
     if (said.text.empty()) return;
     heaters_.Take(said);
     grbl_.Take(said);
+    if (grids_.contains(line.line)) {
+      grid_.End();
+      if (grid_.is_whole()) AddGrid();
+      grid_.Begin(line.line);
+    }
     if (said.lower == "ok" || said.lower.find("leveling grid") != std::string::npos) {
       grid_.End();
       if (grid_.is_whole()) AddGrid();
@@ -643,6 +650,7 @@ class LogReader {
   Imported imported_;
   ConsoleSettings settings_;
   ConsoleGrid grid_;
+  std::set<int> grids_;  ///< Lines at which bare grids begin.
   ConsoleStory story_;
   GrblStory grbl_;
   Heaters heaters_;

@@ -9,6 +9,7 @@
 #include "sim/base/units.h"
 #include "sim/measure/import/fields.h"
 #include "sim/measure/import/klipper_geometry.h"
+#include "sim/measure/import/machine_text.h"
 
 namespace caltwin {
 namespace {
@@ -16,7 +17,6 @@ namespace {
 constexpr std::array kNominal_deg = {210.0, 330.0, 90.0};
 constexpr double kLongest_mm = 10'000;
 constexpr double kUsualHeight_mm = 300;  // Older Marlin does not print it; it cancels.
-constexpr double kSteps_per_rev = 3200;  // 200 full steps in sixteenths: the usual.
 constexpr std::array<std::string_view, 6> kWanted = {
     "M92", "M665", "M666", "M851", "M425", "M852"};
 
@@ -126,27 +126,16 @@ std::string ConsoleSettings::DeltaText(Faults* faults) const {
 }
 
 std::string ConsoleSettings::CartesianText() const {
-  std::string text = fmt::format(
-      "# From {}: steps/mm, taken for motors of 200 full steps in sixteenths. Travels "
-      "are "
-      "not in it: put yours.\nformat: 1\nname: {}\nkinematics: cartesian\naxes:\n",
-      std::filesystem::path(name_).filename().string(),
-      MachineNameOf(name_));
-  std::string steps, gaps;
-  for (const auto& [axis, steps_per_mm] : in_force_.steps_per_mm) {
-    text += fmt::format("  {}: {{min_mm: 0, max_mm: 200, {}: {:.9g}}}\n",
-                        axis,
-                        axis == "z" ? "lead_mm" : "pulley_mm_per_rev",
-                        kSteps_per_rev / steps_per_mm);
-    steps += fmt::format("{}{}: {:.9g}", steps.empty() ? "" : ", ", axis, steps_per_mm);
+  CartesianMachineText machine{
+      .source = std::filesystem::path(name_).filename().string(),
+      .name = MachineNameOf(name_)};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::string axis(1, "xyz"[i]);
+    machine.axes[i].steps_per_mm = in_force_.steps_per_mm.at(axis);
+    const auto gap = in_force_.backlash_mm.find(axis);
+    if (gap != in_force_.backlash_mm.end()) machine.axes[i].backlash_mm = gap->second;
   }
-  for (const auto& [axis, gap_mm] : in_force_.backlash_mm) {
-    gaps += fmt::format("{}{}: {:g}", gaps.empty() ? "" : ", ", axis, gap_mm);
-  }
-  text += fmt::format("settings: {{steps_per_mm: {{{}}}{}}}\n",
-                      steps,
-                      gaps.empty() ? "" : ", backlash_mm: {" + gaps + "}");
-  return text;
+  return CartesianMachineYaml(machine);
 }
 
 }  // namespace caltwin

@@ -195,6 +195,12 @@ bool ConsoleStory::TakeCalibration(const ConsoleLine& line) {
          .after_mm = NumberAfter(line.lower, "after ").value_or(kUnknown)});
     return true;
   }
+  const bool is_iteration = line.lower.find("iteration") != std::string::npos;
+  if (const auto deviation_mm = NumberAfter(line.lower, "std dev:");
+      is_iteration && deviation_mm) {
+    deviations_mm_.push_back(*deviation_mm);
+    return true;
+  }
   if (line.lower.find(".height:") != std::string::npos) {
     const auto height_mm = NumberAfter(line.lower, "height:");
     if (height_mm && (heights_.empty() || Known(heights_.back().middle_mm))) {
@@ -270,6 +276,40 @@ void ConsoleStory::TellCalibrations(Imported* imported) const {
            least_mm,
            num,
            after_mm)});
+}
+
+// What a firmware's own calibration came to: it settles, or runs away.
+void ConsoleStory::TellDeviations(Imported* imported) const {
+  constexpr std::size_t kFewest = 3;
+  constexpr double kWorse = 2;
+  if (deviations_mm_.size() < kFewest) return;
+  const double last_mm = deviations_mm_.back();
+  const double least_mm = std::ranges::min(deviations_mm_);
+  const std::string course = fmt::format("{:.3f} mm after {} iterations, from {:.3f}",
+                                         last_mm,
+                                         deviations_mm_.size(),
+                                         deviations_mm_.front());
+  if (last_mm > kWorse * least_mm) {
+    imported->notes.push_back(
+        {.kind = FileNote::Kind::kElsewhere,
+         .what = "firmware",
+         .sentence = fmt::format(
+             "The firmware's calibration runs away: its standard deviation is {}, and "
+             "was {:.3f} in between. Do not save it; begin again from the drawing's "
+             "figures, with fewer points",
+             course,
+             least_mm)});
+    return;
+  }
+  imported->notes.push_back(
+      {.kind = FileNote::Kind::kOpen,
+       .what = "cause",
+       .sentence = fmt::format(
+           "what is left of the firmware's own calibration, a standard deviation of "
+           "{}: "
+           "the probe's scatter (M48 tells it), or what its model has no number for, a "
+           "bed that is not flat, towers that lean",
+           course)});
 }
 
 // A height that is corrected, and a reading that does not answer to it.
@@ -425,6 +465,7 @@ void ConsoleStory::Tell(Imported* imported) const {
   TellAlignment(imported);
   TellCalibrations(imported);
   TellHeights(imported);
+  TellDeviations(imported);
 }
 
 }  // namespace caltwin

@@ -40,6 +40,7 @@ class ConsoleStory {
   void TellAlignment(Imported* imported) const;
   void TellCalibrations(Imported* imported) const;
   void TellHeights(Imported* imported) const;
+  void TellDeviations(Imported* imported) const;
 
   LevellingLog levelling_{};
   std::string section_, key_;
@@ -59,6 +60,7 @@ class ConsoleStory {
     double height_mm = kUnknown, middle_mm = kUnknown;
   };
   std::vector<Height> heights_{};
+  std::vector<double> deviations_mm_{};  ///< G33: "std dev:", once an iteration.
 
   void TellProbing(Imported* imported) const;
   void TellSigns(Imported* imported) const;

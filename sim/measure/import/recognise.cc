@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string_view>
 
+#include "sim/measure/import/bare_grid.h"
 #include "sim/measure/import/console_line.h"
 #include "sim/measure/import/fields.h"
 
@@ -36,7 +37,8 @@ Seen Look(const std::string& text) {
         lower.starts_with("[prb:") || has("bed probe heights:") ||
         lower.starts_with("stopped at height") || has("bed topography report") ||
         has("g33 auto calibrate") || has("z1-z2=") || has("probe: z_offset:") ||
-        (has("calibrated ") && has("factors")) || has("z-calibration:") ||
+        (has("calibrated ") && has("factors")) ||
+        (has("iteration") && has("std dev:")) || has("z-calibration:") ||
         (lower.starts_with("probed ") && has("> ")) ||
         has("average measured backlash") || has(" z_offset: ") ||
         lower.starts_with("[g54:") || lower.starts_with("g92 x0 y0") ||
@@ -58,6 +60,38 @@ Seen Look(const std::string& text) {
   return seen;
 }
 
+// A part of a printer.cfg that another includes: "[probe]" and its keys.
+bool IsModule(const std::string& text) {
+  int sections = 0, keys = 0, others = 0;
+  for (const TextLine& line : LinesOf(text)) {
+    if (line.text.starts_with('#') || line.text.starts_with(';')) continue;
+    const bool is_section =
+        line.text.starts_with('[') && line.text.find(']') != std::string_view::npos;
+    const bool is_key = line.text.find_first_of(":=") != std::string_view::npos;
+    // What a macro does stands indented below its key.
+    const bool is_indented = line.words.front().column > 1;
+    sections += is_section ? 1 : 0;
+    keys += !is_section && is_key ? 1 : 0;
+    others += !is_section && !is_key && !is_indented ? 1 : 0;
+  }
+  return sections > 0 && keys > 0 && others == 0;
+}
+
+// Commands and hardly anything else.
+bool IsMacro(const std::string& text) {
+  constexpr int kFewest = 3;
+  int commands = 0, others = 0;
+  for (const TextLine& line : LinesOf(text)) {
+    const std::string_view word = line.text;
+    if (word.starts_with(';')) continue;
+    const bool is_command = word.size() > 1 &&
+                            std::string_view("GMTgmt").find(word[0]) != word.npos &&
+                            word[1] >= '0' && word[1] <= '9';
+    ++(is_command ? commands : others);
+  }
+  return commands >= kFewest && commands >= 4 * others;
+}
+
 }  // namespace
 
 std::string KindOfText(const std::string& text, const std::string& name) {
@@ -69,7 +103,10 @@ std::string KindOfText(const std::string& text, const std::string& name) {
       Lowered(name.substr(std::min(name.size(), name.rfind('.'))));
   const Seen seen = Look(text);
   if (seen.is_rows) return "rows";
-  if (has("#*# [delta_calibrate]") && has("height0") && !has("height0 = -"))
+  // A mesh has far more touches than the calibration that it was probed under.
+  const bool has_mesh = has("#*# [bed_mesh ") && has("#*# points");
+  if (has("#*# [delta_calibrate]") && has("height0") && !has("height0 = -") &&
+      !has_mesh)
     return "klipper-delta";
   if (has("#*# [bed_mesh ")) return "klipper-mesh";
   if (has("reprapfirmware height map") || has("xmin,xmax,ymin")) return "rrf-heightmap";
@@ -80,8 +117,9 @@ std::string KindOfText(const std::string& text, const std::string& name) {
   if (ending == ".comp" || ending == ".tab") return "screw-table";
   if (seen.has_console || seen.has_settings) return "console-log";
   if (has("#define") && has("_diag_ac")) return "marlin-config";
-  if (has("[stepper_") || has("[printer]")) return "printer-cfg";
-  if (seen.has_config) return "rrf-config";
+  if (has("[stepper_") || has("[printer]") || IsModule(text)) return "printer-cfg";
+  if (seen.has_config || IsMacro(text)) return "rrf-config";
+  if (!BareGrids(text).empty()) return "console-log";
   return "table";
 }
 

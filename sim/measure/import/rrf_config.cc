@@ -13,6 +13,7 @@
 #include "sim/machine/kinds/delta/model.h"
 #include "sim/measure/import/fields.h"
 #include "sim/measure/import/klipper_geometry.h"
+#include "sim/measure/import/machine_text.h"
 
 namespace caltwin {
 namespace {
@@ -20,6 +21,8 @@ namespace {
 constexpr std::array kNominal_deg = {210.0, 330.0, 90.0};
 constexpr double kLongest_mm = 10'000;
 constexpr double kWidest_deg = 60;
+
+constexpr const char* kLeast = "M208 S1";
 
 /// A command's words by their letter, the last of its kind in the file.
 using Words = std::map<char, CsvField>;
@@ -42,13 +45,19 @@ CsvRecord WordsOf(const TextLine& line) {
 }
 
 std::map<std::string, Words> CommandsOf(const std::string& text) {
-  constexpr std::array<std::string_view, 4> kWanted = {"M665", "M666", "M92", "M350"};
+  constexpr std::array<std::string_view, 9> kWanted = {
+      "M665", "M666", "M92", "M350", "M208", "M425", "M667", "M669", "M671"};
   std::map<std::string, Words> commands;
   for (const TextLine& line : LinesOf(text)) {
     const CsvRecord words = WordsOf(line);
     if (words.empty()) continue;
-    const std::string& command = words.front().text;
+    std::string command = words.front().text;
     if (std::ranges::find(kWanted, command) == kWanted.end()) continue;
+    // The least and the most of an axis stand in lines of their own.
+    const bool is_least =
+        command == "M208" &&
+        std::ranges::any_of(words, [](auto& word) { return word.text == "S1"; });
+    if (is_least) command = kLeast;
     for (std::size_t i = 1; i < words.size(); ++i) {
       commands[command][words[i].text.front()] = {.text = words[i].text.substr(1),
                                                   .line = words[i].line,
@@ -64,12 +73,7 @@ class ConfigReader {
       : name_(std::move(name)), commands_(CommandsOf(text)) {}
 
   Imported Read(const ImportOptions& options) {
-    if (!commands_.contains("M665")) {
-      throw InputError({.file = name_, .line = 1, .column = 1},
-                       "no delta's geometry stands here",
-                       "it is M665 L R H (and M666 X Y Z) of a RepRapFirmware "
-                       "config.g or config-override.g");
-    }
+    if (!commands_.contains("M665")) return ReadStraight(options);
     ReadGeometry();
     ReadDrives(options.step_mm);
     faults_.ThrowIfAny();
@@ -175,6 +179,119 @@ class ConfigReader {
     const bool is_whole = Known(drive_[0].step_mm) && Known(drive_[1].step_mm) &&
                           Known(drive_[2].step_mm);
     if (!is_whole) drive_[0].step_mm = kUnknown;
+  }
+
+  // Three straight axes: M92, M208, M671.
+  Imported ReadStraight(const ImportOptions& options) {
+    CartesianMachineText machine{
+        .source = std::filesystem::path(name_).filename().string(),
+        .name = MachineNameOf(name_),
+        .is_corexy =
+            Number("M669", 'K', 0, 100) == 1 || Number("M667", 'S', 0, 100) == 1};
+    RequireSteps(options);
+    for (std::size_t i = 0; i < 3; ++i) ReadAxis(i, options, &machine.axes[i]);
+    ReadScrews(&machine);
+    faults_.ThrowIfAny();
+    Imported imported;
+    imported.machine_yaml = CartesianMachineYaml(machine);
+    imported.recognised = {
+        fmt::format("a RepRapFirmware machine of straight axes{}{}",
+                    machine.is_corexy ? ", CoreXY" : "",
+                    machine.screws_mm.empty() ? "" : ", its bed on three screws")};
+    imported.assumed = {"motors of 200 full steps in a turn"};
+    const int num_screws = NumScrews();
+    if (num_screws > 0 && machine.screws_mm.empty()) {
+      imported.warnings.push_back(fmt::format(
+          "M671 has {} screws: a machine file has three or none, and this one none",
+          num_screws));
+    }
+    return imported;
+  }
+
+  void RequireSteps(const ImportOptions& options) {
+    const bool are_there =
+        options.step_mm || std::ranges::all_of(std::string("XYZ"), [&](char letter) {
+          return Word("M92", letter) != nullptr;
+        });
+    if (are_there) return;
+    throw InputError({.file = name_, .line = 1, .column = 1},
+                     "commands, and no reading and no machine among them: neither a "
+                     "delta's geometry nor the steps/mm of X, Y and Z",
+                     "M665 L R H (and M666 X Y Z), or M92 X Y Z (and M208, M671) of a "
+                     "RepRapFirmware config.g or config-override.g");
+  }
+
+  void ReadAxis(std::size_t i, const ImportOptions& options, AxisText* axis) {
+    const char letter = "XYZ"[i];
+    constexpr double kMost = SettingsInForce::kSteps_per_mm.max;
+    axis->steps_per_mm =
+        options.step_mm ? 1 / *options.step_mm : Number("M92", letter, kUnknown, kMost);
+    if (!SettingsInForce::kSteps_per_mm.Contains(axis->steps_per_mm)) {
+      faults_.Add(Word("M92", letter) == nullptr ? Place{.file = name_}
+                                                 : PlaceOf(*Word("M92", letter), name_),
+                  fmt::format("M92 {}{:g}: steps/mm are from {:g} to {:g}",
+                              letter,
+                              axis->steps_per_mm,
+                              SettingsInForce::kSteps_per_mm.min,
+                              kMost));
+    }
+    axis->microsteps = Number("M350", letter, kUnknown, 1024);
+    axis->backlash_mm =
+        Number("M425", letter, kUnknown, SettingsInForce::kBacklash_mm.max);
+    // "M208 X-5:300", or M208 X300 after M208 X-5 S1.
+    const auto both = Numbers("M208", letter);
+    if (both.size() == 2) {
+      axis->min_mm = both[0];
+      axis->max_mm = both[1];
+    } else {
+      axis->min_mm = Number(kLeast, letter, 0, kLongest_mm);
+      axis->max_mm = Number("M208", letter, kUnknown, kLongest_mm);
+    }
+  }
+
+  int NumScrews() const {
+    const CsvField* word = Word("M671", 'X');
+    return word == nullptr ? 0
+                           : static_cast<int>(std::ranges::count(word->text, ':')) + 1;
+  }
+
+  void ReadScrews(CartesianMachineText* machine) {
+    const auto x_mm = Numbers("M671", 'X'), y_mm = Numbers("M671", 'Y');
+    if (x_mm.size() != y_mm.size()) {
+      faults_.Add(PlaceOf(*Word("M671", x_mm.empty() ? 'Y' : 'X'), name_),
+                  fmt::format("M671 has {} X and {} Y", x_mm.size(), y_mm.size()),
+                  "one of each for every screw, apart by colons");
+      return;
+    }
+    constexpr std::size_t kScrews = 3;
+    if (x_mm.size() != kScrews) return;
+    for (std::size_t i = 0; i < kScrews; ++i)
+      machine->screws_mm.push_back({x_mm[i], y_mm[i]});
+  }
+
+  // Numbers apart by colons; none where the word is not there.
+  std::vector<double> Numbers(const char* command, char letter) {
+    std::vector<double> numbers;
+    const CsvField* word = Word(command, letter);
+    if (word == nullptr) return numbers;
+    CsvField part = *word;
+    std::size_t at = 0;
+    while (at <= word->text.size()) {
+      const std::size_t end = std::min(word->text.find(':', at), word->text.size());
+      part.text = word->text.substr(at, end - at);
+      part.column = word->column + static_cast<int>(at);
+      const double number =
+          NumberIn(part, fmt::format("{} {}", command, letter), name_, &faults_);
+      if (std::abs(number) > kLongest_mm) {
+        faults_.Add(
+            PlaceOf(part, name_),
+            fmt::format(
+                "{} {}{:g} is beyond {:g}", command, letter, number, kLongest_mm));
+      }
+      numbers.push_back(number);
+      at = end + 1;
+    }
+    return numbers;
   }
 
   void Check() {

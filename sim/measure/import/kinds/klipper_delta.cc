@@ -9,6 +9,7 @@
 #include "sim/base/units.h"
 #include "sim/machine/kinds/delta/model.h"
 #include "sim/measure/import/fields.h"
+#include "sim/measure/import/klipper_mesh.h"
 
 namespace caltwin {
 namespace {
@@ -115,9 +116,20 @@ void RequireSteps(const KlipperCalibration& read, const PrinterCfg& cfg) {
   }
 }
 
+// People change microsteps and keep what was saved: a power of two of the step, by the
+// touch nearest to the middle.
+double StepFactorOf(const KlipperCalibration& read) {
+  constexpr double kAlike = 0.05;
+  const double ratio =
+      LikelyStep_mm(read.geometry, read.touches) / read.geometry.drive[0].step_mm;
+  if (!(ratio > 0)) return 1;
+  const double factor = std::exp2(std::round(std::log2(ratio)));
+  return std::abs(ratio / factor - 1) < kAlike ? factor : 1;
+}
+
 /// Turns counts into travel, and refuses what the saved geometry cannot reach.
 void Convert(KlipperCalibration* read, Faults* faults) {
-  const Vec3<double> steps_mm = StepsOf(read->geometry);
+  const Vec3<double> steps_mm = read->step_factor * StepsOf(read->geometry);
   for (KlipperTouch& touch : read->touches) {
     touch.motors_mm = touch.counts.cwiseProduct(steps_mm);
     if (!DeltaNozzle_mm(read->geometry.model, touch.motors_mm).allFinite()) {
@@ -174,6 +186,20 @@ void Explain(const KlipperCalibration& read, Imported* imported) {
                   DegFromRad(model.angle_rad[1]),
                   DegFromRad(model.angle_rad[2])),
       fmt::format("a motor step is {:g} mm", read.geometry.drive[0].step_mm)};
+  const double microsteps = read.geometry.drive[0].microsteps;
+  if (read.step_factor != 1) {
+    imported->warnings.push_back(fmt::format(
+        "the saved counts are of other microsteps than the file has{}: they were "
+        "changed since, and the travel is reckoned with those of the counts. Put them "
+        "back, or run DELTA_CALIBRATE again: Klipper would take the counts for lengths "
+        "{:g} times {}",
+        Known(microsteps)
+            ? fmt::format(
+                  " ({:g} in place of {:g})", microsteps / read.step_factor, microsteps)
+            : "",
+        std::max(read.step_factor, 1 / read.step_factor),
+        read.step_factor < 1 ? "as long" : "as short"));
+  }
   imported->assumed = read.geometry.assumed;
   imported->assumed.emplace_back(
       "value = height by the saved geometry - height at the trigger; motor_ is the "
@@ -231,6 +257,7 @@ KlipperCalibration ReadKlipperCalibration(const std::string& text,
   faults.ThrowIfAny();
   read.geometry = *geometry;
   RequireSteps(read, cfg);
+  if (!options.step_mm) read.step_factor = StepFactorOf(read);
   Convert(&read, &faults);
   faults.ThrowIfAny();
   return read;
@@ -256,6 +283,24 @@ Imported ReadKlipperDelta(const std::string& text,
                         .print_radius_mm = read.geometry.print_radius_mm});
   imported.header = HeaderOf(read.geometry, "");
   Explain(read, &imported);
+  return imported;
+}
+
+Imported ReadMeshesOfPrinter(const std::string& text,
+                             const std::string& name,
+                             const ImportOptions& options) {
+  Imported imported = ReadKlipperMesh(text, name, options);
+  if (text.find("#*# [delta_calibrate]") == std::string::npos) return imported;
+  try {
+    Imported saved = ReadKlipperDelta(text, name, options);
+    imported.recognised.push_back(
+        saved.recognised.front() +
+        ", not among these rows: caltwin import klipper-delta reads it");
+    imported.warnings.insert(
+        imported.warnings.end(), saved.warnings.begin(), saved.warnings.end());
+  } catch (const InputError&) {
+    // Deltas that were never calibrated have meshes too.
+  }
   return imported;
 }
 

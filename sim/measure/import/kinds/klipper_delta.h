@@ -30,6 +30,8 @@ struct KlipperCalibration {
   KlipperGeometry geometry{};
   std::vector<KlipperTouch> touches{};
   std::vector<KlipperDistance> distances{};
+  /// Step of the counts over the step of the file: microsteps were changed since.
+  double step_factor = 1;
 };
 
 /// The motor step that puts the touch nearest to the middle, where all carriages stand
@@ -53,5 +55,11 @@ KlipperCalibration ReadKlipperCalibration(const std::string& text,
 Imported ReadKlipperDelta(const std::string& text,
                           const std::string& name,
                           const ImportOptions& options);
+
+/// The meshes of a printer.cfg (ReadKlipperMesh); of a delta's also what its saved
+/// calibration says of itself, where it can be read.
+Imported ReadMeshesOfPrinter(const std::string& text,
+                             const std::string& name,
+                             const ImportOptions& options);
 
 }  // namespace caltwin
