@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The main job, from an empty clone: a simulated CNC router with hidden errors is
-# calibrated over G-code until the engine has recovered what was injected. Builds the
-# program alone: tools/test.sh builds the tests.
+# calibrated over G-code until the engine has recovered what was injected; then a real
+# axis is diagnosed. Builds the program alone: tools/test.sh builds the tests.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -12,4 +12,9 @@ echo "run: build/caltwin run scenarios/first_light.yaml --report out/first_light
 build/caltwin run scenarios/first_light.yaml --report out/first_light
 report=$(find out/first_light -name '*.html' | sort | head -n 1)
 echo "The report is ${report:-out/first_light}: open it in a browser."
+
+echo
+echo "The same question on a real machine: a linear axis of a test stand, measured by others."
+echo "run: build/caltwin diagnose tests/data/iso230/ess_target_x_2022-04.csv --report out/real_axis"
+build/caltwin diagnose tests/data/iso230/ess_target_x_2022-04.csv --report out/real_axis
 echo "This took $((SECONDS / 60)) min $((SECONDS % 60)) s."

@@ -1,5 +1,6 @@
 #include "calibration/diagnosis/predict.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string_view>
 #include <vector>
@@ -7,6 +8,7 @@
 #include "calibration/diagnosis/noise.h"
 #include "calibration/diagnosis/nuisances.h"
 #include "calibration/diagnosis/outliers.h"
+#include "calibration/facts/fact.h"
 #include "sim/base/dense.h"
 
 namespace caltwin {
@@ -61,6 +63,60 @@ Eigen::VectorXd LeftOf(const Observed& observed,
   return left_mm;
 }
 
+// Rows that are bad by themselves, whatever the model: alone far from all others, or
+// from the repeats of their place.
+std::vector<bool> BadRows(const Observed& observed, const Facts& facts) {
+  std::vector<bool> out = LoneRows(observed);
+  for (const Fact& fact : facts.all) {
+    if (fact.id != "outliers") continue;
+    for (Eigen::Index i = 0; i < observed.num_rows(); ++i) {
+      if (std::ranges::find(fact.rows, observed.row(i).row) != fact.rows.end())
+        out[static_cast<std::size_t>(i)] = true;
+    }
+  }
+  return out;
+}
+
+bool IsSamePlace(const Row& one, const Row& other) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    const bool is_same = one.cmd_mm[k] == other.cmd_mm[k] ||
+                         (!Known(one.cmd_mm[k]) && !Known(other.cmd_mm[k]));
+    if (!is_same || one.dir[k] * other.dir[k] < 0) return false;
+  }
+  return one.feature == other.feature && one.home == other.home;
+}
+
+// Of readings of one place, one straight after the other: whatever drifts has not gone
+// far between them. kUnknown: too few.
+double StepToStep_mm(const Observed& observed, const std::vector<bool>& out) {
+  constexpr double kFewest = 10;
+  double squares = 0, num = 0;
+  for (Eigen::Index i = 1; i < observed.num_rows(); ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    const Row &before = observed.row(i - 1), &now = observed.row(i);
+    if (out[at] || out[at - 1] || !IsSamePlace(before, now)) continue;
+    squares += std::pow(now.value_mm - before.value_mm, 2);
+    num += 1;
+  }
+  return num >= kFewest ? std::sqrt(squares / num / 2) : kUnknown;
+}
+
+// Of repeats; kUnknown: nothing was measured again.
+double Floor_mm(const Observed& observed, const std::vector<bool>& out) {
+  constexpr int kFewestRepeats = 3;
+  const PureError pure = RepeatsOf(observed, kFewestRepeats);
+  double squares = 0, dof = 0;
+  for (std::size_t c = 0; c < pure.sigma_mm.size(); ++c) {
+    if (!Known(pure.sigma_mm[c])) continue;
+    squares += pure.dof[c] * pure.sigma_mm[c] * pure.sigma_mm[c];
+    dof += pure.dof[c];
+  }
+  const double repeats_mm = dof > 0 ? std::sqrt(squares / dof) : kUnknown;
+  const double step_mm = StepToStep_mm(observed, out);
+  if (!Known(step_mm)) return repeats_mm;
+  return Known(repeats_mm) ? std::min(step_mm, repeats_mm) : step_mm;
+}
+
 double Rms_mm(const Eigen::VectorXd& left_mm, const std::vector<bool>& out) {
   double sum = 0, num = 0;
   for (std::size_t i = 0; i < out.size(); ++i) {
@@ -77,19 +133,13 @@ Prediction Predict(const Observed& without,
                    const Observed& with,
                    const std::map<std::string, double>& baseline) {
   constexpr double kTransfers = 2.0 / 3;
-  constexpr int kFewestRepeats = 3;
-  const std::vector<bool> out = LoneRows(without);
+  const Facts facts = FactsOf(without.table(), without.header());
+  const std::vector<bool> out = BadRows(without, facts);
   Prediction prediction{.before_mm = Rms_mm(LeftOf(without, baseline, out), out),
                         .after_mm = Rms_mm(LeftOf(with, baseline, out), out),
-                        .rows = static_cast<int>(without.num_rows())};
-  const PureError pure = RepeatsOf(without, kFewestRepeats);
-  double squares = 0, dof = 0;
-  for (std::size_t c = 0; c < pure.sigma_mm.size(); ++c) {
-    if (!Known(pure.sigma_mm[c])) continue;
-    squares += pure.dof[c] * pure.sigma_mm[c] * pure.sigma_mm[c];
-    dof += pure.dof[c];
-  }
-  if (dof > 0) prediction.floor_mm = std::sqrt(squares / dof);
+                        .floor_mm = Floor_mm(without, out),
+                        .rows = static_cast<int>(without.num_rows()),
+                        .left_out = static_cast<int>(std::ranges::count(out, true))};
   prediction.transfers = prediction.after_mm < kTransfers * prediction.before_mm;
   return prediction;
 }

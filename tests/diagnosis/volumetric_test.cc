@@ -69,5 +69,15 @@ TEST(VolumetricGain, StepsThatFitTheMachineAreNone) {
   EXPECT_NEAR(gain->before_mm, kGap_mm / 2, 0.001);
 }
 
+// What rows leave open has no sd that could move the tool.
+TEST(VolumetricGain, CountsNoLineThatIsNotDetermined) {
+  Diagnosis diagnosis = Found(kTooMany_ppm + 500);
+  diagnosis.baseline[0].sd = kUnknown;
+  const auto gain = VolumetricGainOf(SetOtherwise(), diagnosis, 1);
+
+  ASSERT_TRUE(gain);
+  EXPECT_TRUE(std::isfinite(gain->after_mm));
+}
+
 }  // namespace
 }  // namespace caltwin

@@ -54,6 +54,23 @@ TEST(PredictCommand, AModelTransfersToItsMachineAndToNoOther) {
               StartsWith("Transfers: "));
 }
 
+// A real printer: its frame's growth of a morning, frozen, on the evening's log, whose
+// header states a step five times too long.
+TEST(PredictCommand, AMorningOfARealFrameForetellsItsEvening) {
+  const TempFolder folder;
+  const std::string model = (folder / "morning.ext.yaml").string();
+  const std::string evening = (folder / "evening.csv").string();
+  const std::string logs = "tests/data/imports/frame_log_2021-06-13_";
+  Printed(DeclareDiagnose, {logs + "05-41.csv", "--replay", "none", "--extend", model});
+  Printed(DeclareImport, {logs + "20-04.csv", "--step-mm", "0.0025", "--out", evening});
+  const nlohmann::json told =
+      nlohmann::json::parse(Printed(DeclarePredict, {model, evening, "--json", "-"}));
+
+  EXPECT_TRUE(told["transfers"]);
+  EXPECT_GT(told["rmse_before_um"], 60);
+  EXPECT_LT(told["rmse_after_um"], 10);
+}
+
 TEST(PredictCommand, AMissingModelIsCalledWhatItIs) {
   const Answer answer = RunCommand(
       DeclarePredict, {"none.ext.yaml", "tests/data/iso230/ess_target_y_2022-04.csv"});

@@ -43,6 +43,12 @@ std::string TextOf(const Prediction& prediction, const PredictAsked& options) {
     text += fmt::format(" (readings repeat to {} um)",
                         TwoDigits(UmFromMm(prediction.floor_mm)));
   }
+  if (prediction.left_out > 0) {
+    text += fmt::format("; {} row{} bad by {} left out",
+                        prediction.left_out,
+                        prediction.left_out == 1 ? " that is" : "s that are",
+                        prediction.left_out == 1 ? "itself" : "themselves");
+  }
   text += ".\n";
   if (!prediction.transfers) {
     text +=
@@ -87,6 +93,7 @@ int RunPredict(const PredictAsked& options) {
            ? nlohmann::ordered_json(UmFromMm(prediction.floor_mm))
            : nlohmann::ordered_json(nullptr)},
       {"rows", prediction.rows},
+      {"left_out", prediction.left_out},
       {"transfers", prediction.transfers},
       {"command", fmt::format("caltwin predict {} {}", options.model, options.file)},
       {"version", CALTWIN_VERSION}};
