@@ -423,11 +423,17 @@ std::string FindingText(const Finding& finding,
   const double alone_mm = diagnosis.findings.size() == 1
                               ? gain.blocks.after_mm
                               : AfterShare_mm(gain, finding.share);
-  text +=
-      fmt::format("Correcting it takes {} from {} to {} um on data it has not seen; ",
-                  measured,
-                  Figure(Um(gain.blocks.before_mm)),
-                  Figure(Um(alone_mm)));
+  constexpr double kWorse = 1.1;
+  const bool is_worse = !finding.map && alone_mm > kWorse * gain.blocks.before_mm;
+  text += fmt::format(
+      fmt::runtime(
+          is_worse ? "Of data it has not seen it foretells less than nothing ({} {} um "
+                     "without it, {} with): take the name, and not the size; "
+                   : "Correcting it takes {} from {} to {} um on data it has not "
+                     "seen; "),
+      measured,
+      Figure(Um(gain.blocks.before_mm)),
+      Figure(Um(alone_mm)));
   if (diagnosis.findings.size() > 1) {
     text +=
         fmt::format("all findings together to {}; ", Figure(Um(gain.blocks.after_mm)));
