@@ -483,7 +483,8 @@ Diagnosis Diagnose(const Observed& as_read, const DiagnoseOptions& asked) {
   const auto say = [&](const std::string& text) {
     if (options.progress) options.progress(text);
   };
-  const Facts facts = FactsOf(as_read.table(), as_read.header(), options.levelling);
+  const Facts facts =
+      FactsOf(as_read.table(), as_read.header(), options.levelling, options.has_places);
   if (!options.has_places || !IsForAModel(facts, as_read.num_rows())) {
     return WithoutModel(as_read, facts);
   }

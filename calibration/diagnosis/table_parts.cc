@@ -26,8 +26,7 @@ std::array<double, kDegrees> LegendreAt(double u) {
 /// What a coefficient of Legendre's polynomial makes of a range: from end to end, the
 /// middle over its chord, the S over its chord.
 constexpr std::array<double, kDegrees> kSizeOf = {1, 2, -1.5, -0.9622504486};
-constexpr std::array<const char*, kDegrees> kNameOf = {
-    "", "straight", "bow", "cubic"};
+constexpr std::array<const char*, kDegrees> kNameOf = {"", "straight", "bow", "cubic"};
 
 /// The places of a table, each once, and its terms there.
 class Places {
@@ -87,11 +86,9 @@ Heights Rest(const Heights& of, const Eigen::MatrixXd& columns) {
 // The root mean square, and its standard deviation to first order.
 TablePart RootMeanSquare(const char* name, const Heights& of) {
   const double rms_mm = of.mm.norm() / std::sqrt(static_cast<double>(of.mm.size()));
-  const double sd_mm =
-      rms_mm == 0
-          ? 0
-          : (of.half_mm.transpose() * of.mm).norm() /
-                (rms_mm * static_cast<double>(of.mm.size()));
+  const double sd_mm = rms_mm == 0 ? 0
+                                   : (of.half_mm.transpose() * of.mm).norm() /
+                                         (rms_mm * static_cast<double>(of.mm.size()));
   return {.name = name, .size_um = UmFromMm(rms_mm), .sd_um = UmFromMm(sd_mm)};
 }
 
@@ -168,15 +165,17 @@ class OnALine {
 
   // From one and a half waves, which a cubic is nearly, to what the places can tell:
   // two of them a wave.
-  double LikeliestHalfWaves(const Eigen::MatrixXd& straight, const Heights& rest) const {
+  double LikeliestHalfWaves(const Eigen::MatrixXd& straight,
+                            const Heights& rest) const {
     constexpr double kFewest = 3, kStep = 0.25;
     double likeliest = kFewest, least_mm2 = HUGE_VAL;
     const double most = covariate_.num_distinct - 2;
-    for (double half_waves = kFewest; half_waves <= most; half_waves += kStep) {
-      const double left_mm2 =
-          Rest({rest.mm, Eigen::MatrixXd(rest.mm.size(), 0)},
-               WithWave(straight, half_waves))
-              .mm.squaredNorm();
+    const auto num_steps = static_cast<int>((most - kFewest) / kStep);
+    for (int step = 0; step <= num_steps; ++step) {
+      const double half_waves = kFewest + step * kStep;
+      const double left_mm2 = Rest({rest.mm, Eigen::MatrixXd(rest.mm.size(), 0)},
+                                   WithWave(straight, half_waves))
+                                  .mm.squaredNorm();
       if (left_mm2 >= least_mm2) continue;
       least_mm2 = left_mm2;
       likeliest = half_waves;
@@ -188,8 +187,7 @@ class OnALine {
                     const Eigen::MatrixXd& wave,
                     double half_waves) const {
     const Eigen::VectorXd sizes = LeastSquares(wave, heights.mm).tail(2);
-    const Eigen::MatrixXd half =
-        LeastSquaresEach(wave, heights.half_mm).bottomRows(2);
+    const Eigen::MatrixXd half = LeastSquaresEach(wave, heights.half_mm).bottomRows(2);
     const double amplitude_mm = sizes.norm();
     const double sd_mm =
         amplitude_mm == 0 ? 0 : (half.transpose() * sizes).norm() / amplitude_mm;
@@ -250,8 +248,7 @@ std::vector<TablePart> PartsOfSurface(const std::vector<Covariate>& covariates,
   if (!cubic.empty()) {
     const Eigen::MatrixXd third = columns(Eigen::all, cubic);
     parts.push_back(RootMeanSquare(
-        "cubic",
-        {third * sizes_mm(cubic), third * half_mm(cubic, Eigen::all)}));
+        "cubic", {third * sizes_mm(cubic), third * half_mm(cubic, Eigen::all)}));
   }
   parts.push_back(RootMeanSquare("rest", Rest(heights, columns)));
   return parts;

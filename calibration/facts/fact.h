@@ -72,9 +72,11 @@ struct Facts {
 };
 
 /// Facts of rows in the order measured. Never throws: rows that say nothing give
-/// nothing. `levelling`: of the console that the rows are from.
+/// nothing. `levelling`: of the console that the rows are from. `has_places`: false
+/// where x and y count places, as a printed grid has them.
 Facts FactsOf(const RowTable& table,
               const DataHeader& header,
-              const LevellingLog& levelling = {});
+              const LevellingLog& levelling = {},
+              bool has_places = true);
 
 }  // namespace caltwin

@@ -50,13 +50,14 @@ const Fact* Facts::Find(const std::string& id) const {
 
 Facts FactsOf(const RowTable& table,
               const DataHeader& header,
-              const LevellingLog& levelling) {
+              const LevellingLog& levelling,
+              bool has_places) {
   Facts facts;
   const std::vector<const Row*> rows = RowsInOrder(table);
   if (rows.empty()) return facts;
   Repeats repeats = FactsOfRepeats(rows, header, &facts);
   FactsOfMeshes(rows, &repeats, &facts);
-  const std::set<std::int64_t> far = FactsOfSurface(rows, repeats, &facts);
+  const std::set<std::int64_t> far = FactsOfSurface(rows, repeats, has_places, &facts);
   repeats.outliers.insert(far.begin(), far.end());
   FactsOfArrival(rows, &facts);
   FactsOfMotion(rows, repeats, header, &facts);

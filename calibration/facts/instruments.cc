@@ -160,72 +160,94 @@ bool IsCertain(const Gauge& one, const Gauge& other, double apart_mm) {
   return WhichErrs(one, other, apart_mm).find(" errs: ") != std::string::npos;
 }
 
-void AddComparison(std::size_t axis,
-                   const Gauge& one,
-                   const Gauge& other,
-                   const Comparison& told,
-                   Facts* facts) {
-  const double apart_mm = told.slope * told.span_mm;
-  const double apart_sd_mm = told.slope_sd * told.span_mm;
-  const double coarse_mm = std::max(one.u_mm, other.u_mm);
-  const bool is_long = std::abs(told.slope) > kSure * told.slope_sd;
-  const bool is_gap = told.has_gap && std::abs(told.gap_mm) > kSure * told.gap_sd_mm;
+bool IsLong(const Comparison& told) {
+  return std::abs(told.slope) > kSure * told.slope_sd;
+}
+
+bool IsGap(const Comparison& told) {
+  return told.has_gap && std::abs(told.gap_mm) > kSure * told.gap_sd_mm;
+}
+
+// "43 +- 1 um of 250 mm travelled (174 um/m), and 15 +- 1 um at a reversal".
+std::string ApartInWords(const Comparison& told) {
   std::vector<std::string> differs;
-  if (is_long) {
+  if (IsLong(told)) {
     differs.push_back(fmt::format("{} of {:.4g} mm travelled ({:.3g} um/m)",
-                                  WithSd(UmFromMm(std::abs(apart_mm)),
-                                         UmFromMm(apart_sd_mm),
+                                  WithSd(UmFromMm(std::abs(told.slope) * told.span_mm),
+                                         UmFromMm(told.slope_sd * told.span_mm),
                                          "um"),
                                   told.span_mm,
                                   PpmFromFraction(std::abs(told.slope))));
   }
-  if (is_gap) {
+  if (IsGap(told)) {
     differs.push_back(fmt::format(
         "{} at a reversal",
         WithSd(UmFromMm(std::abs(told.gap_mm)), UmFromMm(told.gap_sd_mm), "um")));
   }
-  Fact fact{.axis = kAxisNames[axis],
-            .word = "instruments",
-            .figures = {{"apart_um", UmFromMm(apart_mm), UmFromMm(apart_sd_mm)},
-                        {"apart_ppm",
-                         PpmFromFraction(told.slope),
-                         PpmFromFraction(told.slope_sd)}}};
+  return fmt::format("{}", fmt::join(differs, ", and "));
+}
+
+Fact FactOf(std::size_t axis, const Comparison& told) {
+  Fact fact{
+      .axis = kAxisNames[axis],
+      .word = "instruments",
+      .figures = {
+          {"apart_um",
+           UmFromMm(told.slope * told.span_mm),
+           UmFromMm(told.slope_sd * told.span_mm)},
+          {"apart_ppm", PpmFromFraction(told.slope), PpmFromFraction(told.slope_sd)}}};
   if (told.has_gap) {
-    fact.figures.push_back(
-        {"gap_um", UmFromMm(told.gap_mm), UmFromMm(told.gap_sd_mm)});
+    fact.figures.push_back({"gap_um", UmFromMm(told.gap_mm), UmFromMm(told.gap_sd_mm)});
   }
   fact.figures.push_back({"left_um", UmFromMm(told.left_mm)});
-  if (differs.empty()) {
-    fact.id = "agreement";
-    fact.sentence = fmt::format(
-        "'{}' and '{}' agree about {}: {} apart over {:.4g} mm, and {} um at single "
-        "places. What both show is the axis, and no instrument",
-        one.name,
-        other.name,
-        "XYZ"[axis],
-        WithSd(UmFromMm(apart_mm), UmFromMm(apart_sd_mm), "um"),
-        told.span_mm,
-        TwoDigits(UmFromMm(told.left_mm)));
-    facts->all.push_back(std::move(fact));
-    return;
-  }
-  const double most_mm =
-      is_long && std::abs(apart_mm) > std::abs(told.gap_mm) ? apart_mm : told.gap_mm;
+  return fact;
+}
+
+void AddAgreement(std::size_t axis,
+                  const Gauge& one,
+                  const Gauge& other,
+                  const Comparison& told,
+                  Facts* facts) {
+  Fact fact = FactOf(axis, told);
+  fact.id = "agreement";
+  fact.sentence = fmt::format(
+      "'{}' and '{}' agree about {}: {} apart over {:.4g} mm, and {} um at single "
+      "places. What both show is the axis, and no instrument",
+      one.name,
+      other.name,
+      "XYZ"[axis],
+      WithSd(UmFromMm(told.slope * told.span_mm),
+             UmFromMm(told.slope_sd * told.span_mm),
+             "um"),
+      told.span_mm,
+      TwoDigits(UmFromMm(told.left_mm)));
+  facts->all.push_back(std::move(fact));
+}
+
+void AddContradiction(std::size_t axis,
+                      const Gauge& one,
+                      const Gauge& other,
+                      const Comparison& told,
+                      Facts* facts) {
+  const double apart_mm = told.slope * told.span_mm;
+  const double most_mm = IsLong(told) && std::abs(apart_mm) > std::abs(told.gap_mm)
+                             ? apart_mm
+                             : told.gap_mm;
   const bool reads_more = most_mm > 0;
-  const bool is_stated = one.u_mm > 0 && other.u_mm > 0;
-  const bool is_within = is_stated && std::abs(most_mm) < 2 * coarse_mm;
+  const bool is_within = one.u_mm > 0 && other.u_mm > 0 &&
+                         std::abs(most_mm) < 2 * std::max(one.u_mm, other.u_mm);
+  Fact fact = FactOf(axis, told);
   fact.id = "contradiction";
-  fact.sigmas = is_long ? std::abs(told.slope) / told.slope_sd
-                        : std::abs(told.gap_mm) / told.gap_sd_mm;
+  fact.sigmas = IsLong(told) ? std::abs(told.slope) / told.slope_sd
+                             : std::abs(told.gap_mm) / told.gap_sd_mm;
   fact.is_answer = !is_within;
-  fact.sentence =
-      fmt::format("'{}' reads {} than '{}' along {}: {}{}",
-                  reads_more ? other.name : one.name,
-                  is_long ? "a longer way" : "a wider gap",
-                  reads_more ? one.name : other.name,
-                  "XYZ"[axis],
-                  fmt::join(differs, ", and "),
-                  WhichErrs(one, other, most_mm));
+  fact.sentence = fmt::format("'{}' reads {} than '{}' along {}: {}{}",
+                              reads_more ? other.name : one.name,
+                              IsLong(told) ? "a longer way" : "a wider gap",
+                              reads_more ? one.name : other.name,
+                              "XYZ"[axis],
+                              ApartInWords(told),
+                              WhichErrs(one, other, most_mm));
   facts->all.push_back(std::move(fact));
   if (is_within || IsCertain(one, other, most_mm)) return;
   facts->not_determined.emplace_back("cause");
@@ -238,9 +260,10 @@ void AddComparison(std::size_t axis,
       {"block",
        fmt::format("measure one length that is known, a gauge block or a 1-2-3 block, "
                    "with both: it tells which of the two errs{}",
-                   is_gap ? "; and let both come upon one place ten times from either "
-                            "side, with the axis clamped between"
-                          : "")});
+                   IsGap(told)
+                       ? "; and let both come upon one place ten times from either "
+                         "side, with the axis clamped between"
+                       : "")});
 }
 
 }  // namespace
@@ -270,11 +293,13 @@ void FactsOfInstruments(const Rows& rows,
       const Rows& other = gauges.at(order[k][i]);
       const auto told = Compare(ApartOf(one, other, k, repeats));
       if (!told) continue;
-      AddComparison(k,
-                    GaugeOf(one.front()->campaign, header),
-                    GaugeOf(other.front()->campaign, header),
-                    *told,
-                    facts);
+      const bool differ = IsLong(*told) || IsGap(*told);
+      const auto add = differ ? AddContradiction : AddAgreement;
+      add(k,
+          GaugeOf(one.front()->campaign, header),
+          GaugeOf(other.front()->campaign, header),
+          *told,
+          facts);
     }
   }
 }

@@ -269,27 +269,39 @@ void AddLine(const Sheet& sheet, const ReadingNoise& noise, Facts* facts) {
 void AddPlane(const Sheet& sheet,
               const SheetFit& plane,
               const SpotNoise& noise,
+              std::string_view unit,
               Facts* facts) {
   Fact fact{.id = "plane"};
   for (Eigen::Index k = 0; k < 2; ++k) {
     const double slope = plane.sizes_mm[1 + k] / sheet.half_mm()[k];
     const double sd = noise.sd_mm * plane.unit_sds[1 + k] / sheet.half_mm()[k];
-    fact.figures.push_back({k == 0 ? "slope_x_mrad" : "slope_y_mrad",
-                            MradFromRad(slope),
-                            MradFromRad(sd)});
+    // A slope per counted place is none.
+    const double rise_mm = 2 * plane.sizes_mm[1 + k];
+    const double rise_sd_mm = 2 * noise.sd_mm * plane.unit_sds[1 + k];
+    if (unit == "mm") {
+      fact.figures.push_back({k == 0 ? "slope_x_mrad" : "slope_y_mrad",
+                              MradFromRad(slope),
+                              MradFromRad(sd)});
+    } else {
+      fact.figures.push_back({k == 0 ? "rise_x_um" : "rise_y_um",
+                              UmFromMm(rise_mm),
+                              UmFromMm(rise_sd_mm)});
+    }
     if (Known(sd)) {
       const double sigmas = std::abs(slope) / std::max(sd, 1e-12);
       fact.sigmas = Known(fact.sigmas) ? std::max(fact.sigmas, sigmas) : sigmas;
     }
   }
   fact.sentence = fmt::format(
-      "The plane of the {} touched places rises by {} over {:.4g} mm along X and by {} "
-      "over {:.4g} mm along Y",
+      "The plane of the {} touched places rises by {} over {:.4g} {} along X and by {} "
+      "over {:.4g} {} along Y",
       sheet.size(),
       WithSd(2 * plane.sizes_mm[1], 2 * noise.sd_mm * plane.unit_sds[1], "mm"),
       2 * sheet.half_mm()[0],
+      unit,
       WithSd(2 * plane.sizes_mm[2], 2 * noise.sd_mm * plane.unit_sds[2], "mm"),
-      2 * sheet.half_mm()[1]);
+      2 * sheet.half_mm()[1],
+      unit);
   facts->all.push_back(std::move(fact));
 }
 
@@ -487,6 +499,7 @@ void KeepRegions(const Sheet& sheet, std::vector<bool>* is_out) {
 
 std::set<std::int64_t> FactsOfSurface(const std::vector<const Row*>& rows,
                                       const Repeats& repeats,
+                                      bool has_places,
                                       Facts* facts) {
   std::set<std::int64_t> outliers;
   const std::size_t before = facts->all.size();
@@ -513,7 +526,7 @@ std::set<std::int64_t> FactsOfSurface(const std::vector<const Row*>& rows,
     const SheetFit& richest = shape.is_determined && shape.dof >= 3 ? shape : twist;
     const SpotNoise noise =
         NoiseOf(sheet, richest.is_determined ? richest : plane, reading);
-    AddPlane(sheet, plane, noise, facts);
+    AddPlane(sheet, plane, noise, has_places ? "mm" : "places", facts);
     if (richest.is_determined) AddTwist(richest, noise, facts);
     AddForm(sheet, plane, reading, facts);
   }

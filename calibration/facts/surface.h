@@ -13,8 +13,11 @@ namespace caltwin {
 ///   height = a + b u + c v + twist u v + ..., u and v from -1 to 1 over the places
 ///
 /// @return running numbers of rows that are far off
+///
+/// `has_places`: false where x and y count places.
 std::set<std::int64_t> FactsOfSurface(const std::vector<const Row*>& rows,
                                       const Repeats& repeats,
+                                      bool has_places,
                                       Facts* facts);
 
 /// Maps whose heights depend on the sense in which an axis came to the point, by the

@@ -7,7 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "sim/measure/import/console_story.h"
+#include "sim/base/input_error.h"
 #include "sim/measure/import/import.h"
 #include "sim/measure/import/recognise.h"
 
@@ -27,6 +27,19 @@ TEST(BareGrids, BeginWhereTheirFirstLineStands) {
               ElementsAre(2, 6));
   EXPECT_THAT(BareGrids("0.1, 0.2, 0.3\n0.1, 0.2, 0.3\n0.2, 0.2, 0.3\n"),
               ElementsAre(1));
+}
+
+// As consoles print them: the columns' numbers above, the lines' in front.
+TEST(BareGrids, MayBeNumbered) {
+  const std::string text =
+      "<-      0     1     2     3\n<- 0 -0.50 -0.24 -0.02 +0.12\n"
+      "<- 1 -0.39 -0.20 -0.04 +0.10\n<- 2 -0.37 -0.17 +0.00 +0.13\n";
+  EXPECT_THAT(BareGrids(text), ElementsAre(2));
+  const Imported imported = ImportText("console-log", text, "f.txt", {});
+
+  ASSERT_EQ(imported.table.rows.size(), 12U);
+  EXPECT_DOUBLE_EQ(imported.table.rows[0].value_mm, -0.50);
+  EXPECT_DOUBLE_EQ(imported.table.rows[11].value_mm, 0.13);
 }
 
 TEST(BareGrids, AreNoTablesOfPlaces) {
@@ -75,6 +88,45 @@ TEST(ConsoleStory, TellsWhetherG33SettledOrRanAway) {
   EXPECT_THAT(NoteOf(iterations("2.665", "0.128", "0.025")),
               HasSubstr("0.025 mm after 3 iterations, from 2.665"));
   EXPECT_THAT(NoteOf(iterations("0.665", "0.128", "1.025")), HasSubstr("runs away"));
+}
+
+TEST(ConsoleStory, TellsAScrewThatDoesNotFollow) {
+  EXPECT_THAT(NoteOf("Z2-Z1=7.29 Z3-Z2=7.37 Z3-Z1=14.65\n"
+                     "Z2-Z1=0.72 Z3-Z2=13.93 Z3-Z1=14.65\n"
+                     "Z2-Z1=0.02 Z3-Z2=13.87 Z3-Z1=13.86\n"
+                     "Z2-Z1=0.01 Z3-Z2=13.82 Z3-Z1=13.81\n"),
+              HasSubstr("Screw Z3 does not follow its correction"));
+  EXPECT_THAT(NoteOf("Z2-Z1=0.01 Z3-Z2=7.37 Z3-Z1=7.36\n"
+                     "Z2-Z1=1.00 Z3-Z2=1.30 Z3-Z1=0.30\n"
+                     "Z2-Z1=0.02 Z3-Z2=0.03 Z3-Z1=0.01\nM92 X80 Y80 Z400\n"),
+              "");
+}
+
+// "[...]" begins no section of a configuration.
+TEST(ConsoleStory, PassesOverWhatSomebodyLeftOut) {
+  const Imported imported = ImportText("console-log",
+                                       "Recv: 1 of 3: z: 0.035\n[...]\n"
+                                       "Recv: 2 of 3: z: 0.045\n[...]\n"
+                                       "Recv: 3 of 3: z: 0.053\n",
+                                       "f.txt",
+                                       {});
+  EXPECT_EQ(imported.table.rows.size(), 3U);
+}
+
+// Where nothing else is read, a blunder in the file is the answer.
+TEST(Blunders, AnswerWhereNothingCanBeRead) {
+  const std::string fit =
+      "stepper_a: position_endstop: 130.8 angle: 300.2 arm_length: 1620.1\n"
+      "stepper_b: position_endstop: 779.1 angle: 415.9 arm_length: 773.2\n"
+      "stepper_c: position_endstop: 637.7 angle: 90.0 arm_length: 830.7\n";
+  const Imported told =
+      ImportText("console-log", fit, "f.txt", {.tells_blunders = true});
+  ASSERT_EQ(told.notes.size(), 1U);
+  EXPECT_THAT(told.notes[0].sentence, HasSubstr("fitted to be 773 to 1620 mm long"));
+  const std::string alike =
+      "stepper_a: arm: 269.3\nstepper_b: arm: 269.1\nstepper_c: arm: 268.5\n";
+  EXPECT_THROW(ImportText("console-log", alike, "f.txt", {.tells_blunders = true}),
+               InputError);
 }
 
 }  // namespace

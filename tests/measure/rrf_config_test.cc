@@ -8,6 +8,7 @@
 #include "sim/base/yaml.h"
 #include "sim/machine/kinds/triple_z/drawing.h"
 #include "sim/machine/machine.h"
+#include "sim/machine/machine_kind.h"
 #include "sim/measure/import/import.h"
 
 namespace caltwin {

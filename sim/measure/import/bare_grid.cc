@@ -11,9 +11,14 @@
 namespace caltwin {
 namespace {
 
-// The numbers of a line that holds nothing else; empty of any other line.
+// The numbers of a line that holds nothing else; empty of any other line. The first may
+// be a count: of the grid's lines.
 std::vector<double> NumbersOf(std::string_view line) {
   std::vector<double> numbers;
+  // How consoles mark what came and what was sent.
+  for (const std::string_view mark : {"<-", "->", ">", "<"}) {
+    if (line.starts_with(mark)) line.remove_prefix(mark.size());
+  }
   constexpr std::string_view kBetween = " \t,;";
   std::size_t at = 0;
   while ((at = line.find_first_not_of(kBetween, at)) != std::string_view::npos) {
@@ -22,7 +27,8 @@ std::vector<double> NumbersOf(std::string_view line) {
     if (word.starts_with('+')) word.remove_prefix(1);
     const auto number = NumberOf(word);
     const bool is_height = number && (*number == 0 || word.find('.') != word.npos);
-    if (!is_height) return {};
+    const bool is_count = number && numbers.empty() && *number == std::round(*number);
+    if (!is_height && !is_count) return {};
     numbers.push_back(*number);
     at = end;
   }
@@ -31,9 +37,21 @@ std::vector<double> NumbersOf(std::string_view line) {
 
 using Grid = std::vector<std::vector<double>>;
 
-bool IsGrid(const Grid& rows) {
+// Whether the first column counts the lines; of one that is a count and counts none no
+// grid is made.
+bool CountsLines(const Grid& rows) {
+  for (std::size_t i = 1; i < rows.size(); ++i) {
+    if (std::abs(std::abs(rows[i][0] - rows[i - 1][0]) - 1) > 1e-9) return false;
+  }
+  return rows.size() > 1;
+}
+
+bool IsGrid(Grid rows) {
   constexpr std::size_t kFewest = 3, kMostTimes = 3;
   constexpr double kMost_mm = 20;
+  if (CountsLines(rows)) {
+    for (auto& row : rows) row.erase(row.begin());
+  }
   if (rows.size() < kFewest || rows.front().size() < kFewest) return false;
   const std::size_t num = rows.front().size();
   if (rows.size() > kMostTimes * num || num > kMostTimes * rows.size()) return false;

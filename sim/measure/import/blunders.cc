@@ -29,6 +29,7 @@ class Seeker {
     LookAtAdjustment(line);
     LookAtHeight(line);
     LookAtDeviation(line);
+    LookAtArms(line);
   }
 
  private:
@@ -118,6 +119,30 @@ class Seeker {
         "z_offset");
   }
 
+  // "stepper_a: position_endstop: 130.8 angle: 300.3 arm_length: 1620.1", three lines.
+  void LookAtArms(const TextLine& line) {
+    constexpr double kMostApart = 1.15;
+    if (line.text.find("stepper_a:") != std::string_view::npos) arms_mm_.clear();
+    const bool is_tower = line.text.find("stepper_") != std::string_view::npos;
+    for (std::size_t i = 0; is_tower && i + 1 < line.words.size(); ++i) {
+      const std::string& key = line.words[i].text;
+      if (key != "arm:" && key != "arm_length:") continue;
+      if (const auto arm_mm = NumberOf(line.words[i + 1].text))
+        arms_mm_.push_back(*arm_mm);
+    }
+    if (arms_mm_.size() != kNumTowers_) return;
+    const auto [least, most] = std::ranges::minmax(arms_mm_);
+    arms_mm_.clear();
+    if (!(most > kMostApart * std::abs(least))) return;
+    Add(line,
+        fmt::format("the arms are fitted to be {:.0f} to {:.0f} mm long", least, most),
+        "no printer's arms differ so: the fit ran away, and none of its numbers is the "
+        "machine's. Do not save it. What was entered for it is wrong (one list in "
+        "place "
+        "of another, a wrong unit), or the software that fitted it",
+        "file");
+  }
+
   void LookAtDeviation(const TextLine& line) {
     constexpr std::string_view kName = "std dev:";
     const std::size_t at = line.text.find(kName);
@@ -139,6 +164,8 @@ class Seeker {
   std::vector<FileNote>* notes_;
   std::map<std::string, std::string> name_of_list_;
   bool has_height_ = false;
+  static constexpr std::size_t kNumTowers_ = 3;
+  std::vector<double> arms_mm_{};
 };
 
 }  // namespace

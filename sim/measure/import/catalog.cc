@@ -100,6 +100,20 @@ const Importer& Find(const std::string& kind) {
           fmt::format("It may be: {}", fmt::join(kinds, ", ")));
 }
 
+// Where nothing can be read, a blunder in it is an answer.
+Imported ReadOrTell(const Importer& importer,
+                    const std::string& text,
+                    const std::string& name,
+                    const ImportOptions& options,
+                    const std::vector<FileNote>& blunders) {
+  try {
+    return importer.read(text, name, options);
+  } catch (const InputError&) {
+    if (blunders.empty()) throw;
+    return {};
+  }
+}
+
 // A machine that cannot be is no machine; the readings beside it stay.
 void CheckMachine(const std::string& name, Imported* imported) {
   if (imported->machine_yaml.empty()) return;
@@ -147,11 +161,11 @@ Imported ImportText(const std::string& kind,
   // What the lint of a configuration tells is an answer there, and no refusal.
   const bool is_told = kind == "printer-cfg" && !NotesOfPrinterCfg(text, name).empty();
   if (!is_told && !options.tells_blunders) RefuseBlunders(text, name);
-  Imported imported = importer.read(text, name, options);
-  if (options.tells_blunders && !is_told) {
-    const std::vector<FileNote> blunders = BlundersIn(text, name);
-    imported.notes.insert(imported.notes.begin(), blunders.begin(), blunders.end());
-  }
+  const std::vector<FileNote> blunders = options.tells_blunders && !is_told
+                                             ? BlundersIn(text, name)
+                                             : std::vector<FileNote>();
+  Imported imported = ReadOrTell(importer, text, name, options, blunders);
+  imported.notes.insert(imported.notes.begin(), blunders.begin(), blunders.end());
   imported.has_unit |= importer.has_unit || !options.unit.empty();
   std::int64_t number = 0;
   for (Row& row : imported.table.rows) row.row = ++number;

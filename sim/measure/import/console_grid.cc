@@ -36,6 +36,7 @@ std::optional<std::pair<double, double>> CornerAt(std::string_view text,
 std::vector<double> HeightsIn(std::string_view text) {
   const std::size_t bar = text.find('|');
   std::string rest(bar == std::string_view::npos ? text : text.substr(bar + 1));
+  if (rest.starts_with("<-") || rest.starts_with("->")) rest.erase(0, 2);
   std::ranges::replace_if(
       rest, [](char c) { return c == '[' || c == ']'; }, ' ');
   std::vector<double> heights_mm;

@@ -50,8 +50,9 @@ bool ConsoleStory::Take(const ConsoleLine& line,
     if (is_idle) idle_offset_at_ = place;
     return true;
   }
-  return TakePositions(line) || TakeAdjustment(line, home) || TakeAlignment(line) ||
-         TakeCalibration(line) || TakeConfig(line);
+  return differences_.Take(line.lower) || TakePositions(line) ||
+         TakeAdjustment(line, home) || TakeAlignment(line) || TakeCalibration(line) ||
+         TakeConfig(line);
 }
 
 void ConsoleStory::Touch() {
@@ -99,7 +100,11 @@ void ConsoleStory::Home(const Place& place) {
 bool ConsoleStory::TakeConfig(const ConsoleLine& line) {
   if (line.lower.starts_with('[') && line.lower.find(']') != std::string::npos &&
       !line.lower.starts_with("[prb")) {
-    section_ = PlainWord(line.lower.substr(1, line.lower.find(']') - 1));
+    const std::string name = line.lower.substr(1, line.lower.find(']') - 1);
+    // "[...]": lines that somebody left out.
+    if (name.find_first_of("abcdefghijklmnopqrstuvwxyz") == std::string::npos)
+      return true;
+    section_ = PlainWord(name);
     key_.clear();
     return true;
   }
@@ -466,6 +471,7 @@ void ConsoleStory::Tell(Imported* imported) const {
   TellCalibrations(imported);
   TellHeights(imported);
   TellDeviations(imported);
+  differences_.Tell(imported);
 }
 
 }  // namespace caltwin

@@ -7,6 +7,7 @@
 
 #include "sim/measure/import/console_line.h"
 #include "sim/measure/import/import.h"
+#include "sim/measure/import/screw_differences.h"
 
 namespace caltwin {
 
@@ -43,6 +44,7 @@ class ConsoleStory {
   void TellDeviations(Imported* imported) const;
 
   LevellingLog levelling_{};
+  ScrewDifferences differences_{};
   std::string section_, key_;
   std::array<double, 2> probe_offset_mm_{kUnknown, kUnknown};
   bool was_levelled_ = false;

@@ -36,7 +36,8 @@ Seen Look(const std::string& text) {
         lower.starts_with("bed x:") || (has(" of ") && has(": z:")) ||
         lower.starts_with("[prb:") || has("bed probe heights:") ||
         lower.starts_with("stopped at height") || has("bed topography report") ||
-        has("g33 auto calibrate") || has("z1-z2=") || has("probe: z_offset:") ||
+        has("g33 auto calibrate") || has("z1-z2=") || has("z2-z1=") ||
+        has("delta_analyze") || has("probe: z_offset:") ||
         (has("calibrated ") && has("factors")) ||
         (has("iteration") && has("std dev:")) || has("z-calibration:") ||
         (lower.starts_with("probed ") && has("> ")) ||
