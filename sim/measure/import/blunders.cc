@@ -122,6 +122,7 @@ class Seeker {
   // "stepper_a: position_endstop: 130.8 angle: 300.3 arm_length: 1620.1", three lines.
   void LookAtArms(const TextLine& line) {
     constexpr double kMostApart = 1.15;
+    constexpr std::size_t kTowers = 3;
     if (line.text.find("stepper_a:") != std::string_view::npos) arms_mm_.clear();
     const bool is_tower = line.text.find("stepper_") != std::string_view::npos;
     for (std::size_t i = 0; is_tower && i + 1 < line.words.size(); ++i) {
@@ -130,7 +131,7 @@ class Seeker {
       if (const auto arm_mm = NumberOf(line.words[i + 1].text))
         arms_mm_.push_back(*arm_mm);
     }
-    if (arms_mm_.size() != kNumTowers_) return;
+    if (arms_mm_.size() != kTowers) return;
     const auto [least, most] = std::ranges::minmax(arms_mm_);
     arms_mm_.clear();
     if (!(most > kMostApart * std::abs(least))) return;
@@ -164,7 +165,6 @@ class Seeker {
   std::vector<FileNote>* notes_;
   std::map<std::string, std::string> name_of_list_;
   bool has_height_ = false;
-  static constexpr std::size_t kNumTowers_ = 3;
   std::vector<double> arms_mm_{};
 };
 
