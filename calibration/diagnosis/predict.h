@@ -15,7 +15,7 @@ struct Prediction {
   double after_mm = 0;  ///< The same with the model's effects, as they were found.
   double floor_mm = kUnknown;  ///< Of repeats in this run; kUnknown: none.
   int rows = 0;
-  int left_out = 0;  ///< Of these, bad by themselves whatever the model.
+  int left_out = 0;        ///< Of these, bad by themselves whatever the model.
   bool transfers = false;  ///< after < two thirds of before.
 };
 
