@@ -114,6 +114,12 @@ TEST(ScrewTable, CentroidCountsNeedTheLengthOfACount) {
   ASSERT_THAT(imported.table.rows, SizeIs(3));
   EXPECT_EQ(imported.table.rows[2].cmd_mm[0], -1);
   EXPECT_NEAR(imported.table.rows[2].value_mm, 0.020, 1e-12);
+  EXPECT_THAT(
+      [&] {
+        ImportText("screw-table", "0 0\n-10\n-20\n", "cnc-x.tab", {.step_mm = 0.001});
+      },
+      ::testing::ThrowsMessage<InputError>(
+          HasSubstr("cnc-x.tab:1:1: 0 intervals over 0 counts of travel")));
 }
 
 TEST(PrinterLint, WhatContradictsItself) {

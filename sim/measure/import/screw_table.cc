@@ -111,6 +111,13 @@ Imported ReadTab(const std::vector<Numbers>& lines,
   }
   const double intervals = lines.front().values[0];
   const double travel_mm = lines.front().values[1] * *options.step_mm;
+  if (!(intervals >= 1) || travel_mm == 0) {
+    throw InputError(place,
+                     fmt::format("{:g} intervals over {:g} counts of travel",
+                                 intervals,
+                                 lines.front().values[1]),
+                     "a Centroid table begins with both: 24 -1448819");
+  }
   std::vector<PositionReading> readings;
   for (const int sense : {1, -1}) {
     for (std::size_t i = 1; i < lines.size(); ++i) {
