@@ -425,15 +425,21 @@ std::string FindingText(const Finding& finding,
                               : AfterShare_mm(gain, finding.share);
   constexpr double kWorse = 1.1;
   const bool is_worse = !finding.map && alone_mm > kWorse * gain.blocks.before_mm;
-  text += fmt::format(
-      fmt::runtime(
-          is_worse ? "Of data it has not seen it foretells less than nothing ({} {} um "
-                     "without it, {} with): take the name, and not the size; "
-                   : "Correcting it takes {} from {} to {} um on data it has not "
-                     "seen; "),
-      measured,
-      Figure(Um(gain.blocks.before_mm)),
-      Figure(Um(alone_mm)));
+  const std::string before = Figure(Um(gain.blocks.before_mm));
+  const std::string after = Figure(Um(alone_mm));
+  text += is_worse ? fmt::format(
+                         "Of data it has not seen it foretells less than nothing ({} "
+                         "{} um without it, {} with): take the name, and not the "
+                         "size; ",
+                         measured,
+                         before,
+                         after)
+                   : fmt::format(
+                         "Correcting it takes {} from {} to {} um on data it has not "
+                         "seen; ",
+                         measured,
+                         before,
+                         after);
   if (diagnosis.findings.size() > 1) {
     text +=
         fmt::format("all findings together to {}; ", Figure(Um(gain.blocks.after_mm)));

@@ -63,6 +63,9 @@ TEST(BareGrids, AreReadAsMeshesByIndex) {
   EXPECT_EQ(imported.table.rows[0].campaign, "mesh");
   EXPECT_EQ(imported.table.rows[12].campaign, "mesh_2");
   EXPECT_DOUBLE_EQ(imported.table.rows[13].value_mm, -0.09);
+  // What is known for a grid is read as one, however its numbers are parted.
+  const std::string parted = "0.1;0.2;0.3\n0.1;0.2;0.3\n0.2;0.2;0.3\n";
+  EXPECT_EQ(ImportText(KindOfText(parted, "f"), parted, "f", {}).table.rows.size(), 9U);
 }
 
 TEST(Recognise, TellsModulesAndMacrosFromTables) {
@@ -95,7 +98,7 @@ TEST(ConsoleStory, TellsAScrewThatDoesNotFollow) {
                      "Z2-Z1=0.72 Z3-Z2=13.93 Z3-Z1=14.65\n"
                      "Z2-Z1=0.02 Z3-Z2=13.87 Z3-Z1=13.86\n"
                      "Z2-Z1=0.01 Z3-Z2=13.82 Z3-Z1=13.81\n"),
-              HasSubstr("Screw Z3 does not follow its correction"));
+              HasSubstr("screw Z3 does not follow its correction"));
   EXPECT_THAT(NoteOf("Z2-Z1=0.01 Z3-Z2=7.37 Z3-Z1=7.36\n"
                      "Z2-Z1=1.00 Z3-Z2=1.30 Z3-Z1=0.30\n"
                      "Z2-Z1=0.02 Z3-Z2=0.03 Z3-Z1=0.01\nM92 X80 Y80 Z400\n"),

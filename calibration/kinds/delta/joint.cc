@@ -126,7 +126,8 @@ class Fitter {
     for (const int knob : options.knobs) {
       const auto at = static_cast<std::size_t>(knob);
       const DeltaKnob& is = kDeltaKnobs[at];
-      const double sd = options.prior_sd.empty() ? is.prior_sd : options.prior_sd[at];
+      const double usual_sd = PriorSdOf(knob, drawn) / is.per_unit;
+      const double sd = options.prior_sd.empty() ? usual_sd : options.prior_sd[at];
       const bool has_mean = !options.prior_mean.empty();
       const double mean = has_mean ? options.prior_mean[at] : 0;
       prior_.push_back(sd * is.per_unit);

@@ -2,38 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
-#include <string_view>
 #include <vector>
 
+#include "sim/measure/import/console_grid.h"
 #include "sim/measure/import/fields.h"
 
 namespace caltwin {
 namespace {
-
-// The numbers of a line that holds nothing else; empty of any other line. The first may
-// be a count: of the grid's lines.
-std::vector<double> NumbersOf(std::string_view line) {
-  std::vector<double> numbers;
-  // How consoles mark what came and what was sent.
-  for (const std::string_view mark : {"<-", "->", ">", "<"}) {
-    if (line.starts_with(mark)) line.remove_prefix(mark.size());
-  }
-  constexpr std::string_view kBetween = " \t,;";
-  std::size_t at = 0;
-  while ((at = line.find_first_not_of(kBetween, at)) != std::string_view::npos) {
-    const std::size_t end = std::min(line.size(), line.find_first_of(kBetween, at));
-    std::string_view word = line.substr(at, end - at);
-    if (word.starts_with('+')) word.remove_prefix(1);
-    const auto number = NumberOf(word);
-    const bool is_height = number && (*number == 0 || word.find('.') != word.npos);
-    const bool is_count = number && numbers.empty() && *number == std::round(*number);
-    if (!is_height && !is_count) return {};
-    numbers.push_back(*number);
-    at = end;
-  }
-  return numbers;
-}
 
 using Grid = std::vector<std::vector<double>>;
 
@@ -56,11 +31,17 @@ bool IsGrid(Grid rows) {
   const std::size_t num = rows.front().size();
   if (rows.size() > kMostTimes * num || num > kMostTimes * rows.size()) return false;
   double least_mm = HUGE_VAL, most_mm = -HUGE_VAL;
+  std::size_t whole = 0;
   for (const auto& row : rows) {
-    const auto [low, high] = std::ranges::minmax(row);
-    least_mm = std::min(least_mm, low);
-    most_mm = std::max(most_mm, high);
+    for (const double height_mm : row) {
+      if (!Known(height_mm)) return false;
+      least_mm = std::min(least_mm, height_mm);
+      most_mm = std::max(most_mm, height_mm);
+      whole += height_mm != 0 && height_mm == std::round(height_mm) ? 1 : 0;
+    }
   }
+  // Counts, and no heights.
+  if (2 * whole > rows.size() * num) return false;
   // A column of places goes on from line to line, by far more than heights do.
   for (std::size_t k = 0; k < num; ++k) {
     constexpr double kFar_mm = 2;
@@ -82,7 +63,7 @@ std::set<int> BareGrids(const std::string& text) {
     rows.clear();
   };
   for (const TextLine& line : LinesOf(text)) {
-    std::vector<double> numbers = NumbersOf(line.text);
+    std::vector<double> numbers = GridHeightsIn(line.text);
     const bool is_on = !rows.empty() && numbers.size() == rows.front().size();
     if (!is_on) end();
     if (numbers.empty()) continue;

@@ -60,7 +60,7 @@ constexpr std::array kImporters = {
              ReadMeshesOfPrinter,
              /*has_unit=*/true},
     Importer{"rrf-config",
-             "config.g, config-override.g of a delta (M665 M666): a machine file",
+             "config.g, config-override.g of RepRapFirmware: a machine file",
              ReadRrfConfig},
     Importer{"rrf-heightmap",
              "heightmap.csv of RepRapFirmware",

@@ -31,34 +31,36 @@ std::optional<std::pair<double, double>> CornerAt(std::string_view text,
   return std::pair{*x, *y};
 }
 
-// The heights of "3 | +0.12 [-0.01] ." or of a line of numbers alone; empty where the
-// line is none.
-std::vector<double> HeightsIn(std::string_view text) {
-  const std::size_t bar = text.find('|');
-  std::string rest(bar == std::string_view::npos ? text : text.substr(bar + 1));
-  if (rest.starts_with("<-") || rest.starts_with("->")) rest.erase(0, 2);
-  std::ranges::replace_if(
-      rest, [](char c) { return c == '[' || c == ']'; }, ' ');
-  std::vector<double> heights_mm;
-  for (std::size_t at = rest.find_first_not_of(" \t,"); at != std::string::npos;) {
-    const std::size_t end = std::min(rest.size(), rest.find_first_of(" \t,", at));
-    std::string word = rest.substr(at, end - at);
-    if (word.starts_with('+')) word.erase(0, 1);
-    const auto height_mm = NumberOf(word);
-    const bool is_missing = word == "." || word == "=======" || word == "nan";
-    if (!height_mm && !is_missing) return {};
-    heights_mm.push_back(height_mm.value_or(kUnknown));
-    at = rest.find_first_not_of(" \t,", end);
-  }
-  return heights_mm;
-}
-
 bool LooksLikeRow(std::string_view text) {
   return text.find('|') != std::string_view::npos ||
          text.find('.') != std::string_view::npos;
 }
 
 }  // namespace
+
+std::vector<double> GridHeightsIn(std::string_view text) {
+  constexpr std::string_view kBetween = " \t,;";
+  // How consoles mark what came and what was sent.
+  for (const std::string_view mark : {"<-", "->", "<", ">"}) {
+    if (text.starts_with(mark)) text.remove_prefix(mark.size());
+  }
+  const std::size_t bar = text.find('|');
+  std::string rest(bar == std::string_view::npos ? text : text.substr(bar + 1));
+  std::ranges::replace_if(
+      rest, [](char c) { return c == '[' || c == ']'; }, ' ');
+  std::vector<double> heights_mm;
+  for (std::size_t at = rest.find_first_not_of(kBetween); at != std::string::npos;) {
+    const std::size_t end = std::min(rest.size(), rest.find_first_of(kBetween, at));
+    std::string word = rest.substr(at, end - at);
+    if (word.starts_with('+')) word.erase(0, 1);
+    const auto height_mm = NumberOf(word);
+    const bool is_missing = word == "." || word == "=======" || word == "nan";
+    if (!height_mm && !is_missing) return {};
+    heights_mm.push_back(height_mm.value_or(kUnknown));
+    at = rest.find_first_not_of(kBetween, end);
+  }
+  return heights_mm;
+}
 
 std::optional<ConsoleGrid::Corners> ConsoleGrid::CornersOf(const ConsoleLine& line) {
   if (!line.text.starts_with('(')) return std::nullopt;
@@ -90,7 +92,7 @@ bool ConsoleGrid::Take(const ConsoleLine& line, int number) {
   }
   if (is_whole_ || (!upper_ && lost_line_ == 0) || !LooksLikeRow(line.text))
     return false;
-  std::vector<double> heights_mm = HeightsIn(line.text);
+  std::vector<double> heights_mm = GridHeightsIn(line.text);
   if (heights_mm.size() < 2) return line.text.find('|') != std::string_view::npos;
   // " 0 +0.059 +0.062": the row's number first.
   const bool is_numbered = !upper_ && line.text.find('|') == std::string_view::npos &&

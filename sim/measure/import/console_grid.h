@@ -15,6 +15,10 @@ struct GridHeight {
   bool has_place = true;  ///< False: x and y are indices.
 };
 
+/// The heights of "3 | +0.12 [-0.01] ." or of a line of numbers alone, kUnknown for
+/// what was not probed; empty where the line is none.
+std::vector<double> GridHeightsIn(std::string_view text);
+
 /// Reads the mesh that Marlin prints (`G29 T`, `M420 V`), line by line: coordinates of
 /// its upper corners, a row a line (`3 | +0.12 [-0.01] .`), coordinates of its lower
 /// corners. A mesh without corners (`0 +0.059 +0.062`) has places by index.

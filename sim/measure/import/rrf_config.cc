@@ -159,7 +159,6 @@ class ConfigReader {
   }
 
   void ReadDrives(std::optional<double> step_mm) {
-    constexpr double kMostSteps_per_mm = 1e6;
     for (std::size_t i = 0; i < 3; ++i) {
       const char letter = "XYZ"[i];
       drive_[i].microsteps = Number("M350", letter, kUnknown, 1024);
@@ -167,7 +166,8 @@ class ConfigReader {
         drive_[i].step_mm = *step_mm;
         continue;
       }
-      const double steps_per_mm = Number("M92", letter, kUnknown, kMostSteps_per_mm);
+      const double steps_per_mm =
+          Number("M92", letter, kUnknown, SettingsInForce::kSteps_per_mm.max);
       if (!Known(steps_per_mm)) continue;
       if (steps_per_mm <= 0) {
         faults_.Add(PlaceOf(*Word("M92", letter), name_),

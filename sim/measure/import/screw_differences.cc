@@ -42,19 +42,18 @@ void ScrewDifferences::Tell(Imported* imported) const {
                           after_mm > kStays * before_mm && last_mm < kGone * after_mm;
     if (!is_stuck) continue;
     imported->notes.push_back(
-        {.kind = FileNote::Kind::kElsewhere,
-         .what = "settings",
-         .sentence = fmt::format(
-             "Screw Z{} does not follow its correction: the other two come to {:.2f} "
-             "mm "
-             "of each other, and it stays {:.2f} mm away, round after round. Its motor "
-             "is not driven alone, or not at all: send each motor by itself a "
-             "millimetre and look (the wires, the driver, which driver the firmware "
-             "has "
-             "for it). Whether it is the firmware or a wire these numbers do not say",
-             kWithout[k],
-             last_mm,
-             after_mm)});
+        {.kind = FileNote::Kind::kOpen,
+         .what = "cause",
+         .sentence = fmt::format("why screw Z{} does not follow its correction: the "
+                                 "other two come to {:.2f} "
+                                 "mm of each other, and it stays {:.2f} mm away, round "
+                                 "after round. Send each "
+                                 "motor by itself a millimetre and look: its wires, "
+                                 "its driver, which driver "
+                                 "the firmware has for it",
+                                 kWithout[k],
+                                 last_mm,
+                                 after_mm)});
     return;
   }
 }
