@@ -127,6 +127,28 @@ bool ReachesFew(const Observed& o, const Variant& variant) {
   return (size.array() > 0.3 * size.maxCoeff()).count() <= few;
 }
 
+// All forms of a grid are alike likely, but the period of a wave: a screw or pulley has
+// the lead it was drawn with, unless the drawing is wrong. Heights at few places fit
+// other periods as well.
+void WeighForms(const Machine& machine, Candidate* candidate) {
+  constexpr double kAsDrawn = 0.8;
+  const Effect& effect = EffectAt(candidate->effect);
+  std::vector<double> values(effect.parameters.size(), 0), drawn;
+  effect.neutral(machine, candidate->axis, values);
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    if (effect.parameters[k].role == Role::kForm) drawn.push_back(values[k]);
+  }
+  std::vector<Variant>& variants = candidate->variants;
+  const auto num = static_cast<double>(variants.size());
+  const auto as_drawn = std::ranges::find(variants, drawn, &Variant::forms);
+  const bool is_wave = effect.sight->harmonics > 0 && as_drawn != variants.end();
+  for (Variant& variant : variants) {
+    variant.log_prior = -std::log(num);
+    if (is_wave && num > 1) variant.log_prior = std::log((1 - kAsDrawn) / (num - 1));
+  }
+  if (is_wave && num > 1) as_drawn->log_prior = std::log(kAsDrawn);
+}
+
 std::optional<Candidate> CandidateOf(const Observed& o,
                                      int index,
                                      const std::string& axis,
@@ -151,6 +173,7 @@ std::optional<Candidate> CandidateOf(const Observed& o,
     candidate.variants.push_back(std::move(variant));
   }
   if (candidate.variants.empty()) return std::nullopt;
+  WeighForms(o.machine(), &candidate);
   return candidate;
 }
 

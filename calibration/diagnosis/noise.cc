@@ -7,6 +7,7 @@
 #include <numeric>
 #include <tuple>
 
+#include "calibration/diagnosis/kinds/diagnosed_kind.h"
 #include "calibration/diagnosis/rounding.h"
 #include "sim/base/median.h"
 #include "sim/base/units.h"
@@ -22,6 +23,7 @@ std::string ReplicateKey(const Observed& o, Eigen::Index i) {
   const Row& row = o.row(i);
   const At& at = o.at(i);
   std::string key = row.campaign + "|" + row.setup + "|" + row.feature;
+  if (DiagnosedAs(o.machine()).StandsAnewWhenHomed()) key += "|" + row.home;
   const auto add = [&](double value, double step) {
     key += "|";
     key += Known(value) ? std::to_string(std::llround(value / step)) : "?";

@@ -12,7 +12,7 @@ namespace caltwin {
 /// How far a placement may be off [mm].
 inline constexpr double kPlacementSd_mm = 100;
 /// @name How far a machine may be off before another word than calibration is needed
-inline constexpr double kScaleSd_ppm = 3e4;
+inline constexpr double kScaleSd_ppm = 1e4;
 inline constexpr double kBacklashSd_mm = 0.2;
 
 /// The lines of a baseline while they are gathered.

@@ -207,8 +207,10 @@ double Refine(const NoiseWorld& world,
                                   candidate.variants[plain.variant],
                                   tolerances->Of(weighed->candidate, plain.variant),
                                   plain.log_bayes);
-  if (full.log_bayes + world.log_none > *best) {
-    *best = full.log_bayes + world.log_none;
+  const double log_likely =
+      full.log_bayes + candidate.variants[plain.variant].log_prior + world.log_none;
+  if (log_likely > *best) {
+    *best = log_likely;
     weighed->variant = plain.variant;
     weighed->scale_mm = full.scale_mm;
     weighed->sizes_mm = full.sizes_mm;
@@ -224,20 +226,23 @@ Weighed WeighOne(const std::vector<NoiseWorld>& worlds,
                  std::size_t index,
                  Tolerances* tolerances) {
   Weighed weighed{.candidate = index};
-  const double per_variant = -std::log(static_cast<double>(candidate.variants.size()));
   std::vector<double> logs;
   double best = -std::numeric_limits<double>::infinity();
   for (const NoiseWorld& world : worlds) {
     std::vector<Scored> scores = PlainScores(world, candidate);
-    std::ranges::sort(scores, std::ranges::greater{}, &Scored::log_bayes);
+    const auto log_likely = [&](const Scored& scored) {
+      return scored.log_bayes + candidate.variants[scored.variant].log_prior;
+    };
+    std::ranges::sort(scores, std::ranges::greater{}, log_likely);
+    const double likeliest = log_likely(scores[0]);
     std::vector<double> of_variants;
     for (std::size_t s = 0; s < scores.size(); ++s) {
-      const bool is_close = scores[s].log_bayes > scores[0].log_bayes - kHopeless_nats;
+      const bool is_close = log_likely(scores[s]) > likeliest - kHopeless_nats;
       if (s < kVariantsInFull && is_close) {
         scores[s].log_bayes =
             Refine(world, candidate, scores[s], tolerances, &best, &weighed);
       }
-      of_variants.push_back(scores[s].log_bayes + per_variant);
+      of_variants.push_back(log_likely(scores[s]));
     }
     logs.push_back(LogSum(of_variants) + world.log_none);
   }
@@ -378,10 +383,13 @@ double ChanceUnderNone(const Observed& observed,
   readings = evidence.ProjectedReadings(readings);
   std::vector<std::vector<double>> logs(kDraws);
   for (const Candidate& candidate : candidates) {
-    const double per_variant =
-        candidate.log_prior - std::log(static_cast<double>(candidate.variants.size()));
     for (const Variant& variant : candidate.variants) {
-      AddDraws(evidence, readings, candidate, variant, per_variant, &logs);
+      AddDraws(evidence,
+               readings,
+               candidate,
+               variant,
+               candidate.log_prior + variant.log_prior,
+               &logs);
     }
   }
   std::vector<double> any;

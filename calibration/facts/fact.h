@@ -26,7 +26,8 @@ struct Fact {
   std::string id{};
   std::string axis{};  ///< x y z or ISO 230-1 ("C0Y"); empty where there is none.
   /// A further word: of known_ratio what it is ("microsteps"), of cross_reversal the
-  /// axis that it is seen in, of settings the setting.
+  /// axis that it is seen in, of settings the setting, of skew where the second axis
+  /// leans ("+x").
   std::string word{};
   std::vector<std::string> also{};  ///< Other words that would explain it as well.
   std::vector<FactFigure> figures{};

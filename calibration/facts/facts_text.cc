@@ -71,6 +71,7 @@ Json FactsJson(const Facts& facts) {
     if (fact.id == "cross_reversal") one["seen_in"] = fact.word;
     if (fact.id == "known_ratio") one["reading"] = fact.word;
     if (fact.id == "settings") one["what"] = fact.word;
+    if (fact.id == "skew") one["leans"] = fact.word;
     if (!fact.also.empty()) one["also"] = fact.also;
     for (const FactFigure& figure : fact.figures) {
       one[figure.key] = NumberOrNull(figure.value);

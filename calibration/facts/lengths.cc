@@ -160,8 +160,11 @@ Fact SkewFact(const std::vector<Length>& lengths,
               const Angle& angle) {
   const FactFigure figure{
       "angle_mrad", MradFromRad(angle.rad), MradFromRad(angle.sd_rad)};
+  // As ISO 230-1 counts a turn about the third axis.
+  const bool leans = (angle.rad > 0) == (plane.first == 0 && plane.second == 2);
   Fact fact{.id = "skew",
             .axis = plane.name,
+            .word = fmt::format("{}{}", leans ? '+' : '-', "xyz"[plane.first]),
             .figures = {figure},
             .cause = "squareness",
             .cause_axis = plane.name,
@@ -172,13 +175,15 @@ Fact SkewFact(const std::vector<Length>& lengths,
   }
   for (const Length& length : lengths) fact.rows.push_back(length.row);
   fact.sentence = fmt::format(
-      "The lengths fit together only if {} and {} are out of square by {} ({}): the "
-      "two "
-      "diagonals differ{}",
+      "The lengths fit together only if {} and {} are out of square by {} ({}), {} "
+      "leaning towards {}{}: the two diagonals differ{}",
       "XYZ"[plane.first],
       "XYZ"[plane.second],
       WithSd(MradFromRad(std::abs(angle.rad)), MradFromRad(angle.sd_rad), "mrad"),
       WithSd(DegFromRad(std::abs(angle.rad)), DegFromRad(angle.sd_rad), "degrees"),
+      "XYZ"[plane.second],
+      leans ? '+' : '-',
+      "XYZ"[plane.first],
       Known(angle.sd_rad)
           ? fmt::format(" by {:.0f} times their uncertainty", fact.sigmas)
           : ". Its uncertainty is not known: no length was measured twice");

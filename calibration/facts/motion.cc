@@ -120,6 +120,27 @@ bool AddSurplus(const Line& line, double noise_mm, std::size_t axis, Facts* fact
       std::abs(at_ends_mm) > 0.3 * std::abs(line.offset_mm)) {
     return false;
   }
+  // Lines and cutters are narrower.
+  constexpr double kWidest_mm = 4;
+  const bool is_of_walls = std::abs(line.offset_mm) < kWidest_mm;
+  if (!is_of_walls) {
+    facts->not_determined.push_back(fmt::format("scale.{}", kAxisNames[axis]));
+    facts->not_determined.emplace_back("cause");
+    facts->cannot.push_back(fmt::format(
+        "what takes a fixed {:.3g} mm from sizes along {}: look at the size "
+        "that the slicer or sender shows, and at which file was used",
+        std::abs(line.offset_mm),
+        "XYZ"[axis]));
+  }
+  const std::string why =
+      is_of_walls
+          ? fmt::format(
+                "a constant on both walls (plastic or cutter width, how the "
+                "calliper sits), not steps/mm. Leave steps/mm alone; correct "
+                "extrusion, line width or tool diameter by {} a wall",
+                WithSd(std::abs(line.offset_mm) / 2, sd_mm / 2, "mm"))
+          : "no steps/mm does that, and no width of a line or cutter either. The file "
+            "that was made is not the one that was drawn, or a size was misread";
   facts->all.push_back(
       {.id = "offset",
        .axis = kAxisNames[axis],
@@ -128,17 +149,12 @@ bool AddSurplus(const Line& line, double noise_mm, std::size_t axis, Facts* fact
                    {"factor", 1 + line.slope, noise_mm * line.slope_unit_sd}},
        .sigmas =
            Known(sd_mm) ? std::abs(line.offset_mm) / std::max(sd_mm, 1e-12) : kUnknown,
-       .sentence = fmt::format("Every size along {} is {} {} by {}, whatever its "
-                               "length: a constant on both "
-                               "walls (plastic or cutter width, how the calliper "
-                               "sits), not steps/mm. Leave "
-                               "steps/mm alone; correct extrusion, line width or tool "
-                               "diameter by {} a wall",
-                               "XYZ"[axis],
-                               "too",
-                               line.offset_mm > 0 ? "large" : "small",
-                               WithSd(std::abs(line.offset_mm), sd_mm, "mm"),
-                               WithSd(std::abs(line.offset_mm) / 2, sd_mm / 2, "mm")),
+       .sentence =
+           fmt::format("Every size along {} is too {} by {}, whatever its length: {}",
+                       "XYZ"[axis],
+                       line.offset_mm > 0 ? "large" : "small",
+                       WithSd(std::abs(line.offset_mm), sd_mm, "mm"),
+                       why),
        .is_answer = true});
   return true;
 }
@@ -291,6 +307,8 @@ void AddAlong(const Rows& rows, const Repeats& repeats, Facts* facts) {
   for (const Row* row : rows) {
     const int axis = AxisAlong(*row);
     if (row->kind != RowKind::kPosition || axis < 0) continue;
+    // What a side of a square should measure is the mean of its sides here.
+    if (row->flag == "length") continue;
     if (!Known(row->cmd_mm[static_cast<std::size_t>(axis)])) continue;
     series[{row->campaign + "|" + row->setup + "|" + row->settings, axis}].push_back(
         row);

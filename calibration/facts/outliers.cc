@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <limits>
 #include <map>
 #include <string>
 
@@ -50,6 +52,38 @@ std::map<std::string, double> FarLimits_mm(const std::vector<Rows>& cells,
   return limits_mm;
 }
 
+// Three places or more whose readings up to one moment, or from it on, are all far from
+// the others: something moved then, and none of them is a bad reading.
+void KeepSteps(const std::vector<Rows>& cells, std::set<std::int64_t>* far) {
+  constexpr std::size_t kFewestPlaces = 3;
+  const auto is_far = [&](const Row* row) {
+    return far->contains(row->row);
+  };
+  for (const bool is_before : {true, false}) {
+    std::vector<std::int64_t> of_step;
+    std::size_t num_places = 0;
+    std::int64_t last = std::numeric_limits<std::int64_t>::min();
+    std::int64_t first = std::numeric_limits<std::int64_t>::max();
+    for (const Rows& cell : cells) {
+      Rows ordered = cell;
+      std::ranges::sort(ordered, {}, &Row::row);
+      const auto change = is_before ? std::ranges::find_if_not(ordered, is_far)
+                                    : std::ranges::find_if(ordered, is_far);
+      const bool is_clean = is_before ? std::none_of(change, ordered.end(), is_far)
+                                      : std::all_of(change, ordered.end(), is_far);
+      if (change == ordered.begin() || change == ordered.end() || !is_clean) continue;
+      ++num_places;
+      last = std::max(last, (*std::prev(change))->row);
+      first = std::min(first, (*change)->row);
+      for (const Row* row : ordered) {
+        if (is_far(row)) of_step.push_back(row->row);
+      }
+    }
+    if (num_places < kFewestPlaces || last > first) continue;
+    for (const std::int64_t row : of_step) far->erase(row);
+  }
+}
+
 }  // namespace
 
 void LeaveOutFar(const std::vector<Rows>& cells,
@@ -76,6 +110,7 @@ void LeaveOutFar(const std::vector<Rows>& cells,
       limit_of_mm[row->row] = limit_mm;
     }
   }
+  KeepSteps(cells, &far);
   for (Rows& batch : *batches) {
     // All of a homing session are far together, beside each other: no bad reading.
     Rows own;

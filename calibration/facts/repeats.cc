@@ -18,6 +18,20 @@
 namespace caltwin {
 namespace {
 
+// The largest step of which both are whole multiples, by Euclid; below a nanometre is
+// the rounding of a sum.
+double CommonStep_mm(double one_mm, double other_mm) {
+  constexpr double kNothing_mm = 1e-6;
+  one_mm = std::abs(one_mm);
+  other_mm = std::abs(other_mm);
+  while (other_mm > kNothing_mm) {
+    const double left_mm = std::abs(std::remainder(one_mm, other_mm));
+    one_mm = other_mm;
+    other_mm = left_mm;
+  }
+  return one_mm;
+}
+
 void AddRepeatability(const ReadingNoise& noise,
                       std::size_t num_places,
                       bool are_touches,
@@ -294,16 +308,17 @@ double StatedSigma_mm(const Row& row, const DataHeader& header) {
 }
 
 double FinestStep_mm(const std::vector<const Row*>& rows) {
-  constexpr double kNothing_mm = 1e-7;  // Below: the rounding of a sum.
-  std::vector<double> values_mm;
-  for (const Row* row : rows) values_mm.push_back(row->value_mm);
-  std::ranges::sort(values_mm);
+  constexpr double kCoarsest_mm = 1;
   double step_mm = 0;
-  for (std::size_t i = 1; i < values_mm.size(); ++i) {
-    const double gap_mm = values_mm[i] - values_mm[i - 1];
-    if (gap_mm > kNothing_mm && (step_mm == 0 || gap_mm < step_mm)) step_mm = gap_mm;
+  for (const Row* row : rows) {
+    const int axis = AxisAlong(*row);
+    const double told_mm =
+        axis >= 0 ? row->cmd_mm[static_cast<std::size_t>(axis)] : kUnknown;
+    step_mm = CommonStep_mm(step_mm, row->value_mm - rows.front()->value_mm);
+    // What was read, where a command stands beside it.
+    if (Known(told_mm)) step_mm = CommonStep_mm(step_mm, told_mm + row->value_mm);
   }
-  return step_mm;
+  return std::min(step_mm, kCoarsest_mm);
 }
 
 Repeats FactsOfRepeats(const std::vector<const Row*>& rows,

@@ -40,7 +40,8 @@ Repeats FactsOfRepeats(const std::vector<const Row*>& rows,
 /// The stated standard uncertainty of a row: its own, else its instrument's; kUnknown.
 double StatedSigma_mm(const Row& row, const DataHeader& header);
 
-/// The finest step between any two readings [mm]; 0 of fewer than two different ones.
+/// The step of which all readings are whole multiples, as they were read off and from
+/// the first [mm]; at most 1, and 0 where all are alike.
 double FinestStep_mm(const std::vector<const Row*>& rows);
 
 }  // namespace caltwin

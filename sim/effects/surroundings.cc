@@ -146,8 +146,7 @@ DrivesAt DrivesAtOf(const Row& row,
 At AtOf(const Row& row, const Machine& machine, const Settings& in_force) {
   At at{.kind = row.kind,
         .n = DirectionOf(row),
-        .tip_radius_cfg_mm =
-            machine.kind->touches_with_nozzle() ? 0 : in_force.tip_radius_mm,
+        .tip_radius_cfg_mm = in_force.tip_radius_mm,
         .feed_mm_s = Known(row.feed_mm_s) ? row.feed_mm_s : 0,
         .load_n = row.load_n,
         .on_table = row.kind == RowKind::kTouch,

@@ -19,8 +19,10 @@ namespace fs = std::filesystem;
 namespace {
 
 ProbeDrawing ReadProbe(YamlMap map, ProbeDrawing probe) {
-  probe.tip_radius_mm = map.NumberOr(
-      "tip_radius_mm", 1, {0.05, 20}, "the radius of the ball, not its diameter");
+  probe.tip_radius_mm = map.NumberOr("tip_radius_mm",
+                                     probe.tip_radius_mm,
+                                     {0.05, 20},
+                                     "the radius of the ball, not its diameter");
   probe.pretravel_mm = map.NumberOr("pretravel_mm", probe.pretravel_mm, {0.001, 2});
   probe.hysteresis_mm = map.NumberOr("hysteresis_mm", probe.hysteresis_mm, {0, 2});
   if (probe.hysteresis_mm > 0 && probe.hysteresis_mm >= probe.pretravel_mm) {
@@ -108,9 +110,10 @@ Machine ReadMachine(YamlMap* map) {
     return machine;
   }
   machine.probe = machine.kind->ProbeAsDrawn();
+  // A nozzle is flat; what hangs beside it may have a ball.
+  if (machine.kind->touches_with_nozzle()) machine.probe.tip_radius_mm = 0;
   if (const auto probe = map->Optional("probe"))
     machine.probe = ReadProbe(probe->Map(), machine.probe);
-  if (machine.kind->touches_with_nozzle()) machine.probe.tip_radius_mm = 0;
   machine.settings.tip_radius_mm = machine.probe.tip_radius_mm;
   for (const Axis axis : kAxes) {
     machine.settings.steps_per_mm[Index(axis)] = machine.axis(axis).steps_per_mm();

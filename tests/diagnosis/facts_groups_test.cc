@@ -6,31 +6,18 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "calibration/facts/fact.h"
 #include "sim/base/rng.h"
+#include "tests/diagnosis/facts_of.h"
 
 namespace caltwin {
 namespace {
 
 using ::testing::Contains;
 using ::testing::HasSubstr;
-
-Facts Of(std::vector<Row> rows, const DataHeader& header = {}) {
-  RowTable table{.rows = std::move(rows)};
-  std::int64_t number = 0;
-  for (Row& row : table.rows) row.row = ++number;
-  return FactsOf(table, header, {});
-}
-
-double Figure(const Fact& fact, const std::string& key) {
-  for (const FactFigure& figure : fact.figures) {
-    if (figure.key == key) return figure.value;
-  }
-  return kUnknown;
-}
 
 Row Move(std::size_t axis, double told_mm, double off_mm, double sense = kUnknown) {
   Row row{.campaign = "moves", .flag = "move"};
@@ -61,12 +48,12 @@ TEST(FactsOfGroups, TwoGaugesThatTellTwoTiltsContradictEachOther) {
       rows.push_back(Height(x, y, 0.0, "gauge_dial"));
     }
   }
-  const Facts facts = Of(rows);
+  const Facts facts = FactsOfRows(rows);
 
   const Fact* fact = facts.Find("contradiction");
   ASSERT_NE(fact, nullptr);
   EXPECT_EQ(fact->axis, "x");
-  EXPECT_NEAR(Figure(*fact, "slope_mrad"), -1, 1e-9);
+  EXPECT_NEAR(FigureOf(*fact, "slope_mrad"), -1, 1e-9);
   EXPECT_THAT(facts.not_determined, Contains("cause"));
 }
 
@@ -78,7 +65,7 @@ TEST(FactsOfGroups, GaugesThatAgreeDoNot) {
       rows.push_back(Height(x, y, 0.001 * x + 0.5, "gauge_dial"));
     }
   }
-  EXPECT_EQ(Of(rows).Find("contradiction"), nullptr);
+  EXPECT_EQ(FactsOfRows(rows).Find("contradiction"), nullptr);
 }
 
 TEST(FactsOfGroups, TrialsMustGoAsTheirStepsPerMm) {
@@ -90,7 +77,7 @@ TEST(FactsOfGroups, TrialsMustGoAsTheirStepsPerMm) {
                              Move(0, 100, 100 * (at_160 - 1))};
     rows[0].settings = "a";
     rows[1].settings = "b";
-    return Of(rows, header);
+    return FactsOfRows(rows, header);
   };
 
   EXPECT_EQ(trials(0.5, 1.0).Find("contradiction"), nullptr);
@@ -109,12 +96,12 @@ TEST(FactsOfHistory, AnAmountThatComesWithAChangeOfAxisIsTheFirmwares) {
                         (is_changed ? 0.1 : 0) + 0.002 * rng.Normal(),
                         1));
   }
-  const Facts facts = Of(rows);
+  const Facts facts = FactsOfRows(rows);
 
   const Fact* fact = facts.Find("offset");
   ASSERT_NE(fact, nullptr);
   EXPECT_EQ(fact->word, "change_of_axis");
-  EXPECT_NEAR(Figure(*fact, "change_um"), 100, 4);
+  EXPECT_NEAR(FigureOf(*fact, "change_um"), 100, 4);
   EXPECT_EQ(facts.not_the_machine.reason, "firmware");
 }
 
@@ -135,14 +122,14 @@ TEST(FactsOfArrival, StripesOfAMapTouchedToAndFro) {
             1e-5 * std::pow(x_mm - 50, 2) + gap_mm * sense / 2 + 0.001 * rng.Normal()));
       }
     }
-    return Of(rows);
+    return FactsOfRows(rows);
   };
 
   const Facts striped = map(0.03);
   const Fact* fact = striped.Find("cross_reversal");
   ASSERT_NE(fact, nullptr);
   EXPECT_EQ(fact->axis, "x");
-  EXPECT_NEAR(Figure(*fact, "gap_um"), 30, 2);
+  EXPECT_NEAR(FigureOf(*fact, "gap_um"), 30, 2);
   EXPECT_EQ(map(0).Find("cross_reversal"), nullptr);
 }
 
@@ -152,12 +139,12 @@ TEST(FactsOfMotion, NothingMovesUntilThePlayIsTakenUp) {
     const double told_mm = 0.01 * k;
     rows.push_back(Move(2, told_mm, std::max(0.0, told_mm - 0.045) - told_mm, 1));
   }
-  const Facts facts = Of(rows);
+  const Facts facts = FactsOfRows(rows);
 
   const Fact* fact = facts.Find("reversal");
   ASSERT_NE(fact, nullptr);
   EXPECT_EQ(fact->word, "dead_zone");
-  EXPECT_NEAR(Figure(*fact, "gap_um"), 45, 1e-6);
+  EXPECT_NEAR(FigureOf(*fact, "gap_um"), 45, 1e-6);
 }
 
 TEST(FactsOfMotion, EachMoveEndsShortByOneAmountBesideAScale) {
@@ -166,11 +153,11 @@ TEST(FactsOfMotion, EachMoveEndsShortByOneAmountBesideAScale) {
   for (const double told_mm : {5.0, 10.0, 20.0, 40.0, 80.0, 100.0}) {
     rows.push_back(Move(0, told_mm, 0.004 * told_mm - 0.2 + 0.002 * rng.Normal()));
   }
-  const Facts facts = Of(rows);
+  const Facts facts = FactsOfRows(rows);
 
   const Fact* lost = facts.Find("offset");
   ASSERT_NE(lost, nullptr);
-  EXPECT_NEAR(Figure(*lost, "change_um"), -200, 8);
+  EXPECT_NEAR(FigureOf(*lost, "change_um"), -200, 8);
   ASSERT_NE(facts.Find("scale"), nullptr);
 }
 
@@ -182,11 +169,98 @@ TEST(FactsOfLatency, TheFasterTheTouchTheLaterTheTrigger) {
       rows.back().feed_mm_s = feed_mm_s;
     }
   }
-  const Facts facts = Of(rows);
+  const Facts facts = FactsOfRows(rows);
 
   const Fact* fact = facts.Find("latency");
   ASSERT_NE(fact, nullptr);
-  EXPECT_NEAR(Figure(*fact, "latency_ms"), 4, 0.2);
+  EXPECT_NEAR(FigureOf(*fact, "latency_ms"), 4, 0.2);
+}
+
+// Steps of 1.05 mm, alike to 20 um: what a reading repeats to is what they differ by.
+TEST(FactsOfRepeats, AStaircaseIsNoScatter) {
+  Rng rng(3, 0, "staircase");
+  std::vector<Row> rows;
+  for (int i = 0; i < 10; ++i) {
+    const double reading_mm = -1.05 * i + 0.02 * rng.Normal();
+    rows.push_back(Height(100, 100, std::round(reading_mm * 1e3) / 1e3));
+  }
+
+  const Facts facts = FactsOfRows(rows);
+
+  const Fact* fact = facts.Find("drift");
+  ASSERT_NE(fact, nullptr);
+  EXPECT_NEAR(FigureOf(*fact, "change_um"), -9450, 90);
+  EXPECT_LT(fact->figures[0].sd, 60);
+}
+
+// Nine places touched three times, the machine shifted by 0.1 mm after the first round.
+TEST(FactsOfOutliers, RoundsBeforeAStepAreNoBadTouches) {
+  Rng rng(4, 0, "step");
+  std::vector<Row> rows;
+  for (int round = 0; round < 3; ++round) {
+    for (int i = 0; i < 9; ++i) {
+      const double step_mm = round == 0 ? 0 : 0.1;
+      rows.push_back(
+          Height(40.0 * (i % 3), 40.0 * (i / 3), step_mm + 0.002 * rng.Normal()));
+    }
+  }
+  EXPECT_EQ(FactsOfRows(rows).Find("outliers"), nullptr);
+
+  rows[20].value_mm += 0.3;  // One more, that is bad.
+  const Facts facts = FactsOfRows(rows);
+  const Fact* fact = facts.Find("outliers");
+  ASSERT_NE(fact, nullptr);
+  EXPECT_THAT(fact->rows, testing::ElementsAre(21));
+}
+
+// Two sizes that are both 20 mm short: no scale, and no line is as wide.
+TEST(FactsOfMotion, AFixedLackThatNoWallIsWideIsNotDetermined) {
+  std::vector<Row> rows;
+  for (const double told_mm : {90.0, 110.0}) {
+    Row row{.campaign = "sizes"};
+    row.cmd_mm[0] = told_mm;
+    row.n[0] = 1;
+    row.value_mm = -20;
+    rows.push_back(row);
+    rows.push_back(row);
+  }
+
+  const Facts facts = FactsOfRows(rows);
+
+  EXPECT_EQ(facts.Find("scale"), nullptr);
+  EXPECT_THAT(facts.not_determined, Contains("scale.x"));
+  EXPECT_THAT(facts.not_determined, Contains("cause"));
+}
+
+// By ISO 230-1 a turn of Y about Z is + counter-clockwise: Y then leans towards -X.
+TEST(FactsOfLengths, SayWhereTheSecondAxisLeans) {
+  constexpr double kAngle = 5e-3, kSide_mm = 1000;
+  std::vector<Row> rows;
+  const auto add = [&](double x_mm, double y_mm, double to_x_mm, double to_y_mm) {
+    Row row{.campaign = "squares",
+            .setup = fmt::format("{}", rows.size()),
+            .flag = "length"};
+    const double dx_mm = to_x_mm - x_mm, dy_mm = to_y_mm - y_mm;
+    const double length_mm = std::hypot(dx_mm, dy_mm);
+    row.n = {dx_mm / length_mm, dy_mm / length_mm, 0};
+    row.cmd_mm = {x_mm, y_mm, 0};
+    rows.push_back(row);
+    row.cmd_mm = {to_x_mm, to_y_mm, 0};
+    row.value_mm = std::hypot(dx_mm - kAngle * dy_mm, dy_mm) - length_mm;
+    rows.push_back(row);
+  };
+  add(0, 0, kSide_mm, 0);
+  add(0, 0, 0, kSide_mm);
+  add(0, 0, kSide_mm, kSide_mm);
+  add(kSide_mm, 0, 0, kSide_mm);
+
+  const Facts facts = FactsOfRows(rows);
+
+  const Fact* fact = facts.Find("skew");
+  ASSERT_NE(fact, nullptr);
+  EXPECT_NEAR(FigureOf(*fact, "angle_mrad"), 5, 0.05);
+  EXPECT_EQ(fact->word, "-x");
+  EXPECT_EQ(facts.Find("scale"), nullptr) << "what a side should be nobody said";
 }
 
 }  // namespace

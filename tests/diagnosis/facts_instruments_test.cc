@@ -7,8 +7,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "calibration/facts/fact.h"
 #include "sim/base/rng.h"
+#include "tests/diagnosis/facts_of.h"
 
 namespace caltwin {
 namespace {
@@ -60,13 +60,6 @@ Facts Of(const Reading& laser,
   return FactsOf(table, header, {});
 }
 
-double Figure(const Fact& fact, const std::string& key) {
-  for (const FactFigure& figure : fact.figures) {
-    if (figure.key == key) return figure.value;
-  }
-  return kUnknown;
-}
-
 TEST(FactsOfInstruments, ADialThatReadsALongerWayErrsWhereTheLaserIsCertified) {
   const Facts facts = Of({}, {.scale = 3e-4}, 1, 10);
   const Fact* fact = facts.Find("contradiction");
@@ -74,8 +67,8 @@ TEST(FactsOfInstruments, ADialThatReadsALongerWayErrsWhereTheLaserIsCertified) {
   ASSERT_NE(fact, nullptr);
   EXPECT_EQ(fact->word, "instruments");
   EXPECT_EQ(fact->axis, "x");
-  EXPECT_NEAR(Figure(*fact, "apart_ppm"), 300, 10);
-  EXPECT_NEAR(Figure(*fact, "apart_um"), 81, 3);
+  EXPECT_NEAR(FigureOf(*fact, "apart_ppm"), 300, 10);
+  EXPECT_NEAR(FigureOf(*fact, "apart_um"), 81, 3);
   EXPECT_TRUE(fact->is_answer);
   EXPECT_THAT(fact->sentence,
               HasSubstr("'dial' reads a longer way than 'laser' along X"));
@@ -101,7 +94,7 @@ TEST(FactsOfInstruments, ADialWithAGapOfItsOwnReadsAWiderReversal) {
   const Fact* fact = facts.Find("contradiction");
 
   ASSERT_NE(fact, nullptr);
-  EXPECT_NEAR(Figure(*fact, "gap_um"), 15, 2);
+  EXPECT_NEAR(FigureOf(*fact, "gap_um"), 15, 2);
   EXPECT_THAT(fact->sentence, HasSubstr("'dial' reads a wider gap than 'laser'"));
 }
 
@@ -121,7 +114,7 @@ TEST(FactsOfInstruments, ThatAgreeSaySo) {
   const Fact* fact = facts.Find("agreement");
   ASSERT_NE(fact, nullptr);
   EXPECT_THAT(fact->sentence, HasSubstr("agree about X"));
-  EXPECT_NEAR(Figure(*fact, "apart_um"), 0, 2);
+  EXPECT_NEAR(FigureOf(*fact, "apart_um"), 0, 2);
 }
 
 }  // namespace

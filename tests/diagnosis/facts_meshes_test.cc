@@ -8,8 +8,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "calibration/facts/fact.h"
 #include "sim/base/rng.h"
+#include "tests/diagnosis/facts_of.h"
 
 namespace caltwin {
 namespace {
@@ -42,20 +42,13 @@ std::vector<Row> Mesh(const std::string& campaign, const Bed& bed, double height
   return rows;
 }
 
-Facts Of(std::vector<Row> rows) {
-  RowTable table{.rows = std::move(rows)};
-  std::int64_t number = 0;
-  for (Row& row : table.rows) row.row = ++number;
-  return FactsOf(table, {}, {});
-}
-
 std::vector<Row> Both(std::vector<Row> one, std::vector<Row> other) {
   for (Row& row : other) one.push_back(std::move(row));
   return one;
 }
 
 TEST(FactsOfMeshes, RepeatToTheNoiseOfATouch) {
-  const Facts facts = Of(Both(Mesh("first", {}, 0), Mesh("second", {}, 0.3)));
+  const Facts facts = FactsOfRows(Both(Mesh("first", {}, 0), Mesh("second", {}, 0.3)));
 
   const Fact* fact = facts.Find("repeatability");
   ASSERT_NE(fact, nullptr);
@@ -67,16 +60,17 @@ TEST(FactsOfMeshes, RepeatToTheNoiseOfATouch) {
 
 TEST(FactsOfSurface, APlaceOffInBothMeshesIsTheBeds) {
   const Bed dented{.middle_mm = 0.3};
-  EXPECT_EQ(
-      Of(Both(Mesh("first", dented, 0), Mesh("second", dented, 0))).Find("outliers"),
-      nullptr);
-  EXPECT_NE(Of(Both(Mesh("first", dented, 0), Mesh("second", {}, 0))).Find("outliers"),
+  EXPECT_EQ(FactsOfRows(Both(Mesh("first", dented, 0), Mesh("second", dented, 0)))
+                .Find("outliers"),
             nullptr);
-  EXPECT_NE(Of(Mesh("first", dented, 0)).Find("outliers"), nullptr);
+  EXPECT_NE(FactsOfRows(Both(Mesh("first", dented, 0), Mesh("second", {}, 0)))
+                .Find("outliers"),
+            nullptr);
+  EXPECT_NE(FactsOfRows(Mesh("first", dented, 0)).Find("outliers"), nullptr);
 }
 
 TEST(FactsOfSurface, AnEdgeThatRisesIsNoRowOfBadTouches) {
-  EXPECT_EQ(Of(Mesh("first", {.front_mm = 0.3}, 0)).Find("outliers"), nullptr);
+  EXPECT_EQ(FactsOfRows(Mesh("first", {.front_mm = 0.3}, 0)).Find("outliers"), nullptr);
 }
 
 }  // namespace

@@ -8,9 +8,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "calibration/facts/fact.h"
 #include "calibration/facts/ratios.h"
 #include "sim/base/rng.h"
+#include "tests/diagnosis/facts_of.h"
 
 namespace caltwin {
 namespace {
@@ -38,36 +38,16 @@ Row Position(std::size_t axis, double at_mm, double value_mm, double sense = kUn
   return row;
 }
 
-RowTable TableOf(std::vector<Row> rows) {
-  RowTable table{.rows = std::move(rows)};
-  std::int64_t number = 0;
-  for (Row& row : table.rows) row.row = ++number;
-  return table;
-}
-
-Facts Of(std::vector<Row> rows,
-         const DataHeader& header = {},
-         const LevellingLog& log = {}) {
-  return FactsOf(TableOf(std::move(rows)), header, log);
-}
-
-double Figure(const Fact& fact, const std::string& key) {
-  for (const FactFigure& figure : fact.figures) {
-    if (figure.key == key) return figure.value;
-  }
-  return kUnknown;
-}
-
 TEST(Facts, TwoTouchesOfEachPlaceAreRepeats) {
-  const Facts facts = Of({Touch(0, 0, 0.010),
-                          Touch(0, 0, 0.014),
-                          Touch(9, 0, -0.002),
-                          Touch(9, 0, 0.002)});
+  const Facts facts = FactsOfRows({Touch(0, 0, 0.010),
+                                   Touch(0, 0, 0.014),
+                                   Touch(9, 0, -0.002),
+                                   Touch(9, 0, 0.002)});
 
   const Fact* fact = facts.Find("repeatability");
   ASSERT_NE(fact, nullptr);
   // Squares about the means: 2 (2 um)^2 + 2 (2 um)^2, two degrees of freedom.
-  EXPECT_NEAR(Figure(*fact, "sd_um"), std::sqrt(16.0 / 2), 1e-6);
+  EXPECT_NEAR(FigureOf(*fact, "sd_um"), std::sqrt(16.0 / 2), 1e-6);
 }
 
 TEST(Facts, ASingleFarReadingIsLeftOutAndLevelsAreNot) {
@@ -80,15 +60,15 @@ TEST(Facts, ASingleFarReadingIsLeftOutAndLevelsAreNot) {
     levels.push_back(Touch(0, 0, z));
   }
 
-  const Facts facts_1 = Of(one);
+  const Facts facts_1 = FactsOfRows(one);
   const Fact* outlier = facts_1.Find("outliers");
   ASSERT_NE(outlier, nullptr);
   EXPECT_THAT(outlier->rows, ElementsAre(4));
-  const Facts of_levels = Of(levels);
+  const Facts of_levels = FactsOfRows(levels);
   EXPECT_EQ(of_levels.Find("outliers"), nullptr);
   const Fact* scatter = of_levels.Find("homing_scatter");
   ASSERT_NE(scatter, nullptr);
-  EXPECT_NEAR(Figure(*scatter, "range_um"), 2200 - 106, 10);
+  EXPECT_NEAR(FigureOf(*scatter, "range_um"), 2200 - 106, 10);
 }
 
 TEST(Facts, ADriftIsNoScatterAndScatterNoDrift) {
@@ -97,11 +77,11 @@ TEST(Facts, ADriftIsNoScatterAndScatterNoDrift) {
   for (int i = 0; i < 12; ++i) falling.push_back(Touch(0, 0, 5 - 0.004 * i));
   for (int i = 0; i < 12; ++i) noise.push_back(Touch(0, 0, 5 + 0.002 * rng.Normal()));
 
-  const Facts facts_2 = Of(falling);
+  const Facts facts_2 = FactsOfRows(falling);
   const Fact* drift = facts_2.Find("drift");
   ASSERT_NE(drift, nullptr);
-  EXPECT_NEAR(Figure(*drift, "change_um"), -44, 1e-6);
-  EXPECT_EQ(Of(noise).Find("drift"), nullptr);
+  EXPECT_NEAR(FigureOf(*drift, "change_um"), -44, 1e-6);
+  EXPECT_EQ(FactsOfRows(noise).Find("drift"), nullptr);
 }
 
 // 200 series of noise alone: the tests of a trend are at 0.3 %.
@@ -113,7 +93,7 @@ TEST(Facts, NoiseAloneSaysNothing) {
     for (int i = 0; i < 30; ++i) {
       rows.push_back(Touch(20 * (i % 5), 20 * (i / 5 % 3), 0.003 * rng.Normal()));
     }
-    for (const Fact& fact : Of(rows).all) alarms += fact.is_answer ? 1 : 0;
+    for (const Fact& fact : FactsOfRows(rows).all) alarms += fact.is_answer ? 1 : 0;
   }
   EXPECT_LE(alarms, 4);
 }
@@ -128,14 +108,14 @@ TEST(Facts, HomingsScatterMoreThanTouchesOfOneHoming) {
     }
   }
 
-  const Facts facts = Of(rows);
+  const Facts facts = FactsOfRows(rows);
   const Fact* homing = facts.Find("homing_scatter");
   ASSERT_NE(homing, nullptr);
   double mean = 0, squares = 0;
   for (const double zero : zero_mm) mean += zero / 4;
   for (const double zero : zero_mm) squares += (zero - mean) * (zero - mean);
-  EXPECT_NEAR(Figure(*homing, "sd_um"), 1e3 * std::sqrt(squares / 3), 1);
-  EXPECT_NEAR(Figure(*facts.Find("repeatability"), "sd_um"), std::sqrt(8.0), 1e-3);
+  EXPECT_NEAR(FigureOf(*homing, "sd_um"), 1e3 * std::sqrt(squares / 3), 1);
+  EXPECT_NEAR(FigureOf(*facts.Find("repeatability"), "sd_um"), std::sqrt(8.0), 1e-3);
 }
 
 TEST(Facts, FourCornersShowATwistAndNoPlaneDoes) {
@@ -151,14 +131,14 @@ TEST(Facts, FourCornersShowATwistAndNoPlaneDoes) {
     }
   }
 
-  const Facts facts_3 = Of(rows);
+  const Facts facts_3 = FactsOfRows(rows);
   const Fact* twist = facts_3.Find("twist");
   ASSERT_NE(twist, nullptr);
-  EXPECT_NEAR(Figure(*twist, "height_um"), 500, 1e-6);
-  const Facts plane = Of(tilted);
+  EXPECT_NEAR(FigureOf(*twist, "height_um"), 500, 1e-6);
+  const Facts plane = FactsOfRows(tilted);
   EXPECT_EQ(plane.Find("twist"), nullptr);
-  EXPECT_NEAR(Figure(*plane.Find("plane"), "slope_x_mrad"), 1, 1e-9);
-  EXPECT_NEAR(Figure(*plane.Find("plane"), "slope_y_mrad"), -1, 1e-9);
+  EXPECT_NEAR(FigureOf(*plane.Find("plane"), "slope_x_mrad"), 1, 1e-9);
+  EXPECT_NEAR(FigureOf(*plane.Find("plane"), "slope_y_mrad"), -1, 1e-9);
 }
 
 // Least trimmed squares: two bad touches of 25, three of 49, one of nine.
@@ -178,7 +158,7 @@ TEST(Facts, FarTouchesOfAMeshCannotHideEachOther) {
     for (const std::int64_t row : mesh.bad)
       rows[static_cast<std::size_t>(row - 1)].value_mm += 3.8;
 
-    const Facts facts_4 = Of(rows);
+    const Facts facts_4 = FactsOfRows(rows);
     const Fact* fact = facts_4.Find("outliers");
     ASSERT_NE(fact, nullptr) << mesh.side;
     EXPECT_EQ(fact->rows, mesh.bad);
@@ -194,9 +174,9 @@ TEST(Facts, ScaleAndReversalOfALine) {
     rows.push_back(Position(0, q, 0.001 * q + 0.011, -1));
   }
 
-  const Facts facts = Of(rows);
-  EXPECT_NEAR(Figure(*facts.Find("scale"), "factor"), 1.001, 1e-6);
-  EXPECT_NEAR(Figure(*facts.Find("reversal"), "gap_um"), 20.5, 0.01);
+  const Facts facts = FactsOfRows(rows);
+  EXPECT_NEAR(FigureOf(*facts.Find("scale"), "factor"), 1.001, 1e-6);
+  EXPECT_NEAR(FigureOf(*facts.Find("reversal"), "gap_um"), 20.5, 0.01);
 }
 
 TEST(Facts, ASurplusIsNoScale) {
@@ -206,16 +186,16 @@ TEST(Facts, ASurplusIsNoScale) {
     rows.push_back(Position(0, q, 0.2 + 0.01 * rng.Normal()));
   }
 
-  const Facts facts = Of(rows);
+  const Facts facts = FactsOfRows(rows);
   const Fact* offset = facts.Find("offset");
   ASSERT_NE(offset, nullptr);
-  EXPECT_NEAR(Figure(*offset, "change_um"), 200, 30);
+  EXPECT_NEAR(FigureOf(*offset, "change_um"), 200, 30);
   EXPECT_EQ(facts.Find("scale"), nullptr);
 }
 
 TEST(Facts, ReadingsThatLieOnALineExactlyHaveNoUncertainty) {
   const Facts facts =
-      Of({Position(0, 10, 0.5), Position(0, 20, 1.0), Position(0, 30, 1.5)});
+      FactsOfRows({Position(0, 10, 0.5), Position(0, 20, 1.0), Position(0, 30, 1.5)});
   for (const FactFigure& figure : facts.Find("scale")->figures) {
     EXPECT_FALSE(Known(figure.sd)) << figure.key;
   }
@@ -232,12 +212,12 @@ TEST(Facts, OneAxissSenseIsSeenInAnother) {
     }
   }
 
-  const Facts facts_5 = Of(rows);
+  const Facts facts_5 = FactsOfRows(rows);
   const Fact* fact = facts_5.Find("cross_reversal");
   ASSERT_NE(fact, nullptr);
   EXPECT_EQ(fact->axis, "x");
   EXPECT_EQ(fact->word, "z");
-  EXPECT_NEAR(Figure(*fact, "gap_um"), 15, 1e-6);
+  EXPECT_NEAR(FigureOf(*fact, "gap_um"), 15, 1e-6);
 }
 
 TEST(Facts, LatencyIsTheSlopeAgainstFeed) {
@@ -248,8 +228,8 @@ TEST(Facts, LatencyIsTheSlopeAgainstFeed) {
       rows.back().feed_mm_s = feed;
     }
   }
-  const Facts facts = Of(rows);
-  EXPECT_NEAR(Figure(*facts.Find("latency"), "latency_ms"), 10, 1e-6);
+  const Facts facts = FactsOfRows(rows);
+  EXPECT_NEAR(FigureOf(*facts.Find("latency"), "latency_ms"), 10, 1e-6);
 }
 
 // A square of side L whose Y leans to -X by c: diagonals differ by sqrt(2) L c.
@@ -274,11 +254,11 @@ TEST(Facts, DiagonalsOfASquareShowItsSkew) {
   add("AC", {0, 0, 0}, {kSide_mm, kSide_mm, 0}, -off_mm);
   add("BD", {0, kSide_mm, 0}, {kSide_mm, 0, 0}, off_mm);
 
-  const Facts facts_6 = Of(rows);
+  const Facts facts_6 = FactsOfRows(rows);
   const Fact* skew = facts_6.Find("skew");
   ASSERT_NE(skew, nullptr);
   EXPECT_EQ(skew->axis, "C0Y");
-  EXPECT_NEAR(Figure(*skew, "angle_mrad"), 1e3 * kAngle, 1e-6);
+  EXPECT_NEAR(FigureOf(*skew, "angle_mrad"), 1e3 * kAngle, 1e-6);
 }
 
 TEST(Facts, ATemperatureIsFollowedUpAndDown) {
@@ -289,11 +269,11 @@ TEST(Facts, ATemperatureIsFollowedUpAndDown) {
     rows.back().temp_bed_c = 60;
   }
 
-  const Facts facts = Of(rows);
+  const Facts facts = FactsOfRows(rows);
   const Fact* fact = facts.Find("temperature");
   ASSERT_NE(fact, nullptr);
   EXPECT_EQ(fact->word, "frame");
-  EXPECT_NEAR(Figure(*fact, "um_per_k"), -6.2, 0.05);
+  EXPECT_NEAR(FigureOf(*fact, "um_per_k"), -6.2, 0.05);
   EXPECT_EQ(facts.Find("drift"), nullptr);
 }
 
@@ -330,7 +310,7 @@ Facts Levelled(const Bed& bed, double slope_x, double slope_y) {
     b += plane[2];
     log.rounds.push_back(moves);
   }
-  return Of(rows, {}, log);
+  return FactsOfRows(rows, {}, log);
 }
 
 TEST(Facts, LevellingNamesASwapAndAMovedPivot) {
@@ -353,9 +333,9 @@ TEST(Facts, LevellingNamesASwapAndAMovedPivot) {
 
 TEST(Facts, ACorrectionWithoutEffectStaysAsItWas) {
   const Facts facts =
-      Of({Touch(kUnknown, kUnknown, 0.135), Touch(kUnknown, kUnknown, 0.131)},
-         {},
-         {.differences_mm = {0.135, 0.131, 0.139}});
+      FactsOfRows({Touch(kUnknown, kUnknown, 0.135), Touch(kUnknown, kUnknown, 0.131)},
+                  {},
+                  {.differences_mm = {0.135, 0.131, 0.139}});
   EXPECT_EQ(facts.Find("levelling")->word, "no_effect");
 }
 
@@ -375,14 +355,14 @@ TEST(Facts, APlaneThatIsTurnedByAThird) {
     }
   }
 
-  const Facts facts = Of(rows);
+  const Facts facts = FactsOfRows(rows);
   ASSERT_NE(facts.Find("turn"), nullptr);
-  EXPECT_NEAR(Figure(*facts.Find("turn"), "angle_deg"), 120, 1e-6);
+  EXPECT_NEAR(FigureOf(*facts.Find("turn"), "angle_deg"), 120, 1e-6);
   EXPECT_EQ(facts.not_the_machine.reason, "settings");
 }
 
 TEST(Facts, WhatNothingDeterminesIsSaid) {
-  const Facts facts = Of({Touch(0, 0, 0.1), Touch(9, 9, 0.2)});
+  const Facts facts = FactsOfRows({Touch(0, 0, 0.1), Touch(9, 9, 0.2)});
   EXPECT_THAT(facts.not_determined, ::testing::Contains("scale.z"));
   EXPECT_THAT(facts.not_determined, ::testing::Contains("uncertainty"));
   EXPECT_THAT(facts.at_one_place, ElementsAre("scale.z"));

@@ -1,6 +1,7 @@
 #include "calibration/diagnosis/noise.h"
 
 #include <cmath>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -56,6 +57,33 @@ TEST(PureErrorOf, WhatIsLeftOutIsNoReplicate) {
   EXPECT_NEAR(PureError_mm(Creeping(true), all_but_two),
               5 * kStep_mm / std::sqrt(2.0),
               1e-6 * kStep_mm);
+}
+
+// A bed on screws stands elsewhere after each homing: that is no noise of a reading.
+TEST(PureErrorOf, OfABedOnScrewsTwoHomingsAreNoRepeat) {
+  constexpr double kHomedApart_mm = 0.05;
+  const Machine machine =
+      ReadMachine(CALTWIN_SOURCE_DIR "/models/triple_z_printer/machine.yaml");
+  RowTable table;
+  for (int i = 0; i < kReadings; ++i) {
+    const int home = i / 2;
+    Row row{.row = i + 1,
+            .campaign = "grid",
+            .kind = RowKind::kTouch,
+            .setup = "bed",
+            .home = std::to_string(home)};
+    row.cmd_mm = {100, 100, 0};
+    row.dir[2] = -1;
+    row.n = {0, 0, 1};
+    row.value_mm = home * kHomedApart_mm + (i % 2 == 0 ? 0 : 2 * kStep_mm);
+    table.rows.push_back(row);
+  }
+  const Observed observed(table, {}, machine, {});
+
+  const PureError pure = PureErrorOf(observed, 1);
+
+  EXPECT_EQ(pure.dof[0], kReadings / 2);
+  EXPECT_NEAR(pure.sigma_mm[0], std::sqrt(2.0) * kStep_mm, 1e-3 * kStep_mm);
 }
 
 }  // namespace

@@ -177,5 +177,39 @@ TEST(TripleZMachine, AGaugeOnThePostDoesNotFeelTheGantry) {
   EXPECT_THAT(Read_mm(session, Fidelity::kFast, {lean}), Each(DoubleNear(0, 1e-12)));
 }
 
+// A ball's centre is at the trigger by its radius higher, and the screws turned as much
+// further: a wave of theirs is met there.
+TEST(TripleZMachine, AProbeWithABallTouchesByItsRadiusHigher) {
+  constexpr double kRadius_mm = 0.5, kLead_mm = 4;
+  Machine with_ball = Printer();
+  with_ball.probe.tip_radius_mm = with_ball.settings.tip_radius_mm = kRadius_mm;
+  const PlannedSession session = SessionOf({"tz_grid"});
+  const auto read_mm =
+      [&](const Machine& machine, Fidelity fidelity, double phase_deg) {
+        const Injected wave{.effect = EffectIndex<ScrewCyclic>(),
+                            .axis = "z1",
+                            .values = {50, phase_deg, kLead_mm}};
+        const RowTable table = Perform({.machine = machine,
+                                        .effects = {wave},
+                                        .header = session.header,
+                                        .fidelity = fidelity,
+                                        .is_noisy = false},
+                                       session.rows);
+        std::vector<double> values_mm;
+        for (const Row& row : table.rows) values_mm.push_back(row.value_mm);
+        return values_mm;
+      };
+
+  const auto fast_mm = read_mm(with_ball, Fidelity::kFast, 0);
+  const auto physics_mm = read_mm(with_ball, Fidelity::kPhysics, 0);
+  const auto later_mm =
+      read_mm(Printer(), Fidelity::kFast, -360 * kRadius_mm / kLead_mm);
+
+  for (std::size_t i = 0; i < fast_mm.size(); ++i) {
+    EXPECT_NEAR(physics_mm[i], fast_mm[i], kMust_mm) << "row " << i + 1;
+    EXPECT_NEAR(fast_mm[i], later_mm[i], kMust_mm) << "row " << i + 1;
+  }
+}
+
 }  // namespace
 }  // namespace caltwin

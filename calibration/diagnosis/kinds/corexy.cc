@@ -53,6 +53,7 @@ class CoreXyOnScrews final : public DiagnosedKind {
     AddWhatIsTouched(o, list);
     AddFrameOfTracker(o, list);
   }
+  bool StandsAnewWhenHomed() const override { return true; }
   int AxisOfMotor(const Drive& drive) const override {
     return drive.is_screw ? Index(Axis::kZ) : drive.index;
   }

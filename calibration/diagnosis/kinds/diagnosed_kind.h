@@ -55,6 +55,9 @@ class DiagnosedKind {
   virtual void AddKinematics(const Observed& o, NuisanceList* list) const;
   /// Where the bed and all that is touched stand.
   virtual void AddPlaces(const Observed& o, NuisanceList* list) const;
+  /// Whether each homing puts bed or head anew, with baseline lines of its own: what is
+  /// read after two homings is no repeat.
+  virtual bool StandsAnewWhenHomed() const { return false; }
   /// How far each number of the machine's build may reasonably be off that lines of its
   /// baseline turn, which rows follow straight only so far; empty: lines are effects.
   virtual std::vector<double> TurnSds() const { return {}; }

@@ -41,6 +41,7 @@ class TripleZ final : public DiagnosedKind {
     AddBedPlanes(o, list);
     AddWhatIsTouched(o, list);
   }
+  bool StandsAnewWhenHomed() const override { return true; }
 
   // Screws under a bed are its z.
   int AxisOfMotor(const Drive& drive) const override {

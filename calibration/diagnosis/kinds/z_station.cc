@@ -58,6 +58,7 @@ class Station final : public DiagnosedKind {
   void AddKinematics(const Observed& o, NuisanceList* list) const override {
     AddStation(o, list);
   }
+  bool StandsAnewWhenHomed() const override { return true; }
   void AddPlaces(const Observed&, NuisanceList*) const override {}
 
   std::vector<ChannelAndWord> FreeForms() const override {

@@ -175,7 +175,9 @@ double TripleZMachine::Touch_mm(const Row& row, const At& nominal) {
     at.q_mm[2] += value_mm;
     return at;
   };
-  world_->HangNozzle(Tip_mm(nominal));
+  // The lowest point of the ball that the centre carries; of a flat nozzle, itself.
+  world_->HangNozzle(Tip_mm(nominal) -
+                     machine_.probe.tip_radius_mm * Vec3<double>::UnitZ());
   world_->SetSpot(SpotAt(nominal));
   double above_mm = expected_mm + kStart_mm + world_->settle_steps() * step_mm;
   world_->Place(Nuts_mm(at_mm(above_mm)), step_mm / world_->timestep_s());

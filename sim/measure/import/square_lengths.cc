@@ -128,7 +128,7 @@ void AddLength(const std::string& campaign,
   double length_mm = 0;
   for (std::size_t k = 0; k < 3; ++k) length_mm += std::pow(to_mm[k] - from_mm[k], 2);
   length_mm = std::sqrt(length_mm);
-  Row row{.campaign = campaign, .setup = line, .place = place};
+  Row row{.campaign = campaign, .setup = line, .flag = "length", .place = place};
   for (std::size_t k = 0; k < 3; ++k) row.n[k] = (to_mm[k] - from_mm[k]) / length_mm;
   row.cmd_mm = from_mm;
   imported->table.rows.push_back(row);

@@ -1,0 +1,93 @@
+// What forms a cause may have, and how likely each is beforehand.
+#include "calibration/diagnosis/candidates.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "calibration/diagnosis/weighing.h"
+#include "sim/base/rng.h"
+#include "sim/machine/kinds/kinds.h"
+
+namespace caltwin {
+namespace {
+
+constexpr double kLead_mm = 5, kAmplitude_mm = 0.02, kSigma_mm = 0.002;
+constexpr int kPlaces = 15;
+
+Machine WithScrew() {
+  Machine machine{.name = "test"};
+  machine.settings.steps_per_mm = {800, 800, 800};
+  machine.axes[0].max_mm = 400;
+  machine.axes[0].lead_mm = kLead_mm;
+  return machine;
+}
+
+// A wave of the lead, read at places so far apart that other periods of the grid go
+// through them about as well.
+Observed FarApart() {
+  Rng rng(5, 0, "candidates_test");
+  RowTable table;
+  for (int i = 0; i < kPlaces; ++i) {
+    const double x_mm = 25.75 * i;
+    Row row{.row = i + 1, .campaign = "places"};
+    row.cmd_mm = {x_mm, 0, 0};
+    row.dir = {1, 0, 0};
+    row.n = {1, 0, 0};
+    row.value_mm =
+        kAmplitude_mm * std::sin(2 * std::numbers::pi * x_mm / kLead_mm + 0.4) +
+        kSigma_mm * rng.Normal();
+    table.rows.push_back(row);
+  }
+  return {table, {}, WithScrew(), {}};
+}
+
+TEST(AllCandidates, AWaveMostLikelyHasTheLeadThatWasDrawn) {
+  const Observed observed = FarApart();
+  const std::vector<Candidate> all = AllCandidates(observed);
+  const auto wave = std::ranges::find(all, "cyclic_lead.x", &Candidate::Name);
+  ASSERT_NE(wave, all.end());
+  ASSERT_GT(wave->variants.size(), 1U);
+
+  double sum = 0;
+  for (const Variant& variant : wave->variants) {
+    const double prior = std::exp(variant.log_prior);
+    sum += prior;
+    if (variant.forms[0] == kLead_mm) {
+      EXPECT_NEAR(prior, 0.8, 1e-12);
+    } else {
+      EXPECT_LT(prior, 0.1);
+    }
+  }
+  EXPECT_NEAR(sum, 1, 1e-12);
+}
+
+TEST(AllCandidates, FormsThatNobodyDrewAreAlikeLikely) {
+  for (const Candidate& candidate : AllCandidates(FarApart())) {
+    double sum = 0;
+    for (const Variant& variant : candidate.variants)
+      sum += std::exp(variant.log_prior);
+    EXPECT_NEAR(sum, 1, 1e-9) << candidate.Name();
+  }
+}
+
+TEST(Weigh, TakesTheDrawnPeriodWhereOthersFitAsWell) {
+  const Observed observed = FarApart();
+  const std::vector<Candidate> all = AllCandidates(observed);
+  const auto wave = std::ranges::find(all, "cyclic_lead.x", &Candidate::Name);
+  const Eigen::VectorXd ones = Eigen::VectorXd::Ones(kPlaces);
+  const Circumstances beside{
+      .sigma_mm = ones * kSigma_mm,
+      .nuisances = {{.name = "offset", .unit = "mm", .column_mm = ones, .prior_sd = 1}},
+      .left_out = std::vector<bool>(kPlaces, false)};
+
+  const Weighed weighed = Weigh(observed, {*wave}, beside).ranked[0];
+
+  EXPECT_DOUBLE_EQ(wave->variants[weighed.variant].forms[0], kLead_mm);
+}
+
+}  // namespace
+}  // namespace caltwin
