@@ -189,9 +189,11 @@ TEST(TripleZMachine, AProbeWithABallTouchesByItsRadiusHigher) {
         const Injected wave{.effect = EffectIndex<ScrewCyclic>(),
                             .axis = "z1",
                             .values = {50, phase_deg, kLead_mm}};
+        DataHeader header = session.header;
+        header.tip_radius_mm = machine.probe.tip_radius_mm;
         const RowTable table = Perform({.machine = machine,
                                         .effects = {wave},
-                                        .header = session.header,
+                                        .header = header,
                                         .fidelity = fidelity,
                                         .is_noisy = false},
                                        session.rows);
