@@ -380,6 +380,8 @@ void NameByFacts(Diagnosis* diagnosis) {
   const bool is_named = diagnosis->verdict == DiagnosisVerdict::kNamed;
   bool is_open = !diagnosis->findings.empty() && !is_named;
   if (is_named || diagnosis->is_extended) return;
+  const std::vector<std::string>& open = diagnosis->facts.not_determined;
+  const bool are_sizes = std::ranges::find(open, "scale") != open.end();
   for (const Fact& fact : diagnosis->facts.all) {
     constexpr std::array kOpen = {"plane",
                                   "form",
@@ -392,10 +394,14 @@ void NameByFacts(Diagnosis* diagnosis) {
     if (fact.cause.empty()) {
       is_open |= std::ranges::find(kOpen, fact.id) != kOpen.end() ||
                  (fact.id == "repeatability" && fact.is_answer) ||
-                 fact.id == "contradiction";
+                 fact.id == "contradiction" ||
+                 (fact.id == "scale" && fact.is_answer && are_sizes);
       continue;
     }
-    if (!diagnosis->findings.empty()) continue;
+    const bool is_elsewhere = !diagnosis->facts.not_the_machine.reason.empty();
+    if (!diagnosis->findings.empty() || (fact.cause == "unknown" && is_elsewhere)) {
+      continue;
+    }
     constexpr double kSure = 0.99;
     Finding finding{.cause = fact.cause,
                     .axis = fact.cause_axis,
@@ -407,8 +413,13 @@ void NameByFacts(Diagnosis* diagnosis) {
     for (const FactFigure& figure : fact.parameters) {
       finding.parameters.push_back({figure.key, figure.value, figure.sd});
     }
+    // What comes anew each time, that the catalogue has no name for.
+    const bool has_name = fact.cause != "unknown";
+    if (!has_name) finding.covariates = {"t"};
+    is_open |= !has_name;
     diagnosis->findings.push_back(std::move(finding));
-    diagnosis->verdict = DiagnosisVerdict::kNamed;
+    diagnosis->verdict =
+        has_name ? DiagnosisVerdict::kNamed : DiagnosisVerdict::kUnknownStructure;
   }
   if (!is_open || diagnosis->verdict == DiagnosisVerdict::kNamed) return;
   diagnosis->facts.not_determined.emplace_back("cause");

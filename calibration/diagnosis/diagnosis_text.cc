@@ -169,6 +169,10 @@ bool IsOpen(const Diagnosis& diagnosis) {
 // up.
 bool SpeaksByItself(const Diagnosis& diagnosis) {
   const Fact* answer = FirstAnswer(diagnosis);
+  const bool is_of_facts = answer != nullptr && !diagnosis.findings.empty() &&
+                           diagnosis.findings[0].is_of_facts &&
+                           diagnosis.verdict == DiagnosisVerdict::kUnknownStructure;
+  if (is_of_facts) return true;
   if (answer == nullptr || diagnosis.verdict != DiagnosisVerdict::kNone ||
       diagnosis.min_effect_um > 0 || diagnosis.is_extended) {
     return false;
@@ -219,6 +223,11 @@ std::string Headline(const Diagnosis& diagnosis) {
              "of several causes it is.";
     case DiagnosisVerdict::kUnknownStructure:
       break;
+  }
+  if (SpeaksByItself(diagnosis)) {
+    return fmt::format(
+        "Verdict: unknown: no cause of the catalogue, but the numbers speak. {}.",
+        FirstAnswer(diagnosis)->sentence);
   }
   if (count == 0) {
     return "Verdict: unknown. Something is there, but these rows cannot say what.";

@@ -57,7 +57,12 @@ void AddLimits(const Rows& rows, const Repeats& repeats, Facts* facts) {
     const Coverage& axis = axes[k];
     if (!axis.is_read && !axis.is_touched) continue;
     const char letter = "XYZ"[k];
-    if (axis.places.size() < 2) {
+    const bool is_tried = std::ranges::any_of(facts->all, [&](const Fact& fact) {
+      return fact.word == "trials" && fact.axis == kAxisNames[k];
+    });
+    if (is_tried) {
+      // Trials at several settings tell it, or tell that they do not.
+    } else if (axis.places.size() < 2) {
       facts->at_one_place.push_back(fmt::format("scale.{}", kAxisNames[k]));
       Cannot(
           fmt::format("scale.{}", kAxisNames[k]),
@@ -112,7 +117,14 @@ void Next(const std::string& instrument, const std::string& sentence, Facts* fac
 
 // What tells more of what the facts are.
 void AddNextOfFacts(Facts* facts) {
-  if (facts->Find("drift") != nullptr) {
+  const Fact* drift = facts->Find("drift");
+  if (drift != nullptr && drift->word == "staircase") {
+    Next(
+        "probe",
+        "move the axis away and back ten times and touch nothing, then touch once: off "
+        "by ten steps, the moves lose it; off by one, the touch does",
+        facts);
+  } else if (drift != nullptr) {
     Next("probe",
          "touch the same place 20 times more, without homing, once cold and once after "
          "half an hour warm, with the temperatures beside each touch: a drift that "

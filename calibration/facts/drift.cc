@@ -135,6 +135,17 @@ void AddDrift(const Rows& rows, const Drift& drift, Facts* facts) {
                          : fmt::format(" ({:.0f} min)", time_s / SFromMin(1.0));
   }
   const std::string warmed = WarmedInWords(rows);
+  constexpr double kLeastStep_mm = 0.02, kEven = 8;
+  const double mean_step_mm = (rows.back()->value_mm - rows.front()->value_mm) /
+                              static_cast<double>(steps_mm.size());
+  const bool is_staircase = std::abs(mean_step_mm) > kLeastStep_mm &&
+                            std::abs(mean_step_mm) > kEven * drift.noise_mm;
+  const int axis = AxisAlong(*rows.front());
+  if (is_staircase) {
+    fact.word = "staircase";
+    fact.cause = "unknown";
+    fact.cause_axis = axis < 0 ? "" : kAxisNames[static_cast<std::size_t>(axis)];
+  }
   fact.sentence = fmt::format(
       "The readings at {} {} by {} um over {} ({} of {} steps go that way); about this "
       "drift they scatter by {} um. {}",
@@ -145,7 +156,14 @@ void AddDrift(const Rows& rows, const Drift& drift, Facts* facts) {
       along,
       steps_mm.size(),
       TwoDigits(UmFromMm(drift.noise_mm)),
-      !warmed.empty()          ? "Meanwhile " + warmed
+      is_staircase
+          ? fmt::format("Each goes {} mm beyond the one before, alike to {} um: the "
+                        "position is lost by so much at each reading (a motor that "
+                        "stalls or is switched off in between, a coupling that "
+                        "slips), and nothing warms like that",
+                        TwoDigits(std::abs(mean_step_mm)),
+                        TwoDigits(UmFromMm(drift.noise_mm)))
+      : !warmed.empty()        ? "Meanwhile " + warmed
       : KnowsTemperature(rows) ? "No temperature that was logged went along"
                                : "Something settles or warms (probe, frame, bed): no "
                                  "temperature was logged");

@@ -74,7 +74,9 @@ Facts FactsOf(const RowTable& table,
   FactsOfHistory(rows, &facts);
   FactsOfLevelling(rows, repeats, levelling, &facts);
   TellBadProbe(rows, repeats, &facts);
-  KeepLargest("homing_scatter", &facts);
+  // Several switches have each their own.
+  const Fact* homing = facts.Find("homing_scatter");
+  if (homing != nullptr && homing->word.empty()) KeepLargest("homing_scatter", &facts);
   KeepLargest("drift", &facts);
   KeepLargest("jump", &facts);
   std::ranges::stable_sort(facts.all, std::ranges::greater{}, &Fact::is_answer);

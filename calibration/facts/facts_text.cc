@@ -30,12 +30,21 @@ void AddLines(const std::string& title,
   }
 }
 
+// A scale that people know the ratio of, which says it.
+bool IsSaidByRatio(const Fact& fact, const Facts& facts) {
+  return fact.id == "scale" && std::ranges::any_of(facts.all, [&](const Fact& ratio) {
+           return ratio.id == "known_ratio" && ratio.axis == fact.axis &&
+                  ratio.figures[0].value == fact.figures[0].value;
+         });
+}
+
 }  // namespace
 
 std::string FactsText(const Facts& facts, bool first_is_told) {
   std::vector<std::string> says, next;
   bool is_told = !first_is_told;
   for (const Fact& fact : facts.all) {
+    if (IsSaidByRatio(fact, facts)) continue;
     if (is_told || !fact.is_answer) {
       says.push_back(fact.sentence);
     } else {

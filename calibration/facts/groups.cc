@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -139,6 +140,51 @@ void AddGauges(const Rows& rows, Facts* facts) {
   }
 }
 
+// Whether each reading stands behind a homing of its own.
+bool AreHomings(const Rows& rows) {
+  std::map<std::string, std::set<std::string>> homes;
+  std::map<std::string, std::size_t> num;
+  for (const Row* row : rows) {
+    homes[row->campaign].insert(row->home);
+    ++num[row->campaign];
+  }
+  return std::ranges::all_of(homes, [&](const auto& of) {
+    return of.second.size() > 1 && of.second.size() == num.at(of.first);
+  });
+}
+
+// How far each of several switches scatters from homing to homing.
+void TellHomings(const std::map<std::string, std::vector<const Row*>>& ways,
+                 Facts* facts) {
+  double least_mm = HUGE_VAL;
+  for (const auto& [way, of_way] : ways) {
+    const Average average = AverageOf(of_way);
+    least_mm = std::min(least_mm, average.sd);
+  }
+  for (const auto& [way, of_way] : ways) {
+    const Average average = AverageOf(of_way);
+    const double dof = average.num - 1;
+    const bool is_worse = average.sd > 2 * least_mm;
+    facts->all.push_back(
+        {.id = "homing_scatter",
+         .word = way,
+         .figures = {{"sd_um",
+                      UmFromMm(average.sd),
+                      UmFromMm(average.sd) / std::sqrt(2 * dof)}},
+         .sentence = fmt::format(
+             "'{}' scatters by {} um from homing to homing (standard deviation, {:.0f} "
+             "degrees of freedom){}",
+             way,
+             TwoDigits(UmFromMm(average.sd)),
+             dof,
+             is_worse ? ", and another, homed as fast, by less than half of it: its "
+                        "switch, the place where it is pressed, or its wire is worse. "
+                        "Change it before any calibration rests on it"
+                      : ""),
+         .is_answer = is_worse});
+  }
+}
+
 // One place measured in two ways: in place, and after something.
 void AddScatters(const Rows& rows, const Repeats& repeats, Facts* facts) {
   constexpr double kMostChance = 1e-3, kFewest = 4;
@@ -164,6 +210,10 @@ void AddScatters(const Rows& rows, const Repeats& repeats, Facts* facts) {
     return fact.id == "repeatability" || fact.id == "outliers" || fact.id == "jump" ||
            fact.id == "homing_scatter";
   });
+  if (AreHomings(rows)) {
+    TellHomings(ways, facts);
+    return;
+  }
   const auto add = [&](const std::string& way, double sd_mm, double dof) {
     facts->all.push_back(
         {.id = "repeatability",
@@ -193,6 +243,41 @@ void AddScatters(const Rows& rows, const Repeats& repeats, Facts* facts) {
                       "that tells which axis makes the scatter"});
 }
 
+// Trials that agree: what the axis needs, and what of it is set now, where that is
+// known.
+void TellNeeded(std::size_t axis,
+                const std::map<double, std::vector<double>>& by_steps,
+                Facts* facts) {
+  std::vector<double> needed;
+  for (const auto& [steps, factors] : by_steps) {
+    for (const double factor : factors) needed.push_back(steps / factor);
+  }
+  const Average average = AverageOf(needed);
+  const double sd = average.sd / std::sqrt(average.num);
+  std::erase_if(facts->all, [&](const Fact& fact) {
+    return fact.axis == kAxisNames[axis] &&
+           (fact.id == "scale" || fact.id == "known_ratio" || fact.id == "offset");
+  });
+  std::erase_if(facts->cannot, [&](const std::string& says) {
+    return says.starts_with(fmt::format("steps/mm of {}", "XYZ"[axis]));
+  });
+  facts->all.push_back(
+      {.id = "scale",
+       .axis = kAxisNames[axis],
+       .word = "trials",
+       .figures = {{"steps_per_mm", average.mean, sd}},
+       .sentence = fmt::format("{} needs {} steps/mm: tried at {:g} to {:g}, its "
+                               "travel goes as the steps/mm "
+                               "that were set, and each trial says the same. Enter "
+                               "that; what holds for one "
+                               "length may hide a constant, so measure one more",
+                               "XYZ"[axis],
+                               WithSd(average.mean, sd, ""),
+                               by_steps.begin()->first,
+                               by_steps.rbegin()->first),
+       .is_answer = true});
+}
+
 // Travel over what was told ought to go as the steps/mm that were set.
 void AddTrials(const Rows& rows, const DataHeader& header, Facts* facts) {
   constexpr double kApart = 0.03;
@@ -218,7 +303,10 @@ void AddTrials(const Rows& rows, const DataHeader& header, Facts* facts) {
                            ? fmt::format("{:.3f} at {:g}", low, steps)
                            : fmt::format("{:.3f} to {:.3f} at {:g}", low, high, steps));
     }
-    if (most < (1 + kApart) * least) continue;
+    if (most < (1 + kApart) * least) {
+      TellNeeded(static_cast<std::size_t>(axis), by_steps, facts);
+      continue;
+    }
     facts->not_the_machine = {};  // A factor of contradicting trials is none.
     const auto k = static_cast<std::size_t>(axis);
     std::erase_if(facts->all, [&](const Fact& fact) {

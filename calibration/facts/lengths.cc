@@ -83,14 +83,28 @@ void TellUnsteady(const std::vector<Length>& lengths,
   if (average.num < kFewest || average.sd < kLeast) return;
   facts->not_determined.push_back(
       fmt::format("skew.{}{}", "XYZ"[plane.first], "XYZ"[plane.second]));
-  facts->cannot.push_back(fmt::format(
-      "one angle between {} and {}: from square to square it goes from {:.1f} to "
-      "{:.1f} "
-      "mrad. The two sides settle anew each time; home each on a switch of its own",
-      "XYZ"[plane.first],
-      "XYZ"[plane.second],
-      MradFromRad(*std::ranges::min_element(angles)),
-      MradFromRad(*std::ranges::max_element(angles))));
+  const double least_mrad = MradFromRad(*std::ranges::min_element(angles));
+  const double most_mrad = MradFromRad(*std::ranges::max_element(angles));
+  facts->cannot.push_back(fmt::format("one angle between {} and {}: there is none",
+                                      "XYZ"[plane.first],
+                                      "XYZ"[plane.second]));
+  facts->all.push_back(
+      {.id = "contradiction",
+       .axis = plane.name,
+       .word = "squares",
+       .figures = {{"least_mrad", least_mrad}, {"most_mrad", most_mrad}},
+       .cause = "unknown",
+       .cause_axis = std::string(1, "xyz"[plane.first]),
+       .sentence = fmt::format(
+           "There is no one angle between {} and {}: from square to square it goes "
+           "from "
+           "{:.1f} to {:.1f} mrad. The two sides settle anew each time; home each on a "
+           "switch of its own, and enter no skew before",
+           "XYZ"[plane.first],
+           "XYZ"[plane.second],
+           least_mrad,
+           most_mrad),
+       .is_answer = true});
 }
 
 // Of these, the lengths that lie in the plane, where there are enough of them and two

@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "calibration/facts/cells.h"
 #include "sim/base/dense.h"
 #include "sim/base/units.h"
 #include "sim/base/with_sd.h"
@@ -375,6 +376,42 @@ std::vector<bool> CorrectedOf(const LevellingLog& levelling,
   return is_corrected;
 }
 
+// Two motors on one line remove the tilt along that line, and no other.
+void TellAcross(const LevellingLog& levelling, Facts* facts) {
+  constexpr double kOnLine_mm = 1, kLeast_mrad = 0.3, kSigmas = 4;
+  if (levelling.pivots_mm.size() != 2) return;
+  const auto& [one_mm, other_mm] =
+      std::pair(levelling.pivots_mm[0], levelling.pivots_mm[1]);
+  for (std::size_t across = 0; across < 2; ++across) {
+    if (std::abs(one_mm[across] - other_mm[across]) > kOnLine_mm) continue;
+    const std::string key = across == 0 ? "slope_x_mrad" : "slope_y_mrad";
+    const Fact* plane = facts->Find("plane");
+    if (plane == nullptr) return;
+    const auto slope = std::ranges::find(plane->figures, key, &FactFigure::key);
+    if (slope == plane->figures.end() || std::abs(slope->value) < kLeast_mrad ||
+        std::abs(slope->value) < kSigmas * slope->sd) {
+      return;
+    }
+    const char along = across == 0 ? 'Y' : 'X', over = across == 0 ? 'X' : 'Y';
+    facts->all.push_back(
+        {.id = "levelling",
+         .axis = kAxisNames[across],
+         .word = "across",
+         .figures = {*slope},
+         .sigmas = std::abs(slope->value) / std::max(slope->sd, 1e-12),
+         .sentence = fmt::format(
+             "The two Z motors stand on one line along {0}: together they remove the "
+             "tilt along {0}, and nothing of that along {1}, which is {2:.2f} mm over "
+             "100 mm and stays however often they level. Take it out at the bed's own "
+             "screws or spacers, or at the rails; probe and motors are in order",
+             along,
+             over,
+             std::abs(slope->value) / 10),
+         .is_answer = true});
+    return;
+  }
+}
+
 }  // namespace
 
 void FactsOfLevelling(const std::vector<const Row*>& rows,
@@ -382,6 +419,7 @@ void FactsOfLevelling(const std::vector<const Row*>& rows,
                       const LevellingLog& levelling,
                       Facts* facts) {
   constexpr double kUsualNoise_mm = 0.01;
+  TellAcross(levelling, facts);
   std::vector<std::string> homes;
   std::vector<Tilt> tilts = TiltsOf(rows, repeats.outliers, &homes);
   if (!levelling.differences_mm.empty()) tilts = TiltsOf(levelling.differences_mm);

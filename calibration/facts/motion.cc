@@ -291,6 +291,41 @@ void AddReversal(const Line& line, double noise_mm, std::size_t axis, Facts* fac
   facts->all.push_back(std::move(fact));
 }
 
+// The same at slow and fast: nothing that takes a time.
+void AddWhetherByFeed(const Rows& rows, std::size_t axis, Facts* facts) {
+  constexpr double kFaster = 3, kAlike = 0.2;
+  constexpr std::size_t kFewest = 3;
+  if (facts->all.empty() || facts->all.back().id != "reversal") return;
+  struct Sums {
+    double plus_mm = 0, minus_mm = 0, num_plus = 0, num_minus = 0;
+  };
+  std::map<double, Sums> by_feed;
+  for (const Row* row : rows) {
+    if (!Known(row->feed_mm_s) || !Known(row->dir[axis]) || row->dir[axis] == 0) return;
+    Sums& sums = by_feed[std::abs(row->feed_mm_s)];
+    (row->dir[axis] > 0 ? sums.plus_mm : sums.minus_mm) += row->value_mm;
+    (row->dir[axis] > 0 ? sums.num_plus : sums.num_minus) += 1;
+  }
+  if (by_feed.size() < kFewest ||
+      by_feed.rbegin()->first < kFaster * by_feed.begin()->first) {
+    return;
+  }
+  double least_mm = HUGE_VAL, most_mm = -HUGE_VAL;
+  for (const auto& [feed_mm_s, sums] : by_feed) {
+    if (sums.num_plus == 0 || sums.num_minus == 0) return;
+    const double gap_mm = sums.minus_mm / sums.num_minus - sums.plus_mm / sums.num_plus;
+    least_mm = std::min(least_mm, gap_mm);
+    most_mm = std::max(most_mm, gap_mm);
+  }
+  const double gap_mm = std::abs(MmFromUm(facts->all.back().figures[0].value));
+  if (most_mm - least_mm > kAlike * gap_mm) return;
+  facts->all.back().sentence += fmt::format(
+      ", alike from {:.4g} to {:.4g} mm/min: lost motion, or an offset that a program "
+      "adds, and no delay, which would grow with the feed",
+      by_feed.begin()->first * SFromMin(1.0),
+      by_feed.rbegin()->first * SFromMin(1.0));
+}
+
 // What part of the rows facts from `first` on are of, where others say the same of the
 // same axis.
 void NamePart(const Row& row, std::size_t first, Facts* facts) {
@@ -329,6 +364,7 @@ void AddAlong(const Rows& rows, const Repeats& repeats, Facts* facts) {
       AddLostPerMove(line, noise_mm, axis, facts);
     }
     AddReversal(line, noise_mm, axis, facts);
+    AddWhetherByFeed(all, axis, facts);
     if (campaigns[key.second].size() > 1) NamePart(*all.front(), first, facts);
   }
 }

@@ -20,6 +20,11 @@ struct LineTerms {
   }
 };
 
+// A move, or a distance of two centres, which no wall makes longer.
+bool BeginsAtNought(const Row& row) {
+  return row.flag == "move" || row.flag == "distance";
+}
+
 // Moves begin at nought; readings of one place tell no slope.
 LineTerms TermsOf(const Rows& rows, std::size_t axis) {
   std::set<long> places;
@@ -32,7 +37,7 @@ LineTerms TermsOf(const Rows& rows, std::size_t axis) {
               std::abs(row->value_mm) > kFarOff * std::abs(row->cmd_mm[axis]);
     places.insert(std::lround(row->cmd_mm[axis] * 1e3));
     if (Known(row->dir[axis]) && row->dir[axis] != 0) senses.insert(row->dir[axis]);
-    are_moves &= row->flag == "move" && row->cmd_mm[axis] != 0;
+    are_moves &= BeginsAtNought(*row) && row->cmd_mm[axis] != 0;
   }
   const bool is_one_far = places.size() == 1 && is_far && senses.empty();
   return {.has_offset = !are_moves && !is_one_far,
@@ -45,7 +50,7 @@ Line FitLine(const Rows& rows, std::size_t axis, LineTerms terms) {
   Line line{.dof = -1, .has_gap = terms.has_gap, .has_slope = terms.has_slope};
   const auto n = static_cast<Eigen::Index>(rows.size());
   if (n < terms.num() || (!terms.has_slope && !terms.has_gap)) return line;
-  line.are_moves = rows.front()->flag == "move";
+  line.are_moves = BeginsAtNought(*rows.front());
   line.has_senses_unknown = std::ranges::none_of(rows, [&](const Row* row) {
     return Known(row->dir[axis]) && row->dir[axis] != 0;
   });

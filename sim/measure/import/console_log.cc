@@ -19,6 +19,7 @@
 #include "sim/measure/import/fields.h"
 #include "sim/measure/import/grbl_story.h"
 #include "sim/measure/import/plain_table.h"
+#include "sim/measure/import/switch_story.h"
 #include "sim/measure/import/text_table.h"
 
 namespace caltwin {
@@ -117,9 +118,12 @@ class LogReader {
     faults_.ThrowIfAny();
     story_.Tell(&imported_);
     grbl_.Tell(&imported_);
-    const bool has_readings = !imported_.table.rows.empty() || !calibrated_.empty() ||
+    switch_.Tell(&imported_);
+    const bool has_readings = !imported_.table.rows.empty() ||
+                              !switch_.calibrations().empty() ||
                               !imported_.levelling.differences_mm.empty();
     if (!has_readings) ReadTableBelow(options);
+    if (is_table_) grbl_.TellIdle(&imported_);
     AddDifferences();
     AddCalibrations();
     if (imported_.table.rows.empty() && imported_.machine_yaml.empty() &&
@@ -129,7 +133,8 @@ class LogReader {
     const bool has_steps = settings_.has_steps();
     for (Row& row : imported_.table.rows) {
       if (!options.campaign.empty()) row.campaign = options.campaign + row.campaign;
-      if (has_steps) row.settings = kSettings;
+      // A table may try several settings.
+      if (has_steps && row.settings.empty()) row.settings = kSettings;
     }
     if (has_steps && !imported_.table.rows.empty()) {
       imported_.header.settings[kSettings] = settings_.in_force();
@@ -147,6 +152,7 @@ class LogReader {
     try {
       Imported table = ReadPlainTable(is_marked_up ? text_ : found, name_, options);
       imported_.table = std::move(table.table);
+      imported_.header = std::move(table.header);
       imported_.assumed = std::move(table.assumed);
       imported_.is_deviation = table.is_deviation;
       imported_.notes.insert(
@@ -244,7 +250,7 @@ class LogReader {
                said.lower.find("z=") == std::string::npos) {
       RefuseTouch(line, "'probe at X,Y is z=Z'");
     } else if (ReadScrew(line, said) || ReadOffset(line, said) ||
-               ReadCalibration(line, said) || ReadProbed(line, said)) {
+               switch_.Take(said, line.line) || ReadProbed(line, said)) {
       return true;
     } else if (said.lower.starts_with("[prb:")) {
       ReadPrb(line, said);
@@ -447,30 +453,25 @@ class LogReader {
     return true;
   }
 
-  // "Z-CALIBRATION: probe=5.421 - (switch=7.382 - nozzle=2.407 ...": three readings.
-  bool ReadCalibration(const TextLine& line, const ConsoleLine& said) {
-    if (said.lower.find("z-calibration:") == std::string::npos) return false;
-    const auto nozzle_mm = NumberAfter(said.lower, "nozzle="),
-               body_mm = NumberAfter(said.lower, "switch="),
-               probe_mm = NumberAfter(said.lower, "probe=");
-    if (!nozzle_mm || !body_mm || !probe_mm) return false;
-    calibrated_.push_back({{*nozzle_mm, *body_mm, *probe_mm}, line.line});
-    return true;
-  }
-
   // What is one kind of reading stands together: the nozzle's, the body's, the probe's.
   void AddCalibrations() {
     constexpr std::array<const char*, 3> kFeatures = {
         "switch.nozzle", "switch.body", "bed.probe"};
-    if (calibrated_.empty()) return;
+    if (switch_.calibrations().empty()) return;
     Begin("z_calibration");
     for (std::size_t k = 0; k < kFeatures.size(); ++k) {
       rep_ = 0;
-      for (const auto& [readings_mm, number] : calibrated_) {
-        Add({.text = "", .line = number, .words = {{.text = "", .line = number}}},
+      for (const SwitchStory::Calibration& one : switch_.calibrations()) {
+        const std::array readings_mm = {one.nozzle_mm, one.body_mm, one.probe_mm};
+        Add({.text = "", .line = one.line, .words = {{.text = "", .line = one.line}}},
             readings_mm[k],
             kUnknown);
-        imported_.table.rows.back().feature = kFeatures[k];
+        Row& row = imported_.table.rows.back();
+        row.feature = kFeatures[k];
+        if (!Known(one.endstop_mm)) continue;
+        // Z counts from where it was homed to.
+        row.settings = fmt::format("endstop_{:g}", one.endstop_mm);
+        imported_.header.settings[row.settings];
       }
     }
     heights_mm_.clear();
@@ -672,7 +673,7 @@ class LogReader {
   std::size_t probed_axis_ = 2;
   double probed_sense_ = -1;
   bool has_old_text_ = false, has_new_text_ = false, lacks_points_ = false;
-  std::vector<std::pair<std::array<double, 3>, int>> calibrated_;  ///< And the line.
+  SwitchStory switch_;
   std::vector<double> heights_mm_;
   Place first_;
 };

@@ -1,6 +1,7 @@
 #include "sim/measure/import/grbl_story.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 
@@ -41,6 +42,12 @@ bool Has(const ConsoleLine& line, std::string_view word) {
 void GrblStory::Take(const ConsoleLine& line) {
   if (Has(line, "g91")) is_relative_ = true;
   TakeExtents(line);
+  if (line.lower.find("$1=") != std::string::npos)
+    idle_ms_ = NumberAfter(line.lower, "$1=").value_or(kUnknown);
+  constexpr std::array<std::string_view, 4> kPauses = {
+      "g4", "pauses", "lifts", "dwells"};
+  has_pauses_ |= std::ranges::any_of(
+      kPauses, [&](std::string_view word) { return Has(line, word); });
   for (std::size_t k = 0; k < 3; ++k) {
     const auto steps = NumberAfter(line.lower, fmt::format("$10{}=", k));
     if (steps && SettingsInForce::kSteps_per_mm.Contains(*steps))
@@ -159,6 +166,35 @@ void GrblStory::Tell(Imported* imported) const {
   TellUnit(imported);
   TellZero(imported);
   TellSteps(imported);
+}
+
+void GrblStory::TellIdle(Imported* imported) const {
+  constexpr double kAlwaysOn_ms = 255;
+  constexpr std::size_t kFewest = 4;
+  const std::vector<Row>& rows = imported->table.rows;
+  if (!has_pauses_ || !Known(idle_ms_) || idle_ms_ >= kAlwaysOn_ms ||
+      rows.size() < kFewest) {
+    return;
+  }
+  const double change_mm = rows.back().value_mm - rows.front().value_mm;
+  for (std::size_t i = 1; i < rows.size(); ++i) {
+    const bool is_one_place = std::ranges::equal(
+        rows[i].cmd_mm, rows[0].cmd_mm, [](double one, double other) {
+          return one == other || (!Known(one) && !Known(other));
+        });
+    const double step_mm = rows[i].value_mm - rows[i - 1].value_mm;
+    if (!is_one_place || step_mm * change_mm <= 0) return;
+  }
+  imported->notes.push_back(
+      {.kind = FileNote::Kind::kElsewhere,
+       .what = "settings",
+       .sentence = fmt::format(
+           "The motors are switched off {:g} ms after every move ($1={:g}), and what "
+           "was read drifts with every pause: a weight, a spring or a belt pulls the "
+           "axis while it is without current. $1=255 keeps them on. Steps/mm and belts "
+           "are not in question",
+           idle_ms_,
+           idle_ms_)});
 }
 
 // Positions are kept in steps and told in mm: none is off by more than half a step.

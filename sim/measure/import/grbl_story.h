@@ -15,6 +15,8 @@ class GrblStory {
  public:
   void Take(const ConsoleLine& line);
   void Tell(Imported* imported) const;
+  /// Motors that are off between moves, where readings drift pause by pause.
+  void TellIdle(Imported* imported) const;
 
  private:
   void TakeMove(const ConsoleLine& line);
@@ -32,6 +34,8 @@ class GrblStory {
     double told_mm = 0, moved_mm = 0, at_mm = 0;
   };
   std::array<double, 3> steps_per_mm_{kUnknown, kUnknown, kUnknown};
+  double idle_ms_ = kUnknown;  ///< $1: after so long the motors are switched off.
+  bool has_pauses_ = false;
   bool is_relative_ = false;
   std::array<double, 3> told_mm_{};         ///< Since the last report.
   std::array<double, 3> since_probe_mm_{};  ///< Told since the last probing.

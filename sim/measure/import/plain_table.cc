@@ -16,6 +16,7 @@
 #include "sim/measure/import/spreadsheet.h"
 #include "sim/measure/import/square_lengths.h"
 #include "sim/measure/import/table_columns.h"
+#include "sim/measure/import/table_derived.h"
 #include "sim/measure/import/table_notes.h"
 #include "sim/measure/import/text_table.h"
 #include "sim/measure/import/unit.h"
@@ -30,6 +31,19 @@ class TableReader {
         options_(options),
         sheet_(ReadSpreadsheet(WithoutMarkup(text), name_, PlaceCells::kParted)) {
     PartCells(&sheet_);
+    for (const std::string& found : {DropDerived(&sheet_), PartSenses(&sheet_)}) {
+      if (!found.empty()) imported_.assumed.push_back(found);
+    }
+    are_states_ = FirstHeading() == "nominal" && !imported_.assumed.empty();
+  }
+
+  /// What stands around the table, and in its remarks.
+  void TakeRemarks(const std::string& text) {
+    step_mm_ = CountedStep_mm(text);
+    const std::string lower = Lowered(text);
+    are_distances_ = lower.find("distance") != std::string::npos;
+    is_homed_ = lower.find("g28") != std::string::npos ||
+                lower.find("after each homing") != std::string::npos;
   }
 
   Imported Read() {
@@ -59,11 +73,18 @@ class TableReader {
                                             imported_.table.rows.size()));
     if (takes_mm_)
       imported_.assumed.emplace_back("lengths are in mm: nothing says otherwise");
+    if (takes_steps_)
+      imported_.assumed.push_back(fmt::format(
+          "readings count steps of {:.4g} um, as the text says", UmFromMm(step_mm_)));
     imported_.has_unit = true;
     return std::move(imported_);
   }
 
  private:
+  std::string FirstHeading() const {
+    return sheet_.headings.empty() ? "" : sheet_.headings.front().text;
+  }
+
   std::vector<TableColumn> Of(Part part, int axis = -1) const {
     std::vector<TableColumn> found;
     for (const TableColumn& column : columns_) {
@@ -112,8 +133,10 @@ class TableReader {
                   "an unknown value is an empty field");
     } else if (column.unit != nullptr) {
       value = column.unit->convert(*value);
-    } else {
-      takes_mm_ |= QuantityOf(column.part) == Quantity::kLength;
+    } else if (QuantityOf(column.part) == Quantity::kLength) {
+      const bool is_counted = step_mm_ > 0 && *value == std::round(*value);
+      if (is_counted) *value *= step_mm_;
+      (is_counted ? takes_steps_ : takes_mm_) = true;
     }
     return value;
   }
@@ -373,7 +396,8 @@ class TableReader {
         commanded && !actual.empty() && !AreDeviations(*commanded, actual);
     const bool is_dial = !actual.empty() && !is_actual;
     const std::vector<TableColumn>& read = is_actual || is_dial ? actual : deviation;
-    const bool has_series = read.size() > 1 && (!is_actual || AreInstruments(read));
+    const bool has_series =
+        read.size() > 1 && (!is_actual || are_states_ || AreInstruments(read));
     for (const TableColumn& column : read) {
       series_ = has_series ? HeadingOf(column) : "";
       RequireUnit(column, is_actual || is_dial);
@@ -499,6 +523,7 @@ class TableReader {
                                          : "moves",
             .place = PlaceOf(record.front(), name_)};
     row.cmd_mm[axis] = *at_mm;
+    if (is_homed_ && !commanded) row.home = fmt::format("{}", record.front().line);
     for (int other = 0; other < 3 && letter >= 0; ++other) {
       const auto also = FirstOf(Part::kCommanded, other);
       if (other == letter || !also) continue;
@@ -511,6 +536,7 @@ class TableReader {
     row.value_mm = is_actual ? *value - *at_mm : *value;
     if (!read.side.empty()) row.setup = read.side;
     if (commanded && is_actual && IsMove(*commanded)) row.flag = "move";
+    if (are_states_ && are_distances_) row.flag = "distance";
     if (const auto event = FirstOf(Part::kEvent)) {
       const std::string word = PlainWord(record[event->index].text);
       if (word.starts_with('y') || word == "true")
@@ -569,7 +595,11 @@ class TableReader {
   Imported imported_{};
   std::string
       series_{};  ///< Heading of the column that is read, where there are several.
-  bool takes_mm_ = false, takes_x_ = false, takes_feed_ = false;
+  double step_mm_ = 0;          ///< Whole numbers count steps of this length; 0: none.
+  bool is_homed_ = false;       ///< Before every reading.
+  bool are_distances_ = false;  ///< Of centres, the text says.
+  bool takes_mm_ = false, takes_x_ = false, takes_feed_ = false, takes_steps_ = false;
+  bool are_states_ = false;  ///< Each column is the machine in another state.
 };
 
 Imported ReadSentences(const std::string& sentences,
@@ -592,12 +622,16 @@ Imported ReadPlainTable(const std::string& text,
   const bool are_sentences = std::ranges::count(sentences, ',') >= 2 * kFewest;
   try {
     if (are_sentences) return ReadSentences(sentences, name, options);
-    return TableReader(text, name, options).Read();
+    TableReader reader(text, name, options);
+    reader.TakeRemarks(text);
+    return reader.Read();
   } catch (const InputError&) {
     const std::string found = TableInText(text);
     if (found.empty() && sentences.empty()) throw;
     if (found.empty()) return ReadSentences(sentences, name, options);
-    Imported imported = TableReader(found, name, options).Read();
+    TableReader reader(found, name, options);
+    reader.TakeRemarks(text);
+    Imported imported = reader.Read();
     imported.assumed.emplace_back(
         "the lines around the table are remarks and were not read");
     return imported;

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -125,6 +126,39 @@ void AddToldAndRead(const std::string& line, int number, std::vector<Said>* said
   }
 }
 
+/// A move that a line of G-code tells, "g1x100" or "G0 X100 F500".
+struct Told {
+  int line = 0;
+  int axis = 0;
+  double told_mm = 0;
+};
+
+std::optional<Told> MoveIn(const std::string& line, int number) {
+  if (!line.starts_with("g0") && !line.starts_with("g1")) return std::nullopt;
+  std::optional<Told> told;
+  for (std::size_t k = 2; k < line.size(); ++k) {
+    if (line[k] < 'x' || line[k] > 'z') continue;
+    std::string rest = line.substr(k + 1);
+    rest = rest.substr(0, rest.find_first_not_of("-.0123456789"));
+    const auto value_mm = NumberOf(rest);
+    // Of two axes at once nothing says which was measured.
+    if (!value_mm || *value_mm <= 0 || told) return std::nullopt;
+    told = Told{number, line[k] - 'x', *value_mm};
+  }
+  return told;
+}
+
+// "measured: 51.66mm": one size behind the word.
+std::optional<double> MeasuredIn(const std::string& line) {
+  constexpr std::array<std::string_view, 4> kRead = {
+      "measured", "moved", "travelled", "got"};
+  const std::size_t at = FirstOf(line, kRead);
+  if (at == std::string::npos) return std::nullopt;
+  const std::vector<Size> sizes = SizesIn(std::string_view(line).substr(at));
+  if (sizes.size() != 1) return std::nullopt;
+  return sizes[0].value_mm;
+}
+
 // The size of a cube that a line speaks of; 0: none.
 double CubeIn(const std::string& line) {
   const std::size_t cube = line.find("cube");
@@ -138,8 +172,15 @@ double CubeIn(const std::string& line) {
 std::string SentencesAsTable(const std::string& text) {
   std::vector<Said> said;
   double cube_mm = 0;
+  std::optional<Told> move;
   for (const TextLine& line : LinesOf(text)) {
     const std::string lower = Lowered(line.text);
+    // A move and, on the line below it, what was measured of it.
+    constexpr int kBelow = 2;
+    const auto measured_mm = MeasuredIn(lower);
+    if (move && measured_mm && line.line <= move->line + kBelow)
+      said.push_back({line.line, move->axis, move->told_mm, *measured_mm});
+    move = MoveIn(lower, line.line);
     AddToldAndRead(lower, line.line, &said);
     if (const double size_mm = CubeIn(lower); size_mm > 0) cube_mm = size_mm;
     // "X 30.05", "y: 30.15 mm"

@@ -30,13 +30,13 @@ constexpr std::array kAllWords = {
               "caliper calipers gauge indicator dial dro laser observed seen result "
               "travelled printed ruler engraved milled enlev removed ist gemessen "
               "mesure says burned made obtained achieved actually scale is cut display "
-              "came"},
+              "came machined"},
     PartWords{
         Part::kCommanded,
         "commanded command cmd target nominal set setpoint expected told "
         "requested ideal design designed programmed size model asked jog avance "
         "consigne soll vorgabe gcode drawing should drawn wanted desired intended "
-        "ordered nom theory theoretical sent cad"},
+        "ordered nom theory theoretical sent cad file nc"},
     PartWords{Part::kHeight,
               "height z probe probed trigger offset gap feeler clearance"},
     PartWords{

@@ -112,6 +112,8 @@ struct Block {
   std::size_t heading = 0;  ///< Index of its line; `begin` where there is none.
   std::size_t begin = 0, end = 0, fields = 0, numbers = 0;
   Part part = Part::kBar;
+  bool lacks_first =
+      false;  ///< Nothing stands above the first column, which has names.
 
   bool has_heading() const { return heading != begin; }
 };
@@ -175,11 +177,33 @@ class Finder {
     while (above > 0 && IsRule(lines_[above - 1])) --above;
     if (above == 0) return block;
     const Fields heading = FieldsOf(lines_[above - 1], part);
-    if (part != Part::kColon && heading.size() == block.fields &&
-        !IsRow(heading, part)) {
+    block.lacks_first = heading.size() + 1 == block.fields && heading.size() > 1 &&
+                        part == Part::kBlanks && HasNames(block);
+    const bool is_whole = heading.size() == block.fields || block.lacks_first;
+    if (part != Part::kColon && is_whole && !IsRow(heading, part)) {
       block.heading = above - 1;
     }
     return block;
+  }
+
+  // Whether every row begins with a word.
+  bool HasNames(const Block& block) const {
+    for (std::size_t i = block.begin; i < block.end; ++i) {
+      const Fields fields = FieldsOf(lines_[i], block.part);
+      if (fields.size() == block.fields && CountedIn(fields[0])) return false;
+    }
+    return true;
+  }
+
+  // Whether every row begins with the letter of an axis.
+  bool HasAxes(const Block& block) const {
+    for (std::size_t i = block.begin; i < block.end; ++i) {
+      const Fields fields = FieldsOf(lines_[i], block.part);
+      const std::string name = fields.empty() ? "" : Lowered(fields[0]);
+      if (fields.size() == block.fields && name != "x" && name != "y" && name != "z")
+        return false;
+    }
+    return true;
   }
 
   // A line outside that has as many fields and a number in one: a row gone wrong.
@@ -212,6 +236,8 @@ class Finder {
     for (std::size_t k = 0; k < block.fields; ++k) words.push_back(WordOf(block, k));
     Fields heading;
     if (block.has_heading()) heading = FieldsOf(lines_[block.heading], block.part);
+    if (block.has_heading() && block.lacks_first)
+      heading.insert(heading.begin(), HasAxes(block) ? "axis" : "part");
     const bool has_words = std::ranges::any_of(
         words, [](const std::string& word) { return !word.empty(); });
     std::string text;
