@@ -263,5 +263,70 @@ TEST(FactsOfLengths, SayWhereTheSecondAxisLeans) {
   EXPECT_EQ(facts.Find("scale"), nullptr) << "what a side should be nobody said";
 }
 
+// What an axis needs, by trials at several settings: steps / (read / told) of each.
+TEST(FactsOfGroups, TrialsThatAgreeSayWhatTheAxisNeeds) {
+  constexpr double kNeeds = 401.3;
+  DataHeader header;
+  std::vector<Row> rows;
+  for (const double steps : {399.0, 400.0, 401.0, 402.0}) {
+    const std::string id = fmt::format("{:g}", steps);
+    header.settings[id].steps_per_mm["x"] = steps;
+    Row row = Move(0, 250, 250 * (steps / kNeeds - 1));
+    row.settings = id;
+    rows.push_back(row);
+  }
+
+  const Facts facts = FactsOfRows(rows, header);
+
+  const Fact* fact = facts.Find("scale");
+  ASSERT_NE(fact, nullptr);
+  EXPECT_NEAR(FigureOf(*fact, "steps_per_mm"), kNeeds, 1e-6);
+  EXPECT_THAT(facts.not_determined, testing::Not(Contains("scale.x")));
+}
+
+// Three switches, each reading behind a homing of its own.
+TEST(FactsOfGroups, SwitchesAreComparedFromHomingToHoming) {
+  Rng rng(8, 0, "switches");
+  std::vector<Row> rows;
+  for (const auto& [name, sd_mm] : {std::pair("a", 0.04), std::pair("b", 0.008)}) {
+    for (int i = 0; i < 24; ++i) {
+      Row row{.campaign = name, .home = std::to_string(i)};
+      row.cmd_mm[0] = 0;
+      row.n[0] = 1;
+      row.value_mm = sd_mm * rng.Normal();
+      rows.push_back(std::move(row));
+    }
+  }
+
+  const Facts facts = FactsOfRows(rows);
+
+  for (const Fact& fact : facts.all) {
+    if (fact.id != "homing_scatter") continue;
+    const double sd_um = fact.word == "a" ? 40 : 8;
+    EXPECT_NEAR(fact.figures[0].value, sd_um, 4 * fact.figures[0].sd) << fact.word;
+    EXPECT_EQ(fact.is_answer, fact.word == "a");
+  }
+  EXPECT_NE(facts.Find("homing_scatter"), nullptr);
+}
+
+// Two motors on a line along X level along X alone.
+TEST(FactsOfLevelling, WhatLiesAcrossTwoMotorsStays) {
+  const std::vector<Row> rows = {Height(20, 150, 2.5101),
+                                 Height(20, 150, 2.5110),
+                                 Height(250, 0, 1.6016),
+                                 Height(250, 0, 1.6025),
+                                 Height(250, 250, 2.3816),
+                                 Height(250, 250, 2.3825)};
+
+  const Facts facts = FactsOfRows(rows, {}, {.pivots_mm = {{340, 150}, {-50, 150}}});
+  const Fact* fact = facts.Find("levelling");
+  ASSERT_NE(fact, nullptr);
+  EXPECT_EQ(fact->axis, "y");
+  EXPECT_NEAR(FigureOf(*fact, "slope_y_mrad"), 3.12, 1e-3);
+
+  const LevellingLog three{.pivots_mm = {{340, 150}, {-50, 150}, {100, 0}}};
+  EXPECT_EQ(FactsOfRows(rows, {}, three).Find("levelling"), nullptr);
+}
+
 }  // namespace
 }  // namespace caltwin

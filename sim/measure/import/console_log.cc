@@ -19,6 +19,7 @@
 #include "sim/measure/import/fields.h"
 #include "sim/measure/import/grbl_story.h"
 #include "sim/measure/import/plain_table.h"
+#include "sim/measure/import/pulse_rate.h"
 #include "sim/measure/import/switch_story.h"
 #include "sim/measure/import/text_table.h"
 
@@ -119,6 +120,7 @@ class LogReader {
     story_.Tell(&imported_);
     grbl_.Tell(&imported_);
     switch_.Tell(&imported_);
+    pulses_.Tell(&imported_);
     const bool has_readings = !imported_.table.rows.empty() ||
                               !switch_.calibrations().empty() ||
                               !imported_.levelling.differences_mm.empty();
@@ -169,6 +171,7 @@ class LogReader {
     if (said.text.empty()) return;
     heaters_.Take(said);
     grbl_.Take(said);
+    pulses_.Take(said);
     if (grids_.contains(line.line)) {
       grid_.End();
       if (grid_.is_whole()) AddGrid();
@@ -674,6 +677,7 @@ class LogReader {
   double probed_sense_ = -1;
   bool has_old_text_ = false, has_new_text_ = false, lacks_points_ = false;
   SwitchStory switch_;
+  PulseRate pulses_;
   std::vector<double> heights_mm_;
   Place first_;
 };

@@ -47,7 +47,11 @@ Seen Look(const std::string& text) {
         has("leveling grid") || has("mesh bed level data");
     // grbl: its status, and "$100=250.000".
     seen.has_console |= has("mpos:") || has("wpos:");
-    seen.has_settings |= lower.starts_with("$10") && has("=");
+    // "$100=640", and as people copy it, "$100    640".
+    seen.has_settings |= lower.starts_with("$10") &&
+                         lower.find_first_of("0123456789", 4) != std::string::npos &&
+                         lower.find_first_of("abcdefghijklmnopqrstuvwxyz") >
+                             lower.find_first_of("0123456789", 4);
     const bool is_echo =
         line.text.starts_with("echo:") || Lowered(line.text).starts_with("recv:");
     for (const std::string_view word :

@@ -1,0 +1,123 @@
+#include "sim/measure/import/pulse_rate.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "sim/base/units.h"
+#include "sim/measure/import/fields.h"
+
+namespace caltwin {
+namespace {
+
+// Guaranteed by grbl's own documentation on a 16 MHz AVR.
+constexpr double kGrblMost_hz = 30e3;
+
+// "$100=640.000 (x, step/mm)" and "$100    640".
+std::optional<double> SettingIn(std::string_view lower, const std::string& key) {
+  if (!lower.starts_with(key)) return std::nullopt;
+  lower.remove_prefix(key.size());
+  const std::size_t at = lower.find_first_not_of(" =:\t");
+  if (at == std::string_view::npos || at == 0) return std::nullopt;
+  lower.remove_prefix(at);
+  return NumberOf(lower.substr(0, lower.find_first_not_of(".0123456789")));
+}
+
+// Numbers before "mm/min", "mm/m".
+std::vector<double> FeedsIn(const std::string& lower) {
+  constexpr std::array<std::string_view, 3> kUnits = {"mm/min", "mm/m", "mmpm"};
+  std::vector<double> feeds;
+  for (std::size_t at = lower.find("mm"); at != std::string::npos;
+       at = lower.find("mm", at + 1)) {
+    const std::string_view unit = std::string_view(lower).substr(at);
+    const bool is_unit = std::ranges::any_of(kUnits, [&](std::string_view name) {
+      const bool ends = unit.size() == name.size() ||
+                        (unit.size() > name.size() &&
+                         (unit[name.size()] < 'a' || unit[name.size()] > 'z'));
+      return unit.starts_with(name) && ends;
+    });
+    if (!is_unit || at == 0) continue;
+    const std::size_t end = lower.find_last_not_of(' ', at - 1);
+    if (end == std::string::npos) continue;
+    const std::size_t before = lower.find_last_not_of(".0123456789", end);
+    const std::size_t begin = before == std::string::npos ? 0 : before + 1;
+    const auto feed = NumberOf(lower.substr(begin, end + 1 - begin));
+    if (feed && *feed > 0) feeds.push_back(*feed);
+  }
+  return feeds;
+}
+
+}  // namespace
+
+void PulseRate::Take(const ConsoleLine& line) {
+  is_grbl_ |= line.lower.find("grbl") != std::string::npos;
+  constexpr std::array<std::string_view, 5> kFast = {
+      "grblhal", "esp32", "teensy", "stm32", "fluidnc"};
+  is_fast_board_ |= std::ranges::any_of(kFast, [&](std::string_view word) {
+    return line.lower.find(word) != std::string::npos;
+  });
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto steps = SettingIn(line.lower, fmt::format("$10{}", k));
+    if (steps && SettingsInForce::kSteps_per_mm.Contains(*steps))
+      steps_per_mm_[k] = *steps;
+    const auto most = SettingIn(line.lower, fmt::format("$11{}", k));
+    if (most && *most > 0) most_mm_min_[k] = *most;
+  }
+  for (const double feed : FeedsIn(line.lower)) feeds_mm_min_.insert(feed);
+}
+
+void PulseRate::Tell(Imported* imported) const {
+  if (!is_grbl_ || is_fast_board_) return;
+  std::size_t axis = 3;
+  double most_hz = kGrblMost_hz;
+  std::set<double> asked_mm_min;
+  for (std::size_t k = 0; k < 3; ++k) {
+    std::set<double> feeds = k < 2 ? feeds_mm_min_ : std::set<double>();
+    if (Known(most_mm_min_[k])) feeds.insert(most_mm_min_[k]);
+    if (feeds.empty() || !Known(steps_per_mm_[k])) continue;
+    const double hz = steps_per_mm_[k] * *feeds.rbegin() / SFromMin(1.0);
+    if (hz <= most_hz) continue;
+    most_hz = hz;
+    axis = k;
+    asked_mm_min = feeds;
+  }
+  if (axis == 3) return;
+  const double steps = steps_per_mm_[axis];
+  std::vector<std::string> rates;
+  for (const double feed : asked_mm_min) {
+    const double hz = steps * feed / SFromMin(1.0);
+    if (hz > kGrblMost_hz / 2)
+      rates.push_back(fmt::format("{:g} mm/min is {:.0f} thousand", feed, hz / 1e3));
+  }
+  double fewer = steps;
+  while (fewer * *asked_mm_min.rbegin() / SFromMin(1.0) > kGrblMost_hz) fewer /= 2;
+  imported->notes.push_back(
+      {.kind = FileNote::Kind::kElsewhere,
+       .what = "settings",
+       .sentence = fmt::format(
+           "{} is asked for more pulses than its controller sends: at {:g} steps/mm {} "
+           "pulses a second, and grbl on an 8 bit board gives about 30 thousand, which "
+           "is {:.0f} mm/min here. Beyond that it loses steps, answers garbled or "
+           "stops, and belt, motor and acceleration are not at fault. Set fewer "
+           "micro-steps (with {:g} steps/mm the same feed is {:.0f} thousand), or take "
+           "a faster controller",
+           "XYZ"[axis],
+           steps,
+           fmt::join(rates, ", "),
+           kGrblMost_hz * SFromMin(1.0) / steps,
+           fewer,
+           fewer * *asked_mm_min.rbegin() / SFromMin(1.0) / 1e3),
+       .fact = "settings",
+       .axis = std::string(1, "xyz"[axis]),
+       .word = "pulse_rate",
+       .figures = {{"asked_khz", most_hz / 1e3}, {"most_khz", kGrblMost_hz / 1e3}}});
+}
+
+}  // namespace caltwin
