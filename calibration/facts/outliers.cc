@@ -52,15 +52,46 @@ std::map<std::string, double> FarLimits_mm(const std::vector<Rows>& cells,
   return limits_mm;
 }
 
-// Three places or more whose readings up to one moment, or from it on, are all far from
-// the others: something moved then, and none of them is a bad reading.
-void KeepSteps(const std::vector<Rows>& cells, std::set<std::int64_t>* far) {
+// How many places changed at once, and by how much.
+struct CommonStep {
+  std::size_t num_places = 0;
+  double change_mm = 0;
+};
+
+void TellStep(std::int64_t last,
+              std::int64_t first,
+              const CommonStep& step,
+              Facts* facts) {
+  facts->all.push_back(
+      {.id = "jump",
+       .word = "everywhere",
+       .figures = {{"change_um", UmFromMm(step.change_mm)}},
+       .rows = {last, first},
+       .sentence = fmt::format(
+           "After row {}, {} places read {} um {} than before, all at once, and stay "
+           "there: something moved or was set anew between rows {} and {} (lost steps, "
+           "a "
+           "loose probe, a new zero), and none of them is a bad reading",
+           last,
+           step.num_places,
+           TwoDigits(UmFromMm(std::abs(step.change_mm))),
+           step.change_mm > 0 ? "higher" : "lower",
+           last,
+           first),
+       .is_answer = true});
+}
+
+// Takes out of `far` what is no bad reading, and tells why.
+void KeepSteps(const std::vector<Rows>& cells,
+               std::set<std::int64_t>* far,
+               Facts* facts) {
   constexpr std::size_t kFewestPlaces = 3;
   const auto is_far = [&](const Row* row) {
     return far->contains(row->row);
   };
   for (const bool is_before : {true, false}) {
     std::vector<std::int64_t> of_step;
+    double sum_mm = 0;
     std::size_t num_places = 0;
     std::int64_t last = std::numeric_limits<std::int64_t>::min();
     std::int64_t first = std::numeric_limits<std::int64_t>::max();
@@ -73,6 +104,8 @@ void KeepSteps(const std::vector<Rows>& cells, std::set<std::int64_t>* far) {
                                       : std::all_of(change, ordered.end(), is_far);
       if (change == ordered.begin() || change == ordered.end() || !is_clean) continue;
       ++num_places;
+      sum_mm += MedianOf(Rows(change, ordered.end())) -
+                MedianOf(Rows(ordered.begin(), change));
       last = std::max(last, (*std::prev(change))->row);
       first = std::min(first, (*change)->row);
       for (const Row* row : ordered) {
@@ -81,6 +114,8 @@ void KeepSteps(const std::vector<Rows>& cells, std::set<std::int64_t>* far) {
     }
     if (num_places < kFewestPlaces || last > first) continue;
     for (const std::int64_t row : of_step) far->erase(row);
+    TellStep(
+        last, first, {num_places, sum_mm / static_cast<double>(num_places)}, facts);
   }
 }
 
@@ -89,7 +124,8 @@ void KeepSteps(const std::vector<Rows>& cells, std::set<std::int64_t>* far) {
 void LeaveOutFar(const std::vector<Rows>& cells,
                  std::vector<Rows>* batches,
                  double resolution_mm,
-                 std::set<std::int64_t>* outliers) {
+                 std::set<std::int64_t>* outliers,
+                 Facts* facts) {
   constexpr std::size_t kFewest = 3;
   const auto limits_mm = FarLimits_mm(cells, resolution_mm);
   std::set<std::int64_t> far;
@@ -110,7 +146,7 @@ void LeaveOutFar(const std::vector<Rows>& cells,
       limit_of_mm[row->row] = limit_mm;
     }
   }
-  KeepSteps(cells, &far);
+  KeepSteps(cells, &far, facts);
   for (Rows& batch : *batches) {
     // All of a homing session are far together, beside each other: no bad reading.
     Rows own;
@@ -136,6 +172,7 @@ void LeaveOutFar(const std::vector<Rows>& cells,
     });
   }
   std::erase_if(*batches, [](const Rows& batch) { return batch.empty(); });
+  KeepSteps(cells, outliers, facts);
 }
 
 void AddOutliers(const std::set<std::int64_t>& outliers,

@@ -157,7 +157,7 @@ class RepeatReader {
 
   Repeats Take() {
     AddCommonDrift();
-    LeaveOutFar(cells_, &found_.batches, resolution_mm_, &found_.outliers);
+    LeaveOutFar(cells_, &found_.batches, resolution_mm_, &found_.outliers, facts_);
     constexpr double kEnoughOfCampaign = 5;
     double squares_mm2 = drifted_mm2_, dof = drifted_dof_;
     std::map<std::string, BatchScatter> by_campaign;

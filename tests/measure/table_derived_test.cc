@@ -76,8 +76,9 @@ TEST(CountedStep, IsSaidByTheTextOrThereIsNone) {
   const Imported imported =
       Read("table",
            "# each after G28, in steps, 80 steps/mm\n"
-           "run,alpha,beta,gamma\n1,5,0,-2\n2,-1,1,2\n3,1,0,1\n4,2,-1,0\n5,0,0,3\n");
-  ASSERT_THAT(imported.table.rows, SizeIs(15));
+           "run,alpha,beta,gamma\n1,5,0,-2\n2,-1,0,-1\n3,1,0,1\n4,2,-1,2\n5,-2,1,-2\n6,"
+           "0,0,4\n7,3,-1,-2\n8,2,0,1\n");
+  ASSERT_THAT(imported.table.rows, SizeIs(24));
   EXPECT_NEAR(imported.table.rows[0].value_mm, 5 / 80.0, 1e-12);
   EXPECT_NE(imported.table.rows[0].home, imported.table.rows[1].home);
 }
