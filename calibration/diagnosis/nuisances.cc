@@ -21,7 +21,7 @@ namespace {
 constexpr double kSlopeSd_mrad = 30;
 constexpr double kTurnSd_mrad = 100;
 constexpr double kHysteresisSd_mm = 0.1;
-// How far a plate laid on the bed may lie from its plane: a speck of 60 um under one
+// How far what is laid on the bed may lean from its plane: a speck of 60 um under one
 // end of 200 mm.
 constexpr double kPlateSlopeSd_mrad = 0.3;
 // How far a face may stand from where it was written, if nobody measured it.
@@ -51,7 +51,7 @@ Eigen::VectorXd SlopeColumn(const Observed& o, std::size_t slope) {
 struct Placement {
   Vec3<double> sum_mm = Vec3<double>::Zero();
   int count = 0;
-  bool has_feature = false, is_gauge = false, is_radial = false, only_faces_up = true;
+  bool has_feature = false, is_gauge = false, is_radial = false;
 };
 
 std::map<std::string, Placement> PlacementsOf(const Observed& o) {
@@ -63,16 +63,14 @@ std::map<std::string, Placement> PlacementsOf(const Observed& o) {
     placement.has_feature |= !o.row(i).feature.empty();
     placement.is_gauge |= o.at(i).kind != RowKind::kTouch;
     placement.is_radial |= o.at(i).kind == RowKind::kRadial;
-    placement.only_faces_up &= std::abs(o.at(i).n.z()) > 0.9;
   }
   return placements;
 }
 
 void AddPlacements(const Observed& o, NuisanceList* builder) {
   const auto placements = PlacementsOf(o);
-  const auto num_plates = std::ranges::count_if(placements, [](const auto& entry) {
-    return !entry.second.is_gauge && entry.second.only_faces_up;
-  });
+  const auto num_touched = std::ranges::count_if(
+      placements, [](const auto& entry) { return !entry.second.is_gauge; });
   for (const auto& entry : placements) {
     const std::string& key = entry.first;
     const Placement& placement = entry.second;
@@ -104,8 +102,8 @@ void AddPlacements(const Observed& o, NuisanceList* builder) {
     }
     if (!placement.is_radial) {
       const double tilt_sd = placement.is_gauge ? kTurnSd_mrad : kPlateSlopeSd_mrad;
-      if (is_gauged_face ||
-          (!placement.is_gauge && placement.only_faces_up && num_plates > 1)) {
+      // Alone it leans with the bed.
+      if (is_gauged_face || (!placement.is_gauge && num_touched > 1)) {
         builder->Add(name + "tilt_x", "mrad", tilt_sd, turned({1, 0, 0}));
         builder->Add(name + "tilt_y", "mrad", tilt_sd, turned({0, 1, 0}));
       }

@@ -47,6 +47,20 @@ double Scatter_mm(const Observed& observed, Eigen::Index row) {
   return Known(sigma_mm) ? sigma_mm : 0;
 }
 
+// As the rows' header or the machine file says; 0: nobody does.
+double StatedSteps_per_mm(const Observed& observed, Eigen::Index i, int drive) {
+  const Machine& machine = observed.machine();
+  const auto& all = observed.header().settings;
+  const auto stated = all.find(observed.row(i).settings);
+  if (stated != all.end()) {
+    const auto steps =
+        stated->second.steps_per_mm.find(DriveName(machine.kind->drive_map(), drive));
+    if (steps != stated->second.steps_per_mm.end()) return steps->second;
+  }
+  if (machine.file.empty()) return 0;
+  return machine.settings.steps_per_mm[static_cast<std::size_t>(drive)];
+}
+
 }  // namespace
 
 double CountedSigma_mm(const Observed& observed, const std::string& campaign) {
@@ -69,20 +83,15 @@ double CountedSigma_mm(const Observed& observed, const std::string& campaign) {
 double RoundedBy_mm(const Observed& observed, Eigen::Index i, int drive) {
   constexpr double kNothing_mm = 1e-9;
   const At& at = observed.at(i);
-  const auto stated = observed.header().settings.find(observed.row(i).settings);
   const DriveMap* drives = observed.machine().kind->drive_map();
   const bool counts_axes =
       drives != nullptr || observed.machine().kind->motors().empty();
-  if (!counts_axes || at.kind != RowKind::kPosition ||
-      stated == observed.header().settings.end()) {
-    return 0;
-  }
-  const auto steps = stated->second.steps_per_mm.find(DriveName(drives, drive));
-  if (steps == stated->second.steps_per_mm.end() || steps->second <= 0) return 0;
+  const double steps_per_mm = StatedSteps_per_mm(observed, i, drive);
+  if (!counts_axes || at.kind != RowKind::kPosition || !(steps_per_mm > 0)) return 0;
   const auto& cmd_mm = observed.row(i).cmd_mm;
   const double command_mm = DrivesOf(drives, {cmd_mm[0], cmd_mm[1], cmd_mm[2]})[drive];
   const double beyond_mm =
-      std::round(command_mm * steps->second) / steps->second - command_mm;
+      std::round(command_mm * steps_per_mm) / steps_per_mm - command_mm;
   return std::abs(beyond_mm) > kNothing_mm ? beyond_mm : 0;
 }
 

@@ -18,6 +18,7 @@
 #include "calibration/diagnosis/remains.h"
 #include "sim/base/require.h"
 #include "sim/base/units.h"
+#include "sim/effects/catalog.h"
 #include "sim/machine/machine_kind.h"
 
 namespace caltwin {
@@ -62,6 +63,28 @@ class Scrutiny {
     for (std::size_t i = 0; i < found().size(); ++i) AddGradual(i);
   }
 
+  // Beside a cause that explains nearly all: what is smaller than the noise of one
+  // reading, and a wave that the rows do not show, which only values that are not
+  // believed speak for. The worst first.
+  void DropSlight() {
+    constexpr double kSlightShare = 0.05;
+    while (found().size() > 1) {
+      const std::vector<Refined> refined = Refit(observed_, candidates_, search_);
+      const std::vector<double> shares =
+          GainOf(observed_, candidates_, search_, refined, GainDepth::kBlocks).shares;
+      std::size_t slightest = found().size();
+      for (std::size_t i = 0; i < found().size(); ++i) {
+        const bool is_slight =
+            shares[i] < kSlightShare && (IsSmall(i, refined[i]) || IsUnseenWave(i));
+        const bool is_worse =
+            slightest == found().size() || shares[i] < shares[slightest];
+        if (is_slight && is_worse) slightest = i;
+      }
+      if (slightest == found().size()) return;
+      found().erase(found().begin() + static_cast<std::ptrdiff_t>(slightest));
+    }
+  }
+
   // A table without a name is of use for what it foretells: where it is no third of
   // what can be, or finer than the motors' steps, it is no finding. What there is to
   // say of it.
@@ -101,6 +124,22 @@ class Scrutiny {
 
  private:
   std::vector<Found>& found() { return search_.found; }
+
+  // Whether it does less than the noise of one reading, where it does most.
+  bool IsSmall(std::size_t i, const Refined& refined) const {
+    const Found& own = search_.found[i];
+    const bool is_refitted = refined.effect.effect >= 0;
+    const Eigen::VectorXd change_mm =
+        is_refitted ? refined.variant.columns_mm * refined.sizes_mm
+                    : own.variant.columns_mm * own.sizes_mm;
+    return Peak_mm(change_mm.cwiseQuotient(search_.circumstances.sigma_mm)) < 1;
+  }
+
+  bool IsUnseenWave(std::size_t i) const {
+    const Candidate& candidate = candidates_[search_.found[i].candidate];
+    return !candidate.is_free() && EffectAt(candidate.effect).sight->harmonics > 0 &&
+           IsBeyondPrediction(i);
+  }
 
   // Where much remains that the named causes should have explained, where the rows do
   // not tell how large they are, and where a name's own shape is not what the rows
@@ -357,6 +396,7 @@ std::string Scrutinise(const Observed& observed,
   Scrutiny scrutiny(observed, candidates, search);
   scrutiny.DropUnpredictive();
   scrutiny.DoubtNames();
+  scrutiny.DropSlight();
   std::set<std::size_t> shown;
   for (const Found& found : search->found) {
     Require(shown.insert(found.candidate).second, "every finding is another candidate");

@@ -56,6 +56,26 @@ void AddPlay(const Observed& o, int drive, NuisanceList* list) {
             });
 }
 
+// Where some rows say their load and others do not, nobody knows what those turned
+// round under.
+void AddPlayOfNoLoad(const Observed& o, int drive, NuisanceList* list) {
+  constexpr double kByLoad_mm = 0.05;
+  bool has_load = false;
+  for (Eigen::Index i = 0; i < o.num_rows(); ++i) has_load |= Known(o.row(i).load_n);
+  if (!has_load) return;
+  list->Add(
+      "backlash_without_load." + DriveName(o.machine().kind->drive_map(), drive),
+      "mm",
+      kByLoad_mm,
+      [&](Eigen::Index row) {
+        return Known(o.row(row).load_n)
+                   ? 0.0
+                   : -Motion(o, drive, row) * DriveSense(o.at(row), drive) / 2;
+      },
+      /*offset=*/0,
+      /*reported=*/false);
+}
+
 // Whether its controller stands at whole steps, the rows say.
 void AddWholeSteps(const Observed& o, int drive, NuisanceList* list) {
   list->Add(
@@ -90,6 +110,7 @@ void DiagnosedKind::AddKinematics(const Observed& o, NuisanceList* list) const {
   for (const Axis axis : kAxes) {
     AddScale(o, Index(axis), list);
     AddPlay(o, Index(axis), list);
+    AddPlayOfNoLoad(o, Index(axis), list);
     AddWholeSteps(o, Index(axis), list);
     AddPretravel(o, axis, list);
   }
