@@ -52,32 +52,58 @@ std::map<std::string, double> FarLimits_mm(const std::vector<Rows>& cells,
   return limits_mm;
 }
 
-// How many places changed at once, and by how much.
+// What all places do at one moment: up to it, or from it on, they are far from their
+// other readings.
 struct CommonStep {
   std::size_t num_places = 0;
-  double change_mm = 0;
+  std::int64_t last = std::numeric_limits<std::int64_t>::min();   ///< Row before it.
+  std::int64_t first = std::numeric_limits<std::int64_t>::max();  ///< Row after it.
+  double sum_mm = 0;  ///< Of the places' changes.
 };
 
-void TellStep(std::int64_t last,
-              std::int64_t first,
-              const CommonStep& step,
-              Facts* facts) {
+// Of the places that do nothing else.
+CommonStep StepOf(const std::vector<Rows>& cells,
+                  const std::set<std::int64_t>& far,
+                  bool is_before) {
+  const auto is_far = [&](const Row* row) {
+    return far.contains(row->row);
+  };
+  CommonStep step;
+  for (const Rows& cell : cells) {
+    Rows ordered = cell;
+    std::ranges::sort(ordered, {}, &Row::row);
+    const auto change = is_before ? std::ranges::find_if_not(ordered, is_far)
+                                  : std::ranges::find_if(ordered, is_far);
+    const bool is_clean = is_before ? std::none_of(change, ordered.end(), is_far)
+                                    : std::all_of(change, ordered.end(), is_far);
+    if (change == ordered.begin() || change == ordered.end() || !is_clean) continue;
+    ++step.num_places;
+    step.sum_mm +=
+        MedianOf(Rows(change, ordered.end())) - MedianOf(Rows(ordered.begin(), change));
+    step.last = std::max(step.last, (*std::prev(change))->row);
+    step.first = std::min(step.first, (*change)->row);
+  }
+  return step;
+}
+
+void TellStep(const CommonStep& step, Facts* facts) {
+  const double change_um = UmFromMm(step.sum_mm / static_cast<double>(step.num_places));
   facts->all.push_back(
       {.id = "jump",
        .word = "everywhere",
-       .figures = {{"change_um", UmFromMm(step.change_mm)}},
-       .rows = {last, first},
+       .figures = {{"change_um", change_um}},
+       .rows = {step.last, step.first},
        .sentence = fmt::format(
            "After row {}, {} places read {} um {} than before, all at once, and stay "
            "there: something moved or was set anew between rows {} and {} (lost steps, "
            "a "
            "loose probe, a new zero), and none of them is a bad reading",
-           last,
+           step.last,
            step.num_places,
-           TwoDigits(UmFromMm(std::abs(step.change_mm))),
-           step.change_mm > 0 ? "higher" : "lower",
-           last,
-           first),
+           TwoDigits(std::abs(change_um)),
+           change_um > 0 ? "higher" : "lower",
+           step.last,
+           step.first),
        .is_answer = true});
 }
 
@@ -86,36 +112,23 @@ void KeepSteps(const std::vector<Rows>& cells,
                std::set<std::int64_t>* far,
                Facts* facts) {
   constexpr std::size_t kFewestPlaces = 3;
-  const auto is_far = [&](const Row* row) {
-    return far->contains(row->row);
-  };
   for (const bool is_before : {true, false}) {
-    std::vector<std::int64_t> of_step;
-    double sum_mm = 0;
-    std::size_t num_places = 0;
-    std::int64_t last = std::numeric_limits<std::int64_t>::min();
-    std::int64_t first = std::numeric_limits<std::int64_t>::max();
+    const CommonStep step = StepOf(cells, *far, is_before);
+    if (step.num_places < kFewestPlaces || step.last > step.first) continue;
+    // A place may have a bad reading besides.
     for (const Rows& cell : cells) {
-      Rows ordered = cell;
-      std::ranges::sort(ordered, {}, &Row::row);
-      const auto change = is_before ? std::ranges::find_if_not(ordered, is_far)
-                                    : std::ranges::find_if(ordered, is_far);
-      const bool is_clean = is_before ? std::none_of(change, ordered.end(), is_far)
-                                      : std::all_of(change, ordered.end(), is_far);
-      if (change == ordered.begin() || change == ordered.end() || !is_clean) continue;
-      ++num_places;
-      sum_mm += MedianOf(Rows(change, ordered.end())) -
-                MedianOf(Rows(ordered.begin(), change));
-      last = std::max(last, (*std::prev(change))->row);
-      first = std::min(first, (*change)->row);
-      for (const Row* row : ordered) {
-        if (is_far(row)) of_step.push_back(row->row);
+      Rows of_step;
+      for (const Row* row : cell) {
+        const bool is_of_it =
+            is_before ? row->row <= step.last : row->row >= step.first;
+        if (is_of_it) of_step.push_back(row);
       }
+      const bool are_far = std::ranges::all_of(
+          of_step, [&](const Row* row) { return far->contains(row->row); });
+      if (!are_far) continue;
+      for (const Row* row : of_step) far->erase(row->row);
     }
-    if (num_places < kFewestPlaces || last > first) continue;
-    for (const std::int64_t row : of_step) far->erase(row);
-    TellStep(
-        last, first, {num_places, sum_mm / static_cast<double>(num_places)}, facts);
+    TellStep(step, facts);
   }
 }
 

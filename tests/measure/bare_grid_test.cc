@@ -74,6 +74,16 @@ TEST(Recognise, TellsModulesAndMacrosFromTables) {
       "printer-cfg");
   EXPECT_EQ(KindOfText("; bed.g\nM561\nG28 ; home\nG30 P0 X0 Y0 Z-9999\nG1 Z5\n", "f"),
             "rrf-config");
+  EXPECT_EQ(
+      KindOfText("if state.status != \"busy\"\n  M561\nwhile iterations < 3\n  G32\n"
+                 "  if move.calibration.final.deviation < 0.02\n    break\n"
+                 "echo \"done\"\n",
+                 "f"),
+      "rrf-config");
+  EXPECT_EQ(KindOfText("Plate 8131\nFitScale 1.000007\n  NomX NomY MeasX MeasY ResidX\n"
+                       "11.650 -10.184 11.610 -10.090 -0.002\n",
+                       "f"),
+            "cmm-plate");
   EXPECT_EQ(KindOfText("commanded,measured\n10,10.1\n20,20.2\n", "f"), "table");
 }
 

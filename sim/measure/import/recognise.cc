@@ -1,6 +1,7 @@
 #include "sim/measure/import/recognise.h"
 
 #include <algorithm>
+#include <array>
 #include <string_view>
 
 #include "sim/measure/import/bare_grid.h"
@@ -92,7 +93,21 @@ bool IsMacro(const std::string& text) {
     const bool is_command = word.size() > 1 &&
                             std::string_view("GMTgmt").find(word[0]) != word.npos &&
                             word[1] >= '0' && word[1] <= '9';
-    ++(is_command ? commands : others);
+    // RepRapFirmware's meta commands.
+    constexpr std::array<std::string_view, 11> kMeta = {"if",
+                                                        "elif",
+                                                        "else",
+                                                        "while",
+                                                        "break",
+                                                        "continue",
+                                                        "abort",
+                                                        "var",
+                                                        "global",
+                                                        "set",
+                                                        "echo"};
+    const std::string first = Lowered(word.substr(0, word.find_first_of(" \t{(")));
+    const bool is_meta = std::ranges::find(kMeta, first) != kMeta.end();
+    ++(is_command || is_meta ? commands : others);
   }
   return commands >= kFewest && commands >= 4 * others;
 }
@@ -118,7 +133,8 @@ std::string KindOfText(const std::string& text, const std::string& name) {
   if (has("<heightmap")) return "xml-heightmap";
   if (has("tgt_data") || ending == ".rtl" || has("fwd1_")) return "iso230-dat";
   if (has("mcu_pos_z") || (has("\"ts\"") && has("\"z\""))) return "klipper-thermal";
-  if (has("meas x") && has("nom x")) return "cmm-plate";
+  const bool is_plate = has("meas x") && has("nom x");
+  if (is_plate || (has("measx") && has("nomx"))) return "cmm-plate";
   if (ending == ".comp" || ending == ".tab") return "screw-table";
   if (seen.has_console || seen.has_settings) return "console-log";
   if (has("#define") && has("_diag_ac")) return "marlin-config";
