@@ -7,10 +7,16 @@
 namespace caltwin {
 
 /// What two groups of rows say against each other: two sides measured at once, two
-/// gauges over the same places, one place come upon in two ways, trials with several
-/// steps/mm. `rows` in the order measured.
+/// gauges over the same places, one place come upon in two ways, several switches, two
+/// programs. `rows` in the order measured.
 void FactsOfGroups(const std::vector<const Row*>& rows,
                    const Repeats& repeats,
+                   const DataHeader& header,
+                   Facts* facts);
+
+/// What moves under several steps/mm say: what the axis needs, that the trials
+/// contradict each other, or that the steps/mm are those of freshly written firmware.
+void FactsOfTrials(const std::vector<const Row*>& rows,
                    const DataHeader& header,
                    Facts* facts);
 
