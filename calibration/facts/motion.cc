@@ -85,7 +85,17 @@ void AddScale(const Line& line, double noise_mm, std::size_t axis, Facts* facts)
             .sigmas = sigmas,
             .is_answer = known.reading.empty() && Known(sd) && sigmas > kSure};
   if (!known.reading.empty()) AddKnownRatio(line, known, fact, facts);
-  constexpr double kNothing = 1e-6;
+  constexpr double kNothing = 1e-6, kHardlyAny = 0.02;
+  if (std::abs(factor) < kHardlyAny) {
+    fact.is_answer = false;
+    facts->not_determined.push_back(fmt::format("scale.{}", kAxisNames[axis]));
+    facts->cannot.push_back(fmt::format(
+        "steps/mm of {}: what was read is hardly any of what was told. Either "
+        "these readings are deviations and no positions, in which case the "
+        "column's heading should say so, or the axis does not move",
+        letter));
+    return;
+  }
   if (!Known(sd) && std::abs(line.slope) < kNothing) {
     fact.sentence = fmt::format(
         "{} moves what is commanded, as far as these few readings show", letter);

@@ -381,5 +381,18 @@ TEST(KnownRatio, WhatPeopleKnow) {
   EXPECT_THAT(KnownRatioOf(0.5, kUnknown).sentence, HasSubstr("steps/mm"));
 }
 
+// Deviations taken for positions: nothing that anybody should set.
+TEST(Facts, WhatIsHardlyAnyOfWhatWasToldIsNoScale) {
+  std::vector<Row> rows;
+  for (const double at_mm : {50.0, 100.0, 150.0, 200.0}) {
+    rows.push_back(Position(0, at_mm, 1e-3 * at_mm - at_mm));
+  }
+
+  const Facts facts = FactsOfRows(rows);
+
+  EXPECT_EQ(facts.Find("scale"), nullptr);
+  EXPECT_THAT(facts.not_determined, testing::Contains("scale.x"));
+}
+
 }  // namespace
 }  // namespace caltwin

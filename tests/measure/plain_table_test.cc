@@ -59,6 +59,28 @@ TEST(PlainTable, UnitsOfHeadingsAreConverted) {
   EXPECT_EQ(imported.table.rows[1].dir[0], -1);
 }
 
+// An ISO 230 sheet as people keep it: positions in mm, what is off in um, both senses.
+TEST(PlainTable, ColumnsForwardAndBackwardAreTheSenses) {
+  const Imported imported =
+      Read("target_mm,forward_um,backward_um\n0,-27,-30\n25,-7.5,-9\n50,19.8,17\n");
+
+  ASSERT_THAT(imported.table.rows, SizeIs(6));
+  EXPECT_NEAR(imported.table.rows[0].value_mm, -0.027, 1e-12);
+  EXPECT_EQ(imported.table.rows[0].dir[0], 1);
+  EXPECT_EQ(imported.table.rows[3].dir[0], -1);
+  EXPECT_EQ(imported.table.rows[3].cmd_mm[0], 0);
+  EXPECT_EQ(imported.table.rows[0].campaign, imported.table.rows[3].campaign);
+
+  const Imported positions =
+      Read("target,forward,return\n10,9.99,10.03\n20,19.98,20.02\n");
+  EXPECT_NEAR(positions.table.rows[0].value_mm, -0.01, 1e-12);
+  EXPECT_EQ(positions.table.rows[2].dir[0], -1);
+  // Front and back of a bed are no senses.
+  EXPECT_FALSE(Known(Read("told,front,back\n10,9.9,10.1\n20,19.9,20.1\n30,29.8,30.3\n")
+                         .table.rows[0]
+                         .dir[0]));
+}
+
 TEST(PlainTable, ADeviationMustSayItsUnit) {
   EXPECT_THAT([] { Read("target,error\n10,3\n"); },
               ::testing::ThrowsMessage<InputError>(HasSubstr("nothing says the unit")));

@@ -396,8 +396,10 @@ class TableReader {
         commanded && !actual.empty() && !AreDeviations(*commanded, actual);
     const bool is_dial = !actual.empty() && !is_actual;
     const std::vector<TableColumn>& read = is_actual || is_dial ? actual : deviation;
-    const bool has_series =
-        read.size() > 1 && (!is_actual || are_states_ || AreInstruments(read));
+    const bool are_senses = std::ranges::all_of(
+        read, [](const TableColumn& column) { return Known(column.sense); });
+    const bool has_series = read.size() > 1 && !are_senses &&
+                            (!is_actual || are_states_ || AreInstruments(read));
     for (const TableColumn& column : read) {
       series_ = has_series ? HeadingOf(column) : "";
       RequireUnit(column, is_actual || is_dial);
@@ -436,20 +438,39 @@ class TableReader {
         fmt::format("value = '{}' less '{}'", HeadingOf(second), HeadingOf(first)));
   }
 
-  // A dial that is set to nought at every target reads what is off, not where it is.
+  // A dial that is set to nought at every target reads what is off, not where it is:
+  // small against the targets, and hardly growing from one to the next.
   bool AreDeviations(const TableColumn& commanded,
                      const std::vector<TableColumn>& read) {
     constexpr double kSmall = 0.05;
-    double least_mm = HUGE_VAL, most_mm = 0;
+    std::vector<double> told_mm, read_mm;
     for (const CsvRecord& record : sheet_.records) {
-      const auto at_mm = NumberAt(record, commanded);
-      if (at_mm) least_mm = std::min(least_mm, std::abs(*at_mm));
+      if (const auto at_mm = NumberAt(record, commanded)) told_mm.push_back(*at_mm);
       for (const TableColumn& column : read) {
-        const auto value_mm = NumberAt(record, column);
-        if (value_mm) most_mm = std::max(most_mm, std::abs(*value_mm));
+        if (const auto value_mm = NumberAt(record, column))
+          read_mm.push_back(*value_mm);
       }
     }
-    return most_mm < kSmall * least_mm;
+    if (told_mm.empty() || read_mm.empty()) return false;
+    const auto [least_told_mm, most_told_mm] = std::ranges::minmax(told_mm);
+    const auto [least_read_mm, most_read_mm] = std::ranges::minmax(read_mm);
+    const double farthest_mm =
+        std::max(std::abs(least_told_mm), std::abs(most_told_mm));
+    const double largest_mm = std::max(std::abs(least_read_mm), std::abs(most_read_mm));
+    const bool is_small = largest_mm < kSmall * farthest_mm;
+    // Of one target, or of a table of positions counted from elsewhere.
+    const double nearest_mm =
+        std::ranges::min(told_mm, {}, [](double mm) { return std::abs(mm); });
+    const bool is_far = largest_mm < kSmall * std::abs(nearest_mm);
+    const bool is_level =
+        most_read_mm - least_read_mm < kSmall * (most_told_mm - least_told_mm);
+    // Sizes in inches beside millimetres are small as well, and all by one factor.
+    constexpr double kOfInches = 0.02;
+    const bool is_level_and_slight =
+        is_level &&
+        (most_read_mm - least_read_mm < kOfInches * (most_told_mm - least_told_mm) ||
+         least_read_mm * most_read_mm <= 0);
+    return is_small && (is_level_and_slight || is_far);
   }
 
   // Whether each column was read off an instrument of its own.
@@ -530,7 +551,7 @@ class TableReader {
       row.cmd_mm[static_cast<std::size_t>(other)] =
           NumberAt(record, *also).value_or(kUnknown);
     }
-    row.dir[axis] = SenseIn(record);
+    row.dir[axis] = Known(read.sense) ? read.sense : SenseIn(record);
     row.n = {0, 0, 0};
     row.n[axis] = 1;
     row.value_mm = is_actual ? *value - *at_mm : *value;

@@ -125,6 +125,36 @@ TableColumn ColumnOf(const CsvField& heading, std::size_t index) {
   return column;
 }
 
+// Columns "forward" and "backward" are the same readings in either sense.
+void TakeSenses(const Spreadsheet& sheet, std::vector<TableColumn>* columns) {
+  constexpr std::string_view kPlus = "forward forwards fwd plus positive";
+  constexpr std::string_view kMinus =
+      "backward backwards bwd back reverse rev return returning minus negative";
+  const auto is_read = [&](const TableColumn& column) {
+    const bool may_be = column.part == Part::kNone || column.part == Part::kActual ||
+                        column.part == Part::kDeviation;
+    return may_be && AreNumbers(sheet, column.index);
+  };
+  const auto has = [&](const TableColumn& column, std::string_view words) {
+    return is_read(column) &&
+           HasAny(words, TokensOf(sheet.headings[column.index].text));
+  };
+  const bool has_both =
+      std::ranges::any_of(*columns,
+                          [&](const auto& each) { return has(each, kPlus); }) &&
+      std::ranges::any_of(*columns,
+                          [&](const auto& each) { return has(each, kMinus); });
+  if (!has_both) return;
+  for (TableColumn& column : *columns) {
+    if (has(column, kPlus)) column.sense = 1;
+    if (has(column, kMinus)) column.sense = -1;
+    if (!Known(column.sense) || column.part != Part::kNone) continue;
+    column.part = Part::kActual;
+    column.unit =
+        UnitInHeading(sheet.headings[column.index].text, QuantityOf(Part::kActual));
+  }
+}
+
 }  // namespace
 
 std::vector<std::string> TokensOf(const std::string& heading) {
@@ -193,6 +223,7 @@ std::vector<TableColumn> ColumnsOf(const Spreadsheet& sheet,
     columns.push_back(sheet.headings.empty() ? TableColumn{.index = i}
                                              : ColumnOf(sheet.headings[i], i));
   }
+  if (!sheet.headings.empty()) TakeSenses(sheet, &columns);
   TakePartsByNumbers(sheet, &columns, taken);
   return columns;
 }

@@ -38,6 +38,8 @@ struct TableColumn {
   const NamedUnit* unit = nullptr;
   double Row::*temperature = nullptr;
   std::string side{};  ///< "outside", "inside": a wall measured by that column.
+  /// +1 of "forward", -1 of "backward" beside it: the sense in which it was read.
+  double sense = kUnknown;
 };
 
 /// Words of letters and digits, in small letters.
