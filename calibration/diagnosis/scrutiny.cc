@@ -90,6 +90,7 @@ class Scrutiny {
   // say of it.
   std::string DropUseless() {
     constexpr double kOfUse = 1.0 / 3;
+    DropUnseenTables();
     std::erase_if(found(), [&](const Found& found) {
       return IsFinerThanAStep(observed_, candidates_, found);
     });
@@ -133,6 +134,20 @@ class Scrutiny {
         is_refitted ? refined.variant.columns_mm * refined.sizes_mm
                     : own.variant.columns_mm * own.sizes_mm;
     return Peak_mm(change_mm.cwiseQuotient(search_.circumstances.sigma_mm)) < 1;
+  }
+
+  // A table that the rows fit no better with, which only values that are not believed
+  // speak for.
+  void DropUnseenTables() {
+    constexpr double kNoShare = 0.005;
+    if (found().empty()) return;
+    const std::vector<double> shares = Gain().shares;
+    for (std::size_t i = found().size(); i-- > 0;) {
+      const bool is_table =
+          candidates_[found()[i].candidate].is_free() || found()[i].lost_its_name;
+      if (is_table && shares[i] < kNoShare)
+        found().erase(found().begin() + static_cast<std::ptrdiff_t>(i));
+    }
   }
 
   bool IsUnseenWave(std::size_t i) const {
