@@ -87,7 +87,8 @@ double RoundedBy_mm(const Observed& observed, Eigen::Index i, int drive) {
   const bool counts_axes =
       drives != nullptr || observed.machine().kind->motors().empty();
   const double steps_per_mm = StatedSteps_per_mm(observed, i, drive);
-  if (!counts_axes || at.kind != RowKind::kPosition || !(steps_per_mm > 0)) return 0;
+  // A touch ends where the surface is; on a circle each point has its own steps.
+  if (!counts_axes || at.kind == RowKind::kTouch || !(steps_per_mm > 0)) return 0;
   const auto& cmd_mm = observed.row(i).cmd_mm;
   const double command_mm = DrivesOf(drives, {cmd_mm[0], cmd_mm[1], cmd_mm[2]})[drive];
   const double beyond_mm =

@@ -171,6 +171,26 @@ TEST(RoundedBy, IsWhatTheNearestStepIsBeyondTheCommand) {
   EXPECT_EQ(RoundedBy_mm(observed, 3, 1), 0);  // Nothing is stated of it.
 }
 
+// Points of a circle stand at whole steps as targets do; what a machine file states
+// holds where the header says nothing; where nobody states steps/mm, nothing is known.
+TEST(RoundedBy, HoldsOnCirclesAndByTheMachineFile) {
+  Machine machine{.name = "test"};
+  machine.settings.steps_per_mm = {80, 80, 80};
+  Row row{.row = 1, .campaign = "circle", .kind = RowKind::kRadial};
+  row.cmd_mm = {10.003, 20, 0};
+  row.n = {0.6, 0.8, 0};
+  RowTable table;
+  table.rows = {row, row};
+  table.rows[1].row = 2;
+  table.rows[1].kind = RowKind::kTouch;
+
+  EXPECT_EQ(RoundedBy_mm({table, {}, machine, {}}, 0, 0), 0);
+  machine.file = "machine.yaml";
+  const Observed observed(table, {}, machine, {});
+  EXPECT_NEAR(RoundedBy_mm(observed, 0, 0), 10 - 10.003, 1e-9);
+  EXPECT_EQ(RoundedBy_mm(observed, 1, 0), 0);  // A touch ends where the surface is.
+}
+
 // Repeats share what a step leaves, so it is no noise: taken for noise, it would make
 // the scale look twice as sure as it is.
 TEST(RoundedBy, ScalesAreAsSureAsTheyAreSaidToBe) {
