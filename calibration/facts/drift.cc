@@ -138,7 +138,12 @@ void AddDrift(const Rows& rows, const Drift& drift, Facts* facts) {
   constexpr double kLeastStep_mm = 0.02, kEven = 8;
   const double mean_step_mm = (rows.back()->value_mm - rows.front()->value_mm) /
                               static_cast<double>(steps_mm.size());
-  const bool is_staircase = std::abs(mean_step_mm) > kLeastStep_mm &&
+  // What moves while nobody looks for minutes may warm or settle.
+  constexpr double kApart_s = 120;
+  const bool are_far_apart =
+      Known(time_s) && time_s > kApart_s * static_cast<double>(steps_mm.size());
+  const bool is_staircase = warmed.empty() && !are_far_apart &&
+                            std::abs(mean_step_mm) > kLeastStep_mm &&
                             std::abs(mean_step_mm) > kEven * drift.noise_mm;
   const int axis = AxisAlong(*rows.front());
   if (is_staircase) {

@@ -156,14 +156,16 @@ bool AreHomings(const Rows& rows) {
 // How far each of several switches scatters from homing to homing.
 void TellHomings(const std::map<std::string, std::vector<const Row*>>& ways,
                  Facts* facts) {
+  constexpr double kFewest = 4;
   double least_mm = HUGE_VAL;
   for (const auto& [way, of_way] : ways) {
     const Average average = AverageOf(of_way);
-    least_mm = std::min(least_mm, average.sd);
+    if (average.num > kFewest) least_mm = std::min(least_mm, average.sd);
   }
   for (const auto& [way, of_way] : ways) {
     const Average average = AverageOf(of_way);
     const double dof = average.num - 1;
+    if (dof < kFewest) continue;
     const bool is_worse = average.sd > 2 * least_mm;
     facts->all.push_back(
         {.id = "homing_scatter",

@@ -69,6 +69,8 @@ void TellUnsteady(const std::vector<Length>& lengths,
                   const PlaneWords& plane,
                   Facts* facts) {
   constexpr double kLeast = 1e-3, kFewest = 4;
+  constexpr double kSure = 3, kCalliper_mm = 0.05;  // What a diagonal is read to.
+  double shortest_mm = HUGE_VAL;
   std::vector<double> angles;
   const Length* rising = nullptr;
   for (const Length& length : lengths) {
@@ -76,11 +78,13 @@ void TellUnsteady(const std::vector<Length>& lengths,
     const double span_mm = (length.to_mm - length.from_mm).norm();
     if (a * b > 0) rising = &length;
     if (a * b >= 0 || rising == nullptr) continue;
+    shortest_mm = std::min(shortest_mm, span_mm);
     angles.push_back((length.change_mm - rising->change_mm) / span_mm);
     rising = nullptr;
   }
   const Average average = AverageOf(angles);
-  if (average.num < kFewest || average.sd < kLeast) return;
+  const double least = std::max(kLeast, kSure * kCalliper_mm / shortest_mm);
+  if (average.num < kFewest || average.sd < least) return;
   facts->not_determined.push_back(
       fmt::format("skew.{}{}", "XYZ"[plane.first], "XYZ"[plane.second]));
   const double least_mrad = MradFromRad(*std::ranges::min_element(angles));

@@ -59,6 +59,7 @@ struct CommonStep {
   std::int64_t last = std::numeric_limits<std::int64_t>::min();   ///< Row before it.
   std::int64_t first = std::numeric_limits<std::int64_t>::max();  ///< Row after it.
   double sum_mm = 0;  ///< Of the places' changes.
+  bool is_one_way = true;
 };
 
 // Of the places that do nothing else.
@@ -78,12 +79,27 @@ CommonStep StepOf(const std::vector<Rows>& cells,
                                     : std::all_of(change, ordered.end(), is_far);
     if (change == ordered.begin() || change == ordered.end() || !is_clean) continue;
     ++step.num_places;
-    step.sum_mm +=
+    const double change_mm =
         MedianOf(Rows(change, ordered.end())) - MedianOf(Rows(ordered.begin(), change));
+    step.is_one_way &= change_mm * step.sum_mm >= 0;
+    step.sum_mm += change_mm;
     step.last = std::max(step.last, (*std::prev(change))->row);
     step.first = std::min(step.first, (*change)->row);
   }
   return step;
+}
+
+// Whether most of the places that were read on both sides of it take part.
+bool IsOfMost(const CommonStep& step, const std::vector<Rows>& cells) {
+  std::size_t num_both = 0;
+  for (const Rows& cell : cells) {
+    const bool has_before = std::ranges::any_of(
+        cell, [&](const Row* row) { return row->row <= step.last; });
+    const bool has_after = std::ranges::any_of(
+        cell, [&](const Row* row) { return row->row >= step.first; });
+    num_both += has_before && has_after ? 1 : 0;
+  }
+  return 2 * step.num_places > num_both;
 }
 
 void TellStep(const CommonStep& step, Facts* facts) {
@@ -114,7 +130,10 @@ void KeepSteps(const std::vector<Rows>& cells,
   constexpr std::size_t kFewestPlaces = 3;
   for (const bool is_before : {true, false}) {
     const CommonStep step = StepOf(cells, *far, is_before);
-    if (step.num_places < kFewestPlaces || step.last > step.first) continue;
+    if (step.num_places < kFewestPlaces || step.last > step.first || !step.is_one_way ||
+        !IsOfMost(step, cells)) {
+      continue;
+    }
     // A place may have a bad reading besides.
     for (const Rows& cell : cells) {
       Rows of_step;

@@ -309,6 +309,9 @@ double StatedSigma_mm(const Row& row, const DataHeader& header) {
 
 double FinestStep_mm(const std::vector<const Row*>& rows) {
   constexpr double kCoarsest_mm = 1;
+  const bool are_alike = std::ranges::all_of(
+      rows, [&](const Row* row) { return row->value_mm == rows.front()->value_mm; });
+  if (are_alike) return 0;
   double step_mm = 0;
   for (const Row* row : rows) {
     const int axis = AxisAlong(*row);
@@ -318,7 +321,7 @@ double FinestStep_mm(const std::vector<const Row*>& rows) {
     // What was read, where a command stands beside it.
     if (Known(told_mm)) step_mm = CommonStep_mm(step_mm, told_mm + row->value_mm);
   }
-  return std::min(step_mm, kCoarsest_mm);
+  return step_mm > kCoarsest_mm ? CommonStep_mm(step_mm, kCoarsest_mm) : step_mm;
 }
 
 Repeats FactsOfRepeats(const std::vector<const Row*>& rows,

@@ -56,7 +56,10 @@ void AddTrials(const Rows& rows, const DataHeader& header, Facts* facts) {
   for (const Row* row : rows) {
     const int axis = AxisAlong(*row);
     const auto settings = header.settings.find(row->settings);
-    if (axis < 0 || settings == header.settings.end()) continue;
+    if (row->kind != RowKind::kPosition || axis < 0 ||
+        settings == header.settings.end()) {
+      continue;
+    }
     const auto k = static_cast<std::size_t>(axis);
     const auto steps = settings->second.steps_per_mm.find(kAxisNames[k]);
     if (steps == settings->second.steps_per_mm.end() || !(row->cmd_mm[k] > 0)) continue;
@@ -74,6 +77,10 @@ void AddTrials(const Rows& rows, const DataHeader& header, Facts* facts) {
                            ? fmt::format("{:.3f} at {:g}", low, steps)
                            : fmt::format("{:.3f} to {:.3f} at {:g}", low, high, steps));
     }
+    // Travel that did not change with the steps/mm agrees with none of them.
+    constexpr double kAgree = 0.3;
+    const double range = by_steps.rbegin()->first / by_steps.begin()->first - 1;
+    if (most < (1 + kApart) * least && most / least - 1 > kAgree * range) continue;
     if (most < (1 + kApart) * least) {
       TellNeeded(static_cast<std::size_t>(axis), by_steps, facts);
       continue;
@@ -108,7 +115,7 @@ void AddDefaults(const Rows& rows, const DataHeader& header, Facts* facts) {
   constexpr double kFreshGrbl = 250, kFar = 0.12, kRound = 10, kAlike = 0.01;
   for (std::size_t k = 0; k < 3; ++k) {
     const auto scale = std::ranges::find_if(facts->all, [&](const Fact& fact) {
-      return fact.id == "scale" && fact.axis == kAxisNames[k];
+      return fact.id == "scale" && fact.word != "trials" && fact.axis == kAxisNames[k];
     });
     const auto settings = header.settings.find(rows.front()->settings);
     if (scale == facts->all.end() || settings == header.settings.end()) continue;

@@ -328,5 +328,66 @@ TEST(FactsOfLevelling, WhatLiesAcrossTwoMotorsStays) {
   EXPECT_EQ(FactsOfRows(rows, {}, three).Find("levelling"), nullptr);
 }
 
+// Three bad readings of the first sweep over many places are no step of the machine.
+TEST(FactsOfOutliers, AFewBadReadingsOfOneSweepStayBad) {
+  Rng rng(6, 0, "sweeps");
+  std::vector<Row> rows;
+  for (int sweep = 0; sweep < 4; ++sweep) {
+    for (int i = 0; i < 25; ++i) {
+      rows.push_back(Height(40.0 * (i % 5), 40.0 * (i / 5), 0.002 * rng.Normal()));
+    }
+  }
+  rows[2].value_mm += 0.2;
+  rows[8].value_mm -= 0.3;
+  rows[19].value_mm += 0.08;
+
+  const Facts facts = FactsOfRows(rows);
+
+  const Fact* fact = facts.Find("outliers");
+  ASSERT_NE(fact, nullptr);
+  EXPECT_THAT(fact->rows, testing::ElementsAre(3, 9, 20));
+  EXPECT_EQ(facts.Find("jump"), nullptr);
+}
+
+// Ten readings that are all the same say nothing of a step of 1 mm.
+TEST(FactsOfRepeats, ReadingsThatAreAllAlikeHaveNoStep) {
+  const Facts facts = FactsOfRows(std::vector<Row>(10, Height(100, 100, 2.5)));
+
+  const Fact* fact = facts.Find("repeatability");
+  if (fact != nullptr) EXPECT_LT(FigureOf(*fact, "sd_um"), 1);
+}
+
+// The same travel whatever was set: no trial says what the axis needs.
+TEST(FactsOfTrials, TravelThatDoesNotFollowTheSettingTellsNoNeed) {
+  DataHeader header;
+  std::vector<Row> rows;
+  for (const double steps : {80.0, 82.0}) {
+    const std::string id = fmt::format("{:g}", steps);
+    header.settings[id].steps_per_mm["x"] = steps;
+    Row row = Move(0, 100, 0);
+    row.settings = id;
+    rows.push_back(row);
+  }
+
+  const Facts facts = FactsOfRows(rows, header);
+
+  for (const Fact& fact : facts.all) EXPECT_NE(fact.word, "trials") << fact.sentence;
+}
+
+// A frame that warms over hours climbs as evenly as a staircase.
+TEST(FactsOfRepeats, ReadingsFarApartInTimeAreNoStaircase) {
+  Rng rng(9, 0, "warming");
+  std::vector<Row> rows;
+  for (int i = 0; i < 8; ++i) {
+    rows.push_back(Height(100, 100, 0.03 * i + 0.0015 * rng.Normal()));
+    rows.back().t_s = 900.0 * i;
+  }
+
+  const Facts facts = FactsOfRows(rows);
+  const Fact* fact = facts.Find("drift");
+  ASSERT_NE(fact, nullptr);
+  EXPECT_NE(fact->word, "staircase");
+}
+
 }  // namespace
 }  // namespace caltwin

@@ -72,6 +72,7 @@ TEST(CountedStep, IsSaidByTheTextOrThereIsNone) {
   EXPECT_DOUBLE_EQ(CountedStep_mm("in steps\n160.5 steps/mm"), 1 / 160.5);
   EXPECT_EQ(CountedStep_mm("80 steps/mm set, readings in mm"), 0);
   EXPECT_EQ(CountedStep_mm("in steps of a hundredth"), 0);
+  EXPECT_EQ(CountedStep_mm("jogged in steps of 10 mm, 80 steps/mm set"), 0);
 
   const Imported imported =
       Read("table",
@@ -98,17 +99,18 @@ TEST(Sentences, AMoveOfGCodeAndWhatWasMeasuredBelowIt) {
   EXPECT_NEAR(imported.table.rows[0].value_mm, -48.34, 1e-9);
 }
 
+// As the plugin prints it, the hint behind its calibration; both have the offset.
 TEST(SwitchStory, ADistanceFixedInTheToolheadThatChangesIsSaid) {
   const std::string line =
-      "HINT: z position_endstop={} - offset=-0.1 --> possible z position_endstop=2\n"
-      "Z-CALIBRATION: probe=6.74 - (switch={} - nozzle={} + switch_offset=0.300) --> "
-      "new offset=-0.1\n";
+      "Z-CALIBRATION: probe=6.74 - (switch={0} - nozzle={1} + switch_offset=0.300) --> "
+      "new offset={2}\n"
+      "HINT: z position_endstop={3} - offset={2} --> possible z position_endstop=2\n";
   const auto log = [&](const std::string& last_endstop) {
     std::string text;
-    for (const auto& [endstop, body, nozzle] :
-         {std::tuple("1.845", "8.071", "1.509"),
-          std::tuple(last_endstop.c_str(), "7.665", "1.422")}) {
-      text += fmt::format(fmt::runtime(line), endstop, body, nozzle);
+    for (const auto& [body, nozzle, offset, endstop] :
+         {std::tuple("8.071", "1.509", "-0.125644", "1.845"),
+          std::tuple("7.665", "1.422", "0.216039", last_endstop.c_str())}) {
+      text += fmt::format(fmt::runtime(line), body, nozzle, offset, endstop);
     }
     return Read("console-log", text);
   };
@@ -119,17 +121,21 @@ TEST(SwitchStory, ADistanceFixedInTheToolheadThatChangesIsSaid) {
   EXPECT_NEAR(open->figures[0].value, 319, 1e-6);
   EXPECT_NE(NoteOf(raised, "position_endstop"), nullptr);
   ASSERT_THAT(raised.table.rows, SizeIs(6));
-  EXPECT_NE(raised.table.rows[0].settings, raised.table.rows[1].settings);
+  EXPECT_EQ(raised.table.rows[0].settings, "endstop_1.845");
+  EXPECT_EQ(raised.table.rows[1].settings, "endstop_3");
 
-  EXPECT_EQ(NoteOf(log("1.845"), "cause"), nullptr) << "repeats under one endstop";
+  const Imported repeated = log("1.845");
+  EXPECT_EQ(NoteOf(repeated, "cause"), nullptr) << "repeats under one endstop";
+  EXPECT_EQ(repeated.table.rows[0].settings, repeated.table.rows[1].settings);
 }
 
 TEST(PulseRate, WhatABoardOfEightBitsCannotSendIsSaid) {
   const FileNote* note = nullptr;
   const Imported asked =
       Read("console-log", "Grbl 1.1h ['$' for help]\n$100=640\n$110=10000\nok\n");
-  note = NoteOf(asked, "settings");
+  note = NoteOf(asked, "pulse_rate");  // Allowed, and perhaps never asked for.
   ASSERT_NE(note, nullptr);
+  EXPECT_EQ(note->kind, FileNote::Kind::kOpen);
   EXPECT_NEAR(note->figures[0].value, 640 * 10000 / 60e3, 1e-9);
 
   const Imported prose = Read(
@@ -142,6 +148,7 @@ TEST(PulseRate, WhatABoardOfEightBitsCannotSendIsSaid) {
        {"Grbl 1.1h\n$100=160\n$110=10000\nG1 X1\n[PRB:1,1,1:1]\n",
         "GrblHAL 1.1f on ESP32\n$100=640\n$110=10000\n[PRB:1,1,1:1]\n"}) {
     EXPECT_EQ(NoteOf(Read("console-log", right), "settings"), nullptr) << right;
+    EXPECT_EQ(NoteOf(Read("console-log", right), "pulse_rate"), nullptr) << right;
   }
 }
 
@@ -157,6 +164,31 @@ TEST(GrblStory, MotorsThatAreOffInThePausesLetTheAxisDrift) {
 
   EXPECT_NE(NoteOf(log("25"), "settings"), nullptr);
   EXPECT_EQ(NoteOf(log("255"), "settings"), nullptr);
+}
+
+TEST(PartSenses, BesideBothSensesADifferenceIsReckoned) {
+  const Imported imported = Read("table",
+                                 "pos,forward,backward,forward minus backward\n"
+                                 "10,10.01,9.98,0.03\n20,20.02,19.99,0.03\n"
+                                 "30,30.02,29.98,0.04\n");
+
+  ASSERT_THAT(imported.table.rows, SizeIs(6));
+  EXPECT_NEAR(imported.table.rows[0].value_mm, 0.01, 1e-9);
+  EXPECT_EQ(imported.table.rows[3].dir[0], -1);
+}
+
+TEST(PlainTable, TolerancesAndNamesOfFilesAreNoReadings) {
+  const Imported sheet = Read(
+      "table",
+      "Nominal,Measured,Plus tol,Minus tol\n50,50.02,0.1,-0.1\n60,60.01,0.1,-0.1\n");
+  ASSERT_THAT(sheet.table.rows, SizeIs(2));
+  EXPECT_NEAR(sheet.table.rows[0].value_mm, 0.02, 1e-9);
+  EXPECT_FALSE(Known(sheet.table.rows[0].dir[0]));
+
+  const Imported files =
+      Read("table", "File,commanded,measured\ncube.stl,20,20.05\nbar.stl,80,80.1\n");
+  ASSERT_THAT(files.table.rows, SizeIs(2));
+  EXPECT_NEAR(files.table.rows[1].value_mm, 0.1, 1e-9);
 }
 
 }  // namespace

@@ -42,8 +42,16 @@ class TableReader {
     step_mm_ = CountedStep_mm(text);
     const std::string lower = Lowered(text);
     are_distances_ = lower.find("distance") != std::string::npos;
-    is_homed_ = lower.find("g28") != std::string::npos ||
-                lower.find("after each homing") != std::string::npos;
+    constexpr std::array<std::string_view, 7> kEach = {"x g28",
+                                                       "after g28",
+                                                       "after each g28",
+                                                       "after every g28",
+                                                       "after each homing",
+                                                       "after every homing",
+                                                       "homed before each"};
+    is_homed_ = std::ranges::any_of(kEach, [&](std::string_view words) {
+      return lower.find(words) != std::string::npos;
+    });
   }
 
   Imported Read() {
@@ -134,11 +142,26 @@ class TableReader {
     } else if (column.unit != nullptr) {
       value = column.unit->convert(*value);
     } else if (QuantityOf(column.part) == Quantity::kLength) {
-      const bool is_counted = step_mm_ > 0 && *value == std::round(*value);
+      const bool is_counted = IsCounted(column);
       if (is_counted) *value *= step_mm_;
       (is_counted ? takes_steps_ : takes_mm_) = true;
     }
     return value;
+  }
+
+  // Whether a column of readings counts steps: whole numbers all through.
+  bool IsCounted(const TableColumn& column) {
+    const bool is_read = column.part == Part::kActual ||
+                         column.part == Part::kDeviation ||
+                         column.part == Part::kHeight;
+    if (!(step_mm_ > 0) || !is_read) return false;
+    const auto [known, is_new] = are_whole_.try_emplace(column.index, false);
+    if (is_new) {
+      known->second = std::ranges::all_of(
+          NumbersOf(sheet_, column.index),
+          [](double number) { return number == std::round(number); });
+    }
+    return known->second;
   }
 
   // What a line says beside its readings.
@@ -616,6 +639,7 @@ class TableReader {
   Imported imported_{};
   std::string
       series_{};  ///< Heading of the column that is read, where there are several.
+  std::map<std::size_t, bool> are_whole_{};  ///< By column: whole numbers alone.
   double step_mm_ = 0;          ///< Whole numbers count steps of this length; 0: none.
   bool is_homed_ = false;       ///< Before every reading.
   bool are_distances_ = false;  ///< Of centres, the text says.

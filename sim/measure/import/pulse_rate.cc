@@ -58,8 +58,19 @@ std::vector<double> FeedsIn(const std::string& lower) {
 
 void PulseRate::Take(const ConsoleLine& line) {
   is_grbl_ |= line.lower.find("grbl") != std::string::npos;
-  constexpr std::array<std::string_view, 5> kFast = {
-      "grblhal", "esp32", "teensy", "stm32", "fluidnc"};
+  constexpr std::array<std::string_view, 13> kFast = {"grblhal",
+                                                      "grbl 1.2",
+                                                      "grbl 1.3",
+                                                      "esp32",
+                                                      "teensy",
+                                                      "stm32",
+                                                      "fluidnc",
+                                                      "lpc",
+                                                      "dlc32",
+                                                      "smoothie",
+                                                      "samd",
+                                                      "rp2040",
+                                                      "g2core"};
   is_fast_board_ |= std::ranges::any_of(kFast, [&](std::string_view word) {
     return line.lower.find(word) != std::string::npos;
   });
@@ -98,17 +109,22 @@ void PulseRate::Tell(Imported* imported) const {
   }
   double fewer = steps;
   while (fewer * *asked_mm_min.rbegin() / SFromMin(1.0) > kGrblMost_hz) fewer /= 2;
+  // The fastest that is allowed need not be what was asked for.
+  const bool is_asked = axis < 2 && !feeds_mm_min_.empty() &&
+                        steps * *feeds_mm_min_.rbegin() / SFromMin(1.0) > kGrblMost_hz;
   imported->notes.push_back(
-      {.kind = FileNote::Kind::kElsewhere,
-       .what = "settings",
+      {.kind = is_asked ? FileNote::Kind::kElsewhere : FileNote::Kind::kOpen,
+       .what = is_asked ? "settings" : "pulse_rate",
        .sentence = fmt::format(
-           "{} is asked for more pulses than its controller sends: at {:g} steps/mm {} "
-           "pulses a second, and grbl on an 8 bit board gives about 30 thousand, which "
-           "is {:.0f} mm/min here. Beyond that it loses steps, answers garbled or "
-           "stops, and belt, motor and acceleration are not at fault. Set fewer "
+           "{} {} for more pulses than its controller sends: at {:g} steps/mm {} "
+           "pulses "
+           "a second, and grbl on an 8 bit board gives about 30 thousand, which is "
+           "{:.0f} mm/min here. Beyond that it loses steps, answers garbled or stops, "
+           "and belt and motor are not at fault. Set fewer "
            "micro-steps (with {:g} steps/mm the same feed is {:.0f} thousand), or take "
            "a faster controller",
            "XYZ"[axis],
+           is_asked ? "is asked" : "may be asked, if its board is one of 8 bit,",
            steps,
            fmt::join(rates, ", "),
            kGrblMost_hz * SFromMin(1.0) / steps,

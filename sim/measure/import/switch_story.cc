@@ -10,27 +10,54 @@
 #include "sim/base/units.h"
 
 namespace caltwin {
+namespace {
+
+// A hint stands behind its calibration, or before it where the newest line is first:
+// both print the same offset.
+bool AreAlike(double one_mm, double other_mm) {
+  constexpr double kSame_mm = 1e-6;
+  return std::abs(one_mm - other_mm) < kSame_mm;
+}
+
+}  // namespace
 
 bool SwitchStory::Take(const ConsoleLine& line, int number) {
   if (line.lower.find("hint:") != std::string::npos) {
-    const auto endstop_mm = NumberAfter(line.lower, "position_endstop=");
-    if (endstop_mm) endstop_mm_ = *endstop_mm;
-    return endstop_mm.has_value();
+    const auto endstop_mm = NumberAfter(line.lower, "position_endstop="),
+               offset_mm = NumberAfter(line.lower, " offset=");
+    if (!endstop_mm || !offset_mm) return endstop_mm.has_value();
+    hints_.push_back({*offset_mm, *endstop_mm});
+    for (Calibration& one : all_) {
+      if (AreAlike(one.offset_mm, *offset_mm)) one.endstop_mm = *endstop_mm;
+    }
+    return true;
   }
   if (line.lower.find("z-calibration:") == std::string::npos) return false;
   const auto nozzle_mm = NumberAfter(line.lower, "nozzle="),
              body_mm = NumberAfter(line.lower, "switch="),
              probe_mm = NumberAfter(line.lower, "probe=");
   if (!nozzle_mm || !body_mm || !probe_mm) return false;
-  all_.push_back({*nozzle_mm, *body_mm, *probe_mm, endstop_mm_, number});
-  endstop_mm_ = kUnknown;
+  all_.push_back(
+      {.nozzle_mm = *nozzle_mm,
+       .body_mm = *body_mm,
+       .probe_mm = *probe_mm,
+       .offset_mm = NumberAfter(line.lower, "new offset=").value_or(kUnknown),
+       .line = number});
+  for (const Hint& hint : hints_) {
+    if (AreAlike(hint.offset_mm, all_.back().offset_mm))
+      all_.back().endstop_mm = hint.endstop_mm;
+  }
   return true;
 }
 
 bool SwitchStory::HasOtherEndstops() const {
-  return std::ranges::any_of(all_, [&](const Calibration& one) {
-    return Known(one.endstop_mm) && one.endstop_mm != all_.front().endstop_mm;
-  });
+  double first_mm = kUnknown;
+  for (const Calibration& one : all_) {
+    if (!Known(one.endstop_mm)) continue;
+    if (Known(first_mm) && one.endstop_mm != first_mm) return true;
+    first_mm = one.endstop_mm;
+  }
+  return false;
 }
 
 void SwitchStory::Tell(Imported* imported) const {
@@ -59,12 +86,16 @@ void SwitchStory::TellDistance(Imported* imported) const {
        .sentence = fmt::format(
            "which touch on the pin was another: switch less nozzle, a distance that is "
            "fixed in the toolhead, is {:.3f} mm, changes by {:.2f} mm, and the offset "
-           "moves by as much. Touches of the bed agree to {:.3f} mm, so probe and bed "
-           "are not it. Look at what meets the pin: how the probe sits in its dock, "
+           "moves by as much.{} Look at what meets the pin: how the probe sits in its "
+           "dock, "
            "which part of its body touches, dirt on the nozzle",
            fmt::join(apart_mm, ", "),
            change_mm,
-           most_probe_mm - least_probe_mm),
+           most_probe_mm - least_probe_mm < kRepeats_mm
+               ? fmt::format(" Touches of the bed agree to {:.3f} mm, so probe and bed "
+                             "are not it.",
+                             most_probe_mm - least_probe_mm)
+               : ""),
        .fact = "contradiction",
        .axis = "z",
        .word = "switch",

@@ -16,6 +16,7 @@ class SwitchStory {
   /// One calibration.
   struct Calibration {
     double nozzle_mm = 0, body_mm = 0, probe_mm = 0;
+    double offset_mm = kUnknown;   ///< As it came out.
     double endstop_mm = kUnknown;  ///< As configured; kUnknown: not printed.
     int line = 0;
   };
@@ -31,8 +32,12 @@ class SwitchStory {
   /// Whether Z was homed to another height between two of them.
   bool HasOtherEndstops() const;
 
+  /// The endstop as configured, of the calibration that gave this offset.
+  struct Hint {
+    double offset_mm = 0, endstop_mm = 0;
+  };
   std::vector<Calibration> all_{};
-  double endstop_mm_ = kUnknown;  ///< Of the hint that was printed last.
+  std::vector<Hint> hints_{};
 };
 
 }  // namespace caltwin

@@ -136,15 +136,22 @@ void TakeSenses(const Spreadsheet& sheet, std::vector<TableColumn>* columns) {
     return may_be && AreNumbers(sheet, column.index);
   };
   const auto has = [&](const TableColumn& column, std::string_view words) {
-    return is_read(column) &&
-           HasAny(words, TokensOf(sheet.headings[column.index].text));
+    const std::vector<std::string> tokens = TokensOf(sheet.headings[column.index].text);
+    const bool says_both = HasAny(kPlus, tokens) && HasAny(kMinus, tokens);
+    return is_read(column) && HasAny(words, tokens) && !says_both &&
+           !HasAny("tol tolerance limit", tokens);
   };
   const bool has_both =
       std::ranges::any_of(*columns,
                           [&](const auto& each) { return has(each, kPlus); }) &&
       std::ranges::any_of(*columns,
                           [&](const auto& each) { return has(each, kMinus); });
-  if (!has_both) return;
+  // Beside a column that was read, what nothing names is something else.
+  const bool has_other = std::ranges::any_of(*columns, [&](const TableColumn& each) {
+    const bool is_named = each.part == Part::kActual || each.part == Part::kDeviation;
+    return is_named && !has(each, kPlus) && !has(each, kMinus);
+  });
+  if (!has_both || has_other) return;
   for (TableColumn& column : *columns) {
     if (has(column, kPlus)) column.sense = 1;
     if (has(column, kMinus)) column.sense = -1;
@@ -222,6 +229,13 @@ std::vector<TableColumn> ColumnsOf(const Spreadsheet& sheet,
   for (std::size_t i = 0; i < sheet.records.front().size(); ++i) {
     columns.push_back(sheet.headings.empty() ? TableColumn{.index = i}
                                              : ColumnOf(sheet.headings[i], i));
+  }
+  for (TableColumn& column : columns) {
+    // "File": names of files, where no numbers stand there.
+    const bool may_be_name =
+        column.part == Part::kCommanded && !AreNumbers(sheet, column.index) &&
+        HasAny("file nc", TokensOf(sheet.headings[column.index].text));
+    if (may_be_name) column.part = Part::kNone;
   }
   if (!sheet.headings.empty()) TakeSenses(sheet, &columns);
   TakePartsByNumbers(sheet, &columns, taken);

@@ -105,6 +105,18 @@ std::string DropDerived(Spreadsheet* sheet) {
 
 std::string PartSenses(Spreadsheet* sheet) {
   if (sheet->headings.empty()) return "";
+  // Beside both senses themselves it is reckoned.
+  const bool has_senses =
+      std::ranges::any_of(sheet->headings, [](const CsvField& heading) {
+        constexpr std::array<std::string_view, 4> kOne = {
+            "forward", "backward", "even", "odd"};
+        const std::vector<std::string> tokens = TokensOf(heading.text);
+        return !SetsSensesApart(heading.text) &&
+               std::ranges::any_of(kOne, [&](std::string_view word) {
+                 return std::ranges::find(tokens, word) != tokens.end();
+               });
+      });
+  if (has_senses) return "";
   for (std::size_t i = 0; i < sheet->headings.size(); ++i) {
     if (!SetsSensesApart(sheet->headings[i].text) || !AreNumbers(*sheet, i)) continue;
     double sum = 0;
@@ -138,8 +150,10 @@ double CountedStep_mm(const std::string& text) {
   bool is_counted = false;
   for (const TextLine& line : LinesOf(text)) {
     const std::string lower = Lowered(line.text);
-    is_counted |= lower.find("in steps") != std::string::npos ||
-                  lower.find("counted in micro") != std::string::npos;
+    const std::size_t in_steps = lower.find("in steps");
+    // "in steps of 10 mm" says how far apart targets are.
+    is_counted |= in_steps != std::string::npos &&
+                  lower.compare(in_steps, 12, "in steps of ") != 0;
     const std::size_t at = lower.find("steps/mm");
     if (at == std::string::npos) continue;
     const std::size_t end = lower.find_last_of("0123456789", at);
