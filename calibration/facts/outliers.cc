@@ -89,8 +89,9 @@ CommonStep StepOf(const std::vector<Rows>& cells,
   return step;
 }
 
-// Whether most of the places that were read on both sides of it take part.
-bool IsOfMost(const CommonStep& step, const std::vector<Rows>& cells) {
+// Whether a third at least of the places that were read on both sides of it take part
+// (a screw that slips moves those near it).
+bool IsOfMany(const CommonStep& step, const std::vector<Rows>& cells) {
   std::size_t num_both = 0;
   for (const Rows& cell : cells) {
     const bool has_before = std::ranges::any_of(
@@ -99,7 +100,7 @@ bool IsOfMost(const CommonStep& step, const std::vector<Rows>& cells) {
         cell, [&](const Row* row) { return row->row >= step.first; });
     num_both += has_before && has_after ? 1 : 0;
   }
-  return 2 * step.num_places > num_both;
+  return 3 * step.num_places >= num_both;
 }
 
 void TellStep(const CommonStep& step, Facts* facts) {
@@ -131,7 +132,7 @@ void KeepSteps(const std::vector<Rows>& cells,
   for (const bool is_before : {true, false}) {
     const CommonStep step = StepOf(cells, *far, is_before);
     if (step.num_places < kFewestPlaces || step.last > step.first || !step.is_one_way ||
-        !IsOfMost(step, cells)) {
+        !IsOfMany(step, cells)) {
       continue;
     }
     // A place may have a bad reading besides.
