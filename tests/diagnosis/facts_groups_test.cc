@@ -200,8 +200,9 @@ TEST(FactsOfOutliers, RoundsBeforeAStepAreNoBadTouches) {
   for (int round = 0; round < 6; ++round) {
     for (int i = 0; i < 9; ++i) {
       const double step_mm = round == 0 ? 0 : 0.1;
+      const int column = i % 3, line = i / 3;
       rows.push_back(
-          Height(40.0 * (i % 3), 40.0 * (i / 3), step_mm + 0.002 * rng.Normal()));
+          Height(40.0 * column, 40.0 * line, step_mm + 0.002 * rng.Normal()));
     }
   }
   EXPECT_EQ(FactsOfRows(rows).Find("outliers"), nullptr);
@@ -334,7 +335,8 @@ TEST(FactsOfOutliers, AFewBadReadingsOfOneSweepStayBad) {
   std::vector<Row> rows;
   for (int sweep = 0; sweep < 4; ++sweep) {
     for (int i = 0; i < 25; ++i) {
-      rows.push_back(Height(40.0 * (i % 5), 40.0 * (i / 5), 0.002 * rng.Normal()));
+      const int column = i % 5, line = i / 5;
+      rows.push_back(Height(40.0 * column, 40.0 * line, 0.002 * rng.Normal()));
     }
   }
   rows[2].value_mm += 0.2;

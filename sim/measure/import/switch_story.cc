@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "sim/base/units.h"
+#include "sim/measure/import/fields.h"
 
 namespace caltwin {
 namespace {
