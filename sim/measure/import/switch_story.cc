@@ -113,6 +113,7 @@ void SwitchStory::TellHint(Imported* imported) const {
     if (first == nullptr) first = &one;
     last = &one;
   }
+  if (first == nullptr) return;
   const double raised_mm = last->endstop_mm - first->endstop_mm;
   const double moved_mm = last->nozzle_mm - first->nozzle_mm;
   const bool follows = std::abs(moved_mm) > kFollows * std::abs(raised_mm);
