@@ -139,14 +139,10 @@ void WeighForms(const Machine& machine, Candidate* candidate) {
     if (effect.parameters[k].role == Role::kForm) drawn.push_back(values[k]);
   }
   std::vector<Variant>& variants = candidate->variants;
-  const auto num = static_cast<double>(variants.size());
   const auto as_drawn = std::ranges::find(variants, drawn, &Variant::forms);
-  const bool is_wave = effect.sight->harmonics > 0 && as_drawn != variants.end();
-  for (Variant& variant : variants) {
-    variant.log_prior = -std::log(num);
-    if (is_wave && num > 1) variant.log_prior = std::log((1 - kAsDrawn) / (num - 1));
-  }
-  if (is_wave && num > 1) as_drawn->log_prior = std::log(kAsDrawn);
+  if (effect.sight->harmonics == 0 || as_drawn == variants.end()) return;
+  const auto num_others = static_cast<double>(variants.size() - 1);
+  if (num_others > 0) as_drawn->weight = kAsDrawn / (1 - kAsDrawn) * num_others;
 }
 
 std::optional<Candidate> CandidateOf(const Observed& o,

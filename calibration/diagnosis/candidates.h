@@ -17,7 +17,7 @@ struct Variant {
   /// Rows by sizes (a phase makes two of one: at 0 and 90 deg). Scaled so that the
   /// near-peak of what they do (95th percentile over the rows they reach) is 1 mm.
   Eigen::MatrixXd columns_mm{};
-  double log_prior = 0;    ///< Of these forms among the candidate's variants.
+  double weight = 1;       ///< How likely these forms are beside the others'.
   double size_per_mm = 1;  ///< In the size's own unit, for that peak.
   double usual_mm = 0.01;  ///< What the cause usually does, from its declared prior.
 };

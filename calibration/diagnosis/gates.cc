@@ -40,7 +40,6 @@ Support SupportOf(const Observed& observed,
   // The same variant: another one might live on other outliers.
   Candidate only = candidate;
   only.variants = {candidate.variants[weighed.variant]};
-  only.variants[0].log_prior = 0;
   const Weighed fewer = Weigh(observed, {only}, without).ranked[0];
   // Freedom of form may explain other rows, and speak for a cause that is gone.
   const Eigen::VectorXd still =

@@ -148,9 +148,6 @@ double GradualOdds(const Observed& observed,
   Candidate gradual = candidate;
   gradual.variants = GradualOf(candidate.variants);
   if (gradual.variants.empty()) return kNever;
-  for (Variant& variant : gradual.variants) {
-    variant.log_prior = -std::log(static_cast<double>(gradual.variants.size()));
-  }
   const auto ranked = Weigh(observed, {candidate, gradual}, beside).ranked;
   const double first = ranked[0].log_odds - ranked[1].log_odds;
   return ranked[0].candidate == 1 ? first : -first;

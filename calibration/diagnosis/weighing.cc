@@ -125,8 +125,21 @@ double LogPositive(const Projected& projected,
 
 struct Scored {
   std::size_t variant = 0;
+  double log_prior = 0;  ///< Of its forms, among the candidate's.
   double log_bayes = -1e300;
+
+  double log_likely() const { return log_prior + log_bayes; }
 };
+
+// Of its variants: log of weights that sum to 1.
+std::vector<double> LogPriorsOf(const Candidate& candidate) {
+  double total = 0;
+  for (const Variant& variant : candidate.variants) total += variant.weight;
+  std::vector<double> logs;
+  for (const Variant& variant : candidate.variants)
+    logs.push_back(std::log(variant.weight / total));
+  return logs;
+}
 
 // What every variant shows, without freedom of form.
 std::vector<Projected> ProjectedVariants(const Evidence& evidence,
@@ -138,11 +151,13 @@ std::vector<Projected> ProjectedVariants(const Evidence& evidence,
 
 std::vector<Scored> PlainScores(const NoiseWorld& world, const Candidate& candidate) {
   const std::vector<Projected> all = ProjectedVariants(world.evidence, candidate);
+  const std::vector<double> log_priors = LogPriorsOf(candidate);
   std::vector<Scored> scores;
   for (std::size_t v = 0; v < candidate.variants.size(); ++v) {
     const Variant& variant = candidate.variants[v];
     double scale_mm = 0;
     scores.push_back({v,
+                      log_priors[v],
                       LogBayesOverScales(world.evidence,
                                          all[v],
                                          PriorOf(candidate, variant),
@@ -207,8 +222,7 @@ double Refine(const NoiseWorld& world,
                                   candidate.variants[plain.variant],
                                   tolerances->Of(weighed->candidate, plain.variant),
                                   plain.log_bayes);
-  const double log_likely =
-      full.log_bayes + candidate.variants[plain.variant].log_prior + world.log_none;
+  const double log_likely = full.log_bayes + plain.log_prior + world.log_none;
   if (log_likely > *best) {
     *best = log_likely;
     weighed->variant = plain.variant;
@@ -230,19 +244,16 @@ Weighed WeighOne(const std::vector<NoiseWorld>& worlds,
   double best = -std::numeric_limits<double>::infinity();
   for (const NoiseWorld& world : worlds) {
     std::vector<Scored> scores = PlainScores(world, candidate);
-    const auto log_likely = [&](const Scored& scored) {
-      return scored.log_bayes + candidate.variants[scored.variant].log_prior;
-    };
-    std::ranges::sort(scores, std::ranges::greater{}, log_likely);
-    const double likeliest = log_likely(scores[0]);
+    std::ranges::sort(scores, std::ranges::greater{}, &Scored::log_likely);
+    const double likeliest = scores[0].log_likely();
     std::vector<double> of_variants;
     for (std::size_t s = 0; s < scores.size(); ++s) {
-      const bool is_close = log_likely(scores[s]) > likeliest - kHopeless_nats;
+      const bool is_close = scores[s].log_likely() > likeliest - kHopeless_nats;
       if (s < kVariantsInFull && is_close) {
         scores[s].log_bayes =
             Refine(world, candidate, scores[s], tolerances, &best, &weighed);
       }
-      of_variants.push_back(log_likely(scores[s]));
+      of_variants.push_back(scores[s].log_likely());
     }
     logs.push_back(LogSum(of_variants) + world.log_none);
   }
@@ -383,12 +394,13 @@ double ChanceUnderNone(const Observed& observed,
   readings = evidence.ProjectedReadings(readings);
   std::vector<std::vector<double>> logs(kDraws);
   for (const Candidate& candidate : candidates) {
-    for (const Variant& variant : candidate.variants) {
+    const std::vector<double> log_priors = LogPriorsOf(candidate);
+    for (std::size_t v = 0; v < log_priors.size(); ++v) {
       AddDraws(evidence,
                readings,
                candidate,
-               variant,
-               candidate.log_prior + variant.log_prior,
+               candidate.variants[v],
+               candidate.log_prior + log_priors[v],
                &logs);
     }
   }

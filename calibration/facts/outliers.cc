@@ -54,7 +54,7 @@ std::map<std::string, double> FarLimits_mm(const std::vector<Rows>& cells,
 
 // What all places do at one moment: up to it, or from it on, they are far from their
 // other readings.
-struct CommonStep {
+struct CommonJump {
   std::size_t num_places = 0;
   std::int64_t last = std::numeric_limits<std::int64_t>::min();   ///< Row before it.
   std::int64_t first = std::numeric_limits<std::int64_t>::max();  ///< Row after it.
@@ -63,13 +63,13 @@ struct CommonStep {
 };
 
 // Of the places that do nothing else.
-CommonStep StepOf(const std::vector<Rows>& cells,
+CommonJump JumpOf(const std::vector<Rows>& cells,
                   const std::set<std::int64_t>& far,
                   bool is_before) {
   const auto is_far = [&](const Row* row) {
     return far.contains(row->row);
   };
-  CommonStep step;
+  CommonJump jump;
   for (const Rows& cell : cells) {
     Rows ordered = cell;
     std::ranges::sort(ordered, {}, &Row::row);
@@ -78,77 +78,77 @@ CommonStep StepOf(const std::vector<Rows>& cells,
     const bool is_clean = is_before ? std::none_of(change, ordered.end(), is_far)
                                     : std::all_of(change, ordered.end(), is_far);
     if (change == ordered.begin() || change == ordered.end() || !is_clean) continue;
-    ++step.num_places;
+    ++jump.num_places;
     const double change_mm =
         MedianOf(Rows(change, ordered.end())) - MedianOf(Rows(ordered.begin(), change));
-    step.is_one_way &= change_mm * step.sum_mm >= 0;
-    step.sum_mm += change_mm;
-    step.last = std::max(step.last, (*std::prev(change))->row);
-    step.first = std::min(step.first, (*change)->row);
+    jump.is_one_way &= change_mm * jump.sum_mm >= 0;
+    jump.sum_mm += change_mm;
+    jump.last = std::max(jump.last, (*std::prev(change))->row);
+    jump.first = std::min(jump.first, (*change)->row);
   }
-  return step;
+  return jump;
 }
 
 // Whether a third at least of the places that were read on both sides of it take part
 // (a screw that slips moves those near it).
-bool IsOfMany(const CommonStep& step, const std::vector<Rows>& cells) {
+bool IsOfMany(const CommonJump& jump, const std::vector<Rows>& cells) {
   std::size_t num_both = 0;
   for (const Rows& cell : cells) {
     const bool has_before = std::ranges::any_of(
-        cell, [&](const Row* row) { return row->row <= step.last; });
+        cell, [&](const Row* row) { return row->row <= jump.last; });
     const bool has_after = std::ranges::any_of(
-        cell, [&](const Row* row) { return row->row >= step.first; });
+        cell, [&](const Row* row) { return row->row >= jump.first; });
     num_both += has_before && has_after ? 1 : 0;
   }
-  return 3 * step.num_places >= num_both;
+  return 3 * jump.num_places >= num_both;
 }
 
-void TellStep(const CommonStep& step, Facts* facts) {
-  const double change_um = UmFromMm(step.sum_mm / static_cast<double>(step.num_places));
+void TellJump(const CommonJump& jump, Facts* facts) {
+  const double change_um = UmFromMm(jump.sum_mm / static_cast<double>(jump.num_places));
   facts->all.push_back(
       {.id = "jump",
        .word = "everywhere",
        .figures = {{"change_um", change_um}},
-       .rows = {step.last, step.first},
+       .rows = {jump.last, jump.first},
        .sentence = fmt::format(
            "After row {}, {} places read {} um {} than before, all at once, and stay "
            "there: something moved or was set anew between rows {} and {} (lost steps, "
            "a "
            "loose probe, a new zero), and none of them is a bad reading",
-           step.last,
-           step.num_places,
+           jump.last,
+           jump.num_places,
            TwoDigits(std::abs(change_um)),
            change_um > 0 ? "higher" : "lower",
-           step.last,
-           step.first),
+           jump.last,
+           jump.first),
        .is_answer = true});
 }
 
 // Takes out of `far` what is no bad reading, and tells why.
-void KeepSteps(const std::vector<Rows>& cells,
+void KeepJumps(const std::vector<Rows>& cells,
                std::set<std::int64_t>* far,
                Facts* facts) {
   constexpr std::size_t kFewestPlaces = 3;
   for (const bool is_before : {true, false}) {
-    const CommonStep step = StepOf(cells, *far, is_before);
-    if (step.num_places < kFewestPlaces || step.last > step.first || !step.is_one_way ||
-        !IsOfMany(step, cells)) {
+    const CommonJump jump = JumpOf(cells, *far, is_before);
+    if (jump.num_places < kFewestPlaces || jump.last > jump.first || !jump.is_one_way ||
+        !IsOfMany(jump, cells)) {
       continue;
     }
     // A place may have a bad reading besides.
     for (const Rows& cell : cells) {
-      Rows of_step;
+      Rows of_jump;
       for (const Row* row : cell) {
         const bool is_of_it =
-            is_before ? row->row <= step.last : row->row >= step.first;
-        if (is_of_it) of_step.push_back(row);
+            is_before ? row->row <= jump.last : row->row >= jump.first;
+        if (is_of_it) of_jump.push_back(row);
       }
       const bool are_far = std::ranges::all_of(
-          of_step, [&](const Row* row) { return far->contains(row->row); });
+          of_jump, [&](const Row* row) { return far->contains(row->row); });
       if (!are_far) continue;
-      for (const Row* row : of_step) far->erase(row->row);
+      for (const Row* row : of_jump) far->erase(row->row);
     }
-    TellStep(step, facts);
+    TellJump(jump, facts);
   }
 }
 
@@ -179,7 +179,7 @@ void LeaveOutFar(const std::vector<Rows>& cells,
       limit_of_mm[row->row] = limit_mm;
     }
   }
-  KeepSteps(cells, &far, facts);
+  KeepJumps(cells, &far, facts);
   for (Rows& batch : *batches) {
     // All of a homing session are far together, beside each other: no bad reading.
     Rows own;
@@ -205,7 +205,7 @@ void LeaveOutFar(const std::vector<Rows>& cells,
     });
   }
   std::erase_if(*batches, [](const Rows& batch) { return batch.empty(); });
-  KeepSteps(cells, outliers, facts);
+  KeepJumps(cells, outliers, facts);
 }
 
 void AddOutliers(const std::set<std::int64_t>& outliers,

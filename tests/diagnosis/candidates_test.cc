@@ -56,25 +56,19 @@ TEST(AllCandidates, AWaveMostLikelyHasTheLeadThatWasDrawn) {
   ASSERT_NE(wave, all.end());
   ASSERT_GT(wave->variants.size(), 1U);
 
-  double sum = 0;
+  double others = 0, as_drawn = 0;
   for (const Variant& variant : wave->variants) {
-    const double prior = std::exp(variant.log_prior);
-    sum += prior;
-    if (variant.forms[0] == kLead_mm) {
-      EXPECT_NEAR(prior, 0.8, 1e-12);
-    } else {
-      EXPECT_LT(prior, 0.1);
-    }
+    (variant.forms[0] == kLead_mm ? as_drawn : others) += variant.weight;
   }
-  EXPECT_NEAR(sum, 1, 1e-12);
+  EXPECT_NEAR(as_drawn / (as_drawn + others), 0.8, 1e-12);
 }
 
 TEST(AllCandidates, FormsThatNobodyDrewAreAlikeLikely) {
   for (const Candidate& candidate : AllCandidates(FarApart())) {
-    double sum = 0;
-    for (const Variant& variant : candidate.variants)
-      sum += std::exp(variant.log_prior);
-    EXPECT_NEAR(sum, 1, 1e-9) << candidate.Name();
+    for (const Variant& variant : candidate.variants) {
+      const bool is_drawn = variant.forms.size() == 1 && variant.forms[0] == kLead_mm;
+      if (!is_drawn) EXPECT_EQ(variant.weight, 1) << candidate.Name();
+    }
   }
 }
 
@@ -96,7 +90,6 @@ TEST(Weigh, TakesTheDrawnPeriodWhereOthersFitAsWell) {
   double most = -HUGE_VAL, as_drawn = 0;
   for (const Variant& variant : wave->variants) {
     even.variants = {variant};
-    even.variants[0].log_prior = 0;
     const double log_odds = Weigh(observed, {even}, beside).ranked[0].log_odds;
     (variant.forms[0] == kLead_mm ? as_drawn : most) =
         variant.forms[0] == kLead_mm ? log_odds : std::max(most, log_odds);

@@ -36,8 +36,9 @@ PlannedSession SessionOf(const std::vector<std::string>& campaigns) {
 
 std::vector<double> Read_mm(const PlannedSession& session,
                             Fidelity fidelity,
-                            const std::vector<Injected>& effects) {
-  const RowTable table = Perform({.machine = Printer(),
+                            const std::vector<Injected>& effects,
+                            const Machine& machine = Printer()) {
+  const RowTable table = Perform({.machine = machine,
                                   .effects = effects,
                                   .header = session.header,
                                   .fidelity = fidelity,
@@ -184,28 +185,18 @@ TEST(TripleZMachine, AProbeWithABallTouchesByItsRadiusHigher) {
   Machine with_ball = Printer();
   with_ball.probe.tip_radius_mm = with_ball.settings.tip_radius_mm = kRadius_mm;
   const PlannedSession session = SessionOf({"tz_grid"});
-  const auto read_mm =
-      [&](const Machine& machine, Fidelity fidelity, double phase_deg) {
-        const Injected wave{.effect = EffectIndex<ScrewCyclic>(),
-                            .axis = "z1",
-                            .values = {50, phase_deg, kLead_mm}};
-        DataHeader header = session.header;
-        header.tip_radius_mm = machine.probe.tip_radius_mm;
-        const RowTable table = Perform({.machine = machine,
-                                        .effects = {wave},
-                                        .header = header,
-                                        .fidelity = fidelity,
-                                        .is_noisy = false},
-                                       session.rows);
-        std::vector<double> values_mm;
-        for (const Row& row : table.rows) values_mm.push_back(row.value_mm);
-        return values_mm;
-      };
+  PlannedSession of_ball = session;
+  of_ball.header.tip_radius_mm = kRadius_mm;
+  const auto wave = [](double phase_deg) {
+    return Injected{.effect = EffectIndex<ScrewCyclic>(),
+                    .axis = "z1",
+                    .values = {50, phase_deg, kLead_mm}};
+  };
 
-  const auto fast_mm = read_mm(with_ball, Fidelity::kFast, 0);
-  const auto physics_mm = read_mm(with_ball, Fidelity::kPhysics, 0);
+  const auto fast_mm = Read_mm(of_ball, Fidelity::kFast, {wave(0)}, with_ball);
+  const auto physics_mm = Read_mm(of_ball, Fidelity::kPhysics, {wave(0)}, with_ball);
   const auto later_mm =
-      read_mm(Printer(), Fidelity::kFast, -360 * kRadius_mm / kLead_mm);
+      Read_mm(session, Fidelity::kFast, {wave(-360 * kRadius_mm / kLead_mm)});
 
   for (std::size_t i = 0; i < fast_mm.size(); ++i) {
     EXPECT_NEAR(physics_mm[i], fast_mm[i], kMust_mm) << "row " << i + 1;

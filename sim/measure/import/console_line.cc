@@ -205,4 +205,15 @@ std::optional<double> WordOf(const ConsoleLine& line, char letter) {
   return std::nullopt;
 }
 
+std::optional<double> GrblSetting(const ConsoleLine& line, int number) {
+  std::string_view rest = line.lower;
+  const std::string key = fmt::format("${}", number);
+  if (!rest.starts_with(key)) return std::nullopt;
+  rest.remove_prefix(key.size());
+  const std::size_t at = rest.find_first_not_of(" =:\t");
+  if (at == std::string_view::npos || at == 0) return std::nullopt;
+  rest.remove_prefix(at);
+  return NumberOf(rest.substr(0, rest.find_first_not_of(".0123456789")));
+}
+
 }  // namespace caltwin

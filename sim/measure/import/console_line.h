@@ -27,4 +27,8 @@ bool IsCommand(const ConsoleLine& line, std::string_view word);
 /// stands there. `letter` small.
 std::optional<double> WordOf(const ConsoleLine& line, char letter);
 
+/// grbl's setting of that number, as it lists it ("$100=640.000 (x, step/mm)") or as
+/// people copy it ("$100    640"); nullopt: the line is none of that.
+std::optional<double> GrblSetting(const ConsoleLine& line, int number);
+
 }  // namespace caltwin

@@ -39,11 +39,9 @@ Bounds BoundsOf(std::string_view command, char letter) {
 bool ConsoleSettings::Take(const ConsoleLine& line,
                            const Place& place,
                            Faults* faults) {
-  // "$100=250.000 (x, step/mm)", as grbl lists its settings.
   for (int k = 0; k < 3; ++k) {
-    const std::string key = fmt::format("$10{}=", k);
-    const auto steps_per_mm = NumberAfter(line.lower, key);
-    if (!line.lower.starts_with(key) || !steps_per_mm) continue;
+    const auto steps_per_mm = GrblSetting(line, 100 + k);
+    if (!steps_per_mm) continue;
     if (SettingsInForce::kSteps_per_mm.Contains(*steps_per_mm)) {
       numbers_[fmt::format("M92{}", "XYZ"[k])] = *steps_per_mm;
       in_force_.steps_per_mm[std::string(1, "xyz"[k])] = *steps_per_mm;

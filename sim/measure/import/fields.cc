@@ -127,6 +127,13 @@ std::optional<double> NumberAfter(std::string_view text, std::string_view key) {
   return NumberOf(rest.substr(0, rest.find_first_of(" ,)\t#")));
 }
 
+std::optional<double> NumberBefore(std::string_view text, std::size_t at) {
+  const std::size_t last = text.substr(0, at).find_last_not_of(' ');
+  if (last == std::string_view::npos) return std::nullopt;
+  const std::string_view before = text.substr(0, last + 1);
+  return NumberOf(before.substr(before.find_last_not_of(".0123456789") + 1));
+}
+
 std::string Lowered(std::string_view text) {
   std::string lower(text);
   std::ranges::transform(lower, lower.begin(), [](unsigned char c) {

@@ -34,6 +34,10 @@ double NumberIn(const CsvField& field,
 /// nullopt where the key does not stand there or no number follows.
 std::optional<double> NumberAfter(std::string_view text, std::string_view key);
 
+/// What ends before position `at`, blanks left out, as a number without a sign: "3500"
+/// of "3500 mm/min"; nullopt where none does.
+std::optional<double> NumberBefore(std::string_view text, std::size_t at);
+
 /// In small letters.
 std::string Lowered(std::string_view text);
 

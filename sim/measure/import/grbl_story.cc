@@ -42,14 +42,13 @@ bool Has(const ConsoleLine& line, std::string_view word) {
 void GrblStory::Take(const ConsoleLine& line) {
   if (Has(line, "g91")) is_relative_ = true;
   TakeExtents(line);
-  if (line.lower.find("$1=") != std::string::npos)
-    idle_ms_ = NumberAfter(line.lower, "$1=").value_or(kUnknown);
+  idle_ms_ = GrblSetting(line, 1).value_or(idle_ms_);
   constexpr std::array<std::string_view, 4> kPauses = {
       "g4", "pauses", "lifts", "dwells"};
   has_pauses_ |= std::ranges::any_of(
       kPauses, [&](std::string_view word) { return Has(line, word); });
   for (std::size_t k = 0; k < 3; ++k) {
-    const auto steps = NumberAfter(line.lower, fmt::format("$10{}=", k));
+    const auto steps = GrblSetting(line, 100 + static_cast<int>(k));
     if (steps && SettingsInForce::kSteps_per_mm.Contains(*steps))
       steps_per_mm_[k] = *steps;
   }

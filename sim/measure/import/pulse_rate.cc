@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -20,16 +19,6 @@ namespace {
 // Guaranteed by grbl's own documentation on a 16 MHz AVR.
 constexpr double kGrblMost_hz = 30e3;
 
-// "$100=640.000 (x, step/mm)" and "$100    640".
-std::optional<double> SettingIn(std::string_view lower, const std::string& key) {
-  if (!lower.starts_with(key)) return std::nullopt;
-  lower.remove_prefix(key.size());
-  const std::size_t at = lower.find_first_not_of(" =:\t");
-  if (at == std::string_view::npos || at == 0) return std::nullopt;
-  lower.remove_prefix(at);
-  return NumberOf(lower.substr(0, lower.find_first_not_of(".0123456789")));
-}
-
 // Numbers before "mm/min", "mm/m".
 std::vector<double> FeedsIn(const std::string& lower) {
   constexpr std::array<std::string_view, 3> kUnits = {"mm/min", "mm/m", "mmpm"};
@@ -43,12 +32,8 @@ std::vector<double> FeedsIn(const std::string& lower) {
                          (unit[name.size()] < 'a' || unit[name.size()] > 'z'));
       return unit.starts_with(name) && ends;
     });
-    if (!is_unit || at == 0) continue;
-    const std::size_t end = lower.find_last_not_of(' ', at - 1);
-    if (end == std::string::npos) continue;
-    const std::size_t before = lower.find_last_not_of(".0123456789", end);
-    const std::size_t begin = before == std::string::npos ? 0 : before + 1;
-    const auto feed = NumberOf(lower.substr(begin, end + 1 - begin));
+    if (!is_unit) continue;
+    const auto feed = NumberBefore(lower, at);
     if (feed && *feed > 0) feeds.push_back(*feed);
   }
   return feeds;
@@ -75,10 +60,11 @@ void PulseRate::Take(const ConsoleLine& line) {
     return line.lower.find(word) != std::string::npos;
   });
   for (std::size_t k = 0; k < 3; ++k) {
-    const auto steps = SettingIn(line.lower, fmt::format("$10{}", k));
+    const int axis = static_cast<int>(k);
+    const auto steps = GrblSetting(line, 100 + axis);
     if (steps && SettingsInForce::kSteps_per_mm.Contains(*steps))
       steps_per_mm_[k] = *steps;
-    const auto most = SettingIn(line.lower, fmt::format("$11{}", k));
+    const auto most = GrblSetting(line, 110 + axis);
     if (most && *most > 0) most_mm_min_[k] = *most;
   }
   for (const double feed : FeedsIn(line.lower)) feeds_mm_min_.insert(feed);

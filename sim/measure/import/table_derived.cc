@@ -156,10 +156,7 @@ double CountedStep_mm(const std::string& text) {
                   lower.compare(in_steps, 12, "in steps of ") != 0;
     const std::size_t at = lower.find("steps/mm");
     if (at == std::string::npos) continue;
-    const std::size_t end = lower.find_last_of("0123456789", at);
-    if (end == std::string::npos || at - end > 2) continue;
-    const std::size_t begin = lower.find_last_not_of(".0123456789", end) + 1;
-    const auto steps = NumberOf(lower.substr(begin, end + 1 - begin));
+    const auto steps = NumberBefore(lower, at);
     if (steps && SettingsInForce::kSteps_per_mm.Contains(*steps)) steps_per_mm = *steps;
   }
   return is_counted && steps_per_mm > 0 ? 1 / steps_per_mm : 0;
