@@ -73,6 +73,7 @@ std::vector<Nuisance> NuisancesOf(const Observed& observed,
     add(found.variant.columns_mm.col(k),
         candidate.is_free() ? 3 * found.scale_mm * relative : size_mm * kFree);
   }
+  if (found.keeps_its_form) return nuisances;
   const Tolerance tolerance = ToleranceOf(observed, candidate, found.variant);
   const double freedom = found.lost_its_name ? 3 : 1;
   for (Eigen::Index k = 0; k < tolerance.columns_mm.cols(); ++k) {

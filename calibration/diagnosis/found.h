@@ -30,6 +30,9 @@ struct Found {
   double log_odds = 0;
   double scale_mm = 0;
   bool lost_its_name = false;  ///< Deviates too far from its form: unknown.
+  /// A sibling explains what it deviates by (the same cause by another thermometer): it
+  /// has no freedom of form.
+  bool keeps_its_form = false;
   std::vector<Rival> rivals{};
   int num_rows = 0;  ///< That it rests on.
 };

@@ -217,7 +217,8 @@ Extent Observed::ExtentOf() const {
   const auto repeated = std::ranges::unique(extent.times_s);
   extent.times_s.erase(repeated.begin(), repeated.end());
   extent.t_min_s = extent.times_s.front();
-  extent.t_max_s = extent.times_s.back();
+  // The order of rows stands for their times, but says nothing of seconds.
+  extent.t_max_s = has_times() ? extent.times_s.back() : extent.t_min_s;
   return extent;
 }
 

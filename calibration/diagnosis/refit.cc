@@ -239,10 +239,15 @@ class Final {
             search_.circumstances.left_out};
   }
 
-  // What one unit of a form changes, sizes as found [mm].
+  // What one unit of a form changes, sizes as found [mm]. Nothing of a time where no row
+  // has one: rows in their order say nothing of seconds.
   Eigen::VectorXd Slope(const Candidate& candidate,
                         const Refined& refined,
                         std::size_t f) const {
+    const bool is_time = FormNamed(candidate, f).ends_with("_s");
+    if (is_time && !observed_.has_times()) {
+      return Eigen::VectorXd::Zero(observed_.num_rows());
+    }
     const auto at = [&](double step) {
       std::vector<double> forms = refined.variant.forms;
       forms[f] += step;
@@ -257,6 +262,13 @@ class Final {
     };
     const double step = std::max(std::abs(refined.variant.forms[f]), 1e-3) * kFormStep;
     return (at(step) - at(-step)) / (2 * step);
+  }
+
+  static std::string_view FormNamed(const Candidate& candidate, std::size_t f) {
+    for (const Parameter& parameter : EffectAt(candidate.effect).parameters) {
+      if (parameter.role == Role::kForm && f-- == 0) return parameter.name;
+    }
+    return {};
   }
 
   static Eigen::MatrixXd Covariance(const Evidence& evidence,

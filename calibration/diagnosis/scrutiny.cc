@@ -51,6 +51,21 @@ class Scrutiny {
     }
   }
 
+  // Two thermometers of one cause stay where they foretell rows left out no worse than
+  // the first alone with its freedom of form.
+  void PartSiblings() {
+    const auto keeps = [](const Found& one) {
+      return one.keeps_its_form;
+    };
+    const auto last = std::ranges::find_if(found().rbegin(), found().rend(), keeps);
+    if (last == found().rend()) return;
+    const double together_mm = Gain().blocks.after_mm;
+    const std::vector<Found> before = found();
+    found().erase(std::next(last).base());
+    for (Found& one : found()) one.keeps_its_form = false;
+    if (Gain().blocks.after_mm > together_mm) found() = before;
+  }
+
   // Names that the rows do not bear out; then, until all stand, names whose size they
   // no longer tell beside the tables that took the place of others. (Shapes were judged
   // beside the names: a table takes up part of any.)
@@ -409,6 +424,7 @@ std::string Scrutinise(const Observed& observed,
                        const std::vector<Candidate>& candidates,
                        SearchResult* search) {
   Scrutiny scrutiny(observed, candidates, search);
+  scrutiny.PartSiblings();
   scrutiny.DropUnpredictive();
   scrutiny.DoubtNames();
   scrutiny.DropSlight();

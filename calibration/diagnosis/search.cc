@@ -25,6 +25,8 @@ constexpr double kBeyondDoubt_nats = 16;
 constexpr double kMostChance = 0.01;
 constexpr double kShownProbability = 0.01;
 constexpr int kNoiseRounds = 2;
+// A free form's prior weight and handicap (stories.h), which freedom of form has not.
+constexpr double kFreedomOfForm_nats = kOwnShape_nats + 8;
 
 class Searcher {
  public:
@@ -43,6 +45,7 @@ class Searcher {
     for (int round = 0; round < 2 * options_.most_findings; ++round) {
       if (static_cast<int>(found_.size()) >= options_.most_findings) break;
       auto next = Best({});
+      if (!next) next = Sibling();
       if (!next) break;
       found_.push_back(std::move(*next));
       if (found_.size() > 1) {
@@ -180,6 +183,72 @@ class Searcher {
     return std::nullopt;
   }
 
+  bool AreSiblings(std::size_t one, std::size_t other) const {
+    const Candidate &a = candidates_[one], &b = candidates_[other];
+    return !a.is_free() && a.cause == b.cause && a.axis != b.axis &&
+           a.shown.covariates == b.shown.covariates;
+  }
+
+  double LogNone(const Circumstances& circumstances) const {
+    return Evidence(observed_,
+                    {sigma_mm_, wander_mm2_per_s_},
+                    circumstances.nuisances,
+                    left_out_)
+        .log_none();
+  }
+
+  // What a second thermometer explains may hide in the freedom of form of the first,
+  // where both rise together. Found where the first with its freedom explains the rows
+  // not clearly better than both at their exact forms; both then keep theirs.
+  std::optional<Found> Sibling() {
+    for (std::size_t i = 0; i < found_.size(); ++i) {
+      if (found_[i].lost_its_name || found_[i].keeps_its_form) continue;
+      const double least = LogNone(Under(found_)) - kFreedomOfForm_nats;
+      for (std::size_t c = 0; c < candidates_.size(); ++c) {
+        if (!AreSiblings(found_[i].candidate, c) || IsFound(c, {})) continue;
+        auto found = BesideExact(i, c, least);
+        if (found) return found;
+      }
+    }
+    return std::nullopt;
+  }
+
+  // A sibling beside the i-th finding, which takes its likeliest form beside it (its
+  // lag); none where both explain the rows less than `least`.
+  std::optional<Found> BesideExact(std::size_t i, std::size_t sibling, double least) {
+    const Found before = found_[i];
+    found_[i].keeps_its_form = true;
+    std::optional<Variant> likeliest;
+    for (const Variant& variant : candidates_[before.candidate].variants) {
+      found_[i].variant = variant;
+      const Circumstances beside = Under(found_);
+      const Weighing weighing = Weigh(observed_, {candidates_[sibling]}, beside);
+      const double together = LogNone(beside) + weighing.ranked[0].log_odds;
+      if (together <= least) continue;
+      least = together;
+      likeliest = variant;
+    }
+    if (likeliest) {
+      found_[i].variant = *likeliest;
+      const Circumstances beside = Under(found_);
+      Weighed weighed = Weigh(observed_, {candidates_[sibling]}, beside).ranked[0];
+      const bool stands = weighed.log_odds > kNamingOdds &&
+                          IsPractical(candidates_[sibling], weighed) &&
+                          SupportOf(observed_,
+                                    beside,
+                                    wander_mm2_per_s_,
+                                    candidates_[sibling],
+                                    weighed)
+                              .is_by_many;
+      weighed.candidate = sibling;
+      Found found = FoundFrom(beside, {}, weighed);
+      found.keeps_its_form = true;
+      if (stands && !found.lost_its_name) return found;
+    }
+    found_[i] = before;
+    return std::nullopt;
+  }
+
   // A row that alone makes a cause of itself is an outlier, though a model as rich as
   // the candidates may pass through it. False: no more may be left out.
   bool Suspect(std::optional<std::size_t> row) {
@@ -300,6 +369,7 @@ class Searcher {
   }
 
   bool SwapOne(std::size_t i) {
+    if (found_[i].keeps_its_form) return false;  // They stand or fall together.
     auto better = Best(i);
     if (!better || IsFound(better->candidate, i)) return false;
     const bool is_other = better->candidate != found_[i].candidate;
@@ -316,6 +386,11 @@ class Searcher {
       } else {
         ++i;
       }
+    }
+    for (Found& one : found_) {
+      one.keeps_its_form &= std::ranges::any_of(found_, [&](const Found& other) {
+        return AreSiblings(one.candidate, other.candidate);
+      });
     }
   }
 

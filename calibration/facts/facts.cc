@@ -15,6 +15,7 @@
 #include "calibration/facts/surface.h"
 #include "calibration/facts/temperature.h"
 #include "calibration/facts/turn.h"
+#include "calibration/facts/waves.h"
 
 namespace caltwin {
 
@@ -62,10 +63,11 @@ Facts FactsOf(const RowTable& table,
   FactsOfArrival(rows, &facts);
   FactsOfMotion(rows, repeats, header, &facts);
   FactsOfLengths(rows, header, &facts);
-  FactsOfTemperature(rows, &facts);
+  FactsOfTemperature(rows, repeats, &facts);
   facts.is_one_place =
       CellsOf(rows, kAnyHome | kAnyCampaign | kAnyFeed | kAnySense).size() <= 3;
   FactsOfTurn(rows, &facts);
+  FactsOfWaves(rows, repeats, &facts);
   FactsOfSeries(rows, repeats, &facts);
   FactsOfProbeOffset(rows, &facts);
   FactsOfSetting(rows, &facts);

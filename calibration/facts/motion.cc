@@ -85,7 +85,7 @@ void AddScale(const Line& line, double noise_mm, std::size_t axis, Facts* facts)
             .sigmas = sigmas,
             .is_answer = known.reading.empty() && Known(sd) && sigmas > kSure};
   if (!known.reading.empty()) AddKnownRatio(line, known, fact, facts);
-  constexpr double kNothing = 1e-6, kHardlyAny = 0.02;
+  constexpr double kNothing = 1e-6, kHardlyAny = 0.02, kOfAFewKelvin = 50e-6;
   if (std::abs(factor) < kHardlyAny) {
     fact.is_answer = false;
     facts->not_determined.push_back(fmt::format("scale.{}", kAxisNames[axis]));
@@ -105,6 +105,13 @@ void AddScale(const Line& line, double noise_mm, std::size_t axis, Facts* facts)
         "nothing speaks against its steps/mm",
         letter,
         TwoDigits(PpmFromFraction(sd)));
+  } else if (Known(sd) && std::abs(line.slope) < kOfAFewKelvin) {
+    fact.sentence = fmt::format(
+        "{} moves {} {} than commanded. One kelvin does 11 to 23 ppm to steel and "
+        "aluminium: mind the temperature before its steps/mm",
+        letter,
+        WithSd(std::abs(PpmFromFraction(line.slope)), PpmFromFraction(sd), "ppm"),
+        line.slope > 0 ? "more" : "less");
   } else {
     fact.sentence = fmt::format(
         "{} moves {} times what is commanded: multiply its steps/mm by {} (divide its "

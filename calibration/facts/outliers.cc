@@ -152,6 +152,42 @@ void KeepJumps(const std::vector<Rows>& cells,
   }
 }
 
+// Readings of one place that come nearer to the rest one by one, the far ones first:
+// it settles (cold, or just heated), and the first readings are as good as the last.
+// `ordered`: as measured, or its mirror where the far ones are the last.
+bool Settles(const Rows& ordered, double middle_mm, const std::set<std::int64_t>& far) {
+  constexpr std::size_t kFewest = 6;
+  std::size_t num_far = 0, num_nearer = 1;
+  for (const Row* row : ordered) num_far += far.contains(row->row) ? 1 : 0;
+  while (num_nearer < ordered.size()) {
+    const double before_mm = ordered[num_nearer - 1]->value_mm - middle_mm;
+    const double here_mm = ordered[num_nearer]->value_mm - middle_mm;
+    if (std::abs(here_mm) >= std::abs(before_mm) || here_mm * before_mm < 0) break;
+    ++num_nearer;
+  }
+  const bool are_first =
+      std::ranges::all_of(ordered.begin(),
+                          ordered.begin() + static_cast<std::ptrdiff_t>(num_far),
+                          [&](const Row* row) { return far.contains(row->row); });
+  return num_far > 0 && are_first && num_nearer >= std::max(kFewest, num_far + 3);
+}
+
+// Takes out of `far` the readings of places that settle.
+void KeepSettling(const std::vector<Rows>& cells, std::set<std::int64_t>* far) {
+  for (const Rows& cell : cells) {
+    Rows ordered = cell;
+    std::ranges::sort(ordered, {}, &Row::row);
+    const double middle_mm = MedianOf(cell);
+    bool settles = Settles(ordered, middle_mm, *far);
+    if (!settles) {
+      std::ranges::reverse(ordered);
+      settles = Settles(ordered, middle_mm, *far);
+    }
+    if (!settles) continue;
+    for (const Row* row : cell) far->erase(row->row);
+  }
+}
+
 }  // namespace
 
 void LeaveOutFar(const std::vector<Rows>& cells,
@@ -180,6 +216,7 @@ void LeaveOutFar(const std::vector<Rows>& cells,
     }
   }
   KeepJumps(cells, &far, facts);
+  KeepSettling(cells, &far);
   for (Rows& batch : *batches) {
     // All of a homing session are far together, beside each other: no bad reading.
     Rows own;

@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
+#include <Eigen/Core>
 #include <fmt/format.h>
 
 #include "calibration/facts/cells.h"
+#include "sim/base/dense.h"
 #include "sim/base/units.h"
 #include "sim/base/with_sd.h"
 
@@ -26,85 +29,185 @@ constexpr std::array kSensors = {
     Thermometer{"probe", "the probe or screw", &Row::temp_screw_c},
     Thermometer{"ambient", "the room", &Row::temp_ambient_c}};
 
-/// A line of readings against one temperature.
+/// Readings as a straight line of one or more temperatures.
 struct Warmth {
-  double slope_mm_per_k = 0, sd = 0, left_mm = 0, spread_mm = 0, range_k = 0;
-  bool goes_both_ways = false;
+  std::vector<const Thermometer*> sensors{};
+  Eigen::VectorXd um_per_k{};    ///< In the order of the sensors.
+  Eigen::MatrixXd covariance{};  ///< (um/K)^2.
+  double left_mm = HUGE_VAL;     ///< Standard deviation about the line.
+
+  double Sd_um_per_k(Eigen::Index i) const { return std::sqrt(covariance(i, i)); }
+  /// Of the first two figures.
+  double Correlation() const {
+    return covariance(0, 1) / Sd_um_per_k(0) / Sd_um_per_k(1);
+  }
 };
 
-bool Fit(const std::vector<const Row*>& rows,
-         const Thermometer& sensor,
-         Warmth* warmth) {
-  constexpr double kLeastRange_k = 3;
-  double n = 0, t = 0, z = 0, tt = 0, tz = 0, zz = 0;
-  double least_c = HUGE_VAL, most_c = -HUGE_VAL, before_c = kUnknown;
-  bool rises = false, falls = false;
+double SpreadOf_mm(const Rows& rows) {
+  double sum_mm = 0, sum_mm2 = 0;
+  for (const Row* row : rows) sum_mm += row->value_mm;
+  const double mean_mm = sum_mm / static_cast<double>(rows.size());
+  for (const Row* row : rows) {
+    sum_mm2 += (row->value_mm - mean_mm) * (row->value_mm - mean_mm);
+  }
+  return std::sqrt(sum_mm2 / static_cast<double>(rows.size() - 1));
+}
+
+double RangeOf_k(const Rows& rows, const Thermometer& sensor) {
+  double least_c = HUGE_VAL, most_c = -HUGE_VAL;
   for (const Row* row : rows) {
     const double at_c = row->*sensor.member;
-    if (!Known(at_c)) return false;
-    n += 1;
-    t += at_c;
-    z += row->value_mm;
-    tt += at_c * at_c;
-    tz += at_c * row->value_mm;
-    zz += row->value_mm * row->value_mm;
+    if (!Known(at_c)) return 0;
     least_c = std::min(least_c, at_c);
     most_c = std::max(most_c, at_c);
+  }
+  return most_c - least_c;
+}
+
+bool GoesBothWays(const Rows& rows, const Thermometer& sensor) {
+  bool rises = false, falls = false;
+  double before_c = kUnknown;
+  for (const Row* row : rows) {
+    const double at_c = row->*sensor.member;
     rises |= at_c > before_c + 0.5;
     falls |= at_c < before_c - 0.5;
     before_c = at_c;
   }
-  const double stt = tt - t * t / n, stz = tz - t * z / n, szz = zz - z * z / n;
-  if (most_c - least_c < kLeastRange_k || stt <= 0 || szz <= 0) return false;
-  warmth->slope_mm_per_k = stz / stt;
-  const double left_mm2 = std::max(szz - stz * stz / stt, 0.0);
-  warmth->left_mm = std::sqrt(left_mm2 / (n - 2));
-  warmth->spread_mm = std::sqrt(szz / (n - 1));
-  warmth->sd = warmth->left_mm / std::sqrt(stt);
-  warmth->range_k = most_c - least_c;
-  warmth->goes_both_ways = rises && falls;
-  return true;
+  return rises && falls;
+}
+
+// What is left after a lag or a slower warming goes on from one reading to the next, so
+// fewer of them count: sqrt((1 + r) / (1 - r)), r the correlation of neighbours.
+double InflationOf(const Eigen::VectorXd& left) {
+  constexpr double kMost = 0.98;
+  const Eigen::Index pairs = left.size() - 1;
+  const double r = std::clamp(
+      left.head(pairs).dot(left.tail(pairs)) / left.squaredNorm(), 0.0, kMost);
+  return std::sqrt((1 + r) / (1 - r));
+}
+
+// Of centred columns; none where the temperatures go exactly together.
+std::optional<Warmth> Fit(const Rows& rows,
+                          const std::vector<const Thermometer*>& sensors) {
+  const auto num_rows = static_cast<Eigen::Index>(rows.size());
+  const auto num_sensors = static_cast<Eigen::Index>(sensors.size());
+  const double freedom = static_cast<double>(num_rows - num_sensors - 1);
+  if (freedom < 1) return std::nullopt;
+  Eigen::MatrixXd columns(num_rows, num_sensors);
+  Eigen::VectorXd values(num_rows);
+  for (Eigen::Index i = 0; i < num_rows; ++i) {
+    const Row& row = *rows[static_cast<std::size_t>(i)];
+    values[i] = row.value_mm;
+    for (Eigen::Index k = 0; k < num_sensors; ++k) {
+      columns(i, k) = row.*sensors[static_cast<std::size_t>(k)]->member;
+    }
+  }
+  values.array() -= values.mean();
+  columns.rowwise() -= columns.colwise().mean().eval();
+  const Cholesky normal(columns.transpose() * columns);
+  if (!normal.is_definite()) return std::nullopt;
+  const Eigen::VectorXd slopes = normal.Solve(columns.transpose() * values);
+  Warmth warmth{.sensors = sensors, .um_per_k = UmFromMm(slopes.eval())};
+  const Eigen::VectorXd left = values - columns * slopes;
+  warmth.left_mm = left.norm() / std::sqrt(freedom);
+  const Eigen::MatrixXd unit = Eigen::MatrixXd::Identity(num_sensors, num_sensors);
+  const double left_um = UmFromMm(warmth.left_mm) * InflationOf(left);
+  warmth.covariance = left_um * left_um * normal.SolveEach(unit);
+  return warmth;
+}
+
+// The thermometer that leaves least, and a second one where the rows need it: it leaves
+// a fifth less and is five of its own deviations from nothing.
+std::optional<Warmth> BestOf(const Rows& rows) {
+  constexpr double kLeastRange_k = 3, kMostLeftBySecond = 0.8, kLeastSigmas = 5;
+  std::vector<const Thermometer*> useful;
+  for (const Thermometer& sensor : kSensors) {
+    if (RangeOf_k(rows, sensor) >= kLeastRange_k) useful.push_back(&sensor);
+  }
+  std::optional<Warmth> one, two;
+  for (const Thermometer* sensor : useful) {
+    const auto fit = Fit(rows, {sensor});
+    if (fit && (!one || fit->left_mm < one->left_mm)) one = fit;
+  }
+  if (!one) return one;
+  for (const Thermometer* sensor : useful) {
+    if (sensor == one->sensors[0]) continue;
+    const auto fit = Fit(rows, {one->sensors[0], sensor});
+    if (fit && (!two || fit->left_mm < two->left_mm)) two = fit;
+  }
+  const bool is_needed =
+      two && two->left_mm < kMostLeftBySecond * one->left_mm &&
+      std::abs(two->um_per_k[1]) > kLeastSigmas * two->Sd_um_per_k(1);
+  return is_needed ? two : one;
+}
+
+std::string OfSensor(const Warmth& warmth, Eigen::Index i) {
+  return WithSd(warmth.um_per_k[i], warmth.Sd_um_per_k(i), "um/K");
+}
+
+std::string InWords(const Warmth& warmth, const Rows& rows) {
+  const Thermometer& first = *warmth.sensors[0];
+  if (warmth.sensors.size() == 1) {
+    return fmt::format(
+        "The reading follows the temperature of {} by {} over {:.3g} K, and leaves {} "
+        "um about that line{}. Read at one temperature, or correct by this figure",
+        first.words,
+        OfSensor(warmth, 0),
+        RangeOf_k(rows, first),
+        TwoDigits(UmFromMm(warmth.left_mm)),
+        GoesBothWays(rows, first)
+            ? ", warming and cooling alike: no wear, no loose mount, no drift with time"
+            : "; it was only ever warmed (or cooled), so time would explain it as "
+              "well");
+  }
+  const Thermometer& second = *warmth.sensors[1];
+  return fmt::format(
+      "The reading follows two temperatures: that of {} by {} over {:.3g} K, and that "
+      "of {} by {} over {:.3g} K; {} um are left about both. They warmed together, so "
+      "what one figure has too much the other has too little (correlation {:.2f}). "
+      "Read when both stand still, or correct by both",
+      first.words,
+      OfSensor(warmth, 0),
+      RangeOf_k(rows, first),
+      second.words,
+      OfSensor(warmth, 1),
+      RangeOf_k(rows, second),
+      TwoDigits(UmFromMm(warmth.left_mm)),
+      warmth.Correlation());
 }
 
 }  // namespace
 
-void FactsOfTemperature(const std::vector<const Row*>& rows, Facts* facts) {
+void FactsOfTemperature(const Rows& all, const Repeats& repeats, Facts* facts) {
   constexpr std::size_t kFewest = 6;
   constexpr double kMostLeft = 0.25;
+  Rows rows;
+  for (const Row* row : all) {
+    if (!repeats.outliers.contains(row->row)) rows.push_back(row);
+  }
   const Cells cells = CellsOf(rows, kAnyHome | kAnyCampaign);
   if (cells.size() != 1 || rows.size() < kFewest) return;
-  const Thermometer* best = nullptr;
-  Warmth least{.left_mm = HUGE_VAL};
-  for (const Thermometer& sensor : kSensors) {
-    Warmth warmth;
-    if (!Fit(rows, sensor, &warmth) || warmth.left_mm > least.left_mm) continue;
-    least = warmth;
-    best = &sensor;
-  }
-  if (best == nullptr || least.left_mm > kMostLeft * least.spread_mm) return;
+  const std::optional<Warmth> warmth = BestOf(rows);
+  if (!warmth || warmth->left_mm > kMostLeft * SpreadOf_mm(rows)) return;
   // It explains a drift or levels that were told of the same rows.
   std::erase_if(facts->all, [](const Fact& fact) {
     return fact.id == "drift" || fact.id == "jump" || fact.id == "homing_scatter";
   });
-  facts->all.push_back(
-      {.id = "temperature",
-       .word = best->id,
-       .figures = {{"um_per_k", UmFromMm(least.slope_mm_per_k), UmFromMm(least.sd)},
-                   {"left_um", UmFromMm(least.left_mm)}},
-       .sigmas = std::abs(least.slope_mm_per_k) / std::max(least.sd, 1e-15),
-       .sentence = fmt::format(
-           "The reading follows the temperature of {} by {} over {:.3g} K, and leaves "
-           "{} um "
-           "about that line{}. Read at one temperature, or correct by this figure",
-           best->words,
-           WithSd(UmFromMm(least.slope_mm_per_k), UmFromMm(least.sd), "um/K"),
-           least.range_k,
-           TwoDigits(UmFromMm(least.left_mm)),
-           least.goes_both_ways ? ", warming and cooling alike: no wear, no loose "
-                                  "mount, no drift with time"
-                                : "; it was only ever warmed (or cooled), so time "
-                                  "would explain it as well"),
-       .is_answer = true});
+  const double slope_um_per_k = warmth->um_per_k[0], sd = warmth->Sd_um_per_k(0);
+  Fact fact{.id = "temperature",
+            .word = warmth->sensors[0]->id,
+            .figures = {{"um_per_k", slope_um_per_k, sd},
+                        {"left_um", UmFromMm(warmth->left_mm)}},
+            .sigmas = std::abs(slope_um_per_k) / std::max(sd, 1e-15),
+            .sentence = InWords(*warmth, rows),
+            .is_answer = true};
+  if (warmth->sensors.size() == 2) {
+    fact.figures.push_back(
+        {"second_um_per_k", warmth->um_per_k[1], warmth->Sd_um_per_k(1)});
+    fact.figures.push_back({"correlation", warmth->Correlation()});
+    fact.also = {warmth->sensors[1]->id};
+  }
+  facts->all.push_back(std::move(fact));
 }
 
 }  // namespace caltwin
