@@ -6,12 +6,15 @@
 
 #include "calibration/facts/advice.h"
 #include "calibration/facts/cells.h"
+#include "calibration/facts/tower_heights.h"
 #include "calibration/facts/fact.h"
 #include "calibration/facts/groups.h"
 #include "calibration/facts/levelling.h"
+#include "calibration/facts/map_change.h"
 #include "calibration/facts/motion.h"
 #include "calibration/facts/repeats.h"
 #include "calibration/facts/series.h"
+#include "calibration/facts/stretch.h"
 #include "calibration/facts/surface.h"
 #include "calibration/facts/temperature.h"
 #include "calibration/facts/turn.h"
@@ -62,6 +65,7 @@ Facts FactsOf(const RowTable& table,
   repeats.outliers.insert(far.begin(), far.end());
   FactsOfArrival(rows, &facts);
   FactsOfMotion(rows, repeats, header, &facts);
+  FactsOfStretch(rows, repeats, &facts);
   FactsOfLengths(rows, header, &facts);
   FactsOfTemperature(rows, repeats, &facts);
   facts.is_one_place =
@@ -69,6 +73,8 @@ Facts FactsOf(const RowTable& table,
   FactsOfTurn(rows, &facts);
   FactsOfWaves(rows, repeats, &facts);
   FactsOfSeries(rows, repeats, &facts);
+  FactsOfMapChange(rows, repeats, &facts);
+  FactsOfTowerHeights(rows, &facts);
   FactsOfProbeOffset(rows, &facts);
   FactsOfSetting(rows, &facts);
   FactsOfGroups(rows, repeats, header, &facts);

@@ -42,6 +42,7 @@ bool IsSaidByRatio(const Fact& fact, const Facts& facts) {
 
 std::string FactsText(const Facts& facts, bool first_is_told) {
   std::vector<std::string> says, next;
+  std::string told;
   bool is_told = !first_is_told;
   for (const Fact& fact : facts.all) {
     if (IsSaidByRatio(fact, facts)) continue;
@@ -49,8 +50,10 @@ std::string FactsText(const Facts& facts, bool first_is_told) {
       says.push_back(fact.sentence);
     } else {
       is_told = true;
+      told = fact.sentence;
     }
   }
+  std::erase(says, told);
   const NotTheMachine& other = facts.not_the_machine;
   const bool is_a_fact = std::ranges::any_of(
       facts.all, [&](const Fact& fact) { return fact.sentence == other.sentence; });
@@ -80,6 +83,7 @@ Json FactsJson(const Facts& facts) {
     if (fact.id == "cross_reversal") one["seen_in"] = fact.word;
     if (fact.id == "known_ratio") one["reading"] = fact.word;
     if (fact.id == "settings") one["what"] = fact.word;
+    if (fact.id == "temperature") one["thermometer"] = fact.word;
     if (fact.id == "skew") one["leans"] = fact.word;
     if (!fact.also.empty()) one["also"] = fact.also;
     for (const FactFigure& figure : fact.figures) {

@@ -73,7 +73,10 @@ void AddScale(const Line& line, double noise_mm, std::size_t axis, Facts* facts)
   const double factor = 1 + line.slope;
   const double sd = noise_mm * line.slope_unit_sd;
   const double steps_sd = sd / (factor * factor);
-  const KnownRatio known = KnownRatioOf(factor, sd);
+  // What scatters more than ratios differ is none of them.
+  constexpr double kMostOfRatio = 0.1;
+  const bool is_told = !Known(sd) || sd < kMostOfRatio * std::abs(factor);
+  const KnownRatio known = is_told ? KnownRatioOf(factor, sd) : KnownRatio{};
   const char letter = "XYZ"[axis];
   const std::vector<FactFigure> figures = {{"factor", factor, sd},
                                            {"steps_factor", 1 / factor, steps_sd}};
@@ -94,6 +97,16 @@ void AddScale(const Line& line, double noise_mm, std::size_t axis, Facts* facts)
         "these readings are deviations and no positions, in which case the "
         "column's heading should say so, or the axis does not move",
         letter));
+    return;
+  }
+  constexpr double kNoFigure = 0.1;
+  if (Known(sd) && sd > kNoFigure) {
+    facts->not_determined.push_back(fmt::format("scale.{}", kAxisNames[axis]));
+    facts->cannot.push_back(fmt::format(
+        "steps/mm of {}: what was read scatters too much, they could be off by {:.0f} "
+        "%",
+        letter,
+        100 * sd));
     return;
   }
   if (!Known(sd) && std::abs(line.slope) < kNothing) {
@@ -120,6 +133,11 @@ void AddScale(const Line& line, double noise_mm, std::size_t axis, Facts* facts)
         WithSd(factor, sd, ""),
         WithSd(1 / factor, steps_sd, ""),
         Known(sd) ? "" : ". Its uncertainty is not known: nothing was measured twice");
+    const FineRatio fine = FineRatioOf(factor, sd);
+    if (!fine.reading.empty()) {
+      fact.also = {std::string(fine.reading)};
+      fact.sentence += fmt::format(". {}", fine.sentence);
+    }
   }
   facts->all.push_back(std::move(fact));
 }
@@ -376,7 +394,9 @@ void AddAlong(const Rows& rows, const Repeats& repeats, Facts* facts) {
     const Line line = FitBeyondGap(Without(all, repeats.outliers), axis);
     if (line.dof < 0) continue;
     const double noise_mm = NoiseOf_mm(line, repeats.NoiseOf(all.front()->campaign));
-    if (line.has_slope && !AddSurplus(line, noise_mm, axis, facts)) {
+    // How far it was sent before is no place.
+    const bool is_lost_motion = all.front()->flag == "lost_motion";
+    if (!is_lost_motion && line.has_slope && !AddSurplus(line, noise_mm, axis, facts)) {
       AddScale(line, noise_mm, axis, facts);
       AddLostPerMove(line, noise_mm, axis, facts);
     }

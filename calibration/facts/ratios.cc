@@ -112,7 +112,28 @@ KnownRatio OfPower(double factor, double sd, const std::string& mend) {
   return {};
 }
 
+constexpr std::array kFine = {
+    FineRatio{1000.0 / 1024,
+              "encoder_lines",
+              "It is 1000 / 1024: an encoder of 1000 lines taken for one of 1024 (4000 "
+              "and 4096 counts) does just that, before any screw is to blame"},
+    FineRatio{96.0 / 90,
+              "pixels_per_inch",
+              "It is 96 / 90, the pixels an inch of two programs that draw: if these "
+              "are sizes of a drawing, set them alike there and leave steps/mm alone"}};
+
 }  // namespace
+
+FineRatio FineRatioOf(double factor, double sd) {
+  constexpr double kExact = 5e-4;
+  if (Known(sd) && sd > kExact) return {};
+  for (const FineRatio& fine : kFine) {
+    for (const double ratio : {fine.ratio, 1 / fine.ratio}) {
+      if (std::abs(factor / ratio - 1) < kExact) return fine;
+    }
+  }
+  return {};
+}
 
 KnownRatio KnownRatioOf(double factor, double sd) {
   if (std::abs(factor - 1) < kCalibration || factor == 0) return {};

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace caltwin {
@@ -16,5 +17,16 @@ struct KnownRatio {
 /// Of an axis that moves `factor` times what is commanded, known to `sd`. Empty
 /// reading: the ratio is none that is known (or so near to 1 that it is a calibration).
 KnownRatio KnownRatioOf(double factor, double sd);
+
+/// A ratio near to 1 that something other than a drive makes.
+struct FineRatio {
+  double ratio = 1;
+  std::string_view reading{};   ///< encoder_lines pixels_per_inch; empty: none.
+  std::string_view sentence{};  ///< No full stop.
+};
+
+/// Of a factor that is within 12 % of 1: one that is known, or its inverse, to half a
+/// thousandth; none where the factor is known less well than that.
+FineRatio FineRatioOf(double factor, double sd);
 
 }  // namespace caltwin

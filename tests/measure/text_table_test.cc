@@ -38,6 +38,44 @@ TEST(TextTable, IsFoundAmongProseAtItsOwnLines) {
   EXPECT_THAT(Read(text).table.rows, SizeIs(3));
 }
 
+// Two tables of one heading are two campaigns, named after the lines before them.
+TEST(TextTable, EveryTableOfATextIsRead) {
+  const Imported imported = Read(
+      "Checked with a scale.\n\nlead 300\n"
+      "pitch set  turns  should be  carriage went\n"
+      "1.0        50      50.0       48.8\n"
+      "2.0        50     100.0       97.6  (again, other end)\n\n"
+      "lead 293\n"
+      "1.0        50      50.0       50.0\n"
+      "2.0        50     100.0      100.0\n");
+  ASSERT_THAT(imported.table.rows, SizeIs(4));
+  EXPECT_EQ(imported.table.rows[0].campaign, "lead_300");
+  EXPECT_EQ(imported.table.rows[3].campaign, "lead_293");
+  // Of what may have been told the column nearest to what was read.
+  EXPECT_EQ(imported.table.rows[1].cmd_mm[0], 100);
+  EXPECT_NEAR(imported.table.rows[1].value_mm, -2.4, 1e-9);
+}
+
+TEST(TextTable, LostMotionInInchesOfTheAxisThatItsTitleNames) {
+  const Imported imported = Read(
+      "Everything in inches.\nlost motion = from plus less from minus\n\n"
+      "axis  jog    dial\n"
+      "Y     0.100  .0125\n"
+      "Y     2.000  .012\n"
+      "X     0.500  .0005\n");
+  ASSERT_THAT(imported.table.rows, SizeIs(6));
+  EXPECT_EQ(imported.table.rows[0].dir[1], 1);
+  EXPECT_EQ(imported.table.rows[0].value_mm, 0);
+  EXPECT_EQ(imported.table.rows[1].dir[1], -1);
+  EXPECT_NEAR(imported.table.rows[1].value_mm, 0.0125 * 25.4, 1e-9);
+}
+
+TEST(TextTable, ColumnsOfNumberedRunsWereRead) {
+  const Imported imported = Read(
+      "X commanded;mark run 1;mark run 2\n0;0.0;0.1\n20;20.1;20.0\n40;40.2;40.1\n");
+  EXPECT_THAT(imported.table.rows, SizeIs(6));
+}
+
 TEST(TextTable, ADamagedLineIsNotLost) {
   // Whatever becomes of the file, two of three readings are no answer.
   EXPECT_THAT(TableInText("told moved\n10 9.8\n20 19.8 ?? 7\n30 29.8\n"), IsEmpty());

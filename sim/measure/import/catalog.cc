@@ -8,18 +8,22 @@
 #include "sim/base/yaml.h"
 #include "sim/machine/machine.h"
 #include "sim/measure/import/blunders.h"
+#include "sim/measure/import/candle_map.h"
 #include "sim/measure/import/check.h"
 #include "sim/measure/import/cmm_plate.h"
 #include "sim/measure/import/console_log.h"
+#include "sim/measure/import/drawn_path.h"
 #include "sim/measure/import/heightmap_xml.h"
 #include "sim/measure/import/import.h"
 #include "sim/measure/import/iso230_dat.h"
 #include "sim/measure/import/kinds/klipper_delta.h"
 #include "sim/measure/import/klipper_thermal.h"
 #include "sim/measure/import/map.h"
+#include "sim/measure/import/named_heights.h"
 #include "sim/measure/import/plain_table.h"
 #include "sim/measure/import/printer_lint.h"
 #include "sim/measure/import/recognise.h"
+#include "sim/measure/import/rotary_table.h"
 #include "sim/measure/import/rrf_config.h"
 #include "sim/measure/import/rrf_heightmap.h"
 #include "sim/measure/import/screw_table.h"
@@ -70,6 +74,10 @@ constexpr std::array kImporters = {
              "a height map in XML, as OpenCNCPilot and GRBL-Plotter save it",
              ReadHeightmapXml,
              /*has_unit=*/true},
+    Importer{"candle-map",
+             "a height map as Candle saves it",
+             ReadCandleMap,
+             /*has_unit=*/true},
     Importer{
         "printer-cfg",
         "a Klipper configuration without measurements: what in it contradicts itself",
@@ -78,6 +86,16 @@ constexpr std::array kImporters = {
              "the lengths of a square in a Configuration.h of Marlin",
              ReadMarlinConfig,
              /*has_unit=*/true},
+    Importer{"named-heights",
+             "heights of places that have names: a delta's towers, a bed's corners",
+             ReadNamedHeights,
+             /*has_unit=*/true},
+    Importer{"drawn-path",
+             "a program's moves beside the size that was drawn",
+             ReadDrawnPath},
+    Importer{"rotary-table",
+             "a rotary axis: angles told, and how far off in degrees",
+             ReadRotaryTable},
     Importer{"screw-table",
              "a compensation table: LinuxCNC .comp, Centroid .tab",
              ReadScrewTable},

@@ -11,6 +11,7 @@
 #include "sim/base/units.h"
 #include "sim/measure/import/bare_grid.h"
 #include "sim/measure/import/bed_touch.h"
+#include "sim/measure/import/candle_map.h"
 #include "sim/measure/import/climb.h"
 #include "sim/measure/import/console_grid.h"
 #include "sim/measure/import/console_line.h"
@@ -20,8 +21,10 @@
 #include "sim/measure/import/grbl_story.h"
 #include "sim/measure/import/plain_table.h"
 #include "sim/measure/import/pulse_rate.h"
+#include "sim/measure/import/rrf_limit.h"
 #include "sim/measure/import/switch_story.h"
 #include "sim/measure/import/text_table.h"
+#include "sim/measure/import/touch_offset.h"
 
 namespace caltwin {
 namespace {
@@ -121,6 +124,9 @@ class LogReader {
     grbl_.Tell(&imported_);
     switch_.Tell(&imported_);
     pulses_.Tell(&imported_);
+    limit_.Tell(&imported_);
+    offset_.Tell(&imported_);
+    TellMap();
     const bool has_readings = !imported_.table.rows.empty() ||
                               !switch_.calibrations().empty() ||
                               !imported_.levelling.differences_mm.empty();
@@ -165,6 +171,15 @@ class LogReader {
     }
   }
 
+  // The map that a sender saved of these touches.
+  void TellMap() {
+    const auto map = CandleMapIn(text_);
+    if (!map) return;
+    std::vector<double> touched_mm;
+    for (const Row& row : imported_.table.rows) touched_mm.push_back(row.value_mm);
+    TellLevelMap(*map, touched_mm, &imported_);
+  }
+
   void ReadLine(const TextLine& line, double t_s) {
     ConsoleLine said = ConsoleLineOf(line.text);
     if (!Known(said.t_s)) said.t_s = t_s;
@@ -172,6 +187,8 @@ class LogReader {
     heaters_.Take(said);
     grbl_.Take(said);
     pulses_.Take(said);
+    limit_.Take(said, line.line);
+    offset_.Take(said, line.line);
     if (grids_.contains(line.line)) {
       grid_.End();
       if (grid_.is_whole()) AddGrid();
@@ -257,6 +274,10 @@ class LogReader {
       return true;
     } else if (said.lower.starts_with("[prb:")) {
       ReadPrb(line, said);
+    } else if (const auto touch_mm = TouchOfTinyG(said)) {
+      if (kind_ != "prb") Begin("prb");
+      GoTo((*touch_mm)[0], (*touch_mm)[1]);
+      Add(line, (*touch_mm)[2], said.t_s);
     } else if (said.lower.find("bed probe heights:") != std::string::npos) {
       ReadHeights(line, said);
     } else if (said.lower.starts_with("stopped at height")) {
@@ -371,19 +392,14 @@ class LogReader {
   // "[PRB:-10.000,5.000,-12.345:1]": the position at the trigger. Along Z it is a
   // height; along X and Y how far from the first touch of that face.
   void ReadPrb(const TextLine& line, const ConsoleLine& said) {
-    std::array<double, 3> at_mm{};
-    std::string rest = said.lower.substr(5);
-    for (double& coordinate_mm : at_mm) {
-      const auto value_mm = NumberOf(rest.substr(0, rest.find_first_of(",:]")));
-      if (!value_mm) return RefuseTouch(line, "'[PRB:0.000,0.000,-1.234:1]'");
-      coordinate_mm = *value_mm;
-      rest.erase(0, std::min(rest.size(), rest.find_first_of(",:]") + 1));
-    }
-    if (rest.starts_with('0')) {
+    const auto touch = TouchOfGrbl(said);
+    if (!touch) return RefuseTouch(line, "'[PRB:0.000,0.000,-1.234:1]'");
+    if (!touch->has_touched) {
       imported_.warnings.push_back(fmt::format(
           "line {}: this probing found nothing (:0) and is left out", line.line));
       return;
     }
+    const std::array<double, 3>& at_mm = touch->at_mm;
     if (kind_ != "prb") Begin("prb");
     const std::size_t k = probed_axis_;
     const std::string face =
@@ -678,6 +694,8 @@ class LogReader {
   bool has_old_text_ = false, has_new_text_ = false, lacks_points_ = false;
   SwitchStory switch_;
   PulseRate pulses_;
+  CorrectionLimit limit_;
+  TouchOffset offset_;
   std::vector<double> heights_mm_;
   Place first_;
 };

@@ -11,21 +11,6 @@
 namespace caltwin {
 namespace {
 
-// Numbers of a text apart by anything else.
-std::vector<double> NumbersOf(std::string_view text) {
-  std::vector<double> numbers;
-  constexpr std::string_view kOfNumber = "+-.0123456789";
-  for (std::size_t at = text.find_first_of(kOfNumber); at != std::string_view::npos;) {
-    const std::size_t end =
-        std::min(text.size(), text.find_first_not_of(kOfNumber, at));
-    std::string word(text.substr(at, end - at));
-    if (word.starts_with('+')) word.erase(0, 1);
-    if (const auto number = NumberOf(word)) numbers.push_back(*number);
-    at = text.find_first_of(kOfNumber, end);
-  }
-  return numbers;
-}
-
 // The key before a colon or equals sign; empty where there is none.
 std::string KeyOf(const std::string& lower) {
   const std::size_t end = lower.find_first_of(":=");
@@ -44,7 +29,7 @@ bool ConsoleStory::Take(const ConsoleLine& line,
                         const std::string& home) {
   if (IsCommand(line, "m420") || IsCommand(line, "g29")) forgotten_at_ = {};
   if (line.lower.starts_with("[g54:") && has_probed_ && idle_offset_at_.line == 0) {
-    const auto offsets_mm = NumbersOf(line.lower.substr(5));
+    const auto offsets_mm = NumbersApart(line.lower.substr(5));
     const bool is_idle = offsets_mm.size() >= 3 && offsets_mm[2] == 0 &&
                          (offsets_mm[0] != 0 || offsets_mm[1] != 0);
     if (is_idle) idle_offset_at_ = place;
@@ -115,7 +100,7 @@ bool ConsoleStory::TakeConfig(const ConsoleLine& line) {
     key_ = key;
     rest = line.lower.substr(line.lower.find_first_of(":=") + 1);
   }
-  const std::vector<double> numbers = NumbersOf(rest);
+  const std::vector<double> numbers = NumbersApart(rest);
   const bool is_list =
       line.lower.find_first_not_of(" +-.,0123456789") == std::string::npos;
   if (key.empty() && !is_list) {
@@ -145,7 +130,7 @@ bool ConsoleStory::TakeAdjustment(const ConsoleLine& line, const std::string& ho
   }
   if (line.lower.starts_with("stepper_z") &&
       line.lower.find('=') != std::string::npos && !levelling_.rounds.empty()) {
-    const auto moved_mm = NumbersOf(line.lower.substr(line.lower.find('=')));
+    const auto moved_mm = NumbersApart(line.lower.substr(line.lower.find('=')));
     if (moved_mm.size() != 1) return false;
     levelling_.rounds.back().moved_mm.push_back(moved_mm[0]);
     return true;
@@ -155,7 +140,8 @@ bool ConsoleStory::TakeAdjustment(const ConsoleLine& line, const std::string& ho
       colon != std::string::npos) {
     const std::size_t comma = line.lower.find(',', colon);
     levelling_.rounds.push_back(
-        {.home = home, .moved_mm = NumbersOf(line.lower.substr(colon, comma - colon))});
+        {.home = home,
+         .moved_mm = NumbersApart(line.lower.substr(colon, comma - colon))});
     return true;
   }
   return false;
@@ -182,7 +168,7 @@ bool ConsoleStory::TakeAlignment(const ConsoleLine& line) {
 bool ConsoleStory::TakeCalibration(const ConsoleLine& line) {
   const std::size_t diagonals = line.lower.find("diagonals ");
   if (diagonals != std::string::npos) {
-    const auto arms_mm = NumbersOf(line.lower.substr(diagonals, 40));
+    const auto arms_mm = NumbersApart(line.lower.substr(diagonals, 40));
     if (!arms_mm.empty()) arm_mm_ = arms_mm[0];
     if (!calibrations_.empty()) calibrations_.back().arm_mm = arm_mm_;
     return true;
@@ -221,7 +207,7 @@ bool ConsoleStory::TakeCalibration(const ConsoleLine& line) {
   const std::size_t middle = line.lower.find(" c:");
   if (middle != std::string::npos && !heights_.empty() &&
       !Known(heights_.back().middle_mm)) {
-    const auto numbers = NumbersOf(line.lower.substr(middle));
+    const auto numbers = NumbersApart(line.lower.substr(middle));
     if (!numbers.empty()) heights_.back().middle_mm = numbers[0];
     return true;
   }

@@ -194,4 +194,18 @@ double StepOf(const std::vector<double>& values_mm) {
   return is_grid ? step : 0;
 }
 
+std::vector<double> NumbersApart(std::string_view text) {
+  std::vector<double> numbers;
+  constexpr std::string_view kOfNumber = "+-.0123456789";
+  for (std::size_t at = text.find_first_of(kOfNumber); at != std::string_view::npos;) {
+    const std::size_t end =
+        std::min(text.size(), text.find_first_not_of(kOfNumber, at));
+    std::string word(text.substr(at, end - at));
+    if (word.starts_with('+')) word.erase(0, 1);
+    if (const auto number = NumberOf(word)) numbers.push_back(*number);
+    at = text.find_first_of(kOfNumber, end);
+  }
+  return numbers;
+}
+
 }  // namespace caltwin

@@ -38,6 +38,9 @@ std::optional<double> NumberAfter(std::string_view text, std::string_view key);
 /// of "3500 mm/min"; nullopt where none does.
 std::optional<double> NumberBefore(std::string_view text, std::size_t at);
 
+/// Every number of a text, apart by anything else: "X:1.5, Y -2" has two.
+std::vector<double> NumbersApart(std::string_view text);
+
 /// In small letters.
 std::string Lowered(std::string_view text);
 

@@ -18,11 +18,27 @@
 #include "sim/measure/import/table_columns.h"
 #include "sim/measure/import/table_derived.h"
 #include "sim/measure/import/table_notes.h"
-#include "sim/measure/import/text_table.h"
 #include "sim/measure/import/unit.h"
 
 namespace caltwin {
 namespace {
+
+// "Everything in inches", and no word of millimetres.
+bool SaysInches(const std::string& lower) {
+  constexpr std::array<std::string_view, 8> kWords = {"thing in inch",
+                                                      "all in inch",
+                                                      "values in inch",
+                                                      "numbers in inch",
+                                                      "readings in inch",
+                                                      "units are inch",
+                                                      "unit: inch",
+                                                      "units: inch"};
+  const std::vector<std::string> tokens = TokensOf(lower);
+  return std::ranges::find(tokens, "mm") == tokens.end() &&
+         std::ranges::any_of(kWords, [&](std::string_view words) {
+           return lower.find(words) != std::string::npos;
+         });
+}
 
 class TableReader {
  public:
@@ -41,6 +57,12 @@ class TableReader {
   void TakeRemarks(const std::string& text) {
     step_mm_ = CountedStep_mm(text);
     const std::string lower = Lowered(text);
+    is_in_inches_ = SaysInches(lower);
+    constexpr std::array<std::string_view, 4> kLost = {
+        "lost motion =", "lost motion:", "backlash =", "backlash:"};
+    is_lost_motion_ = std::ranges::any_of(kLost, [&](std::string_view words) {
+      return lower.find(words) != std::string::npos;
+    });
     are_distances_ = lower.find("distance") != std::string::npos;
     constexpr std::array<std::string_view, 7> kEach = {"x g28",
                                                        "after g28",
@@ -81,6 +103,8 @@ class TableReader {
                                             imported_.table.rows.size()));
     if (takes_mm_)
       imported_.assumed.emplace_back("lengths are in mm: nothing says otherwise");
+    if (takes_inches_)
+      imported_.assumed.emplace_back("lengths are in inches, as the text says");
     if (takes_steps_)
       imported_.assumed.push_back(fmt::format(
           "readings count steps of {:.4g} um, as the text says", UmFromMm(step_mm_)));
@@ -144,7 +168,8 @@ class TableReader {
     } else if (QuantityOf(column.part) == Quantity::kLength) {
       const bool is_counted = IsCounted(column);
       if (is_counted) *value *= step_mm_;
-      (is_counted ? takes_steps_ : takes_mm_) = true;
+      if (!is_counted && is_in_inches_) value = MmFromInch(*value);
+      (is_counted ? takes_steps_ : is_in_inches_ ? takes_inches_ : takes_mm_) = true;
     }
     return value;
   }
@@ -429,6 +454,7 @@ class TableReader {
       for (const CsvRecord& record : sheet_.records)
         AddMove(record, commanded, column, letter, is_actual);
     }
+    if (is_dial && is_lost_motion_ && !FirstOf(Part::kSense)) PartLostMotion();
     imported_.is_deviation = is_actual;
     imported_.assumed.emplace_back(
         is_actual ? "value = read - commanded"
@@ -438,6 +464,28 @@ class TableReader {
     if (takes_x_)
       imported_.assumed.emplace_back("the axis is x: nothing names it (--axis)");
     return true;
+  }
+
+  // Each reading is how far a place come upon from + lies from the same come upon from
+  // -, which is 0.
+  void PartLostMotion() {
+    std::vector<Row> both;
+    for (Row& row : imported_.table.rows) {
+      const auto axis =
+          static_cast<std::size_t>(std::ranges::find(row.n, 1.0) - row.n.begin());
+      Row other = row;
+      other.dir[axis] = 1;
+      other.value_mm = 0;
+      row.dir[axis] = -1;
+      row.flag = other.flag = "lost_motion";
+      both.push_back(std::move(other));
+      both.push_back(std::move(row));
+    }
+    imported_.table.rows = std::move(both);
+    imported_.assumed.emplace_back(
+        "each reading is lost motion, as the text says: what lies between the same "
+        "place "
+        "come upon from + and from -");
   }
 
   // Two sides measured at once: how far the second is from the first.
@@ -493,7 +541,39 @@ class TableReader {
         is_level &&
         (most_read_mm - least_read_mm < kOfInches * (most_told_mm - least_told_mm) ||
          least_read_mm * most_read_mm <= 0);
-    return is_small && (is_level_and_slight || is_far);
+    return (is_small && (is_level_and_slight || is_far)) ||
+           AreLevelByAxis(commanded, read);
+  }
+
+  // A dial that reads about the same however far the axis was sent: of each axis, what
+  // was read grows by less than a twentieth of what was told.
+  bool AreLevelByAxis(const TableColumn& commanded,
+                      const std::vector<TableColumn>& read) {
+    constexpr double kSmall = 0.05;
+    const auto axis = FirstOf(Part::kAxis);
+    if (!axis) return false;
+    std::map<std::string, std::vector<std::array<double, 2>>> by_axis;
+    for (const CsvRecord& record : sheet_.records) {
+      const auto told_mm = NumberAt(record, commanded);
+      for (const TableColumn& column : read) {
+        const auto read_mm = NumberAt(record, column);
+        if (told_mm && read_mm)
+          by_axis[PlainWord(record[axis->index].text)].push_back({*told_mm, *read_mm});
+      }
+    }
+    double told2 = 0, both = 0;
+    for (const auto& [name, pairs] : by_axis) {
+      std::array<double, 2> mean{};
+      for (const auto& pair : pairs) {
+        for (std::size_t k = 0; k < 2; ++k)
+          mean[k] += pair[k] / static_cast<double>(pairs.size());
+      }
+      for (const auto& pair : pairs) {
+        told2 += std::pow(pair[0] - mean[0], 2);
+        both += (pair[0] - mean[0]) * (pair[1] - mean[1]);
+      }
+    }
+    return told2 > 0 && std::abs(both) < kSmall * told2;
   }
 
   // Whether each column was read off an instrument of its own.
@@ -644,43 +724,20 @@ class TableReader {
   bool is_homed_ = false;       ///< Before every reading.
   bool are_distances_ = false;  ///< Of centres, the text says.
   bool takes_mm_ = false, takes_x_ = false, takes_feed_ = false, takes_steps_ = false;
+  bool is_lost_motion_ = false;  ///< What a dial read, the text says.
+  bool is_in_inches_ = false, takes_inches_ = false;  ///< The text says it of all.
   bool are_states_ = false;  ///< Each column is the machine in another state.
 };
 
-Imported ReadSentences(const std::string& sentences,
-                       const std::string& name,
-                       const ImportOptions& options) {
-  Imported imported = TableReader(sentences, name, options).Read();
-  imported.assumed.emplace_back(
-      "what the sentences say of sizes was read, and no other line");
-  return imported;
-}
-
 }  // namespace
 
-Imported ReadPlainTable(const std::string& text,
-                        const std::string& name,
-                        const ImportOptions& options) {
-  // Where sentences say more than one thing, no table does.
-  constexpr long kFewest = 4;
-  const std::string sentences = SentencesAsTable(text);
-  const bool are_sentences = std::ranges::count(sentences, ',') >= 2 * kFewest;
-  try {
-    if (are_sentences) return ReadSentences(sentences, name, options);
-    TableReader reader(text, name, options);
-    reader.TakeRemarks(text);
-    return reader.Read();
-  } catch (const InputError&) {
-    const std::string found = TableInText(text);
-    if (found.empty() && sentences.empty()) throw;
-    if (found.empty()) return ReadSentences(sentences, name, options);
-    TableReader reader(found, name, options);
-    reader.TakeRemarks(text);
-    Imported imported = reader.Read();
-    imported.assumed.emplace_back(
-        "the lines around the table are remarks and were not read");
-    return imported;
-  }
+Imported ReadOneTable(const std::string& table,
+                      const std::string& around,
+                      const std::string& name,
+                      const ImportOptions& options) {
+  TableReader reader(table, name, options);
+  reader.TakeRemarks(around);
+  return reader.Read();
 }
 
 }  // namespace caltwin

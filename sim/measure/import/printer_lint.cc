@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "sim/base/units.h"
 #include "sim/measure/import/fields.h"
 #include "sim/measure/import/printer_cfg.h"
 #include "sim/measure/import/square_lengths.h"
@@ -90,6 +91,45 @@ void AddProbeSign(const PrinterCfg& cfg, std::vector<FileNote>* notes) {
   }
 }
 
+// With the probe as the switch of Z, both say where the nozzle is when it triggers.
+void AddVirtualEndstop(const PrinterCfg& cfg, std::vector<FileNote>* notes) {
+  constexpr double kAlike_mm = 0.05;
+  Faults faults;
+  const auto* pin = cfg.Find("stepper_z", "endstop_pin");
+  const auto endstop_mm =
+      cfg.Number("stepper_z", "position_endstop", -kMost, kMost, &faults);
+  if (pin == nullptr || !endstop_mm ||
+      Lowered(pin->value.text).find("z_virtual_endstop") == std::string::npos) {
+    return;
+  }
+  for (const char* section : {"probe", "bltouch"}) {
+    const auto offset_mm = cfg.Number(section, "z_offset", -kMost, kMost, &faults);
+    if (!offset_mm || std::abs(*offset_mm - *endstop_mm) < kAlike_mm) continue;
+    const double off_mm = *offset_mm - *endstop_mm;
+    FileNote note = Setting(
+        "position_endstop",
+        fmt::format(
+            "position_endstop is {0:g} and the probe's z_offset {1:g}: with the probe "
+            "as "
+            "the switch of Z both say how high the nozzle stands when it triggers, and "
+            "must be the same. As written the nozzle is {2:g} mm {3} than believed: "
+            "all "
+            "of Z is off by a constant of {2:g} mm, and no layer by a factor, so leave "
+            "the steps. Set position_endstop to {1:g} (newer Klipper takes it from "
+            "z_offset: leave it out there)",
+            *endstop_mm,
+            *offset_mm,
+            std::abs(off_mm),
+            off_mm > 0 ? "higher" : "lower"),
+        PlaceOf(cfg.Find("stepper_z", "position_endstop")->value, cfg.name()));
+    note.fact = "offset";
+    note.axis = "z";
+    note.word = "zero";
+    note.figures = {{"change_um", UmFromMm(off_mm)}};
+    notes->push_back(std::move(note));
+  }
+}
+
 }  // namespace
 
 std::vector<FileNote> NotesOfPrinterCfg(const std::string& text,
@@ -99,23 +139,11 @@ std::vector<FileNote> NotesOfPrinterCfg(const std::string& text,
   AddUnequalSteps(cfg, {"stepper_a", "stepper_b", "stepper_c"}, &notes);
   AddUnequalSteps(cfg, {"stepper_z", "stepper_z1", "stepper_z2", "stepper_z3"}, &notes);
   AddProbeSign(cfg, &notes);
+  AddVirtualEndstop(cfg, &notes);
   return notes;
 }
 
 namespace {
-
-std::vector<double> NumbersApart(std::string_view text) {
-  std::vector<double> numbers;
-  constexpr std::string_view kOfNumber = ".0123456789";
-  for (std::size_t at = text.find_first_of(kOfNumber); at != std::string_view::npos;) {
-    const std::size_t end =
-        std::min(text.size(), text.find_first_not_of(kOfNumber, at));
-    if (const auto number = NumberOf(text.substr(at, end - at)))
-      numbers.push_back(*number);
-    at = text.find_first_of(kOfNumber, end);
-  }
-  return numbers;
-}
 
 // "cube 20x20x20 measured: 20.04 x 19.97 x 40.1"
 void AddSizes(const std::string& text, const std::string& name, Imported* imported) {

@@ -5,8 +5,12 @@
 #include <string_view>
 
 #include "sim/measure/import/bare_grid.h"
+#include "sim/measure/import/candle_map.h"
 #include "sim/measure/import/console_line.h"
+#include "sim/measure/import/drawn_path.h"
 #include "sim/measure/import/fields.h"
+#include "sim/measure/import/named_heights.h"
+#include "sim/measure/import/rotary_table.h"
 
 namespace caltwin {
 namespace {
@@ -34,18 +38,18 @@ Seen Look(const std::string& text) {
     seen.has_console |=
         ((lower.starts_with("probe at ") || lower.starts_with("probe: at ")) &&
          has("z=")) ||
-        lower.starts_with("bed x:") || (has(" of ") && has(": z:")) ||
-        lower.starts_with("[prb:") || has("bed probe heights:") ||
-        lower.starts_with("stopped at height") || has("bed topography report") ||
-        has("g33 auto calibrate") || has("z1-z2=") || has("z2-z1=") ||
-        has("delta_analyze") || has("probe: z_offset:") ||
+        lower.starts_with("bed x:") || (has(" of ") && has(": z:")) || has("[prb:") ||
+        has("bed probe heights:") || lower.starts_with("stopped at height") ||
+        has("bed topography report") || has("g33 auto calibrate") || has("z1-z2=") ||
+        has("z2-z1=") || has("delta_analyze") || has("probe: z_offset:") ||
         (has("calibrated ") && has("factors")) ||
         (has("iteration") && has("std dev:")) || has("z-calibration:") ||
         (lower.starts_with("probed ") && has("> ")) ||
         has("average measured backlash") || has(" z_offset: ") ||
         lower.starts_with("[g54:") || lower.starts_with("g92 x0 y0") ||
         has("screws_tilt_calculate") || has("making the following z adjustments") ||
-        has("leveling grid") || has("mesh bed level data");
+        has("exceed configured limit") || has("leadscrew adjustments made") ||
+        has("\"prb\":{") || has("leveling grid") || has("mesh bed level data");
     // grbl: its status, and "$100=250.000".
     seen.has_console |= has("mpos:") || has("wpos:");
     // "$100=640", and as people copy it, "$100    640".
@@ -136,11 +140,15 @@ std::string KindOfText(const std::string& text, const std::string& name) {
   const bool is_plate = has("meas x") && has("nom x");
   if (is_plate || (has("measx") && has("nomx"))) return "cmm-plate";
   if (ending == ".comp" || ending == ".tab") return "screw-table";
+  if (!seen.has_console && NoteOfRotaryTable(text)) return "rotary-table";
   if (seen.has_console || seen.has_settings) return "console-log";
+  if (CandleMapIn(text)) return "candle-map";
   if (has("#define") && has("_diag_ac")) return "marlin-config";
   if (has("[stepper_") || has("[printer]") || IsModule(text)) return "printer-cfg";
+  if (NoteOfDrawnPath(text)) return "drawn-path";
   if (seen.has_config || IsMacro(text)) return "rrf-config";
   if (!BareGrids(text).empty()) return "console-log";
+  if (HasNamedHeights(text)) return "named-heights";
   return "table";
 }
 

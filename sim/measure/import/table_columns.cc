@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -28,7 +29,7 @@ constexpr std::array kAllWords = {
     PartWords{Part::kActual,
               "actual measured measure meas reading read reads moved real got calliper "
               "caliper calipers gauge indicator dial dro laser observed seen result "
-              "travelled printed ruler engraved milled enlev removed ist gemessen "
+              "travelled went printed ruler engraved milled enlev removed ist gemessen "
               "mesure says burned made obtained achieved actually scale is cut display "
               "came machined"},
     PartWords{
@@ -162,6 +163,53 @@ void TakeSenses(const Spreadsheet& sheet, std::vector<TableColumn>* columns) {
   }
 }
 
+// "mark run 1": where a run's number stands in the heading, what stands below was read
+// in it.
+void TakeRuns(const Spreadsheet& sheet, std::vector<TableColumn>* columns) {
+  for (TableColumn& column : *columns) {
+    if (column.part != Part::kRun || !AreNumbers(sheet, column.index)) continue;
+    const std::vector<std::string> tokens = TokensOf(sheet.headings[column.index].text);
+    const bool is_numbered =
+        tokens.size() > 1 && std::ranges::any_of(tokens, [](const std::string& token) {
+          return token.find_first_not_of("0123456789") == std::string::npos;
+        });
+    const std::vector<double> numbers = NumbersOf(sheet, column.index);
+    const bool are_counts = std::ranges::all_of(
+        numbers, [](double number) { return number == std::round(number); });
+    if (is_numbered && !are_counts) column.part = Part::kNone;
+  }
+}
+
+// Of several columns that may have been told, the one that what was read is nearest to;
+// a pitch or a number of turns beside it is a state.
+void KeepNearestCommand(const Spreadsheet& sheet, std::vector<TableColumn>* columns) {
+  const auto is_plain = [&](const TableColumn& column) {
+    return column.part == Part::kCommanded && column.axis < 0 &&
+           AreNumbers(sheet, column.index);
+  };
+  const auto read = std::ranges::find(*columns, Part::kActual, &TableColumn::part);
+  if (read == columns->end() || !AreNumbers(sheet, read->index) ||
+      std::ranges::count_if(*columns, is_plain) < 2) {
+    return;
+  }
+  const std::vector<double> was_read = NumbersOf(sheet, read->index);
+  TableColumn* nearest = nullptr;
+  double least = HUGE_VAL;
+  for (TableColumn& column : *columns) {
+    if (!is_plain(column)) continue;
+    const std::vector<double> told = NumbersOf(sheet, column.index);
+    double sum = 0;
+    for (std::size_t i = 0; i < std::min(told.size(), was_read.size()); ++i) {
+      sum += std::abs(told[i] - was_read[i]);
+    }
+    if (sum < least) nearest = &column;
+    least = std::min(least, sum);
+  }
+  for (TableColumn& column : *columns) {
+    if (is_plain(column) && &column != nearest) column.part = Part::kNone;
+  }
+}
+
 }  // namespace
 
 std::vector<std::string> TokensOf(const std::string& heading) {
@@ -237,8 +285,12 @@ std::vector<TableColumn> ColumnsOf(const Spreadsheet& sheet,
         HasAny("file nc", TokensOf(sheet.headings[column.index].text));
     if (may_be_name) column.part = Part::kNone;
   }
-  if (!sheet.headings.empty()) TakeSenses(sheet, &columns);
+  if (!sheet.headings.empty()) {
+    TakeSenses(sheet, &columns);
+    TakeRuns(sheet, &columns);
+  }
   TakePartsByNumbers(sheet, &columns, taken);
+  KeepNearestCommand(sheet, &columns);
   return columns;
 }
 

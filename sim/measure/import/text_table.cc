@@ -61,7 +61,17 @@ Fields AtBlanks(std::string_view line, std::size_t fewest) {
   return fields;
 }
 
-Fields FieldsOf(std::string_view line, Part part) {
+// Without a remark in brackets at the end: "97.67  (again, other end)".
+std::string_view WithoutRemark(std::string_view line) {
+  const std::size_t open = line.rfind('(');
+  const bool is_last =
+      open != std::string_view::npos && open > 0 && line.ends_with(')');
+  if (!is_last || line.find(' ', open) == std::string_view::npos) return line;
+  return line.substr(0, open);
+}
+
+Fields FieldsOf(std::string_view whole, Part part) {
+  const std::string_view line = WithoutRemark(whole);
   switch (part) {
     case Part::kBar: {
       Fields fields = At(line, '|');
@@ -116,6 +126,8 @@ struct Block {
       false;  ///< Nothing stands above the first column, which has names.
 
   bool has_heading() const { return heading != begin; }
+  /// The first line that is its own.
+  std::size_t first() const { return heading < begin ? heading : begin; }
 };
 
 class Finder {
@@ -127,24 +139,97 @@ class Finder {
     }
   }
 
-  std::string Find() {
-    Block best;
+  std::vector<TextTable> Find() {
+    std::vector<Block> blocks = Apart(AllBlocks());
+    if (blocks.empty() || std::ranges::any_of(blocks, [&](const Block& block) {
+          return HasDamaged(block, blocks);
+        })) {
+      return {};
+    }
+    // The one of most numbers first, the others as they stand.
+    std::sort(blocks.begin() + 1, blocks.end(), [](const Block& a, const Block& b) {
+      return a.begin < b.begin;
+    });
+    std::vector<TextTable> tables;
+    for (const Block& block : blocks) {
+      tables.push_back({TextOf(WithHeading(blocks, block)), TitleOf(block, blocks)});
+    }
+    return tables;
+  }
+
+ private:
+  // Every block that could be a table, and such as only have the fields of one.
+  std::vector<Block> AllBlocks() const {
+    std::vector<Block> all;
     for (const Part part : kParts) {
       for (std::size_t i = 0; i < lines_.size();) {
         const Block block = BlockFrom(i, part);
         i = std::max(block.end, i + 1);
-        const std::size_t rows = block.end - block.begin;
-        const bool is_enough = rows >= (block.has_heading() ? 2U : 3U);
-        if (is_enough && block.numbers > best.numbers) best = block;
+        if (block.numbers > 0) all.push_back(block);
       }
     }
-    if (best.numbers == 0 || HasDamaged(best)) return "";
-    return TextOf(best);
+    std::ranges::stable_sort(all, std::ranges::greater{}, &Block::numbers);
+    return all;
   }
 
- private:
+  // Those that do not stand in each other's way, most numbers first. Too short ones
+  // stay where they have the fields of a longer one.
+  static std::vector<Block> Apart(const std::vector<Block>& all) {
+    std::vector<Block> apart;
+    const auto is_free = [&](const Block& block) {
+      return std::ranges::none_of(apart, [&](const Block& other) {
+        return block.first() < other.end && other.first() < block.end;
+      });
+    };
+    const auto is_long = [](const Block& block) {
+      return block.end - block.begin >= (block.has_heading() ? 2U : 3U);
+    };
+    for (const Block& block : all) {
+      if (is_long(block) && is_free(block)) apart.push_back(block);
+    }
+    const std::size_t num_long = apart.size();
+    for (const Block& block : all) {
+      const bool is_alike =
+          !is_long(block) &&
+          std::any_of(apart.begin(),
+                      apart.begin() + static_cast<std::ptrdiff_t>(num_long),
+                      [&](const Block& other) {
+                        return other.part == block.part && other.fields == block.fields;
+                      });
+      if (is_alike && is_free(block)) apart.push_back(block);
+    }
+    return apart;
+  }
+
+  // A block without a heading has that of one above it of as many fields.
+  static Block WithHeading(const std::vector<Block>& blocks, Block block) {
+    if (block.has_heading()) return block;
+    const Block* nearest = nullptr;
+    for (const Block& other : blocks) {
+      const bool is_above = other.has_heading() && other.end <= block.begin &&
+                            other.part == block.part && other.fields == block.fields;
+      if (is_above && (nearest == nullptr || other.begin > nearest->begin)) {
+        nearest = &other;
+      }
+    }
+    if (nearest == nullptr) return block;
+    block.heading = nearest->heading;
+    block.lacks_first = nearest->lacks_first;
+    return block;
+  }
+
+  std::string TitleOf(const Block& block, const std::vector<Block>& blocks) const {
+    std::size_t above = block.first();
+    while (above > 0 && IsRule(lines_[above - 1])) --above;
+    if (above == 0) return "";
+    const bool is_of_another = std::ranges::any_of(blocks, [&](const Block& other) {
+      return above > other.first() && above <= other.end;
+    });
+    return is_of_another ? "" : std::string(lines_[above - 1]);
+  }
+
   static bool IsRule(std::string_view line) {
-    return line.find_first_not_of("-_=|:+ \t") == std::string_view::npos;
+    return line.find_first_not_of("-_=|:;,+ \t") == std::string_view::npos;
   }
 
   static std::size_t NumbersIn(const Fields& fields) {
@@ -158,7 +243,15 @@ class Finder {
     // What stands before a colon is mostly a sentence.
     const bool is_enough =
         part == Part::kColon ? numbers == fields.size() : 2 * numbers >= fields.size();
-    return fields.size() >= 2 && CountedIn(fields.back()) && is_enough;
+    const bool is_sentence = part == Part::kBlanks && IsSentence(fields.front());
+    return fields.size() >= 2 && CountedIn(fields.back()) && is_enough && !is_sentence;
+  }
+
+  // Words and a number in one cell.
+  static bool IsSentence(const std::string& field) {
+    constexpr auto kMostWords = 3;
+    return std::ranges::count(field, ' ') >= kMostWords &&
+           field.find_first_of("0123456789") != std::string::npos;
   }
 
   Block BlockFrom(std::size_t first, Part part) const {
@@ -206,13 +299,27 @@ class Finder {
     return true;
   }
 
-  // A line outside that has as many fields and a number in one: a row gone wrong.
-  bool HasDamaged(const Block& block) const {
+  // A line beside it that has as many fields and a number in one: a row gone wrong.
+  bool HasDamaged(const Block& block, const std::vector<Block>& blocks) const {
     if (block.part == Part::kColon || block.part == Part::kBlank) return false;
-    for (std::size_t i = 0; i < lines_.size(); ++i) {
-      if (i == block.heading || (i >= block.begin && i < block.end)) continue;
+    const auto is_row_gone_wrong = [&](std::size_t i) {
+      const bool is_of_any = std::ranges::any_of(blocks, [&](const Block& other) {
+        return i >= other.first() && i < other.end;
+      });
+      if (is_of_any) return false;
       const Fields fields = FieldsOf(lines_[i], block.part);
-      if (fields.size() == block.fields && NumbersIn(fields) > 0) return true;
+      return fields.size() == block.fields && NumbersIn(fields) > 0;
+    };
+    // Up and down to the next line that is something else.
+    for (std::size_t i = block.end; i < lines_.size(); ++i) {
+      if (numbers_[i] > numbers_[i - 1] + 1 || IsRule(lines_[i])) break;
+      if (is_row_gone_wrong(i)) return true;
+      if (FieldsOf(lines_[i], block.part).size() != block.fields) break;
+    }
+    for (std::size_t i = block.first(); i > 0; --i) {
+      if (numbers_[i] > numbers_[i - 1] + 1 || IsRule(lines_[i - 1])) break;
+      if (is_row_gone_wrong(i - 1)) return true;
+      if (FieldsOf(lines_[i - 1], block.part).size() != block.fields) break;
     }
     return false;
   }
@@ -279,8 +386,13 @@ class Finder {
 
 }  // namespace
 
-std::string TableInText(const std::string& text) {
+std::vector<TextTable> TablesInText(const std::string& text) {
   return Finder(text).Find();
+}
+
+std::string TableInText(const std::string& text) {
+  const std::vector<TextTable> tables = TablesInText(text);
+  return tables.empty() ? "" : tables.front().text;
 }
 
 }  // namespace caltwin

@@ -1,14 +1,26 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 namespace caltwin {
 
-/// The table that stands in a text among other lines (titles, remarks, rules, a second
-/// table), each of its lines at the place it had, fields apart by tabs: the block of
-/// lines of as many fields that holds most numbers. A word behind all numbers of a
-/// column ("10 lifts") becomes its heading. Empty: no such block, or a line outside it
-/// looks like one of its own that is damaged, and nothing may be lost.
+/// A table that stands in a text among other lines.
+struct TextTable {
+  /// Its lines at the places they had, fields apart by tabs. A word behind all numbers
+  /// of a column ("10 lifts") becomes its heading.
+  std::string text{};
+  std::string title{};  ///< The line before it; empty: none of its own.
+};
+
+/// Every table that stands in a text among titles, remarks and rules: blocks of lines
+/// of as many fields, the one of most numbers first, the others as they stand. A block
+/// without a heading, of the fields of one above it, has that one's. Empty: no such
+/// block, or a line beside one looks like one of its own that is damaged, and nothing
+/// may be lost.
+std::vector<TextTable> TablesInText(const std::string& text);
+
+/// The text of the first of them; empty: none.
 std::string TableInText(const std::string& text);
 
 /// What sentences say of sizes and moves, as a table: "drew 40 x 40, burned 20 x 20",
