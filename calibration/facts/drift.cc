@@ -104,6 +104,39 @@ std::optional<Drift> DriftOf(const Rows& rows, double resolution_mm) {
   return drift;
 }
 
+std::vector<Rows> AtOneStep(const Rows& rows, double resolution_mm) {
+  constexpr std::ptrdiff_t kFewest = 4;
+  constexpr double kOfLine = 0.5, kLeastSigmas = 6;
+  const std::ptrdiff_t num = std::ssize(rows);
+  std::vector<Rows> best;
+  double least_mm2 = HUGE_VAL;
+  for (std::ptrdiff_t k = kFewest; k + kFewest <= num; ++k) {
+    const Rows before(rows.begin(), rows.begin() + k),
+        after(rows.begin() + k, rows.end());
+    const double within_mm2 =
+        SquaresAbout(before, MeanOf(before)) + SquaresAbout(after, MeanOf(after));
+    if (within_mm2 >= least_mm2) continue;
+    least_mm2 = within_mm2;
+    best = {before, after};
+  }
+  if (best.empty()) return {};
+  double nn = 0, nz = 0;
+  const double mean_mm = MeanOf(rows), middle = static_cast<double>(num - 1) / 2;
+  for (std::ptrdiff_t i = 0; i < num; ++i) {
+    const double n = static_cast<double>(i) - middle;
+    nn += n * n;
+    nz += n * (rows[static_cast<std::size_t>(i)]->value_mm - mean_mm);
+  }
+  const double of_line_mm2 = SquaresAbout(rows, mean_mm) - nz * nz / nn;
+  const double sd_mm = std::max(std::sqrt(least_mm2 / static_cast<double>(num - 3)),
+                                resolution_mm / std::sqrt(12.0));
+  const double change_mm = std::abs(MeanOf(best[1]) - MeanOf(best[0]));
+  const bool is_step =
+      least_mm2 < kOfLine * of_line_mm2 && change_mm > kLeastSigmas * sd_mm &&
+      !DriftOf(best[0], resolution_mm) && !DriftOf(best[1], resolution_mm);
+  return is_step ? best : std::vector<Rows>{};
+}
+
 bool IsWarmed(const Rows& rows) {
   constexpr double kApart_k = 5;
   return std::ranges::any_of(kCompanions, [&](const Companion& one) {

@@ -23,6 +23,10 @@ Drift ChangeOf(const Rows& rows, double resolution_mm);
 /// The same where it is no chance; else none.
 std::optional<Drift> DriftOf(const Rows& rows, double resolution_mm);
 
+/// Rows before and after the one step that a series takes between two levels; empty
+/// where a straight line explains it about as well, or either side drifts itself.
+std::vector<std::vector<const Row*>> AtOneStep(const Rows& rows, double resolution_mm);
+
 /// Whether any temperature differs by more than five kelvin among rows.
 bool IsWarmed(const Rows& rows);
 

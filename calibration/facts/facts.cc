@@ -6,7 +6,6 @@
 
 #include "calibration/facts/advice.h"
 #include "calibration/facts/cells.h"
-#include "calibration/facts/tower_heights.h"
 #include "calibration/facts/fact.h"
 #include "calibration/facts/groups.h"
 #include "calibration/facts/levelling.h"
@@ -17,6 +16,7 @@
 #include "calibration/facts/stretch.h"
 #include "calibration/facts/surface.h"
 #include "calibration/facts/temperature.h"
+#include "calibration/facts/tower_heights.h"
 #include "calibration/facts/turn.h"
 #include "calibration/facts/waves.h"
 
@@ -88,6 +88,9 @@ Facts FactsOf(const RowTable& table,
   KeepLargest("drift", &facts);
   KeepLargest("jump", &facts);
   std::ranges::stable_sort(facts.all, std::ranges::greater{}, &Fact::is_answer);
+  // Who hands in two maps asks what changed.
+  std::ranges::stable_partition(
+      facts.all, [](const Fact& fact) { return fact.id == "map_change"; });
   AddAdvice(rows, repeats, &facts);
   return facts;
 }

@@ -102,6 +102,34 @@ std::optional<Response> ResponseOf(const std::vector<Tilt>& tilts,
   return response;
 }
 
+// By the corrections themselves, where touches lie too near together to show it: of
+// what each round moves its motors by the next asks for `factor` times as much again.
+std::optional<Response> ResponseOfMoves(const LevellingLog& levelling,
+                                        double noise_mm) {
+  constexpr std::size_t kFewestMotors = 3;
+  constexpr double kMoveSigmas = 8;
+  double match = 0, size = 0;
+  Response response;
+  for (std::size_t k = 1; k < levelling.rounds.size(); ++k) {
+    const std::vector<double>& before = levelling.rounds[k - 1].moved_mm;
+    const std::vector<double>& now = levelling.rounds[k].moved_mm;
+    if (before.size() < kFewestMotors || now.size() != before.size()) continue;
+    double own = 0, both = 0;
+    for (std::size_t i = 0; i < now.size(); ++i) {
+      own += before[i] * before[i];
+      both += before[i] * now[i];
+    }
+    if (std::sqrt(own) < kMoveSigmas * noise_mm) continue;
+    match += both;
+    size += own;
+    ++response.rounds;
+  }
+  if (response.rounds == 0) return std::nullopt;
+  response.factor = match / size;
+  response.sd = noise_mm * std::sqrt((1 + response.factor * response.factor) / size);
+  return response;
+}
+
 bool IsNear(const Response& response, double what) {
   constexpr double kAlike = 0.12;
   return std::abs(response.factor - what) < std::max(kAlike, 3 * response.sd);
@@ -428,8 +456,9 @@ void FactsOfLevelling(const std::vector<const Row*>& rows,
   if (tilts.size() < 2 || !is_levelling) return;
   const double noise_mm =
       Known(repeats.noise.sd_mm) ? std::max(repeats.noise.sd_mm, 1e-3) : kUsualNoise_mm;
-  const auto response =
+  auto response =
       ResponseOf(tilts, CorrectedOf(levelling, homes, tilts.size()), noise_mm);
+  if (!response) response = ResponseOfMoves(levelling, noise_mm);
   if (!response) return;
   LevellingReader reader(RoundsOf(levelling, tilts, homes), levelling, noise_mm, facts);
   if (reader.Name(*response)) return;

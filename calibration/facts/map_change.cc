@@ -75,6 +75,26 @@ Change ChangeOf(const Heights& before, const Heights& now) {
   return change;
 }
 
+// Whether the places were touched along the way that the plane rises.
+bool IsInOrder(const Eigen::VectorXd& plane, const Heights& now) {
+  constexpr double kAlong = 0.9;
+  const bool is_x = std::abs(plane[1]) > std::abs(plane[2]);
+  double n = 0, order = 0, at = 0, both = 0, order2 = 0, at2 = 0;
+  for (const auto& [place, rows] : now) {
+    const double x = is_x ? place.first : place.second;
+    const auto y = static_cast<double>(rows.front()->row);
+    n += 1;
+    at += x;
+    order += y;
+    both += x * y;
+    at2 += x * x;
+    order2 += y * y;
+  }
+  const double covariance = both - at * order / n;
+  const double variance = (at2 - at * at / n) * (order2 - order * order / n);
+  return variance > 0 && std::abs(covariance) > kAlong * std::sqrt(variance);
+}
+
 }  // namespace
 
 void FactsOfMapChange(const Rows& rows, const Repeats& repeats, Facts* facts) {
@@ -90,7 +110,19 @@ void FactsOfMapChange(const Rows& rows, const Repeats& repeats, Facts* facts) {
     const double left_mm =
         (change.change_mm - change.columns * plane).cwiseAbs().maxCoeff();
     const double spread_mm = change.change_mm.maxCoeff() - change.change_mm.minCoeff();
-    if (spread_mm < kLeast_mm || left_mm > kOfSpread * spread_mm) continue;
+    // Many places need not lie on it to the last: it explains most of their variance.
+    constexpr Eigen::Index kMany = 9;
+    constexpr double kOfVariance = 0.4;
+    const auto num = change.change_mm.size();
+    const Eigen::VectorXd left = change.change_mm - change.columns * plane;
+    const Eigen::VectorXd about = change.change_mm.array() - change.change_mm.mean();
+    const bool explains_most =
+        num >= kMany &&
+        left.squaredNorm() / static_cast<double>(num - 3) <
+            kOfVariance * about.squaredNorm() / static_cast<double>(num - 1);
+    if (spread_mm < kLeast_mm || (left_mm > kOfSpread * spread_mm && !explains_most)) {
+      continue;
+    }
     const bool is_single =
         change.change_mm.size() == std::ssize(rows) / std::ssize(maps) &&
         !Known(repeats.noise.sd_mm);
@@ -108,7 +140,8 @@ void FactsOfMapChange(const Rows& rows, const Repeats& repeats, Facts* facts) {
              "from front to back; it leaves {} um, so the shape is the same. Something "
              "rigid tilted between them (a screw or coupling that slips, a loose "
              "wheel, "
-             "a screw under the bed); a firmware's reckoning would change the zero or "
+             "a screw under the bed){}; a firmware's reckoning would change the zero "
+             "or "
              "the shape{}",
              maps[k - 1].first,
              maps[k].first,
@@ -118,6 +151,10 @@ void FactsOfMapChange(const Rows& rows, const Repeats& repeats, Facts* facts) {
              UmFromMm(plane[1]),
              UmFromMm(plane[2]),
              TwoDigits(UmFromMm(left_mm)),
+             IsInOrder(plane, maps[k].second)
+                 ? ", or the probe or the bed warmed while the places were touched in "
+                   "this order: touch the first place again at the end, that parts them"
+                 : "",
              is_single ? ". Each was measured once: what it has to do with what was "
                          "changed in between nobody knows before both are repeated"
                        : ""),

@@ -69,7 +69,59 @@ void AddKnownRatio(const Line& line,
   }
 }
 
-void AddScale(const Line& line, double noise_mm, std::size_t axis, Facts* facts) {
+// A figure near to 1 whose uncertainty nobody knows needs its fourth digit, too.
+std::string FactorInWords(double factor, double sd) {
+  return Known(sd) ? WithSd(factor, sd, "") : fmt::format("{:.4g}", factor);
+}
+
+// A constant beside a scale: a size of one length makes the one of the other.
+bool AddBoth(const Line& line, double noise_mm, std::size_t axis, Facts* facts) {
+  constexpr double kLeast_mm = 0.02, kLeastPlace_mm = 1, kOfResidual = 5,
+                   kOfScale = 0.3;
+  const bool is_of_sizes =
+      line.least_mm > kLeastPlace_mm && line.has_senses_unknown && !line.are_moves;
+  const double at_ends_mm = std::abs(line.slope) * (line.most_mm - line.least_mm);
+  const double left_mm = line.dof >= 1 ? std::sqrt(line.left_mm2 / line.dof) : kUnknown;
+  const double doubt_mm =
+      (Known(noise_mm) ? noise_mm : left_mm) * std::max(1.0, line.offset_unit_sd);
+  const bool is_there = is_of_sizes && std::abs(line.offset_mm) > kLeast_mm &&
+                        std::abs(line.offset_mm) > kOfScale * at_ends_mm &&
+                        std::abs(line.offset_mm) > kOfResidual * doubt_mm;
+  if (!is_there) return false;
+  const double sd_mm = Known(noise_mm) ? noise_mm * line.offset_unit_sd : kUnknown;
+  const char letter = "XYZ"[axis];
+  facts->not_determined.push_back(fmt::format("scale.{}", kAxisNames[axis]));
+  facts->cannot.push_back(fmt::format(
+      "steps/mm of {}: sizes are off by a constant beside what goes with their length; "
+      "set from one size they are wrong for every other",
+      letter));
+  facts->all.push_back(
+      {.id = "offset",
+       .axis = kAxisNames[axis],
+       .word = "sizes",
+       .figures = {{"change_um", UmFromMm(line.offset_mm), UmFromMm(sd_mm)},
+                   {"factor", 1 + line.slope, noise_mm * line.slope_unit_sd}},
+       .sentence = fmt::format(
+           "Sizes along {} are too {} by a constant {}, whatever their length, and "
+           "beside it {:.4g} times what they should be: no steps/mm makes all of them "
+           "right. What takes a constant comes first (the width of the cut or the "
+           "line, "
+           "play at reversals, how the calliper sits): measure one part inside and "
+           "outside, or a long line between two marks, then set steps/mm by the screw "
+           "or pulley",
+           letter,
+           line.offset_mm > 0 ? "large" : "small",
+           WithSd(std::abs(line.offset_mm), sd_mm, "mm"),
+           1 + line.slope),
+       .is_answer = true});
+  return true;
+}
+
+void AddScale(const Line& line,
+              double noise_mm,
+              std::size_t axis,
+              double steps_per_mm,
+              Facts* facts) {
   const double factor = 1 + line.slope;
   const double sd = noise_mm * line.slope_unit_sd;
   const double steps_sd = sd / (factor * factor);
@@ -130,9 +182,15 @@ void AddScale(const Line& line, double noise_mm, std::size_t axis, Facts* facts)
         "{} moves {} times what is commanded: multiply its steps/mm by {} (divide its "
         "rotation_distance by it){}",
         letter,
-        WithSd(factor, sd, ""),
-        WithSd(1 / factor, steps_sd, ""),
+        FactorInWords(factor, sd),
+        FactorInWords(1 / factor, steps_sd),
         Known(sd) ? "" : ". Its uncertainty is not known: nothing was measured twice");
+    if (Known(steps_per_mm)) {
+      fact.figures.push_back(
+          {"steps_per_mm", steps_per_mm / factor, steps_per_mm * steps_sd});
+      fact.sentence += fmt::format(
+          ". {:g} steps/mm were set: {:.6g}", steps_per_mm, steps_per_mm / factor);
+    }
     const FineRatio fine = FineRatioOf(factor, sd);
     if (!fine.reading.empty()) {
       fact.also = {std::string(fine.reading)};
@@ -370,8 +428,19 @@ void NamePart(const Row& row, std::size_t first, Facts* facts) {
   }
 }
 
+// Steps/mm that were in force; kUnknown: nobody says.
+double StepsSet(const Row& row, const DataHeader& header, std::size_t axis) {
+  const auto settings = header.settings.find(row.settings);
+  if (settings == header.settings.end()) return kUnknown;
+  const auto steps = settings->second.steps_per_mm.find(kAxisNames[axis]);
+  return steps == settings->second.steps_per_mm.end() ? kUnknown : steps->second;
+}
+
 // Rows of one gauge along one axis.
-void AddAlong(const Rows& rows, const Repeats& repeats, Facts* facts) {
+void AddAlong(const Rows& rows,
+              const Repeats& repeats,
+              const DataHeader& header,
+              Facts* facts) {
   using Key = std::pair<std::string, int>;
   std::map<Key, Rows> series;
   for (const Row* row : rows) {
@@ -393,11 +462,19 @@ void AddAlong(const Rows& rows, const Repeats& repeats, Facts* facts) {
     if (AddDeadZone(all, axis, facts) || IsWithinStep(all, axis, facts)) continue;
     const Line line = FitBeyondGap(Without(all, repeats.outliers), axis);
     if (line.dof < 0) continue;
-    const double noise_mm = NoiseOf_mm(line, repeats.NoiseOf(all.front()->campaign));
+    double noise_mm = NoiseOf_mm(line, repeats.NoiseOf(all.front()->campaign));
+    // Readings that lie on the line as well as they were read off.
+    constexpr double kEnough = 3;
+    const double step_mm = FinestStep_mm(all);
+    if (line.dof >= kEnough && step_mm > 0 && !Known(noise_mm)) {
+      noise_mm =
+          std::max(std::sqrt(line.left_mm2 / line.dof), step_mm / std::sqrt(12.0));
+    }
     // How far it was sent before is no place.
     const bool is_lost_motion = all.front()->flag == "lost_motion";
-    if (!is_lost_motion && line.has_slope && !AddSurplus(line, noise_mm, axis, facts)) {
-      AddScale(line, noise_mm, axis, facts);
+    if (!is_lost_motion && line.has_slope && !AddSurplus(line, noise_mm, axis, facts) &&
+        !AddBoth(line, noise_mm, axis, facts)) {
+      AddScale(line, noise_mm, axis, StepsSet(*all.front(), header, axis), facts);
       AddLostPerMove(line, noise_mm, axis, facts);
     }
     AddReversal(line, noise_mm, axis, facts);
@@ -523,7 +600,7 @@ void FactsOfMotion(const std::vector<const Row*>& rows,
                    Facts* facts) {
   AddIdleSettings(rows, header, facts);
   const Rows kept = Without(rows, repeats.outliers);
-  AddAlong(kept, repeats, facts);
+  AddAlong(kept, repeats, header, facts);
   AddAcross(kept, repeats, facts);
   FactsOfLatency(kept, repeats, facts);
 }

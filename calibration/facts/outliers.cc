@@ -172,19 +172,41 @@ bool Settles(const Rows& ordered, double middle_mm, const std::set<std::int64_t>
   return num_far > 0 && are_first && num_nearer >= std::max(kFewest, num_far + 3);
 }
 
-// Takes out of `far` the readings of places that settle.
-void KeepSettling(const std::vector<Rows>& cells, std::set<std::int64_t>* far) {
+// How many readings of one place, the first of `ordered` (as measured, or its mirror),
+// are far from the rest and alike among themselves: something moved. So many bad
+// readings in a row do not agree. 0: fewer than four.
+std::size_t JumpOf(const Rows& ordered,
+                   double limit_mm,
+                   const std::set<std::int64_t>& far) {
+  constexpr std::size_t kFewest = 4;
+  std::size_t num_far = 0;
+  double least_mm = HUGE_VAL, most_mm = -HUGE_VAL;
+  for (const Row* row : ordered) {
+    if (!far.contains(row->row)) break;
+    least_mm = std::min(least_mm, row->value_mm);
+    most_mm = std::max(most_mm, row->value_mm);
+    ++num_far;
+  }
+  const bool is_jump = num_far >= kFewest && most_mm - least_mm < limit_mm;
+  return is_jump ? num_far : 0;
+}
+
+// Takes out of `far` the readings of places that settle or jump.
+void KeepSettling(const std::vector<Rows>& cells,
+                  const std::map<std::string, double>& limits_mm,
+                  std::set<std::int64_t>* far) {
   for (const Rows& cell : cells) {
+    const auto limit = limits_mm.find(cell.front()->campaign);
+    if (limit == limits_mm.end()) continue;
     Rows ordered = cell;
     std::ranges::sort(ordered, {}, &Row::row);
     const double middle_mm = MedianOf(cell);
-    bool settles = Settles(ordered, middle_mm, *far);
-    if (!settles) {
-      std::ranges::reverse(ordered);
-      settles = Settles(ordered, middle_mm, *far);
+    for (int way = 0; way < 2; ++way, std::ranges::reverse(ordered)) {
+      const std::size_t num = Settles(ordered, middle_mm, *far)
+                                  ? ordered.size()
+                                  : JumpOf(ordered, limit->second, *far);
+      for (std::size_t i = 0; i < num; ++i) far->erase(ordered[i]->row);
     }
-    if (!settles) continue;
-    for (const Row* row : cell) far->erase(row->row);
   }
 }
 
@@ -216,7 +238,7 @@ void LeaveOutFar(const std::vector<Rows>& cells,
     }
   }
   KeepJumps(cells, &far, facts);
-  KeepSettling(cells, &far);
+  KeepSettling(cells, limits_mm, &far);
   for (Rows& batch : *batches) {
     // All of a homing session are far together, beside each other: no bad reading.
     Rows own;
@@ -235,6 +257,14 @@ void LeaveOutFar(const std::vector<Rows>& cells,
       const auto further = std::ranges::max_element(
           own, {}, [&](const Row* row) { return far_mm.at(row->row); });
       own = {*further};
+    }
+    // Of a batch that stands at a level of its own only what is far from that.
+    constexpr std::size_t kOfLevel = 3;
+    if (is_session && batch.size() >= kOfLevel) {
+      const double level_mm = MedianOf(batch);
+      std::erase_if(own, [&](const Row* row) {
+        return std::abs(row->value_mm - level_mm) < limit_of_mm.at(row->row);
+      });
     }
     for (const Row* row : own) outliers->insert(row->row);
     std::erase_if(batch, [&](const Row* row) {

@@ -212,7 +212,12 @@ class RepeatReader {
     }
     for (const Rows& level : levels) {
       const auto drift = DriftOf(level, resolution_mm_);
-      if (drift) {
+      const std::vector<Rows> step =
+          drift ? AtOneStep(level, resolution_mm_) : std::vector<Rows>{};
+      if (!step.empty()) {
+        AddJump(step, facts_);
+        for (const Rows& side : step) found_.batches.push_back(side);
+      } else if (drift) {
         AddDrift(level, *drift, facts_);
         KeepDrifted(level, *drift);
       } else {

@@ -145,6 +145,78 @@ Fact FactOf(const Stretch& stretch, const Course& course, std::size_t axis) {
       .is_answer = true};
 }
 
+/// Rising from 0 in proportion to the place up to one of them, level from there on.
+struct Fade {
+  double until_mm = 0, at_end_mm = 0, left2 = HUGE_VAL;
+};
+
+std::optional<Fade> FadeOf(const Course& course) {
+  constexpr Eigen::Index kFewest = 4, kBeyond = 2;
+  constexpr double kOfExcess = 0.05, kOfLine = 0.25, kLeast_mm = 0.05;
+  const Eigen::Index num = course.at_mm.size();
+  if (num < kFewest || course.at_mm[0] <= 0) return std::nullopt;
+  Fade best;
+  for (Eigen::Index k = 1; k + kBeyond <= num; ++k) {
+    const double until_mm = course.at_mm[k];
+    const Eigen::VectorXd share = (course.at_mm.array() / until_mm).min(1.0);
+    const double size_mm = share.dot(course.off_mm) / share.squaredNorm();
+    const double left2 = (course.off_mm - size_mm * share).squaredNorm();
+    if (left2 < best.left2) best = {until_mm, size_mm, left2};
+  }
+  const double left_mm = std::sqrt(best.left2 / static_cast<double>(num - 2));
+  // A line through 0 is what steps/mm that are wrong would do.
+  const double slope = course.at_mm.dot(course.off_mm) / course.at_mm.squaredNorm();
+  const double of_line_mm = (course.off_mm - slope * course.at_mm).norm() /
+                            std::sqrt(static_cast<double>(num - 1));
+  const double excess_mm = std::abs(best.at_end_mm);
+  const bool is_fade = excess_mm > kLeast_mm && left_mm < kOfExcess * excess_mm &&
+                       left_mm < kOfLine * of_line_mm;
+  return is_fade ? std::optional(best) : std::nullopt;
+}
+
+Fact FactOf(const Fade& fade, std::size_t axis) {
+  const char letter = "XYZ"[axis];
+  return {
+      .id = "stretch",
+      .axis = kAxisNames[axis],
+      .word = "fades",
+      .figures = {{"from_mm", 0},
+                  {"to_mm", fade.until_mm},
+                  {"excess_um", UmFromMm(fade.at_end_mm)},
+                  {"factor", 1 + fade.at_end_mm / fade.until_mm}},
+      .sentence = fmt::format(
+          "{0} is too {1} by {2:.3g} mm a mm up to {3:g} mm, and by the same {4:.3g} "
+          "mm from there on: no steps/mm does that, leave them. A correction that "
+          "fades out over the first {3:g} mm does, a levelling mesh (fade height) "
+          "whose mean is not 0 but {4:.3g} mm: the zero of Z and the probe's offset "
+          "do not belong together. Set them anew, or switch the fading off",
+          letter,
+          fade.at_end_mm > 0 ? "large" : "small",
+          std::abs(fade.at_end_mm) / fade.until_mm,
+          fade.until_mm,
+          std::abs(fade.at_end_mm)),
+      .is_answer = true};
+}
+
+// Of each campaign by itself: another one is another setting.
+void AddFades(const Rows& rows, const Repeats& repeats, Facts* facts) {
+  std::map<std::string, Rows> by_campaign;
+  for (const Row* row : rows)
+    by_campaign[row->campaign + "|" + row->setup].push_back(row);
+  for (const auto& [campaign, members] : by_campaign) {
+    for (std::size_t axis = 0; axis < kAxisNames.size(); ++axis) {
+      const auto fade = FadeOf(CourseOf(members, axis, repeats));
+      if (!fade) continue;
+      std::erase_if(facts->all, [&](const Fact& fact) {
+        return (fact.id == "scale" || fact.id == "offset") &&
+               fact.axis == kAxisNames[axis];
+      });
+      facts->all.push_back(FactOf(*fade, axis));
+      return;
+    }
+  }
+}
+
 }  // namespace
 
 void FactsOfStretch(const Rows& rows, const Repeats& repeats, Facts* facts) {
@@ -156,7 +228,9 @@ void FactsOfStretch(const Rows& rows, const Repeats& repeats, Facts* facts) {
       return fact.id == "scale" && fact.axis == kAxisNames[axis];
     });
     facts->all.push_back(FactOf(*stretch, course, axis));
+    return;
   }
+  AddFades(rows, repeats, facts);
 }
 
 }  // namespace caltwin

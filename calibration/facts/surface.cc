@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <numeric>
 #include <optional>
@@ -435,25 +436,44 @@ double MeanOf(const std::vector<Spot>& spots) {
   return sum_mm / static_cast<double>(spots.size());
 }
 
-// What another sheet has at the same place is the surface, and no bad touch.
+// Heights of a sheet less those of another where both have the place; kUnknown
+// elsewhere.
+std::vector<double> ApartFrom(const std::vector<Spot>& others, const Sheet& sheet) {
+  std::vector<double> apart_mm;
+  for (const Spot& spot : sheet.spots()) {
+    const auto same = std::ranges::find_if(others, [&](const Spot& other) {
+      return other.x_mm == spot.x_mm && other.y_mm == spot.y_mm;
+    });
+    apart_mm.push_back(same == others.end() ? kUnknown
+                                            : spot.height_mm - same->height_mm);
+  }
+  return apart_mm;
+}
+
+// What another sheet has at the same place is the surface, and no bad touch: the place
+// differs from there by as much as all others do.
 void KeepWhatRepeats(const Sheets& sheets,
                      const std::string& own,
                      const Sheet& sheet,
                      std::vector<bool>* is_out) {
-  constexpr double kAlike = 0.3;
+  constexpr double kAlike = 0.3, kUsual = 4;
   const double mean_mm = MeanOf(sheet.spots());
   for (const auto& [key, others] : sheets) {
     if (key == own) continue;
-    const double other_mean_mm = MeanOf(others);
+    const std::vector<double> apart_mm = ApartFrom(others, sheet);
+    std::vector<double> common_mm;
+    std::ranges::copy_if(
+        apart_mm, std::back_inserter(common_mm), [](double mm) { return Known(mm); });
+    if (common_mm.empty()) continue;
+    const double usual_mm = Median(common_mm);
+    for (double& each_mm : common_mm) each_mm = std::abs(each_mm - usual_mm);
+    const double spread_mm = kSigmaOfMedian * Median(common_mm);
     for (std::size_t i = 0; i < is_out->size(); ++i) {
-      const Spot& spot = sheet.spots()[i];
-      const auto same = std::ranges::find_if(others, [&](const Spot& other) {
-        return other.x_mm == spot.x_mm && other.y_mm == spot.y_mm;
-      });
-      if (!(*is_out)[i] || same == others.end()) continue;
-      const double off_mm = spot.height_mm - mean_mm;
-      const double again_mm = same->height_mm - other_mean_mm;
-      if (std::abs(again_mm - off_mm) < kAlike * std::abs(off_mm)) (*is_out)[i] = false;
+      if (!(*is_out)[i] || !Known(apart_mm[i])) continue;
+      const double off_mm = std::abs(sheet.spots()[i].height_mm - mean_mm);
+      const double change_mm = std::abs(apart_mm[i] - usual_mm);
+      if (change_mm < std::max(kAlike * off_mm, kUsual * spread_mm))
+        (*is_out)[i] = false;
     }
   }
 }

@@ -1,6 +1,7 @@
 // An axis that is right but for a stretch, maps that differ by a plane, a delta's seven
 // heights, fine ratios: against closed forms.
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <string>
@@ -54,6 +55,79 @@ TEST(Stretch, ALineAParabolaAndAWaveAreNone) {
   EXPECT_FALSE(has([](double x_mm) { return 0.1 * std::sin(x_mm / 20); }));
 }
 
+std::vector<Row> Heights(double (*off_mm)(double)) {
+  std::vector<Row> rows;
+  for (const double height_mm : {3, 5, 10, 50, 98}) {
+    Row row{.campaign = "parts"};
+    row.cmd_mm = {kUnknown, kUnknown, height_mm};
+    row.n = {0, 0, 1};
+    row.value_mm = off_mm(height_mm);
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+TEST(Fade, OffInProportionAndThenByAConstant) {
+  const Facts facts =
+      FactsOfRows(Heights([](double z_mm) { return 0.13 * std::min(z_mm, 10.0); }));
+  const Fact* fact = facts.Find("stretch");
+  ASSERT_NE(fact, nullptr);
+  EXPECT_EQ(fact->word, "fades");
+  EXPECT_EQ(FigureOf(*fact, "to_mm"), 10);
+  EXPECT_NEAR(FigureOf(*fact, "excess_um"), 1300, 1e-6);
+  EXPECT_EQ(facts.Find("scale"), nullptr);
+  const auto has = [](double (*off_mm)(double)) {
+    return FactsOfRows(Heights(off_mm)).Find("stretch") != nullptr;
+  };
+  EXPECT_FALSE(has([](double z_mm) { return 0.13 * z_mm; }));
+  EXPECT_FALSE(has([](double) { return 1.3; }));
+}
+
+TEST(Sizes, AConstantBesideAScaleIsToldFirst) {
+  std::vector<Row> rows;
+  for (const double size_mm : {25.4, 50.8, 127.0}) {
+    Row row{.campaign = "squares"};
+    row.cmd_mm[0] = size_mm;
+    row.n = {1, 0, 0};
+    row.value_mm = 0.0063 * size_mm - 0.8;
+    rows.push_back(row);
+  }
+  const Facts facts = FactsOfRows(rows);
+  const Fact* fact = facts.Find("offset");
+  ASSERT_NE(fact, nullptr);
+  EXPECT_NEAR(FigureOf(*fact, "change_um"), -800, 1e-6);
+  EXPECT_NEAR(FigureOf(*fact, "factor"), 1.0063, 1e-9);
+  EXPECT_EQ(facts.Find("scale"), nullptr);
+}
+
+// What each round moves its motors by, the next asks for again.
+TEST(Levelling, CorrectionsThatDoubleAreToldFromTheMotorsAlone) {
+  const auto factor_of = [](double again) {
+    LevellingLog log;
+    const std::vector<double> moved_mm = {-0.04, -0.04, 0.1, -0.02};
+    std::vector<Row> rows;
+    for (int round = 0; round < 2; ++round) {
+      LevellingRound one{.home = std::to_string(round)};
+      for (const double each_mm : moved_mm) {
+        one.moved_mm.push_back(each_mm * (round == 0 ? 1 : again));
+      }
+      log.rounds.push_back(one);
+      for (const double x_mm : {0, 100}) {
+        rows.push_back(Row{.campaign = "g30", .kind = RowKind::kTouch});
+        rows.back().cmd_mm = {x_mm, 0, 0};
+        rows.back().n = {0, 0, 1};
+        rows.back().value_mm = 1e-5 * x_mm;
+        rows.back().home = one.home;
+      }
+    }
+    const Facts facts = FactsOfRows(rows, {}, log);
+    const Fact* fact = facts.Find("levelling");
+    return fact == nullptr ? kUnknown : FigureOf(*fact, "factor");
+  };
+  EXPECT_NEAR(factor_of(2), 2, 1e-9);
+  EXPECT_NEAR(factor_of(0.1), 0.1, 1e-9);
+}
+
 Row Corner(double x_mm, double y_mm, double z_mm, const std::string& campaign) {
   Row row{.campaign = campaign, .kind = RowKind::kTouch, .setup = "bed"};
   row.cmd_mm = {x_mm, y_mm, 0};
@@ -83,6 +157,25 @@ TEST(MapChange, APlaneBetweenTwoMapsIsATilt) {
   EXPECT_NEAR(FigureOf(*fact, "tilt_x_um"), 120, 1e-6);
   EXPECT_NEAR(FigureOf(*fact, "tilt_y_um"), -90, 1e-6);
   EXPECT_NEAR(FigureOf(*fact, "left_um"), 4, 1e-6);
+}
+
+// A place that stands out in both maps is the bed's, though the second lies lower.
+TEST(MapChange, WhatStandsOutInBothIsNoBadTouch) {
+  std::vector<Row> rows;
+  for (const std::string name : {"first", "second"}) {
+    for (int i = 0; i < 5; ++i) {
+      for (int k = 0; k < 5; ++k) {
+        const double bump_mm = i == 3 && k == 2 ? 0.3 : 0;
+        const double fine_mm = 0.004 * ((7 * i + 3 * k) % 5) / 5;
+        rows.push_back(
+            Corner(i, k, (name == "first" ? 6 : 1) + bump_mm + fine_mm, name));
+      }
+    }
+  }
+  const Facts facts = FactsOfRows(rows);
+  EXPECT_EQ(facts.Find("outliers"), nullptr);
+  ASSERT_NE(facts.Find("offset"), nullptr);
+  EXPECT_NEAR(FigureOf(*facts.Find("offset"), "change_um"), -5000, 1e-6);
 }
 
 TEST(MapChange, AnotherShapeIsNone) {

@@ -129,6 +129,28 @@ TEST(ThermalFacts, ReadingsThatSettleAreNoBadReadings) {
   ASSERT_NE(facts.Find("outliers"), nullptr);
 }
 
+// One step of ten times the noise is a jump, wherever it is, and no drift.
+TEST(ThermalFacts, AStepIsAJumpAndALineIsADrift) {
+  for (const int at : {5, 12, 20}) {
+    Rng rng(5, static_cast<std::uint64_t>(at), "facts_thermal_test");
+    std::vector<Row> stepped, drifting;
+    for (int i = 0; i < 25; ++i) {
+      stepped.push_back(TouchedAt((i < at ? 0 : 0.012) + 0.001 * rng.Normal()));
+      drifting.push_back(TouchedAt(0.0005 * i + 0.001 * rng.Normal()));
+    }
+    const Facts of_step = FactsOfRows(stepped);
+    ASSERT_NE(of_step.Find("jump"), nullptr) << at;
+    EXPECT_EQ(FigureOf(*of_step.Find("jump"), "row"), at + 1);
+    EXPECT_NEAR(FigureOf(*of_step.Find("jump"), "change_um"), 12, 2);
+    EXPECT_EQ(of_step.Find("drift"), nullptr);
+    EXPECT_EQ(of_step.Find("outliers"), nullptr)
+        << at << of_step.Find("outliers")->sentence;
+    const Facts of_drift = FactsOfRows(drifting);
+    EXPECT_EQ(of_drift.Find("jump"), nullptr) << at;
+    EXPECT_NE(of_drift.Find("drift"), nullptr) << at;
+  }
+}
+
 TEST(ThermalFacts, AWaveThatDriftsIsToldWithItsAxis) {
   std::vector<Row> rows;
   double phase = 0;

@@ -190,6 +190,57 @@ TEST(RotaryTable, ScatterIsNoneAndALargeErrorIsNoRounding) {
   EXPECT_THAT(large->sentence, Not(HasSubstr("rounding of the setting")));
 }
 
+TEST(CornerSpeed, AJunctionOfMetresNeverSlows) {
+  const std::string settings = "$110=1680.000 (x max rate)\n$120=0.100 (x accel)\n";
+  const Imported imported =
+      Read("$11=3000.000 (junction deviation, mm)\n$100=250.0\n" + settings);
+  const FileNote* note = NoteOf(imported, "settings");
+  ASSERT_NE(note, nullptr);
+  // sqrt(0.1 * 3000 * 2.414) mm/s.
+  EXPECT_THAT(note->sentence, HasSubstr("up to 1615 mm/min"));
+  EXPECT_THROW(Read("$11=0.010\n$100=250.0\n" + settings), InputError);  // All right.
+}
+
+std::string Engine(double reported) {
+  return fmt::format(
+      "g2: --G--> N0G1X2.00000F360.0 [g2]\n"
+      "g2: <-- {{\"sr\":{{\"posx\":2.000,\"vel\":0.00,\"stat\":3}}}}\n"
+      "g2: --G--> N0G1A2.00000F360.0 [g2]\n"
+      "g2: <-- {{\"sr\":{{\"posa\":{:.3f},\"vel\":0.00,\"stat\":3}}}}\n",
+      reported);
+}
+
+TEST(ReportedMove, AFactorOfInchesIsTheControllersOwn) {
+  const Imported imported = Read(Engine(2 / 25.4));
+  const FileNote* note = NoteOf(imported, "firmware");
+  ASSERT_NE(note, nullptr);
+  EXPECT_EQ(note->axis, "a");
+  EXPECT_THAT(note->sentence, HasSubstr("X went where it was told"));
+  EXPECT_THROW(Read(Engine(2)), InputError);  // Nothing to be told.
+}
+
+std::string Mesh(double height_mm) {
+  std::string text = "others < Bilinear Leveling Grid:\nothers <    0 1 2\n";
+  for (int row = 0; row < 3; ++row) {
+    text += fmt::format("others < {} {:+.3f} {:+.3f} {:+.3f}\n",
+                        row,
+                        height_mm + 0.01 * row,
+                        height_mm - 0.02,
+                        height_mm + 0.03);
+  }
+  return text;
+}
+
+TEST(StepsBetween, TwoMapsAndAnM92BetweenThem) {
+  const Imported imported = Read(Mesh(7) + "M92 Z400\nM92 X80 Z392\n" + Mesh(1.4));
+  ASSERT_THAT(imported.table.rows, SizeIs(18));
+  const FileNote* note = NoteOf(imported, "settings");
+  ASSERT_NE(note, nullptr);
+  EXPECT_NEAR(FigureOf(*note, "change_um"), -5600, 1);
+  EXPECT_THAT(note->sentence, HasSubstr("-2.00 %, over 280 mm of travel"));
+  EXPECT_EQ(NoteOf(Read(Mesh(7) + Mesh(1.4)), "settings"), nullptr);
+}
+
 std::string Printer(double endstop_mm, double offset_mm) {
   return fmt::format(
       "[stepper_z]\nendstop_pin: probe:z_virtual_endstop\n"

@@ -76,6 +76,21 @@ TEST(TextTable, ColumnsOfNumberedRunsWereRead) {
   EXPECT_THAT(imported.table.rows, SizeIs(6));
 }
 
+TEST(TextTable, WhatWasSetBesideWhatIsOffPartsTheRows) {
+  const Imported imported = Read(
+      "fade height set,height in slicer mm,too high by mm\n10,3,0.4\n10,5,0.6\n"
+      "10,50,1.3\n0,10,0\n0,50,0\n0,98,0\nprobe z offset,-1.35,\n");
+  ASSERT_THAT(imported.table.rows, SizeIs(6));
+  EXPECT_EQ(imported.table.rows[0].campaign, "10");
+  EXPECT_EQ(imported.table.rows[5].campaign, "0");
+  EXPECT_EQ(imported.table.rows[2].cmd_mm[2], 50);
+  EXPECT_NEAR(imported.table.rows[2].value_mm, 1.3, 1e-12);
+}
+
+TEST(TextTable, ASpeedIsNoLength) {
+  EXPECT_THROW(Read("switches,leadscrew rpm\n1,297\n2,148\n3,118\n4,99\n"), InputError);
+}
+
 TEST(TextTable, ADamagedLineIsNotLost) {
   // Whatever becomes of the file, two of three readings are no answer.
   EXPECT_THAT(TableInText("told moved\n10 9.8\n20 19.8 ?? 7\n30 29.8\n"), IsEmpty());
@@ -94,6 +109,18 @@ TEST(Sentences, SayWhatWasDrawnAndWhatCameOut) {
   EXPECT_EQ(imported.table.rows[0].cmd_mm[0], 40);
   EXPECT_EQ(imported.table.rows[1].cmd_mm[1], 40);
   EXPECT_NEAR(imported.table.rows[2].value_mm, -30, 1e-9);
+}
+
+TEST(Sentences, AnArrowStandsBetweenWhatWasDrawnAndWhatCame) {
+  const Imported imported = Read(
+      "Sizes by calliper.\n\nfirst try:\n  5 inch square -> 5\n"
+      "  2 inch square -> 1.98\n  1 inch square -> 97.5 (hundredths)\n\n"
+      "second try:\n  30 mm square -> 30.2\n");
+  ASSERT_THAT(imported.table.rows, SizeIs(4));
+  EXPECT_EQ(imported.table.rows[0].campaign, "first_try");
+  EXPECT_NEAR(imported.table.rows[1].cmd_mm[0], 50.8, 1e-9);
+  EXPECT_NEAR(imported.table.rows[2].value_mm, -0.025 * 25.4, 1e-9);
+  EXPECT_NEAR(imported.table.rows[3].value_mm, 0.2, 1e-9);
 }
 
 TEST(Sentences, ACubeAboveItsSides) {

@@ -126,6 +126,21 @@ std::string WithBlanks(const std::string& lower) {
 
 namespace {
 
+// "others < Bilinear Leveling Grid:", "tx > G28": who said it, and a mark.
+bool TakeSpeaker(std::string_view* text) {
+  constexpr std::size_t kLongest = 12;
+  const std::size_t blank = text->find(' ');
+  if (blank == 0 || blank > kLongest || blank + 2 >= text->size()) return false;
+  const char mark = (*text)[blank + 1];
+  const bool is_word = std::ranges::all_of(text->substr(0, blank), [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+  });
+  if (!is_word || (mark != '<' && mark != '>') || (*text)[blank + 2] != ' ')
+    return false;
+  text->remove_prefix(blank + 3);
+  return true;
+}
+
 // What host, terminal or chat wrote before the line, and the time in it.
 void TakePrefixes(ConsoleLine* line) {
   ConsoleLine& said = *line;
@@ -153,8 +168,8 @@ void TakePrefixes(ConsoleLine* line) {
       continue;
     }
     const auto t_s = TakeTime(&said.text);
-    if (t_s) {
-      said.t_s = *t_s;
+    if (t_s) said.t_s = *t_s;
+    if (t_s || TakeSpeaker(&said.text)) {
       is_done = false;
       continue;
     }

@@ -17,11 +17,14 @@
 #include "sim/measure/import/console_line.h"
 #include "sim/measure/import/console_settings.h"
 #include "sim/measure/import/console_story.h"
+#include "sim/measure/import/corner_speed.h"
 #include "sim/measure/import/fields.h"
 #include "sim/measure/import/grbl_story.h"
 #include "sim/measure/import/plain_table.h"
 #include "sim/measure/import/pulse_rate.h"
+#include "sim/measure/import/reported_move.h"
 #include "sim/measure/import/rrf_limit.h"
+#include "sim/measure/import/steps_between.h"
 #include "sim/measure/import/switch_story.h"
 #include "sim/measure/import/text_table.h"
 #include "sim/measure/import/touch_offset.h"
@@ -126,6 +129,9 @@ class LogReader {
     pulses_.Tell(&imported_);
     limit_.Tell(&imported_);
     offset_.Tell(&imported_);
+    corner_.Tell(&imported_);
+    steps_.Tell(&imported_);
+    reported_.Tell(&imported_);
     TellMap();
     const bool has_readings = !imported_.table.rows.empty() ||
                               !switch_.calibrations().empty() ||
@@ -189,6 +195,9 @@ class LogReader {
     pulses_.Take(said);
     limit_.Take(said, line.line);
     offset_.Take(said, line.line);
+    corner_.Take(said);
+    steps_.Take(said, line.line);
+    reported_.Take(said);
     if (grids_.contains(line.line)) {
       grid_.End();
       if (grid_.is_whole()) AddGrid();
@@ -696,6 +705,9 @@ class LogReader {
   PulseRate pulses_;
   CorrectionLimit limit_;
   TouchOffset offset_;
+  CornerSpeed corner_;
+  StepsBetween steps_;
+  ReportedMove reported_;
   std::vector<double> heights_mm_;
   Place first_;
 };

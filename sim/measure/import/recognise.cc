@@ -49,7 +49,8 @@ Seen Look(const std::string& text) {
         lower.starts_with("[g54:") || lower.starts_with("g92 x0 y0") ||
         has("screws_tilt_calculate") || has("making the following z adjustments") ||
         has("exceed configured limit") || has("leadscrew adjustments made") ||
-        has("\"prb\":{") || has("leveling grid") || has("mesh bed level data");
+        has("\"prb\":{") || has("\"sr\":{\"pos") || has("leveling grid") ||
+        has("mesh bed level data");
     // grbl: its status, and "$100=250.000".
     seen.has_console |= has("mpos:") || has("wpos:");
     // "$100=640", and as people copy it, "$100    640".

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "sim/base/units.h"
 #include "sim/measure/import/fields.h"
 #include "sim/measure/import/text_table.h"
 
@@ -174,7 +175,8 @@ std::string SentencesAsTable(const std::string& text) {
   double cube_mm = 0;
   std::optional<Told> move;
   for (const TextLine& line : LinesOf(text)) {
-    const std::string lower = Lowered(line.text);
+    std::string lower = Lowered(line.text);
+    if (lower.starts_with("- ") || lower.starts_with("* ")) lower.erase(0, 2);
     // A move and, on the line below it, what was measured of it.
     constexpr int kBelow = 2;
     const auto measured_mm = MeasuredIn(lower);
@@ -202,6 +204,45 @@ std::string SentencesAsTable(const std::string& text) {
     ++number;
   }
   return table;
+}
+
+std::vector<TextTable> ArrowTables(const std::string& text) {
+  constexpr std::size_t kFewest = 3;
+  constexpr double kHundredth = 0.01;
+  std::vector<TextTable> tables;
+  std::string title;
+  std::size_t num = 0;
+  int number = 0;
+  bool is_on = false;
+  for (const TextLine& line : LinesOf(text)) {
+    const std::string lower = Lowered(line.text);
+    std::size_t arrow = std::min(lower.find("->"), lower.find("=>"));
+    std::vector<Size> told, read;
+    if (arrow != std::string::npos) {
+      told = SizesIn(std::string_view(lower).substr(0, arrow));
+      read = SizesIn(std::string_view(lower).substr(arrow + 2));
+    }
+    if (told.size() != 1 || read.size() != 1) {
+      title = line.text;
+      is_on = false;
+      continue;
+    }
+    if (!is_on) {
+      tables.push_back({"drawn\tcame out\n", title});
+      number = 2;
+    }
+    is_on = true;
+    const bool is_hundredths = lower.find("hundredth", arrow) != std::string::npos;
+    const double unit = lower.find("inch") < arrow ? MmFromInch(1.0) : 1;
+    for (; number < line.line; ++number) tables.back().text += '\n';
+    tables.back().text +=
+        fmt::format("{}\t{}\n",
+                    told[0].value_mm * unit,
+                    read[0].value_mm * unit * (is_hundredths ? kHundredth : 1));
+    ++number;
+    ++num;
+  }
+  return num >= kFewest ? tables : std::vector<TextTable>{};
 }
 
 }  // namespace caltwin

@@ -4,6 +4,7 @@
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <iterator>
 
 #include <fmt/format.h>
 
@@ -25,7 +26,8 @@ constexpr std::array kAllWords = {
     PartWords{Part::kSense, "dir direction sense approach moving"},
     PartWords{Part::kTemperature,
               "pinda temp temperature bed nozzle frame chamber ambient room screw"},
-    PartWords{Part::kDeviation, "error err deviation dev diff difference off delta"},
+    PartWords{Part::kDeviation,
+              "error err deviation dev diff difference off delta too"},
     PartWords{Part::kActual,
               "actual measured measure meas reading read reads moved real got calliper "
               "caliper calipers gauge indicator dial dro laser observed seen result "
@@ -37,7 +39,7 @@ constexpr std::array kAllWords = {
         "commanded command cmd target nominal set setpoint expected told "
         "requested ideal design designed programmed size model asked jog avance "
         "consigne soll vorgabe gcode drawing should drawn wanted desired intended "
-        "ordered nom theory theoretical sent cad file nc"},
+        "ordered nom theory theoretical sent cad file nc slicer"},
     PartWords{Part::kHeight,
               "height z probe probed trigger offset gap feeler clearance"},
     PartWords{
@@ -113,6 +115,9 @@ TableColumn ColumnOf(const CsvField& heading, std::size_t index) {
       column.axis = 0;
     if (has("up") || has("vertical") || has("depth")) column.axis = 1;
   }
+  // "too high by": off along Z.
+  if (column.axis < 0 && column.part == Part::kDeviation && has("high"))
+    column.axis = 2;
   // "height in the model" is a Z size.
   if (column.axis < 0 && has("height") && column.part != Part::kHeight) column.axis = 2;
   if (column.part == Part::kNone && column.axis >= 0) column.part = Part::kPosition;
@@ -180,6 +185,34 @@ void TakeRuns(const Spreadsheet& sheet, std::vector<TableColumn>* columns) {
   }
 }
 
+// Beside what is off, of several columns that may have been told the one of most
+// different numbers; the others say what was set meanwhile.
+void PartStates(const Spreadsheet& sheet, std::vector<TableColumn>* columns) {
+  const auto different = [&](const TableColumn& column) {
+    std::vector<double> numbers = NumbersOf(sheet, column.index);
+    std::ranges::sort(numbers);
+    const auto repeated = std::ranges::unique(numbers);
+    return std::distance(numbers.begin(), repeated.begin());
+  };
+  const auto is_told = [&](const TableColumn& column) {
+    return column.part == Part::kCommanded && AreNumbers(sheet, column.index);
+  };
+  const bool is_off = std::ranges::any_of(*columns, [](const TableColumn& column) {
+    return column.part == Part::kDeviation;
+  });
+  if (!is_off || std::ranges::count_if(*columns, is_told) < 2) return;
+  std::ptrdiff_t most = 0;
+  for (const TableColumn& column : *columns) {
+    if (is_told(column)) most = std::max(most, different(column));
+  }
+  constexpr std::ptrdiff_t kMostStates = 4;
+  for (TableColumn& column : *columns) {
+    const bool is_state =
+        is_told(column) && different(column) < most && different(column) <= kMostStates;
+    if (is_state) column.part = Part::kSetup;
+  }
+}
+
 // Of several columns that may have been told, the one that what was read is nearest to;
 // a pitch or a number of turns beside it is a state.
 void KeepNearestCommand(const Spreadsheet& sheet, std::vector<TableColumn>* columns) {
@@ -188,7 +221,8 @@ void KeepNearestCommand(const Spreadsheet& sheet, std::vector<TableColumn>* colu
            AreNumbers(sheet, column.index);
   };
   const auto read = std::ranges::find(*columns, Part::kActual, &TableColumn::part);
-  if (read == columns->end() || !AreNumbers(sheet, read->index) ||
+  if (read == columns->end()) return PartStates(sheet, columns);
+  if (!AreNumbers(sheet, read->index) ||
       std::ranges::count_if(*columns, is_plain) < 2) {
     return;
   }

@@ -173,7 +173,7 @@ class PartsByNumbers {
     std::erase_if(open_, [&](TableColumn* column) {
       const bool is_plain = UnitOf(*column) == nullptr;
       const bool is_count =
-          is_plain && open_.size() > 1 && IsCount(sheet_, column->index);
+          is_plain && columns_.size() > 1 && IsCount(sheet_, column->index);
       if (is_count) column->part = Part::kRun;
       return is_count || (is_plain && num_with_unit >= 2);
     });
@@ -182,10 +182,19 @@ class PartsByNumbers {
     }
   }
 
-  // Counted steps are no lengths.
+  // Counted steps are no lengths, and neither are speeds of turning or currents.
   bool IsOfSteps(const TableColumn& column) const {
-    constexpr std::array<std::string_view, 4> kWords = {
-        "steps", "pulses", "counts", "ticks"};
+    constexpr std::array<std::string_view, 11> kWords = {"steps",
+                                                         "pulses",
+                                                         "counts",
+                                                         "ticks",
+                                                         "rpm",
+                                                         "hz",
+                                                         "khz",
+                                                         "volts",
+                                                         "amps",
+                                                         "percent",
+                                                         "turns"};
     const std::vector<std::string> tokens = TokensOf(HeadingOf(column));
     return UnitOf(column) == nullptr &&
            std::ranges::any_of(tokens, [&](const std::string& token) {

@@ -147,9 +147,18 @@ Imported ReadPlainTable(const std::string& text,
   const bool are_sentences = std::ranges::count(sentences, ',') >= 2 * kFewest;
   try {
     if (are_sentences) return ReadSentences(sentences, name, options);
-    return ReadOneTable(text, text, name, options);
-  } catch (const InputError&) {
+    Imported whole = ReadOneTable(text, text, name, options);
+    // What has no headings when all blanks part it may have some when two do.
+    const bool lacks_headings = std::ranges::any_of(
+        whole.assumed,
+        [](const std::string& assumed) { return assumed.starts_with("column "); });
+    if (!lacks_headings) return whole;
     const std::vector<TextTable> tables = TablesInText(text);
+    if (tables.empty() || !tables.front().has_heading) return whole;
+    return ReadTables(tables, text, name, options);
+  } catch (const InputError&) {
+    std::vector<TextTable> tables = TablesInText(text);
+    if (tables.empty()) tables = ArrowTables(text);
     if (tables.empty() && sentences.empty()) throw;
     if (tables.empty()) return ReadSentences(sentences, name, options);
     return ReadTables(tables, text, name, options);

@@ -152,7 +152,8 @@ class Finder {
     });
     std::vector<TextTable> tables;
     for (const Block& block : blocks) {
-      tables.push_back({TextOf(WithHeading(blocks, block)), TitleOf(block, blocks)});
+      const Block whole = WithHeading(blocks, block);
+      tables.push_back({TextOf(whole), TitleOf(block, blocks), whole.has_heading()});
     }
     return tables;
   }
@@ -168,7 +169,10 @@ class Finder {
         if (block.numbers > 0) all.push_back(block);
       }
     }
-    std::ranges::stable_sort(all, std::ranges::greater{}, &Block::numbers);
+    // A heading counts as much as another column.
+    std::ranges::stable_sort(all, std::ranges::greater{}, [](const Block& block) {
+      return block.numbers + (block.has_heading() ? block.end - block.begin : 0);
+    });
     return all;
   }
 
@@ -308,7 +312,10 @@ class Finder {
       });
       if (is_of_any) return false;
       const Fields fields = FieldsOf(lines_[i], block.part);
-      return fields.size() == block.fields && NumbersIn(fields) > 0;
+      // "probe z offset,-1.35,": a remark that has a figure.
+      const bool is_remark =
+          !CountedIn(fields.front()) && fields.back().empty() && !HasNames(block);
+      return fields.size() == block.fields && NumbersIn(fields) > 0 && !is_remark;
     };
     // Up and down to the next line that is something else.
     for (std::size_t i = block.end; i < lines_.size(); ++i) {

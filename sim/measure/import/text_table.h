@@ -11,6 +11,7 @@ struct TextTable {
   /// of a column ("10 lifts") becomes its heading.
   std::string text{};
   std::string title{};  ///< The line before it; empty: none of its own.
+  bool has_heading = false;
 };
 
 /// Every table that stands in a text among titles, remarks and rules: blocks of lines
@@ -26,5 +27,10 @@ std::string TableInText(const std::string& text);
 /// What sentences say of sizes and moves, as a table: "drew 40 x 40, burned 20 x 20",
 /// "told 10, got 9.8", "30 mm cube" above "X 30.05". Empty: no such sentence.
 std::string SentencesAsTable(const std::string& text);
+
+/// Lines that say what was drawn and what came of it by an arrow, "5 inch square
+/// -> 4.98", each run of them a table. Sizes in inches where the line says so,
+/// "(hundredths)" behind a number taken for that. Empty: fewer than three such lines.
+std::vector<TextTable> ArrowTables(const std::string& text);
 
 }  // namespace caltwin
