@@ -317,7 +317,8 @@ void DoubtRunsOf(const std::string& campaign,
 }  // namespace
 
 void DoubtRuns(const RowTable& table, std::vector<Doubt>* doubts) {
-  constexpr std::size_t kFewestRuns = 3;
+  // Each run is held against each other one; thousands are repeats of single readings.
+  constexpr std::size_t kFewestRuns = 3, kMostRuns = 300;
   using Key = std::tuple<std::string, std::string, std::array<long, 3>>;
   std::map<Key, std::map<std::int64_t, std::vector<const Row*>>> campaigns;
   for (const Row& row : table.rows) {
@@ -330,7 +331,7 @@ void DoubtRuns(const RowTable& table, std::vector<Doubt>* doubts) {
   }
   for (const auto& [key, by_run] : campaigns) {
     const std::array<long, 3>& n = std::get<2>(key);
-    if (by_run.size() < kFewestRuns) continue;
+    if (by_run.size() < kFewestRuns || by_run.size() > kMostRuns) continue;
     DoubtRunsOf(std::get<0>(key), by_run, {n[0] == 0, n[1] == 0, n[2] == 0}, doubts);
   }
 }

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -95,70 +96,109 @@ bool IsInOrder(const Eigen::VectorXd& plane, const Heights& now) {
   return variance > 0 && std::abs(covariance) > kAlong * std::sqrt(variance);
 }
 
+/// Shift, and change from end to end along x and y.
+struct PlaneFit {
+  Eigen::VectorXd sizes_mm{};
+  double left_mm = 0;     ///< The most that it leaves at a place.
+  bool is_whole = false;  ///< It leaves a fifth of the changes' spread or less.
+};
+
+// None where it is no plane, or no more than the readings scatter. `noise_mm` of one
+// change; kUnknown: nothing shows it. Of many places what the plane leaves shows it.
+std::optional<PlaneFit> PlaneOf(const Change& change, double noise_mm) {
+  constexpr Eigen::Index kFewest = 4, kMany = 9;
+  constexpr double kOfSpread = 0.2, kOfFew = 0.05, kOfVariance = 0.4, kLeast_mm = 0.02;
+  constexpr double kSure = 6;
+  const Eigen::Index num = change.change_mm.size();
+  if (num < kFewest) return std::nullopt;
+  const Eigen::MatrixXd normal = change.columns.transpose() * change.columns;
+  if (EigenvaluesOf(normal)[0] < 1e-6 * normal.trace()) return std::nullopt;
+  const Eigen::VectorXd plane = LeastSquares(change.columns, change.change_mm);
+  const Eigen::VectorXd left = change.change_mm - change.columns * plane;
+  const Eigen::VectorXd about = change.change_mm.array() - change.change_mm.mean();
+  const double left_mm = left.cwiseAbs().maxCoeff();
+  const double spread_mm = change.change_mm.maxCoeff() - change.change_mm.minCoeff();
+  const double tilt_mm = plane.tail(2).cwiseAbs().maxCoeff();
+  // Many places need not lie on it to the last: it explains most of their variance.
+  const double variance = left.squaredNorm() / static_cast<double>(num - 3);
+  const bool explains_most =
+      num >= kMany &&
+      variance < kOfVariance * about.squaredNorm() / static_cast<double>(num - 1);
+  // What scatters: the readings, or what the plane leaves.
+  const bool is_stated = num < kMany && Known(noise_mm);
+  const double sd_mm = std::max(is_stated ? noise_mm : 0.0, std::sqrt(variance));
+  const bool is_seen =
+      num >= kMany || Known(noise_mm)
+          ? tilt_mm * std::sqrt(static_cast<double>(num)) > 2 * kSure * sd_mm
+          : left_mm < kOfFew * spread_mm;
+  const bool is_whole = left_mm < kOfSpread * spread_mm;
+  const bool is_plane = spread_mm > kLeast_mm && is_seen && (is_whole || explains_most);
+  return is_plane ? std::optional(PlaneFit{plane, left_mm, is_whole}) : std::nullopt;
+}
+
+Fact FactOf(const Change& change,
+            const PlaneFit& fit,
+            const std::string& before,
+            const std::string& now) {
+  const Eigen::VectorXd& plane = fit.sizes_mm;
+  return {
+      .id = "map_change",
+      .axis = "z",
+      .word = "tilt",
+      .figures = {{"shift_um", UmFromMm(plane[0])},
+                  {"tilt_x_um", UmFromMm(plane[1])},
+                  {"tilt_y_um", UmFromMm(plane[2])},
+                  {"left_um", UmFromMm(fit.left_mm)}},
+      .sentence = fmt::format(
+          "From '{}' to '{}' the heights change by {:.0f} to {:.0f} um, and {} a "
+          "plane: "
+          "{:+.0f} um all over, {:+.0f} um from left to right and {:+.0f} from front "
+          "to "
+          "back; it leaves {} um{}. Something rigid "
+          "tilted between them (a screw or coupling that slips, a loose wheel, a screw "
+          "under the bed); a firmware's reckoning would change the zero or the shape",
+          before,
+          now,
+          UmFromMm(change.change_mm.minCoeff()),
+          UmFromMm(change.change_mm.maxCoeff()),
+          fit.is_whole ? "that is" : "most of that is",
+          UmFromMm(plane[0]),
+          UmFromMm(plane[1]),
+          UmFromMm(plane[2]),
+          TwoDigits(UmFromMm(fit.left_mm)),
+          fit.is_whole ? ", so the shape is the same" : ""),
+      .is_answer = true};
+}
+
 }  // namespace
 
 void FactsOfMapChange(const Rows& rows, const Repeats& repeats, Facts* facts) {
-  constexpr Eigen::Index kFewest = 4;
-  constexpr double kOfSpread = 0.2, kLeast_mm = 0.02;
   const auto maps = MapsOf(rows, repeats);
   for (std::size_t k = 1; k < maps.size(); ++k) {
     const Change change = ChangeOf(maps[k - 1].second, maps[k].second);
-    if (change.change_mm.size() < kFewest) continue;
-    const Eigen::MatrixXd normal = change.columns.transpose() * change.columns;
-    if (EigenvaluesOf(normal)[0] < 1e-6 * normal.trace()) continue;
-    const Eigen::VectorXd plane = LeastSquares(change.columns, change.change_mm);
-    const double left_mm =
-        (change.change_mm - change.columns * plane).cwiseAbs().maxCoeff();
-    const double spread_mm = change.change_mm.maxCoeff() - change.change_mm.minCoeff();
-    // Many places need not lie on it to the last: it explains most of their variance.
-    constexpr Eigen::Index kMany = 9;
-    constexpr double kOfVariance = 0.4;
-    const auto num = change.change_mm.size();
-    const Eigen::VectorXd left = change.change_mm - change.columns * plane;
-    const Eigen::VectorXd about = change.change_mm.array() - change.change_mm.mean();
-    const bool explains_most =
-        num >= kMany &&
-        left.squaredNorm() / static_cast<double>(num - 3) <
-            kOfVariance * about.squaredNorm() / static_cast<double>(num - 1);
-    if (spread_mm < kLeast_mm || (left_mm > kOfSpread * spread_mm && !explains_most)) {
-      continue;
-    }
+    // Of the difference of two means.
+    const double num = static_cast<double>(rows.size()) /
+                       static_cast<double>(std::max<std::ptrdiff_t>(
+                           1, change.change_mm.size() * std::ssize(maps)));
+    const double noise_mm = repeats.noise.sd_mm * std::sqrt(2 / num);
+    const auto plane = PlaneOf(change, noise_mm);
+    if (!plane) continue;
     const bool is_single =
         change.change_mm.size() == std::ssize(rows) / std::ssize(maps) &&
         !Known(repeats.noise.sd_mm);
-    facts->all.push_back(
-        {.id = "map_change",
-         .axis = "z",
-         .word = "tilt",
-         .figures = {{"shift_um", UmFromMm(plane[0])},
-                     {"tilt_x_um", UmFromMm(plane[1])},
-                     {"tilt_y_um", UmFromMm(plane[2])},
-                     {"left_um", UmFromMm(left_mm)}},
-         .sentence = fmt::format(
-             "From '{}' to '{}' the heights change by {:.0f} to {:.0f} um, and that is "
-             "a plane: {:+.0f} um all over, {:+.0f} um from left to right and {:+.0f} "
-             "from front to back; it leaves {} um, so the shape is the same. Something "
-             "rigid tilted between them (a screw or coupling that slips, a loose "
-             "wheel, "
-             "a screw under the bed){}; a firmware's reckoning would change the zero "
-             "or "
-             "the shape{}",
-             maps[k - 1].first,
-             maps[k].first,
-             UmFromMm(change.change_mm.minCoeff()),
-             UmFromMm(change.change_mm.maxCoeff()),
-             UmFromMm(plane[0]),
-             UmFromMm(plane[1]),
-             UmFromMm(plane[2]),
-             TwoDigits(UmFromMm(left_mm)),
-             IsInOrder(plane, maps[k].second)
-                 ? ", or the probe or the bed warmed while the places were touched in "
-                   "this order: touch the first place again at the end, that parts them"
-                 : "",
-             is_single ? ". Each was measured once: what it has to do with what was "
-                         "changed in between nobody knows before both are repeated"
-                       : ""),
-         .is_answer = true});
+    Fact fact = FactOf(change, *plane, maps[k - 1].first, maps[k].first);
+    if (IsInOrder(plane->sizes_mm, maps[k].second)) {
+      fact.sentence +=
+          ". The places were touched along that slope, so a probe or bed "
+          "that warmed meanwhile does the same: touch the first place again "
+          "at the end, that parts them";
+    }
+    if (is_single) {
+      fact.sentence +=
+          ". Each was measured once: what it has to do with what was "
+          "changed in between nobody knows before both are repeated";
+    }
+    facts->all.push_back(std::move(fact));
     return;
   }
 }

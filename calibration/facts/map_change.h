@@ -12,7 +12,8 @@ namespace caltwin {
 ///   now - before = shift + a u + b v   [u, v from -1/2 to 1/2 over the places]
 ///
 /// Something rigid tilted; the shape is the same. Told where the plane leaves a fifth
-/// or less of the changes' spread, and a constant does not.
+/// or less of the changes' spread (of nine places or more, two fifths of their
+/// variance), and its tilt is more than readings scatter.
 void FactsOfMapChange(const std::vector<const Row*>& rows,
                       const Repeats& repeats,
                       Facts* facts);

@@ -156,7 +156,8 @@ std::optional<Fade> FadeOf(const Course& course) {
   const Eigen::Index num = course.at_mm.size();
   if (num < kFewest || course.at_mm[0] <= 0) return std::nullopt;
   Fade best;
-  for (Eigen::Index k = 1; k + kBeyond <= num; ++k) {
+  // Two places below it at least: one alone would make a fade of any constant.
+  for (Eigen::Index k = 2; k + kBeyond <= num; ++k) {
     const double until_mm = course.at_mm[k];
     const Eigen::VectorXd share = (course.at_mm.array() / until_mm).min(1.0);
     const double size_mm = share.dot(course.off_mm) / share.squaredNorm();
@@ -169,8 +170,11 @@ std::optional<Fade> FadeOf(const Course& course) {
   const double of_line_mm = (course.off_mm - slope * course.at_mm).norm() /
                             std::sqrt(static_cast<double>(num - 1));
   const double excess_mm = std::abs(best.at_end_mm);
+  const double of_constant_mm =
+      (course.off_mm.array() - course.off_mm.mean()).matrix().norm() /
+      std::sqrt(static_cast<double>(num - 1));
   const bool is_fade = excess_mm > kLeast_mm && left_mm < kOfExcess * excess_mm &&
-                       left_mm < kOfLine * of_line_mm;
+                       left_mm < kOfLine * std::min(of_line_mm, of_constant_mm);
   return is_fade ? std::optional(best) : std::nullopt;
 }
 
@@ -198,22 +202,20 @@ Fact FactOf(const Fade& fade, std::size_t axis) {
       .is_answer = true};
 }
 
-// Of each campaign by itself: another one is another setting.
+// Of heights alone, and of each campaign by itself: another one is another setting.
 void AddFades(const Rows& rows, const Repeats& repeats, Facts* facts) {
   std::map<std::string, Rows> by_campaign;
   for (const Row* row : rows)
     by_campaign[row->campaign + "|" + row->setup].push_back(row);
   for (const auto& [campaign, members] : by_campaign) {
-    for (std::size_t axis = 0; axis < kAxisNames.size(); ++axis) {
-      const auto fade = FadeOf(CourseOf(members, axis, repeats));
-      if (!fade) continue;
-      std::erase_if(facts->all, [&](const Fact& fact) {
-        return (fact.id == "scale" || fact.id == "offset") &&
-               fact.axis == kAxisNames[axis];
-      });
-      facts->all.push_back(FactOf(*fade, axis));
-      return;
-    }
+    constexpr std::size_t kZ = 2;
+    const auto fade = FadeOf(CourseOf(members, kZ, repeats));
+    if (!fade) continue;
+    std::erase_if(facts->all, [](const Fact& fact) {
+      return (fact.id == "scale" || fact.id == "offset") && fact.axis == kAxisNames[kZ];
+    });
+    facts->all.push_back(FactOf(*fade, kZ));
+    return;
   }
 }
 

@@ -24,6 +24,14 @@ Eigen::VectorXd WithoutCubic(const Eigen::VectorXd& at, const Eigen::VectorXd& v
   return values - columns * LeastSquares(columns, values);
 }
 
+// From one to the other, each `step` times the one before.
+std::vector<double> Geometric(double from, double to, double step) {
+  const auto num = static_cast<int>(std::log(to / from) / std::log(step)) + 1;
+  std::vector<double> values;
+  for (int i = 0; i < num; ++i) values.push_back(from * std::pow(step, i));
+  return values;
+}
+
 struct WaveFit {
   double left2 = HUGE_VAL, period = 0, size = 0;
 };
@@ -68,7 +76,7 @@ WaveFit BestNear(const Eigen::VectorXd& at,
                  double period) {
   constexpr double kStep = 1.03;
   WaveFit best;
-  for (double here = period / kReach; here <= period * kReach; here *= kStep) {
+  for (const double here : Geometric(period / kReach, period * kReach, kStep)) {
     const WaveFit fit = FitWave(at, values, here);
     if (fit.left2 < best.left2) best = fit;
   }
@@ -114,13 +122,49 @@ Pieces Best(const Eigen::VectorXd& at, const Eigen::VectorXd& values) {
   constexpr double kFewestPieces = 3, kPlacesAWave = 3, kCoarse = 1.12;
   const double span = at[at.size() - 1] - at[0];
   const double shortest = kPlacesAWave * span / static_cast<double>(at.size() - 1);
+  const double longest = span / (kFewestPieces * kPeriodsInAPiece);
+  if (longest < shortest) return {};
   Pieces best;
-  for (double period = span / (kFewestPieces * kPeriodsInAPiece); period >= shortest;
-       period /= kCoarse) {
+  for (const double period : Geometric(shortest, longest, kCoarse)) {
     Pieces pieces = InPieces(at, values, period);
     if (pieces.variance < best.variance) best = std::move(pieces);
   }
   return best;
+}
+
+// What two waves of one period each leave, beside a line: two that beat look as if one
+// drifted.
+double LeftOfTwo2(const Eigen::VectorXd& at,
+                  const Eigen::VectorXd& values,
+                  const std::vector<double>& periods) {
+  constexpr int kRounds = 3;
+  const auto wave = [&](double period) {
+    const Eigen::ArrayXd phase = 2 * std::numbers::pi / period * at.array();
+    Eigen::MatrixXd columns(at.size(), 2);
+    columns << phase.cos(), phase.sin();
+    return columns;
+  };
+  const auto without = [](const Eigen::VectorXd& of, const Eigen::MatrixXd& columns) {
+    return Eigen::VectorXd(of - columns * LeastSquares(columns, of));
+  };
+  const auto best_of = [&](const Eigen::VectorXd& of) {
+    double least2 = HUGE_VAL, best = periods.front();
+    for (const double period : periods) {
+      const double left2 = without(of, wave(period)).squaredNorm();
+      if (left2 < least2) best = period;
+      least2 = std::min(least2, left2);
+    }
+    return best;
+  };
+  double one = best_of(values), two = one;
+  for (int round = 0; round < kRounds; ++round) {
+    two = best_of(without(values, wave(one)));
+    one = best_of(without(values, wave(two)));
+  }
+  Eigen::MatrixXd columns(at.size(), 6);
+  columns << wave(one), wave(two), Eigen::VectorXd::Ones(at.size()),
+      at.array() - at.mean();
+  return without(values, columns).squaredNorm();
 }
 
 double MiddleOf(const std::vector<WaveFit>& fits, double WaveFit::*member) {
@@ -145,9 +189,11 @@ std::optional<DriftingWave> DriftingWaveOf(const Eigen::VectorXd& at,
   // So fine that the phase at the ends is off by an eighth of a wave at most.
   const double step = 1 + period / (at[at.size() - 1] - at[0]) / 4;
   double fixed2 = HUGE_VAL;
-  for (double here = period / kReach; here <= period * kReach; here *= step) {
+  for (const double here : Geometric(period / kReach, period * kReach, step)) {
     fixed2 = std::min(fixed2, LeftOfFixed2(at, left, here));
   }
+  fixed2 = std::min(
+      fixed2, LeftOfTwo2(at, left, Geometric(period / kReach, period * kReach, step)));
   const double fixed = fixed2 / static_cast<double>(at.size() - kOfFixed);
   if (fixed < kClearly * pieces.variance) return std::nullopt;
   const auto [shortest, longest] =

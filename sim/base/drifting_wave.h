@@ -25,7 +25,8 @@ struct DriftingWave {
 };
 
 /// `at` ascending, `values` beside it. None where no wave explains three fifths of what
-/// a cubic leaves, where a wave of one period leaves less than twice as much, or where
+/// a cubic leaves, where a wave of one period, or two of them that beat, leave
+/// less than twice as much, or where
 /// there are fewer than 40 places or three pieces.
 std::optional<DriftingWave> DriftingWaveOf(const Eigen::VectorXd& at,
                                            const Eigen::VectorXd& values);

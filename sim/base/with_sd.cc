@@ -27,7 +27,8 @@ std::string WithSd(double value, double sd, std::string_view unit) {
 }
 
 std::string TwoDigits(double value) {
-  constexpr double kWhole = 99.5;
+  constexpr double kWhole = 99.5, kNothing = 1e-9;
+  if (std::abs(value) < kNothing) return "0";
   if (!(std::abs(value) >= kWhole)) return fmt::format("{:.2g}", value);
   const double unit = std::pow(10.0, std::floor(std::log10(std::abs(value))) - 1);
   return fmt::format("{:.0f}", std::round(value / unit) * unit);

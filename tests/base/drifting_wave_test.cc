@@ -60,6 +60,15 @@ TEST(DriftingWave, OfNoiseOrASmoothBendOrFewPlacesIsNone) {
   EXPECT_FALSE(DriftingWaveOf(drawn.at.head(30), drawn.values.head(30)));
 }
 
+TEST(DriftingWave, TwoThatBeatAreNone) {
+  const Drawn drawn = Wave(/*swing=*/0, /*noise=*/0);
+  const Eigen::ArrayXd phase = 2 * std::numbers::pi * drawn.at.array();
+  Rng rng(7, 0, "drifting_wave_test");
+  Eigen::VectorXd values = 20 * (phase / 0.62).sin() + 20 * (phase / 0.7).sin();
+  for (double& value : values) value += 2 * rng.Normal();
+  EXPECT_FALSE(DriftingWaveOf(drawn.at, values));
+}
+
 TEST(DriftingWave, OfNothingIsNone) {
   const Drawn drawn = Wave(/*swing=*/0.04, /*noise=*/0);
   const Eigen::VectorXd nothing = Eigen::VectorXd::Zero(drawn.at.size());

@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "calibration/facts/ratios.h"
+#include "sim/base/rng.h"
 #include "tests/diagnosis/facts_of.h"
 
 namespace caltwin {
@@ -81,6 +82,11 @@ TEST(Fade, OffInProportionAndThenByAConstant) {
   };
   EXPECT_FALSE(has([](double z_mm) { return 0.13 * z_mm; }));
   EXPECT_FALSE(has([](double) { return 1.3; }));
+  // A constant, and two places that stand beside each other.
+  std::vector<Row> rows = Heights([](double) { return 0.2; });
+  rows[0].cmd_mm[2] = 4.9;
+  rows[1].value_mm = 0.21;
+  EXPECT_EQ(FactsOfRows(rows).Find("stretch"), nullptr);
 }
 
 TEST(Sizes, AConstantBesideAScaleIsToldFirst) {
@@ -157,6 +163,23 @@ TEST(MapChange, APlaneBetweenTwoMapsIsATilt) {
   EXPECT_NEAR(FigureOf(*fact, "tilt_x_um"), 120, 1e-6);
   EXPECT_NEAR(FigureOf(*fact, "tilt_y_um"), -90, 1e-6);
   EXPECT_NEAR(FigureOf(*fact, "left_um"), 4, 1e-6);
+}
+
+TEST(MapChange, NoiseOfFourCornersIsNone) {
+  for (std::uint64_t seed = 0; seed < 40; ++seed) {
+    Rng rng(seed, 0, "facts_shapes_test");
+    std::vector<Row> rows;
+    for (const std::string name : {"first", "second"}) {
+      for (int rep = 0; rep < 3; ++rep) {
+        for (const double x : {0, 1}) {
+          for (const double y : {0, 1}) {
+            rows.push_back(Corner(x, y, 0.03 * rng.Normal(), name));
+          }
+        }
+      }
+    }
+    EXPECT_EQ(FactsOfRows(rows).Find("map_change"), nullptr) << seed;
+  }
 }
 
 // A place that stands out in both maps is the bed's, though the second lies lower.

@@ -141,6 +141,16 @@ TEST(NamedHeights, OfCornersARunACampaign) {
   EXPECT_EQ(imported.table.rows[7].cmd_mm[0], 0);
 }
 
+TEST(NamedHeights, TemperaturesAndASweepBesideThemAreNone) {
+  EXPECT_NE(KindOrFound("", "bed temperature\nFL 10.5\nFR 11\nBL 9\nBR 12\n", "f"),
+            "named-heights");
+  EXPECT_NE(KindOrFound("",
+                        "commanded,measured\n10,10.1\n20,20.2\n30,30.3\n40,40.4\n"
+                        "50,50.5\nFL 0.1\nFR 0.2\nBL 0.1\nBR 0.3\n",
+                        "f"),
+            "named-heights");
+}
+
 std::string Square(const std::string& size, double path_mm) {
   return fmt::format(
       "drawn {0}, tool 3 mm, inside\n"
@@ -165,6 +175,17 @@ TEST(DrawnPath, ARightOneSaysToLookElsewhere) {
   EXPECT_FALSE(NoteOfDrawnPath("G1 X10 Y10\nG1 X0 Y10\nG1 X0 Y0\n"));
 }
 
+TEST(DrawnPath, RapidsAndParkingAreNoPathAndRelativeMovesAreNotAddedUp) {
+  const std::string path = "G1 X7 Y0\nG1 X7 Y7\nG1 X0 Y7\nG1 X0 Y0\n";
+  const auto note =
+      NoteOfDrawnPath("drawn 10 x 10 mm, tool 3 mm, inside\n" + path + "G0 X0 Y150\n");
+  ASSERT_TRUE(note);
+  EXPECT_EQ(note->kind, FileNote::Kind::kOpen);
+  EXPECT_FALSE(NoteOfDrawnPath("G91\ndrawn 10 x 10 mm, tool 3 mm, inside\n" + path));
+  EXPECT_FALSE(NoteOfDrawnPath("drawn 10 x 10 mm, tool 3 mm, inside\n" + path +
+                               "told  read\n10  10.1\n20  20.2\n30  30.3\n"));
+}
+
 std::string Turns(double deg_per_turn, double scatter_deg) {
   std::string text = "$103=53.333\n\n| turns | A in DRO | off (deg) |\n|---|---|---|\n";
   for (const int turns : {10, 100, 250, 500, 1000, 2000}) {
@@ -181,6 +202,15 @@ TEST(RotaryTable, AnErrorThatGrowsWithTheTurnsIsARatio) {
   EXPECT_NEAR(FigureOf(*note, "deg_per_turn"), -0.00225, 2e-5);
   EXPECT_NEAR(FigureOf(*note, "factor"), 1 - 0.00225 / 360, 1e-7);
   EXPECT_THAT(note->sentence, HasSubstr("rounding of the setting"));
+}
+
+TEST(RotaryTable, AConstantAndOtherColumnsOfALetterAreNone) {
+  EXPECT_FALSE(NoteOfRotaryTable(
+      "| turns | off (deg) |\n|---|---|\n| 10 | -0.50 |\n| 11 | -0.52 |\n"
+      "| 12 | -0.49 |\n| 13 | -0.51 |\n| 14 | -0.50 |\n"));
+  EXPECT_FALSE(NoteOfRotaryTable(
+      "| A mm | tilt error (deg) |\n|---|---|\n| 1000 | 0.1 |\n| 2000 | 0.2 |\n"
+      "| 3000 | 0.3 |\n| 4000 | 0.4 |\n"));
 }
 
 TEST(RotaryTable, ScatterIsNoneAndALargeErrorIsNoRounding) {
@@ -201,6 +231,13 @@ TEST(CornerSpeed, AJunctionOfMetresNeverSlows) {
   EXPECT_THROW(Read("$11=0.010\n$100=250.0\n" + settings), InputError);  // All right.
 }
 
+TEST(CornerSpeed, BeforeGrbl09TheNumberWasAnothers) {
+  EXPECT_THROW(
+      Read("$9=0.050 (junction deviation, mm)\n$11=25 (n-arc correction, int)\n"
+           "$100=250.0\n"),
+      InputError);
+}
+
 std::string Engine(double reported) {
   return fmt::format(
       "g2: --G--> N0G1X2.00000F360.0 [g2]\n"
@@ -217,6 +254,7 @@ TEST(ReportedMove, AFactorOfInchesIsTheControllersOwn) {
   EXPECT_EQ(note->axis, "a");
   EXPECT_THAT(note->sentence, HasSubstr("X went where it was told"));
   EXPECT_THROW(Read(Engine(2)), InputError);  // Nothing to be told.
+  EXPECT_THROW(Read("G20\n" + Engine(2 / 25.4)), InputError);
 }
 
 std::string Mesh(double height_mm) {
@@ -239,6 +277,8 @@ TEST(StepsBetween, TwoMapsAndAnM92BetweenThem) {
   EXPECT_NEAR(FigureOf(*note, "change_um"), -5600, 1);
   EXPECT_THAT(note->sentence, HasSubstr("-2.00 %, over 280 mm of travel"));
   EXPECT_EQ(NoteOf(Read(Mesh(7) + Mesh(1.4)), "settings"), nullptr);
+  const std::string report = "echo:  M92 X80.00 Y80.00 Z400.00\n";
+  EXPECT_EQ(NoteOf(Read(report + Mesh(7) + report + Mesh(6.6)), "settings"), nullptr);
 }
 
 std::string Printer(double endstop_mm, double offset_mm) {

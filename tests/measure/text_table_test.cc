@@ -87,6 +87,43 @@ TEST(TextTable, WhatWasSetBesideWhatIsOffPartsTheRows) {
   EXPECT_NEAR(imported.table.rows[2].value_mm, 1.3, 1e-12);
 }
 
+TEST(TextTable, WhatIsTooShortCountsTheOtherWay) {
+  const Imported imported =
+      Read("slicer height (mm),too low (mm)\n10,0.02\n50,0.1\n100,0.2\n");
+  ASSERT_THAT(imported.table.rows, SizeIs(3));
+  EXPECT_EQ(imported.table.rows[1].cmd_mm[2], 50);
+  EXPECT_NEAR(imported.table.rows[1].value_mm, -0.1, 1e-12);
+  EXPECT_NEAR(
+      Read("told,too long (mm)\n10,0.02\n50,0.1\n").table.rows[1].value_mm, 0.1, 1e-12);
+}
+
+TEST(TextTable, OtherMachinesAndSettingsSayNothingOfTheReadings) {
+  const std::string table = "told (mm)  dial (mm)\n10  0.02\n50  0.1\n100  0.2\n";
+  EXPECT_EQ(Read("Settings: backlash: 0 in the firmware\n\n" + table).table.rows.size(),
+            3U);
+  const Imported metric = Read(
+      "My other machine has everything in inches.\n\ntold,read\n10,10.02\n"
+      "20,20.04\n30,30.06\n");
+  EXPECT_EQ(metric.table.rows[0].cmd_mm[0], 10);
+}
+
+TEST(TextTable, ATitleNamesAnAxisWhereItBeginsWithIt) {
+  const std::string table = "told  read\n10  10.1\n20  20.2\n30  30.3\n";
+  const Imported imported =
+      Read("lubricated the Z screw\n" + table + "\nY, loaded\n" + table);
+  ASSERT_THAT(imported.table.rows, SizeIs(6));
+  EXPECT_EQ(imported.table.rows[0].n[0], 1);
+  EXPECT_EQ(imported.table.rows[5].n[1], 1);
+  EXPECT_EQ(imported.table.rows[0].campaign, "lubricated_the_z_screw");
+}
+
+TEST(TextTable, ATableThatCannotBeReadLeavesTheOthers) {
+  const Imported imported = Read(
+      "minute  temperature\n0  20\n1  22\n2  24\n3  26\n\nX axis:\n"
+      "commanded  measured\n10  10.1\n50  50.5\n");
+  EXPECT_THAT(imported.table.rows, SizeIs(2));
+}
+
 TEST(TextTable, ASpeedIsNoLength) {
   EXPECT_THROW(Read("switches,leadscrew rpm\n1,297\n2,148\n3,118\n4,99\n"), InputError);
 }
@@ -121,6 +158,9 @@ TEST(Sentences, AnArrowStandsBetweenWhatWasDrawnAndWhatCame) {
   EXPECT_NEAR(imported.table.rows[1].cmd_mm[0], 50.8, 1e-9);
   EXPECT_NEAR(imported.table.rows[2].value_mm, -0.025 * 25.4, 1e-9);
   EXPECT_NEAR(imported.table.rows[3].value_mm, 0.2, 1e-9);
+
+  const Imported both = Read("1 inch -> 25.5 mm\n2 inch -> 51 mm\n4 inch -> 102 mm\n");
+  EXPECT_NEAR(both.table.rows[0].value_mm, 0.1, 1e-9);
 }
 
 TEST(Sentences, ACubeAboveItsSides) {

@@ -196,7 +196,10 @@ class LogReader {
     limit_.Take(said, line.line);
     offset_.Take(said, line.line);
     corner_.Take(said);
-    steps_.Take(said, line.line);
+    const std::string lower = Lowered(line.text);
+    const bool is_report = lower.find("echo:") != std::string::npos ||
+                           lower.find("recv:") != std::string::npos;
+    steps_.Take(said, line.line, is_report);
     reported_.Take(said);
     if (grids_.contains(line.line)) {
       grid_.End();

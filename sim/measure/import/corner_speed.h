@@ -21,6 +21,7 @@ class CornerSpeed {
   double deviation_mm_ = kUnknown;
   double acceleration_mm_s2_ = kUnknown;
   double most_mm_min_ = kUnknown;  ///< $110.
+  bool is_old_ = false;            ///< grbl 0.8, where $11 is no such thing.
 };
 
 }  // namespace caltwin

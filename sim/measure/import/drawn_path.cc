@@ -10,11 +10,13 @@
 #include "sim/base/units.h"
 #include "sim/measure/import/console_line.h"
 #include "sim/measure/import/fields.h"
+#include "sim/measure/import/table_columns.h"
+#include "sim/measure/import/text_table.h"
 
 namespace caltwin {
 namespace {
 
-/// How far moves of G-code reach along x and y [mm].
+/// How far cutting moves of G-code reach along x and y [mm].
 struct Extent2 {
   std::array<double, 2> least_mm{HUGE_VAL, HUGE_VAL};
   std::array<double, 2> most_mm{-HUGE_VAL, -HUGE_VAL};
@@ -28,7 +30,7 @@ Extent2 ExtentOf(const std::string& text) {
   for (const TextLine& line : LinesOf(text)) {
     const ConsoleLine said = ConsoleLineOf(line.text);
     bool is_move = false;
-    for (const char* word : {"g0", "g1", "g2", "g3", "g00", "g01", "g02", "g03"}) {
+    for (const char* word : {"g1", "g2", "g3", "g01", "g02", "g03"}) {
       is_move |= IsCommand(said, word);
     }
     if (!is_move) continue;
@@ -110,12 +112,33 @@ std::string OfRatio(double ratio) {
   return " Look at the scale, the unit and the tool there";
 }
 
+bool SaysWord(const std::string& lower, const std::string& word) {
+  const std::vector<std::string> tokens = TokensOf(lower);
+  return std::ranges::find(tokens, word) != tokens.end();
+}
+
+// Whether something was measured, too: a table beside the program.
+bool HasTable(const std::string& text) {
+  std::string others;
+  for (const TextLine& line : LinesOf(text)) {
+    const char first = line.text.front();
+    const bool is_block =
+        std::string_view("GMNgmn;(%").find(first) != std::string::npos;
+    if (!is_block) others += std::string(line.text) + "\n";
+  }
+  return !TablesInText(others).empty();
+}
+
 }  // namespace
 
 std::optional<FileNote> NoteOfDrawnPath(const std::string& text) {
   constexpr int kFewestMoves = 3;
   constexpr double kRight = 0.003, kAlike = 0.002;
   const std::string lower = Lowered(text);
+  // Relative moves and inches are not added up here.
+  if (SaysWord(lower, "g91") || SaysWord(lower, "g20") || HasTable(text)) {
+    return std::nullopt;
+  }
   const Extent2 extent = ExtentOf(text);
   const double tool_mm = ToolIn_mm(lower);
   const std::array<double, 2> drawn_mm = DrawnIn_mm(lower);
@@ -145,7 +168,8 @@ std::optional<FileNote> NoteOfDrawnPath(const std::string& text) {
                         "({}). Measure a move of the machine, and the tool",
                         path)};
   }
-  const bool is_alike = std::abs(ratio[0] / ratio[1] - 1) < kAlike;
+  // Off by two factors it may have been cut in passes, or parked elsewhere.
+  if (std::abs(ratio[0] / ratio[1] - 1) > kAlike) return std::nullopt;
   FileNote note{
       .kind = FileNote::Kind::kElsewhere,
       .what = "file",
@@ -160,7 +184,7 @@ std::optional<FileNote> NoteOfDrawnPath(const std::string& text) {
           drawn_mm[1],
           drawn_mm[0] - side * tool_mm,
           drawn_mm[1] - side * tool_mm,
-          is_alike ? OfRatio(ratio[0]) : " X and Y are off by different factors")};
+          OfRatio(ratio[0]))};
   note.fact = "known_ratio";
   note.word = "drawing";
   note.figures = {{"factor", ratio[0]}, {"made_mm", made_mm[0]}};

@@ -15,6 +15,7 @@
 #include "sim/measure/import/bed_touch.h"
 #include "sim/measure/import/fields.h"
 #include "sim/measure/import/table_columns.h"
+#include "sim/measure/import/text_table.h"
 
 namespace caltwin {
 namespace {
@@ -124,18 +125,48 @@ std::array<double, 2> PlaceOnDelta(const std::string& name) {
   return {std::cos(angle), std::sin(angle)};
 }
 
-std::string CampaignOf(const Run& run, std::size_t number) {
-  std::string name = fmt::format("{}", fmt::join(TokensOf(run.title), "_"));
-  constexpr std::size_t kLongest = 40;
-  name = name.substr(0, kLongest);
-  return name.empty() ? fmt::format("set_{}", number) : name;
+// Heights of a bed, by what the line above says and how large they are; temperatures,
+// weights and inches are none.
+bool AreHeights(const Run& run) {
+  constexpr double kMost_mm = 20;
+  constexpr std::array<std::string_view, 14> kOthers = {"temp",
+                                                        "temperature",
+                                                        "temperatures",
+                                                        "c",
+                                                        "degrees",
+                                                        "kg",
+                                                        "g",
+                                                        "weight",
+                                                        "inch",
+                                                        "inches",
+                                                        "thou",
+                                                        "thousandths",
+                                                        "mil",
+                                                        "mils"};
+  const std::vector<std::string> tokens = TokensOf(run.title);
+  return std::ranges::all_of(
+             run.all,
+             [](const Named& one) { return std::abs(one.height_mm) < kMost_mm; }) &&
+         std::ranges::none_of(kOthers, [&](std::string_view other) {
+           return std::ranges::find(tokens, other) != tokens.end();
+         });
+}
+
+bool IsNamed(const Run& run) {
+  return AreHeights(run) && (IsDelta(run) || AreCorners(run));
 }
 
 }  // namespace
 
+// They are what the file is about: most of its lines of figures.
 bool HasNamedHeights(const std::string& text) {
-  return std::ranges::any_of(
-      RunsOf(text), [](const Run& run) { return IsDelta(run) || AreCorners(run); });
+  std::size_t num_named = 0, num_lines = 0;
+  for (const Run& run : RunsOf(text)) num_named += IsNamed(run) ? run.all.size() : 0;
+  for (const TextLine& line : LinesOf(text)) {
+    const char last = line.text.back();
+    num_lines += last >= '0' && last <= '9' ? 1 : 0;
+  }
+  return num_named > 0 && 2 * num_named > num_lines;
 }
 
 Imported ReadNamedHeights(const std::string& text,
@@ -144,10 +175,11 @@ Imported ReadNamedHeights(const std::string& text,
   Imported imported;
   std::size_t num_runs = 0;
   for (const Run& run : RunsOf(text)) {
+    if (!IsNamed(run)) continue;
     const bool is_delta = IsDelta(run);
-    if (!is_delta && !AreCorners(run)) continue;
-    const std::string campaign =
-        options.campaign.empty() ? CampaignOf(run, ++num_runs) : options.campaign;
+    const std::string campaign = options.campaign.empty()
+                                     ? CampaignNamed(run.title, ++num_runs)
+                                     : options.campaign;
     for (const Named& one : run.all) {
       const std::string known = is_delta ? OfDelta(one.name) : CornerOf(one.name);
       const std::array<double, 2> at =

@@ -34,10 +34,29 @@ bool SaysInches(const std::string& lower) {
                                                       "unit: inch",
                                                       "units: inch"};
   const std::vector<std::string> tokens = TokensOf(lower);
-  return std::ranges::find(tokens, "mm") == tokens.end() &&
+  constexpr std::array<std::string_view, 6> kMetric = {
+      "mm", "metric", "millimetre", "millimetres", "millimeter", "millimeters"};
+  const bool is_metric = std::ranges::any_of(kMetric, [&](std::string_view word) {
+    return std::ranges::find(tokens, word) != tokens.end();
+  });
+  const bool is_of_another = lower.find("other machine") != std::string::npos;
+  return !is_metric && !is_of_another &&
          std::ranges::any_of(kWords, [&](std::string_view words) {
            return lower.find(words) != std::string::npos;
          });
+}
+
+// "lost motion = from plus less from minus": words behind it, and no figure.
+bool DefinesLostMotion(const std::string& lower) {
+  for (const std::string_view words : {"lost motion =", "lost motion:", "backlash ="}) {
+    const std::size_t at = lower.find(words);
+    if (at == std::string::npos) continue;
+    const std::size_t next = lower.find_first_not_of(" \t", at + words.size());
+    const bool is_word =
+        next != std::string::npos && lower[next] >= 'a' && lower[next] <= 'z';
+    if (is_word) return true;
+  }
+  return false;
 }
 
 class TableReader {
@@ -58,11 +77,7 @@ class TableReader {
     step_mm_ = CountedStep_mm(text);
     const std::string lower = Lowered(text);
     is_in_inches_ = SaysInches(lower);
-    constexpr std::array<std::string_view, 4> kLost = {
-        "lost motion =", "lost motion:", "backlash =", "backlash:"};
-    is_lost_motion_ = std::ranges::any_of(kLost, [&](std::string_view words) {
-      return lower.find(words) != std::string::npos;
-    });
+    is_lost_motion_ = DefinesLostMotion(lower);
     are_distances_ = lower.find("distance") != std::string::npos;
     constexpr std::array<std::string_view, 7> kEach = {"x g28",
                                                        "after g28",
@@ -460,7 +475,9 @@ class TableReader {
         is_actual ? "value = read - commanded"
         : is_dial ? "the gauge was set to nought at each target: it reads what "
                     "is off there"
-                  : "the deviation is read minus commanded");
+        : read.front().sign < 0
+            ? fmt::format("'{}' is commanded minus read", HeadingOf(read.front()))
+            : "the deviation is read minus commanded");
     if (takes_x_)
       imported_.assumed.emplace_back("the axis is x: nothing names it (--axis)");
     return true;
@@ -657,7 +674,7 @@ class TableReader {
     row.dir[axis] = Known(read.sense) ? read.sense : SenseIn(record);
     row.n = {0, 0, 0};
     row.n[axis] = 1;
-    row.value_mm = is_actual ? *value - *at_mm : *value;
+    row.value_mm = is_actual ? *value - *at_mm : read.sign * *value;
     if (!read.side.empty()) row.setup = read.side;
     if (commanded && is_actual && IsMove(*commanded)) row.flag = "move";
     if (are_states_ && are_distances_) row.flag = "distance";

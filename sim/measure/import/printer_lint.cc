@@ -111,12 +111,13 @@ void AddVirtualEndstop(const PrinterCfg& cfg, std::vector<FileNote>* notes) {
         fmt::format(
             "position_endstop is {0:g} and the probe's z_offset {1:g}: with the probe "
             "as "
-            "the switch of Z both say how high the nozzle stands when it triggers, and "
-            "must be the same. As written the nozzle is {2:g} mm {3} than believed: "
-            "all "
-            "of Z is off by a constant of {2:g} mm, and no layer by a factor, so leave "
-            "the steps. Set position_endstop to {1:g} (newer Klipper takes it from "
-            "z_offset: leave it out there)",
+            "the switch of Z both say how high the nozzle stands when it triggers. "
+            "Newer "
+            "Klipper takes z_offset and refuses this line; a version that takes this "
+            "line has the nozzle {2:g} mm {3} than believed: all of Z is off by a "
+            "constant of {2:g} mm, and no layer by a factor, so leave the steps. "
+            "Remove "
+            "position_endstop, or, where an old version asks for it, set it to {1:g}",
             *endstop_mm,
             *offset_mm,
             std::abs(off_mm),

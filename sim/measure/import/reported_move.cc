@@ -35,6 +35,7 @@ std::string BlockIn(const std::string& lower) {
 }  // namespace
 
 void ReportedMove::Take(const ConsoleLine& line) {
+  is_in_inches_ |= line.lower.find("g20") != std::string::npos;
   const std::string block = BlockIn(line.lower);
   if (!block.empty()) {
     told_.clear();
@@ -58,6 +59,7 @@ void ReportedMove::Take(const ConsoleLine& line) {
 
 void ReportedMove::Tell(Imported* imported) const {
   constexpr double kAlike = 0.02;
+  if (is_in_inches_) return;
   std::string right;
   for (const auto& [axis, move] : ended_) {
     if (std::abs(move.told - move.reported) < 1e-3 * std::abs(move.told)) {

@@ -23,6 +23,7 @@ class ReportedMove {
   std::map<char, double> told_{};      ///< By axis, of the last move.
   std::map<char, double> reported_{};  ///< Last position of each axis.
   std::map<char, Ended> ended_{};      ///< By axis, the last move that ended.
+  bool is_in_inches_ = false;          ///< G20: told in inches, reported in mm.
 };
 
 }  // namespace caltwin

@@ -48,7 +48,13 @@ Angles AnglesIn(const Spreadsheet& sheet) {
     const bool is_angle = HasToken(heading, {"deg", "degrees", "degree"}) ||
                           heading.find("°") != std::string::npos;
     const bool is_off = HasToken(heading, {"off", "error", "deviation", "dev", "lag"});
-    const bool is_axis = HasToken(heading, {"a", "b", "c"});
+    const bool is_other = HasToken(
+        heading, {"mm", "um", "in", "inch", "g", "kg", "n", "s", "ms", "v", "temp"});
+    const bool is_axis =
+        HasToken(heading, {"a", "b", "c"}) && !is_other &&
+        (is_angle || TokensOf(heading).size() == 1 ||
+         HasToken(heading,
+                  {"dro", "axis", "told", "commanded", "position", "display"}));
     const bool is_turns = HasToken(heading, {"turns", "turn", "revs", "revolutions"});
     if (is_off && is_angle) {
       off = i;
@@ -129,13 +135,30 @@ std::optional<FileNote> NoteOfRotaryTable(const std::string& text) {
   const double most_deg = std::abs(
       std::ranges::max(angles.told_deg, {}, [](double deg) { return std::abs(deg); }));
   if (most_deg < kLeastTurns * kTurn_deg) return std::nullopt;
+  // With a constant beside it, which must be small against what grows.
+  constexpr double kMostConstant = 0.3;
+  double mean_told = 0, mean_off = 0, about2 = 0, about = 0;
+  for (std::size_t i = 0; i < angles.told_deg.size(); ++i) {
+    mean_told += angles.told_deg[i] / num;
+    mean_off += angles.off_deg[i] / num;
+  }
+  for (std::size_t i = 0; i < angles.told_deg.size(); ++i) {
+    about2 += std::pow(angles.told_deg[i] - mean_told, 2);
+    about += (angles.told_deg[i] - mean_told) * (angles.off_deg[i] - mean_off);
+  }
+  if (about2 <= 0) return std::nullopt;
+  const double slope = about / about2, constant_deg = mean_off - slope * mean_told;
   const double fraction = both / told2;
   for (std::size_t i = 0; i < angles.told_deg.size(); ++i) {
     left2 += std::pow(angles.off_deg[i] - fraction * angles.told_deg[i], 2);
   }
   const double left_deg = std::sqrt(left2 / (num - 1));
   const double sd = left_deg / std::sqrt(told2);
-  if (std::abs(fraction) < kSure * sd) return std::nullopt;
+  const bool grows =
+      std::abs(constant_deg) < kMostConstant * std::abs(slope) * most_deg;
+  if (!grows || std::abs(slope) < kSure * left_deg / std::sqrt(about2)) {
+    return std::nullopt;
+  }
   return FileNote{
       .kind = FileNote::Kind::kElsewhere,
       .what = "settings",
@@ -164,6 +187,8 @@ Imported ReadRotaryTable(const std::string& text,
                      "columns: 'A' or 'turns', and 'off (deg)'");
   }
   return {.recognised = {"a table of a rotary axis: angles told, and how far off"},
+          .assumed = {"angles are in degrees; the column of the axis (or its turns) is "
+                      "what was told"},
           .notes = {*note}};
 }
 

@@ -222,7 +222,9 @@ std::vector<TextTable> ArrowTables(const std::string& text) {
       told = SizesIn(std::string_view(lower).substr(0, arrow));
       read = SizesIn(std::string_view(lower).substr(arrow + 2));
     }
-    if (told.size() != 1 || read.size() != 1) {
+    const bool is_off =
+        arrow != std::string::npos && lower.find(" off", arrow) != std::string::npos;
+    if (told.size() != 1 || read.size() != 1 || is_off) {
       title = line.text;
       is_on = false;
       continue;
@@ -233,12 +235,15 @@ std::vector<TextTable> ArrowTables(const std::string& text) {
     }
     is_on = true;
     const bool is_hundredths = lower.find("hundredth", arrow) != std::string::npos;
-    const double unit = lower.find("inch") < arrow ? MmFromInch(1.0) : 1;
+    const bool is_told_in_inches = lower.find("inch") < arrow;
+    const bool is_read_in_mm = lower.find("mm", arrow) != std::string::npos;
+    const double told_unit = is_told_in_inches ? MmFromInch(1.0) : 1;
+    const double read_unit = is_read_in_mm ? 1 : told_unit;
     for (; number < line.line; ++number) tables.back().text += '\n';
     tables.back().text +=
         fmt::format("{}\t{}\n",
-                    told[0].value_mm * unit,
-                    read[0].value_mm * unit * (is_hundredths ? kHundredth : 1));
+                    told[0].value_mm * told_unit,
+                    read[0].value_mm * read_unit * (is_hundredths ? kHundredth : 1));
     ++number;
     ++num;
   }

@@ -10,13 +10,15 @@
 
 namespace caltwin {
 
-void StepsBetween::Take(const ConsoleLine& said, int line) {
+void StepsBetween::Take(const ConsoleLine& said, int line, bool is_report) {
   if (!IsCommand(said, "m92")) return;
   const auto steps = WordOf(said, 'z');
   if (!steps || *steps <= 0) return;
-  before_ = set_;
+  // What was reported alike before was not set.
+  const bool is_new = Known(set_) ? *steps != set_ : !is_report;
+  before_ = is_new ? set_ : before_;
   set_ = *steps;
-  line_ = line;
+  if (is_new) line_ = line;
 }
 
 void StepsBetween::Tell(Imported* imported) const {

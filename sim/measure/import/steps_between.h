@@ -9,8 +9,8 @@ namespace caltwin {
 /// counts anew from where Z homes, and the maps differ by a constant.
 class StepsBetween {
  public:
-  /// `line`: its number in the file.
-  void Take(const ConsoleLine& said, int line);
+  /// `line`: its number in the file. `is_report`: the firmware said what is set.
+  void Take(const ConsoleLine& said, int line, bool is_report);
   /// After the rows are read.
   void Tell(Imported* imported) const;
 

@@ -27,7 +27,7 @@ constexpr std::array kAllWords = {
     PartWords{Part::kTemperature,
               "pinda temp temperature bed nozzle frame chamber ambient room screw"},
     PartWords{Part::kDeviation,
-              "error err deviation dev diff difference off delta too"},
+              "error err deviation dev diff difference off delta short"},
     PartWords{Part::kActual,
               "actual measured measure meas reading read reads moved real got calliper "
               "caliper calipers gauge indicator dial dro laser observed seen result "
@@ -81,6 +81,19 @@ std::string StepsSetting(const std::string& heading) {
   return is_there ? heading.substr(at, 4) : "";
 }
 
+// "too high by", "too short": what is off, and which way. 0: nothing of the sort.
+double SignOfExcess(const std::vector<std::string>& tokens) {
+  constexpr std::string_view kMore =
+      "high long large big far wide thick tall deep much";
+  constexpr std::string_view kLess = "low short small narrow thin little";
+  for (std::size_t i = 0; i < tokens.size(); ++i) {
+    const bool is_too = i > 0 && tokens[i - 1] == "too";
+    if (is_too && HasAny(kMore, {tokens[i]})) return 1;
+    if ((is_too && HasAny(kLess, {tokens[i]})) || tokens[i] == "short") return -1;
+  }
+  return 0;
+}
+
 TableColumn ColumnOf(const CsvField& heading, std::size_t index) {
   const std::vector<std::string> tokens = TokensOf(heading.text);
   TableColumn column{.index = index};
@@ -103,6 +116,12 @@ TableColumn ColumnOf(const CsvField& heading, std::size_t index) {
     }
   }
   if (!StepsSetting(heading.text).empty()) column.part = Part::kSteps;
+  if (const double sign = SignOfExcess(tokens); sign != 0) {
+    column.part = Part::kDeviation;
+    column.sign = sign;
+  }
+  // "went wrong": whether it did.
+  if (has("wrong")) column.part = Part::kNone;
   // "dial at Z0": read there.
   for (int axis = 0; axis < 3; ++axis) {
     if (column.axis < 0 && has(std::string(1, "xyz"[axis]) + "0")) column.axis = axis;
@@ -116,7 +135,7 @@ TableColumn ColumnOf(const CsvField& heading, std::size_t index) {
     if (has("up") || has("vertical") || has("depth")) column.axis = 1;
   }
   // "too high by": off along Z.
-  if (column.axis < 0 && column.part == Part::kDeviation && has("high"))
+  if (column.axis < 0 && column.part == Part::kDeviation && (has("high") || has("low")))
     column.axis = 2;
   // "height in the model" is a Z size.
   if (column.axis < 0 && has("height") && column.part != Part::kHeight) column.axis = 2;

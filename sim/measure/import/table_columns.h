@@ -40,6 +40,7 @@ struct TableColumn {
   std::string side{};  ///< "outside", "inside": a wall measured by that column.
   /// +1 of "forward", -1 of "backward" beside it: the sense in which it was read.
   double sense = kUnknown;
+  double sign = 1;  ///< -1 of "too short": what is off counts the other way.
 };
 
 /// Words of letters and digits, in small letters.

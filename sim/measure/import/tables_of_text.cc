@@ -48,23 +48,6 @@ bool Join(Imported more, Imported* all) {
   return true;
 }
 
-// "with LEADSCREW_HMM 293" as a campaign's name.
-std::string CampaignOf(const TextTable& table, std::size_t number) {
-  constexpr std::size_t kLongest = 40;
-  std::string name;
-  for (const char c : Lowered(table.title)) {
-    const bool is_plain = (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9');
-    if (is_plain) {
-      name += c;
-    } else if (!name.empty() && name.back() != '_') {
-      name += '_';
-    }
-  }
-  name = name.substr(0, kLongest);
-  while (!name.empty() && name.back() == '_') name.pop_back();
-  return name.empty() ? fmt::format("table_{}", number) : name;
-}
-
 void NameCampaign(const std::string& campaign, Imported* imported) {
   const bool has_one = std::ranges::all_of(imported->table.rows, [&](const Row& row) {
     return row.campaign == imported->table.rows.front().campaign;
@@ -73,15 +56,15 @@ void NameCampaign(const std::string& campaign, Imported* imported) {
   for (Row& row : imported->table.rows) row.campaign = campaign;
 }
 
-// The one axis that the line before a table names: "Y, reversing in little steps".
+// The axis that the line before a table begins with: "Y, reversing in little steps",
+// "Y axis".
 std::string AxisIn(const TextTable& table) {
-  std::string axis;
-  for (const std::string& token : TokensOf(table.title)) {
-    if (token != "x" && token != "y" && token != "z") continue;
-    if (!axis.empty() && axis != token) return "";
-    axis = token;
-  }
-  return axis;
+  const std::vector<std::string> tokens = TokensOf(table.title);
+  const auto is_axis = [](const std::string& token) {
+    return token == "x" || token == "y" || token == "z";
+  };
+  const bool is_first = !tokens.empty() && is_axis(tokens.front());
+  return is_first && std::ranges::count_if(tokens, is_axis) == 1 ? tokens.front() : "";
 }
 
 Imported ReadTitled(const TextTable& table,
@@ -89,8 +72,14 @@ Imported ReadTitled(const TextTable& table,
                     const std::string& name,
                     const ImportOptions& options) {
   ImportOptions titled = options;
-  if (titled.axis.empty()) titled.axis = AxisIn(table);
-  return ReadOneTable(table.text, text, name, titled);
+  const std::string axis = AxisIn(table);
+  if (titled.axis.empty()) titled.axis = axis;
+  Imported imported = ReadOneTable(table.text, text, name, titled);
+  if (options.axis.empty() && !axis.empty()) {
+    imported.assumed.push_back(
+        fmt::format("the axis is {}: the line above its table says so", axis));
+  }
+  return imported;
 }
 
 std::optional<Imported> ReadIfItCan(const TextTable& table,
@@ -104,36 +93,42 @@ std::optional<Imported> ReadIfItCan(const TextTable& table,
   }
 }
 
+// The first table that can be read, and every other that goes with it.
 Imported ReadTables(const std::vector<TextTable>& tables,
                     const std::string& text,
                     const std::string& name,
                     const ImportOptions& options) {
-  Imported all = ReadTitled(tables.front(), text, name, options);
-  std::size_t num_read = 1, num_lines = all.table.rows.size();
-  for (std::size_t i = 1; i < tables.size(); ++i) {
+  std::optional<Imported> all;
+  std::size_t first = 0, num_read = 0;
+  for (std::size_t i = 0; i < tables.size(); ++i) {
     auto more = ReadIfItCan(tables[i], text, name, options);
     if (!more) continue;
-    if (num_read == 1 && options.campaign.empty()) {
-      NameCampaign(CampaignOf(tables[0], 1), &all);
+    if (!all) {
+      all = std::move(more);
+      first = i;
+      num_read = 1;
+      continue;
     }
-    if (options.campaign.empty()) NameCampaign(CampaignOf(tables[i], i + 1), &*more);
-    const std::size_t num_more = more->table.rows.size();
-    if (!Join(std::move(*more), &all)) continue;
-    ++num_read;
-    num_lines += num_more;
+    if (options.campaign.empty()) {
+      if (num_read == 1)
+        NameCampaign(CampaignNamed(tables[first].title, first + 1), &*all);
+      NameCampaign(CampaignNamed(tables[i].title, i + 1), &*more);
+    }
+    num_read += Join(std::move(*more), &*all) ? 1 : 0;
   }
+  // What the largest lacks is told.
+  if (!all) return ReadTitled(tables.front(), text, name, options);
   if (num_read > 1) {
-    all.recognised.insert(
-        all.recognised.begin(),
-        fmt::format("{} tables of one text: {} readings", num_read, num_lines));
+    all->recognised = {fmt::format(
+        "{} tables of one text: {} readings", num_read, all->table.rows.size())};
     std::ranges::stable_sort(
-        all.table.rows, {}, [](const Row& row) { return row.place.line; });
+        all->table.rows, {}, [](const Row& row) { return row.place.line; });
   }
-  all.assumed.push_back(
+  all->assumed.push_back(
       fmt::format("the lines around the table{} are remarks and were "
                   "not read",
                   num_read > 1 ? "s" : ""));
-  return all;
+  return std::move(*all);
 }
 
 }  // namespace
@@ -149,13 +144,24 @@ Imported ReadPlainTable(const std::string& text,
     if (are_sentences) return ReadSentences(sentences, name, options);
     Imported whole = ReadOneTable(text, text, name, options);
     // What has no headings when all blanks part it may have some when two do.
-    const bool lacks_headings = std::ranges::any_of(
-        whole.assumed,
-        [](const std::string& assumed) { return assumed.starts_with("column "); });
-    if (!lacks_headings) return whole;
+    const auto assumes = [&](std::string_view words) {
+      return std::ranges::any_of(whole.assumed, [&](const std::string& assumed) {
+        return assumed.starts_with(words);
+      });
+    };
+    const bool lacks_headings = assumes("column "),
+               lacks_axis = assumes("the axis is x");
+    if (!lacks_headings && !lacks_axis) return whole;
+    const std::vector<TextTable> arrows = ArrowTables(text);
+    if (lacks_headings && !arrows.empty())
+      return ReadTables(arrows, text, name, options);
     const std::vector<TextTable> tables = TablesInText(text);
-    if (tables.empty() || !tables.front().has_heading) return whole;
-    return ReadTables(tables, text, name, options);
+    const bool says_axis = tables.size() == 1 && !AxisIn(tables.front()).empty();
+    const bool says_more =
+        lacks_headings && !tables.empty() && tables.front().has_heading;
+    return says_more || (lacks_axis && says_axis)
+               ? ReadTables(tables, text, name, options)
+               : whole;
   } catch (const InputError&) {
     std::vector<TextTable> tables = TablesInText(text);
     if (tables.empty()) tables = ArrowTables(text);

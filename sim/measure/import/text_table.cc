@@ -7,6 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "sim/measure/import/fields.h"
 
 namespace caltwin {
@@ -141,6 +143,9 @@ class Finder {
 
   std::vector<TextTable> Find() {
     std::vector<Block> blocks = Apart(AllBlocks());
+    // So many are no tables of one machine: the largest counts.
+    constexpr std::size_t kMostTables = 12;
+    if (blocks.size() > kMostTables) blocks.resize(1);
     if (blocks.empty() || std::ranges::any_of(blocks, [&](const Block& block) {
           return HasDamaged(block, blocks);
         })) {
@@ -173,6 +178,8 @@ class Finder {
     std::ranges::stable_sort(all, std::ranges::greater{}, [](const Block& block) {
       return block.numbers + (block.has_heading() ? block.end - block.begin : 0);
     });
+    constexpr std::size_t kMost = 100;
+    if (all.size() > kMost) all.resize(kMost);
     return all;
   }
 
@@ -392,6 +399,23 @@ class Finder {
 };
 
 }  // namespace
+
+std::string CampaignNamed(const std::string& title, std::size_t number) {
+  constexpr std::size_t kLongest = 40;
+  std::string name, word;
+  for (const char c : Lowered(title) + " ") {
+    // Letters of other alphabets stand for nothing.
+    const bool is_plain = (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c < 0;
+    if (is_plain) {
+      if (c > 0) word += c;
+      continue;
+    }
+    if (name.size() + word.size() + 1 > kLongest) break;
+    if (!word.empty()) name += (name.empty() ? "" : "_") + word;
+    word.clear();
+  }
+  return name.empty() ? fmt::format("table_{}", number) : name;
+}
 
 std::vector<TextTable> TablesInText(const std::string& text) {
   return Finder(text).Find();

@@ -28,6 +28,10 @@ std::string TableInText(const std::string& text);
 /// "told 10, got 9.8", "30 mm cube" above "X 30.05". Empty: no such sentence.
 std::string SentencesAsTable(const std::string& text);
 
+/// The line before a table as the name of a campaign, "with_leadscrew_hmm_293": whole
+/// words, 40 letters at most; "table_2" where it has none.
+std::string CampaignNamed(const std::string& title, std::size_t number);
+
 /// Lines that say what was drawn and what came of it by an arrow, "5 inch square
 /// -> 4.98", each run of them a table. Sizes in inches where the line says so,
 /// "(hundredths)" behind a number taken for that. Empty: fewer than three such lines.
