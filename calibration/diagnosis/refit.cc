@@ -239,8 +239,8 @@ class Final {
             search_.circumstances.left_out};
   }
 
-  // What one unit of a form changes, sizes as found [mm]. Nothing of a time where no row
-  // has one: rows in their order say nothing of seconds.
+  // What one unit of a form changes, sizes as found [mm]. Nothing of a time where no
+  // row has one: rows in their order say nothing of seconds.
   Eigen::VectorXd Slope(const Candidate& candidate,
                         const Refined& refined,
                         std::size_t f) const {

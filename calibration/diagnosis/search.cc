@@ -232,14 +232,11 @@ class Searcher {
       found_[i].variant = *likeliest;
       const Circumstances beside = Under(found_);
       Weighed weighed = Weigh(observed_, {candidates_[sibling]}, beside).ranked[0];
-      const bool stands = weighed.log_odds > kNamingOdds &&
-                          IsPractical(candidates_[sibling], weighed) &&
-                          SupportOf(observed_,
-                                    beside,
-                                    wander_mm2_per_s_,
-                                    candidates_[sibling],
-                                    weighed)
-                              .is_by_many;
+      const bool stands =
+          weighed.log_odds > kNamingOdds &&
+          IsPractical(candidates_[sibling], weighed) &&
+          SupportOf(observed_, beside, wander_mm2_per_s_, candidates_[sibling], weighed)
+              .is_by_many;
       weighed.candidate = sibling;
       Found found = FoundFrom(beside, {}, weighed);
       found.keeps_its_form = true;
