@@ -255,6 +255,9 @@ TEST(ReportedMove, AFactorOfInchesIsTheControllersOwn) {
   EXPECT_THAT(note->sentence, HasSubstr("X went where it was told"));
   EXPECT_THROW(Read(Engine(2)), InputError);  // Nothing to be told.
   EXPECT_THROW(Read("G20\n" + Engine(2 / 25.4)), InputError);
+  std::string alike = Engine(2 / 25.4);
+  alike.replace(alike.find("2.000,"), 6, "0.079,");
+  EXPECT_THROW(Read(alike), InputError);
 }
 
 std::string Mesh(double height_mm) {

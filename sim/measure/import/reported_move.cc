@@ -67,6 +67,8 @@ void ReportedMove::Tell(Imported* imported) const {
           fmt::format("{}{}", right.empty() ? "" : ", ", static_cast<char>(axis - 32));
     }
   }
+  // All alike, and more than one: the unit that the whole program is told in.
+  if (right.empty() && ended_.size() > 1) return;
   for (const auto& [axis, move] : ended_) {
     const double factor = move.reported / move.told;
     const double inches = factor > 1 ? factor : 1 / factor;

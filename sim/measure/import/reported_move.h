@@ -10,7 +10,8 @@ namespace caltwin {
 /// Moves that a controller of the TinyG family (g2) was told, and where it says itself
 /// that they ended ("G1A2.0 ...", "{"sr":{"posa":0.079,...,"stat":3}}"). Where that is
 /// 25.4 times less or more, inches and millimetres were mixed, and no motor is to
-/// blame: the position is the controller's own count.
+/// blame: the position is the controller's own count. Where none of several axes went
+/// where it was told, the unit of the program is another, and nothing is said.
 class ReportedMove {
  public:
   void Take(const ConsoleLine& line);
