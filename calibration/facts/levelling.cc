@@ -69,13 +69,26 @@ struct Response {
   int rounds = 0;
 };
 
+/// Squares of what rounds were to remove, and products with what was there after.
+struct RoundSums {
+  double match = 0, size = 0;
+  int rounds = 0;
+
+  std::optional<Response> ToResponse(double noise_mm) const {
+    if (rounds == 0) return std::nullopt;
+    const double factor = match / size;
+    return Response{.factor = factor,
+                    .sd = noise_mm * std::sqrt((1 + factor * factor) / size),
+                    .rounds = rounds};
+  }
+};
+
 std::optional<Response> ResponseOf(const std::vector<Tilt>& tilts,
                                    const std::vector<bool>& is_corrected,
                                    double noise_mm) {
   constexpr std::size_t kFewestPlaces = 2;
   constexpr double kTiltSigmas = 8;
-  double match = 0, size = 0;
-  Response response;
+  RoundSums sums;
   for (std::size_t k = 1; k < tilts.size(); ++k) {
     if (!is_corrected[k]) continue;
     double own = 0, both = 0;
@@ -92,14 +105,11 @@ std::optional<Response> ResponseOf(const std::vector<Tilt>& tilts,
         std::sqrt(own) < kTiltSigmas * noise_mm) {
       continue;
     }
-    match += both;
-    size += own;
-    ++response.rounds;
+    sums.match += both;
+    sums.size += own;
+    ++sums.rounds;
   }
-  if (response.rounds == 0) return std::nullopt;
-  response.factor = match / size;
-  response.sd = noise_mm * std::sqrt((1 + response.factor * response.factor) / size);
-  return response;
+  return sums.ToResponse(noise_mm);
 }
 
 // By the corrections themselves, where touches lie too near together to show it: of
@@ -108,8 +118,7 @@ std::optional<Response> ResponseOfMoves(const LevellingLog& levelling,
                                         double noise_mm) {
   constexpr std::size_t kFewestMotors = 3;
   constexpr double kMoveSigmas = 8;
-  double match = 0, size = 0;
-  Response response;
+  RoundSums sums;
   for (std::size_t k = 1; k < levelling.rounds.size(); ++k) {
     const std::vector<double>& before = levelling.rounds[k - 1].moved_mm;
     const std::vector<double>& now = levelling.rounds[k].moved_mm;
@@ -120,14 +129,11 @@ std::optional<Response> ResponseOfMoves(const LevellingLog& levelling,
       both += before[i] * now[i];
     }
     if (std::sqrt(own) < kMoveSigmas * noise_mm) continue;
-    match += both;
-    size += own;
-    ++response.rounds;
+    sums.match += both;
+    sums.size += own;
+    ++sums.rounds;
   }
-  if (response.rounds == 0) return std::nullopt;
-  response.factor = match / size;
-  response.sd = noise_mm * std::sqrt((1 + response.factor * response.factor) / size);
-  return response;
+  return sums.ToResponse(noise_mm);
 }
 
 bool IsNear(const Response& response, double what) {

@@ -12,7 +12,8 @@
 #include <Eigen/Core>
 #include <fmt/format.h>
 
-#include "calibration/facts/cells.h"
+#include "calibration/facts/height_maps.h"
+#include "calibration/facts/levels.h"
 #include "sim/base/dense.h"
 #include "sim/base/units.h"
 #include "sim/base/with_sd.h"
@@ -20,43 +21,20 @@
 namespace caltwin {
 namespace {
 
-/// Heights by place, means of what was read there.
-using Heights = std::map<std::pair<double, double>, Rows>;
-
-std::vector<std::pair<std::string, Heights>> MapsOf(const Rows& rows,
-                                                    const Repeats& repeats) {
-  std::vector<std::pair<std::string, Heights>> maps;
-  for (const Row* row : rows) {
-    const bool is_height = row->kind == RowKind::kTouch && row->n[2] > 0 &&
-                           Known(row->cmd_mm[0]) && Known(row->cmd_mm[1]) &&
-                           !repeats.outliers.contains(row->row);
-    if (!is_height) continue;
-    auto own = std::ranges::find(
-        maps, row->campaign, [](const auto& map) { return map.first; });
-    if (own == maps.end()) own = maps.insert(own, {row->campaign, {}});
-    own->second[{row->cmd_mm[0], row->cmd_mm[1]}].push_back(row);
-  }
-  return maps;
-}
-
-double Mean_mm(const Rows& rows) {
-  double sum_mm = 0;
-  for (const Row* row : rows) sum_mm += row->value_mm;
-  return sum_mm / static_cast<double>(rows.size());
-}
-
 /// Changes and where: columns 1, u, v.
 struct Change {
   Eigen::MatrixXd columns{};
   Eigen::VectorXd change_mm{};
 };
 
-Change ChangeOf(const Heights& before, const Heights& now) {
+Change ChangeOf(const HeightMap& before, const HeightMap& now) {
   std::vector<std::array<double, 3>> all;
   for (const auto& [place, rows] : now) {
     const auto then = before.find(place);
     if (then != before.end())
-      all.push_back({place.first, place.second, Mean_mm(rows) - Mean_mm(then->second)});
+      all.push_back({static_cast<double>(place.first),
+                     static_cast<double>(place.second),
+                     MeanOf(rows) - MeanOf(then->second)});
   }
   const auto num = std::ssize(all);
   Change change{Eigen::MatrixXd::Ones(num, 3), Eigen::VectorXd(num)};
@@ -77,12 +55,12 @@ Change ChangeOf(const Heights& before, const Heights& now) {
 }
 
 // Whether the places were touched along the way that the plane rises.
-bool IsInOrder(const Eigen::VectorXd& plane, const Heights& now) {
+bool IsInOrder(const Eigen::VectorXd& plane, const HeightMap& now) {
   constexpr double kAlong = 0.9;
   const bool is_x = std::abs(plane[1]) > std::abs(plane[2]);
   double n = 0, order = 0, at = 0, both = 0, order2 = 0, at2 = 0;
   for (const auto& [place, rows] : now) {
-    const double x = is_x ? place.first : place.second;
+    const auto x = static_cast<double>(is_x ? place.first : place.second);
     const auto y = static_cast<double>(rows.front()->row);
     n += 1;
     at += x;
@@ -173,7 +151,7 @@ Fact FactOf(const Change& change,
 }  // namespace
 
 void FactsOfMapChange(const Rows& rows, const Repeats& repeats, Facts* facts) {
-  const auto maps = MapsOf(rows, repeats);
+  const auto maps = HeightMapsOf(rows, repeats);
   for (std::size_t k = 1; k < maps.size(); ++k) {
     const Change change = ChangeOf(maps[k - 1].second, maps[k].second);
     // Of the difference of two means.

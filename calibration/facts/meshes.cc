@@ -9,6 +9,7 @@
 
 #include "calibration/facts/average.h"
 #include "calibration/facts/cells.h"
+#include "calibration/facts/height_maps.h"
 #include "calibration/facts/surface.h"
 #include "sim/base/units.h"
 #include "sim/base/with_sd.h"
@@ -16,33 +17,13 @@
 namespace caltwin {
 namespace {
 
-/// Heights of one campaign by place, in hundredths of a millimetre.
-using Mesh = std::map<std::pair<long, long>, double>;
-
-std::vector<std::pair<std::string, Mesh>> MeshesOf(const Rows& rows,
-                                                   const Repeats& repeats) {
-  std::vector<std::pair<std::string, Mesh>> meshes;
-  for (const Row* row : rows) {
-    const bool is_height = row->kind == RowKind::kTouch && row->n[2] > 0 &&
-                           Known(row->cmd_mm[0]) && Known(row->cmd_mm[1]) &&
-                           !repeats.outliers.contains(row->row);
-    if (!is_height) continue;
-    auto own = std::ranges::find(
-        meshes, row->campaign, [](const auto& mesh) { return mesh.first; });
-    if (own == meshes.end()) own = meshes.insert(own, {row->campaign, {}});
-    own->second.try_emplace(
-        {std::lround(100 * row->cmd_mm[0]), std::lround(100 * row->cmd_mm[1])},
-        row->value_mm);
-  }
-  return meshes;
-}
-
 // Heights of the second less those of the first, where both have the place.
-std::vector<double> ApartOf(const Mesh& one, const Mesh& other) {
+std::vector<double> ApartOf(const HeightMap& one, const HeightMap& other) {
   std::vector<double> apart_mm;
-  for (const auto& [place, height_mm] : one) {
+  for (const auto& [place, readings] : one) {
     const auto same = other.find(place);
-    if (same != other.end()) apart_mm.push_back(same->second - height_mm);
+    if (same == other.end()) continue;
+    apart_mm.push_back(same->second.front()->value_mm - readings.front()->value_mm);
   }
   return apart_mm;
 }
@@ -51,7 +32,7 @@ std::vector<double> ApartOf(const Mesh& one, const Mesh& other) {
 
 void FactsOfMeshes(const Rows& rows, Repeats* repeats, Facts* facts) {
   constexpr std::size_t kFewest = 9;
-  const auto meshes = MeshesOf(rows, *repeats);
+  const auto meshes = HeightMapsOf(rows, *repeats);
   if (meshes.size() < 2 || Known(repeats->noise.sd_mm)) return;
   double squares_mm2 = 0, dof = 0, least_mm = 0, most_mm = 0;
   int num = 1;

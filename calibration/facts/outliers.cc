@@ -175,9 +175,9 @@ bool Settles(const Rows& ordered, double middle_mm, const std::set<std::int64_t>
 // How many readings of one place, the first of `ordered` (as measured, or its mirror),
 // are far from the rest and alike among themselves: something moved. So many bad
 // readings in a row do not agree. 0: fewer than four.
-std::size_t JumpOf(const Rows& ordered,
-                   double limit_mm,
-                   const std::set<std::int64_t>& far) {
+std::size_t NumOfLevel(const Rows& ordered,
+                       double limit_mm,
+                       const std::set<std::int64_t>& far) {
   constexpr std::size_t kFewest = 4;
   std::size_t num_far = 0;
   double least_mm = HUGE_VAL, most_mm = -HUGE_VAL;
@@ -192,9 +192,9 @@ std::size_t JumpOf(const Rows& ordered,
 }
 
 // Takes out of `far` the readings of places that settle or jump.
-void KeepSettling(const std::vector<Rows>& cells,
-                  const std::map<std::string, double>& limits_mm,
-                  std::set<std::int64_t>* far) {
+void KeepSettlingAndJumps(const std::vector<Rows>& cells,
+                          const std::map<std::string, double>& limits_mm,
+                          std::set<std::int64_t>* far) {
   for (const Rows& cell : cells) {
     const auto limit = limits_mm.find(cell.front()->campaign);
     if (limit == limits_mm.end()) continue;
@@ -204,7 +204,7 @@ void KeepSettling(const std::vector<Rows>& cells,
     for (int way = 0; way < 2; ++way, std::ranges::reverse(ordered)) {
       const std::size_t num = Settles(ordered, middle_mm, *far)
                                   ? ordered.size()
-                                  : JumpOf(ordered, limit->second, *far);
+                                  : NumOfLevel(ordered, limit->second, *far);
       for (std::size_t i = 0; i < num; ++i) far->erase(ordered[i]->row);
     }
   }
@@ -238,7 +238,7 @@ void LeaveOutFar(const std::vector<Rows>& cells,
     }
   }
   KeepJumps(cells, &far, facts);
-  KeepSettling(cells, limits_mm, &far);
+  KeepSettlingAndJumps(cells, limits_mm, &far);
   for (Rows& batch : *batches) {
     // All of a homing session are far together, beside each other: no bad reading.
     Rows own;

@@ -129,8 +129,8 @@ Fact FactOf(const Stretch& stretch, const Course& course, std::size_t axis) {
                   {"excess_um", UmFromMm(excess_mm), UmFromMm(sd_mm)},
                   {"factor", factor, sd_mm / (to_mm - from_mm)}},
       .sentence = fmt::format(
-          "{} goes as far as it is told up to {:g} and from {:g} on; between them it "
-          "goes {} times as far, {} mm too {} in all{}. No steps/mm does that, leave "
+          "{} moves what is commanded up to {:g} and from {:g} on; between them it "
+          "moves {} times as far, {} mm too {} in all{}. No steps/mm does that, leave "
           "them: look at the drive in that stretch, the belt and its teeth, the guide, "
           "what the carriage runs against",
           letter,

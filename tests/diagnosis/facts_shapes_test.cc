@@ -216,14 +216,14 @@ TEST(MapChange, AnotherShapeIsNone) {
   EXPECT_EQ(FactsOfRows(rows).Find("map_change"), nullptr);
 }
 
-Facts DeltaWith(std::array<double, 3> across_mm) {
+Facts DeltaWith(std::array<double, 3> across_mm, double tower_x_mm = 0.001) {
   std::vector<Row> rows;
   const auto add = [&](const std::string& name, double z_mm) {
     rows.push_back(Corner(static_cast<double>(rows.size()), 0, z_mm, "delta"));
     rows.back().feature = "delta." + name;
   };
   add("c", 0.002);
-  add("x", 0.001);
+  add("x", tower_x_mm);
   add("y", -0.003);
   add("z", 0.001);
   add("ox", across_mm[0]);
@@ -253,9 +253,9 @@ TEST(TowerHeights, OneTowerIsToldFromWhatAllShare) {
   EXPECT_NEAR(FigureOf(*fact, "mean_um"), 200, 1e-6);
 }
 
-TEST(TowerHeights, OfADeltaThatIsNotCalibratedNothingIsSaid) {
-  std::vector<Row> rows;
+TEST(TowerHeights, OfALevelDeltaAndOfOneNotCalibratedNothingIsSaid) {
   EXPECT_EQ(DeltaWith({0.004, 0.003, -0.002}).Find("tower_heights"), nullptr);
+  EXPECT_EQ(DeltaWith({0.086, 0.086, -0.171}, 0.1).Find("tower_heights"), nullptr);
 }
 
 TEST(FineRatios, AreKnownToHalfAThousandth) {

@@ -18,46 +18,11 @@
 #include "sim/measure/import/table_columns.h"
 #include "sim/measure/import/table_derived.h"
 #include "sim/measure/import/table_notes.h"
+#include "sim/measure/import/table_remarks.h"
 #include "sim/measure/import/unit.h"
 
 namespace caltwin {
 namespace {
-
-// "Everything in inches", and no word of millimetres.
-bool SaysInches(const std::string& lower) {
-  constexpr std::array<std::string_view, 8> kWords = {"thing in inch",
-                                                      "all in inch",
-                                                      "values in inch",
-                                                      "numbers in inch",
-                                                      "readings in inch",
-                                                      "units are inch",
-                                                      "unit: inch",
-                                                      "units: inch"};
-  const std::vector<std::string> tokens = TokensOf(lower);
-  constexpr std::array<std::string_view, 6> kMetric = {
-      "mm", "metric", "millimetre", "millimetres", "millimeter", "millimeters"};
-  const bool is_metric = std::ranges::any_of(kMetric, [&](std::string_view word) {
-    return std::ranges::find(tokens, word) != tokens.end();
-  });
-  const bool is_of_another = lower.find("other machine") != std::string::npos;
-  return !is_metric && !is_of_another &&
-         std::ranges::any_of(kWords, [&](std::string_view words) {
-           return lower.find(words) != std::string::npos;
-         });
-}
-
-// "lost motion = from plus less from minus": words behind it, and no figure.
-bool DefinesLostMotion(const std::string& lower) {
-  for (const std::string_view words : {"lost motion =", "lost motion:", "backlash ="}) {
-    const std::size_t at = lower.find(words);
-    if (at == std::string::npos) continue;
-    const std::size_t next = lower.find_first_not_of(" \t", at + words.size());
-    const bool is_word =
-        next != std::string::npos && lower[next] >= 'a' && lower[next] <= 'z';
-    if (is_word) return true;
-  }
-  return false;
-}
 
 class TableReader {
  public:
@@ -73,23 +38,7 @@ class TableReader {
   }
 
   /// What stands around the table, and in its remarks.
-  void TakeRemarks(const std::string& text) {
-    step_mm_ = CountedStep_mm(text);
-    const std::string lower = Lowered(text);
-    is_in_inches_ = SaysInches(lower);
-    is_lost_motion_ = DefinesLostMotion(lower);
-    are_distances_ = lower.find("distance") != std::string::npos;
-    constexpr std::array<std::string_view, 7> kEach = {"x g28",
-                                                       "after g28",
-                                                       "after each g28",
-                                                       "after every g28",
-                                                       "after each homing",
-                                                       "after every homing",
-                                                       "homed before each"};
-    is_homed_ = std::ranges::any_of(kEach, [&](std::string_view words) {
-      return lower.find(words) != std::string::npos;
-    });
-  }
+  void TakeRemarks(const std::string& text) { remarks_ = RemarksIn(text); }
 
   Imported Read() {
     columns_ = ColumnsOf(sheet_, &imported_.assumed);
@@ -121,8 +70,9 @@ class TableReader {
     if (takes_inches_)
       imported_.assumed.emplace_back("lengths are in inches, as the text says");
     if (takes_steps_)
-      imported_.assumed.push_back(fmt::format(
-          "readings count steps of {:.4g} um, as the text says", UmFromMm(step_mm_)));
+      imported_.assumed.push_back(
+          fmt::format("readings count steps of {:.4g} um, as the text says",
+                      UmFromMm(remarks_.step_mm)));
     imported_.has_unit = true;
     return std::move(imported_);
   }
@@ -182,9 +132,11 @@ class TableReader {
       value = column.unit->convert(*value);
     } else if (QuantityOf(column.part) == Quantity::kLength) {
       const bool is_counted = IsCounted(column);
-      if (is_counted) *value *= step_mm_;
-      if (!is_counted && is_in_inches_) value = MmFromInch(*value);
-      (is_counted ? takes_steps_ : is_in_inches_ ? takes_inches_ : takes_mm_) = true;
+      if (is_counted) *value *= remarks_.step_mm;
+      if (!is_counted && remarks_.are_in_inches) value = MmFromInch(*value);
+      (is_counted               ? takes_steps_
+       : remarks_.are_in_inches ? takes_inches_
+                                : takes_mm_) = true;
     }
     return value;
   }
@@ -194,7 +146,7 @@ class TableReader {
     const bool is_read = column.part == Part::kActual ||
                          column.part == Part::kDeviation ||
                          column.part == Part::kHeight;
-    if (!(step_mm_ > 0) || !is_read) return false;
+    if (!(remarks_.step_mm > 0) || !is_read) return false;
     const auto [known, is_new] = are_whole_.try_emplace(column.index, false);
     if (is_new) {
       known->second = std::ranges::all_of(
@@ -469,7 +421,8 @@ class TableReader {
       for (const CsvRecord& record : sheet_.records)
         AddMove(record, commanded, column, letter, is_actual);
     }
-    if (is_dial && is_lost_motion_ && !FirstOf(Part::kSense)) PartLostMotion();
+    if (is_dial && remarks_.define_lost_motion && !FirstOf(Part::kSense))
+      PartLostMotion();
     imported_.is_deviation = is_actual;
     imported_.assumed.emplace_back(
         is_actual ? "value = read - commanded"
@@ -664,7 +617,8 @@ class TableReader {
                                          : "moves",
             .place = PlaceOf(record.front(), name_)};
     row.cmd_mm[axis] = *at_mm;
-    if (is_homed_ && !commanded) row.home = fmt::format("{}", record.front().line);
+    if (remarks_.is_homed && !commanded)
+      row.home = fmt::format("{}", record.front().line);
     for (int other = 0; other < 3 && letter >= 0; ++other) {
       const auto also = FirstOf(Part::kCommanded, other);
       if (other == letter || !also) continue;
@@ -677,7 +631,7 @@ class TableReader {
     row.value_mm = is_actual ? *value - *at_mm : read.sign * *value;
     if (!read.side.empty()) row.setup = read.side;
     if (commanded && is_actual && IsMove(*commanded)) row.flag = "move";
-    if (are_states_ && are_distances_) row.flag = "distance";
+    if (are_states_ && remarks_.are_distances) row.flag = "distance";
     if (const auto event = FirstOf(Part::kEvent)) {
       const std::string word = PlainWord(record[event->index].text);
       if (word.starts_with('y') || word == "true")
@@ -737,12 +691,9 @@ class TableReader {
   std::string
       series_{};  ///< Heading of the column that is read, where there are several.
   std::map<std::size_t, bool> are_whole_{};  ///< By column: whole numbers alone.
-  double step_mm_ = 0;          ///< Whole numbers count steps of this length; 0: none.
-  bool is_homed_ = false;       ///< Before every reading.
-  bool are_distances_ = false;  ///< Of centres, the text says.
+  TableRemarks remarks_{};
   bool takes_mm_ = false, takes_x_ = false, takes_feed_ = false, takes_steps_ = false;
-  bool is_lost_motion_ = false;  ///< What a dial read, the text says.
-  bool is_in_inches_ = false, takes_inches_ = false;  ///< The text says it of all.
+  bool takes_inches_ = false;
   bool are_states_ = false;  ///< Each column is the machine in another state.
 };
 
