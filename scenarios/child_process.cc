@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 #include <poll.h>
 #include <spawn.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -26,7 +27,6 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kLongestLine_bytes = 64 * 1024;
 constexpr std::size_t kMostUnread_bytes = 1024 * 1024;
-constexpr std::size_t kLastWords_bytes = 2000;
 constexpr std::chrono::milliseconds kLook{50};  // How often the child is looked after.
 
 // A file descriptor that closes itself.
@@ -132,14 +132,21 @@ Spawned Spawn(const ChildCommand& command,
       &spawned.pid, arguments[0], &actions, &attributes, arguments.data(), environ);
   posix_spawn_file_actions_destroy(&actions);
   posix_spawnattr_destroy(&attributes);
+  if (spawned.error == 0 && command.most_memory_bytes > 0) {
+    const rlimit most{command.most_memory_bytes, command.most_memory_bytes};
+    prlimit(spawned.pid, RLIMIT_AS, &most, nullptr);
+  }
   return spawned;
 }
 
 // The talk with one running child.
 class Conversation {
  public:
-  Conversation(pid_t pid, const AnswerLine& answer, Clock::time_point deadline)
-      : pid_(pid), answer_(answer), deadline_(deadline) {}
+  Conversation(pid_t pid, const ChildCommand& command, const AnswerLine& answer)
+      : pid_(pid),
+        command_(command),
+        answer_(answer),
+        deadline_(Clock::now() + command.patience) {}
 
   ChildEnd Run(Descriptor* in, Descriptor* out, Descriptor* err) {
     while (!status_ || out->is_open() || err->is_open()) {
@@ -160,7 +167,11 @@ class Conversation {
       return;
     }
     if (!why_killed_ && Clock::now() > deadline_) Kill(ChildEnd::How::kTimedOut);
-    if (!why_killed_ && InterruptRequested()) Kill(ChildEnd::How::kInterrupted);
+    if (!why_killed_ && IsStopped()) Kill(ChildEnd::How::kInterrupted);
+  }
+
+  bool IsStopped() const {
+    return InterruptRequested() || (command_.stop != nullptr && *command_.stop);
   }
 
   void Kill(ChildEnd::How why) {
@@ -207,7 +218,7 @@ class Conversation {
       std::string_view line(said_.data() + start, end - start);
       if (line.ends_with('\r')) line.remove_suffix(1);
       start = end + 1;
-      if (why_killed_ || InterruptRequested()) continue;
+      if (why_killed_ || IsStopped()) continue;
       const std::string reply = answer_(line);
       if (in->is_open()) unread_ += reply;
       if (Clock::now() > deadline_) LookAfter();
@@ -229,10 +240,10 @@ class Conversation {
       return;
     }
     const std::string_view text(buffer.data(), static_cast<std::size_t>(count));
-    fmt::print(stderr, "{}", text);
+    if (command_.shows_errors) fmt::print(stderr, "{}", text);
     last_words_ += text;
-    if (last_words_.size() > kLastWords_bytes) {
-      last_words_.erase(0, last_words_.size() - kLastWords_bytes);
+    if (last_words_.size() > command_.last_words_bytes) {
+      last_words_.erase(0, last_words_.size() - command_.last_words_bytes);
     }
   }
 
@@ -251,6 +262,7 @@ class Conversation {
   }
 
   pid_t pid_;
+  const ChildCommand& command_;
   const AnswerLine& answer_;
   Clock::time_point deadline_;
   std::optional<int> status_{};
@@ -292,7 +304,7 @@ ChildEnd ConverseWith(const ChildCommand& command, const AnswerLine& answer) {
   out.write.Close();
   err.write.Close();
   for (const int fd : {in.write.fd(), out.read.fd(), err.read.fd()}) SetNonBlocking(fd);
-  Conversation conversation(spawned.pid, answer, Clock::now() + command.patience);
+  Conversation conversation(spawned.pid, command, answer);
   return conversation.Run(&in.write, &out.read, &err.read);
 }
 

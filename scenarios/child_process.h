@@ -1,6 +1,8 @@
 #pragma once
 
+#include <atomic>
 #include <chrono>
+#include <cstddef>
 #include <filesystem>
 #include <functional>
 #include <string>
@@ -24,6 +26,11 @@ struct ChildCommand {
   std::vector<std::string> words{};  ///< Program (sought in PATH) and arguments.
   std::filesystem::path folder{};    ///< Where it runs; empty: here.
   std::chrono::milliseconds patience{600'000};
+  /// @name Of a child that works for a server
+  const std::atomic<bool>* stop = nullptr;  ///< True: it is ended, as by Ctrl-C.
+  bool shows_errors = true;                 ///< Whether its stderr is shown on ours.
+  std::size_t last_words_bytes = 2000;      ///< So much of its stderr is kept.
+  std::size_t most_memory_bytes = 0;        ///< Of its address space; 0: no limit.
 };
 
 /// Answers one line; what it returns is written back as it is.

@@ -4,6 +4,7 @@
 #include <string_view>
 #include <system_error>
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -128,6 +129,35 @@ void WriteTextFile(const fs::path& file, const std::string& text) {
   if (!is_written || error) {
     if (!in_place) fs::remove(beside, error);
     throw InputError(place, "this file cannot be written");
+  }
+}
+
+void WriteDurably(const fs::path& file, const std::string& text) {
+  const Place place{.file = file.string()};
+  std::error_code error;
+  const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
+  fs::create_directories(folder, error);
+  const fs::path beside(file.string() + fmt::format(".{}.part", ::getpid()));
+  const int out =
+      open(beside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, S_IRUSR | S_IWUSR);
+  std::string_view left = text;
+  while (out >= 0 && !left.empty()) {
+    const ssize_t count = write(out, left.data(), left.size());
+    if (count <= 0) break;
+    left.remove_prefix(static_cast<std::size_t>(count));
+  }
+  bool is_written = out >= 0 && left.empty() && fsync(out) == 0;
+  if (out >= 0) is_written = close(out) == 0 && is_written;
+  if (is_written) fs::rename(beside, file, error);
+  if (!is_written || error) {
+    fs::remove(beside, error);
+    throw InputError(place, "this file cannot be written");
+  }
+  // The new name too has to be on the disk.
+  const int entry = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (entry >= 0) {
+    fsync(entry);
+    close(entry);
   }
 }
 

@@ -27,6 +27,8 @@ class Desk {
   Link* wire() const { return link_; }
   /// What procedures work on.
   Bench* bench() { return &bench_; }
+  /// A twin's own hands, without a person to confirm; null where it has none.
+  Operator* hands() const { return hands_; }
 
   /// From now on everything is said over `link`: the wire, with others listening in.
   virtual void Connect(Link* link) { bench_.link = link; }
@@ -53,6 +55,7 @@ class Desk {
     person_ = std::move(person);
     bench_.person = person_.get();
   }
+  void SetHands(Operator* hands) { hands_ = hands; }
   /// Who answers: at the terminal, and on a twin yes where nobody is there.
   static TerminalOperator::Options AnswersFor(const CalibrateOptions& options);
 
@@ -66,6 +69,7 @@ class Desk {
   std::unique_ptr<Link> opened_{};
   std::shared_ptr<void> twin_{};
   Link* link_ = nullptr;
+  Operator* hands_ = nullptr;
 };
 
 /// How machines of one kind are calibrated from the command line.

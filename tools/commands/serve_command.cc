@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "scenarios/interrupt.h"
+#include "tools/commands/api/web_service.h"
 #include "tools/commands/command.h"
 #include "tools/commands/kinds/served.h"
 #include "tools/commands/serve/serve.h"
@@ -23,6 +24,8 @@ struct ServeAsked {
   TwinOptions twin{};
   std::string bench{};
   std::optional<int> port{};
+  std::optional<int> http{};
+  WebOptions web{};
   std::string pty{};
   std::string dialect{};  ///< Empty: as the machine's controller speaks.
 };
@@ -85,13 +88,33 @@ int Listen(const ServeAsked& options, Link* link) {
   return InterruptRequested() ? kInterrupted : kPassed;
 }
 
+// Pages and REST: a machine of its own, led by whoever sits at the page.
+int ServeWeb(const ServeAsked& asked) {
+  if (asked.port || !asked.pty.empty()) {
+    throw InputError({.file = "--http"},
+                     "the machine of the pages is not on a wire for others beside it",
+                     "start a second caltwin serve with --tcp or --pty");
+  }
+  WebOptions options = asked.web;
+  options.port = *asked.http;
+  options.twin = asked.twin;
+  WebService service(options, &InterruptFlag());
+  for (const std::string& note : service.Notes()) Announce(note);
+  service.Serve([](const std::string& url) {
+    Announce(fmt::format("open {} in a browser; Ctrl-C ends", url));
+  });
+  return InterruptRequested() ? kInterrupted : kPassed;
+}
+
 int Serve(ServeAsked options) {
-  if (!options.port && options.pty.empty()) {
+  if (!options.port && options.pty.empty() && !options.http) {
     throw InputError({},
                      "serve needs to know where",
-                     "--tcp PORT (0: any free one), --pty PATH, or both");
+                     "--http PORT (pages and REST), --tcp PORT (0: any free one), or "
+                     "--pty PATH");
   }
   if (!options.bench.empty()) ReadBenchFile(options.bench, &options.twin);
+  if (options.http) return ServeWeb(options);
   const std::filesystem::path machine =
       FindMachine(options.twin.machine, "", {.file = options.twin.machine});
   const ServedKind& kind = ServedKindOf(machine);
@@ -105,8 +128,9 @@ int Serve(ServeAsked options) {
 
 Action DeclareServe(CLI::App* app) {
   auto options = std::make_shared<ServeAsked>();
-  app->add_option("--machine", options->twin.machine, "a name or a machine file")
-      ->capture_default_str();
+  const CLI::Option* const machine =
+      app->add_option("--machine", options->twin.machine, "a name or a machine file")
+          ->capture_default_str();
   app->add_option(
       "--truth", options->twin.truth, "how it differs from its drawing and settings");
   app->add_option("--bench",
@@ -116,6 +140,32 @@ Action DeclareServe(CLI::App* app) {
   app->add_option("--tcp", options->port, "listen on this port of 127.0.0.1; 0: any")
       ->check(CLI::Range(0, kLargestPort));
   app->add_option("--pty", options->pty, "make a pseudo-terminal of this name");
+  CLI::Option* const http =
+      app->add_option("--http",
+                      options->http,
+                      "serve pages and REST on this port; 0: any. Without --machine two "
+                      "machines to practise on")
+          ->check(CLI::Range(0, kLargestPort));
+  app->add_option("--listen",
+                  options->web.address,
+                  "with --http: the address of this computer to listen on; one that "
+                  "others reach needs --token-file")
+      ->capture_default_str()
+      ->needs(http);
+  app->add_option("--token-file",
+                  options->web.token_file,
+                  "with --http: a file with the secret that clients have to say")
+      ->needs(http);
+  app->add_option("--state",
+                  options->web.state,
+                  "with --http: the folder that keeps what was found (default "
+                  "~/.local/state/caltwin)")
+      ->needs(http);
+  app->add_option("--link",
+                  options->web.link,
+                  "with --http: a real machine in place of the twin, "
+                  "serial:/dev/ttyACM0?baud=115200 or tcp:host:port; needs --machine")
+      ->needs(http);
   app->add_option("--fidelity", options->twin.fidelity, "physics or fast")
       ->check(CLI::IsMember({"physics", "fast"}))
       ->capture_default_str();
@@ -127,9 +177,16 @@ Action DeclareServe(CLI::App* app) {
          "delta, klipper of a z_station, motor of a motor stage")
       ->check(CLI::IsMember({"rrf", "marlin", "klipper", "motor"}));
   app->footer(
-      "A terminal program or G-code sender connects as to a real machine. Only this "
-      "computer can. Ctrl-C ends it.");
-  return [options] {
+      "A browser shows the pages of --http; a terminal program or G-code sender connects "
+      "to --tcp or --pty as to a real machine. Only this computer can, unless --listen "
+      "says otherwise. Ctrl-C ends it.");
+  return [options, machine] {
+    options->web.has_machine = machine->count() > 0;
+    if (!options->web.link.empty() && !options->web.has_machine) {
+      throw InputError({.file = "--link"},
+                       "which machine is at its end?",
+                       "--machine NAME or FILE");
+    }
     return Serve(*options);
   };
 }

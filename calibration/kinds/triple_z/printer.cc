@@ -95,6 +95,10 @@ Expected<void> TripleZPrinter::NeedHome() {
   return is_homed_ ? Expected<void>{} : Home();
 }
 
+Expected<void> TripleZPrinter::HomeIfNeeded() {
+  return are_heights_known_ ? NeedHome() : Home();
+}
+
 Expected<double> TripleZPrinter::Probe(const Eigen::Vector2d& at_mm) {
   if (const auto homed = NeedHome(); !homed) return tl::unexpected(homed.error());
   const std::string line =
@@ -174,7 +178,7 @@ Expected<void> TripleZPrinter::MoveTripleZ(double x_mm,
                              heights_mm[i],
                              bench_.top_mm)});
   }
-  if (const auto homed = are_heights_known_ ? NeedHome() : Home(); !homed) return homed;
+  if (const auto homed = HomeIfNeeded(); !homed) return homed;
   if (const auto moved = SayAll({"G1 " + Word('X', x_mm) + " " + Word('Y', y_mm)});
       !moved) {
     return moved;

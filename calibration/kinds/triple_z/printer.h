@@ -37,6 +37,8 @@ class TripleZPrinter {
   explicit TripleZPrinter(const TripleZBench& bench) : bench_(bench) {}
 
   Expected<void> Home();
+  /// Homes where that was not done, or nobody knows where the screws stand any more.
+  Expected<void> HomeIfNeeded();
   /// Raises the bed over (x, y) to the nozzle: its height over the nozzle's zero, from
   /// "Stopped at height 0.123 mm". Homes first where that was not done.
   Expected<double> Probe(const Eigen::Vector2d& at_mm);

@@ -33,6 +33,7 @@ class GantryDesk final : public Desk {
     const TwinConfig config = MakeTwinConfig(named);
     const auto twin = std::make_shared<Twin>(config);
     Desk::Take(twin, &twin->link());
+    Desk::SetHands(&twin->person());
     Desk::Take(
         std::make_unique<ConfirmingOperator>(AnswersFor(options), &twin->person()));
     bench_.gauge = &twin->gauge();

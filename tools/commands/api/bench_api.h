@@ -1,0 +1,96 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "scenarios/kind_scenario.h"
+#include "tools/commands/api/client_operator.h"
+#include "tools/commands/api/seat.h"
+#include "tools/commands/desk.h"
+#include "tools/server/events.h"
+#include "tools/server/routes.h"
+
+namespace caltwin {
+
+/// A machine on its bench, led through procedures by a client: `/api/bench/...`.
+///
+/// A procedure runs in a thread of its own, asks the client (ClientOperator) and tells
+/// what it does as events. What the client entered, every reading and result, and the
+/// settings from before the first trial are kept in a file: a page that is loaded
+/// again, or a server that was killed, goes on from there.
+class BenchApi {
+ public:
+  struct Options {
+    std::filesystem::path store{};  ///< Empty: nothing is kept.
+    bool is_twin = true;
+  };
+
+  /// `seat` and `events` are borrowed.
+  BenchApi(std::unique_ptr<Desk> desk,
+           const Options& options,
+           OperatorSeat* seat,
+           EventTopic* events);
+  BenchApi(const BenchApi&) = delete;
+  BenchApi& operator=(const BenchApi&) = delete;
+  /// Aborts what is at work.
+  ~BenchApi();
+
+  void AddTo(Routes* routes);
+  const std::string& note() const { return note_; }
+
+ private:
+  using Json = nlohmann::ordered_json;
+
+  HttpResponse Status() const;
+  HttpResponse SetSession(const HttpRequest& request);
+  HttpResponse Begin(const HttpRequest& request);
+  HttpResponse Answer(const HttpRequest& request);
+  HttpResponse Abort();
+  HttpResponse Restore(const HttpRequest& request);
+  HttpResponse UserVars() const;
+
+  /// Runs `work` as the one job there is; throws Problem 409 where one is at work.
+  HttpResponse StartJob(const HttpRequest& request,
+                        const std::string& name,
+                        const Json& asked,
+                        PreparedProcedure work);
+  void Work(const PreparedProcedure& work, OperatorSeat::Held seat);
+  CalibrationStep StepOf(const std::string& name, const Json& options) const;
+  void TellReadings();
+  void ReadSettings();
+  /// Puts back what the firmware believed when the last server ended.
+  void ResumeSettings();
+  Json Tree() const;
+  void ReadStore();
+  void KeepStore();
+
+  std::unique_ptr<Desk> desk_;
+  Options options_;
+  OperatorSeat* seat_;
+  EventTopic* events_;
+  std::unique_ptr<KindScenario> kind_;
+  std::unique_ptr<ClientOperator> person_;
+  std::unique_ptr<AbortableLink> link_;
+  std::string note_{};
+  std::thread thread_{};
+  std::size_t told_ = 0;  ///< Readings, in the job's thread.
+
+  mutable std::mutex mutex_{};  ///< Of what follows.
+  std::string state_ = "idle";  ///< idle, working, asking
+  Json job_ = nullptr;
+  int last_job_ = 0;
+  int version_ = 0;
+  Json entries_ = Json::object();
+  Json results_ = Json::array();
+  std::optional<Settings> settings_{}, settings_before_{};
+  std::string calibrated_at_{};
+};
+
+}  // namespace caltwin

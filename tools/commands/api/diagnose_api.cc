@@ -1,0 +1,244 @@
+#include "tools/commands/api/diagnose_api.h"
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include "sim/base/text_file.h"
+#include "tools/commands/api/catalog_api.h"
+#include "tools/server/problem.h"
+
+namespace caltwin {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kMostKept = 16;
+constexpr std::array kOptions = {"unit", "axis", "map", "seed", "min_effect_um", "step_mm"};
+
+// What was sent, sorted: data, what describes them, and what was said beside.
+struct Form {
+  std::map<std::string, std::string> files{};
+  std::vector<std::string> data{};  ///< Names of files, in the order sent.
+  std::string machine{};
+  std::vector<std::string> options{};
+};
+
+std::string Unused(const std::map<std::string, std::string>& files, std::string name) {
+  const fs::path path(name);
+  for (int i = 2; files.contains(name); ++i) {
+    name = fmt::format("{}-{}{}", path.stem().string(), i, path.extension().string());
+  }
+  return name;
+}
+
+std::string DashesFor(std::string key) {
+  std::ranges::replace(key, '_', '-');
+  return "--" + key;
+}
+
+// A `.yaml` beside data of the same name describes them; another may be a machine.
+bool IsHeader(const Form& form, const std::string& name) {
+  const fs::path path(name);
+  return path.extension() == ".yaml" &&
+         form.files.contains(fs::path(path).replace_extension(".csv").string());
+}
+
+bool IsMachine(const std::string& name, const std::string& text) {
+  return name.ends_with(".yaml") && (text.find("kinematics:") != std::string::npos ||
+                                     text.find("extends:") != std::string::npos);
+}
+
+Form FormOf(const HttpRequest& request) {
+  Form form;
+  std::vector<std::string> order;
+  for (FormPart& part : ReadForm(request.Header("content-type"), request.body)) {
+    if (part.name == "file") {
+      const std::string name = Unused(form.files, SafeFileName(part.file_name));
+      form.files[name] = std::move(part.body);
+      order.push_back(name);
+    } else if (part.name == "machine") {
+      form.machine = part.body;
+    } else if (std::ranges::find(kOptions, part.name) != kOptions.end()) {
+      if (!part.body.empty()) form.options.push_back(DashesFor(part.name) + "=" + part.body);
+    } else {
+      throw Problem(422,
+                    fmt::format("the form has no field '{}'", Printable(part.name)),
+                    {{.detail = "it knows: file (repeated), machine, " +
+                                fmt::format("{}", fmt::join(kOptions, ", "))}});
+    }
+  }
+  for (const std::string& name : order) {
+    if (IsHeader(form, name)) continue;
+    const bool is_machine = order.size() > 1 && IsMachine(name, form.files[name]);
+    if (is_machine && form.machine.empty()) form.machine = name;
+    if (!is_machine) form.data.push_back(name);
+  }
+  return form;
+}
+
+// A path of the client's choice could be any file of this computer.
+void RequireKnownMachine(const Form& form) {
+  if (form.machine.empty() || form.files.contains(form.machine)) return;
+  const std::vector<std::string> known = ModelNames();
+  if (std::ranges::find(known, form.machine) != known.end()) return;
+  throw Problem(422,
+                fmt::format("there is no machine '{}'", Printable(form.machine)),
+                {{.detail = "no such machine",
+                  .hint = fmt::format("one of {}, or send your machine file along as `file`",
+                                      fmt::join(known, ", ")),
+                  .pointer = "/machine"}});
+}
+
+}  // namespace
+
+void DiagnoseApi::AddTo(Routes* routes) {
+  const auto add = [&](const char* method, const char* path, Handler go, std::size_t most) {
+    routes->Add({.method = method,
+                 .pattern = path,
+                 .handler = std::move(go),
+                 .pace = Route::Pace::kSlow,
+                 .most_bytes = most});
+  };
+  add("POST",
+      "/api/diagnose",
+      [this](const HttpRequest& r) { return Diagnose(r); },
+      kMostUpload_bytes);
+  add("GET", "/api/diagnoses/{}/report", [this](const HttpRequest& r) { return Report(r); }, 0);
+  add("GET", "/api/diagnoses/{}/rows", [this](const HttpRequest& r) { return Rows(r); }, 0);
+  add("GET",
+      "/api/diagnoses/{}/correction",
+      [this](const HttpRequest& r) { return Correction(r); },
+      0);
+}
+
+DiagnoseApi::Kept DiagnoseApi::Keep(Kept kept) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  kept.id = fmt::format("{}", ++last_);
+  kept_.push_back(kept);
+  if (kept_.size() > kMostKept) {
+    std::error_code ignored;
+    fs::remove_all(folder_.path() / kept_.front().id, ignored);
+    kept_.pop_front();
+  }
+  return kept;
+}
+
+DiagnoseApi::Kept DiagnoseApi::Find(const std::string& id) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const auto found = std::ranges::find(kept_, id, &Kept::id);
+  if (found == kept_.end()) {
+    throw Problem(404,
+                  fmt::format("there is no diagnosis {}", Printable(id)),
+                  {{.detail = "the last 16 are kept", .hint = "POST /api/diagnose again"}});
+  }
+  return *found;
+}
+
+std::string DiagnoseApi::DiagnoseOne(const fs::path& folder,
+                                     const std::string& file,
+                                     const std::vector<std::string>& options) {
+  std::vector<std::string> words = {"diagnose", file};
+  words.insert(words.end(), options.begin(), options.end());
+  std::vector<std::string> asked = words;
+  asked.insert(asked.end(), {"--replay", "none", "--json", "answer.json"});
+  const std::string text =
+      RunOwnProgram({.words = asked, .folder = folder, .stop = stop_});
+  Json tree = Json::parse(ReadTextFile(folder / "answer.json", kLargestData_bytes));
+  tree["import"] = {{"file", file}, {"notes", tree.value("remarks", Json::array())}};
+  tree["text"] = text;
+  tree["id"] = folder.filename().string();
+  return tree.dump();
+}
+
+HttpResponse DiagnoseApi::Diagnose(const HttpRequest& request) {
+  const Form form = FormOf(request);
+  if (form.data.empty()) {
+    throw Problem(422,
+                  "no data were sent",
+                  {{.detail = "the form has no field `file` with measured data",
+                    .hint = "curl -F file=@data.csv .../api/diagnose",
+                    .pointer = "/file"}});
+  }
+  RequireKnownMachine(form);
+  std::vector<std::string> options = form.options;
+  if (!form.machine.empty()) options.push_back("--machine=" + form.machine);
+  std::vector<std::string> answers;
+  for (const std::string& file : form.data) {
+    std::vector<std::string> words = {"diagnose", file};
+    words.insert(words.end(), options.begin(), options.end());
+    const fs::path folder = folder_.path() / Keep({.words = words}).id;
+    for (const auto& [name, text] : form.files) WriteTextFile(folder / name, text);
+    answers.push_back(DiagnoseOne(folder, file, options));
+  }
+  if (answers.size() == 1) return {.body = answers.front() + "\n"};
+  return {.body = fmt::format("{{\"format\":1,\"diagnoses\":[{}]}}\n", fmt::join(answers, ","))};
+}
+
+HttpResponse DiagnoseApi::Report(const HttpRequest& request) {
+  const Kept kept = Find(request.places[0]);
+  const fs::path folder = folder_.path() / kept.id;
+  std::vector<std::string> words = kept.words;
+  words.insert(words.end(), {"--report", "report"});
+  if (!fs::exists(folder / "report" / "index.html")) {
+    RunOwnProgram({.words = words, .folder = folder, .stop = stop_});
+  }
+  return {.content_type = "text/html; charset=utf-8",
+          .body = ReadTextFile(folder / "report" / "index.html", kLargestData_bytes),
+          .headers = {{"Content-Security-Policy",
+                       "default-src 'none'; style-src 'unsafe-inline'; script-src "
+                       "'unsafe-inline'; img-src data:"}}};
+}
+
+HttpResponse DiagnoseApi::Rows(const HttpRequest& request) {
+  const Kept kept = Find(request.places[0]);
+  const fs::path folder = folder_.path() / kept.id;
+  const std::string& file = kept.words[1];
+  if (!fs::exists(folder / "rows.out.csv")) {
+    RunOwnProgram({.words = {"import", file, "--out", "rows.out.csv"},
+                   .folder = folder,
+                   .stop = stop_});
+  }
+  return {.content_type = "text/csv; charset=utf-8",
+          .body = ReadTextFile(folder / "rows.out.csv", kLargestData_bytes)};
+}
+
+HttpResponse DiagnoseApi::Correction(const HttpRequest& request) {
+  constexpr std::array kControllers = {"rrf", "klipper", "marlin", "linuxcnc"};
+  const Kept kept = Find(request.places[0]);
+  const auto asked = request.query.find("for");
+  if (asked == request.query.end() ||
+      std::ranges::find(kControllers, asked->second) == kControllers.end()) {
+    throw Problem(422,
+                  "for which controller?",
+                  {{.detail = fmt::format("?for= one of {}", fmt::join(kControllers, ", ")),
+                    .pointer = "/for"}});
+  }
+  const fs::path folder = folder_.path() / kept.id;
+  const std::string name = "correction." + asked->second;
+  std::vector<std::string> words = kept.words;
+  words.insert(words.end(),
+               {"--replay", "none", "--for", asked->second, "--correction", name});
+  RunOwnProgram({.words = words, .folder = folder, .stop = stop_});
+  Json tree{{"controller", asked->second}, {"files", Json::array()}};
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    const std::string found = entry.path().filename().string();
+    if (found.starts_with(name)) names.push_back(found);
+  }
+  std::ranges::sort(names);
+  for (const std::string& found : names) {
+    tree["files"].push_back(
+        {{"name", found}, {"text", ReadTextFile(folder / found, kLargestData_bytes)}});
+  }
+  return JsonResponse(tree);
+}
+
+}  // namespace caltwin

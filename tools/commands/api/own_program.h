@@ -1,0 +1,38 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace caltwin {
+
+/// A folder in the system's place for temporary files, gone with its owner.
+class TemporaryFolder {
+ public:
+  TemporaryFolder();
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  ~TemporaryFolder();
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_{};
+};
+
+/// What `caltwin` itself is given to do.
+struct OwnCommand {
+  std::vector<std::string> words{};  ///< "diagnose", "data.csv".
+  std::filesystem::path folder{};    ///< Where it runs.
+  std::chrono::seconds patience{120};
+  const std::atomic<bool>* stop = nullptr;
+};
+
+/// Runs this very program in a process of its own, so that no file a client sends stops
+/// the server: at most 4 GB, no longer than its patience. What it printed on stdout;
+/// exit codes 0 and 1 are both done. Throws Problem: 422 with the faults of a refused
+/// input, 504 where it took too long, 503 where it was stopped, 500 else.
+std::string RunOwnProgram(const OwnCommand& command);
+
+}  // namespace caltwin

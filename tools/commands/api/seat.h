@@ -1,0 +1,48 @@
+#pragma once
+
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "tools/server/http.h"
+
+namespace caltwin {
+
+/// The one seat at a machine: who sits there may move it, others look on.
+class OperatorSeat {
+ public:
+  /// Sits as long as it lives.
+  class Held {
+   public:
+    explicit Held(OperatorSeat* seat) : seat_(seat) {}
+    Held(Held&& other) noexcept : seat_(other.seat_) { other.seat_ = nullptr; }
+    Held(const Held&) = delete;
+    Held& operator=(const Held&) = delete;
+    Held& operator=(Held&&) = delete;
+    ~Held() {
+      if (seat_ != nullptr) seat_->Rise();
+    }
+
+   private:
+    OperatorSeat* seat_;
+  };
+
+  /// Throws Problem 409 with `held_by` and what is done there.
+  /// @param request  whose header `X-Operator` says who asks; else "somebody"
+  /// @param doing  "probing the bed"
+  Held Take(const HttpRequest& request, const std::string& doing);
+  /// Who sits there and does what; nullopt: nobody.
+  struct Sitter {
+    std::string name{};
+    std::string doing{};
+  };
+  std::optional<Sitter> sitter() const;
+
+ private:
+  void Rise();
+
+  mutable std::mutex mutex_{};
+  std::optional<Sitter> sitter_{};
+};
+
+}  // namespace caltwin

@@ -1,0 +1,220 @@
+#include "tools/commands/api/web_service.h"
+
+#include <cstdlib>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "calibration/procedures/catalog.h"
+#include "scenarios/kinds/kinds.h"
+#include "sim/base/input_error.h"
+#include "sim/base/text_file.h"
+#include "tools/commands/api/bench_api.h"
+#include "tools/commands/api/catalog_api.h"
+#include "tools/commands/api/diagnose_api.h"
+#include "tools/commands/api/runs_api.h"
+#include "tools/commands/kinds/bed_api.h"
+#include "tools/commands/kinds/desks.h"
+#include "tools/server/pages.h"
+#include "tools/server/problem.h"
+#include "tools/server/server.h"
+
+namespace caltwin {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kShortestToken = 16;
+
+std::string TokenOf(const WebOptions& options) {
+  if (options.token_file.empty()) {
+    if (IsLoopback(options.address)) return "";
+    throw InputError({.file = "--listen"},
+                     fmt::format("others reach {}, so a token is needed", options.address),
+                     "--token-file FILE, a file with a secret of 16 letters or more: "
+                     "openssl rand -hex 16 > FILE");
+  }
+  std::string token = ReadTextFile(options.token_file, kLargestFile_bytes);
+  while (!token.empty() && std::isspace(static_cast<unsigned char>(token.back())) != 0) {
+    token.pop_back();
+  }
+  if (token.size() < kShortestToken || token.find_first_of(" \t\r\n;,\"") != std::string::npos) {
+    throw InputError({.file = options.token_file.string()},
+                     "a token is one word of 16 letters or more",
+                     "openssl rand -hex 16 > " + options.token_file.string());
+  }
+  return token;
+}
+
+// A twin as a link's address says it.
+std::string TwinUrl(const TwinOptions& twin) {
+  std::string url = fmt::format(
+      "twin:{}?fidelity={}&seed={}", twin.machine, twin.fidelity, twin.seed);
+  if (!twin.truth.empty()) url += "&truth=" + twin.truth;
+  return url;
+}
+
+std::unique_ptr<Desk> DeskOf(const TwinOptions& twin, const std::string& link) {
+  CalibrateOptions options{.link = link.empty() ? TwinUrl(twin) : link,
+                           .machine = link.empty() ? "" : twin.machine,
+                           .apply = true,
+                           .yes = true};
+  const auto file = MachineToCalibrate(options);
+  const auto kind = KindFor(file->machine);
+  const Procedures known = kind->KnownProcedures();
+  const DeskKind& desks = DeskKindOf(known.empty() ? "" : known.front()->kind);
+  desks.refuse(options, twin, file);
+  return desks.make(options, twin, file);
+}
+
+// A machine that came with the program, with errors that the person does not know.
+TwinOptions Practice(const std::string& name, const std::string& fidelity) {
+  const fs::path truth = ShareFolder() / "examples" / "practice" / (name + ".yaml");
+  return {.machine = name, .truth = truth.string(), .fidelity = fidelity};
+}
+
+HttpResponse NoBed(const HttpRequest&) {
+  throw Problem(404,
+                "the machine that is served has no bed on three screws",
+                {{.detail = "no such machine",
+                  .hint = "caltwin serve --http PORT --machine triple_z_printer"}});
+}
+
+}  // namespace
+
+fs::path StateFolder() {
+  if (const char* const state = std::getenv("XDG_STATE_HOME");
+      state != nullptr && *state == '/') {
+    return fs::path(state) / "caltwin";
+  }
+  if (const char* const home = std::getenv("HOME"); home != nullptr && *home == '/') {
+    return fs::path(home) / ".local" / "state" / "caltwin";
+  }
+  return {};
+}
+
+struct WebService::Parts {
+  Gate gate;
+  Pages pages;
+  EventTopic events{};
+  std::shared_ptr<EventTopic> shared_events{std::shared_ptr<EventTopic>(), &events};
+  OperatorSeat bench_seat{}, printer_seat{};
+  DiagnoseApi diagnose;
+  RunsApi runs{&events};
+  std::unique_ptr<BenchApi> bench{};
+  std::unique_ptr<Desk> printer{};  ///< Of practice, beside the bench.
+  std::unique_ptr<BedApi> bed{};
+  Routes routes{};
+};
+
+WebService::WebService(const WebOptions& options, const std::atomic<bool>* stop)
+    : options_(options), stop_(stop) {
+  const fs::path state = options.state.empty() ? StateFolder() : options.state;
+  const TwinOptions twin =
+      options.has_machine ? options.twin : Practice("gantry_router", options.twin.fidelity);
+  std::unique_ptr<Desk> desk = DeskOf(twin, options.link);
+  Bench* const bench = desk->bench();
+  const std::string name = bench->machine.name;
+  const auto store = [&](const std::string& machine, const char* what) {
+    return state.empty() ? fs::path() : state / fmt::format("{}.{}.json", machine, what);
+  };
+  parts_ = std::unique_ptr<Parts>(
+      new Parts{.gate = Gate(options.address, TokenOf(options)),
+                .pages = Pages(ShareFolder() / "web"),
+                .diagnose = DiagnoseApi(stop)});
+  Parts& parts = *parts_;
+  parts.bench = std::make_unique<BenchApi>(
+      std::move(desk),
+      BenchApi::Options{.store = store(name, "bench"), .is_twin = options.link.empty()},
+      &parts.bench_seat,
+      &parts.events);
+  parts.bed = BedApiOn(
+      bench, {store(name, "bed"), name}, &parts.bench_seat, &parts.events);
+  if (!parts.bed && !options.has_machine) {
+    const TwinOptions printer = Practice("triple_z_printer", options.twin.fidelity);
+    parts.printer = DeskOf(printer, "");
+    parts.printer->Connect(parts.printer->wire());
+    parts.bed = BedApiOn(parts.printer->bench(),
+                         {store(printer.machine, "bed"), printer.machine},
+                         &parts.printer_seat,
+                         &parts.events);
+  }
+  parts.diagnose.AddTo(&parts.routes);
+  parts.runs.AddTo(&parts.routes);
+  parts.bench->AddTo(&parts.routes);
+  AddCatalogTo(&parts.routes);
+  if (parts.bed) {
+    parts.bed->AddTo(&parts.routes);
+  } else {
+    parts.routes.Add(
+        {.method = "GET", .pattern = "/api/calibration/bed-tilt/current", .handler = NoBed});
+  }
+  parts.routes.Add({.method = "GET",
+                    .pattern = "/api/events",
+                    .handler = [events = parts.shared_events](const HttpRequest&) {
+                      return HttpResponse{.events = events};
+                    }});
+  parts.routes.Add({.method = "GET",
+                    .pattern = "/api",
+                    .handler = [has_bed = parts.bed != nullptr, name](const HttpRequest&) {
+                      return JsonResponse({{"name", "caltwin"},
+                                           {"version", CALTWIN_VERSION},
+                                           {"machine", name},
+                                           {"has_bed", has_bed},
+                                           {"openapi", "/api/openapi.json"}});
+                    }});
+  const std::string document =
+      ReadTextFile(ShareFolder() / "docs" / "openapi.json", kLargestFile_bytes);
+  parts.routes.Add({.method = "GET",
+                    .pattern = "/api/openapi.json",
+                    .handler = [document](const HttpRequest&) {
+                      return HttpResponse{.body = document};
+                    }});
+  if (!parts.pages.empty()) {
+    parts.routes.SetRest([&parts](const HttpRequest& request) {
+      return parts.pages.Serve(request);
+    });
+  } else {
+    parts.routes.Add({.method = "GET", .pattern = "/", .handler = [](const HttpRequest&) {
+      return HttpResponse{
+          .content_type = "text/html; charset=utf-8",
+          .body = "<!doctype html><title>caltwin</title><p>The pages are not built. "
+                  "<code>tools/pages.sh</code> builds them; the REST interface is "
+                  "there: <a href=\"/api/openapi.json\">/api/openapi.json</a>.</p>\n"};
+    }});
+  }
+}
+
+WebService::~WebService() = default;
+
+std::vector<std::string> WebService::Notes() const {
+  std::vector<std::string> notes;
+  for (const std::string& note :
+       {parts_->bench->note(), parts_->bed ? parts_->bed->note() : std::string()}) {
+    if (!note.empty()) notes.push_back("note: " + note);
+  }
+  if (parts_->pages.empty()) {
+    notes.emplace_back("the pages are not built (tools/pages.sh builds them); the REST "
+                       "interface is there");
+  }
+  if (!options_.has_machine) {
+    notes.emplace_back("practice machines with hidden errors: gantry_router and "
+                       "triple_z_printer; --machine serves another");
+  }
+  return notes;
+}
+
+void WebService::Serve(const std::function<void(const std::string& url)>& listening) {
+  const bool is_v6 = options_.address.find(':') != std::string::npos;
+  const std::string host = is_v6 ? "[" + options_.address + "]" : options_.address;
+  ServeHttp(parts_->routes,
+            parts_->gate,
+            {.address = options_.address, .port = options_.port},
+            stop_,
+            [&](int port) { listening(fmt::format("http://{}:{}/", host, port)); });
+}
+
+}  // namespace caltwin

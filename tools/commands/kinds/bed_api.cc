@@ -1,0 +1,384 @@
+#include "tools/commands/kinds/bed_api.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "sim/base/units.h"
+#include "sim/machine/kinds/triple_z/drawing.h"
+#include "tools/commands/api/utc.h"
+#include "tools/commands/kinds/bed_report.h"
+#include "tools/server/json_keys.h"
+
+namespace caltwin {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kMostFound = 4;     // This and the three before.
+constexpr std::size_t kMostPoints = 400;  // Of one request.
+constexpr double kMargin_mm = 20;         // Of a grid from the ends of the travel.
+constexpr double kClear_mm = 10;          // Nozzle over the bed where screws move.
+constexpr double kWellLevelled_mm = 0.1;  // The published target of a validation.
+
+// What the machine would not do, in its own words.
+Problem ProblemOf(const MachineFault& fault) {
+  const bool is_lost = fault.kind == MachineFault::Kind::kLinkLost;
+  const bool is_late = fault.kind == MachineFault::Kind::kTimeout;
+  const bool has_no_trigger = fault.kind == MachineFault::Kind::kNoTrigger;
+  std::string hint;
+  if (is_lost) hint = "look at the cable, and whether the controller runs";
+  if (has_no_trigger) hint = "look at the probe: is it plugged in, does it trigger by hand?";
+  return Problem(is_late ? 504 : 502,
+                 "the machine did not do it: " + fault.reply,
+                 {{.detail = fault.reply, .hint = hint}},
+                 {{"machine_said", fault.reply}});
+}
+
+std::vector<BedTouch> Flat(const std::vector<Eigen::Vector2d>& at_mm) {
+  std::vector<BedTouch> flat;
+  for (const Eigen::Vector2d& place_mm : at_mm) flat.push_back({.at_mm = place_mm});
+  return flat;
+}
+
+void RequireASpan(const std::vector<BedTouch>& touches, double sigma_mm) {
+  if (FitBedPlane(touches, sigma_mm, false).is_told()) return;
+  throw Problem(422,
+                "these points span no plane",
+                {{.detail = "all points lie on one line",
+                  .hint = "three points that are not on a line",
+                  .pointer = "/probe_points"}});
+}
+
+}  // namespace
+
+BedApi::BedApi(TripleZPrinter* printer,
+               const Options& options,
+               OperatorSeat* seat,
+               EventTopic* events)
+    : printer_(printer), options_(options), seat_(seat), events_(events) {
+  Keep(ReadBedStore(options_.store, printer->bench().sigma_mm, &note_));
+}
+
+void BedApi::AddTo(Routes* routes) {
+  const std::string base = "/api/calibration";
+  const auto add = [&](const char* method, const char* path, Route::Pace pace, Handler go) {
+    routes->Add({.method = method, .pattern = base + path, .handler = std::move(go), .pace = pace});
+  };
+  using enum Route::Pace;
+  add("GET", "/intrinsics", kQuick, [this](const HttpRequest&) { return Intrinsics(); });
+  add("POST", "/intrinsics", kSlow, [this](const HttpRequest& r) { return SetIntrinsics(r); });
+  add("POST", "/bed-tilt/probe", kSlow, [this](const HttpRequest& r) { return Probe(r); });
+  add("POST", "/bed-tilt/calibrate", kSlow, [this](const HttpRequest& r) {
+    return Calibrate(r);
+  });
+  add("GET", "/bed-tilt/current", kQuick, [this](const HttpRequest&) { return Current(); });
+  add("GET", "/bed-tilt/history", kQuick, [this](const HttpRequest&) { return History(); });
+  add("GET", "/bed-tilt/status", kQuick, [this](const HttpRequest&) { return Status(); });
+  add("POST", "/bed-tilt/apply-triple-z", kSlow, [this](const HttpRequest& r) {
+    return Apply(r);
+  });
+  add("POST", "/validate", kQuick, [this](const HttpRequest& r) { return Validate(r); });
+  add("GET", "/report", kQuick, [this](const HttpRequest& r) { return Report(r); });
+}
+
+BedStore BedApi::store() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return store_;
+}
+
+void BedApi::Keep(BedStore store) {
+  WriteBedStore(options_.store, store);
+  const std::lock_guard<std::mutex> lock(mutex_);
+  store_ = std::move(store);
+  current_.clear();
+  if (store_.found.empty()) return;
+  Json tree = ToJson(store_.found.back());
+  const BedPlane now = PlaneNow(store_, printer_->bench().drawn_mm);
+  if (store_.applied_mm) tree["applied"] = ScrewsToJson(*store_.applied_mm);
+  else tree["applied"] = nullptr;
+  tree["plane_now"] = {{"a", now.a()}, {"b", now.b()}, {"c", now.c_mm()}};
+  current_ = JsonResponse(tree).body;
+}
+
+HttpResponse BedApi::Intrinsics() const {
+  return JsonResponse(ToJson(store().camera));
+}
+
+HttpResponse BedApi::SetIntrinsics(const HttpRequest& request) {
+  const Json body = JsonBody(request);
+  JsonKeys keys(body);
+  constexpr double kMost_pixel = 1e6;
+  const NumberRange focal{.least = 1, .most = kMost_pixel, .unit = "pixels"};
+  const NumberRange place{.least = -kMost_pixel, .most = kMost_pixel, .unit = "pixels"};
+  const NumberRange bend{.least = -10, .most = 10};
+  CameraIntrinsics camera{.fx = keys.Number("fx", focal),
+                          .fy = keys.Number("fy", focal),
+                          .cx = keys.Number("cx", place),
+                          .cy = keys.Number("cy", place),
+                          .k1 = keys.Number("k1", bend, 0),
+                          .k2 = keys.Number("k2", bend, 0),
+                          .p1 = keys.Number("p1", bend, 0),
+                          .p2 = keys.Number("p2", bend, 0),
+                          .is_stored = true};
+  keys.Text("source", "");  // As GET answers it.
+  const double baseline_mm = keys.Number(
+      "baseline_mm", {.least = 0.1, .most = 10'000, .unit = "mm"}, -1);
+  if (baseline_mm > 0) camera.baseline_mm = baseline_mm;
+  keys.Done();
+  BedStore store = this->store();
+  store.camera = camera;
+  Keep(std::move(store));
+  return JsonResponse(ToJson(camera));
+}
+
+HttpResponse BedApi::Probe(const HttpRequest& request) {
+  const Json body = JsonBody(request);
+  JsonKeys keys(body);
+  Asked asked{.reference_mm = keys.Number("reference_height", {-1000, 1000, "mm"}, 10),
+              .uses_printer = keys.Bool("use_printer", true)};
+  const auto points =
+      keys.Tuples("probe_points", asked.uses_printer ? 2 : 3, 3, kMostPoints);
+  const Eigen::Vector2d& most_mm = printer_->bench().most_mm;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Vector2d at_mm(points[i][0], points[i][1]);
+    const bool is_outside = (at_mm.array() < 0).any() ||
+                            (at_mm.array() > most_mm.array()).any();
+    if (asked.uses_printer && is_outside) {
+      keys.Add(fmt::format("/probe_points/{}", i),
+               fmt::format("({:g}, {:g}) is out of the travel", at_mm[0], at_mm[1]),
+               fmt::format("x from 0 to {:g}, y from 0 to {:g} mm", most_mm[0], most_mm[1]));
+    }
+    asked.at_mm.push_back(at_mm);
+    if (!asked.uses_printer) asked.given.push_back({at_mm, points[i][2]});
+  }
+  keys.Done();
+  return Find(request, asked);
+}
+
+HttpResponse BedApi::Calibrate(const HttpRequest& request) {
+  const Json body = JsonBody(request);
+  JsonKeys keys(body);
+  constexpr int kMostLines = 15;
+  const int rows = keys.Integer("grid_rows", 2, kMostLines, 3);
+  const int columns = keys.Integer("grid_cols", 2, kMostLines, 3);
+  Asked asked{.reference_mm = keys.Number("reference_height", {-1000, 1000, "mm"}, 10)};
+  keys.Done();
+  asked.at_mm = ProbeGrid(printer_->bench(), columns, rows, kMargin_mm);
+  return Find(request, asked);
+}
+
+std::vector<BedTouch> BedApi::TouchAll(const std::vector<Eigen::Vector2d>& at_mm) {
+  std::vector<BedTouch> touches;
+  events_->Publish("begin", Json{{"points", at_mm.size()}}.dump());
+  for (const Eigen::Vector2d& place_mm : at_mm) {
+    const auto height_mm = printer_->Probe(place_mm);
+    if (!height_mm) {
+      events_->Publish("end", Json{{"fault", height_mm.error().reply}}.dump());
+      throw ProblemOf(height_mm.error());
+    }
+    touches.push_back({place_mm, *height_mm});
+    events_->Publish("touch",
+                     Json{{"number", touches.size()},
+                          {"of", at_mm.size()},
+                          {"x", place_mm[0]},
+                          {"y", place_mm[1]},
+                          {"z", *height_mm}}
+                         .dump());
+  }
+  return touches;
+}
+
+HttpResponse BedApi::Find(const HttpRequest& request, const Asked& asked) {
+  const double sigma_mm = printer_->bench().sigma_mm;
+  RequireASpan(Flat(asked.at_mm), sigma_mm);
+  BedFound found{.reference_mm = asked.reference_mm,
+                 .is_by_printer = asked.uses_printer,
+                 .at = UtcNow()};
+  const auto seat = seat_->Take(request, "probing the bed");
+  if (asked.uses_printer) {
+    found.touches = TouchAll(asked.at_mm);
+    found.raised_before_mm = printer_->raised_mm();
+  } else {
+    found.touches = asked.given;
+  }
+  found.plane = FitBedPlane(found.touches, sigma_mm, printer_->bench().is_sigma_stated);
+  found.offsets_mm = ScrewOffsets_mm(
+      found.plane, printer_->bench().drawn_mm, asked.reference_mm, OffsetRule::kFormula);
+  found.notes = NotesOf(found);
+  BedStore store = this->store();
+  store.applied_mm.reset();
+  store.found.push_back(found);
+  if (store.found.size() > kMostFound) store.found.erase(store.found.begin());
+  Keep(std::move(store));
+  events_->Publish("found", ToJson(found).dump());
+  return JsonResponse(ToJson(found));
+}
+
+// In words what the numbers mean, and whether another round helps.
+std::vector<std::string> BedApi::NotesOf(const BedFound& found) const {
+  std::vector<std::string> notes = PlaneVerdicts(found.plane);
+  const double most_mm = found.offsets_mm.maxCoeff();
+  const double noise_mm = std::max(Residual_mm(found), printer_->bench().sigma_mm);
+  if (most_mm < 2 * noise_mm) {
+    notes.push_back(fmt::format(
+        "the bed is level as far as these touches tell: the screws differ by {:.3f} mm, "
+        "the touches scatter by {:.3f}; another round would chase noise",
+        most_mm,
+        noise_mm));
+  } else {
+    notes.push_back(fmt::format(
+        "raise the screws by {:.3f}, {:.3f} and {:.3f} mm: the lowest corner comes up to "
+        "the highest, {:.3f} mm of tilt between the screws go",
+        found.offsets_mm[0],
+        found.offsets_mm[1],
+        found.offsets_mm[2],
+        most_mm));
+  }
+  return notes;
+}
+
+HttpResponse BedApi::Current() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (!current_.empty()) return {.body = current_};
+  return Problem(404,
+                 "no bed was measured yet",
+                 {{.detail = "nothing is stored",
+                   .hint = "POST /api/calibration/bed-tilt/calibrate measures it"}})
+      .Response();
+}
+
+HttpResponse BedApi::History() const {
+  Json tree{{"calibrations", Json::array()}};
+  const BedStore kept = store();
+  for (auto one = kept.found.rbegin(); one != kept.found.rend(); ++one) {
+    tree["calibrations"].push_back(ToJson(*one));
+  }
+  return JsonResponse(tree);
+}
+
+HttpResponse BedApi::Status() const {
+  const TripleZBench& bench = printer_->bench();
+  Json screws = Json::array();
+  const BedStore kept = store();
+  for (int i = 0; i < kNumScrews; ++i) {
+    const auto& at_mm = bench.drawn_mm[static_cast<std::size_t>(i)];
+    screws.push_back({{"name", ScrewName(i)},
+                      {"at_mm", {at_mm[0], at_mm[1]}},
+                      {"raised_mm", kept.applied_mm ? (*kept.applied_mm)[i] : 0.0}});
+  }
+  Json tree{{"machine", options_.machine},
+            {"travel_mm", {bench.most_mm[0], bench.most_mm[1]}},
+            {"top_mm", bench.top_mm},
+            {"screws", std::move(screws)},
+            {"is_measured", !kept.found.empty()},
+            {"is_applied", kept.applied_mm.has_value()}};
+  const auto sitter = seat_->sitter();
+  tree["held_by"] = sitter ? Json(sitter->name) : Json();
+  tree["doing"] = sitter ? Json(sitter->doing) : Json();
+  return JsonResponse(tree);
+}
+
+void BedApi::RequireReachable(const Vec3<double>& raised_mm) const {
+  const double top_mm = printer_->bench().top_mm;
+  std::vector<ProblemFault> faults;
+  for (int i = 0; i < kNumScrews; ++i) {
+    const double height_mm = top_mm - kClear_mm + raised_mm[i];
+    if (height_mm >= 0 && height_mm <= top_mm) continue;
+    faults.push_back({.detail = fmt::format("{} would stand at {:g} mm", ScrewName(i), height_mm),
+                      .hint = fmt::format("it goes from 0 to {:g} mm", top_mm),
+                      .pointer = fmt::format("/{}_mm", ScrewName(i))});
+  }
+  if (!faults.empty()) {
+    throw Problem(422, faults.front().detail + ", nothing moved", faults);
+  }
+}
+
+HttpResponse BedApi::Apply(const HttpRequest& request) {
+  const Json body = JsonBody(request);
+  JsonKeys keys(body);
+  const double top_mm = printer_->bench().top_mm;
+  const NumberRange range{-top_mm, top_mm, "mm"};
+  const Vec3<double> offsets_mm(
+      keys.Number("z1_mm", range), keys.Number("z2_mm", range), keys.Number("z3_mm", range));
+  keys.Done();
+  const auto seat = seat_->Take(request, "raising the screws");
+  BedStore store = this->store();
+  const bool is_of_found = !store.found.empty() && store.found.back().is_by_printer;
+  const Vec3<double> before_mm =
+      is_of_found ? store.found.back().raised_before_mm : Vec3<double>::Zero();
+  const Vec3<double> target_mm = before_mm + offsets_mm;
+  RequireReachable(target_mm);
+  // The same offsets again move nothing: they are counted from where the bed was touched.
+  if (const auto homed = printer_->HomeIfNeeded(); !homed) throw ProblemOf(homed.error());
+  const Vec3<double> move_mm = target_mm - printer_->raised_mm();
+  if (const auto moved = printer_->Raise(move_mm); !moved) throw ProblemOf(moved.error());
+  store.applied_mm = offsets_mm;
+  Keep(std::move(store));
+  const Json answer{{"status", "success"},
+                    {"z_offsets", ScrewsToJson(offsets_mm)},
+                    {"moved", ScrewsToJson(move_mm)}};
+  events_->Publish("applied", answer.dump());
+  return JsonResponse(answer);
+}
+
+HttpResponse BedApi::Validate(const HttpRequest& request) const {
+  const Json body = JsonBody(request);
+  JsonKeys keys(body);
+  const auto points = keys.Tuples("test_points", 3, 1, kMostPoints);
+  keys.Done();
+  const BedStore kept = store();
+  if (kept.found.empty()) {
+    throw Problem(409,
+                  "there is no plane to hold points against",
+                  {{.detail = "no bed was measured yet",
+                    .hint = "POST /api/calibration/bed-tilt/calibrate measures it"}});
+  }
+  const BedPlane plane = PlaneNow(kept, printer_->bench().drawn_mm);
+  std::vector<BedTouch> off;
+  double signed_mm = 0;
+  for (const auto& point : points) {
+    const Eigen::Vector2d at_mm(point[0], point[1]);
+    off.push_back({at_mm, point[2] - plane.At_mm(at_mm)});
+    signed_mm += off.back().height_mm / static_cast<double>(points.size());
+  }
+  const LevelReport level = ReportLevel(off, /*level_mm=*/0);
+  return JsonResponse(
+      {{"status", "success"},
+       {"mean_error_mm", level.mean_mm},
+       {"max_error_mm", level.max_mm},
+       {"std_error_mm", level.std_mm},
+       {"num_points", level.count},
+       {"mean_signed_error_mm", signed_mm},
+       {"is_within_target", level.mean_mm < kWellLevelled_mm},
+       {"plane_equation", {{"a", plane.a()}, {"b", plane.b()}, {"c", plane.c_mm()}}}});
+}
+
+HttpResponse BedApi::Report(const HttpRequest& request) const {
+  const BedStore kept = store();
+  if (request.Prefers("application/json", "text/html")) {
+    Json tree{{"machine", options_.machine},
+              {"intrinsics", ToJson(kept.camera)},
+              {"calibrations", Json::array()}};
+    for (const BedFound& found : kept.found) tree["calibrations"].push_back(ToJson(found));
+    tree["applied"] = kept.applied_mm ? ScrewsToJson(*kept.applied_mm) : Json();
+    return JsonResponse(tree);
+  }
+  return {.content_type = "text/html; charset=utf-8",
+          .body = BedReportHtml(options_.machine, kept, printer_->bench().drawn_mm),
+          .headers = {{"Content-Security-Policy",
+                       "default-src 'none'; style-src 'unsafe-inline'"}}};
+}
+
+std::unique_ptr<BedApi> BedApiOn(Bench* bench,
+                                 const BedApi::Options& options,
+                                 OperatorSeat* seat,
+                                 EventTopic* events) {
+  auto* const printer = bench->kept.Find<TripleZPrinter>();
+  if (printer == nullptr) return nullptr;
+  return std::make_unique<BedApi>(printer, options, seat, events);
+}
+
+}  // namespace caltwin

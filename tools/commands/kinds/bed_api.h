@@ -1,0 +1,83 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "calibration/kinds/triple_z/printer.h"
+#include "calibration/loop/bench.h"
+#include "tools/commands/api/seat.h"
+#include "tools/commands/kinds/bed_store.h"
+#include "tools/server/events.h"
+#include "tools/server/routes.h"
+
+namespace caltwin {
+
+/// The bed of a triple-Z printer over REST: the published calibration routes of a
+/// scanner with three Z motors (`/api/calibration/...`; docs/rest.md says where its
+/// samples contradict its formulas). Routes that move the printer are slow and take its
+/// seat; what was found is kept in a file.
+class BedApi {
+ public:
+  struct Options {
+    std::filesystem::path store{};  ///< Where it keeps what it finds; empty: nowhere.
+    std::string machine{};          ///< Its name.
+  };
+
+  /// All but the options are borrowed.
+  BedApi(TripleZPrinter* printer,
+         const Options& options,
+         OperatorSeat* seat,
+         EventTopic* events);
+
+  void AddTo(Routes* routes);
+  /// What was read at the start and is no store of ours; empty: nothing.
+  const std::string& note() const { return note_; }
+
+ private:
+  struct Asked {
+    std::vector<Eigen::Vector2d> at_mm{};
+    std::vector<BedTouch> given{};  ///< Heights that the client knows.
+    double reference_mm = 10;
+    bool uses_printer = true;
+  };
+
+  HttpResponse Intrinsics() const;
+  HttpResponse SetIntrinsics(const HttpRequest& request);
+  HttpResponse Probe(const HttpRequest& request);
+  HttpResponse Calibrate(const HttpRequest& request);
+  HttpResponse Current() const;
+  HttpResponse History() const;
+  HttpResponse Status() const;
+  HttpResponse Apply(const HttpRequest& request);
+  HttpResponse Validate(const HttpRequest& request) const;
+  HttpResponse Report(const HttpRequest& request) const;
+
+  /// Touches where asked, fits, keeps, answers.
+  HttpResponse Find(const HttpRequest& request, const Asked& asked);
+  std::vector<BedTouch> TouchAll(const std::vector<Eigen::Vector2d>& at_mm);
+  void RequireReachable(const Vec3<double>& raised_mm) const;
+  std::vector<std::string> NotesOf(const BedFound& found) const;
+  /// Puts a change into the store and onto the disk.
+  void Keep(BedStore store);
+  BedStore store() const;
+
+  TripleZPrinter* printer_;
+  Options options_;
+  OperatorSeat* seat_;
+  EventTopic* events_;
+  std::string note_{};
+  mutable std::mutex mutex_{};
+  BedStore store_{};
+  std::string current_{};  ///< As `current` answers.
+};
+
+/// The bed of the machine on that bench; null where it stands on no three screws.
+std::unique_ptr<BedApi> BedApiOn(Bench* bench,
+                                 const BedApi::Options& options,
+                                 OperatorSeat* seat,
+                                 EventTopic* events);
+
+}  // namespace caltwin

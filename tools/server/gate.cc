@@ -1,0 +1,116 @@
+#include "tools/server/gate.h"
+
+#include <algorithm>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+#include <openssl/crypto.h>
+
+#include "sim/base/require.h"
+#include "sim/base/text_file.h"
+#include "tools/server/problem.h"
+
+namespace caltwin {
+namespace {
+
+constexpr std::string_view kCookie = "caltwin_token=";
+
+// "localhost" of "localhost:8080", "::1" of "[::1]:8080".
+std::string_view NameIn(std::string_view host) {
+  if (host.starts_with('[')) {
+    return host.substr(1, std::min(host.find(']'), host.size()) - 1);
+  }
+  return host.substr(0, host.find(':'));
+}
+
+bool IsThisComputer(std::string_view name) {
+  return name == "localhost" || IsLoopback(std::string(name));
+}
+
+bool SameSecret(std::string_view one, std::string_view other) {
+  return one.size() == other.size() &&
+         CRYPTO_memcmp(one.data(), other.data(), one.size()) == 0;
+}
+
+bool ChangesSomething(const std::string& method) {
+  return method != "GET" && method != "HEAD" && method != "OPTIONS";
+}
+
+}  // namespace
+
+bool IsLoopback(const std::string& address) {
+  return address == "::1" || address == "localhost" || address.starts_with("127.");
+}
+
+Gate::Gate(std::string listens, std::string token)
+    : listens_(std::move(listens)), token_(std::move(token)) {
+  Require(!token_.empty() || IsLoopback(listens_),
+          "an address that others reach has a token");
+}
+
+void Gate::Check(const HttpRequest& request) const {
+  const std::string host = SmallLetters(request.Header("host"));
+  if (token_.empty() && !IsThisComputer(NameIn(host))) {
+    throw Problem(421,
+                  fmt::format("this server is not '{}'", Printable(host)),
+                  {{.detail = "it answers to localhost and 127.0.0.1 alone"}});
+  }
+  const std::string origin = SmallLetters(request.Header("origin"));
+  const std::size_t from = origin.find("://");
+  const bool is_foreign =
+      !origin.empty() &&
+      (from == std::string::npos || std::string_view(origin).substr(from + 3) != host);
+  const std::string site = request.Header("sec-fetch-site");
+  const bool is_sent_by_another = site == "cross-site" || site == "same-site";
+  if (ChangesSomething(request.method) && (is_foreign || is_sent_by_another)) {
+    throw Problem(403,
+                  fmt::format("a page of {} may not do this",
+                              is_foreign ? Printable(origin) : "another site"));
+  }
+  if (!token_.empty() && !HasToken(request)) {
+    throw Problem(401,
+                  "this server asks for its token",
+                  {{.detail = "no token, or another",
+                    .hint = "Authorization: Bearer TOKEN, or open /?token=TOKEN once"}});
+  }
+}
+
+bool Gate::HasToken(const HttpRequest& request) const {
+  constexpr std::string_view kBearer = "Bearer ";
+  const std::string given = request.Header("authorization");
+  if (given.starts_with(kBearer) &&
+      SameSecret(std::string_view(given).substr(kBearer.size()), token_)) {
+    return true;
+  }
+  std::string_view cookies = request.headers.contains("cookie")
+                                 ? std::string_view(request.headers.at("cookie"))
+                                 : std::string_view();
+  while (!cookies.empty()) {
+    const std::size_t end = std::min(cookies.find(';'), cookies.size());
+    std::string_view one = cookies.substr(0, end);
+    one.remove_prefix(std::min(one.find_first_not_of(' '), one.size()));
+    if (one.starts_with(kCookie) && SameSecret(one.substr(kCookie.size()), token_)) {
+      return true;
+    }
+    cookies.remove_prefix(std::min(end + 1, cookies.size()));
+  }
+  return false;
+}
+
+bool Gate::IsEntrance(const HttpRequest& request) const {
+  const auto given = request.query.find("token");
+  return !token_.empty() && request.method == "GET" && request.path == "/" &&
+         given != request.query.end() && SameSecret(given->second, token_);
+}
+
+HttpResponse Gate::Enter() const {
+  return {.status = 302,
+          .headers = {{"Location", "/"},
+                      {"Set-Cookie",
+                       fmt::format("{}{}; HttpOnly; SameSite=Strict; Path=/",
+                                   kCookie,
+                                   token_)}}};
+}
+
+}  // namespace caltwin

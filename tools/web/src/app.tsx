@@ -1,0 +1,53 @@
+import { lazy, Suspense, useEffect, useState } from "react";
+import { answered, api, type Schemas } from "./api/client";
+import { Busy } from "./ui/parts";
+
+// One page each, fetched when it is first opened.
+const pages = [
+  { path: "/diagnose", name: "Diagnose", page: lazy(() => import("./pages/diagnose")) },
+  { path: "/calibrate", name: "Calibrate", page: lazy(() => import("./pages/calibrate")) },
+  { path: "/bed", name: "Bed", page: lazy(() => import("./pages/bed")) },
+];
+
+export function App() {
+  const [path, setPath] = useState(location.pathname);
+  const [about, setAbout] = useState<Schemas["About"] | null>(null);
+  useEffect(() => {
+    const follow = () => setPath(location.pathname);
+    addEventListener("popstate", follow);
+    answered(api.GET("/api")).then(setAbout, () => setAbout(null));
+    return () => removeEventListener("popstate", follow);
+  }, []);
+  const shown = pages.find((one) => one.path === path) ?? pages[0]!;
+  useEffect(() => {
+    document.title = `${shown.name} · caltwin`;
+  }, [shown]);
+  const open = (to: string) => (event: React.MouseEvent) => {
+    if (event.metaKey || event.ctrlKey) return;
+    event.preventDefault();
+    history.pushState(null, "", to);
+    setPath(to);
+    document.getElementById("main")?.focus();
+  };
+  const Page = shown.page;
+  return (
+    <>
+      <a className="skip" href="#main">Skip to content</a>
+      <header>
+        <span className="brand">caltwin</span>
+        <nav aria-label="Pages">
+          {pages.filter((one) => one.path !== "/bed" || about?.has_bed !== false).map((one) => (
+            <a key={one.path} href={one.path} onClick={open(one.path)}
+               aria-current={one === shown ? "page" : undefined}>{one.name}</a>
+          ))}
+        </nav>
+        <span className="version">{about ? `version ${about.version}` : ""}</span>
+      </header>
+      <main id="main" tabIndex={-1}>
+        <Suspense fallback={<Busy text="Loading the page" />}>
+          <Page />
+        </Suspense>
+      </main>
+    </>
+  );
+}

@@ -1,0 +1,1 @@
+export default function Bed() { return <h1>Bed</h1>; }

@@ -1,0 +1,1 @@
+export default function Calibrate() { return <h1>Calibrate</h1>; }

@@ -1,0 +1,1 @@
+export default function Diagnose() { return <h1>Diagnose</h1>; }
