@@ -71,7 +71,7 @@ std::string Routes::Allowed(std::string_view path) const {
   return allowed;
 }
 
-HttpResponse Answer(const Route& route, const HttpRequest& request) {
+HttpResponse AnswerOf(const Route& route, const HttpRequest& request) {
   try {
     return route.handler(request);
   } catch (const Problem& problem) {

@@ -50,6 +50,6 @@ class Routes {
 };
 
 /// Answers, whatever the handler throws.
-HttpResponse Answer(const Route& route, const HttpRequest& request);
+HttpResponse AnswerOf(const Route& route, const HttpRequest& request);
 
 }  // namespace caltwin

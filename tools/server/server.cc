@@ -165,7 +165,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
 
   void Handle() {
     keeps_ = parser_->get().keep_alive();
-    if (route_.pace == Route::Pace::kQuick) return Send(Answer(route_, request_));
+    if (route_.pace == Route::Pace::kQuick) return Send(AnswerOf(route_, request_));
     if (shared_->waiting >= shared_->limits.waiting) {
       HttpResponse busy = Problem(503, "the server is busy: try again").Response();
       busy.headers.emplace_back("Retry-After", "2");
@@ -174,7 +174,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
     ++shared_->waiting;
     stream_.expires_never();
     asio::post(shared_->workers, [self = shared_from_this()] {
-      auto answer = std::make_shared<HttpResponse>(Answer(self->route_, self->request_));
+      auto answer = std::make_shared<HttpResponse>(AnswerOf(self->route_, self->request_));
       asio::post(self->shared_->io, [self, answer] {
         --self->shared_->waiting;
         self->Send(*answer);

@@ -72,8 +72,12 @@ std::unique_ptr<Desk> DeskOf(const TwinOptions& twin, const std::string& link) {
 
 // A machine that came with the program, with errors that the person does not know.
 TwinOptions Practice(const std::string& name, const std::string& fidelity) {
-  const fs::path truth = ShareFolder() / "examples" / "practice" / (name + ".yaml");
-  return {.machine = name, .truth = truth.string(), .fidelity = fidelity};
+  const fs::path folder = ShareFolder() / "examples" / "practice";
+  TwinOptions practice{.machine = name,
+                       .truth = (folder / (name + ".yaml")).string(),
+                       .fidelity = fidelity};
+  ReadBenchFile((folder / "bench.yaml").string(), &practice);
+  return practice;
 }
 
 HttpResponse NoBed(const HttpRequest&) {

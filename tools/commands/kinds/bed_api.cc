@@ -338,22 +338,35 @@ HttpResponse BedApi::Validate(const HttpRequest& request) const {
   }
   const BedPlane plane = PlaneNow(kept, printer_->bench().drawn_mm);
   std::vector<BedTouch> off;
-  double signed_mm = 0;
+  double common_mm = 0;
   for (const auto& point : points) {
     const Eigen::Vector2d at_mm(point[0], point[1]);
     off.push_back({at_mm, point[2] - plane.At_mm(at_mm)});
-    signed_mm += off.back().height_mm / static_cast<double>(points.size());
+    common_mm += off.back().height_mm / static_cast<double>(points.size());
   }
   const LevelReport level = ReportLevel(off, /*level_mm=*/0);
+  const LevelReport about_common = ReportLevel(off, common_mm);
+  Json notes = Json::array();
+  if (std::abs(common_mm) > kWellLevelled_mm &&
+      about_common.mean_mm < std::abs(common_mm) / 4) {
+    notes.push_back(fmt::format(
+        "all points lie {:.3f} mm {} the plane: they are heights over another zero, not "
+        "tilt; without that common part they are off by {:.3f} mm in the mean",
+        std::abs(common_mm),
+        common_mm > 0 ? "above" : "below",
+        about_common.mean_mm));
+  }
   return JsonResponse(
       {{"status", "success"},
        {"mean_error_mm", level.mean_mm},
        {"max_error_mm", level.max_mm},
        {"std_error_mm", level.std_mm},
        {"num_points", level.count},
-       {"mean_signed_error_mm", signed_mm},
+       {"mean_signed_error_mm", common_mm},
+       {"mean_error_about_common_mm", about_common.mean_mm},
        {"is_within_target", level.mean_mm < kWellLevelled_mm},
-       {"plane_equation", {{"a", plane.a()}, {"b", plane.b()}, {"c", plane.c_mm()}}}});
+       {"plane_equation", {{"a", plane.a()}, {"b", plane.b()}, {"c", plane.c_mm()}}},
+       {"notes", std::move(notes)}});
 }
 
 HttpResponse BedApi::Report(const HttpRequest& request) const {

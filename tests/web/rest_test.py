@@ -1,0 +1,249 @@
+"""The server as its clients meet it: rest_test.py CALTWIN.
+
+Starts `caltwin serve --http 0`, sends the requests of the published calibration interface as
+printed, leads a procedure through its questions, kills the server in the middle of one, and
+sends noise. No browser; the standard library alone.
+"""
+
+import http.client
+import json
+import os
+import random
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+
+JSON = {"Content-Type": "application/json"}
+
+
+class Server:
+    def __init__(self, program, state, *options):
+        words = [program, "serve", "--http", "0", "--fidelity", "fast", "--state", state, *options]
+        self.process = subprocess.Popen(words, stdout=subprocess.PIPE, text=True)
+        self.port = None
+        for line in self.process.stdout:
+            if line.startswith("open http://"):
+                self.port = int(line.split(":")[2].split("/")[0])
+                break
+        threading.Thread(target=self.process.stdout.read, daemon=True).start()
+
+    def ask(self, method, path, body=None, headers=None):
+        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=60)
+        sent = dict(headers or {})
+        if isinstance(body, (dict, list)):
+            body = json.dumps(body)
+            sent = {**JSON, **sent}
+        connection.request(method, path, body, sent)
+        answer = connection.getresponse()
+        text = answer.read()
+        connection.close()
+        if text and (answer.getheader("Content-Type") or "").split(";")[0].endswith("json"):
+            return answer.status, json.loads(text)
+        return answer.status, text.decode("utf-8", "replace")
+
+    def done(self, method, path, body=None, headers=None):
+        status, answer = self.ask(method, path, body, headers)
+        assert status in (200, 202), (method, path, status, answer)
+        return answer
+
+    def end(self, how=signal.SIGINT):
+        self.process.send_signal(how)
+        return self.process.wait(20)
+
+
+def file_form(name, text, **fields):
+    mark = "----caltwin"
+    parts = [f'--{mark}\r\nContent-Disposition: form-data; name="file"; filename="{name}"\r\n\r\n{text}\r\n']
+    for key, value in fields.items():
+        parts.append(f'--{mark}\r\nContent-Disposition: form-data; name="{key}"\r\n\r\n{value}\r\n')
+    body = "".join(parts) + f"--{mark}--\r\n"
+    return body.encode(), {"Content-Type": f"multipart/form-data; boundary={mark}"}
+
+
+def published_requests(server):
+    base = "/api/calibration"
+    status, _ = server.ask("GET", base + "/bed-tilt/current")
+    assert status == 404
+    probe = server.done("POST", base + "/bed-tilt/probe",
+                        {"probe_points": [[20, 20], [215, 20], [20, 215]], "use_printer": True,
+                         "reference_height": 10.0})
+    assert set(probe["plane_equation"]) == {"a", "b", "c"}
+    assert {"tilt_x_degrees", "tilt_y_degrees"} <= set(probe["tilt_angles"])
+    assert set(probe["z_offsets"]) == {"z1_mm", "z2_mm", "z3_mm"}
+    assert probe["residual_mm"] == 0 and probe["measured_points"] == 3
+    grid = server.done("POST", base + "/bed-tilt/calibrate",
+                       {"grid_rows": 3, "grid_cols": 3, "reference_height": 10.0})
+    assert grid["measured_points"] == 9
+    assert server.done("GET", base + "/bed-tilt/current")["points"] == grid["points"]
+    applied = server.done("POST", base + "/bed-tilt/apply-triple-z", grid["z_offsets"])
+    assert applied["status"] == "success"
+    valid = server.done("POST", base + "/validate",
+                        {"test_points": [[100, 100, 10.0], [150, 150, 10.0], [200, 50, 10.0]]})
+    assert {"status", "mean_error_mm", "max_error_mm", "std_error_mm", "num_points"} <= set(valid)
+    assert server.done("GET", base + "/intrinsics")["fx"] == 900
+    camera = {"fx": 905, "fy": 905, "cx": 640, "cy": 480, "k1": 0.1, "k2": 0, "p1": 0, "p2": 0}
+    server.done("POST", base + "/intrinsics", camera)
+    assert server.done("GET", base + "/intrinsics")["fx"] == 905
+    assert "<h1>" in server.done("GET", base + "/report")
+    assert "calibrations" in server.done("GET", base + "/report", headers={"Accept": "application/json"})
+
+
+def lead(server, procedure, options, say_yes=True):
+    """Runs a procedure to its end, answering what it asks; the job."""
+    server.done("POST", "/api/bench/procedures", {"procedure": procedure, "options": options})
+    for _ in range(2000):
+        bench = server.done("GET", "/api/bench")
+        question = (bench["job"] or {}).get("question")
+        if bench["state"] == "idle":
+            return bench["job"]
+        if question:
+            answer = {"id": question["id"], "yes": say_yes}
+            if "hint_mm" in question:
+                answer["value_mm"] = question["hint_mm"]
+            server.ask("POST", "/api/bench/answer", answer)
+        time.sleep(0.01)
+    raise AssertionError("the procedure did not end")
+
+
+def a_machine_is_calibrated(server):
+    before = server.done("GET", "/api/bench")["settings"]
+    refused = lead(server, "next_cluster_backlash", {"axis": "x"}, say_yes=False)
+    assert refused["result"]["ending"] == "refused", refused["result"]
+    assert server.done("GET", "/api/bench")["settings"] == before
+    job = lead(server, "next_cluster_backlash", {"axis": "x", "variant": "corrected"})
+    assert job["result"]["ending"] == "done" and len(job["readings"]) > 20
+    gap = server.done("GET", "/api/bench")["settings"]["backlash_mm"]["x"]
+    assert abs(gap - 0.062) < 0.005, gap  # examples/practice has 0.062.
+    assert f"X{gap:.4f}"[:6] in server.done("GET", "/api/bench/user-vars")
+    status, _ = server.ask("POST", "/api/bench/procedures", {"procedure": "nonsense"})
+    assert status == 422
+    status, wrong = server.ask("POST", "/api/bench/procedures",
+                               {"procedure": "next_cluster_backlash", "options": {"axes": "q"}})
+    assert status == 422 and "did you mean" in json.dumps(wrong), wrong
+    return gap
+
+
+def the_session_is_versioned(server):
+    session = server.done("GET", "/api/bench")["session"]
+    kept = server.done("PATCH", "/api/bench/session",
+                       {"version": session["version"], "entries": {"step": 3}})
+    status, clash = server.ask("PATCH", "/api/bench/session",
+                               {"version": session["version"], "entries": {"step": 4}})
+    assert status == 409 and clash["entries"] == {"step": 3} and clash["version"] == kept["version"]
+
+
+def killed_in_a_procedure(program, state, gap):
+    server = Server(program, state)
+    server.done("POST", "/api/bench/procedures",
+                {"procedure": "next_cluster_backlash", "options": {"axis": "y"}})
+    while not (server.done("GET", "/api/bench")["job"] or {}).get("question"):
+        time.sleep(0.01)
+    server.end(signal.SIGKILL)
+    server = Server(program, state)
+    bench = server.done("GET", "/api/bench")
+    assert bench["session"]["entries"] == {"step": 3} and bench["state"] == "idle"
+    assert abs(bench["settings"]["backlash_mm"]["x"] - gap) < 1e-9, "settings outlive a kill"
+    assert bench["results"], "results outlive a kill"
+    assert server.done("GET", "/api/calibration/bed-tilt/current")["measured_points"] == 9
+    job = lead(server, "next_cluster_backlash", {"axis": "y"})
+    assert job["result"]["ending"] == "done"
+    server.done("POST", "/api/bench/restore")
+    while server.done("GET", "/api/bench")["state"] != "idle":
+        time.sleep(0.01)
+    assert server.done("GET", "/api/bench")["settings"]["backlash_mm"]["x"] == 0
+    return server
+
+
+def files_are_diagnosed(server):
+    rows = "campaign,cmd_x_mm,dir_x,value_mm\n" + "".join(
+        f"a,{x},{d},{0.04 * (d < 0) + 1e-4 * ((x * 7 + r * 3) % 5):.5f}\n"
+        for r in range(3) for d in (1, -1) for x in range(0, 300, 20))
+    body, headers = file_form("dial.csv", rows)
+    answer = server.done("POST", "/api/diagnose", body, headers)
+    assert answer["verdict"] in ("none", "named", "ambiguous", "unknown") and answer["import"]
+    report = server.done("GET", f"/api/diagnoses/{answer['id']}/report")
+    assert report.startswith("<!") and "dial.csv" in report
+    assert "value_mm" in server.done("GET", f"/api/diagnoses/{answer['id']}/rows")
+    body, headers = file_form("x.csv", "campaign,cmd_x_mm,value_mm\na,1,zwei\n")
+    status, refused = server.ask("POST", "/api/diagnose", body, headers)
+    assert status == 422 and refused["errors"][0]["line"] == 2, refused
+    body, headers = file_form("dial.csv", rows, machine="/etc/passwd")
+    assert server.ask("POST", "/api/diagnose", body, headers)[0] == 422
+
+
+def a_scenario_runs(server):
+    begun = server.done("POST", "/api/runs",
+                        {"scenario": "next_cluster_backlash_corrected", "fidelity": "fast"})
+    for _ in range(1000):
+        run = server.done("GET", "/api/runs/" + begun["id"])
+        if run["state"] != "running":
+            break
+        time.sleep(0.05)
+    assert run["state"] == "done" and run["result"]["passed"], run
+    assert server.done("GET", f"/api/runs/{begun['id']}/report").startswith("<!")
+
+
+def noise_leaves_it_answering(server, count):
+    rng = random.Random(1)
+    document = server.done("GET", "/api/openapi.json")
+    paths = [path for path in document["paths"] if path != "/api/events"] + ["/", "/x", "/api/x"]
+    methods = ["GET", "POST", "PUT", "PATCH", "DELETE", "HEAD", "OPTIONS"]
+    bodies = ["", "{", "[]", "null", "{}", '{"z1_mm":1e999}', '{"probe_points":[[1,2],[3,4],["a",5]]}',
+              "[" * 5000, '{"version":-1,"entries":[]}', "\x00\xff", '{"procedure":"\\u0000"}',
+              '{"test_points":[[1,2,3]]}', '{"id":1}', '{"scenario":"../x"}', "a" * 2000]
+    for _ in range(count):
+        path = rng.choice(paths).replace("{id}", rng.choice(["1", "-1", "x%2Fy", "%00", "9" * 50]))
+        path = path.replace("{name}", rng.choice(["backlash", "..", "%2e%2e", "gantry_router"]))
+        if "picture" in path or "explain" in path:
+            continue
+        try:
+            status, _ = server.ask(rng.choice(methods), path, rng.choice(bodies),
+                                   rng.choice([JSON, {}, {"Content-Type": "multipart/form-data; boundary=x"}]))
+        except http.client.HTTPException:
+            continue
+        assert status != 500, (path, status)
+    for _ in range(200):
+        with socket.create_connection(("127.0.0.1", server.port), 5) as raw:
+            raw.sendall(bytes(rng.randrange(256) for _ in range(rng.randrange(1, 400))))
+    assert server.done("GET", "/api")["name"] == "caltwin"
+
+
+def others_need_the_token(program, state):
+    refused = subprocess.run([program, "serve", "--http", "0", "--listen", "0.0.0.0"],
+                             capture_output=True, text=True, timeout=30)
+    assert refused.returncode == 2 and "token" in refused.stderr, refused
+    secret = os.path.join(state, "token")
+    with open(secret, "w", encoding="utf-8") as out:
+        out.write("a-secret-of-24-letters-x\n")
+    server = Server(program, state, "--listen", "0.0.0.0", "--token-file", secret)
+    assert server.ask("GET", "/api")[0] == 401
+    assert server.ask("GET", "/api", headers={"Authorization": "Bearer wrong"})[0] == 401
+    assert server.ask("GET", "/api",
+                      headers={"Authorization": "Bearer a-secret-of-24-letters-x"})[0] == 200
+    assert server.end() == 130
+
+
+def main():
+    program = sys.argv[1]
+    noise = int(sys.argv[2]) if len(sys.argv) > 2 else 1500
+    with tempfile.TemporaryDirectory() as state:
+        server = Server(program, state)
+        published_requests(server)
+        gap = a_machine_is_calibrated(server)
+        the_session_is_versioned(server)
+        server.end(signal.SIGKILL)
+        server = killed_in_a_procedure(program, state, gap)
+        files_are_diagnosed(server)
+        a_scenario_runs(server)
+        noise_leaves_it_answering(server, noise)
+        assert server.end() == 130
+        others_need_the_token(program, state)
+    print("all is answered")
+
+
+if __name__ == "__main__":
+    main()

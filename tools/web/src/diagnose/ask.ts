@@ -1,0 +1,47 @@
+import { answered, api, problemOf, type Problem } from "../api/client";
+import { diagnosesOf, type Diagnosis } from "./types";
+
+export interface Assumed { machine: string; unit: "" | "mm" | "um" | "inch" | "thou"; axis: "" | "x" | "y" | "z"; least: string }
+export const nothingAssumed: Assumed = { machine: "", unit: "", axis: "", least: "" };
+
+export interface Answer {
+  key: number;
+  at: Date;
+  files: File[];
+  assumed: Assumed;
+  diagnoses: Diagnosis[];
+  problems: Problem[];
+}
+
+function send(files: File[], assumed: Assumed, signal: AbortSignal) {
+  const form = new FormData();
+  for (const file of files) form.append("file", file);
+  if (assumed.machine) form.append("machine", assumed.machine);
+  if (assumed.unit) form.append("unit", assumed.unit);
+  if (assumed.axis) form.append("axis", assumed.axis);
+  if (assumed.least.trim()) form.append("min_effect_um", assumed.least.trim());
+  // The multipart body is made by the browser; the typed client knows only its fields.
+  return answered(api.POST("/api/diagnose", { body: form as never, bodySerializer: () => form, signal }));
+}
+
+const stem = (name: string) => name.replace(/\.[^.]*$/, "");
+
+// One file that cannot be read does not keep the others from being answered: it is left
+// out (with the header beside it) and the rest is sent again.
+export async function ask(files: File[], assumed: Assumed, signal: AbortSignal): Promise<Pick<Answer, "diagnoses" | "problems">> {
+  const problems: Problem[] = [];
+  let rest = files;
+  while (rest.length > 0) {
+    try {
+      return { diagnoses: diagnosesOf(await send(rest, assumed, signal)), problems };
+    } catch (error) {
+      const problem = problemOf(error);
+      problems.push(problem);
+      const bad = problem.errors?.[0]?.file;
+      const kept = bad ? rest.filter((file) => stem(file.name) !== stem(bad)) : [];
+      if (problem.status !== 422 || kept.length === rest.length) break;
+      rest = kept;
+    }
+  }
+  return { diagnoses: [], problems };
+}

@@ -1,0 +1,59 @@
+import { Card, withSd } from "../ui/parts";
+import type { Diagnosis, Quantity } from "./types";
+import { baselineWord, causeWord, first, nice, plain } from "./words";
+
+const campaigns: Record<string, string> = {
+  abbe: "one laser line at two places of another axis (called “abbe”)",
+  plate_turned_90: "the same plate again, turned by 90°",
+  ballbar: "circles in both senses with a ball-bar",
+};
+
+export function NextSteps({ one }: { one: Diagnosis }) {
+  const next = one.next_measurement ?? [];
+  const unknown = one.not_determined ?? [];
+  const plan = one.next_campaign;
+  if (next.length === 0 && unknown.length === 0 && !plan) return null;
+  return (
+    <Card title="What to measure next">
+      {next.map((step) => <p key={step.says}>{first(nice(step.says))}.</p>)}
+      {plan ? (
+        <p>Then: {campaigns[plan.kind] ?? plain(plan.kind)}, about {Math.max(1, Math.round(plan.minutes))} minutes.
+          {plan.separates.length > 1 ? ` It tells apart: ${plan.separates.map(causeWord).join("; ")}.` : ""}</p>
+      ) : null}
+      {unknown.length > 0 ? (
+        <>
+          <h3>Not known from these readings</h3>
+          <ul>{unknown.map((part) => <li key={part.what + part.says}>{nice(part.says)}</li>)}</ul>
+        </>
+      ) : null}
+    </Card>
+  );
+}
+
+function Rows({ quantities }: { quantities: Quantity[] }) {
+  return (
+    <div className="scroll"><table>
+      <thead><tr><th>Quantity</th><th className="number">Built minus believed</th></tr></thead>
+      <tbody>{quantities.map((one) => (
+        <tr key={one.name}>
+          <td>{baselineWord(one.name)}</td>
+          <td className="number">{one.determined ? withSd(one.value, one.sd, one.unit) : "not known"}</td>
+        </tr>))}
+      </tbody>
+    </table></div>
+  );
+}
+
+export function Baseline({ one }: { one: Diagnosis }) {
+  const all = one.baseline ?? [];
+  if (all.length === 0) return null;
+  const known = all.filter((part) => part.determined);
+  const blind = all.filter((part) => !part.determined);
+  return (
+    <Card title="Plain settings, as measured">
+      <p className="hint">These are always fitted first: scale, backlash, where things lie. ± is one standard deviation.</p>
+      {known.length > 0 ? <Rows quantities={known} /> : <p>These readings determine none of them.</p>}
+      {blind.length > 0 ? <details><summary>Not known from these readings ({blind.length})</summary><Rows quantities={blind} /></details> : null}
+    </Card>
+  );
+}

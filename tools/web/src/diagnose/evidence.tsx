@@ -1,0 +1,40 @@
+import type { Evidence } from "./types";
+import { axisWord, causeWord, followWord } from "./words";
+
+// Log odds in words; 4.6 are 100 to 1.
+function strength(odds: number): { word: string; share: number } {
+  if (odds > 4.6) return { word: "strong", share: 55 };
+  if (odds > 1) return { word: "weak", share: 25 };
+  if (odds > -1) return { word: "undecided", share: 8 };
+  return { word: "nothing", share: 0 };
+}
+
+export function EvidenceMap({ map }: { map: Evidence[] }) {
+  const rows = [...new Set(map.map((one) => one.channel))];
+  const columns = [...new Set(map.map((one) => one.covariate))];
+  return (
+    <details>
+      <summary>Where the evidence lies</summary>
+      <p className="hint">What is off (rows), and what it follows (columns). “Strong” is more than 100 to 1 for the cause named.</p>
+      <div className="scroll" tabIndex={0} role="region" aria-label="Evidence map"><table className="evidence">
+        <thead><tr><th scope="col">Readings of</th>{columns.map((one) => <th key={one} scope="col">{followWord(one)}</th>)}</tr></thead>
+        <tbody>{rows.map((row) => (
+          <tr key={row}>
+            <th scope="row">{axisWord(row)}</th>
+            {columns.map((column) => <Cell key={column} one={map.find((each) => each.channel === row && each.covariate === column)} />)}
+          </tr>))}
+        </tbody>
+      </table></div>
+    </details>
+  );
+}
+
+function Cell({ one }: { one: Evidence | undefined }) {
+  if (!one) return <td className="hint">–</td>;
+  const { word, share } = strength(one.log_odds);
+  return (
+    <td style={{ background: `color-mix(in srgb, var(--accent) ${share * 0.5}%, var(--card))` }}>
+      {word}{share > 8 ? <><br /><small>{causeWord(one.cause)}</small></> : null}
+    </td>
+  );
+}
