@@ -42,6 +42,10 @@ class Link {
   ///   ("Error: ...") or fell silent
   virtual Expected<std::vector<std::string>> Send(
       std::string_view line, std::chrono::milliseconds patience) = 0;
+
+  /// Says a line at once, past whatever waits for its answer, from any thread: an
+  /// emergency stop. Its own answer is not read. false: this wire knows no such way.
+  virtual bool Interject(std::string_view /*line*/) { return false; }
 };
 
 /// Reads what no controller can say: callipers, dial indicators, lasers, at standstill.

@@ -17,6 +17,7 @@ class ChannelLink : public Link {
   explicit ChannelLink(int descriptor) : channel_(descriptor) {}
   Expected<std::vector<std::string>> Send(std::string_view line,
                                           std::chrono::milliseconds patience) override;
+  bool Interject(std::string_view line) override { return channel_.WriteLine(line); }
 
  private:
   LineChannel channel_;

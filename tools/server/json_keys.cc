@@ -119,9 +119,14 @@ std::string JsonKeys::Text(const std::string& key, const std::string& fallback) 
   return fallback;
 }
 
-Json JsonKeys::Object(const std::string& key, std::size_t most_bytes) {
+Json JsonKeys::Object(const std::string& key,
+                      std::size_t most_bytes,
+                      bool is_required) {
   const Json* const value = Find(key);
-  if (value == nullptr) return Json::object();
+  if (value == nullptr) {
+    if (is_required) Add(Pointer(key), "is missing", "an object is expected");
+    return Json::object();
+  }
   if (value->is_object() && value->dump().size() <= most_bytes) return *value;
   Add(Pointer(key),
       value->is_object() ? fmt::format("is larger than {} bytes", most_bytes)

@@ -32,8 +32,10 @@ class JsonKeys {
   int Integer(const std::string& key, int least, int most, int fallback);
   bool Bool(const std::string& key, bool fallback);
   std::string Text(const std::string& key, const std::string& fallback);
-  /// An object of any keys, empty where the key is left out.
-  nlohmann::ordered_json Object(const std::string& key, std::size_t most_bytes);
+  /// An object of any keys, empty where the key is left out and may be.
+  nlohmann::ordered_json Object(const std::string& key,
+                                std::size_t most_bytes,
+                                bool is_required = false);
   /// A list of `least` to `most` lists of `size` numbers each.
   std::vector<std::vector<double>> Tuples(const std::string& key,
                                           std::size_t size,

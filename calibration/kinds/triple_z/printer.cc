@@ -158,13 +158,19 @@ Expected<void> TripleZPrinter::MoveScrews(const Vec3<double>& up_mm,
   if (!z_mm) return tl::unexpected(z_mm.error());
   const Vec3<double> to_mm = Vec3<double>::Constant(*z_mm) - up_mm;
   z_mm_ = z_after_mm;
-  return SayAll({"M584 Z0 U1 V2 P5",
-                 "G92 " + Word('U', *z_mm) + " " + Word('V', *z_mm),
-                 "G1 " + Word('Z', to_mm[0]) + " " + Word('U', to_mm[1]) + " " +
-                     Word('V', to_mm[2]),
-                 "M400",
-                 "M584 Z0:1:2 P3",
-                 "G92 " + Word('Z', z_after_mm)});
+  const auto moved = SayAll({"M584 Z0 U1 V2 P5",
+                             "G92 " + Word('U', *z_mm) + " " + Word('V', *z_mm),
+                             "G1 " + Word('Z', to_mm[0]) + " " + Word('U', to_mm[1]) +
+                                 " " + Word('V', to_mm[2]),
+                             "M400",
+                             "M584 Z0:1:2 P3",
+                             "G92 " + Word('Z', z_after_mm)});
+  if (!moved) {
+    // One axis again, so that it can be homed; where the screws stand nobody knows.
+    SayAll({"M584 Z0:1:2 P3"});
+    LoseHeights();
+  }
+  return moved;
 }
 
 Expected<void> TripleZPrinter::MoveTripleZ(double x_mm,

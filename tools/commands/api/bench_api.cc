@@ -112,6 +112,9 @@ void BenchApi::AddTo(Routes* routes) {
   add("POST", "/procedures", kSlow, [this](const HttpRequest& r) { return Begin(r); });
   add("POST", "/answer", kQuick, [this](const HttpRequest& r) { return Answer(r); });
   add("POST", "/abort", kQuick, [this](const HttpRequest&) { return Abort(); });
+  add("POST", "/emergency-stop", kQuick, [this](const HttpRequest&) {
+    return EmergencyStop();
+  });
   add("POST", "/restore", kSlow, [this](const HttpRequest& r) { return Restore(r); });
   add("GET", "/user-vars", kQuick, [this](const HttpRequest&) { return UserVars(); });
 }
@@ -157,7 +160,7 @@ HttpResponse BenchApi::SetSession(const HttpRequest& request) {
   JsonKeys keys(body);
   constexpr int kMost = 1'000'000'000;
   const int version = keys.Integer("version", 0, kMost, -1);
-  const Json entries = keys.Object("entries", kMostEntries_bytes);
+  const Json entries = keys.Object("entries", kMostEntries_bytes, /*is_required=*/true);
   keys.Done();
   {
     const std::lock_guard<std::mutex> lock(mutex_);
@@ -358,6 +361,12 @@ HttpResponse BenchApi::Abort() {
   return JsonResponse({{"aborted", true}}, 202);
 }
 
+HttpResponse BenchApi::EmergencyStop() {
+  const bool is_sent = link_->Interject("M112");
+  Abort();
+  return JsonResponse({{"aborted", true}, {"sent_m112", is_sent}}, 202);
+}
+
 HttpResponse BenchApi::UserVars() const {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (!settings_) throw Problem(404, "this machine keeps no such file");
@@ -392,6 +401,7 @@ void BenchApi::ReadStore() {
 
 void BenchApi::KeepStore() {
   if (options_.store.empty()) return;
+  const std::lock_guard<std::mutex> writing(writing_);
   std::string text;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
@@ -405,7 +415,11 @@ void BenchApi::KeepStore() {
                 {"settings_before", SettingsTree(settings_before_)}}
                .dump(1);
   }
-  WriteDurably(options_.store, text + "\n");
+  try {
+    WriteDurably(options_.store, text + "\n");
+  } catch (const InputError& error) {
+    fmt::print(stderr, "{}\n", error.what());  // The machine goes on.
+  }
 }
 
 }  // namespace caltwin

@@ -53,6 +53,8 @@ class BenchApi {
   HttpResponse Begin(const HttpRequest& request);
   HttpResponse Answer(const HttpRequest& request);
   HttpResponse Abort();
+  /// M112 past whatever waits, where the wire can; then as Abort.
+  HttpResponse EmergencyStop();
   HttpResponse Restore(const HttpRequest& request);
   HttpResponse UserVars() const;
 
@@ -82,6 +84,7 @@ class BenchApi {
   std::thread thread_{};
   std::size_t told_ = 0;  ///< Readings, in the job's thread.
 
+  std::mutex writing_{};
   mutable std::mutex mutex_{};  ///< Of what follows.
   std::string state_ = "idle";  ///< idle, working, asking
   Json job_ = nullptr;

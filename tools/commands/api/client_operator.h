@@ -76,6 +76,7 @@ class AbortableLink final : public Link {
       : inner_(inner), person_(person), sent_(std::move(sent)) {}
   Expected<std::vector<std::string>> Send(std::string_view line,
                                           std::chrono::milliseconds patience) override;
+  bool Interject(std::string_view line) override { return inner_->Interject(line); }
 
  private:
   Link* inner_;

@@ -65,7 +65,8 @@ void RunsApi::AddTo(Routes* routes) {
   add("POST", "/api/runs", [this](const HttpRequest& r) { return Begin(r); });
   add("GET", "/api/runs", [this](const HttpRequest&) { return List(); });
   add("GET", "/api/runs/{}", [this](const HttpRequest& r) { return Read(r); });
-  add("DELETE", "/api/runs/{}", [this](const HttpRequest& r) { return Stop(r); });
+  add("DELETE", "/api/runs/{}", [this](const HttpRequest& r) { return Delete(r); });
+  add("POST", "/api/runs/{}/stop", [this](const HttpRequest& r) { return Stop(r); });
   add("GET", "/api/runs/{}/report", [this](const HttpRequest& r) { return Report(r); });
 }
 
@@ -87,7 +88,7 @@ HttpResponse RunsApi::Begin(const HttpRequest& request) {
   const auto at_work = std::ranges::count(
       runs_, "running", [](const auto& one) -> const std::string& { return one->state; });
   if (at_work >= kMostAtWork) {
-    HttpResponse busy = Problem(503, "two runs are at work: wait for one to end").Response();
+    HttpResponse busy = Problem(429, "two runs are at work: wait for one to end").Response();
     busy.headers.emplace_back("Retry-After", "5");
     return busy;
   }
@@ -160,13 +161,27 @@ HttpResponse RunsApi::Stop(const HttpRequest& request) {
   return JsonResponse({{"id", run->id}, {"state", run->state}}, 202);
 }
 
+HttpResponse RunsApi::Delete(const HttpRequest& request) {
+  std::shared_ptr<Run> run;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    run = Find(request.places[0]);
+    std::erase(runs_, run);
+  }
+  run->stop = true;
+  if (run->thread.joinable()) run->thread.join();
+  std::error_code ignored;
+  fs::remove_all(folder_.path() / run->id, ignored);
+  return {.status = 204};
+}
+
 HttpResponse RunsApi::Report(const HttpRequest& request) const {
   fs::path file;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     file = folder_.path() / Find(request.places[0])->id / "report" / "index.html";
   }
-  if (!fs::exists(file)) throw Problem(404, "this run has no report yet");
+  if (!fs::exists(file)) throw Problem(409, "this run has no report yet");
   return {.content_type = "text/html; charset=utf-8",
           .body = ReadTextFile(file, kLargestData_bytes),
           .headers = {{"Content-Security-Policy",

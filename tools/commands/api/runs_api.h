@@ -42,6 +42,7 @@ class RunsApi {
   HttpResponse List() const;
   HttpResponse Read(const HttpRequest& request) const;
   HttpResponse Stop(const HttpRequest& request);
+  HttpResponse Delete(const HttpRequest& request);
   HttpResponse Report(const HttpRequest& request) const;
   void Work(Run* run, const std::vector<std::string>& words);
   std::shared_ptr<Run> Find(const std::string& id) const;

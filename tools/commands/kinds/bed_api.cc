@@ -6,7 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "sim/base/units.h"
+#include "calibration/kinds/triple_z/procedures.h"
+#include "sim/base/input_error.h"
 #include "sim/machine/kinds/triple_z/drawing.h"
 #include "tools/commands/api/utc.h"
 #include "tools/commands/kinds/bed_report.h"
@@ -31,7 +32,8 @@ Problem ProblemOf(const MachineFault& fault) {
   std::string hint;
   if (is_lost) hint = "look at the cable, and whether the controller runs";
   if (has_no_trigger) hint = "look at the probe: is it plugged in, does it trigger by hand?";
-  return Problem(is_late ? 504 : 502,
+  const int status = is_late ? 504 : is_lost ? 502 : 409;
+  return Problem(status,
                  "the machine did not do it: " + fault.reply,
                  {{.detail = fault.reply, .hint = hint}},
                  {{"machine_said", fault.reply}});
@@ -59,7 +61,7 @@ BedApi::BedApi(TripleZPrinter* printer,
                OperatorSeat* seat,
                EventTopic* events)
     : printer_(printer), options_(options), seat_(seat), events_(events) {
-  Keep(ReadBedStore(options_.store, printer->bench().sigma_mm, &note_));
+  Show(ReadBedStore(options_.store, printer->bench().sigma_mm, &note_));
 }
 
 void BedApi::AddTo(Routes* routes) {
@@ -89,8 +91,19 @@ BedStore BedApi::store() const {
   return store_;
 }
 
-void BedApi::Keep(BedStore store) {
-  WriteBedStore(options_.store, store);
+void BedApi::Change(const std::function<void(BedStore*)>& change) {
+  const std::lock_guard<std::mutex> writing(writing_);
+  BedStore store = this->store();
+  change(&store);
+  try {
+    WriteBedStore(options_.store, store);
+  } catch (const InputError& error) {
+    throw Problem(500, error.what());  // The disk's fault, not the client's.
+  }
+  Show(std::move(store));
+}
+
+void BedApi::Show(BedStore store) {
   const std::lock_guard<std::mutex> lock(mutex_);
   store_ = std::move(store);
   current_.clear();
@@ -128,9 +141,7 @@ HttpResponse BedApi::SetIntrinsics(const HttpRequest& request) {
       "baseline_mm", {.least = 0.1, .most = 10'000, .unit = "mm"}, -1);
   if (baseline_mm > 0) camera.baseline_mm = baseline_mm;
   keys.Done();
-  BedStore store = this->store();
-  store.camera = camera;
-  Keep(std::move(store));
+  Change([&](BedStore* store) { store->camera = camera; });
   return JsonResponse(ToJson(camera));
 }
 
@@ -199,6 +210,7 @@ HttpResponse BedApi::Find(const HttpRequest& request, const Asked& asked) {
                  .at = UtcNow()};
   const auto seat = seat_->Take(request, "probing the bed");
   if (asked.uses_printer) {
+    if (const auto homed = printer_->HomeIfNeeded(); !homed) throw ProblemOf(homed.error());
     found.touches = TouchAll(asked.at_mm);
     found.raised_before_mm = printer_->raised_mm();
   } else {
@@ -208,11 +220,11 @@ HttpResponse BedApi::Find(const HttpRequest& request, const Asked& asked) {
   found.offsets_mm = ScrewOffsets_mm(
       found.plane, printer_->bench().drawn_mm, asked.reference_mm, OffsetRule::kFormula);
   found.notes = NotesOf(found);
-  BedStore store = this->store();
-  store.applied_mm.reset();
-  store.found.push_back(found);
-  if (store.found.size() > kMostFound) store.found.erase(store.found.begin());
-  Keep(std::move(store));
+  Change([&](BedStore* store) {
+    store->applied_mm.reset();
+    store->found.push_back(found);
+    if (store->found.size() > kMostFound) store->found.erase(store->found.begin());
+  });
   events_->Publish("found", ToJson(found).dump());
   return JsonResponse(ToJson(found));
 }
@@ -299,13 +311,14 @@ void BedApi::RequireReachable(const Vec3<double>& raised_mm) const {
 HttpResponse BedApi::Apply(const HttpRequest& request) {
   const Json body = JsonBody(request);
   JsonKeys keys(body);
-  const double top_mm = printer_->bench().top_mm;
-  const NumberRange range{-top_mm, top_mm, "mm"};
+  // More is no correction: something is loose, or a screw was counted wrong.
+  const double most_mm = TripleZOptions{}.largest_mm;
+  const NumberRange range{-most_mm, most_mm, "mm"};
   const Vec3<double> offsets_mm(
       keys.Number("z1_mm", range), keys.Number("z2_mm", range), keys.Number("z3_mm", range));
   keys.Done();
   const auto seat = seat_->Take(request, "raising the screws");
-  BedStore store = this->store();
+  const BedStore store = this->store();
   const bool is_of_found = !store.found.empty() && store.found.back().is_by_printer;
   const Vec3<double> before_mm =
       is_of_found ? store.found.back().raised_before_mm : Vec3<double>::Zero();
@@ -315,8 +328,7 @@ HttpResponse BedApi::Apply(const HttpRequest& request) {
   if (const auto homed = printer_->HomeIfNeeded(); !homed) throw ProblemOf(homed.error());
   const Vec3<double> move_mm = target_mm - printer_->raised_mm();
   if (const auto moved = printer_->Raise(move_mm); !moved) throw ProblemOf(moved.error());
-  store.applied_mm = offsets_mm;
-  Keep(std::move(store));
+  Change([&](BedStore* now) { now->applied_mm = offsets_mm; });
   const Json answer{{"status", "success"},
                     {"z_offsets", ScrewsToJson(offsets_mm)},
                     {"moved", ScrewsToJson(move_mm)}};

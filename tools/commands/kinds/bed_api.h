@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -60,8 +61,9 @@ class BedApi {
   std::vector<BedTouch> TouchAll(const std::vector<Eigen::Vector2d>& at_mm);
   void RequireReachable(const Vec3<double>& raised_mm) const;
   std::vector<std::string> NotesOf(const BedFound& found) const;
-  /// Puts a change into the store and onto the disk.
-  void Keep(BedStore store);
+  /// Puts a change into the store and onto the disk, one after another.
+  void Change(const std::function<void(BedStore*)>& change);
+  void Show(BedStore store);
   BedStore store() const;
 
   TripleZPrinter* printer_;
@@ -69,7 +71,8 @@ class BedApi {
   OperatorSeat* seat_;
   EventTopic* events_;
   std::string note_{};
-  mutable std::mutex mutex_{};
+  std::mutex writing_{};
+  mutable std::mutex mutex_{};  ///< Of what follows.
   BedStore store_{};
   std::string current_{};  ///< As `current` answers.
 };

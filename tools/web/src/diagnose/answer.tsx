@@ -6,7 +6,8 @@ import { Findings } from "./findings";
 import { GainCard } from "./gain";
 import { Pictures } from "./pictures";
 import type { Diagnosis } from "./types";
-import { nice, verdictOf } from "./words";
+import { verdictOf } from "./verdict";
+import { first, nice, size } from "./words";
 
 export function AnswerTabs({ diagnoses }: { diagnoses: Diagnosis[] }) {
   const [at, setAt] = useState(0);
@@ -47,7 +48,7 @@ function AnswerOf({ one }: { one: Diagnosis }) {
       <Facts one={one} />
       <GainCard one={one} />
       <NextSteps one={one} />
-      <Correction id={one.id} />
+      <Correction one={one} />
       <Baseline one={one} />
       <Pictures one={one} />
     </>
@@ -56,14 +57,12 @@ function AnswerOf({ one }: { one: Diagnosis }) {
 
 function VerdictShown({ one }: { one: Diagnosis }) {
   const { kind, title, says, more } = verdictOf(one);
-  const other = one.not_the_machine;
   return (
     <section aria-labelledby={`verdict-${one.id}`} className="verdict">
       <Notice kind={kind}>
         <h2 id={`verdict-${one.id}`}>{title}</h2>
-        <p>{nice(says)}</p>
+        <p className="says">{nice(says)}</p>
         {more.map((line) => <p key={line}>{nice(line)}</p>)}
-        {other && !says.includes(other.says.slice(0, 40)) ? <p><strong>Not the machine:</strong> {nice(other.says)}</p> : null}
       </Notice>
       <p className="links">
         <a href={`/api/diagnoses/${one.id}/report`} target="_blank" rel="noreferrer">Whole report (new tab)</a>
@@ -82,34 +81,39 @@ function Reading({ one }: { one: Diagnosis }) {
   const flagged = (one.show?.flagged_rows ?? []).filter((row) => row.left_out);
   return (
     <Card title="What was read">
-      <p><strong>{one.import.file}</strong>{read.length > 0 ? `: ${read.map((note) => note.replace(/^read as /, "")).join("; ")}.` : ""}</p>
+      <p><strong>{one.import.file}</strong>{read.length > 0 ? `: ${nice(read.map((note) => note.replace(/^read as /, "")).join("; "))}.` : ""}</p>
       {out.length > 0 ? (
         <Notice kind="warn">
           <p><strong>Left out as bad readings:</strong> row{out.length > 1 ? "s" : ""} {out.join(", ")}.
-            {flagged.map((row) => ` Row ${row.row} is ${nice(`${(row.left_um / 1000).toPrecision(3)} mm`)} off.`).join("")}
+            {flagged.map((row) => ` Row ${row.row} is ${size(row.left_um)} off.`).join("")}
             {" "}Measure {out.length > 1 ? "them" : "it"} again if you can.</p>
         </Notice>
       ) : null}
       {assumed.length > 0 ? (
         <>
           <h3>Assumed, please check</h3>
-          <ul>{assumed.map((note) => <li key={note}>{nice(note.replace(/^assumed: /, ""))}</li>)}</ul>
+          <ul>{assumed.map((note) => <li key={note}>{first(nice(note.replace(/^assumed: /, "")))}.</li>)}</ul>
+          <p><a href="#assumed">Change what was assumed</a></p>
         </>
       ) : null}
       {rest.length > 0 ? (
         <details><summary>Further remarks ({rest.length})</summary>
-          <ul>{rest.map((note) => <li key={note}>{nice(note)}</li>)}</ul>
+          <ul>{rest.map((note) => <li key={note}>{first(nice(note))}.</li>)}</ul>
         </details>
       ) : null}
     </Card>
   );
 }
 
+// What the verdict has not said already.
 function Facts({ one }: { one: Diagnosis }) {
-  const facts = [...(one.facts ?? [])].sort((a, b) => Number(b.is_answer) - Number(a.is_answer));
+  const { says, more } = verdictOf(one);
+  const told = [says, ...more].join(" ");
+  const facts = (one.facts ?? []).filter((fact) => !told.includes(fact.says))
+    .sort((a, b) => Number(b.is_answer) - Number(a.is_answer));
   if (facts.length === 0) return null;
   return (
-    <Card title="What the numbers say by themselves">
+    <Card title="What the numbers also say">
       <ul className="facts">
         {facts.map((fact) => <li key={fact.says}>{fact.is_answer ? <strong>{nice(fact.says)}.</strong> : `${nice(fact.says)}.`}</li>)}
       </ul>

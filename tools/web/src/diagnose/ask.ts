@@ -1,8 +1,9 @@
 import { answered, api, problemOf, type Problem } from "../api/client";
+import { first } from "./words";
 import { diagnosesOf, type Diagnosis } from "./types";
 
-export interface Assumed { machine: string; unit: "" | "mm" | "um" | "inch" | "thou"; axis: "" | "x" | "y" | "z"; least: string }
-export const nothingAssumed: Assumed = { machine: "", unit: "", axis: "", least: "" };
+export interface Assumed { machine: string; unit: "" | "mm" | "um" | "inch" | "thou"; axis: "" | "x" | "y" | "z"; least: string; columns: string }
+export const nothingAssumed: Assumed = { machine: "", unit: "", axis: "", least: "", columns: "" };
 
 export interface Answer {
   key: number;
@@ -20,8 +21,15 @@ function send(files: File[], assumed: Assumed, signal: AbortSignal) {
   if (assumed.unit) form.append("unit", assumed.unit);
   if (assumed.axis) form.append("axis", assumed.axis);
   if (assumed.least.trim()) form.append("min_effect_um", assumed.least.trim());
+  if (assumed.columns) form.append("map", assumed.columns);
   // The multipart body is made by the browser; the typed client knows only its fields.
   return answered(api.POST("/api/diagnose", { body: form as never, bodySerializer: () => form, signal }));
+}
+
+// The page has a form in place of the command that the hint tells.
+function forPeople(problem: Problem): Problem {
+  const errors = problem.errors?.map((fault) => ({ ...fault, hint: fault.hint?.replace(/ Or say it: caltwin import.*$/s, "") }));
+  return { ...problem, detail: first(problem.detail), errors: errors?.map((fault) => ({ ...fault, detail: first(fault.detail) })) };
 }
 
 const stem = (name: string) => name.replace(/\.[^.]*$/, "");
@@ -35,7 +43,7 @@ export async function ask(files: File[], assumed: Assumed, signal: AbortSignal):
     try {
       return { diagnoses: diagnosesOf(await send(rest, assumed, signal)), problems };
     } catch (error) {
-      const problem = problemOf(error);
+      const problem = forPeople(problemOf(error));
       problems.push(problem);
       const bad = problem.errors?.[0]?.file;
       const kept = bad ? rest.filter((file) => stem(file.name) !== stem(bad)) : [];

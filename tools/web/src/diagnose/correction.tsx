@@ -1,6 +1,8 @@
-import { useEffect, useState } from "react";
+import { useEffect, useId, useState } from "react";
 import { answered, api, problemOf, type Problem, type Schemas } from "../api/client";
-import { Busy, Card, Notice } from "../ui/parts";
+import { Busy, Card, Notice, withSd } from "../ui/parts";
+import type { Diagnosis, Fact } from "./types";
+import { axisWord, nice } from "./words";
 
 const controllers = [
   ["rrf", "RepRapFirmware"], ["klipper", "Klipper"], ["marlin", "Marlin"], ["linuxcnc", "LinuxCNC"],
@@ -27,12 +29,40 @@ function WhyNot({ problem }: { problem: Problem }) {
   return (
     <Notice kind={problem.status === 422 ? "info" : "bad"}>
       <p><strong>No settings to paste:</strong> {problem.detail}.</p>
-      {problem.errors?.map((fault, i) => (fault.hint ? <p key={i} className="hint">{fault.hint}</p> : null))}
+      {/steps\/mm/.test(problem.detail)
+        ? <p>If one of the machines under “Change what was assumed” has your steps/mm, choose it there. Or use the factor above.</p>
+        : problem.errors?.map((fault, i) => (fault.hint ? <p key={i} className="hint">{nice(fault.hint)}</p> : null))}
     </Notice>
   );
 }
 
-export function Correction({ id }: { id: string }) {
+// The factor needs no machine file: what stands in the firmware, times what was measured.
+function NewSteps({ fact }: { fact: Fact }) {
+  const [now, setNow] = useState("");
+  const id = useId();
+  const axis = axisWord(fact.axis);
+  const factor = fact.steps_factor ?? 1;
+  const steps = Number(now.replace(",", "."));
+  return (
+    <div>
+      <p>Multiply the steps/mm of {axis} by {withSd(factor, fact.steps_factor_sd, "", 6).trim()}. Klipper: divide rotation_distance by it.</p>
+      <div className="row">
+        <label htmlFor={id}>Steps/mm of {axis} set now
+          <input id={id} inputMode="decimal" value={now} placeholder="80" onChange={(event) => setNow(event.target.value)} />
+        </label>
+        <output htmlFor={id}>
+          {steps > 0 ? <>Set {withSd(steps * factor, fact.steps_factor_sd ? steps * fact.steps_factor_sd : null, "steps/mm")}</> : null}
+        </output>
+      </div>
+    </div>
+  );
+}
+
+const isOff = (fact: Fact) => fact.fact === "scale" && fact.is_answer && typeof fact.steps_factor === "number";
+const setsNothing = (text: string) => text.split("\n").every((line) => /^\s*($|[;#[])/.test(line));
+
+export function Correction({ one }: { one: Diagnosis }) {
+  const id = one.id;
   const [controller, setController] = useState<Controller | "">("");
   const [found, setFound] = useState<Schemas["Correction"] | null>(null);
   const [problem, setProblem] = useState<Problem | null>(null);
@@ -47,6 +77,7 @@ export function Correction({ id }: { id: string }) {
   }, [id, controller]);
   return (
     <Card title="Settings to paste">
+      {(one.not_the_machine ? [] : one.facts ?? []).filter(isOff).map((fact) => <NewSteps key={fact.says} fact={fact} />)}
       <label>Your controller
         <select value={controller} onChange={(event) => setController(event.target.value as Controller | "")}>
           <option value="">choose</option>
@@ -58,6 +89,7 @@ export function Correction({ id }: { id: string }) {
       {found?.files.map((file) => (
         <div key={file.name}>
           <h3>{file.name}</h3>
+          {setsNothing(file.text) ? <p>Nothing to set here. The comments say why.</p> : null}
           <pre tabIndex={0} aria-label={`Settings, ${file.name}`}>{file.text}</pre>
           <CopyButton text={file.text} />
         </div>

@@ -1,5 +1,7 @@
 import { useEffect, useId, useRef, useState } from "react";
 import uPlot from "uplot";
+import { first } from "./words";
+import { Scroll } from "./scroll";
 import "uplot/dist/uPlot.min.css";
 
 export interface Series { name: string; values: (number | null)[]; dashed?: boolean }
@@ -33,6 +35,9 @@ export function Curve({ title, x, xLabel, series }: { title: string; x: number[]
   const host = useRef<HTMLDivElement>(null);
   const [dark, setDark] = useState(false);
   const id = useId();
+  const drawn = JSON.stringify([x, xLabel, series]);
+  const current = useRef({ x, xLabel, series });
+  current.current = { x, xLabel, series };
   useEffect(() => {
     const media = matchMedia("(prefers-color-scheme: dark)");
     const follow = () => setDark(media.matches);
@@ -41,25 +46,26 @@ export function Curve({ title, x, xLabel, series }: { title: string; x: number[]
   }, []);
   useEffect(() => {
     const box = host.current;
-    if (!box || x.length === 0) return;
-    const plot = new uPlot(options(box, xLabel, series), [x, ...series.map((one) => one.values)], box);
+    const now = current.current;
+    if (!box || now.x.length === 0) return;
+    const plot = new uPlot(options(box, now.xLabel, now.series), [now.x, ...now.series.map((one) => one.values)], box);
     const resized = new ResizeObserver(() => plot.setSize({ width: box.clientWidth, height: 240 }));
     resized.observe(box);
     return () => { resized.disconnect(); plot.destroy(); };
-  }, [x, xLabel, series, dark]);
+  }, [drawn, dark]);
   return (
     <figure className="curve">
-      <figcaption id={id}>{title}</figcaption>
+      <figcaption id={id}>{first(title)}</figcaption>
       <div ref={host} role="img" aria-labelledby={id} />
       <details>
         <summary>As a table</summary>
-        <div className="scroll tall" tabIndex={0} role="region" aria-label={`${title}, table`}><table>
+        <Scroll label={`${title}, table`} tall><table>
           <thead><tr><th className="number">{xLabel}</th>{series.map((one) => <th key={one.name} className="number">{one.name}</th>)}</tr></thead>
           <tbody>{x.map((at, i) => (
             <tr key={i}><td className="number">{Number(at.toPrecision(5))}</td>
               {series.map((one) => <td key={one.name} className="number">{one.values[i]?.toFixed(1) ?? "–"}</td>)}</tr>))}
           </tbody>
-        </table></div>
+        </table></Scroll>
       </details>
     </figure>
   );

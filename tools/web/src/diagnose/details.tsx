@@ -1,5 +1,6 @@
 import { Card, withSd } from "../ui/parts";
 import type { Diagnosis, Quantity } from "./types";
+import { Scroll } from "./scroll";
 import { baselineWord, causeWord, first, nice, plain } from "./words";
 
 const campaigns: Record<string, string> = {
@@ -18,7 +19,7 @@ export function NextSteps({ one }: { one: Diagnosis }) {
       {next.map((step) => <p key={step.says}>{first(nice(step.says))}.</p>)}
       {plan ? (
         <p>Then: {campaigns[plan.kind] ?? plain(plan.kind)}, about {Math.max(1, Math.round(plan.minutes))} minutes.
-          {plan.separates.length > 1 ? ` It tells apart: ${plan.separates.map(causeWord).join("; ")}.` : ""}</p>
+          {plan.separates.length > 1 ? ` It tells apart: ${plan.separates.map((cause) => causeWord(cause).toLowerCase()).join("; ")}.` : ""}</p>
       ) : null}
       {unknown.length > 0 ? (
         <>
@@ -32,7 +33,7 @@ export function NextSteps({ one }: { one: Diagnosis }) {
 
 function Rows({ quantities }: { quantities: Quantity[] }) {
   return (
-    <div className="scroll"><table>
+    <Scroll label="Plain settings"><table>
       <thead><tr><th>Quantity</th><th className="number">Built minus believed</th></tr></thead>
       <tbody>{quantities.map((one) => (
         <tr key={one.name}>
@@ -40,7 +41,7 @@ function Rows({ quantities }: { quantities: Quantity[] }) {
           <td className="number">{one.determined ? withSd(one.value, one.sd, one.unit) : "not known"}</td>
         </tr>))}
       </tbody>
-    </table></div>
+    </table></Scroll>
   );
 }
 

@@ -18,28 +18,60 @@ function Paste({ onFiles }: { onFiles: (files: File[]) => void }) {
   );
 }
 
-function Zone({ onFiles, busy }: { onFiles: (files: File[]) => void; busy: boolean }) {
+// Behind a tunnel or a proxy the server may be another computer than the one that shows the page.
+function Private() {
+  const here = /^(localhost|127\.|\[::1\])/.test(location.hostname);
+  return here
+    ? <p className="hint"><strong>Nothing leaves this computer.</strong> Only the caltwin program running here reads the files.</p>
+    : <p className="hint"><strong>The files go to {location.hostname} only,</strong> where caltwin runs. Nothing goes further.</p>;
+}
+
+// A file dropped beside the zone would otherwise replace the page.
+function useDrop(onFiles: (files: File[]) => void): boolean {
   const [over, setOver] = useState(false);
+  const current = useRef(onFiles);
+  current.current = onFiles;
+  useEffect(() => {
+    const drag = (event: DragEvent) => {
+      if (!event.dataTransfer?.types.includes("Files")) return;
+      event.preventDefault();
+      setOver(event.type === "dragover");
+      const files = [...event.dataTransfer.files];
+      if (event.type === "drop" && files.length > 0) current.current(files);
+    };
+    const left = (event: DragEvent) => { if (!event.relatedTarget) setOver(false); };
+    addEventListener("dragover", drag);
+    addEventListener("drop", drag);
+    addEventListener("dragleave", left);
+    return () => {
+      removeEventListener("dragover", drag);
+      removeEventListener("drop", drag);
+      removeEventListener("dragleave", left);
+    };
+  }, []);
+  return over;
+}
+
+function Zone({ onFiles }: { onFiles: (files: File[]) => void }) {
+  const over = useDrop(onFiles);
   const chooser = useRef<HTMLInputElement>(null);
-  const take = (list: FileList | null) => {
-    if (list && list.length > 0) onFiles([...list]);
-  };
   return (
-    <div className={`drop${over ? " over" : ""}`}
-         onDragOver={(event) => { event.preventDefault(); setOver(true); }}
-         onDragLeave={() => setOver(false)}
-         onDrop={(event) => { event.preventDefault(); setOver(false); take(event.dataTransfer.files); }}>
-      <p className="drop-lead">Drop measured files here</p>
+    <div className={`drop${over ? " over" : ""}`}>
+      <p className="drop-lead">{over ? "Let go to read the files" : "Drop measured files here"}</p>
       <p>
-        <button type="button" disabled={busy} onClick={() => chooser.current?.click()}>Choose files</button>
+        <button type="button" onClick={() => chooser.current?.click()}>Choose files</button>
       </p>
       <input ref={chooser} type="file" multiple hidden aria-label="Measured files"
-             onChange={(event) => { take(event.target.files); event.target.value = ""; }} />
+             onChange={(event) => {
+               const files = [...(event.target.files ?? [])];
+               event.target.value = "";
+               if (files.length > 0) onFiles(files);
+             }} />
       <p className="hint">
         Logs of Klipper, Marlin, RepRapFirmware and grbl, height maps, tables (CSV) of positions or sizes.
         A machine file may come along.
       </p>
-      <p className="hint"><strong>Nothing leaves this computer.</strong> Only the caltwin program running here reads the files.</p>
+      <Private />
     </div>
   );
 }
@@ -61,16 +93,16 @@ function usePaste(onFiles: (files: File[]) => void) {
   }, []);
 }
 
-export function Drop({ onFiles, busy }: { onFiles: (files: File[]) => void; busy: boolean }) {
+export function Drop({ onFiles }: { onFiles: (files: File[]) => void }) {
   usePaste(onFiles);
   return (
     <section className="card" aria-labelledby="drop-title">
       <div className="card-head"><h2 id="drop-title">Your measurements</h2></div>
-      <Zone onFiles={onFiles} busy={busy} />
+      <Zone onFiles={onFiles} />
       <div className="examples">
         <span className="hint">No file at hand? Try an example:</span>
         {examples.map((one) => (
-          <button key={one.name} type="button" className="quiet" disabled={busy} title={one.about}
+          <button key={one.name} type="button" className="quiet" title={one.about}
                   onClick={() => onFiles([one.file()])}>{one.name}</button>
         ))}
       </div>

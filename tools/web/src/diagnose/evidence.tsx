@@ -1,4 +1,5 @@
 import type { Evidence } from "./types";
+import { Scroll } from "./scroll";
 import { axisWord, causeWord, followWord } from "./words";
 
 // Log odds in words; 4.6 are 100 to 1.
@@ -16,7 +17,7 @@ export function EvidenceMap({ map }: { map: Evidence[] }) {
     <details>
       <summary>Where the evidence lies</summary>
       <p className="hint">What is off (rows), and what it follows (columns). “Strong” is more than 100 to 1 for the cause named.</p>
-      <div className="scroll" tabIndex={0} role="region" aria-label="Evidence map"><table className="evidence">
+      <Scroll label="Evidence map"><table className="evidence">
         <thead><tr><th scope="col">Readings of</th>{columns.map((one) => <th key={one} scope="col">{followWord(one)}</th>)}</tr></thead>
         <tbody>{rows.map((row) => (
           <tr key={row}>
@@ -24,7 +25,7 @@ export function EvidenceMap({ map }: { map: Evidence[] }) {
             {columns.map((column) => <Cell key={column} one={map.find((each) => each.channel === row && each.covariate === column)} />)}
           </tr>))}
         </tbody>
-      </table></div>
+      </table></Scroll>
     </details>
   );
 }

@@ -1,9 +1,11 @@
 import { useEffect, useState } from "react";
 import { answered, api } from "../api/client";
 import { Card, Figure } from "../ui/parts";
-import { Curve } from "./curve";
 import type { Diagnosis, Finding } from "./types";
-import { axisWord, causeAndAxis, causeWord, followWord, nice, percent, quantityOf, size, toldOf, type Told } from "./words";
+import { Shape } from "./shape";
+import { headOf, rivalsOf, toldOf, type Told } from "./verdict";
+import { Scroll } from "./scroll";
+import { axisWord, causeAndAxis, causeWord, followWord, nice, percent, quantityOf, size } from "./words";
 
 export function Findings({ one }: { one: Diagnosis }) {
   const findings = one.findings ?? [];
@@ -13,26 +15,28 @@ export function Findings({ one }: { one: Diagnosis }) {
 
 function FindingCard({ finding, told, number }: { finding: Finding; told: Told | undefined; number: number }) {
   const axis = axisWord(finding.axis);
-  const rivals = finding.candidates.filter((one) => one.cause !== finding.cause || one.axis !== finding.axis);
+  const rivals = rivalsOf(finding);
   const line = (key: string) => told?.lines.find((one) => one.key === key)?.says;
   return (
     <Card title={`${number ? `Finding ${number}: ` : "Finding: "}${causeWord(finding.cause)}`}
           aside={<span className="badge">{percent(finding.probability)} probable</span>}>
-      {told ? <p>{nice(told.sentence)}</p> : null}
+      {told ? <p>{nice(headOf(told.sentence))}</p> : null}
       <dl className="figures">
         {axis ? <div className="figure"><dt>Where</dt><dd>{axis}</dd></div> : null}
         {finding.parameters.map((one) => {
           const { name, unit } = quantityOf(one.name);
           return <Figure key={one.name} name={name} unit={unit} value={one.value} sd={one.sd} />;
         })}
-        {finding.peak_um > 0 ? <div className="figure"><dt>At most</dt><dd>{size(finding.peak_um)}</dd></div> : null}
+        {finding.peak_um > 0 ? <div className="figure"><dt>Largest error here</dt><dd>{size(finding.peak_um)}</dd></div> : null}
         {finding.covariates.length > 0
           ? <div className="figure"><dt>Follows</dt><dd>{finding.covariates.map(followWord).join(", ")}</dd></div> : null}
+        {finding.rows > 0 ? <div className="figure"><dt>Share of the unexplained</dt><dd>{percent(finding.share)}</dd></div> : null}
       </dl>
-      {finding.parameters.some((one) => one.sd === null) ? <p className="hint">No “±” where the uncertainty is not known.</p> : null}
+      {finding.parameters.some((one) => one.sd === null) ? <p className="hint">Without “±”: how sure the number is, is not known.</p> : null}
       <Rivals rivals={rivals} tells={line("What tells")} />
-      {line("What to do") ? <p><strong>What to do:</strong> {nice(line("What to do")!)}</p> : null}
-      {finding.knots && finding.knots.covariates.length === 1 ? <Shape finding={finding} /> : null}
+      {!finding.recommended ? <p><strong>Do not correct by this:</strong> readings that were kept aside get worse with it.</p> : null}
+      {line("What to do") ? <p><strong>What to do:</strong> {nice(line("What to do")!.replace("what the last lines here ask for", "what is asked for below").replace("where the table is steepest", "where the curve is steepest"))}</p> : null}
+      {finding.knots ? <Shape knots={finding.knots} prefix={number ? `Finding ${number}: ` : ""} /> : null}
       {finding.parts && finding.parts.length > 0 ? <Parts finding={finding} /> : null}
       <Meaning cause={finding.cause} />
     </Card>
@@ -57,21 +61,11 @@ function Rivals({ rivals, tells }: { rivals: Finding["candidates"]; tells: strin
   );
 }
 
-function Shape({ finding }: { finding: Finding }) {
-  const knots = finding.knots!;
-  const along = knots.covariates[0]!;
-  const unit = along === "t" ? "s" : "mm";
-  return (
-    <Curve title={`Error over ${followWord(along)}`} x={knots.knots[0] ?? []} xLabel={`${followWord(along)}, ${unit}`}
-           series={[{ name: "Error, µm", values: knots.values_um }]} />
-  );
-}
-
 function Parts({ finding }: { finding: Finding }) {
   return (
     <details>
       <summary>The shape in parts</summary>
-      <div className="scroll"><table>
+      <Scroll label="The shape in parts"><table>
         <thead><tr><th>Part</th><th>Along</th><th className="number">Size</th></tr></thead>
         <tbody>{finding.parts!.map((part, i) => (
           <tr key={i}>
@@ -80,7 +74,7 @@ function Parts({ finding }: { finding: Finding }) {
             <td className="number">{part.size_um.toFixed(1)} ± {part.sd_um.toFixed(1)} µm</td>
           </tr>))}
         </tbody>
-      </table></div>
+      </table></Scroll>
     </details>
   );
 }

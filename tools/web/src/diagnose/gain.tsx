@@ -1,6 +1,8 @@
 import { Card } from "../ui/parts";
 import type { Diagnosis, LeftOut } from "./types";
-import { percent, size } from "./words";
+import { wouldShow } from "./verdict";
+import { Scroll } from "./scroll";
+import { nice, percent, size } from "./words";
 
 function Bar({ name, um, most, kind }: { name: string; um: number; most: number; kind: string }) {
   return (
@@ -16,9 +18,20 @@ const kinds: ["runs_left_out" | "positions_left_out" | "ends_left_out", string][
   ["ends_left_out", "the ends left out in turn"],
 ];
 
+function Sensitivity({ one }: { one: Diagnosis }) {
+  const lines = wouldShow(one);
+  if (lines.length === 0) return null;
+  return (
+    <Card title="How small a fault would have shown">
+      {lines.map((line) => <p key={line}>{nice(line.replace(/^They /, "These readings ").replace("The baseline predicts rows it has not seen", "Plain settings alone predict readings that were kept aside").replace("the baseline takes it up", "the plain settings take it up").replace("noise floor", "scatter of the readings"))}</p>)}
+    </Card>
+  );
+}
+
 export function GainCard({ one }: { one: Diagnosis }) {
   const gain = one.gain;
-  if (!gain || !one.findings?.length || gain.rmse_before_um === null || gain.rmse_after_um === null) return null;
+  if (!one.findings?.length) return <Sensitivity one={one} />;
+  if (!gain || gain.rmse_before_um === null || gain.rmse_after_um === null) return null;
   if (gain.rmse_before_um <= 0 || gain.rmse_before_um === gain.rmse_after_um) return null;
   const most = Math.max(gain.rmse_before_um, gain.rmse_after_um, gain.noise_floor_um ?? 0);
   const left = kinds.flatMap(([key, name]): [string, LeftOut][] => (gain[key] ? [[name, gain[key]]] : []));
@@ -32,20 +45,20 @@ export function GainCard({ one }: { one: Diagnosis }) {
           : null}
       </dl>
       <p className="hint">
-        All are root mean squares{gain.held_out ? ", foretold for readings that were kept aside" : ""}. The scatter comes from{" "}
+        All are root mean square errors{gain.held_out ? ", checked on readings that were kept aside" : ""}. The scatter comes from{" "}
         {gain.noise_floor_from === "replicates" ? "repeated readings" : "what the richest model leaves"}; no correction gets below it.
         {gain.explained_fraction !== null ? ` Explained: ${percent(gain.explained_fraction)} of what can be.` : ""}
       </p>
       {left.length > 0 ? (
         <details>
-          <summary>How well it foretells readings it has not seen</summary>
-          <div className="scroll"><table>
+          <summary>How well it predicts readings it has not seen</summary>
+          <Scroll label="Readings kept aside"><table>
             <thead><tr><th>With</th><th className="number">Before</th><th className="number">After</th><th className="number">Rows</th></tr></thead>
             <tbody>{left.map(([name, part]) => (
               <tr key={name}><td>{name}</td><td className="number">{size(part.rmse_before_um)}</td>
                 <td className="number">{size(part.rmse_after_um)}</td><td className="number">{part.rows}</td></tr>))}
             </tbody>
-          </table></div>
+          </table></Scroll>
         </details>
       ) : null}
     </Card>

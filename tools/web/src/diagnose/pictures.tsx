@@ -2,6 +2,7 @@ import { Card } from "../ui/parts";
 import { Curve } from "./curve";
 import { EvidenceMap } from "./evidence";
 import type { Contrast, Diagnosis, Fit, Periodogram } from "./types";
+import { Scroll } from "./scroll";
 import { axisWord, plain, size } from "./words";
 
 export function Pictures({ one }: { one: Diagnosis }) {
@@ -31,7 +32,7 @@ function Both({ contrast }: { contrast: Contrast }) {
 
 function Fits({ fits }: { fits: Fit[] }) {
   return (
-    <div className="scroll"><table>
+    <Scroll label="Groups of readings"><table>
       <thead><tr><th>Group</th><th className="number">Rows</th><th className="number">Scatter of repeats</th>
         <th className="number">Left over, before</th><th className="number">after</th></tr></thead>
       <tbody>{fits.map((fit) => (
@@ -39,7 +40,7 @@ function Fits({ fits }: { fits: Fit[] }) {
           <td className="number">{fit.replicate_dof > 0 ? size(fit.pure_error_um) : "not known"}</td>
           <td className="number">{size(fit.before_um)}</td><td className="number">{size(fit.after_um)}</td></tr>))}
       </tbody>
-    </table></div>
+    </table></Scroll>
   );
 }
 
@@ -47,13 +48,13 @@ function Periods({ one }: { one: Periodogram }) {
   return (
     <>
       <p className="hint">One turn of the {one.turn_of} is {one.turn_mm} mm. Noise: {size(one.noise_um)}.</p>
-      <div className="scroll"><table>
+      <Scroll label="Repeating patterns"><table>
         <thead><tr><th className="number">Repeats every</th><th className="number">Size before</th><th className="number">Size after</th></tr></thead>
         <tbody>{one.peaks.map((peak, i) => (
           <tr key={i}><td className="number">{Number(peak.period_mm.toPrecision(4))} mm</td>
             <td className="number">{size(peak.before_um)}</td><td className="number">{size(peak.after_um)}</td></tr>))}
         </tbody>
-      </table></div>
+      </table></Scroll>
     </>
   );
 }

@@ -1,6 +1,7 @@
 import { Card } from "../ui/parts";
 import type { Answer } from "./ask";
-import { plain, verdictOf } from "./words";
+import { verdictOf } from "./verdict";
+import { plain } from "./words";
 
 function describe(answer: Answer): string {
   const { machine, unit, axis, least } = answer.assumed;
@@ -13,7 +14,7 @@ export function Recent({ answers, shown, onOpen }: {
   shown: Answer | null;
   onOpen: (answer: Answer) => void;
 }) {
-  if (answers.length < 2 && shown === answers[0]) return null;
+  if (answers.length === 0 || (answers.length === 1 && shown === answers[0])) return null;
   return (
     <Card title="Answers of this visit">
       <ul className="recent">

@@ -1,4 +1,4 @@
-import type { Candidate, Diagnosis } from "./types";
+import type { Candidate } from "./types";
 
 const causes: Record<string, string> = {
   unknown: "A pattern without a known cause",
@@ -63,6 +63,8 @@ export function quantityOf(name: string): { name: string; unit: string } {
   const cut = name.lastIndexOf("_");
   const unit = cut > 0 ? units[name.slice(cut + 1)] : undefined;
   if (name === "at_t_s") return { name: "At time", unit: "s" };
+  const shift = /^d([xyz])_mm$/.exec(name);
+  if (shift) return { name: `Off in ${shift[1]!.toUpperCase()}`, unit: "mm" };
   return unit ? { name: first(plain(name.slice(0, cut))), unit } : { name: first(plain(name)), unit: "" };
 }
 
@@ -76,13 +78,14 @@ export function baselineWord(name: string): string {
     case "probe_pretravel": return `Pre-travel of the probe, ${where}`;
     case "squareness": return `Squareness of ${where}`;
     case "bed_plane": return `Tilt of the bed, ${plain(rest.join(" ")).replace("slope", "along").toUpperCase().replace("ALONG", "along")}`;
-    case "placement": return `Where ${plain(rest.slice(0, -1).join(" "))} lies, ${axisWord(rest[rest.length - 1] ?? "")}`;
+    case "placement": return `Place of ${plain(rest.slice(0, -1).join(" "))} in ${axisWord(rest[rest.length - 1] ?? "")}`;
     default: return `${causeWord(what ?? name)}${where ? ` (${where})` : ""}`;
   }
 }
 
+// Units and signs as people write them, and no word with an underscore but settings' names.
 export const nice = (text: string) =>
-  text.replace(/\+-/g, "±").replace(/(\d) um\b/g, "$1 µm").replace(/\bum rms/g, "µm rms").replace(/ \(--[a-z]+\)/g, "");
+  text.replace(/\b[a-z]+(?:_[a-z]+)+\b/g, (word) => (causes[word] ? plain(word) : word)).replace(/\+-/g, "±").replace(/(\d) um\b/g, "$1 µm").replace(/\bum rms/g, "µm rms").replace(/ \(--[a-z]+\)/g, "");
 
 // A size in the unit that reads best, with three digits.
 export function size(um: number | null | undefined): string {
@@ -93,46 +96,3 @@ export function size(um: number | null | undefined): string {
 
 export const percent = (part: number) =>
   part > 0.995 ? "over 99 %" : part < 0.01 ? "under 1 %" : `${Math.round(part * 100)} %`;
-
-export interface Verdict { kind: "good" | "warn" | "info"; title: string; says: string; more: string[] }
-
-const titles: Record<string, string> = {
-  none: "No fault found", named: "Cause found", ambiguous: "More than one cause is possible",
-  unknown: "Something is there, but no known cause fits",
-};
-
-// What stands after "Verdict: WORD." in the first paragraph of the text.
-export function verdictOf(one: Diagnosis): Verdict {
-  const paragraph = (one.text.split("\n\n")[0] ?? "").replace(/\n\s*/g, " ");
-  const speaks = /^Verdict: no cause of the catalogue, but the numbers speak\.\s*/;
-  const answers = (one.facts ?? []).filter((fact) => fact.is_answer).map((fact) => fact.says);
-  const more = answers.filter((says) => !paragraph.includes(says.slice(0, 40)));
-  if (speaks.test(paragraph)) {
-    return { kind: "warn", title: one.not_the_machine ? "Found, and it is not the machine" : "The numbers show what is wrong",
-      says: first(paragraph.replace(speaks, "")), more: [] };
-  }
-  const says = first(paragraph.replace(/^Verdict: (none|named|ambiguous|unknown)[.,]\s*/, "").replace(/^but /, ""));
-  const few = /too few/.test(paragraph);
-  if (one.verdict === "none" && answers.length > 0) {
-    return { kind: "warn", title: "A plain setting is off", says: `${answers[0]}.`,
-      more: [`${says}${/[.]$/.test(says) ? "" : "."}`, ...answers.slice(1)] };
-  }
-  return { kind: one.verdict !== "none" ? "warn" : few ? "info" : "good",
-    title: few ? "Too few readings to tell" : titles[one.verdict] ?? "Answer", says, more };
-}
-
-export interface Told { sentence: string; lines: { key: string; says: string }[] }
-
-// The paragraphs of the text that speak of the findings, in their order: between the
-// verdict and what the numbers say by themselves.
-export function toldOf(one: Diagnosis): Told[] {
-  const told: Told[] = [];
-  for (const paragraph of one.text.split("\n\n").slice(1)) {
-    if (/^(What |The noise floor|The baseline|Baseline|Note:|Rows? |Not replayed|They )/.test(paragraph)) break;
-    const [sentence, ...rest] = paragraph.split("\n");
-    const lines = rest.map((line) => /^\s+([A-Z][\w' ]+?): (.*)$/.exec(line))
-      .flatMap((match) => (match ? [{ key: match[1]!, says: match[2]! }] : []));
-    if (sentence?.trim()) told.push({ sentence: sentence.trim(), lines });
-  }
-  return told.length === (one.findings ?? []).length ? told : [];
-}

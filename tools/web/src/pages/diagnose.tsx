@@ -4,8 +4,10 @@ import { Busy, Card, ProblemNotice } from "../ui/parts";
 import { AnswerTabs } from "../diagnose/answer";
 import { ask, nothingAssumed, type Answer, type Assumed } from "../diagnose/ask";
 import { ChangeAssumed } from "../diagnose/assumed";
+import { Columns, columnsFound } from "../diagnose/columns";
 import { Drop } from "../diagnose/drop";
 import { Recent } from "../diagnose/recent";
+import { verdictOf } from "../diagnose/verdict";
 
 interface Asked { files: File[]; assumed: Assumed }
 
@@ -32,7 +34,8 @@ function useAnswers() {
     if (answer.diagnoses.length > 0) setAnswers((all) => [whole, ...all].slice(0, 20));
   };
   const stop = () => { running.current?.abort(); setAsked(null); };
-  return { answers, shown, setShown, asked, put, stop };
+  const open = (answer: Answer) => { stop(); setShown(answer); };
+  return { answers, shown, open, asked, put, stop };
 }
 
 function Waiting({ asked, onStop }: { asked: Asked; onStop: () => void }) {
@@ -45,20 +48,33 @@ function Waiting({ asked, onStop }: { asked: Asked; onStop: () => void }) {
   );
 }
 
-function Failed({ answer, onAgain }: { answer: Answer; onAgain: () => void }) {
+const foundColumns = (answer: Answer) =>
+  (answer.files.length === 1 ? columnsFound(answer.problems.find((problem) => /^which column/i.test(problem.detail))?.detail ?? "") : []);
+
+function Failed({ answer, onAgain, onMap }: { answer: Answer; onAgain: () => void; onMap: (map: string) => void }) {
+  const found = foundColumns(answer);
+  const again = answer.problems.some((problem) => problem.status === 0 || problem.status >= 500);
   return (
     <>
       {answer.problems.map((problem, i) => <ProblemNotice key={i} problem={problem} />)}
-      {answer.diagnoses.length === 0
+      {again
         ? <p><button type="button" className="quiet" onClick={onAgain}>Try again</button></p>
-        : <p className="hint">The other files are answered below.</p>}
+        : null}
+      {answer.diagnoses.length > 0 ? <p className="hint">The other files are answered below.</p> : null}
+      {found.length > 1 ? <Columns found={found} onMap={onMap} /> : null}
     </>
   );
 }
 
+function spoken(answer: Answer): string {
+  const verdicts = answer.diagnoses.map((one) => `${one.import.file}: ${verdictOf(one).title}`);
+  return verdicts.length > 0 ? `Answered. ${verdicts.join(". ")}.` : "Not answered.";
+}
+
 export default function Diagnose() {
-  const { answers, shown, setShown, asked, put, stop } = useAnswers();
+  const { answers, shown, open, asked, put, stop } = useAnswers();
   const result = useRef<HTMLDivElement>(null);
+  const asColumns = (of: Answer) => (columns: string) => put({ files: of.files, assumed: { ...of.assumed, columns } });
   const assumed = asked?.assumed ?? shown?.assumed ?? nothingAssumed;
   useEffect(() => {
     if (shown) result.current?.scrollIntoView({ block: "start" });
@@ -66,16 +82,20 @@ export default function Diagnose() {
   return (
     <div className="diagnose">
       <h1>What is wrong with my machine?</h1>
-      <Drop busy={asked !== null} onFiles={(files) => put({ files, assumed })} />
+      <Drop onFiles={(files) => put({ files, assumed: { ...nothingAssumed, machine: assumed.machine } })} />
+      <p className="unseen" aria-live="polite">{asked ? "Answering." : shown ? spoken(shown) : ""}</p>
       <div ref={result} className="result" aria-busy={asked !== null}>
         {asked ? <Waiting asked={asked} onStop={stop} /> : null}
-        {!asked && shown && shown.problems.length > 0
-          ? <Failed answer={shown} onAgain={() => put(shown)} /> : null}
-        {!asked && shown && shown.diagnoses.length > 0 ? <AnswerTabs key={shown.key} diagnoses={shown.diagnoses} /> : null}
+        {shown ? (
+          <div key={shown.key} className={asked ? "old" : undefined}>
+            {shown.problems.length > 0 ? <Failed answer={shown} onAgain={() => put(shown)} onMap={asColumns(shown)} /> : null}
+            {shown.diagnoses.length > 0 ? <AnswerTabs diagnoses={shown.diagnoses} /> : null}
+          </div>
+        ) : null}
         {!asked && !shown ? <Empty /> : null}
       </div>
-      {shown ? <ChangeAssumed assumed={assumed} busy={asked !== null} onChange={(next) => put({ files: shown.files, assumed: next })} /> : null}
-      <Recent answers={answers} shown={shown} onOpen={setShown} />
+      {shown ? <ChangeAssumed assumed={assumed} onChange={(next) => put({ files: shown.files, assumed: next })} /> : null}
+      <Recent answers={answers} shown={shown} onOpen={open} />
     </div>
   );
 }

@@ -1,0 +1,82 @@
+// Drives the page "Diagnose" against a fresh server (practice machines, --fidelity fast).
+// Only files are read: the machine is never asked to move, so nothing is left running on it.
+const table = (error) => {
+  const lines = ["commanded X mm,direction,measured mm"];
+  for (let round = 0; round < 3; round += 1) {
+    for (const sense of [1, -1]) {
+      for (let i = 0; i < 9; i += 1) {
+        const at = 20 + 20 * (sense > 0 ? i : 8 - i);
+        lines.push(`${at},${sense > 0 ? "+" : "-"},${(at + error(at, sense) + 0.001 * Math.sin(7 * i + 3 * round + sense)).toFixed(4)}`);
+      }
+    }
+  }
+  return lines.join("\n");
+};
+const file = (name, text) => ({ name, mimeType: "text/plain", buffer: Buffer.from(text) });
+const heading = (page, name) => page.getByRole("heading", { name }).first();
+const seen = (locator) => locator.waitFor({ timeout: 8000 }).then(() => true, () => false);
+
+async function examples(page, check) {
+  await page.getByRole("button", { name: "Backlash" }).click();
+  check(await seen(heading(page, "Plain settings are off")), "the example with backlash gets a verdict");
+  check(await seen(page.getByText(/X loses 0\.0\d+ ± [\d.]+ mm at its reversals/).first()), "the lost motion is told with its uncertainty");
+  await page.getByRole("button", { name: "Bent or sagging" }).click();
+  check(await seen(heading(page, /^Finding/)), "the example of touches gets a finding");
+  check(await seen(page.getByText(/probable/).first()), "the finding has a probability");
+}
+
+async function settings(page, check) {
+  await page.getByLabel("Measured files").setInputFiles([file("steps.csv", table((at) => 0.002 * at))]);
+  await seen(page.getByText("steps.csv").first());
+  await page.getByLabel("Steps/mm of X set now").fill("80");
+  check(await seen(page.getByText(/Set 79\.8\d* ± [\d.]+ steps\/mm/)), "new steps/mm are worked out");
+  await page.getByLabel("Your controller").selectOption({ label: "Marlin" });
+  check(await seen(page.getByText("No settings to paste:")), "a correction that cannot be given says why");
+  await page.getByRole("combobox", { name: "Machine" }).selectOption("gantry_router");
+  check(await seen(page.getByRole("img", { name: "Picture of the gantry router" })), "the machine chosen is shown");
+  await page.getByLabel("Your controller").selectOption({ label: "Marlin" });
+  check(await seen(page.getByRole("button", { name: "Copy" })), "with a machine there are settings to copy");
+  await page.getByRole("combobox", { name: "Machine" }).selectOption("");
+}
+
+async function several(page, check) {
+  const files = [file("one.csv", table((_at, sense) => -0.02 * sense)), file("two.csv", table((at) => 0.001 * at)),
+    file("notes.txt", "nothing was measured here\nand nothing there\n")];
+  await page.getByLabel("Measured files").setInputFiles(files);
+  check(await seen(page.getByRole("alert")), "the file that cannot be read is named");
+  check(await page.getByRole("alert").getByText("notes.txt").count() > 0, "the refusal says which file");
+  const tabs = page.getByRole("tab");
+  await seen(tabs.first());
+  check(await tabs.count() === 2, "the other files are answered, one tab each");
+  await tabs.first().focus();
+  await page.keyboard.press("ArrowRight");
+  check(await tabs.nth(1).getAttribute("aria-selected") === "true", "arrow keys change tabs");
+}
+
+async function refusedAndBack(page, check) {
+  await page.getByText("Paste text instead").click();
+  await page.getByLabel("Log or table").fill("reading one,reading two\n10,10.02\n20,20.04\n30,30.06\n40,40.08\n50,50.10\n60,60.12\n");
+  await page.getByRole("button", { name: "Diagnose this text" }).click();
+  check(await seen(page.getByRole("region", { name: "What was read" }).getByText("pasted.txt")), "pasted text is read as a file");
+  const list = page.getByRole("region", { name: "Answers of this visit" });
+  check(await list.getByRole("button").count() >= 4, "earlier answers are listed");
+  await list.getByRole("button", { name: "example_backlash.csv" }).click();
+  check(await seen(heading(page, "Plain settings are off")), "an earlier answer comes back");
+}
+
+export async function diagnose(page, base, check) {
+  const outside = [];
+  page.on("request", (request) => {
+    if (!request.url().startsWith(base) && !/^(data|blob):/.test(request.url())) outside.push(request.url());
+  });
+  await page.goto(new URL("/diagnose", base).href);
+  check(await seen(page.getByRole("heading", { level: 1, name: "What is wrong with my machine?" })), "the page opens");
+  check(await seen(page.getByText("Nothing leaves this computer.")), "it says that nothing leaves the computer");
+  await examples(page, check);
+  await settings(page, check);
+  await several(page, check);
+  await refusedAndBack(page, check);
+  const report = page.getByRole("link", { name: /Whole report/ });
+  check((await page.request.get(new URL(await report.getAttribute("href"), base).href)).ok(), "the whole report opens");
+  check(outside.length === 0, "no request leaves the server");
+}

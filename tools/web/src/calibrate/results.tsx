@@ -1,0 +1,84 @@
+import type { ReactNode } from "react";
+import { Notice } from "../ui/parts";
+import type { Job, Result } from "./model";
+import { capital, endingOf, jobName, plain, valueOf } from "./words";
+
+const verdicts: Record<string, string> = {
+  measured: "kept as it was", applied: "applied", refused: "refused, not applied", rolled_back: "taken back, it was worse",
+};
+
+function Changes({ result, name }: { result: Result; name: string }) {
+  if (result.steps.length === 0 && result.estimates.length === 0) return null;
+  return (
+    <div className="scroll" tabIndex={0} role="region" aria-label={`Values: ${name}`}>
+      <table>
+        <thead>
+          <tr><th scope="col">Setting</th><th scope="col">Before</th><th scope="col">Now</th>
+            <th scope="col">Measured</th><th scope="col">What was done</th></tr>
+        </thead>
+        <tbody>
+          {result.steps.map((step, i) => {
+            const found = result.estimates.find((one) => one.name === step.name);
+            return (
+              <tr key={i}>
+                <th scope="row">{plain(step.name)}</th>
+                <td>{valueOf(step.name, step.before)}</td>
+                <td>{valueOf(step.name, step.after)}</td>
+                <td>{found?.is_known ? valueOf(step.name, found.value, found.sd) : "not known"}</td>
+                <td className="cal-told">{verdicts[step.verdict] ?? step.verdict}. {plain(step.message)}</td>
+              </tr>
+            );
+          })}
+          {result.estimates.filter((one) => !result.steps.some((step) => step.name === one.name)).map((one) => (
+            <tr key={one.name}>
+              <th scope="row">{plain(one.name)}</th><td>–</td><td>unchanged</td>
+              <td>{one.is_known ? valueOf(one.name, one.value, one.sd) : "not known"}</td><td>nothing changed</td>
+            </tr>
+          ))}
+        </tbody>
+      </table>
+    </div>
+  );
+}
+
+export function verdictOf(result: Result): { kind: "good" | "warn" | "bad"; text: string } {
+  const ending = endingOf(result.ending);
+  const bad = result.steps.find((step) => step.verdict === "refused" || step.verdict === "rolled_back");
+  if (bad) {
+    return { kind: "warn", text: bad.verdict === "refused" ? "Measured, but not applied."
+      : "Applied, then taken back: the check afterwards was worse." };
+  }
+  if (result.ending !== "done") return { kind: ending.kind, text: ending.verdict };
+  const applied = result.steps.filter((step) => step.verdict === "applied").at(-1);
+  if (applied) {
+    const sd = result.estimates.find((one) => one.name === applied.name)?.sd;
+    return { kind: "good", text: `${plain(applied.name)} is now ${valueOf(applied.name, applied.after, sd)}.` };
+  }
+  return { kind: "good", text: result.steps.length > 0 ? "What is set agrees with the measurement. Nothing had to change." : "Done." };
+}
+
+export function JobResult({ job, hideChanges, children }: { job: Job; hideChanges?: boolean; children?: ReactNode }) {
+  const { result } = job;
+  if (!result) return null;
+  const verdict = verdictOf(result);
+  const { remedy } = endingOf(result.ending);
+  const messages = [...new Set(result.messages)].filter((text) => !result.machine_said || !text.includes(result.machine_said));
+  const failed = verdict.kind !== "good";
+  const told = <ul>{messages.map((text) => <li key={text}>{plain(text)}</li>)}</ul>;
+  return (
+    <div>
+      <h3>{jobName(job)}</h3>
+      <Notice kind={verdict.kind}>
+        <p><strong>{capital(verdict.text)}</strong></p>
+        {failed && remedy ? <p>{remedy}</p> : null}
+        {result.machine_said ? <p>The machine said: <q>{result.machine_said}</q></p> : null}
+        {failed && messages.length > 0 ? told : null}
+      </Notice>
+      {hideChanges ? null : <Changes result={result} name={jobName(job)} />}
+      {!failed && messages.length > 0 ? (
+        <details><summary>What these measurements tell, and what not</summary>{told}</details>
+      ) : null}
+      {children}
+    </div>
+  );
+}
