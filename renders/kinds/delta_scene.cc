@@ -43,26 +43,35 @@ DeltaBuild<double> Exaggerated(const DeltaBuild<double>& drawn,
 
 DeltaScene::DeltaScene(const Machine& machine,
                        const BuiltDelta& built,
-                       double exaggerate) {
-  const DeltaBuild<double> build =
-      Exaggerated(DeltaOf(machine).Build(), built.build, exaggerate);
-  const Vec3<double> motors_mm = DeltaMotors_mm(DeltaOf(machine).model, kNozzle_mm);
-  const auto pose = DeltaPoseOf(build, motors_mm);
-  if (!pose || !DeltaPoseOf<double>(build, Vec3<double>::Zero())) {
+                       double exaggerate)
+    : drawn_(DeltaOf(machine).model),
+      build_(Exaggerated(DeltaOf(machine).Build(), built.build, exaggerate)) {
+  const Vec3<double> motors_mm = DeltaMotors_mm(drawn_, kNozzle_mm);
+  if (!DeltaPoseOf(build_, motors_mm) ||
+      !DeltaPoseOf<double>(build_, Vec3<double>::Zero())) {
     throw InputError({.file = "--exaggerate"},
                      "its rods do not reach with errors that large",
                      "a smaller number");
   }
   DeltaMjcf model = ModelOfDelta(machine);
-  model.SetBuild(build);
+  model.SetBuild(build_);
   DeltaBed<double> bed = built.bed;
   bed.slope_x *= exaggerate;
   bed.slope_y *= exaggerate;
   bed.bowl_mm = bed.cylinder_x_mm = bed.cylinder_y_mm = bed.twist_mm = 0;
   model.SetBed(bed);
-  world_ = std::make_unique<DeltaWorld>(model.Compile(/*with_looks=*/true), build);
+  world_ = std::make_unique<DeltaWorld>(model.Compile(/*with_looks=*/true), build_);
+  MoveTo(kNozzle_mm);
+}
+
+bool DeltaScene::MoveTo(const Vec3<double>& nozzle_mm) {
+  const Vec3<double> motors_mm = DeltaMotors_mm(drawn_, nozzle_mm);
+  if (!motors_mm.allFinite()) return false;
+  const auto pose = DeltaPoseOf(build_, motors_mm);
+  if (!pose) return false;
   world_->Place(motors_mm, *pose, Vec3<double>::Zero(), Vec3<double>::Zero());
   mj_forward(world_->model(), world_->data());
+  return true;
 }
 
 }  // namespace caltwin

@@ -15,10 +15,15 @@ class TripleZScene {
   ///   off where they are drawn
   TripleZScene(const BuiltTripleZ& built, double exaggerate);
 
+  /// The nozzle there, z over where the bed is drawn level.
+  void MoveTo(const Vec3<double>& tip_mm);
+
   const mjModel* model() const { return world_->model(); }
   mjData* data() const { return world_->data(); }
 
  private:
+  double top_mm_ = 0;
+  Vec3<double> tilt_mm_ = Vec3<double>::Zero();  ///< Of each screw, enlarged.
   std::unique_ptr<TripleZWorld> world_;
 };
 

@@ -319,6 +319,10 @@ void ConsoleStory::TellHeights(Imported* imported) const {
     alike += std::abs(now.middle_mm) > kLeast_mm && is_applied && is_same ? 1 : 0;
   }
   if (alike + 1 < kFewest) return;
+  const auto last_read = std::ranges::find_if(
+      heights_.rbegin(), heights_.rend(), [](const Height& one) {
+        return Known(one.middle_mm);
+      });
   imported->notes.push_back(
       {.kind = FileNote::Kind::kElsewhere,
        .what = "firmware",
@@ -331,7 +335,7 @@ void ConsoleStory::TellHeights(Imported* imported) const {
                                "go back to the height that worked",
                                heights_.front().height_mm,
                                heights_.back().height_mm,
-                               heights_.back().middle_mm)});
+                               last_read->middle_mm)});
 }
 
 // Touches that walk away by the probe's offset, results that take turns, a touch that

@@ -40,7 +40,8 @@ std::vector<std::string> WordsOf(const Json& body, std::string* scenario) {
   keys.Done();
   const fs::path file = ShareFolder() / "scenarios" / (*scenario + ".yaml");
   std::vector<std::string> words = {
-      "run", file.string(), "--json", "result.json", "--report", "report"};
+      "run", file.string(), "--json", "result.json", "--report", "report",
+      "--transcript", "transcript.txt"};
   if (!fidelity.empty()) words.insert(words.end(), {"--fidelity", fidelity});
   if (seed >= 0) words.insert(words.end(), {"--seed", fmt::format("{}", seed)});
   return words;
@@ -68,6 +69,9 @@ void RunsApi::AddTo(Routes* routes) {
   add("DELETE", "/api/runs/{}", [this](const HttpRequest& r) { return Delete(r); });
   add("POST", "/api/runs/{}/stop", [this](const HttpRequest& r) { return Stop(r); });
   add("GET", "/api/runs/{}/report", [this](const HttpRequest& r) { return Report(r); });
+  add("GET", "/api/runs/{}/transcript", [this](const HttpRequest& r) {
+    return Transcript(r);
+  });
 }
 
 std::shared_ptr<RunsApi::Run> RunsApi::Find(const std::string& id) const {
@@ -175,13 +179,23 @@ HttpResponse RunsApi::Delete(const HttpRequest& request) {
   return {.status = 204};
 }
 
-HttpResponse RunsApi::Report(const HttpRequest& request) const {
+fs::path RunsApi::FileOf(const HttpRequest& request, const fs::path& name) const {
   fs::path file;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    file = folder_.path() / Find(request.places[0])->id / "report" / "index.html";
+    file = folder_.path() / Find(request.places[0])->id / name;
   }
-  if (!fs::exists(file)) throw Problem(409, "this run has no report yet");
+  if (!fs::exists(file)) throw Problem(409, "this run has none yet");
+  return file;
+}
+
+HttpResponse RunsApi::Transcript(const HttpRequest& request) const {
+  return {.content_type = "text/plain; charset=utf-8",
+          .body = ReadTextFile(FileOf(request, "transcript.txt"), kLargestData_bytes)};
+}
+
+HttpResponse RunsApi::Report(const HttpRequest& request) const {
+  const fs::path file = FileOf(request, fs::path("report") / "index.html");
   return {.content_type = "text/html; charset=utf-8",
           .body = ReadTextFile(file, kLargestData_bytes),
           .headers = {{"Content-Security-Policy",

@@ -2,10 +2,12 @@
 
 #include <atomic>
 #include <deque>
+#include <filesystem>
 #include <memory>
 #include <mutex>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "tools/commands/api/own_program.h"
 #include "tools/server/events.h"
@@ -44,6 +46,10 @@ class RunsApi {
   HttpResponse Stop(const HttpRequest& request);
   HttpResponse Delete(const HttpRequest& request);
   HttpResponse Report(const HttpRequest& request) const;
+  /// Every line and its answer.
+  HttpResponse Transcript(const HttpRequest& request) const;
+  std::filesystem::path FileOf(const HttpRequest& request,
+                               const std::filesystem::path& name) const;
   void Work(Run* run, const std::vector<std::string>& words);
   std::shared_ptr<Run> Find(const std::string& id) const;
 

@@ -15,6 +15,7 @@
 #include "tools/commands/api/catalog_api.h"
 #include "tools/commands/api/diagnose_api.h"
 #include "tools/commands/api/runs_api.h"
+#include "tools/commands/api/scene_api.h"
 #include "tools/commands/kinds/bed_api.h"
 #include "tools/commands/kinds/desks.h"
 #include "tools/server/pages.h"
@@ -108,6 +109,7 @@ struct WebService::Parts {
   OperatorSeat bench_seat{}, printer_seat{};
   DiagnoseApi diagnose;
   RunsApi runs{&events};
+  SceneApi scenes{};
   std::unique_ptr<BenchApi> bench{};
   std::unique_ptr<Desk> printer{};  ///< Of practice, beside the bench.
   std::unique_ptr<BedApi> bed{};
@@ -148,6 +150,7 @@ WebService::WebService(const WebOptions& options, const std::atomic<bool>* stop)
   }
   parts.diagnose.AddTo(&parts.routes);
   parts.runs.AddTo(&parts.routes);
+  parts.scenes.AddTo(&parts.routes);
   parts.bench->AddTo(&parts.routes);
   AddCatalogTo(&parts.routes);
   if (parts.bed) {

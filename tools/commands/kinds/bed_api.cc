@@ -212,14 +212,14 @@ HttpResponse BedApi::Find(const HttpRequest& request, const Asked& asked) {
   if (asked.uses_printer) {
     if (const auto homed = printer_->HomeIfNeeded(); !homed) throw ProblemOf(homed.error());
     found.touches = TouchAll(asked.at_mm);
-    found.raised_before_mm = printer_->raised_mm();
   } else {
     found.touches = asked.given;
   }
+  found.raised_before_mm = printer_->raised_mm();
   found.plane = FitBedPlane(found.touches, sigma_mm, printer_->bench().is_sigma_stated);
   found.offsets_mm = ScrewOffsets_mm(
       found.plane, printer_->bench().drawn_mm, asked.reference_mm, OffsetRule::kFormula);
-  found.notes = NotesOf(found);
+  found.notes = NotesOf(&found);
   Change([&](BedStore* store) {
     store->applied_mm.reset();
     store->found.push_back(found);
@@ -230,11 +230,13 @@ HttpResponse BedApi::Find(const HttpRequest& request, const Asked& asked) {
 }
 
 // In words what the numbers mean, and whether another round helps.
-std::vector<std::string> BedApi::NotesOf(const BedFound& found) const {
+std::vector<std::string> BedApi::NotesOf(BedFound* kept) const {
+  const BedFound& found = *kept;
   std::vector<std::string> notes = PlaneVerdicts(found.plane);
   const double most_mm = found.offsets_mm.maxCoeff();
   const double noise_mm = std::max(Residual_mm(found), printer_->bench().sigma_mm);
-  if (most_mm < 2 * noise_mm) {
+  kept->is_level = most_mm < 2 * noise_mm;
+  if (found.is_level) {
     notes.push_back(fmt::format(
         "the bed is level as far as these touches tell: the screws differ by {:.3f} mm, "
         "the touches scatter by {:.3f}; another round would chase noise",
@@ -319,9 +321,9 @@ HttpResponse BedApi::Apply(const HttpRequest& request) {
   keys.Done();
   const auto seat = seat_->Take(request, "raising the screws");
   const BedStore store = this->store();
-  const bool is_of_found = !store.found.empty() && store.found.back().is_by_printer;
-  const Vec3<double> before_mm =
-      is_of_found ? store.found.back().raised_before_mm : Vec3<double>::Zero();
+  const Vec3<double> before_mm = store.found.empty()
+                                     ? Vec3<double>::Zero()
+                                     : store.found.back().raised_before_mm;
   const Vec3<double> target_mm = before_mm + offsets_mm;
   RequireReachable(target_mm);
   // The same offsets again move nothing: they are counted from where the bed was touched.

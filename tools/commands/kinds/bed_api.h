@@ -60,7 +60,8 @@ class BedApi {
   HttpResponse Find(const HttpRequest& request, const Asked& asked);
   std::vector<BedTouch> TouchAll(const std::vector<Eigen::Vector2d>& at_mm);
   void RequireReachable(const Vec3<double>& raised_mm) const;
-  std::vector<std::string> NotesOf(const BedFound& found) const;
+  /// In words what the numbers mean; notes whether the bed is level.
+  std::vector<std::string> NotesOf(BedFound* found) const;
   /// Puts a change into the store and onto the disk, one after another.
   void Change(const std::function<void(BedStore*)>& change);
   void Show(BedStore store);

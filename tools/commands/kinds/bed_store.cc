@@ -47,6 +47,7 @@ Json KeptTree(const BedFound& found) {
           {"offsets_mm", ScrewsToJson(found.offsets_mm)},
           {"raised_before_mm", ScrewsToJson(found.raised_before_mm)},
           {"is_by_printer", found.is_by_printer},
+          {"is_level", found.is_level},
           {"at", found.at},
           {"notes", found.notes}};
 }
@@ -56,6 +57,7 @@ BedFound FoundOf(const Json& tree, double sigma_mm) {
                  .offsets_mm = ScrewsOf(tree.at("offsets_mm")),
                  .raised_before_mm = ScrewsOf(tree.at("raised_before_mm")),
                  .is_by_printer = tree.at("is_by_printer"),
+                 .is_level = tree.at("is_level"),
                  .at = tree.at("at"),
                  .notes = tree.at("notes")};
   for (const Json& touch : tree.at("touches")) {
@@ -138,6 +140,7 @@ Json ToJson(const BedFound& found) {
           {"points", TouchesOf(found)},
           {"residuals_mm", std::move(residuals)},
           {"uncertainty", plane.fit.dof > 0 ? UncertaintyOf(plane) : Json()},
+          {"is_level", found.is_level},
           {"notes", found.notes}};
 }
 

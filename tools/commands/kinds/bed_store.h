@@ -32,6 +32,7 @@ struct BedFound {
   /// How far each screw was raised already when the bed was touched.
   Vec3<double> raised_before_mm = Vec3<double>::Zero();
   bool is_by_printer = true;
+  bool is_level = false;  ///< As far as the touches tell.
   std::string at{};  ///< "2026-11-26T19:20:00Z".
   std::vector<std::string> notes{};
 };

@@ -1,6 +1,7 @@
 #include "tools/commands/kinds/still.h"
 
 #include <optional>
+#include <type_traits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -112,7 +113,16 @@ std::optional<MotorStageScene> MotorStageIn(const fs::path& file, double exagger
 template <typename Scene>
 Still Held(Scene scene) {
   const auto held = std::make_shared<Scene>(std::move(scene));
-  return {.scene = held, .model = held->model(), .data = held->data()};
+  Still still{.scene = held, .model = held->model(), .data = held->data()};
+  if constexpr (requires(Vec3<double> tip_mm) { held->MoveTo(tip_mm); }) {
+    still.move_to = [raw = held.get()](const Vec3<double>& tip_mm) {
+      using Result = decltype(raw->MoveTo(tip_mm));
+      if constexpr (std::is_same_v<Result, bool>) return raw->MoveTo(tip_mm);
+      raw->MoveTo(tip_mm);
+      return true;
+    };
+  }
+  return still;
 }
 
 }  // namespace
@@ -121,8 +131,7 @@ Still StillOf(const fs::path& file, double exaggerate) {
   if (auto stage = MotorStageIn(file, exaggerate)) return Held(*std::move(stage));
   if (auto delta = DeltaIn(file, exaggerate)) return Held(*std::move(delta));
   if (auto triple_z = TripleZIn(file, exaggerate)) return Held(*std::move(triple_z));
-  const auto held = std::make_shared<MachineScene>(ConfigOfStill(file), exaggerate);
-  return {.scene = held, .model = held->model(), .data = held->data()};
+  return Held(MachineScene(ConfigOfStill(file), exaggerate));
 }
 
 }  // namespace caltwin

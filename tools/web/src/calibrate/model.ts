@@ -114,9 +114,12 @@ export const lastJob = (jobs: Job[], procedure: string, axis?: Axis) =>
 
 export type StepState = "open" | "running" | "done" | "skipped" | "stopped";
 
-// "It cannot be told" is an answer too: the step is through.
-export const isThrough = (job: Job | undefined) =>
-  job?.result?.ending === "done" || job?.result?.ending === "confounded";
+export const isDeclined = (result: Result) =>
+  result.steps.some((step) => step.verdict === "refused" && step.message.includes("not confirmed"));
+
+// "It cannot be told" is an answer too, and so is a person's "No": the step is through.
+export const isThrough = (job: Job | undefined) => !!job?.result
+  && (job.result.ending === "done" || job.result.ending === "confounded" || isDeclined(job.result));
 
 // After these nobody knows where the axes are.
 const losesHome = (job: Job) => ["alarm", "collision", "link_lost"].includes(job.result?.ending ?? "");

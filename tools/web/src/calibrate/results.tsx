@@ -1,6 +1,6 @@
 import type { ReactNode } from "react";
 import { Notice } from "../ui/parts";
-import type { Job, Result } from "./model";
+import { isDeclined, type Job, type Result } from "./model";
 import { capital, endingOf, jobName, plain, valueOf } from "./words";
 
 const verdicts: Record<string, string> = {
@@ -41,37 +41,51 @@ function Changes({ result, name }: { result: Result; name: string }) {
   );
 }
 
-export function verdictOf(result: Result): { kind: "good" | "warn" | "bad"; text: string } {
-  const ending = endingOf(result.ending);
-  const bad = result.steps.find((step) => step.verdict === "refused" || step.verdict === "rolled_back");
-  if (bad) {
-    return { kind: "warn", text: bad.verdict === "refused" ? "Measured, but not applied."
-      : "Applied, then taken back: the check afterwards was worse." };
+interface Verdict { kind: "good" | "warn" | "bad"; text: string; remedy: string }
+
+function refusedOf(result: Result): Verdict | null {
+  if (isDeclined(result)) {
+    return { kind: "warn", text: "Measured, and not applied, as you said.", remedy: "Repeat the step to apply it after all." };
   }
-  if (result.ending !== "done") return { kind: ending.kind, text: ending.verdict };
+  if (result.machine_said?.startsWith("the operator")) {
+    return { kind: "warn", text: "Stopped, because the question was not answered. Nothing was changed.",
+      remedy: "Repeat the step when you can answer it." };
+  }
+  const bad = result.steps.find((step) => step.verdict === "refused" || step.verdict === "rolled_back");
+  if (bad?.verdict === "rolled_back") {
+    return { kind: "warn", text: "Applied, then taken back: the check afterwards was worse.",
+      remedy: "Look for loose parts and friction. Steps/mm that are more than 5 % wrong do this too." };
+  }
+  return bad ? { kind: "warn", text: "Measured, but not applied.", remedy: endingOf("refused").remedy } : null;
+}
+
+export function verdictOf(result: Result): Verdict {
+  const refused = refusedOf(result);
+  if (refused) return refused;
+  const ending = endingOf(result.ending);
+  if (result.ending !== "done") return { kind: ending.kind, text: ending.verdict, remedy: ending.remedy };
   const applied = result.steps.filter((step) => step.verdict === "applied").at(-1);
   if (applied) {
     const sd = result.estimates.find((one) => one.name === applied.name)?.sd;
-    return { kind: "good", text: `${plain(applied.name)} is now ${valueOf(applied.name, applied.after, sd)}.` };
+    return { kind: "good", text: `${plain(applied.name)} is now ${valueOf(applied.name, applied.after, sd)}.`, remedy: "" };
   }
-  return { kind: "good", text: result.steps.length > 0 ? "What is set agrees with the measurement. Nothing had to change." : "Done." };
+  return { kind: "good", text: result.steps.length > 0 ? "What is set agrees with the measurement. Nothing had to change." : "Done.", remedy: "" };
 }
 
 export function JobResult({ job, hideChanges, children }: { job: Job; hideChanges?: boolean; children?: ReactNode }) {
   const { result } = job;
   if (!result) return null;
   const verdict = verdictOf(result);
-  const { remedy } = endingOf(result.ending);
   const messages = [...new Set(result.messages)].filter((text) => !result.machine_said || !text.includes(result.machine_said));
-  const failed = verdict.kind !== "good";
+  const failed = verdict.kind !== "good" && !isDeclined(result) && !result.machine_said?.startsWith("the operator");
   const told = <ul>{messages.map((text) => <li key={text}>{plain(text)}</li>)}</ul>;
   return (
     <div>
       <h3>{jobName(job)}</h3>
       <Notice kind={verdict.kind}>
         <p><strong>{capital(verdict.text)}</strong></p>
-        {failed && remedy ? <p>{remedy}</p> : null}
-        {result.machine_said ? <p>The machine said: <q>{result.machine_said}</q></p> : null}
+        {verdict.remedy ? <p>{verdict.remedy}</p> : null}
+        {failed && result.machine_said ? <p>The machine said: <q>{result.machine_said}</q></p> : null}
         {failed && messages.length > 0 ? told : null}
       </Notice>
       {hideChanges ? null : <Changes result={result} name={jobName(job)} />}

@@ -81,7 +81,8 @@ function RestoreButton({ hold }: { hold: BenchHold }) {
   );
 }
 
-function nowText(bench: Bench): string {
+function nowText(bench: Bench, isLost: boolean): string {
+  if (isLost) return "What the machine does now is not known.";
   if (bench.state === "idle" || !bench.job) return "The machine is idle.";
   const name = jobName(bench.job);
   return bench.state === "asking" ? `${name}: waits for your answer.` : `${name}: running.`;
@@ -93,7 +94,7 @@ export function NowBar({ hold }: { hold: BenchHold }) {
   if (!bench) return null;
   return (
     <div className={bench.state === "idle" ? "" : "cal-bar"}>
-      <p className="cal-now" role="status"><strong>{nowText(bench)}</strong></p>
+      <p className="cal-now" role="status"><strong>{nowText(bench, hold.connection === "lost")}</strong></p>
       {bench.state === "idle" ? null : <button className="danger" onClick={hold.abort}>Abort</button>}
     </div>
   );

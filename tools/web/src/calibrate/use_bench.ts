@@ -31,6 +31,17 @@ export interface BenchHold {
 const patch = (version: number, entries: Kept) =>
   api.PATCH("/api/bench/session", { body: { version, entries: entries as Open } });
 
+function useRetries(waiting: Kept, connection: Connection, flush: () => Promise<void>) {
+  useEffect(() => {
+    if (connection === "open") void flush();
+  }, [connection, flush]);
+  useEffect(() => {
+    if (Object.keys(waiting).length === 0) return;
+    const again = setInterval(() => void flush(), 1500);
+    return () => clearInterval(again);
+  }, [waiting, flush]);
+}
+
 // Keeps entries on the server. Changes wait in `pending` until they are there; somebody
 // else's newer entries are taken and ours put on top.
 function useSession(take: (session: Session) => void, connection: Connection) {
@@ -83,14 +94,7 @@ function useSession(take: (session: Session) => void, connection: Connection) {
     return data !== undefined;
   }, [flush, settle]);
 
-  useEffect(() => {
-    if (connection === "open") void flush();
-  }, [connection, flush]);
-  useEffect(() => {
-    if (Object.keys(waiting).length === 0) return;
-    const again = setInterval(() => void flush(), 1500);
-    return () => clearInterval(again);
-  }, [waiting, flush]);
+  useRetries(waiting, connection, flush);
   return { waiting, keep, claim, settle, flush };
 }
 

@@ -61,7 +61,7 @@ export const endings: Record<string, { kind: "good" | "warn" | "bad"; verdict: s
   aborted: { kind: "warn", verdict: "Stopped on request.",
     remedy: "Settings applied before the stop stay. Measure again, or restore the settings from before." },
   refused: { kind: "bad", verdict: "Refused. Nothing was changed by this.",
-    remedy: "A change above 5 % in one pass is refused: do the rough steps/mm first, and check the block's sizes." },
+    remedy: "Below it says why. Where steps/mm would change by more than 5 %: do the rough steps/mm first, and check the block's sizes." },
   no_trigger: { kind: "bad", verdict: "The probe did not trigger.",
     remedy: "Check that the probe is mounted and connected, and that the block stands where the machine looks for it. Then measure again." },
   collision: { kind: "bad", verdict: "The probe ran into something.",
