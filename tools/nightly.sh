@@ -3,12 +3,12 @@
 # goes on where one fails; exit code 1 then.
 #
 #   tools/nightly.sh            all of it
-#   tools/nightly.sh lint ...   the parts named: lint freeze homings sanitizers mutants bench fuzz
+#   tools/nightly.sh lint ...   the parts named: lint freeze homings web sanitizers mutants bench fuzz
 set -uo pipefail
 cd "$(dirname "$0")/.."
 
 parts=("$@")
-[[ ${#parts[@]} -eq 0 ]] && parts=(lint freeze homings sanitizers mutants bench fuzz)
+[[ ${#parts[@]} -eq 0 ]] && parts=(lint freeze homings web sanitizers mutants bench fuzz)
 ./tools/setup.sh clang-format-16 libclang-rt-16-dev python3-venv
 ./tools/build.sh build -DCALTWIN_WERROR=ON || exit 1
 
@@ -17,6 +17,9 @@ freeze() { ./tools/freeze.sh; }             # Every frozen answer.
 homings() {                                 # Ten thousand first homings, not a thousand.
   CALTWIN_ALL_HOMINGS=1 build/tests/scenarios_slow_tests \
     --gtest_filter=MotorFigures.FirstHomingsTakeOneTurn
+}
+web() { # Ten thousand requests of noise; the server against its document, longer.
+  python3 tests/web/rest_test.py build/caltwin 10000 && tests/web/schemathesis.sh build/caltwin 300
 }
 sanitizers() { # What CI leaves out of its sanitizer run: a quarter of an hour.
   local program only code=0
@@ -36,7 +39,7 @@ fuzz() { ./tools/fuzz.sh 3600; }            # An hour, on from where the last on
 failed=()
 for part in "${parts[@]}"; do
   case $part in
-    lint | freeze | homings | sanitizers | mutants | bench | fuzz) ;;
+    lint | freeze | homings | web | sanitizers | mutants | bench | fuzz) ;;
     *) sed -n '2,/^set/{/^#/s/^# \{0,1\}//p}' "$0" >&2 && exit 2 ;;
   esac
   start=$SECONDS

@@ -1,6 +1,7 @@
 #include "calibration/procedures/options.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -58,6 +59,15 @@ std::vector<double> ReadDimensions(YamlMap* map, const std::vector<double>& othe
   if (sizes_mm.size() < 2 || !ascending) {
     value->Fail("must be two or more sizes in mm, ascending",
                 "a 1-2-3 block has 25.4, 50.8 and 76.2");
+    return otherwise;
+  }
+  for (const double size_mm : sizes_mm) {
+    const bool is_of_block = std::ranges::any_of(kBlockSizes_mm, [&](double one_mm) {
+      return std::abs(one_mm - size_mm) < 1e-6;
+    });
+    if (is_of_block) continue;
+    value->Fail(fmt::format("{:g} is no size of a 1-2-3 block", size_mm),
+                "it has 25.4, 50.8 and 76.2 mm");
     return otherwise;
   }
   return sizes_mm;

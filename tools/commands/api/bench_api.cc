@@ -116,6 +116,7 @@ void BenchApi::AddTo(Routes* routes) {
     return EmergencyStop();
   });
   add("POST", "/restore", kSlow, [this](const HttpRequest& r) { return Restore(r); });
+  add("PATCH", "/settings", kSlow, [this](const HttpRequest& r) { return SetSettings(r); });
   add("GET", "/user-vars", kQuick, [this](const HttpRequest&) { return UserVars(); });
 }
 
@@ -213,6 +214,11 @@ HttpResponse BenchApi::Begin(const HttpRequest& request) {
       return ResultOf(Controller(bench->link, bench->machine).Home());
     });
   }
+  if (name == "reset") {
+    return StartJob(request, name, options, [](Bench* bench) {
+      return ResultOf(Controller(bench->link, bench->machine).Restart());
+    });
+  }
   CalibrationStep step = StepOf(name, options);
   return StartJob(request, name, options, std::move(step.procedure));
 }
@@ -225,6 +231,40 @@ HttpResponse BenchApi::Restore(const HttpRequest& request) {
   }
   if (!before) throw Problem(409, "nothing was changed yet: there is nothing to restore");
   return StartJob(request, "restore", Json::object(), [wanted = *before](Bench* bench) {
+    return ResultOf(WriteSettings(bench, wanted));
+  });
+}
+
+// Steps/mm at most a factor of two from what they are, gaps and deflections below 5 mm:
+// beyond, a number was mistyped.
+HttpResponse BenchApi::SetSettings(const HttpRequest& request) {
+  std::optional<Settings> now;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    now = settings_;
+  }
+  if (!now) throw Problem(409, "the settings of this machine cannot be set here");
+  Settings wanted = *now;
+  const Json body = JsonBody(request);
+  JsonKeys keys(body);
+  constexpr double kMost_mm = 5;
+  for (const auto& [key, member] :
+       {std::pair{"steps_per_mm", &Settings::steps_per_mm},
+        std::pair{"backlash_mm", &Settings::backlash_mm},
+        std::pair{"probe_deflection_mm", &Settings::probe_deflection_mm}}) {
+    const Json by_axis = keys.Object(key, kMostEntries_bytes);
+    JsonKeys axes(by_axis);
+    for (const Axis axis : kAxes) {
+      double& value = (wanted.*member)[Index(axis)];
+      const bool is_steps = member == &Settings::steps_per_mm;
+      const NumberRange range = is_steps ? NumberRange{value / 2, value * 2, "steps/mm"}
+                                         : NumberRange{0, kMost_mm, "mm"};
+      value = axes.Number(Name(axis), range, value);
+    }
+    axes.Done();
+  }
+  keys.Done();
+  return StartJob(request, "set", body, [wanted](Bench* bench) {
     return ResultOf(WriteSettings(bench, wanted));
   });
 }

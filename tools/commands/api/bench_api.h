@@ -56,6 +56,8 @@ class BenchApi {
   /// M112 past whatever waits, where the wire can; then as Abort.
   HttpResponse EmergencyStop();
   HttpResponse Restore(const HttpRequest& request);
+  /// Writes what a person worked out by hand.
+  HttpResponse SetSettings(const HttpRequest& request);
   HttpResponse UserVars() const;
 
   /// Runs `work` as the one job there is; throws Problem 409 where one is at work.

@@ -56,6 +56,20 @@ function tools(name, page, server, faults, state) {
   return check;
 }
 
+// As the script left it: in light and dark, on a desk and on a phone.
+async function look(page, check) {
+  for (const scheme of ["light", "dark"]) {
+    await page.emulateMedia({ colorScheme: scheme });
+    await check.accessible(scheme);
+    await check.shot(scheme);
+  }
+  await page.setViewportSize({ width: 390, height: 844 });
+  const wide = await page.evaluate(() => document.documentElement.scrollWidth > innerWidth);
+  check(!wide, "nothing scrolls sideways on a phone");
+  await check.accessible("on a phone");
+  await check.shot("phone");
+}
+
 async function drive(browser, name, faults) {
   const state = mkdtempSync(join(tmpdir(), "caltwin_e2e_"));
   const server = await serve(state);
@@ -68,6 +82,7 @@ async function drive(browser, name, faults) {
   try {
     const script = await import(`./${name}.mjs`);
     await script[name](page, server.base, check);
+    await look(page, check);
   } catch (error) {
     await check.shot("failed").catch(() => {});
     check(false, `runs to its end: ${error}`);

@@ -7,6 +7,7 @@ const pages = [
   { path: "/diagnose", name: "Diagnose", page: lazy(() => import("./pages/diagnose")) },
   { path: "/calibrate", name: "Calibrate", page: lazy(() => import("./pages/calibrate")) },
   { path: "/bed", name: "Bed", page: lazy(() => import("./pages/bed")) },
+  { path: "/machine", name: "Machine", page: lazy(() => import("./pages/machine")) },
 ];
 
 export function App() {

@@ -374,8 +374,25 @@ export interface paths {
         get: operations["run"];
         put?: never;
         post?: never;
-        /** Ends it */
-        delete: operations["stopRun"];
+        /** Ends it where it is at work, and forgets it */
+        delete: operations["deleteRun"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/runs/{id}/stop": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /** Ends it and keeps what it said */
+        post: operations["stopRun"];
+        delete?: never;
         options?: never;
         head?: never;
         patch?: never;
@@ -392,6 +409,91 @@ export interface paths {
         get: operations["runReport"];
         put?: never;
         post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/runs/{id}/transcript": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** Every line of G-code ('> ') and its answer ('< ') */
+        get: operations["runTranscript"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/machines/{name}/scene": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** What the machine looks like: bodies, the geoms on them, meshes, and where each body stands */
+        get: operations["machinesScene"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/machines/{name}/poses": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /** Where each body stands with the tip at these places */
+        post: operations["machinesPoses"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/scenarios/{name}/scene": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** What the machine looks like: bodies, the geoms on them, meshes, and where each body stands */
+        get: operations["scenariosScene"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/scenarios/{name}/poses": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /** Where each body stands with the tip at these places */
+        post: operations["scenariosPoses"];
         delete?: never;
         options?: never;
         head?: never;
@@ -483,6 +585,23 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/bench/emergency-stop": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /** M112 past whatever waits for its answer, where the wire can (a real machine's); then abort. Whoever asks */
+        post: operations["emergencyStop"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/bench/restore": {
         parameters: {
             query?: never;
@@ -498,6 +617,23 @@ export interface paths {
         options?: never;
         head?: never;
         patch?: never;
+        trace?: never;
+    };
+    "/api/bench/settings": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        /** Writes settings that a person worked out by hand: steps/mm within a factor of two, lengths of 0 to 5 mm */
+        patch: operations["setSettings"];
         trace?: never;
     };
     "/api/bench/user-vars": {
@@ -545,6 +681,13 @@ export interface components {
             status: number;
             detail: string;
             errors?: components["schemas"]["Fault"][];
+            held_by?: string;
+            doing?: string;
+            machine_said?: string;
+            version?: number;
+            entries?: {
+                [key: string]: unknown;
+            };
         };
         Fault: {
             detail: string;
@@ -602,6 +745,8 @@ export interface components {
                 tilt_x_degrees: number;
                 tilt_y_degrees: number;
             } | null;
+            /** @description As far as the touches tell: another round would chase noise. */
+            is_level?: boolean;
             notes?: string[];
             applied?: components["schemas"]["Screws"] | null;
             plane_now?: {
@@ -634,8 +779,11 @@ export interface components {
             reference_height: number;
         };
         ApplyRequest: {
+            /** @description mm */
             z1_mm: number;
+            /** @description mm */
             z2_mm: number;
+            /** @description mm */
             z3_mm: number;
         };
         Applied: {
@@ -655,6 +803,7 @@ export interface components {
             std_error_mm: number;
             num_points: number;
             mean_signed_error_mm: number;
+            mean_error_about_common_mm: number;
             is_within_target: boolean;
             plane_equation: {
                 a: number;
@@ -662,6 +811,7 @@ export interface components {
                 /** @description mm */
                 c: number;
             };
+            notes: string[];
         };
         BedStatus: {
             machine: string;
@@ -689,14 +839,28 @@ export interface components {
             format: 1;
             /** @enum {unknown} */
             verdict: "none" | "named" | "ambiguous" | "unknown";
-            findings?: Record<string, never>[];
-            gain?: Record<string, never>;
-            facts?: Record<string, never>[];
-            not_determined?: Record<string, never>[];
-            not_the_machine?: Record<string, never> | null;
-            next_measurement?: Record<string, never>[];
+            findings?: {
+                [key: string]: unknown;
+            }[];
+            gain?: {
+                [key: string]: unknown;
+            };
+            facts?: {
+                [key: string]: unknown;
+            }[];
+            not_determined?: {
+                [key: string]: unknown;
+            }[];
+            not_the_machine?: {
+                [key: string]: unknown;
+            } | null;
+            next_measurement?: {
+                [key: string]: unknown;
+            }[];
             remarks?: string[];
-            show?: Record<string, never> | null;
+            show?: {
+                [key: string]: unknown;
+            } | null;
             outlier_rows?: number[];
             import: {
                 file: string;
@@ -749,6 +913,7 @@ export interface components {
             text: string;
         };
         RunRequest: {
+            /** @example next_cluster_backlash_corrected */
             scenario: string;
             /** @enum {unknown} */
             fidelity?: "physics" | "fast";
@@ -761,7 +926,9 @@ export interface components {
             state: "running" | "done" | "failed" | "stopped";
             detail?: string;
             text?: string;
-            result?: Record<string, never> | null;
+            result?: {
+                [key: string]: unknown;
+            } | null;
         };
         Runs: {
             runs: components["schemas"]["Run"][];
@@ -784,6 +951,23 @@ export interface components {
             };
             tip_radius_mm: number;
         };
+        SettingsRequest: {
+            steps_per_mm?: {
+                x?: number;
+                y?: number;
+                z?: number;
+            };
+            backlash_mm?: {
+                x?: number;
+                y?: number;
+                z?: number;
+            };
+            probe_deflection_mm?: {
+                x?: number;
+                y?: number;
+                z?: number;
+            };
+        };
         Question: {
             id: number;
             /** @enum {unknown} */
@@ -797,9 +981,21 @@ export interface components {
             campaign: string;
             feature: string;
             setup: string;
-            n: Record<string, never>;
-            dir: Record<string, never>;
-            at_mm: Record<string, never>;
+            n: {
+                x: number | null;
+                y: number | null;
+                z: number | null;
+            };
+            dir: {
+                x: number | null;
+                y: number | null;
+                z: number | null;
+            };
+            at_mm: {
+                x: number | null;
+                y: number | null;
+                z: number | null;
+            };
             value_mm: number;
         };
         ProcedureResult: {
@@ -830,7 +1026,9 @@ export interface components {
         Job: {
             id: number;
             procedure: string;
-            options: Record<string, never>;
+            options: {
+                [key: string]: unknown;
+            };
             begun_at?: string;
             ended_at?: string;
             said: string[];
@@ -840,7 +1038,9 @@ export interface components {
         };
         Session: {
             version: number;
-            entries: Record<string, never>;
+            entries: {
+                [key: string]: unknown;
+            };
         };
         Bench: {
             machine: string;
@@ -854,19 +1054,25 @@ export interface components {
             settings_before: components["schemas"]["Settings"] | null;
             calibrated_at: string | null;
             procedures: string[];
-            artefacts: Record<string, never>[];
+            artefacts: {
+                [key: string]: unknown;
+            }[];
             session: components["schemas"]["Session"];
             results: components["schemas"]["Job"][];
         };
         SessionRequest: {
             version?: number;
-            entries: Record<string, never>;
+            entries: {
+                [key: string]: unknown;
+            };
         };
         ProcedureRequest: {
-            /** @description home, or a name of `procedures` */
+            /** @description home, reset (M999, after an alarm), or a name of `procedures` */
             procedure: string;
             /** @description As in a scenario's step: axis, variant, repeats, apply, ... */
-            options?: Record<string, never>;
+            options?: {
+                [key: string]: unknown;
+            };
         };
         AnswerRequest: {
             id: number;
@@ -881,6 +1087,40 @@ export interface components {
             machine: string;
             has_bed: boolean;
             openapi: string;
+        };
+        Scene: {
+            machine: string;
+            /** @description Whether `poses` answers. */
+            moves: boolean;
+            /** @description Of x, y, z: least and most. */
+            travel_mm: number[][];
+            bodies: string[];
+            /** @description Of each body, as it stands. */
+            poses: number[][];
+            geoms: {
+                body: number;
+                /** @enum {unknown} */
+                type: "plane" | "sphere" | "capsule" | "ellipsoid" | "cylinder" | "box" | "mesh";
+                /** @description As MuJoCo has it: half sizes; capsule and cylinder radius and half length along z. */
+                size_mm: number[];
+                /** @description x y z [mm], and the quaternion w x y z. */
+                pose: number[];
+                rgba: number[];
+                mesh: number | null;
+            }[];
+            meshes: {
+                vertices_mm: number[];
+                faces: number[];
+            }[];
+        };
+        PosesRequest: {
+            positions: number[][];
+        };
+        Poses: {
+            /** @description Those that move. */
+            bodies: number[];
+            /** @description One for each position; null: it does not reach. */
+            poses: (number[][] | null)[];
         };
     };
     responses: never;
@@ -909,6 +1149,15 @@ export interface operations {
                     "application/json": components["schemas"]["Intrinsics"];
                 };
             };
+            /** @description no JSON, a broken form, or a target that is no path */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
         };
     };
     setIntrinsics: {
@@ -933,7 +1182,7 @@ export interface operations {
                     "application/json": components["schemas"]["Intrinsics"];
                 };
             };
-            /** @description no JSON, or a broken form */
+            /** @description no JSON, a broken form, or a target that is no path */
             400: {
                 headers: {
                     [name: string]: unknown;
@@ -1002,7 +1251,7 @@ export interface operations {
                     "application/json": components["schemas"]["BedTilt"];
                 };
             };
-            /** @description no JSON, or a broken form */
+            /** @description no JSON, a broken form, or a target that is no path */
             400: {
                 headers: {
                     [name: string]: unknown;
@@ -1011,7 +1260,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description somebody else is at the machine, or nothing to do it with */
+            /** @description somebody else is at the machine, or the machine did not do it and says why */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -1056,7 +1305,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description the machine did not do it, and says why */
+            /** @description the machine is gone */
             502: {
                 headers: {
                     [name: string]: unknown;
@@ -1107,7 +1356,7 @@ export interface operations {
                     "application/json": components["schemas"]["BedTilt"];
                 };
             };
-            /** @description no JSON, or a broken form */
+            /** @description no JSON, a broken form, or a target that is no path */
             400: {
                 headers: {
                     [name: string]: unknown;
@@ -1116,7 +1365,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description somebody else is at the machine, or nothing to do it with */
+            /** @description somebody else is at the machine, or the machine did not do it and says why */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -1161,7 +1410,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description the machine did not do it, and says why */
+            /** @description the machine is gone */
             502: {
                 headers: {
                     [name: string]: unknown;
@@ -1208,6 +1457,15 @@ export interface operations {
                     "application/json": components["schemas"]["BedTilt"];
                 };
             };
+            /** @description no JSON, a broken form, or a target that is no path */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
             /** @description nothing there */
             404: {
                 headers: {
@@ -1239,6 +1497,15 @@ export interface operations {
                     };
                 };
             };
+            /** @description no JSON, a broken form, or a target that is no path */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
         };
     };
     bedStatus: {
@@ -1257,6 +1524,15 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["BedStatus"];
+                };
+            };
+            /** @description no JSON, a broken form, or a target that is no path */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -1283,7 +1559,7 @@ export interface operations {
                     "application/json": components["schemas"]["Applied"];
                 };
             };
-            /** @description no JSON, or a broken form */
+            /** @description no JSON, a broken form, or a target that is no path */
             400: {
                 headers: {
                     [name: string]: unknown;
@@ -1292,7 +1568,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description somebody else is at the machine, or nothing to do it with */
+            /** @description somebody else is at the machine, or the machine did not do it and says why */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -1337,7 +1613,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description the machine did not do it, and says why */
+            /** @description the machine is gone */
             502: {
                 headers: {
                     [name: string]: unknown;
@@ -1388,7 +1664,7 @@ export interface operations {
                     "application/json": components["schemas"]["Validated"];
                 };
             };
-            /** @description no JSON, or a broken form */
+            /** @description no JSON, a broken form, or a target that is no path */
             400: {
                 headers: {
                     [name: string]: unknown;
@@ -1397,7 +1673,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description somebody else is at the machine, or nothing to do it with */
+            /** @description somebody else is at the machine, or the machine did not do it and says why */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -1454,6 +1730,15 @@ export interface operations {
                     "application/json": components["schemas"]["BedReport"];
                 };
             };
+            /** @description no JSON, a broken form, or a target that is no path */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
         };
     };
     diagnose: {
@@ -1489,7 +1774,7 @@ export interface operations {
                     "application/json": components["schemas"]["Diagnoses"];
                 };
             };
-            /** @description no JSON, or a broken form */
+            /** @description no JSON, a broken form, or a target that is no path */
             400: {
                 headers: {
                     [name: string]: unknown;
@@ -1574,6 +1859,15 @@ export interface operations {
                     "text/html": string;
                 };
             };
+            /** @description no JSON, a broken form, or a target that is no path */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
             /** @description nothing there */
             404: {
                 headers: {
@@ -1639,6 +1933,15 @@ export interface operations {
                 };
                 content: {
                     "text/csv": string;
+                };
+            };
+            /** @description no JSON, a broken form, or a target that is no path */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
             /** @description nothing there */
@@ -1710,6 +2013,15 @@ export interface operations {
                     "application/json": components["schemas"]["Correction"];
                 };
             };
+            /** @description no JSON, a broken form, or a target that is no path */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
             /** @description nothing there */
             404: {
                 headers: {
@@ -1775,6 +2087,15 @@ export interface operations {
                     "application/json": components["schemas"]["About"];
                 };
             };
+            /** @description no JSON, a broken form, or a target that is no path */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
         };
     };
     document: {
@@ -1792,7 +2113,18 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": Record<string, never>;
+                    "application/json": {
+                        [key: string]: unknown;
+                    };
+                };
+            };
+            /** @description no JSON, a broken form, or a target that is no path */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };
@@ -1813,6 +2145,15 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Machines"];
+                };
+            };
+            /** @description no JSON, a broken form, or a target that is no path */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
             /** @description busy */
@@ -1846,6 +2187,15 @@ export interface operations {
                 };
                 content: {
                     "image/png": string;
+                };
+            };
+            /** @description no JSON, a broken form, or a target that is no path */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
             /** @description nothing there */
@@ -1913,6 +2263,15 @@ export interface operations {
                     "application/json": components["schemas"]["Scenarios"];
                 };
             };
+            /** @description no JSON, a broken form, or a target that is no path */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
             /** @description busy */
             503: {
                 headers: {
@@ -1940,6 +2299,15 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Procedures"];
+                };
+            };
+            /** @description no JSON, a broken form, or a target that is no path */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
             /** @description busy */
@@ -1971,6 +2339,15 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Explained"];
+                };
+            };
+            /** @description no JSON, a broken form, or a target that is no path */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
             /** @description read, and refused: where and why */
@@ -2029,6 +2406,15 @@ export interface operations {
                     "application/json": components["schemas"]["Runs"];
                 };
             };
+            /** @description no JSON, a broken form, or a target that is no path */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
             /** @description busy */
             503: {
                 headers: {
@@ -2063,7 +2449,7 @@ export interface operations {
                     "application/json": components["schemas"]["Run"];
                 };
             };
-            /** @description no JSON, or a broken form */
+            /** @description no JSON, a broken form, or a target that is no path */
             400: {
                 headers: {
                     [name: string]: unknown;
@@ -2092,6 +2478,15 @@ export interface operations {
             };
             /** @description read, and refused: where and why */
             422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description two are at work */
+            429: {
                 headers: {
                     [name: string]: unknown;
                 };
@@ -2128,6 +2523,62 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Run"];
+                };
+            };
+            /** @description no JSON, a broken form, or a target that is no path */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description nothing there */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description busy */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    deleteRun: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description gone */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description no JSON, a broken form, or a target that is no path */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
             /** @description nothing there */
@@ -2170,6 +2621,15 @@ export interface operations {
                     "application/json": components["schemas"]["Run"];
                 };
             };
+            /** @description no JSON, a broken form, or a target that is no path */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
             /** @description nothing there */
             404: {
                 headers: {
@@ -2210,6 +2670,15 @@ export interface operations {
                     "text/html": string;
                 };
             };
+            /** @description no JSON, a broken form, or a target that is no path */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
             /** @description nothing there */
             404: {
                 headers: {
@@ -2219,8 +2688,453 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
+            /** @description somebody else is at the machine, or the machine did not do it and says why */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
             /** @description busy */
             503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    runTranscript: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description done */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "text/plain": string;
+                };
+            };
+            /** @description no JSON, a broken form, or a target that is no path */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description nothing there */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description somebody else is at the machine, or the machine did not do it and says why */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description busy */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    machinesScene: {
+        parameters: {
+            query?: {
+                /** @description How many times too large errors are drawn. */
+                exaggerate?: number;
+            };
+            header?: never;
+            path: {
+                name: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description done */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Scene"];
+                };
+            };
+            /** @description no JSON, a broken form, or a target that is no path */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description nothing there */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description read, and refused: where and why */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description a mistake of the server */
+            500: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description busy */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description took too long */
+            504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    machinesPoses: {
+        parameters: {
+            query?: {
+                /** @description How many times too large errors are drawn. */
+                exaggerate?: number;
+            };
+            header?: never;
+            path: {
+                name: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["PosesRequest"];
+            };
+        };
+        responses: {
+            /** @description done */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Poses"];
+                };
+            };
+            /** @description no JSON, a broken form, or a target that is no path */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description nothing there */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description somebody else is at the machine, or the machine did not do it and says why */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description too large */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description another Content-Type */
+            415: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description read, and refused: where and why */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description a mistake of the server */
+            500: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description busy */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description took too long */
+            504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    scenariosScene: {
+        parameters: {
+            query?: {
+                /** @description How many times too large errors are drawn. */
+                exaggerate?: number;
+            };
+            header?: never;
+            path: {
+                name: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description done */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Scene"];
+                };
+            };
+            /** @description no JSON, a broken form, or a target that is no path */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description nothing there */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description read, and refused: where and why */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description a mistake of the server */
+            500: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description busy */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description took too long */
+            504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    scenariosPoses: {
+        parameters: {
+            query?: {
+                /** @description How many times too large errors are drawn. */
+                exaggerate?: number;
+            };
+            header?: never;
+            path: {
+                name: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["PosesRequest"];
+            };
+        };
+        responses: {
+            /** @description done */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Poses"];
+                };
+            };
+            /** @description no JSON, a broken form, or a target that is no path */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description nothing there */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description somebody else is at the machine, or the machine did not do it and says why */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description too large */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description another Content-Type */
+            415: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description read, and refused: where and why */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description a mistake of the server */
+            500: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description busy */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description took too long */
+            504: {
                 headers: {
                     [name: string]: unknown;
                 };
@@ -2248,6 +3162,15 @@ export interface operations {
                     "application/json": components["schemas"]["Bench"];
                 };
             };
+            /** @description no JSON, a broken form, or a target that is no path */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
         };
     };
     setSession: {
@@ -2272,7 +3195,7 @@ export interface operations {
                     "application/json": components["schemas"]["Session"];
                 };
             };
-            /** @description no JSON, or a broken form */
+            /** @description no JSON, a broken form, or a target that is no path */
             400: {
                 headers: {
                     [name: string]: unknown;
@@ -2281,7 +3204,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description somebody else is at the machine, or nothing to do it with */
+            /** @description somebody else is at the machine, or the machine did not do it and says why */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -2350,7 +3273,7 @@ export interface operations {
                     "application/json": components["schemas"]["Job"];
                 };
             };
-            /** @description no JSON, or a broken form */
+            /** @description no JSON, a broken form, or a target that is no path */
             400: {
                 headers: {
                     [name: string]: unknown;
@@ -2359,7 +3282,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description somebody else is at the machine, or nothing to do it with */
+            /** @description somebody else is at the machine, or the machine did not do it and says why */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -2431,7 +3354,7 @@ export interface operations {
                     };
                 };
             };
-            /** @description no JSON, or a broken form */
+            /** @description no JSON, a broken form, or a target that is no path */
             400: {
                 headers: {
                     [name: string]: unknown;
@@ -2440,7 +3363,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description somebody else is at the machine, or nothing to do it with */
+            /** @description somebody else is at the machine, or the machine did not do it and says why */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -2498,6 +3421,47 @@ export interface operations {
                     };
                 };
             };
+            /** @description no JSON, a broken form, or a target that is no path */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    emergencyStop: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description sent */
+            202: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": {
+                        aborted: boolean;
+                        sent_m112: boolean;
+                    };
+                };
+            };
+            /** @description no JSON, a broken form, or a target that is no path */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
         };
     };
     restore: {
@@ -2518,8 +3482,95 @@ export interface operations {
                     "application/json": components["schemas"]["Job"];
                 };
             };
-            /** @description somebody else is at the machine, or nothing to do it with */
+            /** @description no JSON, a broken form, or a target that is no path */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description somebody else is at the machine, or the machine did not do it and says why */
             409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description busy */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    setSettings: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["SettingsRequest"];
+            };
+        };
+        responses: {
+            /** @description begun */
+            202: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Job"];
+                };
+            };
+            /** @description no JSON, a broken form, or a target that is no path */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description somebody else is at the machine, or the machine did not do it and says why */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description too large */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description another Content-Type */
+            415: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description read, and refused: where and why */
+            422: {
                 headers: {
                     [name: string]: unknown;
                 };
@@ -2556,6 +3607,15 @@ export interface operations {
                     "text/plain": string;
                 };
             };
+            /** @description no JSON, a broken form, or a target that is no path */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
             /** @description nothing there */
             404: {
                 headers: {
@@ -2586,6 +3646,15 @@ export interface operations {
                 };
                 content: {
                     "text/event-stream": string;
+                };
+            };
+            /** @description no JSON, a broken form, or a target that is no path */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
         };

@@ -1,0 +1,142 @@
+import { Card, Notice, withSd } from "../ui/parts";
+import { transcriptPath } from "./ask";
+import type { Done } from "./use_run";
+
+interface Parameter {
+  name: string;
+  unit: string;
+  injected: number | null;
+  recovered: number | null;
+  sd: number | null;
+  tolerance: number | null;
+  passed: boolean | null;
+  identifiable: boolean;
+}
+
+interface Check { name: string; expected: string; found: string; passed: boolean }
+
+export interface RunResult {
+  passed: boolean;
+  outcome: string;
+  machine: string;
+  seed: number;
+  touches: number;
+  machine_time_s: number;
+  parameters: Parameter[];
+  checks: Check[];
+  messages: string[];
+  steps: { message: string }[];
+}
+
+const outcomes: Record<string, string> = {
+  recovers: "The procedure finds the hidden errors it looks for.",
+  misses: "The procedure misses: what it tells or leaves behind is not right.",
+  diverges: "The procedure makes the machine worse.",
+  alarm: "The machine stopped itself with an alarm.",
+  collision: "The stylus collided.",
+  no_trigger: "A probe move ended without touching what it was to find.",
+  refused: "The procedure was refused, by a limit or a check before it.",
+  reads_zero: "The procedure reads zero where there is an error.",
+  confounded: "The procedure says that it cannot tell the errors apart.",
+};
+
+function Verdict({ result }: { result: RunResult }) {
+  const failed = result.checks.filter((check) => !check.passed).length;
+  const expected = result.passed
+    ? "That is what this scenario expects."
+    : `${failed} of ${result.checks.length} checks of this scenario failed.`;
+  const kind = !result.passed ? "bad" : result.outcome === "recovers" ? "good" : "warn";
+  return (
+    <Notice kind={kind}>
+      <p><strong>{outcomes[result.outcome] ?? `The run ended so: ${result.outcome}.`}</strong> {expected}</p>
+    </Notice>
+  );
+}
+
+function told(one: Parameter): string {
+  if (one.recovered === null) return "not known";
+  if (!one.identifiable) return `not known (read ${withSd(one.recovered, one.sd, one.unit, 4)})`;
+  return one.sd ? withSd(one.recovered, one.sd, one.unit) : `${withSd(one.recovered, null, one.unit, 4)} (uncertainty not known)`;
+}
+
+function judged(one: Parameter): string {
+  if (one.passed === null) return "not judged";
+  const limit = one.tolerance === null ? "" : `, tolerance ± ${one.tolerance} ${one.unit}`;
+  return (one.passed ? "✓ passed" : "✗ failed") + limit;
+}
+
+const digitsFor = (one: Parameter) => (one.sd ? Math.max(0, Math.min(6, 1 - Math.floor(Math.log10(one.sd)))) : 4);
+
+function Parameters({ all }: { all: Parameter[] }) {
+  return (
+    <>
+      <h3>Errors, built in and found</h3>
+      <div className="scroll" tabIndex={0} role="group" aria-label="Errors, built in and found">
+        <table>
+          <thead><tr><th scope="col">Quantity</th><th scope="col" className="number">Built in</th>
+            <th scope="col" className="number">Found (± standard uncertainty)</th><th scope="col">Judged</th></tr></thead>
+          <tbody>
+            {all.map((one) => (
+              <tr key={one.name}>
+                <th scope="row"><code>{one.name}</code></th>
+                <td className="number">{one.injected === null ? "none" : `${one.injected.toFixed(digitsFor(one))} ${one.unit}`}</td>
+                <td className="number">{told(one)}</td>
+                <td className={one.passed === null ? "hint" : one.passed ? "mac-good" : "mac-bad"}>{judged(one)}</td>
+              </tr>
+            ))}
+          </tbody>
+        </table>
+      </div>
+    </>
+  );
+}
+
+function Checks({ all }: { all: Check[] }) {
+  return (
+    <>
+      <h3>Checks of the scenario</h3>
+      <div className="scroll" tabIndex={0} role="group" aria-label="Checks of the scenario">
+        <table>
+          <thead><tr><th scope="col">Check</th><th scope="col">Expected</th><th scope="col">Found</th><th scope="col">Judged</th></tr></thead>
+          <tbody>
+            {all.map((check, i) => (
+              <tr key={i}>
+                <th scope="row">{check.name.replaceAll("_", " ")}</th><td>{check.expected}</td><td>{check.found}</td>
+                <td className={check.passed ? "mac-good" : "mac-bad"}>{check.passed ? "✓ passed" : "✗ failed"}</td>
+              </tr>
+            ))}
+          </tbody>
+        </table>
+      </div>
+    </>
+  );
+}
+
+function Ended({ done }: { done: Done }) {
+  if (done.state === "stopped") {
+    return <Notice kind="warn"><p><strong>The run was stopped before its end.</strong> There is no result. What it sent until then can be played.</p></Notice>;
+  }
+  if (done.state === "failed") {
+    return <Notice kind="bad"><p><strong>The run failed.</strong> {done.detail || "The server gives no reason."}</p></Notice>;
+  }
+  return null;
+}
+
+export function Result({ done }: { done: Done }) {
+  const { result } = done;
+  const report = `/api/runs/${encodeURIComponent(done.id)}/report`;
+  return (
+    <Card title="Result" aside={result ? <a href={report} target="_blank" rel="noreferrer">Full report (new tab)</a> : null}>
+      <Ended done={done} />
+      {result ? (
+        <>
+          <Verdict result={result} />
+          <p className="hint">{result.touches} touches in {result.machine_time_s.toFixed(0)} s of machine time, on {result.machine}, noise of seed {result.seed}.</p>
+          {result.parameters.length > 0 ? <Parameters all={result.parameters} /> : <p>The run tells no parameter.</p>}
+          {result.checks.length > 0 ? <Checks all={result.checks} /> : null}
+        </>
+      ) : null}
+      {done.transcript ? <p><a href={transcriptPath(done.id)} target="_blank" rel="noreferrer">Whole transcript (new tab)</a></p> : null}
+    </Card>
+  );
+}

@@ -1,0 +1,91 @@
+import { useCallback, useEffect, useRef, useState } from "react";
+import { answered, api, problemOf, type Problem, type Schemas } from "../api/client";
+import { useEvents, type Connection } from "../api/events";
+import { posesOf, type Pose, type SceneData, type Subject } from "./ask";
+import type { World } from "./world";
+
+export type Bench = Schemas["Bench"];
+
+export interface LiveReading { campaign: string; feature: string; at: number[]; value: number }
+
+export interface LiveHold { bench: Bench | null; readings: LiveReading[]; connection: Connection; problem: Problem | null; reload: () => void }
+
+type Came = Schemas["Reading"];
+
+const axes = ["x", "y", "z"] as const;
+
+const readingOf = (came: Came): LiveReading => {
+  const at = came.at_mm as Partial<Record<string, number>>;
+  return { campaign: came.campaign, feature: came.feature, at: axes.map((axis) => at[axis] ?? 0), value: came.value_mm };
+};
+
+export function useBenchLive(): LiveHold {
+  const [bench, setBench] = useState<Bench | null>(null);
+  const [readings, setReadings] = useState<LiveReading[]>([]);
+  const [problem, setProblem] = useState<Problem | null>(null);
+  const take = useCallback((next: Bench) => {
+    setBench(next);
+    setProblem(null);
+    setReadings((next.job?.readings ?? []).map(readingOf));
+  }, []);
+  const reload = useCallback(() => {
+    answered(api.GET("/api/bench")).then(take, (fault: unknown) => setProblem(problemOf(fault)));
+  }, [take]);
+  const connection = useEvents({
+    bench: take,
+    reading: (came: Came) => setReadings((all) => [...all, readingOf(came)]),
+  });
+  useEffect(() => {
+    if (connection === "open") reload();
+  }, [connection, reload]);
+  return { bench, readings, connection, problem, reload };
+}
+
+interface Moving { bodies: number[]; waiting: Pose[][]; asked: number; frame: number; isAsking: boolean }
+
+// Goes on from what is shown to the next, quicker the more wait.
+function follow(moving: Moving, world: World) {
+  let last = 0;
+  const tick = (now: number) => {
+    const next = moving.waiting[0];
+    if (!next) { moving.frame = 0; return; }
+    if (now - last > Math.max(30, 400 / moving.waiting.length)) {
+      last = now;
+      moving.waiting.shift();
+      world.move(moving.bodies, next);
+      world.dot(moving.bodies, next);
+      world.countDots(Infinity);
+    }
+    moving.frame = requestAnimationFrame(tick);
+  };
+  moving.frame ||= requestAnimationFrame(tick);
+}
+
+export function useFollow(readings: LiveReading[], job: number | null, subject: Subject | null, data: SceneData | null, world: World | null): Problem | null {
+  const [problem, setProblem] = useState<Problem | null>(null);
+  const [round, setRound] = useState(0);
+  const moving = useRef<Moving>({ bodies: [], waiting: [], asked: 0, frame: 0, isAsking: false });
+  useEffect(() => {
+    moving.current = { bodies: [], waiting: [], asked: 0, frame: 0, isAsking: false };
+    world?.clearDots();
+    return () => cancelAnimationFrame(moving.current.frame);
+  }, [job, subject, data, world]);
+  useEffect(() => {
+    const now = moving.current;
+    const next = readings.slice(now.asked, now.asked + 400);
+    if (now.isAsking || next.length === 0 || !subject || !data?.moves || !world) return;
+    now.isAsking = true;
+    now.asked += next.length;
+    posesOf(subject, next.map((one) => one.at), new AbortController().signal).then((came) => {
+      if (moving.current !== now) return;
+      now.bodies = came.bodies;
+      now.waiting.push(...came.poses.filter((one) => one !== null));
+      setProblem(null);
+      follow(now, world);
+    }, (fault: unknown) => setProblem(problemOf(fault))).finally(() => {
+      now.isAsking = false;
+      setRound((was) => was + 1);
+    });
+  }, [readings, round, job, subject, data, world]);
+  return problem;
+}

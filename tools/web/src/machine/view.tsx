@@ -1,0 +1,144 @@
+import { useEffect, useRef, useState, type ReactNode } from "react";
+import { problemOf, type Problem } from "../api/client";
+import { Busy } from "../ui/parts";
+import { picturePath, sceneOf, type SceneData, type Subject } from "./ask";
+import type { World } from "./world";
+
+function hasWebGl(): boolean {
+  try {
+    return document.createElement("canvas").getContext("webgl2") !== null;
+  } catch {
+    return false;
+  }
+}
+
+export interface Shape { data: SceneData | null; isLoading: boolean; problem: Problem | null; again: () => void }
+
+export function useShape(subject: Subject | null): Shape {
+  const [data, setData] = useState<SceneData | null>(null);
+  const [isLoading, setLoading] = useState(false);
+  const [problem, setProblem] = useState<Problem | null>(null);
+  const [tries, setTries] = useState(0);
+  const name = subject ? `${subject.of}/${subject.name}` : "";
+  useEffect(() => setData(null), [name]);
+  useEffect(() => {
+    if (!subject) return;
+    const control = new AbortController();
+    setLoading(true);
+    setProblem(null);
+    sceneOf(subject, control.signal).then(setData, (fault: unknown) => {
+      if (!control.signal.aborted) setProblem(problemOf(fault));
+    }).finally(() => { if (!control.signal.aborted) setLoading(false); });
+    return () => control.abort();
+  }, [subject, tries]);
+  return { data, isLoading, problem, again: () => setTries((was) => was + 1) };
+}
+
+const turns: Record<string, [number, number]> = {
+  ArrowLeft: [-0.12, 0], ArrowRight: [0.12, 0], ArrowUp: [0, 0.1], ArrowDown: [0, -0.1],
+};
+
+function useWorld(data: SceneData | null, onWorld: (world: World | null) => void) {
+  const canvas = useRef<HTMLCanvasElement>(null);
+  const [world, setWorld] = useState<World | null>(null);
+  const [hasFailed, setFailed] = useState(false);
+  const shown = useRef("");
+  useEffect(() => {
+    let gone = false;
+    let made: World | null = null;
+    import("./world").then(({ makeWorld }) => {
+      if (gone || !canvas.current) return;
+      made = makeWorld(canvas.current);
+      setWorld(made);
+    }).catch(() => setFailed(true));
+    return () => {
+      gone = true;
+      onWorld(null);
+      shown.current = "";
+      made?.free();
+    };
+  }, [onWorld]);
+  useEffect(() => {
+    if (!world || !data) return;
+    const size = JSON.stringify([data.machine, data.travel_mm]);
+    world.show(data, shown.current === size);
+    shown.current = size;
+    onWorld(world);
+  }, [world, data, onWorld]);
+  return { canvas, world, hasFailed };
+}
+
+function Solid({ data, name, onWorld, onFailed }: {
+  data: SceneData | null;
+  name: string;
+  onWorld: (world: World | null) => void;
+  onFailed: () => void;
+}) {
+  const { canvas, world, hasFailed } = useWorld(data, onWorld);
+  useEffect(() => { if (hasFailed) onFailed(); }, [hasFailed, onFailed]);
+  const onKey = (event: React.KeyboardEvent) => {
+    const turn = turns[event.key];
+    if (turn) world?.turn(...turn);
+    else if (event.key === "+" || event.key === "=") world?.zoom(0.9);
+    else if (event.key === "-") world?.zoom(1.1);
+    else if (event.key === "Home") world?.home();
+    else return;
+    event.preventDefault();
+  };
+  return (
+    <>
+      <div className="mac-view" tabIndex={0} role="application" onKeyDown={onKey}
+           aria-label={`${name} in three dimensions. Arrow keys turn it, plus and minus zoom, Home goes back. What it does is in the list of G-code.`}>
+        <canvas ref={canvas} aria-hidden="true" data-drawn={world && data ? data.machine : undefined} />
+        {!world || !data ? <Busy text="Loading the machine" /> : null}
+      </div>
+      <div className="mac-view-hint">
+        <span className="hint">Drag, or use the arrow keys, to turn it. + and − zoom; so does the wheel after a click.</span>
+        <button type="button" className="quiet" onClick={() => world?.home()}>Reset the view</button>
+      </div>
+    </>
+  );
+}
+
+// In 3D; as a picture where the browser draws none.
+export function MachineView({ shape, name, machine, exaggerate, onWorld, children }: {
+  shape: Shape;
+  name: string;
+  machine: string;
+  exaggerate: number;
+  onWorld: (world: World | null) => void;
+  children?: ReactNode;
+}) {
+  const [isFlat, setFlat] = useState(() => !hasWebGl());
+  return (
+    <>
+      {isFlat ? (
+        <>
+          <img className="mac-picture" src={picturePath(machine, exaggerate)} alt={`The machine ${name}, standing still`} />
+          <p className="hint">This browser draws nothing in 3D (no WebGL), so this is a still picture. The list of G-code still follows the run.</p>
+        </>
+      ) : shape.problem ? null : <Solid data={shape.data} name={name} onWorld={onWorld} onFailed={() => setFlat(true)} />}
+      {children}
+    </>
+  );
+}
+
+const most = 300;
+
+export function Exaggeration({ value, set }: { value: number; set: (value: number) => void }) {
+  const [shown, setShown] = useState(value);
+  const timer = useRef(0);
+  useEffect(() => setShown(value), [value]);
+  const change = (next: number) => {
+    setShown(next);
+    clearTimeout(timer.current);
+    timer.current = window.setTimeout(() => set(next), 250);
+  };
+  return (
+    <label className="mac-slider">Errors drawn {shown === 1 ? "as they are (1×)" : `${shown} times as large`}
+      <input type="range" min={0} max={1} step={0.01} value={Math.log(shown) / Math.log(most)}
+             aria-valuetext={`${shown} times`}
+             onChange={(event) => change(Math.max(1, Math.round(most ** Number(event.target.value))))} />
+    </label>
+  );
+}
