@@ -74,12 +74,14 @@ Json GeomOf(const mjModel& model, int geom) {
 
 Json MeshOf(const mjModel& model, int mesh) {
   Json vertices = Json::array();
-  const float* const first = model.mesh_vert + std::ptrdiff_t{3} * model.mesh_vertadr[mesh];
+  const float* const first =
+      model.mesh_vert + std::ptrdiff_t{3} * model.mesh_vertadr[mesh];
   for (int i = 0; i < 3 * model.mesh_vertnum[mesh]; ++i) {
     vertices.push_back(Short(first[i] * kMm_per_m));
   }
   Json faces = Json::array();
-  const int* const face = model.mesh_face + std::ptrdiff_t{3} * model.mesh_faceadr[mesh];
+  const int* const face =
+      model.mesh_face + std::ptrdiff_t{3} * model.mesh_faceadr[mesh];
   for (int i = 0; i < 3 * model.mesh_facenum[mesh]; ++i) faces.push_back(face[i]);
   return {{"vertices_mm", std::move(vertices)}, {"faces", std::move(faces)}};
 }

@@ -128,9 +128,10 @@ std::string BudgetsText(const RunResult& result) {
   return ListText("How sure: 95 % intervals, and what makes them", lines);
 }
 
-std::string ChecksText(const RunResult& result, bool colour) {
+std::string ChecksText(const RunResult& result, bool colour, bool only_failed = false) {
   std::vector<std::string> lines;
   for (const CheckResult& check : result.checks) {
+    if (only_failed && check.passed) continue;
     lines.push_back(fmt::format(
         "{}: {}",
         check.name,
@@ -251,6 +252,32 @@ std::string ResultText(const RunResult& result, bool colour) {
   if (result.lost) text += "A process or link was lost on the way.\n";
   if (result.interrupted) text += "Interrupted; what was done until then is above.\n";
   return text;
+}
+
+std::string ResultBrief(const RunResult& result, bool colour) {
+  const auto [passed, all] = Score(result);
+  std::string text =
+      fmt::format("{}: {} of {} expectations met. {}\n",
+                  Painted(result.passed ? "PASSED" : "FAILED", result.passed, colour),
+                  passed,
+                  all,
+                  result.about.empty() ? result.scenario : result.about);
+  text +=
+      fmt::format("machine {}, {}, seed {}; {} touches, {:.0f} s on the machine\n\n",
+                  result.machine,
+                  result.fidelity,
+                  result.seed,
+                  result.touches,
+                  result.machine_time_s);
+  if (!result.parameters.empty()) text += TableText(result, colour);
+  text += ChecksText(result, colour, /*only_failed=*/true);
+  if (result.lost) text += "A process or link was lost on the way.\n";
+  if (result.interrupted) text += "Interrupted; what was done until then is above.\n";
+  return text + fmt::format(
+                    "\n--verbose shows how sure each is and why, {} steps and {} "
+                    "messages.\n",
+                    result.steps.size(),
+                    result.messages.size());
 }
 
 std::string ResultLine(const RunResult& result, bool colour) {

@@ -13,6 +13,10 @@ namespace caltwin {
 /// verdicts for a terminal.
 std::string ResultText(const RunResult& result, bool colour = false);
 
+/// What it prints on a terminal: the verdict in a sentence, the table, what failed, and
+/// how much more there is to read.
+std::string ResultBrief(const RunResult& result, bool colour = false);
+
 /// One line of it: verdict, file, seed, outcome, rows passed.
 std::string ResultLine(const RunResult& result, bool colour = false);
 

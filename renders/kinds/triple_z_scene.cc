@@ -10,10 +10,11 @@ namespace {
 const Vec3<double> kNozzle_mm(150, 130, 60);
 constexpr double kSteepest = 0.2;  // Of a bed that is drawn.
 
-// How far each screw stands above the middle, so that the bed has its own tilt, enlarged.
+// How far each screw stands above the middle, so that the bed has its own tilt,
+// enlarged.
 Vec3<double> Tilt_mm(const BuiltTripleZ& built,
-                        const Pivots<double>& pivots_mm,
-                        double times) {
+                     const Pivots<double>& pivots_mm,
+                     double times) {
   const double middle_mm =
       TrueBedHeight_mm(built, Vec3<double>::Zero(), kNozzle_mm.head<2>());
   Vec3<double> tilt_mm;

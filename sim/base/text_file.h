@@ -29,8 +29,8 @@ std::string Printable(std::string_view text);
 /// place. Throws InputError where that cannot be done.
 void WriteTextFile(const std::filesystem::path& file, const std::string& text);
 
-/// The same, and on the disk when it returns: whenever the power goes, the file is whole,
-/// as it was or as it is now.
+/// The same, and on the disk when it returns: whenever the power goes, the file is
+/// whole, as it was or as it is now.
 void WriteDurably(const std::filesystem::path& file, const std::string& text);
 
 }  // namespace caltwin

@@ -165,6 +165,25 @@ TEST(ResultText, ShowsAsManyDigitsAsTheUncertaintyWarrants) {
   EXPECT_THAT(Sensible(800.012345, std::nullopt), StrEq("800.012"));
 }
 
+// The verdict stands first; of checks what failed; of messages how many.
+TEST(ResultText, TheBriefOneSaysTheVerdictFirst) {
+  RunResult result{.scenario = "x.yaml", .about = "A worn axis.", .passed = false};
+  result.messages = {"a message"};
+  result.checks = {{.name = "outcome", .expected = "recovers", .found = "misses"},
+                   {.name = "alarm", .found = "none", .passed = true}};
+
+  const std::string text = ResultBrief(result);
+
+  EXPECT_TRUE(text.starts_with("FAILED: 1 of 2 expectations met. A worn axis.\n"))
+      << text;
+  EXPECT_THAT(text, HasSubstr("outcome: misses, expected recovers"));
+  EXPECT_THAT(text, testing::Not(HasSubstr("alarm")));
+  EXPECT_THAT(text, testing::Not(HasSubstr("a message")));
+  EXPECT_THAT(
+      text,
+      HasSubstr("--verbose shows how sure each is and why, 0 steps and 1 messages"));
+}
+
 TEST(Coverage, CountsIntervalsThatHoldTheTruth) {
   RunResult result;
   const auto add = [&](double error, std::optional<double> sd) {

@@ -17,7 +17,8 @@ TEST(Events, ANewcomerIsToldWhatItMissed) {
   topic.Publish("a", "2");
   topic.Publish("b", "3");
 
-  const int listener = topic.Listen(1, [&](const std::string& text) { heard.push_back(text); });
+  const int listener =
+      topic.Listen(1, [&](const std::string& text) { heard.push_back(text); });
   topic.Publish("b", "4");
   topic.Leave(listener);
   topic.Publish("b", "5");

@@ -7,7 +7,8 @@
 namespace caltwin {
 namespace {
 
-HttpRequest Asked(const std::string& method, std::map<std::string, std::string> headers) {
+HttpRequest Asked(const std::string& method,
+                  std::map<std::string, std::string> headers) {
   headers.try_emplace("host", "localhost:8080");
   return {.method = method, .path = "/api", .headers = std::move(headers)};
 }
@@ -24,7 +25,8 @@ int StatusOf(const Gate& gate, const HttpRequest& request) {
 TEST(Gate, OnlyThisComputersNamesAreAnswered) {
   const Gate gate("127.0.0.1", "");
 
-  for (const char* host : {"localhost:8080", "127.0.0.1:8080", "[::1]:8080", "LOCALHOST"}) {
+  for (const char* host :
+       {"localhost:8080", "127.0.0.1:8080", "[::1]:8080", "LOCALHOST"}) {
     EXPECT_EQ(StatusOf(gate, Asked("GET", {{"host", host}})), 200) << host;
   }
   // A page of evil.example that lets its name lead here.
@@ -61,7 +63,8 @@ TEST(Gate, OthersNeedTheToken) {
 
 TEST(Gate, TheTokenInTheAddressSetsACookie) {
   const Gate gate("0.0.0.0", "sixteen-letters!");
-  HttpRequest request{.method = "GET", .path = "/", .query = {{"token", "sixteen-letters!"}}};
+  HttpRequest request{
+      .method = "GET", .path = "/", .query = {{"token", "sixteen-letters!"}}};
 
   EXPECT_TRUE(gate.IsEntrance(request));
   EXPECT_EQ(gate.Enter().status, 302);

@@ -26,7 +26,8 @@ std::vector<ProblemFault> FaultsIn(const Json& body) {
 TEST(JsonKeys, SoundBodiesHaveNoFaults) {
   EXPECT_TRUE(FaultsIn({{"fx", 7}, {"points", {{1, 2.5}}}}).empty());
   EXPECT_TRUE(
-      FaultsIn({{"fx", 7}, {"k1", 0.5}, {"rows", 5}, {"is_on", true}, {"points", {{1, 2}}}})
+      FaultsIn(
+          {{"fx", 7}, {"k1", 0.5}, {"rows", 5}, {"is_on", true}, {"points", {{1, 2}}}})
           .empty());
 }
 

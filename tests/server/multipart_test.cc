@@ -19,11 +19,12 @@ int StatusOf(const std::string& type, const std::string& body) {
 }
 
 TEST(Multipart, AFormIsTakenApart) {
-  const auto parts = ReadForm(kType,
-                              "--XX\r\nContent-Disposition: form-data; name=\"file\"; "
-                              "filename=\"a \\\"b\\\".csv\"\r\nContent-Type: text/csv\r\n\r\n"
-                              "x,y\r\n--X\r\n\r\n--XX\r\ncontent-disposition: form-data; "
-                              "name=unit\r\n\r\nmm\r\n--XX--\r\n");
+  const auto parts =
+      ReadForm(kType,
+               "--XX\r\nContent-Disposition: form-data; name=\"file\"; "
+               "filename=\"a \\\"b\\\".csv\"\r\nContent-Type: text/csv\r\n\r\n"
+               "x,y\r\n--X\r\n\r\n--XX\r\ncontent-disposition: form-data; "
+               "name=unit\r\n\r\nmm\r\n--XX--\r\n");
 
   ASSERT_EQ(parts.size(), 2u);
   EXPECT_EQ(parts[0].name, "file");
@@ -34,16 +35,20 @@ TEST(Multipart, AFormIsTakenApart) {
 }
 
 TEST(Multipart, BrokenFormsAreRefused) {
-  const std::string part = "--XX\r\nContent-Disposition: form-data; name=a\r\n\r\nb\r\n";
+  const std::string part =
+      "--XX\r\nContent-Disposition: form-data; name=a\r\n\r\nb\r\n";
 
   EXPECT_EQ(StatusOf(kType, part + "--XX--"), 200);
   EXPECT_EQ(StatusOf(kType, part), 400);
   EXPECT_EQ(StatusOf(kType, ""), 400);
-  EXPECT_EQ(StatusOf(kType, "--XX\r\nContent-Disposition: form-data\r\n\r\nb\r\n--XX--"), 400);
+  EXPECT_EQ(
+      StatusOf(kType, "--XX\r\nContent-Disposition: form-data\r\n\r\nb\r\n--XX--"),
+      400);
   EXPECT_EQ(StatusOf(kType, "--XX\r\nno end of headers\r\n--XX--"), 400);
   EXPECT_EQ(StatusOf("application/json", part), 415);
   EXPECT_EQ(StatusOf("multipart/form-data", part), 415);
-  EXPECT_EQ(StatusOf("multipart/form-data; boundary=" + std::string(71, 'x'), part), 415);
+  EXPECT_EQ(StatusOf("multipart/form-data; boundary=" + std::string(71, 'x'), part),
+            415);
   std::string many;
   for (int i = 0; i < 65; ++i) many += part;
   EXPECT_EQ(StatusOf(kType, many + "--XX--"), 400);

@@ -14,7 +14,9 @@ using testing::ElementsAre;
 
 Routes Some() {
   Routes routes;
-  const Handler echo = [](const HttpRequest& r) { return HttpResponse{.body = r.path}; };
+  const Handler echo = [](const HttpRequest& r) {
+    return HttpResponse{.body = r.path};
+  };
   routes.Add({.method = "GET", .pattern = "/api/runs", .handler = echo});
   routes.Add({.method = "POST", .pattern = "/api/runs", .handler = echo});
   routes.Add({.method = "GET", .pattern = "/api/runs/{}/report", .handler = echo});
@@ -66,7 +68,8 @@ TEST(Routes, WhateverAHandlerThrowsIsAnswered) {
     return AnswerOf({.handler = handler}, {.method = "GET", .path = "/"});
   };
   const HttpResponse bad = answered([](const HttpRequest&) -> HttpResponse {
-    throw InputError({.file = "x.csv", .line = 3, .column = 7}, "'a' is no number", "a hint");
+    throw InputError(
+        {.file = "x.csv", .line = 3, .column = 7}, "'a' is no number", "a hint");
   });
   const auto tree = nlohmann::json::parse(bad.body);
 

@@ -1,5 +1,3 @@
-#include "tools/server/server.h"
-
 #include <atomic>
 #include <chrono>
 #include <future>
@@ -11,16 +9,21 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "tools/server/server.h"
+
 namespace caltwin {
 namespace {
 
 int Connected(int port) {
   const int client = socket(AF_INET, SOCK_STREAM, 0);
+  EXPECT_GE(client, 0);
+  if (client < 0) return client;
   sockaddr_in address{};
   address.sin_family = AF_INET;
   address.sin_port = htons(static_cast<std::uint16_t>(port));
   address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  connect(client, reinterpret_cast<const sockaddr*>(&address), sizeof address);
+  EXPECT_EQ(
+      connect(client, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
   return client;
 }
 
@@ -38,14 +41,16 @@ bool IsAnswered(int port) {
 TEST(Server, ClientsThatNeverEndAreDropped) {
   Routes routes;
   routes.Add({.method = "GET", .pattern = "/", .handler = [](const HttpRequest&) {
-    return HttpResponse{};
-  }});
+                return HttpResponse{};
+              }});
   const Gate gate("127.0.0.1", "");
   const ServerLimits limits{.connections = 40, .to_send = std::chrono::seconds(1)};
   std::atomic<bool> stop = false;
   std::promise<int> listening;
   std::thread server([&] {
-    ServeHttp(routes, gate, {.limits = limits}, &stop, [&](int p) { listening.set_value(p); });
+    ServeHttp(routes, gate, {.limits = limits}, &stop, [&](int p) {
+      listening.set_value(p);
+    });
   });
   const int port = listening.get_future().get();
   std::vector<int> loris;

@@ -29,13 +29,19 @@ class Client {
     address.sin_family = AF_INET;
     address.sin_port = htons(static_cast<std::uint16_t>(port));
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    connect(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address);
+    EXPECT_GE(socket_, 0);
+    if (socket_ < 0) return;
+    EXPECT_EQ(
+        connect(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address),
+        0);
   }
   ~Client() { close(socket_); }
   Client(const Client&) = delete;
   Client& operator=(const Client&) = delete;
 
-  void Say(const std::string& text) { send(socket_, text.data(), text.size(), MSG_NOSIGNAL); }
+  void Say(const std::string& text) {
+    send(socket_, text.data(), text.size(), MSG_NOSIGNAL);
+  }
   /// What comes until `end` stands in it, or the server closes.
   std::string Hear(const std::string& end) {
     std::array<char, 4096> buffer{};
@@ -56,25 +62,29 @@ class Client {
 class Served {
  public:
   explicit Served(ServerLimits limits = {}) {
-    const auto add = [&](const char* method, const char* path, Route::Pace pace, Handler go) {
-      routes_.Add({.method = method,
-                   .pattern = path,
-                   .handler = std::move(go),
-                   .pace = pace,
-                   .most_bytes = 100});
-    };
+    const auto add =
+        [&](const char* method, const char* path, Route::Pace pace, Handler go) {
+          routes_.Add({.method = method,
+                       .pattern = path,
+                       .handler = std::move(go),
+                       .pace = pace,
+                       .most_bytes = 100});
+        };
     add("GET", "/hello", Route::Pace::kQuick, [](const HttpRequest&) {
       return HttpResponse{.content_type = "text/plain", .body = "hello"};
     });
     add("POST", "/echo", Route::Pace::kSlow, [](const HttpRequest& request) {
-      return HttpResponse{.content_type = "text/plain", .body = "<" + request.body + ">"};
+      return HttpResponse{.content_type = "text/plain",
+                          .body = "<" + request.body + ">"};
     });
     add("GET", "/events", Route::Pace::kQuick, [this](const HttpRequest&) {
       return HttpResponse{.events = topic_};
     });
     std::promise<int> port;
     server_ = std::thread([this, limits, &port] {
-      ServeHttp(routes_, gate_, {.limits = limits}, &stop_, [&](int p) { port.set_value(p); });
+      ServeHttp(routes_, gate_, {.limits = limits}, &stop_, [&](int p) {
+        port.set_value(p);
+      });
     });
     port_ = port.get_future().get();
   }
@@ -116,8 +126,9 @@ TEST(Server, WhatIsNoRequestIsRefusedAndClosed) {
         std::pair{"GET /%zz HTTP/1.1\r\nHost: localhost\r\n\r\n", " 400 "},
         std::pair{"DELETE /hello HTTP/1.1\r\nHost: localhost\r\n\r\n", " 405 "},
         std::pair{"GET /else HTTP/1.1\r\nHost: localhost\r\n\r\n", " 404 "},
-        std::pair{"POST /echo HTTP/1.1\r\nHost: localhost\r\nContent-Length: 101\r\n\r\n",
-                  " 413 "}}) {
+        std::pair{
+            "POST /echo HTTP/1.1\r\nHost: localhost\r\nContent-Length: 101\r\n\r\n",
+            " 413 "}}) {
     Client client(served.port());
     client.Say(said);
     const std::string answer = client.Hear("never");
@@ -130,8 +141,8 @@ TEST(Server, LongHeadersAreRefused) {
   const Served served;
   Client client(served.port());
 
-  client.Say("GET /hello HTTP/1.1\r\nHost: localhost\r\nX: " + std::string(20'000, 'a') +
-             "\r\n\r\n");
+  client.Say("GET /hello HTTP/1.1\r\nHost: localhost\r\nX: " +
+             std::string(20'000, 'a') + "\r\n\r\n");
 
   EXPECT_THAT(client.Hear("never"), StartsWith("HTTP/1.1 431 "));
 }
@@ -154,7 +165,8 @@ TEST(Server, APortThatIsTakenIsSaid) {
   const Gate gate("127.0.0.1", "");
   const std::atomic<bool> stop = true;
 
-  EXPECT_THROW(ServeHttp(routes, gate, {.port = served.port()}, &stop, [](int) {}), InputError);
+  EXPECT_THROW(ServeHttp(routes, gate, {.port = served.port()}, &stop, [](int) {}),
+               InputError);
 }
 
 }  // namespace

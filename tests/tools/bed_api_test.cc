@@ -20,7 +20,9 @@ using testing::HasSubstr;
 // A printer whose bed leans by 6 and -3 mm/m, and its API.
 class BedApiTest : public testing::Test {
  protected:
-  explicit BedApiTest(const std::filesystem::path& store = {}) : store_(store) { Start(); }
+  explicit BedApiTest(const std::filesystem::path& store = {}) : store_(store) {
+    Start();
+  }
 
   void Start() {
     routes_ = {};
@@ -29,7 +31,9 @@ class BedApiTest : public testing::Test {
     api_->AddTo(&routes_);
   }
 
-  HttpResponse Ask(const std::string& method, const std::string& path, const Json& body = {}) {
+  HttpResponse Ask(const std::string& method,
+                   const std::string& path,
+                   const Json& body = {}) {
     HttpRequest request{.method = method,
                         .path = "/api/calibration" + path,
                         .headers = {{"content-type", "application/json"}},
@@ -43,10 +47,11 @@ class BedApiTest : public testing::Test {
   }
 
   static TwinOptions Leaning() {
-    return {.machine = "triple_z_printer",
-            .truth = Written("lean.yaml",
-                             "effects: {bed_tilt: {slope_x_mrad: 6, slope_y_mrad: -3}}\n"),
-            .fidelity = "fast"};
+    return {
+        .machine = "triple_z_printer",
+        .truth = Written("lean.yaml",
+                         "effects: {bed_tilt: {slope_x_mrad: 6, slope_y_mrad: -3}}\n"),
+        .fidelity = "fast"};
   }
 
   std::filesystem::path store_;
@@ -61,11 +66,11 @@ class BedApiTest : public testing::Test {
 // The published manual example: its own formula gives 2.45, 0 and 1.33, not the 0, 2.45
 // and 1.12 that it prints.
 TEST_F(BedApiTest, GivenHeightsAreFittedByTheFormula) {
-  const Json found = Done(
-      "POST",
-      "/bed-tilt/probe",
-      {{"probe_points", {{20, 20, 9.23}, {215, 20, 11.68}, {20, 215, 10.35}}},
-       {"use_printer", false}});
+  const Json found =
+      Done("POST",
+           "/bed-tilt/probe",
+           {{"probe_points", {{20, 20, 9.23}, {215, 20, 11.68}, {20, 215, 10.35}}},
+            {"use_printer", false}});
 
   const double a = 2.45 / 195;
   const double b = 1.12 / 195;
@@ -98,8 +103,8 @@ TEST_F(BedApiTest, TheSameOffsetsMoveOnceAndNoughtTakesThemBack) {
   const Json found = Done("POST", "/bed-tilt/calibrate", Json::object());
   Done("POST", "/bed-tilt/apply-triple-z", found["z_offsets"]);
   const Json again = Done("POST", "/bed-tilt/apply-triple-z", found["z_offsets"]);
-  const Json back =
-      Done("POST", "/bed-tilt/apply-triple-z", {{"z1_mm", 0}, {"z2_mm", 0}, {"z3_mm", 0}});
+  const Json back = Done(
+      "POST", "/bed-tilt/apply-triple-z", {{"z1_mm", 0}, {"z2_mm", 0}, {"z3_mm", 0}});
 
   EXPECT_NEAR(again["moved"]["z1_mm"], 0, 1e-9);
   EXPECT_NEAR(back["moved"]["z1_mm"], -found["z_offsets"]["z1_mm"].get<double>(), 1e-9);
@@ -111,8 +116,8 @@ TEST_F(BedApiTest, ValidationHoldsPointsAgainstThePlaneAsItStands) {
        {{"probe_points", {{0, 0, 1}, {100, 0, 1}, {0, 100, 1}, {100, 100, 1}}},
         {"use_printer", false}});
 
-  const Json result =
-      Done("POST", "/validate", {{"test_points", {{1, 1, 1.1}, {2, 2, 0.7}, {3, 3, 1.2}}}});
+  const Json result = Done(
+      "POST", "/validate", {{"test_points", {{1, 1, 1.1}, {2, 2, 0.7}, {3, 3, 1.2}}}});
 
   EXPECT_NEAR(result["mean_error_mm"], 0.2, 1e-12);
   EXPECT_NEAR(result["max_error_mm"], 0.3, 1e-12);
@@ -124,9 +129,11 @@ TEST_F(BedApiTest, ValidationHoldsPointsAgainstThePlaneAsItStands) {
 TEST_F(BedApiTest, HeightsOverAnotherZeroAreNoTilt) {
   Done("POST",
        "/bed-tilt/probe",
-       {{"probe_points", {{0, 0, 0}, {100, 0, 0}, {0, 100, 0}}}, {"use_printer", false}});
+       {{"probe_points", {{0, 0, 0}, {100, 0, 0}, {0, 100, 0}}},
+        {"use_printer", false}});
 
-  const Json result = Done("POST", "/validate", {{"test_points", {{1, 1, 10}, {9, 9, 10.01}}}});
+  const Json result =
+      Done("POST", "/validate", {{"test_points", {{1, 1, 10}, {9, 9, 10.01}}}});
 
   EXPECT_THAT(result["notes"].dump(), HasSubstr("over another zero, not tilt"));
 }
@@ -141,7 +148,9 @@ TEST_F(BedApiTest, WhatCannotBeIsRefusedBeforeAnythingMoves) {
   EXPECT_EQ(status("/bed-tilt/probe", on_a_line), 422);
   EXPECT_EQ(status("/bed-tilt/probe", outside), 422);
   EXPECT_EQ(status("/bed-tilt/probe", {{"probe_points", {{20, 20, 1}}}}), 422);
-  EXPECT_EQ(status("/bed-tilt/apply-triple-z", {{"z1_mm", 0}, {"z2_mm", 11}, {"z3_mm", 0}}), 422);
+  EXPECT_EQ(
+      status("/bed-tilt/apply-triple-z", {{"z1_mm", 0}, {"z2_mm", 11}, {"z3_mm", 0}}),
+      422);
   EXPECT_EQ(status("/bed-tilt/apply-triple-z", {{"z1_mm", 0}}), 422);
   EXPECT_EQ(status("/bed-tilt/calibrate", {{"grid_rows", 1}}), 422);
   EXPECT_EQ(status("/validate", {{"test_points", {{1, 1, 1}}}}), 409);
@@ -158,13 +167,44 @@ TEST_F(BedApiTest, WhoSitsThereIsNamed) {
   EXPECT_EQ(Json::parse(refused.body)["held_by"], "Ada");
 }
 
+// Raising what the formula says makes a bed with exchanged motors worse; the next
+// measurement names them.
+TEST(BedApiOfSwappedMotors, TheNextMeasurementNamesThem) {
+  SimulatedPrinter twin(
+      {.machine = "triple_z_printer",
+       .truth = Written("swapped.yaml",
+                        "effects: {bed_tilt: {slope_x_mrad: 6, "
+                        "slope_y_mrad: -3}, motors_swapped.z1z2: {}}\n"),
+       .fidelity = "fast"});
+  TripleZPrinter printer(BenchOf(twin.machine(), &twin.link(), 0));
+  OperatorSeat seat;
+  EventTopic events;
+  BedApi api(&printer, {}, &seat, &events);
+  Routes routes;
+  api.AddTo(&routes);
+  const auto ask = [&](const char* path, const Json& body) {
+    HttpRequest request{.method = "POST",
+                        .path = std::string("/api/calibration/bed-tilt/") + path,
+                        .headers = {{"content-type", "application/json"}},
+                        .body = body.dump()};
+    return Json::parse(AnswerOf(routes.Find(&request), request).body);
+  };
+
+  ask("apply-triple-z", ask("calibrate", Json::object())["z_offsets"]);
+  const Json after = ask("calibrate", Json::object());
+
+  EXPECT_THAT(after["notes"].dump(), HasSubstr("z1 and z2 are exchanged"));
+}
+
 class BedApiOnDisk : public BedApiTest {
  protected:
   BedApiOnDisk() : BedApiTest(Scratch() / "bed.json") {}
 };
 
 TEST_F(BedApiOnDisk, WhatWasFoundOutlivesTheServer) {
-  Done("POST", "/intrinsics", {{"fx", 901}, {"fy", 902}, {"cx", 640}, {"cy", 480}, {"k1", 0.1}});
+  Done("POST",
+       "/intrinsics",
+       {{"fx", 901}, {"fy", 902}, {"cx", 640}, {"cy", 480}, {"k1", 0.1}});
   Done("POST", "/bed-tilt/calibrate", Json::object());
   const Json before = Done("GET", "/bed-tilt/current");
 

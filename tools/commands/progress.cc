@@ -31,8 +31,12 @@ void ProgressLine::Clear() {
   is_shown_ = false;
 }
 
+bool IsTerminal() {
+  return isatty(STDOUT_FILENO) == 1;
+}
+
 bool MayPaint() {
-  return isatty(STDOUT_FILENO) == 1 && std::getenv("NO_COLOR") == nullptr;
+  return IsTerminal() && std::getenv("NO_COLOR") == nullptr;
 }
 
 }  // namespace caltwin

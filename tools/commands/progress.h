@@ -21,6 +21,8 @@ class ProgressLine {
   bool is_shown_ = false;
 };
 
+/// Whether stdout is a terminal, read by a person.
+bool IsTerminal();
 /// Whether stdout may be painted: a terminal, and NO_COLOR is not set.
 bool MayPaint();
 

@@ -43,6 +43,7 @@ struct RunAsked {
   std::string report{};
   std::string json{};
   std::string junit{};
+  bool is_verbose = false;
 
   bool json_alone() const { return json == "-"; }
 };
@@ -223,7 +224,9 @@ int RunRun(const RunAsked& options) {
     if (is_many) {
       std::cout << SummaryText(results);
     } else if (!results.empty()) {
-      std::cout << ResultText(results.front(), MayPaint());
+      const bool is_brief = IsTerminal() && !options.is_verbose;
+      std::cout << (is_brief ? ResultBrief(results.front(), MayPaint())
+                             : ResultText(results.front(), MayPaint()));
     }
   }
   if (!results.empty()) {
@@ -257,6 +260,10 @@ Action DeclareRun(CLI::App* app) {
   app->add_option(
       "--json", options->json, "write the result as JSON; - is stdout alone");
   app->add_option("--junit", options->junit, "write the checks as JUnit XML, for CI");
+  app->add_flag("--verbose",
+                options->is_verbose,
+                "on a terminal too, all that is known of one run: how sure each number "
+                "is, what was done, messages");
   app->footer(
       "Runs each scenario closed-loop and checks its `expect`. Of several files, or of "
       "several seeds, prints a line each and a summary.");

@@ -141,10 +141,11 @@ Action DeclareServe(CLI::App* app) {
       ->check(CLI::Range(0, kLargestPort));
   app->add_option("--pty", options->pty, "make a pseudo-terminal of this name");
   CLI::Option* const http =
-      app->add_option("--http",
-                      options->http,
-                      "serve pages and REST on this port; 0: any. Without --machine two "
-                      "machines to practise on")
+      app->add_option(
+             "--http",
+             options->http,
+             "serve pages and REST on this port; 0: any. Without --machine two "
+             "machines to practise on")
           ->check(CLI::Range(0, kLargestPort));
   app->add_option("--listen",
                   options->web.address,
@@ -177,15 +178,15 @@ Action DeclareServe(CLI::App* app) {
          "delta, klipper of a z_station, motor of a motor stage")
       ->check(CLI::IsMember({"rrf", "marlin", "klipper", "motor"}));
   app->footer(
-      "A browser shows the pages of --http; a terminal program or G-code sender connects "
+      "A browser shows the pages of --http; a terminal program or G-code sender "
+      "connects "
       "to --tcp or --pty as to a real machine. Only this computer can, unless --listen "
       "says otherwise. Ctrl-C ends it.");
   return [options, machine] {
     options->web.has_machine = machine->count() > 0;
     if (!options->web.link.empty() && !options->web.has_machine) {
-      throw InputError({.file = "--link"},
-                       "which machine is at its end?",
-                       "--machine NAME or FILE");
+      throw InputError(
+          {.file = "--link"}, "which machine is at its end?", "--machine NAME or FILE");
     }
     return Serve(*options);
   };

@@ -9,7 +9,8 @@ namespace caltwin {
 void EventTopic::Publish(const std::string& name, const std::string& data) {
   const std::lock_guard<std::mutex> lock(mutex_);
   ++last_;
-  kept_.push_back({last_, fmt::format("id: {}\nevent: {}\ndata: {}\n\n", last_, name, data)});
+  kept_.push_back(
+      {last_, fmt::format("id: {}\nevent: {}\ndata: {}\n\n", last_, name, data)});
   if (kept_.size() > most_kept_) kept_.pop_front();
   for (const auto& [id, listener] : listeners_) listener(kept_.back().text);
 }

@@ -9,8 +9,8 @@
 
 namespace caltwin {
 
-/// What is told to whoever listens, as server-sent events (text/event-stream): each with
-/// a number, so that a client that lost its connection asks for what it missed
+/// What is told to whoever listens, as server-sent events (text/event-stream): each
+/// with a number, so that a client that lost its connection asks for what it missed
 /// (Last-Event-ID). Safe to use from several threads.
 class EventTopic {
  public:

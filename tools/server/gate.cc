@@ -69,10 +69,11 @@ void Gate::Check(const HttpRequest& request) const {
                               is_foreign ? Printable(origin) : "another site"));
   }
   if (!token_.empty() && !HasToken(request)) {
-    throw Problem(401,
-                  "this server asks for its token",
-                  {{.detail = "no token, or another",
-                    .hint = "Authorization: Bearer TOKEN, or open /?token=TOKEN once"}});
+    throw Problem(
+        401,
+        "this server asks for its token",
+        {{.detail = "no token, or another",
+          .hint = "Authorization: Bearer TOKEN, or open /?token=TOKEN once"}});
   }
 }
 
@@ -105,12 +106,12 @@ bool Gate::IsEntrance(const HttpRequest& request) const {
 }
 
 HttpResponse Gate::Enter() const {
-  return {.status = 302,
-          .headers = {{"Location", "/"},
-                      {"Set-Cookie",
-                       fmt::format("{}{}; HttpOnly; SameSite=Strict; Path=/",
-                                   kCookie,
-                                   token_)}}};
+  return {
+      .status = 302,
+      .headers = {
+          {"Location", "/"},
+          {"Set-Cookie",
+           fmt::format("{}{}; HttpOnly; SameSite=Strict; Path=/", kCookie, token_)}}};
 }
 
 }  // namespace caltwin

@@ -134,7 +134,8 @@ std::string_view ReasonOf(int status) {
 std::string SmallLetters(std::string_view text) {
   std::string small(text);
   for (char& letter : small) {
-    if (letter >= 'A' && letter <= 'Z') letter = static_cast<char>(letter + ('a' - 'A'));
+    if (letter >= 'A' && letter <= 'Z')
+      letter = static_cast<char>(letter + ('a' - 'A'));
   }
   return small;
 }

@@ -14,9 +14,9 @@ class EventTopic;
 
 /// A request as read from the wire, its target taken apart.
 struct HttpRequest {
-  std::string method{};                         ///< "GET".
-  std::string path{};                           ///< Decoded; begins with '/'.
-  std::map<std::string, std::string> query{};   ///< Decoded; of doubles the last.
+  std::string method{};                          ///< "GET".
+  std::string path{};                            ///< Decoded; begins with '/'.
+  std::map<std::string, std::string> query{};    ///< Decoded; of doubles the last.
   std::map<std::string, std::string> headers{};  ///< Names in small letters.
   std::string body{};
   std::vector<std::string> places{};  ///< What stood for each {} of the route.

@@ -67,7 +67,9 @@ std::optional<double> JsonKeys::NumberAt(const Json& value,
   }
   const double number = value.get<double>();
   if (number < range.least || number > range.most) {
-    Add(pointer, fmt::format("{:g} is out of range", number), "allowed: " + RangeText(range));
+    Add(pointer,
+        fmt::format("{:g} is out of range", number),
+        "allowed: " + RangeText(range));
     return std::nullopt;
   }
   return number;
@@ -93,8 +95,10 @@ double JsonKeys::Number(const std::string& key,
 int JsonKeys::Integer(const std::string& key, int least, int most, int fallback) {
   const Json* const value = Find(key);
   if (value == nullptr) return fallback;
-  const auto number = NumberAt(
-      *value, Pointer(key), {static_cast<double>(least), static_cast<double>(most), ""});
+  const auto number =
+      NumberAt(*value,
+               Pointer(key),
+               {static_cast<double>(least), static_cast<double>(most), ""});
   if (!number) return fallback;
   if (*number != std::floor(*number)) {
     Add(Pointer(key), fmt::format("{:g} is no whole number", *number), "");
@@ -143,7 +147,9 @@ std::vector<std::vector<double>> JsonKeys::Tuples(const std::string& key,
   const std::string shape =
       fmt::format("{} to {} lists of {} numbers", least, most, size);
   if (list == nullptr || !list->is_array()) {
-    Add(Pointer(key), list == nullptr ? "is missing" : "is no list", "allowed: " + shape);
+    Add(Pointer(key),
+        list == nullptr ? "is missing" : "is no list",
+        "allowed: " + shape);
     return {};
   }
   if (list->size() < least || list->size() > most) {
@@ -178,9 +184,10 @@ void JsonKeys::Done() {
     const std::string near = NearestWord(key, known);
     const std::string meant =
         near.empty() ? "" : fmt::format("did you mean '{}'? ", near);
-    faults.push_back({.detail = "is no key of this body",
-                      .hint = fmt::format("{}It knows: {}", meant, fmt::join(known, ", ")),
-                      .pointer = Printable(Pointer(key))});
+    faults.push_back(
+        {.detail = "is no key of this body",
+         .hint = fmt::format("{}It knows: {}", meant, fmt::join(known, ", ")),
+         .pointer = Printable(Pointer(key))});
   }
   faults.insert(faults.end(), faults_.begin(), faults_.end());
   if (faults.empty()) return;

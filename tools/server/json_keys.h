@@ -42,7 +42,9 @@ class JsonKeys {
                                           std::size_t least,
                                           std::size_t most);
 
-  void Add(const std::string& pointer, const std::string& detail, const std::string& hint);
+  void Add(const std::string& pointer,
+           const std::string& detail,
+           const std::string& hint);
   /// Throws Problem 422 with what was gathered, keys that nobody asked for first.
   void Done();
 

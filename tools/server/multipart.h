@@ -13,8 +13,8 @@ struct FormPart {
   std::string body{};
 };
 
-/// Takes a `multipart/form-data` body apart. Throws Problem: 415 where `content_type` is
-/// another, 400 where the body is broken or has more than 64 parts.
+/// Takes a `multipart/form-data` body apart. Throws Problem: 415 where `content_type`
+/// is another, 400 where the body is broken or has more than 64 parts.
 std::vector<FormPart> ReadForm(std::string_view content_type, std::string_view body);
 
 /// A file's name without folders, of letters, digits and `._-` alone, at most 100 of

@@ -107,18 +107,20 @@ nlohmann::ordered_json JsonBody(const HttpRequest& request) {
                   {{.detail = "a JSON body is expected",
                     .hint = "send the header Content-Type: application/json"}});
   }
-  const auto keep_shallow = [](int depth, nlohmann::ordered_json::parse_event_t, auto&) {
-    if (depth > kDeepest) throw Problem(400, "the JSON is nested too deep");
-    return true;
-  };
+  const auto keep_shallow =
+      [](int depth, nlohmann::ordered_json::parse_event_t, auto&) {
+        if (depth > kDeepest) throw Problem(400, "the JSON is nested too deep");
+        return true;
+      };
   try {
     return nlohmann::ordered_json::parse(request.body, keep_shallow);
   } catch (const nlohmann::json::exception& error) {
     const std::string_view what = error.what();
     const std::size_t at = what.find("] ");
-    throw Problem(400,
-                  "the body is no JSON: " +
-                      Printable(at == std::string_view::npos ? what : what.substr(at + 2)));
+    throw Problem(
+        400,
+        "the body is no JSON: " +
+            Printable(at == std::string_view::npos ? what : what.substr(at + 2)));
   }
 }
 

@@ -56,9 +56,10 @@ Route Routes::Find(HttpRequest* request) const {
                               Printable(request->path),
                               Printable(request->method)));
   }
-  throw Problem(404,
-                fmt::format("nothing is at {}", Printable(request->path)),
-                {{.detail = "no such path", .hint = "GET /api/openapi.json lists all"}});
+  throw Problem(
+      404,
+      fmt::format("nothing is at {}", Printable(request->path)),
+      {{.detail = "no such path", .hint = "GET /api/openapi.json lists all"}});
 }
 
 std::string Routes::Allowed(std::string_view path) const {
@@ -84,7 +85,8 @@ HttpResponse AnswerOf(const Route& route, const HttpRequest& request) {
                Printable(request.method),
                Printable(request.path),
                Printable(error.what()));
-    return Problem(500, "the server made a mistake; its terminal says which").Response();
+    return Problem(500, "the server made a mistake; its terminal says which")
+        .Response();
   }
 }
 

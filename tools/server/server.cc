@@ -59,13 +59,12 @@ HttpRequest ReadRequest(const http::request<http::string_body>& message,
     if (!value.empty()) value += ", ";
     value += std::string(field.value());
   }
-  *is_sound =
-      ReadTarget({message.target().data(), message.target().size()}, &request);
+  *is_sound = ReadTarget({message.target().data(), message.target().size()}, &request);
   return request;
 }
 
-// One client. Reads a request, has it answered, writes, and again; all but slow handlers
-// on the thread of `io`.
+// One client. Reads a request, has it answered, writes, and again; all but slow
+// handlers on the thread of `io`.
 class Connection : public std::enable_shared_from_this<Connection> {
  public:
   Connection(tcp::socket socket, Shared* shared)
@@ -94,10 +93,12 @@ class Connection : public std::enable_shared_from_this<Connection> {
     parser_->body_limit(boost::none);
     stream_.expires_after(is_first_ ? shared_->limits.to_send : shared_->limits.idle);
     is_first_ = false;
-    http::async_read_header(
-        stream_, buffer_, *parser_, [self = shared_from_this()](error_code error, auto) {
-          self->HeaderRead(error);
-        });
+    http::async_read_header(stream_,
+                            buffer_,
+                            *parser_,
+                            [self = shared_from_this()](error_code error, auto) {
+                              self->HeaderRead(error);
+                            });
   }
 
   void HeaderRead(error_code error) {
@@ -127,7 +128,9 @@ class Connection : public std::enable_shared_from_this<Connection> {
 
   Route RouteOf(HttpRequest* request) const {
     if (shared_->gate.IsEntrance(*request)) {
-      return {.handler = [this](const HttpRequest&) { return shared_->gate.Enter(); }};
+      return {.handler = [this](const HttpRequest&) {
+        return shared_->gate.Enter();
+      }};
     }
     if (request->method == "OPTIONS") {
       const std::string allowed = shared_->routes.Allowed(request->path);
@@ -154,13 +157,16 @@ class Connection : public std::enable_shared_from_this<Connection> {
 
   void ReadBody() {
     stream_.expires_after(shared_->limits.to_send);
-    http::async_read(
-        stream_, buffer_, *parser_, [self = shared_from_this()](error_code error, auto) {
-          if (error == http::error::body_limit) return self->RefuseLength();
-          if (error) return self->Close();
-          self->request_.body = std::move(self->parser_->get().body());
-          self->Handle();
-        });
+    http::async_read(stream_,
+                     buffer_,
+                     *parser_,
+                     [self = shared_from_this()](error_code error, auto) {
+                       if (error == http::error::body_limit)
+                         return self->RefuseLength();
+                       if (error) return self->Close();
+                       self->request_.body = std::move(self->parser_->get().body());
+                       self->Handle();
+                     });
   }
 
   void Handle() {
@@ -174,7 +180,8 @@ class Connection : public std::enable_shared_from_this<Connection> {
     ++shared_->waiting;
     stream_.expires_never();
     asio::post(shared_->workers, [self = shared_from_this()] {
-      auto answer = std::make_shared<HttpResponse>(AnswerOf(self->route_, self->request_));
+      auto answer =
+          std::make_shared<HttpResponse>(AnswerOf(self->route_, self->request_));
       asio::post(self->shared_->io, [self, answer] {
         --self->shared_->waiting;
         self->Send(*answer);
@@ -189,7 +196,8 @@ class Connection : public std::enable_shared_from_this<Connection> {
     if (problem.status() == 405) {
       response.headers.emplace_back("Allow", shared_->routes.Allowed(request_.path));
     }
-    if (problem.status() == 401) response.headers.emplace_back("WWW-Authenticate", "Bearer");
+    if (problem.status() == 401)
+      response.headers.emplace_back("WWW-Authenticate", "Bearer");
     Send(response);
   }
 
@@ -258,7 +266,8 @@ class Connection : public std::enable_shared_from_this<Connection> {
     asio::async_write(stream_,
                       asio::buffer(unsent_.front()),
                       [self = shared_from_this()](error_code error, auto) {
-                        if (error || self->request_.method == "HEAD") return self->Close();
+                        if (error || self->request_.method == "HEAD")
+                          return self->Close();
                         self->unsent_bytes_ -=
                             std::min(self->unsent_bytes_, self->unsent_.front().size());
                         self->unsent_.pop_front();
@@ -331,10 +340,8 @@ void WatchStop(asio::steady_timer* timer,
 tcp::acceptor ListenAt(const ServerOptions& options, asio::io_context* io) {
   const auto fail = [&](const error_code& error) -> InputError {
     return {{},
-            fmt::format("--http {}: {}: {}",
-                        options.port,
-                        options.address,
-                        error.message()),
+            fmt::format(
+                "--http {}: {}: {}", options.port, options.address, error.message()),
             "--http 0 takes any free port; --listen says an address of this computer"};
   };
   error_code error;
@@ -357,11 +364,11 @@ void ServeHttp(const Routes& routes,
                const ServerOptions& options,
                const std::atomic<bool>* stop,
                const std::function<void(int port)>& listening) {
-  Shared shared{.routes = routes,
-                .gate = gate,
-                .limits = options.limits,
-                .workers = asio::thread_pool(
-                    static_cast<std::size_t>(options.limits.threads))};
+  Shared shared{
+      .routes = routes,
+      .gate = gate,
+      .limits = options.limits,
+      .workers = asio::thread_pool(static_cast<std::size_t>(options.limits.threads))};
   tcp::acceptor acceptor = ListenAt(options, &shared.io);
   asio::steady_timer timer(shared.io);
   WatchStop(&timer, &shared.io, stop);

@@ -319,8 +319,8 @@ void ConsoleStory::TellHeights(Imported* imported) const {
     alike += std::abs(now.middle_mm) > kLeast_mm && is_applied && is_same ? 1 : 0;
   }
   if (alike + 1 < kFewest) return;
-  const auto last_read = std::ranges::find_if(
-      heights_.rbegin(), heights_.rend(), [](const Height& one) {
+  const auto last_read =
+      std::ranges::find_if(heights_.rbegin(), heights_.rend(), [](const Height& one) {
         return Known(one.middle_mm);
       });
   imported->notes.push_back(

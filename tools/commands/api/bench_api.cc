@@ -84,9 +84,8 @@ BenchApi::BenchApi(std::unique_ptr<Desk> desk,
     }
     events_->Publish("bench", Tree().dump());
   });
-  link_ = std::make_unique<AbortableLink>(desk_->wire(), person_.get(), [this] {
-    TellReadings();
-  });
+  link_ = std::make_unique<AbortableLink>(
+      desk_->wire(), person_.get(), [this] { TellReadings(); });
   desk_->Connect(link_.get());
   bench->person = person_.get();
   bench->gauge = person_.get();
@@ -101,14 +100,17 @@ BenchApi::~BenchApi() {
 
 void BenchApi::AddTo(Routes* routes) {
   using enum Route::Pace;
-  const auto add = [&](const char* method, const char* path, Route::Pace pace, Handler go) {
-    routes->Add({.method = method,
-                 .pattern = std::string("/api/bench") + path,
-                 .handler = std::move(go),
-                 .pace = pace});
-  };
+  const auto add =
+      [&](const char* method, const char* path, Route::Pace pace, Handler go) {
+        routes->Add({.method = method,
+                     .pattern = std::string("/api/bench") + path,
+                     .handler = std::move(go),
+                     .pace = pace});
+      };
   add("GET", "", kQuick, [this](const HttpRequest&) { return Status(); });
-  add("PATCH", "/session", kSlow, [this](const HttpRequest& r) { return SetSession(r); });
+  add("PATCH", "/session", kSlow, [this](const HttpRequest& r) {
+    return SetSession(r);
+  });
   add("POST", "/procedures", kSlow, [this](const HttpRequest& r) { return Begin(r); });
   add("POST", "/answer", kQuick, [this](const HttpRequest& r) { return Answer(r); });
   add("POST", "/abort", kQuick, [this](const HttpRequest&) { return Abort(); });
@@ -116,7 +118,9 @@ void BenchApi::AddTo(Routes* routes) {
     return EmergencyStop();
   });
   add("POST", "/restore", kSlow, [this](const HttpRequest& r) { return Restore(r); });
-  add("PATCH", "/settings", kSlow, [this](const HttpRequest& r) { return SetSettings(r); });
+  add("PATCH", "/settings", kSlow, [this](const HttpRequest& r) {
+    return SetSettings(r);
+  });
   add("GET", "/user-vars", kQuick, [this](const HttpRequest&) { return UserVars(); });
 }
 
@@ -184,8 +188,7 @@ HttpResponse BenchApi::SetSession(const HttpRequest& request) {
 
 CalibrationStep BenchApi::StepOf(const std::string& name, const Json& options) const {
   const std::vector<std::string> known = kind_->StepNames();
-  const bool is_procedure =
-      FindProcedure(name, kind_->KnownProcedures()) != nullptr;
+  const bool is_procedure = FindProcedure(name, kind_->KnownProcedures()) != nullptr;
   if (!is_procedure) {
     throw Problem(422,
                   fmt::format("there is no procedure '{}'", Printable(name)),
@@ -229,7 +232,8 @@ HttpResponse BenchApi::Restore(const HttpRequest& request) {
     const std::lock_guard<std::mutex> lock(mutex_);
     before = settings_before_;
   }
-  if (!before) throw Problem(409, "nothing was changed yet: there is nothing to restore");
+  if (!before)
+    throw Problem(409, "nothing was changed yet: there is nothing to restore");
   return StartJob(request, "restore", Json::object(), [wanted = *before](Bench* bench) {
     return ResultOf(WriteSettings(bench, wanted));
   });
@@ -292,9 +296,10 @@ HttpResponse BenchApi::StartJob(const HttpRequest& request,
   }
   KeepStore();
   events_->Publish("bench", Tree().dump());
-  thread_ = std::thread([this, work = std::move(work), seat = std::move(seat)]() mutable {
-    Work(work, std::move(seat));
-  });
+  thread_ =
+      std::thread([this, work = std::move(work), seat = std::move(seat)]() mutable {
+        Work(work, std::move(seat));
+      });
   return JsonResponse(job, 202);
 }
 
@@ -327,8 +332,9 @@ void BenchApi::Work(const PreparedProcedure& work, OperatorSeat::Held seat) {
     job_["ended_at"] = UtcNow();
     results_.push_back(job_);
     if (results_.size() > kMostResults) results_.erase(results_.begin());
-    const bool is_changed = std::ranges::any_of(
-        result.steps, [](const Step& step) { return step.verdict == Verdict::kApplied; });
+    const bool is_changed = std::ranges::any_of(result.steps, [](const Step& step) {
+      return step.verdict == Verdict::kApplied;
+    });
     if (is_changed) calibrated_at_ = UtcNow();
     state_ = "idle";
   }
@@ -410,9 +416,11 @@ HttpResponse BenchApi::EmergencyStop() {
 HttpResponse BenchApi::UserVars() const {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (!settings_) throw Problem(404, "this machine keeps no such file");
-  const std::string date = calibrated_at_.substr(0, std::min<std::size_t>(10, calibrated_at_.size()));
-  return {.content_type = "text/plain; charset=utf-8",
-          .body = fmt::format("{}\n", fmt::join(UserVarsLines(*settings_, date), "\n"))};
+  const std::string date =
+      calibrated_at_.substr(0, std::min<std::size_t>(10, calibrated_at_.size()));
+  return {
+      .content_type = "text/plain; charset=utf-8",
+      .body = fmt::format("{}\n", fmt::join(UserVarsLines(*settings_, date), "\n"))};
 }
 
 void BenchApi::ReadStore() {

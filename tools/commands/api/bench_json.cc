@@ -52,7 +52,8 @@ Json ToJson(const ProcedureResult& result) {
              {"is_known", estimate.identifiable},
              {"value", nullptr},
              {"sd", nullptr}};
-    if (estimate.identifiable) one.update({{"value", estimate.value}, {"sd", estimate.sd}});
+    if (estimate.identifiable)
+      one.update({{"value", estimate.value}, {"sd", estimate.sd}});
     tree["estimates"].push_back(one);
   }
   for (const Step& step : result.steps) {
@@ -71,7 +72,9 @@ Json ToJson(const ProcedureResult& result) {
 }
 
 Json ToJson(const Row& row) {
-  const auto number = [](double value) { return Known(value) ? Json(value) : Json(); };
+  const auto number = [](double value) {
+    return Known(value) ? Json(value) : Json();
+  };
   Json tree{{"campaign", row.campaign}, {"feature", row.feature}, {"setup", row.setup}};
   for (std::size_t i = 0; i < row.n.size(); ++i) {
     const std::string axis(1, "xyz"[i]);
@@ -86,7 +89,8 @@ Json ToJson(const Row& row) {
 Json ToJson(const Settings& settings) {
   Json tree;
   for (const auto& [key, member] : kPerAxis) {
-    for (const Axis axis : kAxes) tree[key][Name(axis)] = (settings.*member)[Index(axis)];
+    for (const Axis axis : kAxes)
+      tree[key][Name(axis)] = (settings.*member)[Index(axis)];
   }
   tree["tip_radius_mm"] = settings.tip_radius_mm;
   return tree;

@@ -50,9 +50,10 @@ fs::path ModelFile(const std::string& name) {
 void RequireModel(const std::string& name) {
   const std::vector<std::string> known = ModelNames();
   if (std::ranges::find(known, name) != known.end()) return;
-  throw Problem(404,
-                fmt::format("there is no machine '{}'", Printable(name)),
-                {{.detail = "no such machine", .hint = "GET /api/machines lists them"}});
+  throw Problem(
+      404,
+      fmt::format("there is no machine '{}'", Printable(name)),
+      {{.detail = "no such machine", .hint = "GET /api/machines lists them"}});
 }
 
 HttpResponse Machines(const HttpRequest&) {
@@ -71,15 +72,17 @@ HttpResponse Picture(const HttpRequest& request) {
   const std::string& name = request.places[0];
   RequireModel(name);
   double exaggerate = 1;
-  if (const auto asked = request.query.find("exaggerate"); asked != request.query.end()) {
+  if (const auto asked = request.query.find("exaggerate");
+      asked != request.query.end()) {
     const char* const end = asked->second.data() + asked->second.size();
     const auto read = std::from_chars(asked->second.data(), end, exaggerate);
     const bool is_fit = read.ec == std::errc() && read.ptr == end && exaggerate >= 1 &&
                         exaggerate <= 1e6;
     if (!is_fit) {
-      throw Problem(422,
-                    "exaggerate is no factor",
-                    {{.detail = "a number from 1 to 1000000", .pointer = "/exaggerate"}});
+      throw Problem(
+          422,
+          "exaggerate is no factor",
+          {{.detail = "a number from 1 to 1000000", .pointer = "/exaggerate"}});
     }
   }
   const TemporaryFolder folder;
@@ -108,10 +111,11 @@ HttpResponse Scenarios(const HttpRequest&) {
     for (const std::string& name : ScenarioNames()) {
       const fs::path file = ShareFolder() / "scenarios" / (name + ".yaml");
       const Scenario scenario = ReadScenario(file);
-      list.push_back({{"name", name},
-                      {"about", scenario.about},
-                      {"machine", scenario.machine.machine.name},
-                      {"kinematics", std::string(scenario.machine.machine.kind->name())}});
+      list.push_back(
+          {{"name", name},
+           {"about", scenario.about},
+           {"machine", scenario.machine.machine.name},
+           {"kinematics", std::string(scenario.machine.machine.kind->name())}});
     }
     answer = JsonResponse({{"scenarios", std::move(list)}}).body;
   }
@@ -138,7 +142,8 @@ HttpResponse Explain(const HttpRequest& request) {
     return std::isalnum(static_cast<unsigned char>(letter)) != 0 || letter == '_' ||
            letter == '.';
   });
-  if (!is_word) throw Problem(422, "that is no word", {{.detail = "letters, digits, _"}});
+  if (!is_word)
+    throw Problem(422, "that is no word", {{.detail = "letters, digits, _"}});
   const std::string text = RunOwnProgram({.words = {"explain", name}});
   return JsonResponse({{"name", name}, {"text", text}});
 }
@@ -160,7 +165,8 @@ std::vector<std::string> ScenarioNames() {
   std::vector<std::string> names;
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(ShareFolder() / "scenarios", error)) {
-    if (entry.path().extension() == ".yaml") names.push_back(entry.path().stem().string());
+    if (entry.path().extension() == ".yaml")
+      names.push_back(entry.path().stem().string());
   }
   std::ranges::sort(names);
   return names;

@@ -78,9 +78,10 @@ Expected<double> ClientOperator::Read_mm(std::string_view id) {
 }
 
 Expected<void> ClientOperator::Zero(std::string_view id) {
-  const auto answer = Ask({.kind = "zero",
-                           .text = fmt::format("Set {} against the axis and zero it.", id),
-                           .gauge = std::string(id)});
+  const auto answer =
+      Ask({.kind = "zero",
+           .text = fmt::format("Set {} against the axis and zero it.", id),
+           .gauge = std::string(id)});
   if (!answer) return tl::unexpected(answer.error());
   if (!answer->is_yes) return Refused("the operator says no");
   return helpers_.gauge != nullptr ? helpers_.gauge->Zero(id) : Expected<void>{};
@@ -115,9 +116,10 @@ bool ClientOperator::is_aborted() const {
   return is_aborted_;
 }
 
-Expected<std::vector<std::string>> AbortableLink::Send(std::string_view line,
-                                                       std::chrono::milliseconds patience) {
-  if (person_->is_aborted() && !PutsBack(line)) return Refused("aborted by the operator");
+Expected<std::vector<std::string>> AbortableLink::Send(
+    std::string_view line, std::chrono::milliseconds patience) {
+  if (person_->is_aborted() && !PutsBack(line))
+    return Refused("aborted by the operator");
   auto answer = inner_->Send(line, patience);
   sent_();
   return answer;

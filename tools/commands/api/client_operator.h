@@ -17,14 +17,14 @@ struct Question {
   int id = 0;
   std::string kind{};  ///< confirm, turn_block, fit_stylus, other, reading, zero
   std::string text{};
-  std::string gauge{};           ///< Of a reading: "calliper.block.x".
+  std::string gauge{};              ///< Of a reading: "calliper.block.x".
   std::optional<double> hint_mm{};  ///< A twin's own instrument reads this.
 };
 nlohmann::ordered_json ToJson(const Question& question);
 
 /// The person at the machine as an HTTP client is: asked by an event, answered by a
-/// request, while the procedure waits in its own thread. A twin's hands and gauges help:
-/// what the person says was done is done there, and what its instruments read is
+/// request, while the procedure waits in its own thread. A twin's hands and gauges
+/// help: what the person says was done is done there, and what its instruments read is
 /// offered.
 class ClientOperator final : public Operator, public Gauge {
  public:

@@ -21,7 +21,8 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kMostKept = 16;
-constexpr std::array kOptions = {"unit", "axis", "map", "seed", "min_effect_um", "step_mm"};
+constexpr std::array kOptions = {
+    "unit", "axis", "map", "seed", "min_effect_um", "step_mm"};
 
 // What was sent, sorted: data, what describes them, and what was said beside.
 struct Form {
@@ -67,7 +68,8 @@ Form FormOf(const HttpRequest& request) {
     } else if (part.name == "machine") {
       form.machine = part.body;
     } else if (std::ranges::find(kOptions, part.name) != kOptions.end()) {
-      if (!part.body.empty()) form.options.push_back(DashesFor(part.name) + "=" + part.body);
+      if (!part.body.empty())
+        form.options.push_back(DashesFor(part.name) + "=" + part.body);
     } else {
       throw Problem(422,
                     fmt::format("the form has no field '{}'", Printable(part.name)),
@@ -89,12 +91,13 @@ void RequireKnownMachine(const Form& form) {
   if (form.machine.empty() || form.files.contains(form.machine)) return;
   const std::vector<std::string> known = ModelNames();
   if (std::ranges::find(known, form.machine) != known.end()) return;
-  throw Problem(422,
-                fmt::format("there is no machine '{}'", Printable(form.machine)),
-                {{.detail = "no such machine",
-                  .hint = fmt::format("one of {}, or send your machine file along as `file`",
-                                      fmt::join(known, ", ")),
-                  .pointer = "/machine"}});
+  throw Problem(
+      422,
+      fmt::format("there is no machine '{}'", Printable(form.machine)),
+      {{.detail = "no such machine",
+        .hint = fmt::format("one of {}, or send your machine file along as `file`",
+                            fmt::join(known, ", ")),
+        .pointer = "/machine"}});
 }
 
 // Measured rows as they are, by the columns that every table of them has.
@@ -111,20 +114,31 @@ bool HoldsRows(const std::string& text) {
 }  // namespace
 
 void DiagnoseApi::AddTo(Routes* routes) {
-  const auto add = [&](const char* method, const char* path, Handler go, std::size_t most) {
-    routes->Add({.method = method,
-                 .pattern = path,
-                 .handler = std::move(go),
-                 .pace = Route::Pace::kSlow,
-                 .most_bytes = most});
-  };
-  add("POST",
+  const auto add =
+      [&](const char* method, const char* path, Handler go, std::size_t most) {
+        routes->Add({.method = method,
+                     .pattern = path,
+                     .handler = std::move(go),
+                     .pace = Route::Pace::kSlow,
+                     .most_bytes = most});
+      };
+  add(
+      "POST",
       "/api/diagnose",
       [this](const HttpRequest& r) { return Diagnose(r); },
       kMostUpload_bytes);
-  add("GET", "/api/diagnoses/{}/report", [this](const HttpRequest& r) { return Report(r); }, 0);
-  add("GET", "/api/diagnoses/{}/rows", [this](const HttpRequest& r) { return Rows(r); }, 0);
-  add("GET",
+  add(
+      "GET",
+      "/api/diagnoses/{}/report",
+      [this](const HttpRequest& r) { return Report(r); },
+      0);
+  add(
+      "GET",
+      "/api/diagnoses/{}/rows",
+      [this](const HttpRequest& r) { return Rows(r); },
+      0);
+  add(
+      "GET",
       "/api/diagnoses/{}/correction",
       [this](const HttpRequest& r) { return Correction(r); },
       0);
@@ -146,9 +160,10 @@ DiagnoseApi::Kept DiagnoseApi::Find(const std::string& id) {
   const std::lock_guard<std::mutex> lock(mutex_);
   const auto found = std::ranges::find(kept_, id, &Kept::id);
   if (found == kept_.end()) {
-    throw Problem(404,
-                  fmt::format("there is no diagnosis {}", Printable(id)),
-                  {{.detail = "the last 16 are kept", .hint = "POST /api/diagnose again"}});
+    throw Problem(
+        404,
+        fmt::format("there is no diagnosis {}", Printable(id)),
+        {{.detail = "the last 16 are kept", .hint = "POST /api/diagnose again"}});
   }
   return *found;
 }
@@ -190,7 +205,8 @@ HttpResponse DiagnoseApi::Diagnose(const HttpRequest& request) {
     answers.push_back(DiagnoseOne(folder, file, options));
   }
   if (answers.size() == 1) return {.body = answers.front() + "\n"};
-  return {.body = fmt::format("{{\"format\":1,\"diagnoses\":[{}]}}\n", fmt::join(answers, ","))};
+  return {.body = fmt::format("{{\"format\":1,\"diagnoses\":[{}]}}\n",
+                              fmt::join(answers, ","))};
 }
 
 HttpResponse DiagnoseApi::Report(const HttpRequest& request) {
@@ -229,10 +245,11 @@ HttpResponse DiagnoseApi::Correction(const HttpRequest& request) {
   const auto asked = request.query.find("for");
   if (asked == request.query.end() ||
       std::ranges::find(kControllers, asked->second) == kControllers.end()) {
-    throw Problem(422,
-                  "for which controller?",
-                  {{.detail = fmt::format("?for= one of {}", fmt::join(kControllers, ", ")),
-                    .pointer = "/for"}});
+    throw Problem(
+        422,
+        "for which controller?",
+        {{.detail = fmt::format("?for= one of {}", fmt::join(kControllers, ", ")),
+          .pointer = "/for"}});
   }
   const fs::path folder = folder_.path() / kept.id;
   const std::string name = "correction." + asked->second;

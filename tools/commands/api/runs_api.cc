@@ -39,9 +39,14 @@ std::vector<std::string> WordsOf(const Json& body, std::string* scenario) {
   }
   keys.Done();
   const fs::path file = ShareFolder() / "scenarios" / (*scenario + ".yaml");
-  std::vector<std::string> words = {
-      "run", file.string(), "--json", "result.json", "--report", "report",
-      "--transcript", "transcript.txt"};
+  std::vector<std::string> words = {"run",
+                                    file.string(),
+                                    "--json",
+                                    "result.json",
+                                    "--report",
+                                    "report",
+                                    "--transcript",
+                                    "transcript.txt"};
   if (!fidelity.empty()) words.insert(words.end(), {"--fidelity", fidelity});
   if (seed >= 0) words.insert(words.end(), {"--seed", fmt::format("{}", seed)});
   return words;
@@ -75,11 +80,13 @@ void RunsApi::AddTo(Routes* routes) {
 }
 
 std::shared_ptr<RunsApi::Run> RunsApi::Find(const std::string& id) const {
-  const auto found = std::ranges::find(runs_, id, [](const auto& run) { return run->id; });
+  const auto found =
+      std::ranges::find(runs_, id, [](const auto& run) { return run->id; });
   if (found == runs_.end()) {
-    throw Problem(404,
-                  fmt::format("there is no run {}", Printable(id)),
-                  {{.detail = "the last 16 are kept", .hint = "GET /api/runs lists them"}});
+    throw Problem(
+        404,
+        fmt::format("there is no run {}", Printable(id)),
+        {{.detail = "the last 16 are kept", .hint = "GET /api/runs lists them"}});
   }
   return *found;
 }
@@ -89,10 +96,13 @@ HttpResponse RunsApi::Begin(const HttpRequest& request) {
   const auto run = std::make_shared<Run>();
   const std::vector<std::string> words = WordsOf(body, &run->scenario);
   const std::lock_guard<std::mutex> lock(mutex_);
-  const auto at_work = std::ranges::count(
-      runs_, "running", [](const auto& one) -> const std::string& { return one->state; });
+  const auto at_work =
+      std::ranges::count(runs_, "running", [](const auto& one) -> const std::string& {
+        return one->state;
+      });
   if (at_work >= kMostAtWork) {
-    HttpResponse busy = Problem(429, "two runs are at work: wait for one to end").Response();
+    HttpResponse busy =
+        Problem(429, "two runs are at work: wait for one to end").Response();
     busy.headers.emplace_back("Retry-After", "5");
     return busy;
   }
@@ -108,8 +118,8 @@ HttpResponse RunsApi::Begin(const HttpRequest& request) {
   fs::create_directories(folder_.path() / run->id);
   runs_.push_back(run);
   run->thread = std::thread([this, raw = run.get(), words] { Work(raw, words); });
-  HttpResponse response =
-      JsonResponse({{"id", run->id}, {"scenario", run->scenario}, {"state", "running"}}, 202);
+  HttpResponse response = JsonResponse(
+      {{"id", run->id}, {"scenario", run->scenario}, {"state", "running"}}, 202);
   response.headers.emplace_back("Location", "/api/runs/" + run->id);
   return response;
 }
@@ -143,7 +153,8 @@ HttpResponse RunsApi::List() const {
   const std::lock_guard<std::mutex> lock(mutex_);
   Json list = Json::array();
   for (const auto& run : runs_) {
-    list.push_back({{"id", run->id}, {"scenario", run->scenario}, {"state", run->state}});
+    list.push_back(
+        {{"id", run->id}, {"scenario", run->scenario}, {"state", run->state}});
   }
   return JsonResponse({{"runs", std::move(list)}});
 }

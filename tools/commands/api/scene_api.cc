@@ -30,7 +30,8 @@ double ExaggerateOf(const HttpRequest& request) {
   double times = 0;
   const char* const end = asked->second.data() + asked->second.size();
   const auto read = std::from_chars(asked->second.data(), end, times);
-  if (read.ec == std::errc() && read.ptr == end && times >= 1 && times <= 1e6) return times;
+  if (read.ec == std::errc() && read.ptr == end && times >= 1 && times <= 1e6)
+    return times;
   throw Problem(422,
                 "exaggerate is no factor",
                 {{.detail = "a number from 1 to 1000000", .pointer = "/exaggerate"}});
@@ -54,14 +55,16 @@ void SceneApi::AddTo(Routes* routes) {
       RequireAmong(names(), request.places[0]);
       return file_of(request.places[0]);
     };
-    routes->Add({.method = "GET",
-                 .pattern = "/api/" + kind + "/{}/scene",
-                 .handler = [this, file](const HttpRequest& r) { return Scene(file(r), r); },
-                 .pace = Route::Pace::kSlow});
-    routes->Add({.method = "POST",
-                 .pattern = "/api/" + kind + "/{}/poses",
-                 .handler = [this, file](const HttpRequest& r) { return Poses(file(r), r); },
-                 .pace = Route::Pace::kSlow});
+    routes->Add(
+        {.method = "GET",
+         .pattern = "/api/" + kind + "/{}/scene",
+         .handler = [this, file](const HttpRequest& r) { return Scene(file(r), r); },
+         .pace = Route::Pace::kSlow});
+    routes->Add(
+        {.method = "POST",
+         .pattern = "/api/" + kind + "/{}/poses",
+         .handler = [this, file](const HttpRequest& r) { return Poses(file(r), r); },
+         .pace = Route::Pace::kSlow});
   };
   add("machines", ModelNames, [](const std::string& name) {
     return ShareFolder() / "models" / name / "machine.yaml";
@@ -81,7 +84,8 @@ SceneApi::Kept* SceneApi::Find(const fs::path& file, double exaggerate) {
   for (const Axis axis : kAxes) {
     travel_mm.push_back({machine.axis(axis).min_mm, machine.axis(axis).max_mm});
   }
-  kept_.push_back({file, exaggerate, machine.name, travel_mm, StillOf(file, exaggerate)});
+  kept_.push_back(
+      {file, exaggerate, machine.name, travel_mm, StillOf(file, exaggerate)});
   if (kept_.size() > kMostKept) kept_.pop_front();
   return &kept_.back();
 }

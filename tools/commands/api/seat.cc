@@ -14,11 +14,12 @@ OperatorSeat::Held OperatorSeat::Take(const HttpRequest& request,
   if (name.empty()) name = "somebody";
   const std::lock_guard<std::mutex> lock(mutex_);
   if (sitter_) {
-    throw Problem(409,
-                  fmt::format("the machine is taken: {} is {}", sitter_->name, sitter_->doing),
-                  {{.detail = "one operator moves a machine at a time",
-                    .hint = "wait until it is done, or watch it at /api/events"}},
-                  {{"held_by", sitter_->name}, {"doing", sitter_->doing}});
+    throw Problem(
+        409,
+        fmt::format("the machine is taken: {} is {}", sitter_->name, sitter_->doing),
+        {{.detail = "one operator moves a machine at a time",
+          .hint = "wait until it is done, or watch it at /api/events"}},
+        {{"held_by", sitter_->name}, {"doing", sitter_->doing}});
   }
   sitter_ = Sitter{.name = name, .doing = doing};
   return Held(this);

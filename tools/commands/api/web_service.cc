@@ -33,16 +33,19 @@ constexpr std::size_t kShortestToken = 16;
 std::string TokenOf(const WebOptions& options) {
   if (options.token_file.empty()) {
     if (IsLoopback(options.address)) return "";
-    throw InputError({.file = "--listen"},
-                     fmt::format("others reach {}, so a token is needed", options.address),
-                     "--token-file FILE, a file with a secret of 16 letters or more: "
-                     "openssl rand -hex 16 > FILE");
+    throw InputError(
+        {.file = "--listen"},
+        fmt::format("others reach {}, so a token is needed", options.address),
+        "--token-file FILE, a file with a secret of 16 letters or more: "
+        "openssl rand -hex 16 > FILE");
   }
   std::string token = ReadTextFile(options.token_file, kLargestFile_bytes);
-  while (!token.empty() && std::isspace(static_cast<unsigned char>(token.back())) != 0) {
+  while (!token.empty() &&
+         std::isspace(static_cast<unsigned char>(token.back())) != 0) {
     token.pop_back();
   }
-  if (token.size() < kShortestToken || token.find_first_of(" \t\r\n;,\"") != std::string::npos) {
+  if (token.size() < kShortestToken ||
+      token.find_first_of(" \t\r\n;,\"") != std::string::npos) {
     throw InputError({.file = options.token_file.string()},
                      "a token is one word of 16 letters or more",
                      "openssl rand -hex 16 > " + options.token_file.string());
@@ -102,6 +105,7 @@ fs::path StateFolder() {
 }
 
 struct WebService::Parts {
+  std::string machine{};
   Gate gate;
   Pages pages;
   EventTopic events{};
@@ -117,82 +121,98 @@ struct WebService::Parts {
 };
 
 WebService::WebService(const WebOptions& options, const std::atomic<bool>* stop)
-    : options_(options), stop_(stop) {
-  const fs::path state = options.state.empty() ? StateFolder() : options.state;
-  const TwinOptions twin =
-      options.has_machine ? options.twin : Practice("gantry_router", options.twin.fidelity);
-  std::unique_ptr<Desk> desk = DeskOf(twin, options.link);
-  Bench* const bench = desk->bench();
-  const std::string name = bench->machine.name;
-  const auto store = [&](const std::string& machine, const char* what) {
-    return state.empty() ? fs::path() : state / fmt::format("{}.{}.json", machine, what);
-  };
-  parts_ = std::unique_ptr<Parts>(
-      new Parts{.gate = Gate(options.address, TokenOf(options)),
-                .pages = Pages(ShareFolder() / "web"),
-                .diagnose = DiagnoseApi(stop)});
+    : options_(options),
+      stop_(stop),
+      parts_(new Parts{.gate = Gate(options.address, TokenOf(options)),
+                       .pages = Pages(ShareFolder() / "web"),
+                       .diagnose = DiagnoseApi(stop)}) {
+  BuildMachines();
+  AddRoutes();
+  AddPages();
+}
+
+// Where what belongs to a machine is kept; empty: nowhere.
+fs::path WebService::StoreOf(const std::string& machine, const char* what) const {
+  const fs::path state = options_.state.empty() ? StateFolder() : options_.state;
+  return state.empty() ? fs::path() : state / fmt::format("{}.{}.json", machine, what);
+}
+
+void WebService::BuildMachines() {
   Parts& parts = *parts_;
+  const std::string& fidelity = options_.twin.fidelity;
+  const TwinOptions twin =
+      options_.has_machine ? options_.twin : Practice("gantry_router", fidelity);
+  std::unique_ptr<Desk> desk = DeskOf(twin, options_.link);
+  Bench* const bench = desk->bench();
+  parts.machine = bench->machine.name;
   parts.bench = std::make_unique<BenchApi>(
       std::move(desk),
-      BenchApi::Options{.store = store(name, "bench"), .is_twin = options.link.empty()},
+      BenchApi::Options{.store = StoreOf(parts.machine, "bench"),
+                        .is_twin = options_.link.empty()},
       &parts.bench_seat,
       &parts.events);
-  parts.bed = BedApiOn(
-      bench, {store(name, "bed"), name}, &parts.bench_seat, &parts.events);
-  if (!parts.bed && !options.has_machine) {
-    const TwinOptions printer = Practice("triple_z_printer", options.twin.fidelity);
-    parts.printer = DeskOf(printer, "");
-    parts.printer->Connect(parts.printer->wire());
-    parts.bed = BedApiOn(parts.printer->bench(),
-                         {store(printer.machine, "bed"), printer.machine},
-                         &parts.printer_seat,
-                         &parts.events);
-  }
-  parts.diagnose.AddTo(&parts.routes);
-  parts.runs.AddTo(&parts.routes);
-  parts.scenes.AddTo(&parts.routes);
-  parts.bench->AddTo(&parts.routes);
-  AddCatalogTo(&parts.routes);
+  parts.bed = BedApiOn(bench,
+                       {StoreOf(parts.machine, "bed"), parts.machine},
+                       &parts.bench_seat,
+                       &parts.events);
+  if (parts.bed || options_.has_machine) return;
+  const TwinOptions printer = Practice("triple_z_printer", fidelity);
+  parts.printer = DeskOf(printer, "");
+  parts.printer->Connect(parts.printer->wire());
+  parts.bed = BedApiOn(parts.printer->bench(),
+                       {StoreOf(printer.machine, "bed"), printer.machine},
+                       &parts.printer_seat,
+                       &parts.events);
+}
+
+void WebService::AddRoutes() {
+  Parts& parts = *parts_;
+  Routes* const routes = &parts.routes;
+  parts.diagnose.AddTo(routes);
+  parts.runs.AddTo(routes);
+  parts.scenes.AddTo(routes);
+  parts.bench->AddTo(routes);
+  AddCatalogTo(routes);
+  const auto get = [&](const char* path, Handler go) {
+    routes->Add({.method = "GET", .pattern = path, .handler = std::move(go)});
+  };
   if (parts.bed) {
-    parts.bed->AddTo(&parts.routes);
+    parts.bed->AddTo(routes);
   } else {
-    parts.routes.Add(
-        {.method = "GET", .pattern = "/api/calibration/bed-tilt/current", .handler = NoBed});
+    get("/api/calibration/bed-tilt/current", NoBed);
   }
-  parts.routes.Add({.method = "GET",
-                    .pattern = "/api/events",
-                    .handler = [events = parts.shared_events](const HttpRequest&) {
-                      return HttpResponse{.events = events};
-                    }});
-  parts.routes.Add({.method = "GET",
-                    .pattern = "/api",
-                    .handler = [has_bed = parts.bed != nullptr, name](const HttpRequest&) {
-                      return JsonResponse({{"name", "caltwin"},
-                                           {"version", CALTWIN_VERSION},
-                                           {"machine", name},
-                                           {"has_bed", has_bed},
-                                           {"openapi", "/api/openapi.json"}});
-                    }});
+  get("/api/events", [events = parts.shared_events](const HttpRequest&) {
+    return HttpResponse{.events = events};
+  });
+  get("/api", [&parts](const HttpRequest&) {
+    return JsonResponse({{"name", "caltwin"},
+                         {"version", CALTWIN_VERSION},
+                         {"machine", parts.machine},
+                         {"has_bed", parts.bed != nullptr},
+                         {"openapi", "/api/openapi.json"}});
+  });
   const std::string document =
       ReadTextFile(ShareFolder() / "docs" / "openapi.json", kLargestFile_bytes);
-  parts.routes.Add({.method = "GET",
-                    .pattern = "/api/openapi.json",
-                    .handler = [document](const HttpRequest&) {
-                      return HttpResponse{.body = document};
-                    }});
+  get("/api/openapi.json",
+      [document](const HttpRequest&) { return HttpResponse{.body = document}; });
+}
+
+void WebService::AddPages() {
+  Parts& parts = *parts_;
   if (!parts.pages.empty()) {
-    parts.routes.SetRest([&parts](const HttpRequest& request) {
-      return parts.pages.Serve(request);
-    });
-  } else {
-    parts.routes.Add({.method = "GET", .pattern = "/", .handler = [](const HttpRequest&) {
-      return HttpResponse{
-          .content_type = "text/html; charset=utf-8",
-          .body = "<!doctype html><title>caltwin</title><p>The pages are not built. "
-                  "<code>tools/pages.sh</code> builds them; the REST interface is "
-                  "there: <a href=\"/api/openapi.json\">/api/openapi.json</a>.</p>\n"};
-    }});
+    parts.routes.SetRest(
+        [&parts](const HttpRequest& request) { return parts.pages.Serve(request); });
+    return;
   }
+  parts.routes.Add(
+      {.method = "GET", .pattern = "/", .handler = [](const HttpRequest&) {
+         return HttpResponse{
+             .content_type = "text/html; charset=utf-8",
+             .body =
+                 "<!doctype html><title>caltwin</title><p>The pages are not built. "
+                 "<code>tools/pages.sh</code> builds them; the REST interface is "
+                 "there: <a href=\"/api/openapi.json\">/api/openapi.json</a>.</p>\n"};
+       }});
 }
 
 WebService::~WebService() = default;
@@ -204,12 +224,14 @@ std::vector<std::string> WebService::Notes() const {
     if (!note.empty()) notes.push_back("note: " + note);
   }
   if (parts_->pages.empty()) {
-    notes.emplace_back("the pages are not built (tools/pages.sh builds them); the REST "
-                       "interface is there");
+    notes.emplace_back(
+        "the pages are not built (tools/pages.sh builds them); the REST "
+        "interface is there");
   }
   if (!options_.has_machine) {
-    notes.emplace_back("practice machines with hidden errors: gantry_router and "
-                       "triple_z_printer; --machine serves another");
+    notes.emplace_back(
+        "practice machines with hidden errors: gantry_router and "
+        "triple_z_printer; --machine serves another");
   }
   return notes;
 }

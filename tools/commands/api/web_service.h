@@ -17,9 +17,10 @@ struct WebOptions {
   std::string address = "127.0.0.1";
   std::filesystem::path token_file{};
   std::filesystem::path state{};  ///< A folder; empty: StateFolder().
-  bool has_machine = false;  ///< Else practice machines: a router and a triple-Z printer.
-  TwinOptions twin{};        ///< The machine, where one is named.
-  std::string link{};        ///< Of a real machine; empty: the twin.
+  bool has_machine =
+      false;           ///< Else practice machines: a router and a triple-Z printer.
+  TwinOptions twin{};  ///< The machine, where one is named.
+  std::string link{};  ///< Of a real machine; empty: the twin.
 };
 
 /// Where a server keeps what it finds: $XDG_STATE_HOME/caltwin or
@@ -43,6 +44,11 @@ class WebService {
 
  private:
   struct Parts;
+  void BuildMachines();
+  void AddRoutes();
+  void AddPages();
+  std::filesystem::path StoreOf(const std::string& machine, const char* what) const;
+
   WebOptions options_;
   const std::atomic<bool>* stop_;
   std::unique_ptr<Parts> parts_;

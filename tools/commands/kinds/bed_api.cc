@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "calibration/kinds/triple_z/procedures.h"
+#include "calibration/kinds/triple_z/troubles.h"
 #include "sim/base/input_error.h"
 #include "sim/machine/kinds/triple_z/drawing.h"
 #include "tools/commands/api/utc.h"
@@ -31,7 +32,8 @@ Problem ProblemOf(const MachineFault& fault) {
   const bool has_no_trigger = fault.kind == MachineFault::Kind::kNoTrigger;
   std::string hint;
   if (is_lost) hint = "look at the cable, and whether the controller runs";
-  if (has_no_trigger) hint = "look at the probe: is it plugged in, does it trigger by hand?";
+  if (has_no_trigger)
+    hint = "look at the probe: is it plugged in, does it trigger by hand?";
   const int status = is_late ? 504 : is_lost ? 502 : 409;
   return Problem(status,
                  "the machine did not do it: " + fault.reply,
@@ -66,23 +68,41 @@ BedApi::BedApi(TripleZPrinter* printer,
 
 void BedApi::AddTo(Routes* routes) {
   const std::string base = "/api/calibration";
-  const auto add = [&](const char* method, const char* path, Route::Pace pace, Handler go) {
-    routes->Add({.method = method, .pattern = base + path, .handler = std::move(go), .pace = pace});
-  };
+  const auto add =
+      [&](const char* method, const char* path, Route::Pace pace, Handler go) {
+        routes->Add({.method = method,
+                     .pattern = base + path,
+                     .handler = std::move(go),
+                     .pace = pace});
+      };
   using enum Route::Pace;
-  add("GET", "/intrinsics", kQuick, [this](const HttpRequest&) { return Intrinsics(); });
-  add("POST", "/intrinsics", kSlow, [this](const HttpRequest& r) { return SetIntrinsics(r); });
-  add("POST", "/bed-tilt/probe", kSlow, [this](const HttpRequest& r) { return Probe(r); });
+  add("GET", "/intrinsics", kQuick, [this](const HttpRequest&) {
+    return Intrinsics();
+  });
+  add("POST", "/intrinsics", kSlow, [this](const HttpRequest& r) {
+    return SetIntrinsics(r);
+  });
+  add("POST", "/bed-tilt/probe", kSlow, [this](const HttpRequest& r) {
+    return Probe(r);
+  });
   add("POST", "/bed-tilt/calibrate", kSlow, [this](const HttpRequest& r) {
     return Calibrate(r);
   });
-  add("GET", "/bed-tilt/current", kQuick, [this](const HttpRequest&) { return Current(); });
-  add("GET", "/bed-tilt/history", kQuick, [this](const HttpRequest&) { return History(); });
-  add("GET", "/bed-tilt/status", kQuick, [this](const HttpRequest&) { return Status(); });
+  add("GET", "/bed-tilt/current", kQuick, [this](const HttpRequest&) {
+    return Current();
+  });
+  add("GET", "/bed-tilt/history", kQuick, [this](const HttpRequest&) {
+    return History();
+  });
+  add("GET", "/bed-tilt/status", kQuick, [this](const HttpRequest&) {
+    return Status();
+  });
   add("POST", "/bed-tilt/apply-triple-z", kSlow, [this](const HttpRequest& r) {
     return Apply(r);
   });
-  add("POST", "/validate", kQuick, [this](const HttpRequest& r) { return Validate(r); });
+  add("POST", "/validate", kQuick, [this](const HttpRequest& r) {
+    return Validate(r);
+  });
   add("GET", "/report", kQuick, [this](const HttpRequest& r) { return Report(r); });
 }
 
@@ -110,8 +130,10 @@ void BedApi::Show(BedStore store) {
   if (store_.found.empty()) return;
   Json tree = ToJson(store_.found.back());
   const BedPlane now = PlaneNow(store_, printer_->bench().drawn_mm);
-  if (store_.applied_mm) tree["applied"] = ScrewsToJson(*store_.applied_mm);
-  else tree["applied"] = nullptr;
+  if (store_.applied_mm)
+    tree["applied"] = ScrewsToJson(*store_.applied_mm);
+  else
+    tree["applied"] = nullptr;
   tree["plane_now"] = {{"a", now.a()}, {"b", now.b()}, {"c", now.c_mm()}};
   current_ = JsonResponse(tree).body;
 }
@@ -137,8 +159,8 @@ HttpResponse BedApi::SetIntrinsics(const HttpRequest& request) {
                           .p2 = keys.Number("p2", bend, 0),
                           .is_stored = true};
   keys.Text("source", "");  // As GET answers it.
-  const double baseline_mm = keys.Number(
-      "baseline_mm", {.least = 0.1, .most = 10'000, .unit = "mm"}, -1);
+  const double baseline_mm =
+      keys.Number("baseline_mm", {.least = 0.1, .most = 10'000, .unit = "mm"}, -1);
   if (baseline_mm > 0) camera.baseline_mm = baseline_mm;
   keys.Done();
   Change([&](BedStore* store) { store->camera = camera; });
@@ -155,12 +177,13 @@ HttpResponse BedApi::Probe(const HttpRequest& request) {
   const Eigen::Vector2d& most_mm = printer_->bench().most_mm;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Eigen::Vector2d at_mm(points[i][0], points[i][1]);
-    const bool is_outside = (at_mm.array() < 0).any() ||
-                            (at_mm.array() > most_mm.array()).any();
+    const bool is_outside =
+        (at_mm.array() < 0).any() || (at_mm.array() > most_mm.array()).any();
     if (asked.uses_printer && is_outside) {
-      keys.Add(fmt::format("/probe_points/{}", i),
-               fmt::format("({:g}, {:g}) is out of the travel", at_mm[0], at_mm[1]),
-               fmt::format("x from 0 to {:g}, y from 0 to {:g} mm", most_mm[0], most_mm[1]));
+      keys.Add(
+          fmt::format("/probe_points/{}", i),
+          fmt::format("({:g}, {:g}) is out of the travel", at_mm[0], at_mm[1]),
+          fmt::format("x from 0 to {:g}, y from 0 to {:g} mm", most_mm[0], most_mm[1]));
     }
     asked.at_mm.push_back(at_mm);
     if (!asked.uses_printer) asked.given.push_back({at_mm, points[i][2]});
@@ -210,15 +233,18 @@ HttpResponse BedApi::Find(const HttpRequest& request, const Asked& asked) {
                  .at = UtcNow()};
   const auto seat = seat_->Take(request, "probing the bed");
   if (asked.uses_printer) {
-    if (const auto homed = printer_->HomeIfNeeded(); !homed) throw ProblemOf(homed.error());
+    if (const auto homed = printer_->HomeIfNeeded(); !homed)
+      throw ProblemOf(homed.error());
     found.touches = TouchAll(asked.at_mm);
   } else {
     found.touches = asked.given;
   }
   found.raised_before_mm = printer_->raised_mm();
   found.plane = FitBedPlane(found.touches, sigma_mm, printer_->bench().is_sigma_stated);
-  found.offsets_mm = ScrewOffsets_mm(
-      found.plane, printer_->bench().drawn_mm, asked.reference_mm, OffsetRule::kFormula);
+  found.offsets_mm = ScrewOffsets_mm(found.plane,
+                                     printer_->bench().drawn_mm,
+                                     asked.reference_mm,
+                                     OffsetRule::kFormula);
   found.notes = NotesOf(&found);
   Change([&](BedStore* store) {
     store->applied_mm.reset();
@@ -232,26 +258,51 @@ HttpResponse BedApi::Find(const HttpRequest& request, const Asked& asked) {
 // In words what the numbers mean, and whether another round helps.
 std::vector<std::string> BedApi::NotesOf(BedFound* kept) const {
   const BedFound& found = *kept;
+  const double sigma_mm = printer_->bench().sigma_mm;
   std::vector<std::string> notes = PlaneVerdicts(found.plane);
+  if (const auto off = WhyOffPlane(found.touches, sigma_mm))
+    notes.push_back(off->words);
+  if (const std::string why = WhyAppliedFailed(found); !why.empty())
+    notes.push_back(why);
   const double most_mm = found.offsets_mm.maxCoeff();
-  const double noise_mm = std::max(Residual_mm(found), printer_->bench().sigma_mm);
+  const double noise_mm = std::max(Residual_mm(found), sigma_mm);
   kept->is_level = most_mm < 2 * noise_mm;
   if (found.is_level) {
-    notes.push_back(fmt::format(
-        "the bed is level as far as these touches tell: the screws differ by {:.3f} mm, "
-        "the touches scatter by {:.3f}; another round would chase noise",
-        most_mm,
-        noise_mm));
+    notes.push_back(
+        fmt::format("the bed is level as far as these touches tell: the screws differ "
+                    "by {:.3f} mm, "
+                    "the touches scatter by {:.3f}; another round would chase noise",
+                    most_mm,
+                    noise_mm));
   } else {
-    notes.push_back(fmt::format(
-        "raise the screws by {:.3f}, {:.3f} and {:.3f} mm: the lowest corner comes up to "
-        "the highest, {:.3f} mm of tilt between the screws go",
-        found.offsets_mm[0],
-        found.offsets_mm[1],
-        found.offsets_mm[2],
-        most_mm));
+    notes.push_back(
+        fmt::format("raise the screws by {:.3f}, {:.3f} and {:.3f} mm: the lowest "
+                    "corner comes up to "
+                    "the highest, {:.3f} mm of tilt between the screws go",
+                    found.offsets_mm[0],
+                    found.offsets_mm[1],
+                    found.offsets_mm[2],
+                    most_mm));
   }
   return notes;
+}
+
+// The bed over each screw now against where it was when what was applied was worked
+// out.
+std::string BedApi::WhyAppliedFailed(const BedFound& found) const {
+  const BedStore before = store();
+  const bool is_comparable = found.is_by_printer && before.applied_mm.has_value() &&
+                             !before.found.empty() && before.found.back().is_by_printer;
+  if (!is_comparable) return "";
+  Vec3<double> moved_mm;
+  for (int i = 0; i < kNumScrews; ++i) {
+    const auto& at_mm = printer_->bench().drawn_mm[static_cast<std::size_t>(i)];
+    moved_mm[i] = found.plane.At_mm(at_mm) - before.found.back().plane.At_mm(at_mm);
+  }
+  const double noise_mm = std::max({Residual_mm(found),
+                                    Residual_mm(before.found.back()),
+                                    printer_->bench().sigma_mm});
+  return WhyNotLevel(*before.applied_mm, moved_mm, noise_mm);
 }
 
 HttpResponse BedApi::Current() const {
@@ -301,9 +352,10 @@ void BedApi::RequireReachable(const Vec3<double>& raised_mm) const {
   for (int i = 0; i < kNumScrews; ++i) {
     const double height_mm = top_mm - kClear_mm + raised_mm[i];
     if (height_mm >= 0 && height_mm <= top_mm) continue;
-    faults.push_back({.detail = fmt::format("{} would stand at {:g} mm", ScrewName(i), height_mm),
-                      .hint = fmt::format("it goes from 0 to {:g} mm", top_mm),
-                      .pointer = fmt::format("/{}_mm", ScrewName(i))});
+    faults.push_back(
+        {.detail = fmt::format("{} would stand at {:g} mm", ScrewName(i), height_mm),
+         .hint = fmt::format("it goes from 0 to {:g} mm", top_mm),
+         .pointer = fmt::format("/{}_mm", ScrewName(i))});
   }
   if (!faults.empty()) {
     throw Problem(422, faults.front().detail + ", nothing moved", faults);
@@ -316,20 +368,23 @@ HttpResponse BedApi::Apply(const HttpRequest& request) {
   // More is no correction: something is loose, or a screw was counted wrong.
   const double most_mm = TripleZOptions{}.largest_mm;
   const NumberRange range{-most_mm, most_mm, "mm"};
-  const Vec3<double> offsets_mm(
-      keys.Number("z1_mm", range), keys.Number("z2_mm", range), keys.Number("z3_mm", range));
+  const Vec3<double> offsets_mm(keys.Number("z1_mm", range),
+                                keys.Number("z2_mm", range),
+                                keys.Number("z3_mm", range));
   keys.Done();
   const auto seat = seat_->Take(request, "raising the screws");
   const BedStore store = this->store();
-  const Vec3<double> before_mm = store.found.empty()
-                                     ? Vec3<double>::Zero()
-                                     : store.found.back().raised_before_mm;
+  const Vec3<double> before_mm =
+      store.found.empty() ? Vec3<double>::Zero() : store.found.back().raised_before_mm;
   const Vec3<double> target_mm = before_mm + offsets_mm;
   RequireReachable(target_mm);
-  // The same offsets again move nothing: they are counted from where the bed was touched.
-  if (const auto homed = printer_->HomeIfNeeded(); !homed) throw ProblemOf(homed.error());
+  // The same offsets again move nothing: they are counted from where the bed was
+  // touched.
+  if (const auto homed = printer_->HomeIfNeeded(); !homed)
+    throw ProblemOf(homed.error());
   const Vec3<double> move_mm = target_mm - printer_->raised_mm();
-  if (const auto moved = printer_->Raise(move_mm); !moved) throw ProblemOf(moved.error());
+  if (const auto moved = printer_->Raise(move_mm); !moved)
+    throw ProblemOf(moved.error());
   Change([&](BedStore* now) { now->applied_mm = offsets_mm; });
   const Json answer{{"status", "success"},
                     {"z_offsets", ScrewsToJson(offsets_mm)},
@@ -364,7 +419,8 @@ HttpResponse BedApi::Validate(const HttpRequest& request) const {
   if (std::abs(common_mm) > kWellLevelled_mm &&
       about_common.mean_mm < std::abs(common_mm) / 4) {
     notes.push_back(fmt::format(
-        "all points lie {:.3f} mm {} the plane: they are heights over another zero, not "
+        "all points lie {:.3f} mm {} the plane: they are heights over another zero, "
+        "not "
         "tilt; without that common part they are off by {:.3f} mm in the mean",
         std::abs(common_mm),
         common_mm > 0 ? "above" : "below",
@@ -389,7 +445,8 @@ HttpResponse BedApi::Report(const HttpRequest& request) const {
     Json tree{{"machine", options_.machine},
               {"intrinsics", ToJson(kept.camera)},
               {"calibrations", Json::array()}};
-    for (const BedFound& found : kept.found) tree["calibrations"].push_back(ToJson(found));
+    for (const BedFound& found : kept.found)
+      tree["calibrations"].push_back(ToJson(found));
     tree["applied"] = kept.applied_mm ? ScrewsToJson(*kept.applied_mm) : Json();
     return JsonResponse(tree);
   }

@@ -62,6 +62,7 @@ class BedApi {
   void RequireReachable(const Vec3<double>& raised_mm) const;
   /// In words what the numbers mean; notes whether the bed is level.
   std::vector<std::string> NotesOf(BedFound* found) const;
+  std::string WhyAppliedFailed(const BedFound& found) const;
   /// Puts a change into the store and onto the disk, one after another.
   void Change(const std::function<void(BedStore*)>& change);
   void Show(BedStore store);

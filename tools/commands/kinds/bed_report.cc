@@ -9,10 +9,12 @@ namespace {
 
 constexpr const char* kHead =
     "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><meta name=\"viewport\" "
-    "content=\"width=device-width\"><title>Bed of {0}</title><style>body{{font:16px/1.5 "
+    "content=\"width=device-width\"><title>Bed of "
+    "{0}</title><style>body{{font:16px/1.5 "
     "system-ui,sans-serif;max-width:48rem;margin:2rem auto;padding:0 1rem;color-scheme:"
     "light dark}}table{{border-collapse:collapse;margin:1rem 0}}th,td{{padding:.2rem "
-    ".8rem;text-align:right;border-bottom:1px solid #8886}}th:first-child,td:first-child"
+    ".8rem;text-align:right;border-bottom:1px solid "
+    "#8886}}th:first-child,td:first-child"
     "{{text-align:left}}</style><h1>Bed of {0}</h1>";
 
 std::string Row(const std::string& what, const std::string& value) {
@@ -20,8 +22,9 @@ std::string Row(const std::string& what, const std::string& value) {
 }
 
 std::string Touches(const BedFound& found) {
-  std::string rows = "<h3>Touches</h3><table><tr><th>x</th><th>y</th><th>z</th>"
-                     "<th>beside the plane</th></tr>";
+  std::string rows =
+      "<h3>Touches</h3><table><tr><th>x</th><th>y</th><th>z</th>"
+      "<th>beside the plane</th></tr>";
   for (std::size_t i = 0; i < found.touches.size(); ++i) {
     const BedTouch& touch = found.touches[i];
     rows += fmt::format(
@@ -36,25 +39,28 @@ std::string Touches(const BedFound& found) {
 
 std::string Section(const BedFound& found) {
   const BedPlane& plane = found.plane;
-  std::string html = fmt::format("<h2>{}, {} touches</h2>", Escaped(found.at), plane.points);
+  std::string html =
+      fmt::format("<h2>{}, {} touches</h2>", Escaped(found.at), plane.points);
   for (const std::string& note : found.notes) html += "<p>" + Escaped(note) + "</p>";
-  html += "<table>" +
-          Row("z = a x + b y + c",
-              fmt::format("{:.6f} x {:+.6f} y {:+.4f} mm", plane.a(), plane.b(), plane.c_mm())) +
-          Row("tilt along x, along y, in all",
-              fmt::format("{:.4f}, {:.4f}, {:.4f} deg",
-                          plane.TiltX_deg(),
-                          plane.TiltY_deg(),
-                          plane.Tilt_deg())) +
-          Row("raise z1, z2, z3 by",
-              fmt::format("{:.4f}, {:.4f}, {:.4f} mm",
-                          found.offsets_mm[0],
-                          found.offsets_mm[1],
-                          found.offsets_mm[2])) +
-          Row("residual",
-              plane.fit.dof > 0 ? fmt::format("{:.4f} mm rms", Residual_mm(found))
-                                : std::string("not known: three points fit any plane")) +
-          "</table>";
+  html +=
+      "<table>" +
+      Row("z = a x + b y + c",
+          fmt::format(
+              "{:.6f} x {:+.6f} y {:+.4f} mm", plane.a(), plane.b(), plane.c_mm())) +
+      Row("tilt along x, along y, in all",
+          fmt::format("{:.4f}, {:.4f}, {:.4f} deg",
+                      plane.TiltX_deg(),
+                      plane.TiltY_deg(),
+                      plane.Tilt_deg())) +
+      Row("raise z1, z2, z3 by",
+          fmt::format("{:.4f}, {:.4f}, {:.4f} mm",
+                      found.offsets_mm[0],
+                      found.offsets_mm[1],
+                      found.offsets_mm[2])) +
+      Row("residual",
+          plane.fit.dof > 0 ? fmt::format("{:.4f} mm rms", Residual_mm(found))
+                            : std::string("not known: three points fit any plane")) +
+      "</table>";
   return html + Touches(found);
 }
 

@@ -61,8 +61,9 @@ BedFound FoundOf(const Json& tree, double sigma_mm) {
                  .at = tree.at("at"),
                  .notes = tree.at("notes")};
   for (const Json& touch : tree.at("touches")) {
-    found.touches.push_back({.at_mm = {touch.at(0).get<double>(), touch.at(1).get<double>()},
-                             .height_mm = touch.at(2).get<double>()});
+    found.touches.push_back(
+        {.at_mm = {touch.at(0).get<double>(), touch.at(1).get<double>()},
+         .height_mm = touch.at(2).get<double>()});
   }
   found.plane = FitBedPlane(found.touches, sigma_mm, /*is_sigma_stated=*/false);
   return found;
@@ -125,7 +126,8 @@ Json ToJson(const CameraIntrinsics& camera) {
 Json ToJson(const BedFound& found) {
   const BedPlane& plane = found.plane;
   Json residuals = Json::array();
-  for (const double residual_mm : plane.fit.residuals_mm) residuals.push_back(residual_mm);
+  for (const double residual_mm : plane.fit.residuals_mm)
+    residuals.push_back(residual_mm);
   return {{"plane_equation", {{"a", plane.a()}, {"b", plane.b()}, {"c", plane.c_mm()}}},
           {"tilt_angles",
            {{"tilt_x_degrees", plane.TiltX_deg()},

@@ -33,7 +33,7 @@ struct BedFound {
   Vec3<double> raised_before_mm = Vec3<double>::Zero();
   bool is_by_printer = true;
   bool is_level = false;  ///< As far as the touches tell.
-  std::string at{};  ///< "2026-11-26T19:20:00Z".
+  std::string at{};       ///< "2026-11-26T19:20:00Z".
   std::vector<std::string> notes{};
 };
 
@@ -41,7 +41,8 @@ struct BedFound {
 struct BedStore {
   CameraIntrinsics camera{};
   std::vector<BedFound> found{};  ///< The last four, newest last.
-  /// How far each screw is raised, as applied since the newest was found; none: nothing.
+  /// How far each screw is raised, as applied since the newest was found; none:
+  /// nothing.
   std::optional<Vec3<double>> applied_mm{};
 };
 
@@ -59,7 +60,9 @@ nlohmann::ordered_json ToJson(const BedFound& found);
 
 /// Reads what a server before this one kept; an empty store where there is no file.
 /// A file that is none of ours is put aside (FILE.unread) and told in `note`.
-BedStore ReadBedStore(const std::filesystem::path& file, double sigma_mm, std::string* note);
+BedStore ReadBedStore(const std::filesystem::path& file,
+                      double sigma_mm,
+                      std::string* note);
 void WriteBedStore(const std::filesystem::path& file, const BedStore& store);
 
 }  // namespace caltwin

@@ -64,5 +64,4 @@ export async function stopRun(id: string): Promise<void> {
   await fetched(`/api/runs/${encodeURIComponent(id)}/stop`, { method: "POST" });
 }
 
-export const picturePath = (machine: string, exaggerate: number) =>
-  `/api/machines/${encodeURIComponent(machine)}/picture${exaggerate > 1 ? `?exaggerate=${exaggerate}` : ""}`;
+export const picturePath = (machine: string) => `/api/machines/${encodeURIComponent(machine)}/picture`;

@@ -50,8 +50,9 @@ export function Choose({ all, chosen, onChoose, isBusy }: {
         <input type="search" value={sought} placeholder="backlash, tilt, delta…" onChange={(event) => setSought(event.target.value)} />
       </label>
       <p className="hint mac-count" role="status">{found.length === scenarios.length ? `${found.length} scenarios` : `${found.length} of ${scenarios.length} scenarios`}</p>
-      <label className="mac-list">Scenario
-        <select size={8} value={chosen?.name ?? ""} disabled={isBusy} onChange={(event) => onChoose(event.target.value)}>
+      <div>
+        <label htmlFor="scenario">Scenario</label>
+        <select id="scenario" size={8} value={chosen?.name ?? ""} disabled={isBusy} onChange={(event) => onChoose(event.target.value)}>
           {chosen && !found.includes(chosen) ? <option value={chosen.name}>{chosen.about}</option> : null}
           {groups.filter((group) => group.members.length > 0).map((group) => (
             <optgroup key={group.title} label={group.title}>
@@ -59,7 +60,7 @@ export function Choose({ all, chosen, onChoose, isBusy }: {
             </optgroup>
           ))}
         </select>
-      </label>
+      </div>
       {found.length === 0 ? <p>No scenario has these words. Try fewer.</p> : null}
       {chosen ? (
         <p className="mac-chosen"><strong>{chosen.about}</strong>

@@ -46,17 +46,11 @@ export function Live() {
   const machine = hold.bench?.machine ?? null;
   const subject = useMemo<Subject | null>(() => (machine ? { of: "machines", name: machine, exaggerate: 1 } : null), [machine]);
   const shape = useShape(subject);
-  const fault = useFollow(hold.readings, hold.bench?.job?.id ?? null, subject, shape.data, world);
+  const fault = useFollow(hold.readings, hold.bench?.job?.id ?? null, shape.of, shape.data, world);
   return (
     <div className="mac-grid">
       <Card title={machine ? `On the bench: ${machine}` : "On the bench"}>
-        {shape.problem ? (
-          <Notice kind="info">
-            <p><strong>There is no drawing of this machine.</strong> {shape.problem.detail}</p>
-            <p><button type="button" className="quiet" onClick={shape.again}>Try again</button></p>
-          </Notice>
-        ) : null}
-        {machine ? <MachineView shape={shape} name={machine} machine={machine} exaggerate={1} onWorld={setWorld} /> : null}
+        {machine ? <MachineView shape={shape} machine={machine} onWorld={setWorld} /> : null}
         {shape.data ? <p className="hint">The tip goes to the place of each reading as it comes. It is drawn without the machine's errors: those are not known.</p> : null}
       </Card>
       <Card title="What it does">

@@ -1,9 +1,9 @@
 import { useMemo, useState } from "react";
-import { Busy, Card, Notice, ProblemNotice } from "../ui/parts";
+import { Busy, Card, ProblemNotice } from "../ui/parts";
 import type { SceneData, Subject } from "./ask";
 import { Choose, type Scenario, type useScenarios } from "./choose";
 import { Code, Controls, PlainTranscript, Settings } from "./code";
-import { Result } from "./result";
+import { Result, Verdict } from "./result";
 import { trackOf, type Point } from "./transcript";
 import { usePlayer } from "./use_player";
 import type { RunHold } from "./use_run";
@@ -47,6 +47,7 @@ function Start({ all, chosen, run, onChoose }: {
           </>
         ) : null}
       </div>
+      {run.done?.result && run.done.scenario === chosen?.name ? <Verdict result={run.done.result} isLinked /> : null}
       {run.problem ? <ProblemNotice problem={run.problem} /> : null}
     </Card>
   );
@@ -58,15 +59,16 @@ export function Playback({ all, chosen, run, onChoose }: {
   run: RunHold;
   onChoose: (name: string) => void;
 }) {
-  const [exaggerate, setExaggerate] = useState(1);
   const [world, setWorld] = useState<World | null>(null);
   const name = chosen?.name ?? null;
+  const [exaggeration, setExaggeration] = useState({ of: name, value: 1 });
+  const exaggerate = exaggeration.of === name ? exaggeration.value : 1;
   const subject = useMemo<Subject | null>(() => (name ? { of: "scenarios", name, exaggerate } : null), [name, exaggerate]);
   const shape = useShape(subject);
   const track = useTrack(run, chosen, shape.data);
-  const player = usePlayer(track, subject, shape.data, world);
+  const player = usePlayer(track, shape.of, shape.data, world);
   const done = run.done && run.done.scenario === name ? run.done : null;
-  const isStill = shape.problem !== null || shape.data?.moves === false;
+  const isStill = (shape.problem !== null && !shape.data) || shape.data?.moves === false;
   return (
     <>
       <Start all={all} chosen={chosen} run={run} onChoose={onChoose} />
@@ -74,16 +76,14 @@ export function Playback({ all, chosen, run, onChoose }: {
       {chosen ? (
         <div className="mac-grid">
           <Card title={`The machine: ${chosen.machine}`}>
-            {shape.problem ? (
-              <Notice kind="info">
-                <p><strong>There is no drawing of this machine.</strong> {shape.problem.detail}</p>
-                {shape.problem.status === 422 ? null : <p><button type="button" className="quiet" onClick={shape.again}>Try again</button></p>}
-              </Notice>
-            ) : null}
-            <MachineView shape={shape} name={chosen.machine} machine={chosen.machine} exaggerate={exaggerate} onWorld={setWorld} />
-            {shape.problem ? null : <Exaggeration value={exaggerate} set={setExaggerate} />}
+            <MachineView shape={shape} machine={chosen.machine} onWorld={setWorld}>
+              {shape.data?.moves === false ? <p className="hint">This machine has no tip to follow, so it is shown standing still.</p>
+                : <Exaggeration value={exaggerate} set={(value) => setExaggeration({ of: name, value })} />}
+            </MachineView>
             {track ? <Controls track={track} player={player} /> : null}
-            {isStill && !shape.problem ? <p className="hint">This machine has no tip to follow, so it is shown standing still.</p> : null}
+            {track && (done?.result?.touches ?? 0) > 0 && track.steps.every((step) => step.touch === null) ? (
+              <p className="hint">The controller probes by itself in this run. Those moves are not in the transcript, so they cannot be shown.</p>
+            ) : null}
             {track ? <Legend /> : null}
           </Card>
           <Card title="G-code">
@@ -91,7 +91,7 @@ export function Playback({ all, chosen, run, onChoose }: {
               : !done ? <p className="hint">What is sent to the controller is shown here once the scenario has run.</p>
                 : track ? <><Code track={track} player={player} /><Settings track={track} player={player} /></>
                   : done.transcript && isStill ? <PlainTranscript text={done.transcript} />
-                    : shape.isLoading ? <Busy text="Loading the machine" /> : <p>Nothing was sent in this run.</p>}
+                    : shape.isLoading ? <Busy text="Loading the machine" /> : <p>{done.state === "done" ? "Nothing was sent in this run." : "There is no transcript of this run."}</p>}
           </Card>
         </div>
       ) : null}
@@ -103,7 +103,7 @@ export function Playback({ all, chosen, run, onChoose }: {
 function Legend() {
   return (
     <ul className="mac-legend">
-      <li><span className="mac-dot" aria-hidden="true" /> where something was touched</li>
+      <li><span className="mac-dot" aria-hidden="true" /> where something was touched (also seen through what is in front)</li>
       <li>The machine is drawn with the errors hidden in it at the start. What a setting corrects during the run is not drawn.</li>
       <li>Times follow the feed rates (F) of the lines; accelerations are left out.</li>
     </ul>

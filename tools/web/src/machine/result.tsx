@@ -40,7 +40,7 @@ const outcomes: Record<string, string> = {
   confounded: "The procedure says that it cannot tell the errors apart.",
 };
 
-function Verdict({ result }: { result: RunResult }) {
+export function Verdict({ result, isLinked }: { result: RunResult; isLinked?: boolean }) {
   const failed = result.checks.filter((check) => !check.passed).length;
   const expected = result.passed
     ? "That is what this scenario expects."
@@ -48,7 +48,8 @@ function Verdict({ result }: { result: RunResult }) {
   const kind = !result.passed ? "bad" : result.outcome === "recovers" ? "good" : "warn";
   return (
     <Notice kind={kind}>
-      <p><strong>{outcomes[result.outcome] ?? `The run ended so: ${result.outcome}.`}</strong> {expected}</p>
+      <p><strong>{outcomes[result.outcome] ?? `The run ended so: ${result.outcome}.`}</strong> {expected}
+        {isLinked ? <> <a href="#result">The numbers are below.</a></> : null}</p>
     </Notice>
   );
 }
@@ -61,6 +62,7 @@ function told(one: Parameter): string {
 
 function judged(one: Parameter): string {
   if (one.passed === null) return "not judged";
+  if (!one.identifiable && one.passed) return "✓ passed: it cannot be told, and the run says so";
   const limit = one.tolerance === null ? "" : `, tolerance ± ${one.tolerance} ${one.unit}`;
   return (one.passed ? "✓ passed" : "✗ failed") + limit;
 }
@@ -71,7 +73,7 @@ function Parameters({ all }: { all: Parameter[] }) {
   return (
     <>
       <h3>Errors, built in and found</h3>
-      <div className="scroll" tabIndex={0} role="group" aria-label="Errors, built in and found">
+      <div className="scroll mac-table" tabIndex={0} role="group" aria-label="Errors, built in and found">
         <table>
           <thead><tr><th scope="col">Quantity</th><th scope="col" className="number">Built in</th>
             <th scope="col" className="number">Found (± standard uncertainty)</th><th scope="col">Judged</th></tr></thead>
@@ -95,7 +97,7 @@ function Checks({ all }: { all: Check[] }) {
   return (
     <>
       <h3>Checks of the scenario</h3>
-      <div className="scroll" tabIndex={0} role="group" aria-label="Checks of the scenario">
+      <div className="scroll mac-table" tabIndex={0} role="group" aria-label="Checks of the scenario">
         <table>
           <thead><tr><th scope="col">Check</th><th scope="col">Expected</th><th scope="col">Found</th><th scope="col">Judged</th></tr></thead>
           <tbody>
@@ -114,7 +116,7 @@ function Checks({ all }: { all: Check[] }) {
 
 function Ended({ done }: { done: Done }) {
   if (done.state === "stopped") {
-    return <Notice kind="warn"><p><strong>The run was stopped before its end.</strong> There is no result. What it sent until then can be played.</p></Notice>;
+    return <Notice kind="warn"><p><strong>The run was stopped before its end.</strong> There is no result. {done.transcript ? "What it sent until then can be played." : "The server kept no transcript of it."}</p></Notice>;
   }
   if (done.state === "failed") {
     return <Notice kind="bad"><p><strong>The run failed.</strong> {done.detail || "The server gives no reason."}</p></Notice>;
@@ -126,6 +128,7 @@ export function Result({ done }: { done: Done }) {
   const { result } = done;
   const report = `/api/runs/${encodeURIComponent(done.id)}/report`;
   return (
+    <div id="result" tabIndex={-1}>
     <Card title="Result" aside={result ? <a href={report} target="_blank" rel="noreferrer">Full report (new tab)</a> : null}>
       <Ended done={done} />
       {result ? (
@@ -138,5 +141,6 @@ export function Result({ done }: { done: Done }) {
       ) : null}
       {done.transcript ? <p><a href={transcriptPath(done.id)} target="_blank" rel="noreferrer">Whole transcript (new tab)</a></p> : null}
     </Card>
+    </div>
   );
 }

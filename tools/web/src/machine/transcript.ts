@@ -25,7 +25,7 @@ export interface Track {
 
 const shortest = 0.05;
 const clearance = 10;
-const settings = /^(?:(?:M92|M201|M203|M204|M206|M208|M210|M211|M425|M500|M558|M566|M579|M584|M665|M666|M669|M671|M81[0-7]|M851|G10|G31)\b.*[A-Z]\s*[-"]?\d|M500\b|set |SET_|SAVE_|\$\d+=)/i;
+const settings = /^(?:(?:M92|M201|M203|M204|M206|M208|M210|M211|M421|M425|M500|M558|M566|M579|M584|M665|M666|M669|M671|M81[0-7]|M851|G10|G31)\b.*[A-Z]\s*[-"]?\d|M500\b|set |SET_|SAVE_|\$\d+=)/i;
 
 const wordsOf = (text: string): Partial<Record<string, number>> => {
   const found: Partial<Record<string, number>> = {};

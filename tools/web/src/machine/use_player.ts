@@ -93,6 +93,27 @@ function useClock(track: Track | null) {
   return { time, step, setStep, isPlaying, setPlaying, speed, setSpeed };
 }
 
+// Where poses are still on their way, time stands.
+function useTicking(track: Track | null, clock: ReturnType<typeof useClock>, showNow: { current: () => boolean }) {
+  const { time, setStep, isPlaying, setPlaying, speed } = clock;
+  useEffect(() => {
+    if (!isPlaying || !track) return;
+    const end = track.times.at(-1) ?? 0;
+    let last = performance.now();
+    let frame = 0;
+    const tick = (now: number) => {
+      const passed = Math.min(0.25, (now - last) / 1000);
+      last = now;
+      if (showNow.current()) time.current = Math.min(end, time.current + passed * speed);
+      setStep(stepAt(track, time.current));
+      if (time.current >= end) setPlaying(false);
+      else frame = requestAnimationFrame(tick);
+    };
+    frame = requestAnimationFrame(tick);
+    return () => cancelAnimationFrame(frame);
+  }, [isPlaying, track, speed, time, setStep, setPlaying, showNow]);
+}
+
 export function usePlayer(track: Track | null, subject: Subject | null, data: SceneData | null, world: World | null): Player {
   const clock = useClock(track);
   const { time, setStep, isPlaying, setPlaying, speed } = clock;
@@ -113,22 +134,7 @@ export function usePlayer(track: Track | null, subject: Subject | null, data: Sc
     return frame.isThere;
   };
   const end = track?.times.at(-1) ?? 0;
-  useEffect(() => {
-    if (!isPlaying || !track) return;
-    let last = performance.now();
-    let frame = 0;
-    const tick = (now: number) => {
-      const passed = Math.min(0.25, (now - last) / 1000);
-      last = now;
-      // Where poses are still on their way, time stands.
-      if (showNow.current()) time.current = Math.min(end, time.current + passed * speed);
-      setStep(stepAt(track, time.current));
-      if (time.current >= end) setPlaying(false);
-      else frame = requestAnimationFrame(tick);
-    };
-    frame = requestAnimationFrame(tick);
-    return () => cancelAnimationFrame(frame);
-  }, [isPlaying, track, speed, end, time, setStep, setPlaying]);
+  useTicking(track, clock, showNow);
   return useMemo(() => ({
     step: clock.step, isPlaying, isWaiting, isOutOfReach, speed, problem, setSpeed: clock.setSpeed,
     play: () => {

@@ -1,6 +1,6 @@
 import { useEffect, useRef, useState, type ReactNode } from "react";
 import { problemOf, type Problem } from "../api/client";
-import { Busy } from "../ui/parts";
+import { Busy, Notice } from "../ui/parts";
 import { picturePath, sceneOf, type SceneData, type Subject } from "./ask";
 import type { World } from "./world";
 
@@ -12,26 +12,35 @@ function hasWebGl(): boolean {
   }
 }
 
-export interface Shape { data: SceneData | null; isLoading: boolean; problem: Problem | null; again: () => void }
+// The drawing, and what it is of: while another is asked for or refused, the one before stays.
+export interface Shape {
+  data: SceneData | null;
+  of: Subject | null;
+  isLoading: boolean;
+  problem: Problem | null;
+  again: () => void;
+}
+
+const isSame = (one: Subject | null, other: Subject | null) => one?.of === other?.of && one?.name === other?.name;
 
 export function useShape(subject: Subject | null): Shape {
-  const [data, setData] = useState<SceneData | null>(null);
+  const [held, setHeld] = useState<{ data: SceneData; of: Subject } | null>(null);
   const [isLoading, setLoading] = useState(false);
   const [problem, setProblem] = useState<Problem | null>(null);
   const [tries, setTries] = useState(0);
-  const name = subject ? `${subject.of}/${subject.name}` : "";
-  useEffect(() => setData(null), [name]);
   useEffect(() => {
     if (!subject) return;
     const control = new AbortController();
     setLoading(true);
     setProblem(null);
-    sceneOf(subject, control.signal).then(setData, (fault: unknown) => {
+    setHeld((was) => (was && isSame(was.of, subject) ? was : null));
+    sceneOf(subject, control.signal).then((data) => setHeld({ data, of: subject }), (fault: unknown) => {
       if (!control.signal.aborted) setProblem(problemOf(fault));
     }).finally(() => { if (!control.signal.aborted) setLoading(false); });
     return () => control.abort();
   }, [subject, tries]);
-  return { data, isLoading, problem, again: () => setTries((was) => was + 1) };
+  const own = held && isSame(held.of, subject) ? held : null;
+  return { data: own?.data ?? null, of: own?.of ?? null, isLoading, problem, again: () => setTries((was) => was + 1) };
 }
 
 const turns: Record<string, [number, number]> = {
@@ -100,24 +109,50 @@ function Solid({ data, name, onWorld, onFailed }: {
   );
 }
 
-// In 3D; as a picture where the browser draws none.
-export function MachineView({ shape, name, machine, exaggerate, onWorld, children }: {
+function Still({ machine, children }: { machine: string; children: ReactNode }) {
+  const [isMissing, setMissing] = useState(false);
+  return (
+    <>
+      {isMissing ? null : <img className="mac-picture" src={picturePath(machine)} alt={`The machine ${machine}, standing still`} onError={() => setMissing(true)} />}
+      {children}
+    </>
+  );
+}
+
+function Undrawn({ shape, machine }: { shape: Shape; machine: string }) {
+  return (
+    <Still machine={machine}>
+      <Notice kind="info">
+        <p><strong>This machine is not drawn in 3D.</strong> The server says: {shape.problem?.detail}.</p>
+        {shape.problem?.status === 422 ? null : <p><button type="button" className="quiet" onClick={shape.again}>Try again</button></p>}
+      </Notice>
+    </Still>
+  );
+}
+
+// In 3D; as a picture where the browser draws none. `children` belong to the drawing in 3D.
+export function MachineView({ shape, machine, onWorld, children }: {
   shape: Shape;
-  name: string;
   machine: string;
-  exaggerate: number;
   onWorld: (world: World | null) => void;
   children?: ReactNode;
 }) {
   const [isFlat, setFlat] = useState(() => !hasWebGl());
+  if (isFlat) {
+    return (
+      <Still key={machine} machine={machine}>
+        <p className="hint">This browser draws nothing in 3D (no WebGL), so the machine does not move here. The list of G-code follows the run all the same.</p>
+      </Still>
+    );
+  }
+  if (shape.problem && !shape.data) return <Undrawn key={machine} shape={shape} machine={machine} />;
   return (
     <>
-      {isFlat ? (
-        <>
-          <img className="mac-picture" src={picturePath(machine, exaggerate)} alt={`The machine ${name}, standing still`} />
-          <p className="hint">This browser draws nothing in 3D (no WebGL), so this is a still picture. The list of G-code still follows the run.</p>
-        </>
-      ) : shape.problem ? null : <Solid data={shape.data} name={name} onWorld={onWorld} onFailed={() => setFlat(true)} />}
+      <Solid data={shape.data} name={machine} onWorld={onWorld} onFailed={() => setFlat(true)} />
+      {shape.problem ? (
+        <Notice kind="warn"><p><strong>Not drawn anew: {shape.problem.detail}.</strong> The drawing before is still shown.
+          {shape.problem.errors?.some((fault) => fault.file === "--exaggerate") ? " Choose smaller errors." : ""}</p></Notice>
+      ) : null}
       {children}
     </>
   );

@@ -1,0 +1,98 @@
+// The machine page against fresh practice machines: a run played back, and the bench followed.
+const shownAs = (page) => page.locator("canvas[data-drawn]").waitFor();
+
+// A checksum of what the canvas shows: a screenshot, for its picture is not kept.
+const looks = (page) => page.locator(".mac-view").screenshot().then((png) => png.toString("base64"));
+
+async function playBack(page, base, check) {
+  const button = (name) => page.getByRole("button", { name });
+  await page.goto(`${base}/machine`);
+  await page.getByRole("heading", { name: "Machine", level: 1 }).waitFor();
+  await page.getByText(/^\d+ scenarios$/).waitFor();
+  check(await button("Run it").isDisabled(), "nothing runs before a scenario is chosen");
+  await page.getByLabel("Search").fill("nothing has this word");
+  check(await page.getByText("No scenario has these words").isVisible(), "a search without a hit says so");
+  await page.getByLabel("Search").fill("bent bed told apart");
+  await page.getByRole("listbox", { name: "Scenario" }).selectOption("tz_bent_bed_is_told_apart");
+  await shownAs(page);
+  check(page.url().endsWith("?scenario=tz_bent_bed_is_told_apart"), "the address names the scenario");
+  await button("Run it").click();
+  await page.getByRole("heading", { name: "Result" }).waitFor();
+  check(await page.getByText("That is what this scenario expects.").first().isVisible(), "the verdict comes in words");
+  const slope = await page.getByRole("row", { name: /slope_x_mrad/ }).innerText();
+  check(/4\.00 mrad\s+4\.00 ± \d/.test(slope), "built in and found stand side by side, with uncertainty");
+
+  const where = page.getByLabel(/Where in the run/);
+  await button("Line on ▸").click();
+  const first = await page.locator(".mac-now").innerText();
+  check(/^G30 X20 Y20 S-1 ends at X 20\.000, Y 20\.000/.test(first), "the first touch after homing is the next line");
+  check((await page.locator("li[aria-current]").innerText()).includes("G30 X20 Y20"), "the list marks the same line");
+  const before = await looks(page);
+  await where.fill("40");
+  await page.waitForTimeout(600);
+  check((await looks(page)) !== before, "the drawing follows the slider");
+  await page.getByRole("button", { name: "Play", exact: true }).click();
+  await button("Pause").click();
+  check(Number(await where.inputValue()) >= 40, "Play goes on from there");
+  await page.getByText(/changes of settings/).click();
+  await button(/M584/).first().click();
+  check((await page.locator(".mac-now").innerText()).startsWith("M584 Z0 U1 V2"), "a change of a setting is one click away");
+  check((await page.locator(".mac-code li").count()) <= 40, "forty lines are in the list at most");
+}
+
+async function exaggerateAndRefuse(page, base, check) {
+  await page.goto(`${base}/machine?scenario=delta_unlike_rods_jointly`);
+  await shownAs(page);
+  const slider = page.getByLabel(/Errors drawn/);
+  const plain = await looks(page);
+  await slider.fill("0.4");
+  await page.getByText("Errors drawn 10 times as large").waitFor();
+  await page.waitForTimeout(600);
+  check((await looks(page)) !== plain, "errors drawn larger change the drawing");
+  await slider.fill("1");
+  await page.getByText("Choose smaller errors.").waitFor();
+  check(await page.locator("canvas[data-drawn]").isVisible(), "errors too large to draw are refused, and the drawing stays");
+  await page.getByRole("application").focus();
+  const from = await looks(page);
+  await page.keyboard.press("ArrowLeft");
+  await page.waitForTimeout(300);
+  check((await looks(page)) !== from, "an arrow key turns the machine");
+}
+
+async function standsStill(page, base, check) {
+  await page.goto(`${base}/machine?scenario=motor_axis_sync`);
+  await page.getByText("shown standing still").waitFor();
+  await page.getByRole("button", { name: "Run it" }).click();
+  const transcript = page.getByRole("group", { name: "Transcript" });
+  await transcript.waitFor();
+  check((await transcript.innerText()).includes("> M814 X"), "a machine without a tip shows its transcript as text");
+}
+
+async function watch(page, base, check) {
+  await page.getByRole("button", { name: "Watch the bench" }).click();
+  await page.getByText("Nothing is at work, and nothing was.").waitFor();
+  await shownAs(page);
+  const before = await looks(page);
+  const post = (path, data) => page.request.post(`${base}/api/bench/${path}`, { data });
+  const begun = await post("procedures", { procedure: "next_cluster_backlash", options: { axis: "x" } });
+  check(begun.ok(), "a procedure begins on the bench");
+  await page.getByText(/The newest of \d+ readings/).waitFor();
+  await page.waitForTimeout(700);
+  check((await looks(page)) !== before, "the tip goes where the readings are");
+  await post("abort", {});
+  await page.getByText(/Nothing is at work. The last was: next cluster backlash./).waitFor();
+  check(true, "the page says that the work has ended");
+}
+
+export async function machine(page, base, check) {
+  await page.setViewportSize({ width: 1000, height: 600 });
+  await playBack(page, base, check);
+  await check.accessible?.("with a run played back");
+  await exaggerateAndRefuse(page, base, check);
+  await standsStill(page, base, check);
+  await watch(page, base, check);
+  await check.accessible?.("at the bench");
+  await page.setViewportSize({ width: 390, height: 800 });
+  const wide = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+  check(wide <= 0, "nothing scrolls sideways on a phone");
+}
