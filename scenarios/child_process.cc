@@ -127,9 +127,18 @@ Spawned Spawn(const ChildCommand& command,
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
+  std::vector<std::string> added = command.environment;
+  std::vector<char*> environment;
+  for (std::string& one : added) environment.push_back(one.data());
+  for (char** one = environ; *one != nullptr; ++one) environment.push_back(*one);
+  environment.push_back(nullptr);
   Spawned spawned;
   spawned.error = posix_spawnp(
-      &spawned.pid, arguments[0], &actions, &attributes, arguments.data(), environ);
+      &spawned.pid, arguments[0],
+                               &actions,
+                               &attributes,
+                               arguments.data(),
+                               environment.data());
   posix_spawn_file_actions_destroy(&actions);
   posix_spawnattr_destroy(&attributes);
   if (spawned.error == 0 && command.most_memory_bytes > 0) {

@@ -31,6 +31,7 @@ struct ChildCommand {
   bool shows_errors = true;                 ///< Whether its stderr is shown on ours.
   std::size_t last_words_bytes = 2000;      ///< So much of its stderr is kept.
   std::size_t most_memory_bytes = 0;        ///< Of its address space; 0: no limit.
+  std::vector<std::string> environment{};   ///< "NAME=VALUE", beside ours.
 };
 
 /// Answers one line; what it returns is written back as it is.

@@ -6,6 +6,7 @@
 
 #include "scenarios/interrupt.h"
 #include "sim/base/input_error.h"
+#include "tools/commands/api/own_program.h"
 #include "tools/commands/command.h"
 
 namespace {
@@ -21,6 +22,7 @@ void OnInterrupt(int) {
 int main(int argc, char** argv) {
   std::signal(SIGINT, OnInterrupt);
   std::signal(SIGPIPE, SIG_IGN);  // A reader that has left is an error of write().
+  caltwin::EndWithServer();
   try {
     return caltwin::RunCommandLine(argc, argv);
   } catch (const caltwin::InputError& error) {

@@ -74,6 +74,7 @@ LineChannel::Result LineChannel::ReadLine(milliseconds patience) {
 }
 
 bool LineChannel::WriteLine(std::string_view line) {
+  const std::lock_guard<std::mutex> lock(writing_);
   const Clock::time_point until = Clock::now() + kWritePatience;
   const std::string text = std::string(line) + "\n";
   std::size_t sent = 0;

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstddef>
+#include <mutex>
 #include <string>
 #include <string_view>
 
@@ -40,6 +41,7 @@ class LineChannel {
   int descriptor_;
   std::size_t most_bytes_;
   std::string waiting_{};
+  std::mutex writing_{};  ///< A line is sent whole, whoever else sends one.
 };
 
 }  // namespace caltwin

@@ -1,5 +1,6 @@
 #include "sim/machine/machine.h"
 
+#include <algorithm>
 #include <cstdlib>
 #include <system_error>
 
@@ -80,6 +81,21 @@ void ReadSettings(YamlMap* map, const MachineKind& kind, Settings* settings) {
   map->NoMoreKeys();
 }
 
+namespace {
+
+// What strangers send may name a file beside it, and no other of this computer.
+void RequireBeside(const fs::path& named, const fs::path& file, const Place& place) {
+  if (std::getenv("CALTWIN_CONFINED") == nullptr) return;
+  std::error_code error;
+  const bool climbs = std::ranges::find(named, "..") != named.end();
+  if (!named.is_absolute() && !climbs && !fs::is_symlink(file, error)) return;
+  throw InputError(place,
+                   "only a machine by its name, or a file that was sent along, can be "
+                   "named here");
+}
+
+}  // namespace
+
 Machine ReadMachine(YamlMap* map) {
   Machine machine;
   machine.file = map->file();
@@ -98,6 +114,7 @@ Machine ReadMachine(YamlMap* map) {
   }
   if (const auto model = map->Optional("model")) {
     machine.model = machine.file.parent_path() / model->Text();
+    RequireBeside(model->Text(), machine.model, model->place());
     std::error_code error;
     if (!fs::is_regular_file(machine.model, error)) {
       model->Fail(fmt::format("= '{}': there is no such file", model->Text()),
@@ -151,6 +168,7 @@ fs::path FindMachine(const std::string& name_or_path,
       name_or_path.find('/') != std::string::npos || name_or_path.ends_with(".yaml");
   if (is_path) {
     fs::path file = folder / name_or_path;
+    RequireBeside(name_or_path, file, place);
     if (fs::is_regular_file(file, error)) return file;
     if (fs::is_regular_file(file / "machine.yaml", error)) return file / "machine.yaml";
     throw InputError(place,

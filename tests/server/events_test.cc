@@ -30,5 +30,17 @@ TEST(Events, ANewcomerIsToldWhatItMissed) {
   EXPECT_EQ(topic.listeners(), 0u);
 }
 
+// However large single events are, what is kept is bounded.
+TEST(Events, WhatIsKeptIsBoundedInBytes) {
+  EventTopic topic(/*most_kept=*/1000, /*most_kept_bytes=*/100);
+  std::size_t heard = 0;
+  for (int i = 0; i < 50; ++i) topic.Publish("a", std::string(30, 'x'));
+
+  topic.Listen(0, [&](const std::string& text) { heard += text.size(); });
+
+  EXPECT_GT(heard, 0u);
+  EXPECT_LE(heard, 100u);
+}
+
 }  // namespace
 }  // namespace caltwin

@@ -157,6 +157,47 @@ TEST_F(BedApiTest, WhatCannotBeIsRefusedBeforeAnythingMoves) {
   EXPECT_EQ(printer_.touches(), 0);
 }
 
+// Homing squares the screws: the page must not go on saying that the bed is level.
+TEST_F(BedApiTest, HomingUndoesWhatWasApplied) {
+  const Json found = Done("POST", "/bed-tilt/calibrate", Json::object());
+  Done("POST", "/bed-tilt/apply-triple-z", found["z_offsets"]);
+  EXPECT_NEAR(Done("GET", "/bed-tilt/current")["plane_now"]["a"], 0, 1e-4);
+
+  ASSERT_TRUE(printer_.Home());
+
+  const Json now = Done("GET", "/bed-tilt/current");
+  EXPECT_TRUE(now["applied"].is_null());
+  EXPECT_NEAR(now["plane_now"]["a"], 6e-3, 1e-4);
+  EXPECT_THAT(now["notes"].dump(), HasSubstr("homed since"));
+  EXPECT_FALSE(Done("GET", "/bed-tilt/status")["is_applied"]);
+}
+
+TEST_F(BedApiTest, AbortSaysWhetherSomethingWasAtWork) {
+  EXPECT_EQ(Ask("POST", "/bed-tilt/abort").status, 202);
+  EXPECT_FALSE(Json::parse(Ask("POST", "/bed-tilt/abort").body)["aborted"]);
+  const auto seat = seat_.Take({}, "probing the bed");
+  EXPECT_TRUE(Json::parse(Ask("POST", "/bed-tilt/abort").body)["aborted"]);
+  EXPECT_TRUE(seat_.is_aborted());
+}
+
+TEST_F(BedApiTest, PointsTooCloseTogetherSpanNoPlane) {
+  const auto given = [](double apart_mm) {
+    return Json{{"probe_points", {{0, 0, 0}, {apart_mm, 0, 0.1}, {0, apart_mm, 0.1}}},
+                {"use_printer", false}};
+  };
+
+  EXPECT_EQ(Ask("POST", "/bed-tilt/probe", given(1)).status, 422);
+  EXPECT_EQ(Ask("POST", "/bed-tilt/probe", given(100)).status, 200);
+}
+
+TEST_F(BedApiTest, ANameIsCutBetweenLetters) {
+  const HttpRequest other{.headers = {{"x-operator", std::string(59, 'a') + "\u00e9\u00e9"}}};
+  const auto seat = seat_.Take(other, "probing the bed");
+
+  EXPECT_EQ(Json::parse(Ask("POST", "/bed-tilt/calibrate", Json::object()).body)["held_by"],
+            std::string(59, 'a'));
+}
+
 TEST_F(BedApiTest, WhoSitsThereIsNamed) {
   const HttpRequest other{.headers = {{"x-operator", "Ada"}}};
   const auto seat = seat_.Take(other, "probing the bed");
@@ -215,6 +256,17 @@ TEST_F(BedApiOnDisk, WhatWasFoundOutlivesTheServer) {
   EXPECT_EQ(after["z_offsets"], before["z_offsets"]);
   EXPECT_EQ(Done("GET", "/intrinsics")["fx"], 901);
   EXPECT_EQ(Done("GET", "/intrinsics")["source"], "stored");
+}
+
+// What became of raised screws nobody knows after a start.
+TEST_F(BedApiOnDisk, WhatWasAppliedIsNotTakenForGranted) {
+  const Json found = Done("POST", "/bed-tilt/calibrate", Json::object());
+  Done("POST", "/bed-tilt/apply-triple-z", found["z_offsets"]);
+
+  Start();
+
+  EXPECT_TRUE(Done("GET", "/bed-tilt/current")["applied"].is_null());
+  EXPECT_THAT(Done("GET", "/bed-tilt/current")["notes"].dump(), HasSubstr("started anew"));
 }
 
 TEST_F(BedApiOnDisk, AnyCutOfTheFileIsPutAside) {

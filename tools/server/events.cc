@@ -11,8 +11,12 @@ void EventTopic::Publish(const std::string& name, const std::string& data) {
   ++last_;
   kept_.push_back(
       {last_, fmt::format("id: {}\nevent: {}\ndata: {}\n\n", last_, name, data)});
-  if (kept_.size() > most_kept_) kept_.pop_front();
+  kept_bytes_ += kept_.back().text.size();
   for (const auto& [id, listener] : listeners_) listener(kept_.back().text);
+  while (kept_.size() > most_kept_ || kept_bytes_ > most_kept_bytes_) {
+    kept_bytes_ -= kept_.front().text.size();
+    kept_.pop_front();
+  }
 }
 
 int EventTopic::Listen(std::uint64_t since, Listener listener) {

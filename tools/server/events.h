@@ -16,8 +16,10 @@ class EventTopic {
  public:
   using Listener = std::function<void(const std::string& text)>;
 
-  /// @param most_kept  so many past events are told to a newcomer who asks for them
-  explicit EventTopic(std::size_t most_kept = 1000) : most_kept_(most_kept) {}
+  /// @param most_kept, most_kept_bytes  so many past events, and so long in all, are
+  ///   told to a newcomer who asks for them
+  explicit EventTopic(std::size_t most_kept = 1000, std::size_t most_kept_bytes = 500'000)
+      : most_kept_(most_kept), most_kept_bytes_(most_kept_bytes) {}
 
   /// Tells everybody. `data`: one line of JSON.
   void Publish(const std::string& name, const std::string& data);
@@ -35,7 +37,8 @@ class EventTopic {
   };
 
   mutable std::mutex mutex_{};
-  std::size_t most_kept_;
+  std::size_t most_kept_, most_kept_bytes_;
+  std::size_t kept_bytes_ = 0;
   std::uint64_t last_ = 0;
   int next_listener_ = 0;
   std::deque<Event> kept_{};

@@ -4,6 +4,7 @@
 #include <string_view>
 #include <utility>
 
+#include <arpa/inet.h>
 #include <fmt/format.h>
 #include <openssl/crypto.h>
 
@@ -40,7 +41,12 @@ bool ChangesSomething(const std::string& method) {
 }  // namespace
 
 bool IsLoopback(const std::string& address) {
-  return address == "::1" || address == "localhost" || address.starts_with("127.");
+  in_addr four{};
+  // A whole address: "127.0.0.1.evil.example" is a name of somebody else's.
+  const bool is_four = inet_pton(AF_INET, address.c_str(), &four) == 1;
+  constexpr std::uint32_t kLoopbackNet = 127;
+  return address == "::1" || address == "localhost" ||
+         (is_four && ntohl(four.s_addr) >> 24 == kLoopbackNet);
 }
 
 Gate::Gate(std::string listens, std::string token)
@@ -63,7 +69,9 @@ void Gate::Check(const HttpRequest& request) const {
       (from == std::string::npos || std::string_view(origin).substr(from + 3) != host);
   const std::string site = request.Header("sec-fetch-site");
   const bool is_sent_by_another = site == "cross-site" || site == "same-site";
-  if (ChangesSomething(request.method) && (is_foreign || is_sent_by_another)) {
+  const bool does_something =
+      ChangesSomething(request.method) || request.path.starts_with("/api/");
+  if (does_something && (is_foreign || is_sent_by_another)) {
     throw Problem(403,
                   fmt::format("a page of {} may not do this",
                               is_foreign ? Printable(origin) : "another site"));

@@ -89,13 +89,13 @@ Problem ProblemOf(const InputError& error) {
   return Problem(422, std::move(detail), std::move(faults));
 }
 
+std::string JsonLine(const nlohmann::ordered_json& tree) {
+  return tree.dump(
+      -1, ' ', /*ensure_ascii=*/false, nlohmann::ordered_json::error_handler_t::replace);
+}
+
 HttpResponse JsonResponse(const nlohmann::ordered_json& tree, int status) {
-  return {.status = status,
-          .body = tree.dump(-1,
-                            ' ',
-                            /*ensure_ascii=*/false,
-                            nlohmann::ordered_json::error_handler_t::replace) +
-                  "\n"};
+  return {.status = status, .body = JsonLine(tree) + "\n"};
 }
 
 nlohmann::ordered_json JsonBody(const HttpRequest& request) {

@@ -55,6 +55,9 @@ std::vector<ProblemFault> FaultsOf(const std::vector<std::string>& messages);
 /// 422, with the places.
 Problem ProblemOf(const InputError& error);
 
+/// One line of JSON; bytes that are no UTF-8, which a machine may say, are replaced.
+std::string JsonLine(const nlohmann::ordered_json& tree);
+
 /// 200 with a body of JSON; numbers that are not finite become null.
 HttpResponse JsonResponse(const nlohmann::ordered_json& tree, int status = 200);
 

@@ -179,10 +179,12 @@ class Connection : public std::enable_shared_from_this<Connection> {
     }
     ++shared_->waiting;
     stream_.expires_never();
-    asio::post(shared_->workers, [self = shared_from_this()] {
+    asio::post(shared_->workers, [self = shared_from_this()]() mutable {
       auto answer =
           std::make_shared<HttpResponse>(AnswerOf(self->route_, self->request_));
-      asio::post(self->shared_->io, [self, answer] {
+      Shared* const shared = self->shared_;
+      // The connection goes along: it ends on the thread of `io` alone.
+      asio::post(shared->io, [self = std::move(self), answer] {
         --self->shared_->waiting;
         self->Send(*answer);
       });
@@ -375,6 +377,7 @@ void ServeHttp(const Routes& routes,
   Accept(&acceptor, &shared);
   listening(acceptor.local_endpoint().port());
   shared.io.run();
+  shared.workers.stop();  // What still waits is not begun.
   shared.workers.join();
   while (!shared.streams.empty()) (*shared.streams.begin())->LeaveTopic();
 }

@@ -57,6 +57,10 @@ Expected<void> TripleZPrinter::SayAll(const std::vector<std::string>& lines) {
 }
 
 Expected<void> TripleZPrinter::Home() {
+  if (is_split_) {
+    if (const auto joined = SayAll({"M584 Z0:1:2 P3"}); !joined) return joined;
+    is_split_ = false;
+  }
   if (const auto done = SayAll({"G28"}); !done) return done;
   Heard("G28");
   return {};
@@ -69,6 +73,7 @@ void TripleZPrinter::Heard(const std::string& line) {
   code[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(code[0])));
   if (code == "G28") {
     is_homed_ = true;
+    ++homings_;
     are_heights_known_ = true;
     raised_mm_.setZero();
     z_mm_ = bench_.top_mm;
@@ -167,7 +172,7 @@ Expected<void> TripleZPrinter::MoveScrews(const Vec3<double>& up_mm,
                              "G92 " + Word('Z', z_after_mm)});
   if (!moved) {
     // One axis again, so that it can be homed; where the screws stand nobody knows.
-    SayAll({"M584 Z0:1:2 P3"});
+    is_split_ = !SayAll({"M584 Z0:1:2 P3"});
     LoseHeights();
   }
   return moved;

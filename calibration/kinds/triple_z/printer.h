@@ -66,6 +66,8 @@ class TripleZPrinter {
   /// that Level's answer names among them.
   const Vec3<double>& raised_mm() const { return raised_mm_; }
   int touches() const { return touches_; }
+  /// How often it was homed: what was raised before is undone by it.
+  int homings() const { return homings_; }
 
  private:
   Expected<std::vector<std::string>> Say(const std::string& line);
@@ -83,6 +85,8 @@ class TripleZPrinter {
   std::optional<double> z_mm_{};
   Vec3<double> raised_mm_ = Vec3<double>::Zero();
   int touches_ = 0;
+  int homings_ = 0;
+  bool is_split_ = false;  ///< A move of single screws broke off: M584 is to be undone.
 };
 
 /// The number in "... 0.123 mm" behind "Stopped at height"; nullopt where no line has

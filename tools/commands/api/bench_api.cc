@@ -25,6 +25,7 @@ using Json = nlohmann::ordered_json;
 constexpr std::size_t kMostEntries_bytes = 64'000;
 constexpr std::size_t kMostResults = 60;
 constexpr std::size_t kMostReadings = 2000;  // That a job shows.
+constexpr std::size_t kMostWithReadings = 12;
 
 Json SettingsTree(const std::optional<Settings>& settings) {
   return settings ? ToJson(*settings) : Json();
@@ -82,10 +83,10 @@ BenchApi::BenchApi(std::unique_ptr<Desk> desk,
       const std::lock_guard<std::mutex> lock(mutex_);
       state_ = person_->question() ? "asking" : "working";
     }
-    events_->Publish("bench", Tree().dump());
+    events_->Publish("bench", JsonLine(Tree()));
   });
   link_ = std::make_unique<AbortableLink>(
-      desk_->wire(), person_.get(), [this] { TellReadings(); });
+      desk_->wire(), seat_, [this] { TellReadings(); });
   desk_->Connect(link_.get());
   bench->person = person_.get();
   bench->gauge = person_.get();
@@ -118,6 +119,10 @@ void BenchApi::AddTo(Routes* routes) {
     return EmergencyStop();
   });
   add("POST", "/restore", kSlow, [this](const HttpRequest& r) { return Restore(r); });
+  add("GET", "/results", kSlow, [this](const HttpRequest&) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return JsonResponse({{"results", readings_}});
+  });
   add("PATCH", "/settings", kSlow, [this](const HttpRequest& r) {
     return SetSettings(r);
   });
@@ -182,7 +187,7 @@ HttpResponse BenchApi::SetSession(const HttpRequest& request) {
   }
   KeepStore();
   const Json tree = Tree();
-  events_->Publish("bench", tree.dump());
+  events_->Publish("bench", JsonLine(tree));
   return JsonResponse(tree["session"]);
 }
 
@@ -295,7 +300,7 @@ HttpResponse BenchApi::StartJob(const HttpRequest& request,
     if (!settings_before_) settings_before_ = settings_;
   }
   KeepStore();
-  events_->Publish("bench", Tree().dump());
+  events_->Publish("bench", JsonLine(Tree()));
   thread_ =
       std::thread([this, work = std::move(work), seat = std::move(seat)]() mutable {
         Work(work, std::move(seat));
@@ -311,7 +316,7 @@ void BenchApi::Work(const PreparedProcedure& work, OperatorSeat::Held seat) {
       const std::lock_guard<std::mutex> lock(mutex_);
       job_["said"].push_back(text);
     }
-    events_->Publish("said", Json{{"text", text}}.dump());
+    events_->Publish("said", JsonLine(Json{{"text", text}}));
   };
   ProcedureResult result;
   try {
@@ -321,8 +326,7 @@ void BenchApi::Work(const PreparedProcedure& work, OperatorSeat::Held seat) {
     result.messages.emplace_back(fault.what());
   }
   TellReadings();
-  const bool was_aborted = person_->is_aborted();
-  person_->Begin();
+  const bool was_aborted = seat_->is_aborted();
   if (HasAxisSettings(*bench)) ReadSettings();
   {
     const std::lock_guard<std::mutex> lock(mutex_);
@@ -331,6 +335,10 @@ void BenchApi::Work(const PreparedProcedure& work, OperatorSeat::Held seat) {
     job_["result"] = tree;
     job_["ended_at"] = UtcNow();
     results_.push_back(job_);
+    readings_.push_back(job_);
+    results_.back().erase("readings");
+    results_.back().erase("said");
+    if (readings_.size() > kMostWithReadings) readings_.erase(readings_.begin());
     if (results_.size() > kMostResults) results_.erase(results_.begin());
     const bool is_changed = std::ranges::any_of(result.steps, [](const Step& step) {
       return step.verdict == Verdict::kApplied;
@@ -340,7 +348,7 @@ void BenchApi::Work(const PreparedProcedure& work, OperatorSeat::Held seat) {
   }
   KeepStore();
   { const OperatorSeat::Held rises = std::move(seat); }
-  events_->Publish("bench", Tree().dump());
+  events_->Publish("bench", JsonLine(Tree()));
 }
 
 void BenchApi::TellReadings() {
@@ -354,7 +362,7 @@ void BenchApi::TellReadings() {
       if (!job_.is_object()) return;
       if (job_["readings"].size() < kMostReadings) job_["readings"].push_back(reading);
     }
-    events_->Publish("reading", reading.dump());
+    events_->Publish("reading", JsonLine(reading));
   }
 }
 
@@ -399,18 +407,20 @@ HttpResponse BenchApi::Answer(const HttpRequest& request) {
 }
 
 HttpResponse BenchApi::Abort() {
+  const bool is_at_work = seat_->Abort();
   person_->Abort();
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    if (state_ == "idle") person_->Begin();
-  }
-  return JsonResponse({{"aborted", true}}, 202);
+  return JsonResponse({{"aborted", is_at_work}}, 202);
 }
 
+// The line is said in a thread of its own: a wire that takes nothing holds nobody up.
 HttpResponse BenchApi::EmergencyStop() {
-  const bool is_sent = link_->Interject("M112");
-  Abort();
-  return JsonResponse({{"aborted", true}, {"sent_m112", is_sent}}, 202);
+  const bool is_at_work = seat_->Abort();
+  person_->Abort();
+  if (!options_.is_twin) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    stopping_ = std::jthread([this] { link_->Interject("M112"); });
+  }
+  return JsonResponse({{"aborted", is_at_work}, {"sent_m112", !options_.is_twin}}, 202);
 }
 
 HttpResponse BenchApi::UserVars() const {
@@ -431,6 +441,7 @@ void BenchApi::ReadStore() {
     version_ = tree.at("version").get<int>();
     entries_ = tree.at("entries");
     results_ = tree.at("results");
+    readings_ = tree.at("readings");
     last_job_ = tree.at("last_job").get<int>();
     calibrated_at_ = tree.at("calibrated_at").get<std::string>();
     if (!tree.at("settings").is_null()) settings_ = SettingsOf(tree.at("settings"));
@@ -457,11 +468,15 @@ void BenchApi::KeepStore() {
                 {"version", version_},
                 {"entries", entries_},
                 {"results", results_},
+                {"readings", readings_},
                 {"last_job", last_job_},
                 {"calibrated_at", calibrated_at_},
                 {"settings", SettingsTree(settings_)},
                 {"settings_before", SettingsTree(settings_before_)}}
-               .dump(1);
+               .dump(1,
+                     ' ',
+                     /*ensure_ascii=*/false,
+                     Json::error_handler_t::replace);
   }
   try {
     WriteDurably(options_.store, text + "\n");

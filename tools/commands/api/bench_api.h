@@ -84,6 +84,7 @@ class BenchApi {
   std::unique_ptr<AbortableLink> link_;
   std::string note_{};
   std::thread thread_{};
+  std::jthread stopping_{};
   std::size_t told_ = 0;  ///< Readings, in the job's thread.
 
   std::mutex writing_{};
@@ -93,7 +94,8 @@ class BenchApi {
   int last_job_ = 0;
   int version_ = 0;
   Json entries_ = Json::object();
-  Json results_ = Json::array();
+  Json results_ = Json::array();   ///< Without their readings.
+  Json readings_ = Json::array();  ///< The last ones with theirs.
   std::optional<Settings> settings_{}, settings_before_{};
   std::string calibrated_at_{};
 };

@@ -96,7 +96,8 @@ HttpResponse Picture(const HttpRequest& request) {
                            "640",
                            "--exaggerate",
                            fmt::format("{:g}", exaggerate)},
-                 .folder = folder.path()});
+                 .folder = folder.path(),
+                 .is_confined = false});
   return {.content_type = "image/png",
           .body = ReadTextFile(folder.path() / "picture.png", kLargestData_bytes),
           .headers = {{"Cache-Control", "private, max-age=3600"}}};

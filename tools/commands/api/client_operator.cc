@@ -118,7 +118,7 @@ bool ClientOperator::is_aborted() const {
 
 Expected<std::vector<std::string>> AbortableLink::Send(
     std::string_view line, std::chrono::milliseconds patience) {
-  if (person_->is_aborted() && !PutsBack(line))
+  if ((seat_->is_aborted() || InterruptRequested()) && !PutsBack(line))
     return Refused("aborted by the operator");
   auto answer = inner_->Send(line, patience);
   sent_();

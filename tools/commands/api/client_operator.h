@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sim/link/link.h"
+#include "tools/commands/api/seat.h"
 
 namespace caltwin {
 
@@ -72,15 +73,15 @@ class ClientOperator final : public Operator, public Gauge {
 class AbortableLink final : public Link {
  public:
   /// Both are borrowed. `sent` is called after each line.
-  AbortableLink(Link* inner, const ClientOperator* person, std::function<void()> sent)
-      : inner_(inner), person_(person), sent_(std::move(sent)) {}
+  AbortableLink(Link* inner, const OperatorSeat* seat, std::function<void()> sent)
+      : inner_(inner), seat_(seat), sent_(std::move(sent)) {}
   Expected<std::vector<std::string>> Send(std::string_view line,
                                           std::chrono::milliseconds patience) override;
   bool Interject(std::string_view line) override { return inner_->Interject(line); }
 
  private:
   Link* inner_;
-  const ClientOperator* person_;
+  const OperatorSeat* seat_;
   std::function<void()> sent_;
 };
 

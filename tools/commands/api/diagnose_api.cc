@@ -57,6 +57,16 @@ bool IsMachine(const std::string& name, const std::string& text) {
                                      text.find("extends:") != std::string::npos);
 }
 
+void RequirePlain(const FormPart& part) {
+  constexpr std::size_t kLongest = 1000;
+  const bool has_control = std::ranges::any_of(
+      part.body, [](char letter) { return static_cast<unsigned char>(letter) < 0x20; });
+  if (!has_control && part.body.size() <= kLongest) return;
+  throw Problem(422,
+                fmt::format("the field '{}' is no option", part.name),
+                {{.detail = "one line of at most 1000 letters", .pointer = "/" + part.name}});
+}
+
 Form FormOf(const HttpRequest& request) {
   Form form;
   std::vector<std::string> order;
@@ -68,6 +78,7 @@ Form FormOf(const HttpRequest& request) {
     } else if (part.name == "machine") {
       form.machine = part.body;
     } else if (std::ranges::find(kOptions, part.name) != kOptions.end()) {
+      RequirePlain(part);
       if (!part.body.empty())
         form.options.push_back(DashesFor(part.name) + "=" + part.body);
     } else {
@@ -147,12 +158,14 @@ void DiagnoseApi::AddTo(Routes* routes) {
 DiagnoseApi::Kept DiagnoseApi::Keep(Kept kept) {
   const std::lock_guard<std::mutex> lock(mutex_);
   kept.id = fmt::format("{}", ++last_);
+  kept.folder = std::shared_ptr<const fs::path>(
+      new fs::path(folder_.path() / kept.id), [](const fs::path* folder) {
+        std::error_code ignored;
+        fs::remove_all(*folder, ignored);
+        delete folder;
+      });
   kept_.push_back(kept);
-  if (kept_.size() > kMostKept) {
-    std::error_code ignored;
-    fs::remove_all(folder_.path() / kept_.front().id, ignored);
-    kept_.pop_front();
-  }
+  if (kept_.size() > kMostKept) kept_.pop_front();
   return kept;
 }
 
@@ -168,41 +181,40 @@ DiagnoseApi::Kept DiagnoseApi::Find(const std::string& id) {
   return *found;
 }
 
-std::string DiagnoseApi::DiagnoseOne(const fs::path& folder,
-                                     const std::string& file,
-                                     const std::vector<std::string>& options) {
-  std::vector<std::string> words = {"diagnose", file};
-  words.insert(words.end(), options.begin(), options.end());
-  std::vector<std::string> asked = words;
+std::string DiagnoseApi::DiagnoseOne(const Kept& kept, const std::string& file) {
+  std::vector<std::string> asked = kept.words;
   asked.insert(asked.end(), {"--replay", "none", "--json", "answer.json"});
   const std::string text =
-      RunOwnProgram({.words = asked, .folder = folder, .stop = stop_});
-  Json tree = Json::parse(ReadTextFile(folder / "answer.json", kLargestData_bytes));
+      RunOwnProgram({.words = asked, .folder = *kept.folder, .stop = stop_});
+  Json tree = Json::parse(ReadTextFile(*kept.folder / "answer.json", kLargestData_bytes));
   tree["import"] = {{"file", file}, {"notes", tree.value("remarks", Json::array())}};
   tree["text"] = text;
-  tree["id"] = folder.filename().string();
-  return tree.dump();
+  tree["id"] = kept.id;
+  return JsonLine(tree);
 }
 
 HttpResponse DiagnoseApi::Diagnose(const HttpRequest& request) {
   const Form form = FormOf(request);
-  if (form.data.empty()) {
+  if (form.data.empty() || form.data.size() > kMostKept) {
     throw Problem(422,
-                  "no data were sent",
-                  {{.detail = "the form has no field `file` with measured data",
+                  form.data.empty() ? "no data were sent" : "too many files at once",
+                  {{.detail = "1 to 16 files with measured data are expected in `file`",
                     .hint = "curl -F file=@data.csv .../api/diagnose",
                     .pointer = "/file"}});
   }
   RequireKnownMachine(form);
-  std::vector<std::string> options = form.options;
-  if (!form.machine.empty()) options.push_back("--machine=" + form.machine);
   std::vector<std::string> answers;
   for (const std::string& file : form.data) {
     std::vector<std::string> words = {"diagnose", file};
-    words.insert(words.end(), options.begin(), options.end());
-    const fs::path folder = folder_.path() / Keep({.words = words}).id;
-    for (const auto& [name, text] : form.files) WriteTextFile(folder / name, text);
-    answers.push_back(DiagnoseOne(folder, file, options));
+    words.insert(words.end(), form.options.begin(), form.options.end());
+    if (!form.machine.empty()) words.push_back("--machine=" + form.machine);
+    const Kept kept = Keep({.words = words});
+    for (const auto& [name, text] : form.files) {
+      const bool is_other_data = name != file && std::ranges::find(form.data, name) !=
+                                                     form.data.end();
+      if (!is_other_data) WriteTextFile(*kept.folder / name, text);
+    }
+    answers.push_back(DiagnoseOne(kept, file));
   }
   if (answers.size() == 1) return {.body = answers.front() + "\n"};
   return {.body = fmt::format("{{\"format\":1,\"diagnoses\":[{}]}}\n",
@@ -211,7 +223,7 @@ HttpResponse DiagnoseApi::Diagnose(const HttpRequest& request) {
 
 HttpResponse DiagnoseApi::Report(const HttpRequest& request) {
   const Kept kept = Find(request.places[0]);
-  const fs::path folder = folder_.path() / kept.id;
+  const fs::path& folder = *kept.folder;
   std::vector<std::string> words = kept.words;
   words.insert(words.end(), {"--report", "report"});
   if (!fs::exists(folder / "report" / "index.html")) {
@@ -226,7 +238,7 @@ HttpResponse DiagnoseApi::Report(const HttpRequest& request) {
 
 HttpResponse DiagnoseApi::Rows(const HttpRequest& request) {
   const Kept kept = Find(request.places[0]);
-  const fs::path folder = folder_.path() / kept.id;
+  const fs::path& folder = *kept.folder;
   const std::string& file = kept.words[1];
   const std::string own = ReadTextFile(folder / file, kLargestData_bytes);
   if (HoldsRows(own)) return {.content_type = "text/csv; charset=utf-8", .body = own};
@@ -251,7 +263,7 @@ HttpResponse DiagnoseApi::Correction(const HttpRequest& request) {
         {{.detail = fmt::format("?for= one of {}", fmt::join(kControllers, ", ")),
           .pointer = "/for"}});
   }
-  const fs::path folder = folder_.path() / kept.id;
+  const fs::path& folder = *kept.folder;
   const std::string name = "correction." + asked->second;
   std::vector<std::string> words = kept.words;
   words.insert(words.end(),

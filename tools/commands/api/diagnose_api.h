@@ -3,6 +3,7 @@
 #include <atomic>
 #include <deque>
 #include <filesystem>
+#include <memory>
 #include <mutex>
 #include <string>
 #include <vector>
@@ -27,6 +28,7 @@ class DiagnoseApi {
   struct Kept {
     std::string id{};
     std::vector<std::string> words{};  ///< `diagnose data.csv --machine ...`.
+    std::shared_ptr<const std::filesystem::path> folder{};  ///< Gone with the last user.
   };
 
   HttpResponse Diagnose(const HttpRequest& request);
@@ -34,9 +36,7 @@ class DiagnoseApi {
   HttpResponse Correction(const HttpRequest& request);
   HttpResponse Rows(const HttpRequest& request);
 
-  std::string DiagnoseOne(const std::filesystem::path& folder,
-                          const std::string& file,
-                          const std::vector<std::string>& options);
+  std::string DiagnoseOne(const Kept& kept, const std::string& file);
   Kept Keep(Kept kept);
   Kept Find(const std::string& id);
 

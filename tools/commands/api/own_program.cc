@@ -1,9 +1,14 @@
 #include "tools/commands/api/own_program.h"
 
+#include <cerrno>
+#include <charconv>
+#include <csignal>
 #include <string_view>
 
 #include <fmt/format.h>
 #include <stdlib.h>
+#include <sys/prctl.h>
+#include <unistd.h>
 
 #include "scenarios/child_process.h"
 #include "sim/base/input_error.h"
@@ -16,6 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* kServedBy = "CALTWIN_SERVED_BY";
 constexpr std::size_t kMostMemory_bytes = 4'000'000'000;
 constexpr std::size_t kMostFaults_bytes = 100'000;
 
@@ -47,10 +53,30 @@ std::vector<std::string> MessagesOf(std::string_view text) {
   throw Problem(500, "it " + ToString(end) + "; the server's terminal says more");
 }
 
+// Removes what servers left behind that were killed.
+void SweepFolders() {
+  constexpr std::string_view kBegin = "caltwin_server_";
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(fs::temp_directory_path(), error)) {
+    const std::string name = entry.path().filename().string();
+    if (!name.starts_with(kBegin)) continue;
+    int owner = 0;
+    const auto read =
+        std::from_chars(name.data() + kBegin.size(), name.data() + name.size(), owner);
+    const bool has_owner = read.ec == std::errc() && owner > 0;
+    if (has_owner && kill(owner, 0) != 0 && errno == ESRCH) {
+      fs::remove_all(entry.path(), error);
+    }
+  }
+}
+
 }  // namespace
 
 TemporaryFolder::TemporaryFolder() {
-  std::string name = (fs::temp_directory_path() / "caltwin_server_XXXXXX").string();
+  SweepFolders();
+  std::string name =
+      (fs::temp_directory_path() / fmt::format("caltwin_server_{}_XXXXXX", getpid()))
+          .string();
   if (mkdtemp(name.data()) == nullptr) {
     throw InputError({.file = name}, "no temporary folder can be made");
   }
@@ -62,6 +88,13 @@ TemporaryFolder::~TemporaryFolder() {
   fs::remove_all(path_, ignored);
 }
 
+void EndWithServer() {
+  const char* const server = std::getenv(kServedBy);
+  if (server == nullptr) return;
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (std::to_string(getppid()) != server) std::_Exit(kLost);  // It is gone already.
+}
+
 std::string RunOwnProgram(const OwnCommand& command) {
   ChildCommand child{.words = {"/proc/self/exe"},
                      .folder = command.folder,
@@ -69,7 +102,9 @@ std::string RunOwnProgram(const OwnCommand& command) {
                      .stop = command.stop,
                      .shows_errors = false,
                      .last_words_bytes = kMostFaults_bytes,
-                     .most_memory_bytes = kMostMemory_bytes};
+                     .most_memory_bytes = kMostMemory_bytes,
+                     .environment = {fmt::format("{}={}", kServedBy, getpid())}};
+  if (command.is_confined) child.environment.emplace_back("CALTWIN_CONFINED=1");
   child.words.insert(child.words.end(), command.words.begin(), command.words.end());
   std::string said;
   const ChildEnd end = ConverseWith(child, [&](std::string_view line) {

@@ -27,7 +27,13 @@ struct OwnCommand {
   std::filesystem::path folder{};    ///< Where it runs.
   std::chrono::seconds patience{120};
   const std::atomic<bool>* stop = nullptr;
+  /// Files that its files name (`extends:`, `machine:`) lie in its folder, or are
+  /// machines that came with the program.
+  bool is_confined = true;
 };
+
+/// Of such a process: ends with the server that began it, also where that was killed.
+void EndWithServer();
 
 /// Runs this very program in a process of its own, so that no file a client sends stops
 /// the server: at most 4 GB, no longer than its patience. What it printed on stdout;

@@ -130,10 +130,11 @@ void RunsApi::Work(Run* run, const std::vector<std::string>& words) {
   std::string detail;
   std::string text;
   std::string result;
-  events_->Publish("run", Json{{"id", run->id}, {"state", "running"}}.dump());
+  events_->Publish("run", JsonLine(Json{{"id", run->id}, {"state", "running"}}));
   try {
     text = RunOwnProgram(
-        {.words = words, .folder = folder, .patience = kPatience, .stop = &run->stop});
+        {.words = words, .folder = folder, .patience = kPatience, .stop = &run->stop,
+         .is_confined = false});
     result = ReadTextFile(folder / "result.json", kLargestData_bytes);
   } catch (const std::exception& fault) {
     state = run->stop ? "stopped" : "failed";
@@ -146,7 +147,7 @@ void RunsApi::Work(Run* run, const std::vector<std::string>& words) {
     run->text = text;
     run->result = result;
   }
-  events_->Publish("run", Json{{"id", run->id}, {"state", state}}.dump());
+  events_->Publish("run", JsonLine(Json{{"id", run->id}, {"state", state}}));
 }
 
 HttpResponse RunsApi::List() const {

@@ -10,9 +10,15 @@ namespace caltwin {
 OperatorSeat::Held OperatorSeat::Take(const HttpRequest& request,
                                       const std::string& doing) {
   constexpr std::size_t kLongest = 60;
-  std::string name = Printable(request.Header("x-operator")).substr(0, kLongest);
+  std::string name = Printable(request.Header("x-operator"));
+  if (name.size() > kLongest) {
+    std::size_t end = kLongest;
+    while (end > 0 && (static_cast<unsigned char>(name[end]) & 0xC0U) == 0x80U) --end;
+    name.resize(end);
+  }
   if (name.empty()) name = "somebody";
   const std::lock_guard<std::mutex> lock(mutex_);
+  if (!sitter_) is_aborted_ = false;
   if (sitter_) {
     throw Problem(
         409,
@@ -28,6 +34,17 @@ OperatorSeat::Held OperatorSeat::Take(const HttpRequest& request,
 std::optional<OperatorSeat::Sitter> OperatorSeat::sitter() const {
   const std::lock_guard<std::mutex> lock(mutex_);
   return sitter_;
+}
+
+bool OperatorSeat::Abort() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (sitter_) is_aborted_ = true;
+  return sitter_.has_value();
+}
+
+void OperatorSeat::IfFree(const std::function<void()>& look) const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (!sitter_) look();
 }
 
 void OperatorSeat::Rise() {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <atomic>
+#include <functional>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -37,12 +39,18 @@ class OperatorSeat {
     std::string doing{};
   };
   std::optional<Sitter> sitter() const;
+  /// Whoever sits there is to stop at the next line; false: nobody does.
+  bool Abort();
+  bool is_aborted() const { return is_aborted_; }
+  /// Calls `look` while nobody sits there and nobody can sit down; not at all otherwise.
+  void IfFree(const std::function<void()>& look) const;
 
  private:
   void Rise();
 
   mutable std::mutex mutex_{};
   std::optional<Sitter> sitter_{};
+  std::atomic<bool> is_aborted_ = false;
 };
 
 }  // namespace caltwin

@@ -10,6 +10,7 @@
 #include "calibration/procedures/catalog.h"
 #include "scenarios/kinds/kinds.h"
 #include "sim/base/input_error.h"
+#include "sim/base/sha256.h"
 #include "sim/base/text_file.h"
 #include "tools/commands/api/bench_api.h"
 #include "tools/commands/api/catalog_api.h"
@@ -116,6 +117,7 @@ struct WebService::Parts {
   SceneApi scenes{};
   std::unique_ptr<BenchApi> bench{};
   std::unique_ptr<Desk> printer{};  ///< Of practice, beside the bench.
+  std::unique_ptr<AbortableLink> printer_link{};
   std::unique_ptr<BedApi> bed{};
   Routes routes{};
 };
@@ -131,10 +133,20 @@ WebService::WebService(const WebOptions& options, const std::atomic<bool>* stop)
   AddPages();
 }
 
-// Where what belongs to a machine is kept; empty: nowhere.
-fs::path WebService::StoreOf(const std::string& machine, const char* what) const {
+// Where what belongs to a machine is kept; empty: nowhere. `which`: the wire or the twin,
+// so that nothing of one is ever written to another.
+fs::path WebService::StoreOf(const std::string& machine,
+                             const std::string& which,
+                             const char* what) const {
   const fs::path state = options_.state.empty() ? StateFolder() : options_.state;
-  return state.empty() ? fs::path() : state / fmt::format("{}.{}.json", machine, what);
+  if (state.empty()) return {};
+  std::string name = machine.empty() ? "machine" : machine;
+  for (char& letter : name) {
+    if (std::isalnum(static_cast<unsigned char>(letter)) == 0) letter = '_';
+  }
+  constexpr std::size_t kEnough = 8;
+  return state /
+         fmt::format("{}-{}.{}.json", name, Sha256(which).substr(0, kEnough), what);
 }
 
 void WebService::BuildMachines() {
@@ -145,22 +157,26 @@ void WebService::BuildMachines() {
   std::unique_ptr<Desk> desk = DeskOf(twin, options_.link);
   Bench* const bench = desk->bench();
   parts.machine = bench->machine.name;
+  const std::string which = options_.link.empty() ? TwinUrl(twin) : options_.link;
   parts.bench = std::make_unique<BenchApi>(
       std::move(desk),
-      BenchApi::Options{.store = StoreOf(parts.machine, "bench"),
+      BenchApi::Options{.store = StoreOf(parts.machine, which, "bench"),
                         .is_twin = options_.link.empty()},
       &parts.bench_seat,
       &parts.events);
   parts.bed = BedApiOn(bench,
-                       {StoreOf(parts.machine, "bed"), parts.machine},
+                       {StoreOf(parts.machine, which, "bed"), parts.machine},
                        &parts.bench_seat,
                        &parts.events);
   if (parts.bed || options_.has_machine) return;
   const TwinOptions printer = Practice("triple_z_printer", fidelity);
   parts.printer = DeskOf(printer, "");
-  parts.printer->Connect(parts.printer->wire());
+  parts.printer_link = std::make_unique<AbortableLink>(
+      parts.printer->wire(), &parts.printer_seat, [] {});
+  parts.printer->Connect(parts.printer_link.get());
   parts.bed = BedApiOn(parts.printer->bench(),
-                       {StoreOf(printer.machine, "bed"), printer.machine},
+                       {StoreOf(printer.machine, TwinUrl(printer), "bed"),
+                        printer.machine},
                        &parts.printer_seat,
                        &parts.events);
 }
@@ -179,7 +195,7 @@ void WebService::AddRoutes() {
   if (parts.bed) {
     parts.bed->AddTo(routes);
   } else {
-    get("/api/calibration/bed-tilt/current", NoBed);
+    for (const Route& route : BedApi::AllRoutes(NoBed)) routes->Add(route);
   }
   get("/api/events", [events = parts.shared_events](const HttpRequest&) {
     return HttpResponse{.events = events};

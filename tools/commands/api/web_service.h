@@ -47,7 +47,9 @@ class WebService {
   void BuildMachines();
   void AddRoutes();
   void AddPages();
-  std::filesystem::path StoreOf(const std::string& machine, const char* what) const;
+  std::filesystem::path StoreOf(const std::string& machine,
+                                const std::string& which,
+                                const char* what) const;
 
   WebOptions options_;
   const std::atomic<bool>* stop_;

@@ -23,6 +23,7 @@ constexpr std::size_t kMostFound = 4;     // This and the three before.
 constexpr std::size_t kMostPoints = 400;  // Of one request.
 constexpr double kMargin_mm = 20;         // Of a grid from the ends of the travel.
 constexpr double kClear_mm = 10;          // Nozzle over the bed where screws move.
+constexpr double kHighest_mm = 1000;      // Of a height that somebody gives.
 constexpr double kWellLevelled_mm = 0.1;  // The published target of a validation.
 
 // What the machine would not do, in its own words.
@@ -47,11 +48,26 @@ std::vector<BedTouch> Flat(const std::vector<Eigen::Vector2d>& at_mm) {
   return flat;
 }
 
+// Points that lie closer together than this tell no tilt of a bed.
+constexpr double kLeastSpan_mm = 5;
+
 void RequireASpan(const std::vector<BedTouch>& touches, double sigma_mm) {
-  if (FitBedPlane(touches, sigma_mm, false).is_told()) return;
+  Eigen::Vector2d middle_mm = Eigen::Vector2d::Zero();
+  const auto count = static_cast<double>(touches.size());
+  for (const BedTouch& touch : touches) middle_mm += touch.at_mm / count;
+  Eigen::Matrix2d spread_mm2 = Eigen::Matrix2d::Zero();
+  for (const BedTouch& touch : touches) {
+    spread_mm2 += (touch.at_mm - middle_mm) * (touch.at_mm - middle_mm).transpose();
+  }
+  // The lesser of its two eigenvalues: how far they spread across their own line.
+  const double half = spread_mm2.trace() / 2;
+  const double least_mm2 =
+      half - std::sqrt(std::max(0.0, half * half - spread_mm2.determinant()));
+  const bool spans = least_mm2 > kLeastSpan_mm * kLeastSpan_mm;
+  if (spans && FitBedPlane(touches, sigma_mm, false).is_told()) return;
   throw Problem(422,
                 "these points span no plane",
-                {{.detail = "all points lie on one line",
+                {{.detail = "all points lie on one line, or within 5 mm",
                   .hint = "three points that are not on a line",
                   .pointer = "/probe_points"}});
 }
@@ -63,47 +79,78 @@ BedApi::BedApi(TripleZPrinter* printer,
                OperatorSeat* seat,
                EventTopic* events)
     : printer_(printer), options_(options), seat_(seat), events_(events) {
-  Show(ReadBedStore(options_.store, printer->bench().sigma_mm, &note_));
+  BedStore kept = ReadBedStore(options_.store, printer->bench().sigma_mm, &note_);
+  if (kept.applied_mm) {
+    kept.applied_mm.reset();
+    kept.found.back().notes.emplace_back(
+        "the server was started anew since: nobody knows whether what was applied still "
+        "is, measure again");
+  }
+  Show(std::move(kept));
+}
+
+std::vector<Route> BedApi::AllRoutes(const Handler& answer) {
+  using enum Route::Pace;
+  const auto route = [&](const char* method, const char* path, Route::Pace pace) {
+    return Route{.method = method,
+                 .pattern = std::string("/api/calibration") + path,
+                 .handler = answer,
+                 .pace = pace};
+  };
+  return {route("GET", "/intrinsics", kQuick),
+          route("POST", "/intrinsics", kSlow),
+          route("POST", "/bed-tilt/probe", kSlow),
+          route("POST", "/bed-tilt/calibrate", kSlow),
+          route("GET", "/bed-tilt/current", kQuick),
+          route("GET", "/bed-tilt/history", kQuick),
+          route("GET", "/bed-tilt/status", kQuick),
+          route("POST", "/bed-tilt/apply-triple-z", kSlow),
+          route("POST", "/bed-tilt/abort", kQuick),
+          route("POST", "/validate", kQuick),
+          route("GET", "/report", kQuick)};
 }
 
 void BedApi::AddTo(Routes* routes) {
-  const std::string base = "/api/calibration";
-  const auto add =
-      [&](const char* method, const char* path, Route::Pace pace, Handler go) {
-        routes->Add({.method = method,
-                     .pattern = base + path,
-                     .handler = std::move(go),
-                     .pace = pace});
-      };
-  using enum Route::Pace;
-  add("GET", "/intrinsics", kQuick, [this](const HttpRequest&) {
-    return Intrinsics();
+  for (const Route& route :
+       AllRoutes([this](const HttpRequest& request) { return Handle(request); })) {
+    routes->Add(route);
+  }
+}
+
+HttpResponse BedApi::Handle(const HttpRequest& request) {
+  ForgetWhatHomingUndid();
+  const std::string path = request.path.substr(std::string("/api/calibration").size());
+  const bool is_read = request.method != "POST";
+  if (path == "/intrinsics") return is_read ? Intrinsics() : SetIntrinsics(request);
+  if (path == "/bed-tilt/probe") return Probe(request);
+  if (path == "/bed-tilt/calibrate") return Calibrate(request);
+  if (path == "/bed-tilt/current") return Current();
+  if (path == "/bed-tilt/history") return History();
+  if (path == "/bed-tilt/status") return Status();
+  if (path == "/bed-tilt/apply-triple-z") return Apply(request);
+  if (path == "/bed-tilt/abort") return Abort();
+  if (path == "/validate") return Validate(request);
+  return Report(request);
+}
+
+HttpResponse BedApi::Abort() {
+  return JsonResponse({{"aborted", seat_->Abort()}}, 202);
+}
+
+// Homing squares the screws: what was applied is gone with it. So it is after a start,
+// where nobody knows what became of it.
+void BedApi::ForgetWhatHomingUndid() {
+  seat_->IfFree([&] {
+    raised_mm_ = printer_->raised_mm();
+    if (printer_->homings() == homings_) return;
+    homings_ = printer_->homings();
+    BedStore kept = store();
+    if (!kept.applied_mm) return;
+    kept.applied_mm.reset();
+    kept.found.back().notes.emplace_back(
+        "the printer was homed since: what was applied is undone, measure again");
+    Show(std::move(kept));
   });
-  add("POST", "/intrinsics", kSlow, [this](const HttpRequest& r) {
-    return SetIntrinsics(r);
-  });
-  add("POST", "/bed-tilt/probe", kSlow, [this](const HttpRequest& r) {
-    return Probe(r);
-  });
-  add("POST", "/bed-tilt/calibrate", kSlow, [this](const HttpRequest& r) {
-    return Calibrate(r);
-  });
-  add("GET", "/bed-tilt/current", kQuick, [this](const HttpRequest&) {
-    return Current();
-  });
-  add("GET", "/bed-tilt/history", kQuick, [this](const HttpRequest&) {
-    return History();
-  });
-  add("GET", "/bed-tilt/status", kQuick, [this](const HttpRequest&) {
-    return Status();
-  });
-  add("POST", "/bed-tilt/apply-triple-z", kSlow, [this](const HttpRequest& r) {
-    return Apply(r);
-  });
-  add("POST", "/validate", kQuick, [this](const HttpRequest& r) {
-    return Validate(r);
-  });
-  add("GET", "/report", kQuick, [this](const HttpRequest& r) { return Report(r); });
 }
 
 BedStore BedApi::store() const {
@@ -187,6 +234,11 @@ HttpResponse BedApi::Probe(const HttpRequest& request) {
     }
     asked.at_mm.push_back(at_mm);
     if (!asked.uses_printer) asked.given.push_back({at_mm, points[i][2]});
+    if (!asked.uses_printer && std::abs(points[i][2]) > kHighest_mm) {
+      keys.Add(fmt::format("/probe_points/{}/2", i),
+               fmt::format("{:g} is no height of a bed", points[i][2]),
+               fmt::format("allowed: -{0:g} to {0:g} mm", kHighest_mm));
+    }
   }
   keys.Done();
   return Find(request, asked);
@@ -206,21 +258,20 @@ HttpResponse BedApi::Calibrate(const HttpRequest& request) {
 
 std::vector<BedTouch> BedApi::TouchAll(const std::vector<Eigen::Vector2d>& at_mm) {
   std::vector<BedTouch> touches;
-  events_->Publish("begin", Json{{"points", at_mm.size()}}.dump());
+  events_->Publish("begin", JsonLine(Json{{"points", at_mm.size()}}));
   for (const Eigen::Vector2d& place_mm : at_mm) {
     const auto height_mm = printer_->Probe(place_mm);
     if (!height_mm) {
-      events_->Publish("end", Json{{"fault", height_mm.error().reply}}.dump());
+      events_->Publish("end", JsonLine(Json{{"fault", height_mm.error().reply}}));
       throw ProblemOf(height_mm.error());
     }
     touches.push_back({place_mm, *height_mm});
     events_->Publish("touch",
-                     Json{{"number", touches.size()},
+                     JsonLine(Json{{"number", touches.size()},
                           {"of", at_mm.size()},
                           {"x", place_mm[0]},
                           {"y", place_mm[1]},
-                          {"z", *height_mm}}
-                         .dump());
+                          {"z", *height_mm}}));
   }
   return touches;
 }
@@ -251,7 +302,7 @@ HttpResponse BedApi::Find(const HttpRequest& request, const Asked& asked) {
     store->found.push_back(found);
     if (store->found.size() > kMostFound) store->found.erase(store->found.begin());
   });
-  events_->Publish("found", ToJson(found).dump());
+  events_->Publish("found", JsonLine(ToJson(found)));
   return JsonResponse(ToJson(found));
 }
 
@@ -332,7 +383,7 @@ HttpResponse BedApi::Status() const {
     const auto& at_mm = bench.drawn_mm[static_cast<std::size_t>(i)];
     screws.push_back({{"name", ScrewName(i)},
                       {"at_mm", {at_mm[0], at_mm[1]}},
-                      {"raised_mm", kept.applied_mm ? (*kept.applied_mm)[i] : 0.0}});
+                      {"raised_mm", raised_mm_[i]}});
   }
   Json tree{{"machine", options_.machine},
             {"travel_mm", {bench.most_mm[0], bench.most_mm[1]}},
@@ -385,11 +436,12 @@ HttpResponse BedApi::Apply(const HttpRequest& request) {
   const Vec3<double> move_mm = target_mm - printer_->raised_mm();
   if (const auto moved = printer_->Raise(move_mm); !moved)
     throw ProblemOf(moved.error());
+  homings_ = printer_->homings();
   Change([&](BedStore* now) { now->applied_mm = offsets_mm; });
   const Json answer{{"status", "success"},
                     {"z_offsets", ScrewsToJson(offsets_mm)},
                     {"moved", ScrewsToJson(move_mm)}};
-  events_->Publish("applied", answer.dump());
+  events_->Publish("applied", JsonLine(answer));
   return JsonResponse(answer);
 }
 

@@ -34,6 +34,8 @@ class BedApi {
          EventTopic* events);
 
   void AddTo(Routes* routes);
+  /// All its routes, answered by `answer`.
+  static std::vector<Route> AllRoutes(const Handler& answer);
   /// What was read at the start and is no store of ours; empty: nothing.
   const std::string& note() const { return note_; }
 
@@ -45,6 +47,9 @@ class BedApi {
     bool uses_printer = true;
   };
 
+  HttpResponse Handle(const HttpRequest& request);
+  HttpResponse Abort();
+  void ForgetWhatHomingUndid();
   HttpResponse Intrinsics() const;
   HttpResponse SetIntrinsics(const HttpRequest& request);
   HttpResponse Probe(const HttpRequest& request);
@@ -73,6 +78,8 @@ class BedApi {
   OperatorSeat* seat_;
   EventTopic* events_;
   std::string note_{};
+  int homings_ = 0;  ///< When something was applied; while nobody sits there.
+  Vec3<double> raised_mm_ = Vec3<double>::Zero();  ///< Likewise, at the last look.
   std::mutex writing_{};
   mutable std::mutex mutex_{};  ///< Of what follows.
   BedStore store_{};

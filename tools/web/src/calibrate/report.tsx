@@ -136,7 +136,7 @@ function Jobs({ bench }: { bench: Bench }) {
           </tbody>
         </table>
       </div>
-      <button className="quiet" onClick={() => save("calibration-jobs.json", "application/json", JSON.stringify(bench.results, null, 1))}>
+      <button className="quiet" onClick={async () => save("calibration-jobs.json", "application/json", await (await fetch("/api/bench/results")).text())}>
         Download all jobs with their readings (JSON)
       </button>
     </>
