@@ -75,7 +75,7 @@ async function drive(browser, name, faults) {
   const server = await serve(state);
   const context = await browser.newContext({ viewport: { width: 1280, height: 900 } });
   const page = await context.newPage();
-  page.setDefaultTimeout(15000);
+  page.setDefaultTimeout(30000);
   const start = Date.now();
   const check = tools(name, page, server, faults, state);
   page.on("pageerror", (error) => check(false, `no script error: ${error.message}`));

@@ -124,6 +124,23 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/calibration/bed-tilt/abort": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /** Ends what moves the printer at its next line, whoever asks */
+        post: operations["abortBed"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/calibration/validate": {
         parameters: {
             query?: never;
@@ -509,6 +526,23 @@ export interface paths {
         };
         /** The machine on the bench: settings, what is at work or asked, entries, results */
         get: operations["bench"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/bench/results": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** The last twelve jobs with all their readings */
+        get: operations["benchResults"];
         put?: never;
         post?: never;
         delete?: never;
@@ -1023,6 +1057,7 @@ export interface components {
             machine_said?: string;
             cannot_tell?: string[];
         };
+        /** @description In `results` without `said` and `readings`: GET /api/bench/results has them. */
         Job: {
             id: number;
             procedure: string;
@@ -1031,8 +1066,8 @@ export interface components {
             };
             begun_at?: string;
             ended_at?: string;
-            said: string[];
-            readings: components["schemas"]["Reading"][];
+            said?: string[];
+            readings?: components["schemas"]["Reading"][];
             question?: components["schemas"]["Question"] | null;
             result: components["schemas"]["ProcedureResult"] | null;
         };
@@ -1633,6 +1668,37 @@ export interface operations {
             };
             /** @description took too long */
             504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    abortBed: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description it will end */
+            202: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": {
+                        aborted: boolean;
+                    };
+                };
+            };
+            /** @description no JSON, a broken form, or a target that is no path */
+            400: {
                 headers: {
                     [name: string]: unknown;
                 };
@@ -3164,6 +3230,46 @@ export interface operations {
             };
             /** @description no JSON, a broken form, or a target that is no path */
             400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    benchResults: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description done */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": {
+                        results: components["schemas"]["Job"][];
+                    };
+                };
+            };
+            /** @description no JSON, a broken form, or a target that is no path */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description busy */
+            503: {
                 headers: {
                     [name: string]: unknown;
                 };

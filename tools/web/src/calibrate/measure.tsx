@@ -115,9 +115,9 @@ export function Measure({ hold, bench, step }: { hold: BenchHold; bench: Bench; 
       {runs && step.n === 4 ? <><h3>Readings by the sense of approach</h3><Scatter readings={hold.readings} /></> : null}
       {entries.axes.map((axis) => lastJob(jobs, step.procedure, axis)).map((job) => (job ? (
         <JobResult key={job.id} job={job}>
-          {step.n === 4 && job.readings.length > 0 ? (
+          {step.n === 4 && bench.job?.id === job.id && bench.job.readings?.length ? (
             <details><summary>Readings by the sense of approach</summary>
-              <Scatter readings={job.readings as unknown as Reading[]} />
+              <Scatter readings={bench.job.readings as unknown as Reading[]} />
             </details>
           ) : null}
         </JobResult>
