@@ -17,4 +17,6 @@ echo
 echo "The same question on a real machine: a linear axis of a test stand, measured by others."
 echo "run: build/caltwin diagnose tests/data/iso230/ess_target_x_2022-04.csv --report out/real_axis"
 build/caltwin diagnose tests/data/iso230/ess_target_x_2022-04.csv --report out/real_axis
+echo
+echo "In a browser: tools/pages.sh, then build/caltwin serve --http 8080"
 echo "This took $((SECONDS / 60)) min $((SECONDS % 60)) s."

@@ -298,8 +298,8 @@ class Connection : public std::enable_shared_from_this<Connection> {
   void Close() {
     heartbeat_.cancel();
     error_code ignored;
-    stream_.socket().shutdown(tcp::socket::shutdown_both, ignored);
-    stream_.socket().close(ignored);
+    static_cast<void>(stream_.socket().shutdown(tcp::socket::shutdown_both, ignored));
+    static_cast<void>(stream_.socket().close(ignored));
   }
 
   beast::tcp_stream stream_;
@@ -323,7 +323,7 @@ void Accept(tcp::acceptor* acceptor, Shared* shared) {
     if (error == asio::error::operation_aborted) return;
     if (!error && shared->connections < shared->limits.connections) {
       error_code ignored;
-      socket.set_option(tcp::no_delay(true), ignored);
+      static_cast<void>(socket.set_option(tcp::no_delay(true), ignored));
       std::make_shared<Connection>(std::move(socket), shared)->Start();
     }
     Accept(acceptor, shared);
@@ -340,23 +340,23 @@ void WatchStop(asio::steady_timer* timer,
 }
 
 tcp::acceptor ListenAt(const ServerOptions& options, asio::io_context* io) {
-  const auto fail = [&](const error_code& error) -> InputError {
-    return {{},
-            fmt::format(
-                "--http {}: {}: {}", options.port, options.address, error.message()),
-            "--http 0 takes any free port; --listen says an address of this computer"};
-  };
-  error_code error;
-  const auto address = asio::ip::make_address(options.address, error);
-  if (error) throw fail(error);
-  const tcp::endpoint endpoint(address, static_cast<std::uint16_t>(options.port));
-  tcp::acceptor acceptor(*io);
-  acceptor.open(endpoint.protocol(), error);
-  if (!error) acceptor.set_option(asio::socket_base::reuse_address(true), error);
-  if (!error) acceptor.bind(endpoint, error);
-  if (!error) acceptor.listen(asio::socket_base::max_listen_connections, error);
-  if (error) throw fail(error);
-  return acceptor;
+  try {
+    const tcp::endpoint endpoint(asio::ip::make_address(options.address),
+                                 static_cast<std::uint16_t>(options.port));
+    tcp::acceptor acceptor(*io);
+    acceptor.open(endpoint.protocol());
+    acceptor.set_option(asio::socket_base::reuse_address(true));
+    acceptor.bind(endpoint);
+    acceptor.listen(asio::socket_base::max_listen_connections);
+    return acceptor;
+  } catch (const boost::system::system_error& error) {
+    throw InputError(
+        {},
+        fmt::format(
+            "--http {}: {}: {}", options.port, options.address, error.code().message()),
+        "--http 0 takes any free port; --listen says an address of this "
+        "computer");
+  }
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <limits>
 #include <vector>
 
+#include <Eigen/Cholesky>
 #include <fmt/format.h>
 
 #include "sim/machine/kinds/triple_z/drawing.h"
