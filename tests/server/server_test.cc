@@ -4,6 +4,7 @@
 #include <atomic>
 #include <future>
 #include <thread>
+#include <utility>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -50,7 +51,7 @@ class Client {
       if (count <= 0) break;
       heard_.append(buffer.data(), static_cast<std::size_t>(count));
     }
-    return std::move(heard_);
+    return std::exchange(heard_, "");
   }
 
  private:
@@ -159,14 +160,22 @@ TEST(Server, EventsReachWhoListens) {
   EXPECT_THAT(client.Hear("}\n\n"), HasSubstr("event: touch\ndata: {\"z\":1}"));
 }
 
-TEST(Server, APortThatIsTakenIsSaid) {
-  const Served served;
+bool IsRefused(int port) {
   const Routes routes;
   const Gate gate("127.0.0.1", "");
   const std::atomic<bool> stop = true;
+  try {
+    ServeHttp(routes, gate, {.port = port}, &stop, [](int) {});
+  } catch (const InputError&) {
+    return true;
+  }
+  return false;
+}
 
-  EXPECT_THROW(ServeHttp(routes, gate, {.port = served.port()}, &stop, [](int) {}),
-               InputError);
+TEST(Server, APortThatIsTakenIsSaid) {
+  const Served served;
+
+  EXPECT_TRUE(IsRefused(served.port()));
 }
 
 }  // namespace

@@ -124,22 +124,7 @@ int Serve(ServeAsked options) {
   return Listen(options, served.link);
 }
 
-}  // namespace
-
-Action DeclareServe(CLI::App* app) {
-  auto options = std::make_shared<ServeAsked>();
-  const CLI::Option* const machine =
-      app->add_option("--machine", options->twin.machine, "a name or a machine file")
-          ->capture_default_str();
-  app->add_option(
-      "--truth", options->twin.truth, "how it differs from its drawing and settings");
-  app->add_option("--bench",
-                  options->bench,
-                  "a file with `artefacts` and `instruments`; without it the 1-2-3 "
-                  "block lies in the middle of the table, 76.2 mm along x");
-  app->add_option("--tcp", options->port, "listen on this port of 127.0.0.1; 0: any")
-      ->check(CLI::Range(0, kLargestPort));
-  app->add_option("--pty", options->pty, "make a pseudo-terminal of this name");
+void DeclareWeb(CLI::App* app, ServeAsked* options) {
   CLI::Option* const http =
       app->add_option(
              "--http",
@@ -167,6 +152,25 @@ Action DeclareServe(CLI::App* app) {
                   "with --http: a real machine in place of the twin, "
                   "serial:/dev/ttyACM0?baud=115200 or tcp:host:port; needs --machine")
       ->needs(http);
+}
+
+}  // namespace
+
+Action DeclareServe(CLI::App* app) {
+  auto options = std::make_shared<ServeAsked>();
+  const CLI::Option* const machine =
+      app->add_option("--machine", options->twin.machine, "a name or a machine file")
+          ->capture_default_str();
+  app->add_option(
+      "--truth", options->twin.truth, "how it differs from its drawing and settings");
+  app->add_option("--bench",
+                  options->bench,
+                  "a file with `artefacts` and `instruments`; without it the 1-2-3 "
+                  "block lies in the middle of the table, 76.2 mm along x");
+  app->add_option("--tcp", options->port, "listen on this port of 127.0.0.1; 0: any")
+      ->check(CLI::Range(0, kLargestPort));
+  app->add_option("--pty", options->pty, "make a pseudo-terminal of this name");
+  DeclareWeb(app, options.get());
   app->add_option("--fidelity", options->twin.fidelity, "physics or fast")
       ->check(CLI::IsMember({"physics", "fast"}))
       ->capture_default_str();

@@ -6,6 +6,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <tuple>
 #include <utility>
 
 #include <boost/asio/io_context.hpp>
@@ -298,8 +299,8 @@ class Connection : public std::enable_shared_from_this<Connection> {
   void Close() {
     heartbeat_.cancel();
     error_code ignored;
-    static_cast<void>(stream_.socket().shutdown(tcp::socket::shutdown_both, ignored));
-    static_cast<void>(stream_.socket().close(ignored));
+    std::ignore = stream_.socket().shutdown(tcp::socket::shutdown_both, ignored);
+    std::ignore = stream_.socket().close(ignored);
   }
 
   beast::tcp_stream stream_;
@@ -323,7 +324,7 @@ void Accept(tcp::acceptor* acceptor, Shared* shared) {
     if (error == asio::error::operation_aborted) return;
     if (!error && shared->connections < shared->limits.connections) {
       error_code ignored;
-      static_cast<void>(socket.set_option(tcp::no_delay(true), ignored));
+      std::ignore = socket.set_option(tcp::no_delay(true), ignored);
       std::make_shared<Connection>(std::move(socket), shared)->Start();
     }
     Accept(acceptor, shared);

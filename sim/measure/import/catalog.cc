@@ -13,6 +13,7 @@
 #include "sim/measure/import/cmm_plate.h"
 #include "sim/measure/import/console_log.h"
 #include "sim/measure/import/drawn_path.h"
+#include "sim/measure/import/height_matrix.h"
 #include "sim/measure/import/heightmap_xml.h"
 #include "sim/measure/import/import.h"
 #include "sim/measure/import/iso230_dat.h"
@@ -77,6 +78,10 @@ constexpr std::array kImporters = {
     Importer{"candle-map",
              "a height map as Candle saves it",
              ReadCandleMap,
+             /*has_unit=*/true},
+    Importer{"height-matrix",
+             "heights as a sheet has them: x across, y down, the places beside them",
+             ReadHeightMatrix,
              /*has_unit=*/true},
     Importer{
         "printer-cfg",

@@ -9,6 +9,7 @@
 #include "sim/measure/import/console_line.h"
 #include "sim/measure/import/drawn_path.h"
 #include "sim/measure/import/fields.h"
+#include "sim/measure/import/height_matrix.h"
 #include "sim/measure/import/named_heights.h"
 #include "sim/measure/import/rotary_table.h"
 
@@ -144,6 +145,7 @@ std::string KindOfText(const std::string& text, const std::string& name) {
   if (!seen.has_console && NoteOfRotaryTable(text)) return "rotary-table";
   if (seen.has_console || seen.has_settings) return "console-log";
   if (CandleMapIn(text)) return "candle-map";
+  if (HeightMatrixIn(text)) return "height-matrix";
   if (has("#define") && has("_diag_ac")) return "marlin-config";
   if (has("[stepper_") || has("[printer]") || IsModule(text)) return "printer-cfg";
   if (NoteOfDrawnPath(text)) return "drawn-path";
