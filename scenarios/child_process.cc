@@ -133,8 +133,8 @@ Spawned Spawn(const ChildCommand& command,
   for (char** one = environ; *one != nullptr; ++one) environment.push_back(*one);
   environment.push_back(nullptr);
   Spawned spawned;
-  spawned.error = posix_spawnp(
-      &spawned.pid, arguments[0],
+  spawned.error = posix_spawnp(&spawned.pid,
+                               arguments[0],
                                &actions,
                                &attributes,
                                arguments.data(),
