@@ -30,8 +30,11 @@ TEST(Gate, OnlyThisComputersNamesAreAnswered) {
     EXPECT_EQ(StatusOf(gate, Asked("GET", {{"host", host}})), 200) << host;
   }
   // A page of evil.example that lets its name lead here.
-  for (const char* host : {"evil.example:8080", "localhost.evil.example", "127.0.0.1.evil.example",
-                           "127.evil.example", ""}) {
+  for (const char* host : {"evil.example:8080",
+                           "localhost.evil.example",
+                           "127.0.0.1.evil.example",
+                           "127.evil.example",
+                           ""}) {
     EXPECT_EQ(StatusOf(gate, Asked("GET", {{"host", host}})), 421) << host;
   }
 }

@@ -191,11 +191,13 @@ TEST_F(BedApiTest, PointsTooCloseTogetherSpanNoPlane) {
 }
 
 TEST_F(BedApiTest, ANameIsCutBetweenLetters) {
-  const HttpRequest other{.headers = {{"x-operator", std::string(59, 'a') + "\u00e9\u00e9"}}};
+  const HttpRequest other{
+      .headers = {{"x-operator", std::string(59, 'a') + "\u00e9\u00e9"}}};
   const auto seat = seat_.Take(other, "probing the bed");
 
-  EXPECT_EQ(Json::parse(Ask("POST", "/bed-tilt/calibrate", Json::object()).body)["held_by"],
-            std::string(59, 'a'));
+  EXPECT_EQ(
+      Json::parse(Ask("POST", "/bed-tilt/calibrate", Json::object()).body)["held_by"],
+      std::string(59, 'a'));
 }
 
 TEST_F(BedApiTest, WhoSitsThereIsNamed) {
@@ -266,7 +268,8 @@ TEST_F(BedApiOnDisk, WhatWasAppliedIsNotTakenForGranted) {
   Start();
 
   EXPECT_TRUE(Done("GET", "/bed-tilt/current")["applied"].is_null());
-  EXPECT_THAT(Done("GET", "/bed-tilt/current")["notes"].dump(), HasSubstr("started anew"));
+  EXPECT_THAT(Done("GET", "/bed-tilt/current")["notes"].dump(),
+              HasSubstr("started anew"));
 }
 
 TEST_F(BedApiOnDisk, AnyCutOfTheFileIsPutAside) {

@@ -18,7 +18,8 @@ class EventTopic {
 
   /// @param most_kept, most_kept_bytes  so many past events, and so long in all, are
   ///   told to a newcomer who asks for them
-  explicit EventTopic(std::size_t most_kept = 1000, std::size_t most_kept_bytes = 500'000)
+  explicit EventTopic(std::size_t most_kept = 1000,
+                      std::size_t most_kept_bytes = 500'000)
       : most_kept_(most_kept), most_kept_bytes_(most_kept_bytes) {}
 
   /// Tells everybody. `data`: one line of JSON.

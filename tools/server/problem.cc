@@ -90,8 +90,10 @@ Problem ProblemOf(const InputError& error) {
 }
 
 std::string JsonLine(const nlohmann::ordered_json& tree) {
-  return tree.dump(
-      -1, ' ', /*ensure_ascii=*/false, nlohmann::ordered_json::error_handler_t::replace);
+  return tree.dump(-1,
+                   ' ',
+                   /*ensure_ascii=*/false,
+                   nlohmann::ordered_json::error_handler_t::replace);
 }
 
 HttpResponse JsonResponse(const nlohmann::ordered_json& tree, int status) {

@@ -85,8 +85,8 @@ BenchApi::BenchApi(std::unique_ptr<Desk> desk,
     }
     events_->Publish("bench", JsonLine(Tree()));
   });
-  link_ = std::make_unique<AbortableLink>(
-      desk_->wire(), seat_, [this] { TellReadings(); });
+  link_ =
+      std::make_unique<AbortableLink>(desk_->wire(), seat_, [this] { TellReadings(); });
   desk_->Connect(link_.get());
   bench->person = person_.get();
   bench->gauge = person_.get();

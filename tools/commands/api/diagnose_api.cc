@@ -62,9 +62,10 @@ void RequirePlain(const FormPart& part) {
   const bool has_control = std::ranges::any_of(
       part.body, [](char letter) { return static_cast<unsigned char>(letter) < 0x20; });
   if (!has_control && part.body.size() <= kLongest) return;
-  throw Problem(422,
-                fmt::format("the field '{}' is no option", part.name),
-                {{.detail = "one line of at most 1000 letters", .pointer = "/" + part.name}});
+  throw Problem(
+      422,
+      fmt::format("the field '{}' is no option", part.name),
+      {{.detail = "one line of at most 1000 letters", .pointer = "/" + part.name}});
 }
 
 Form FormOf(const HttpRequest& request) {
@@ -158,12 +159,12 @@ void DiagnoseApi::AddTo(Routes* routes) {
 DiagnoseApi::Kept DiagnoseApi::Keep(Kept kept) {
   const std::lock_guard<std::mutex> lock(mutex_);
   kept.id = fmt::format("{}", ++last_);
-  kept.folder = std::shared_ptr<const fs::path>(
-      new fs::path(folder_.path() / kept.id), [](const fs::path* folder) {
-        std::error_code ignored;
-        fs::remove_all(*folder, ignored);
-        delete folder;
-      });
+  kept.folder = std::shared_ptr<const fs::path>(new fs::path(folder_.path() / kept.id),
+                                                [](const fs::path* folder) {
+                                                  std::error_code ignored;
+                                                  fs::remove_all(*folder, ignored);
+                                                  delete folder;
+                                                });
   kept_.push_back(kept);
   if (kept_.size() > kMostKept) kept_.pop_front();
   return kept;
@@ -186,7 +187,8 @@ std::string DiagnoseApi::DiagnoseOne(const Kept& kept, const std::string& file) 
   asked.insert(asked.end(), {"--replay", "none", "--json", "answer.json"});
   const std::string text =
       RunOwnProgram({.words = asked, .folder = *kept.folder, .stop = stop_});
-  Json tree = Json::parse(ReadTextFile(*kept.folder / "answer.json", kLargestData_bytes));
+  Json tree =
+      Json::parse(ReadTextFile(*kept.folder / "answer.json", kLargestData_bytes));
   tree["import"] = {{"file", file}, {"notes", tree.value("remarks", Json::array())}};
   tree["text"] = text;
   tree["id"] = kept.id;
@@ -210,8 +212,8 @@ HttpResponse DiagnoseApi::Diagnose(const HttpRequest& request) {
     if (!form.machine.empty()) words.push_back("--machine=" + form.machine);
     const Kept kept = Keep({.words = words});
     for (const auto& [name, text] : form.files) {
-      const bool is_other_data = name != file && std::ranges::find(form.data, name) !=
-                                                     form.data.end();
+      const bool is_other_data =
+          name != file && std::ranges::find(form.data, name) != form.data.end();
       if (!is_other_data) WriteTextFile(*kept.folder / name, text);
     }
     answers.push_back(DiagnoseOne(kept, file));

@@ -28,7 +28,8 @@ class DiagnoseApi {
   struct Kept {
     std::string id{};
     std::vector<std::string> words{};  ///< `diagnose data.csv --machine ...`.
-    std::shared_ptr<const std::filesystem::path> folder{};  ///< Gone with the last user.
+    std::shared_ptr<const std::filesystem::path>
+        folder{};  ///< Gone with the last user.
   };
 
   HttpResponse Diagnose(const HttpRequest& request);

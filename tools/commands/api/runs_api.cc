@@ -132,9 +132,11 @@ void RunsApi::Work(Run* run, const std::vector<std::string>& words) {
   std::string result;
   events_->Publish("run", JsonLine(Json{{"id", run->id}, {"state", "running"}}));
   try {
-    text = RunOwnProgram(
-        {.words = words, .folder = folder, .patience = kPatience, .stop = &run->stop,
-         .is_confined = false});
+    text = RunOwnProgram({.words = words,
+                          .folder = folder,
+                          .patience = kPatience,
+                          .stop = &run->stop,
+                          .is_confined = false});
     result = ReadTextFile(folder / "result.json", kLargestData_bytes);
   } catch (const std::exception& fault) {
     state = run->stop ? "stopped" : "failed";

@@ -42,7 +42,8 @@ class OperatorSeat {
   /// Whoever sits there is to stop at the next line; false: nobody does.
   bool Abort();
   bool is_aborted() const { return is_aborted_; }
-  /// Calls `look` while nobody sits there and nobody can sit down; not at all otherwise.
+  /// Calls `look` while nobody sits there and nobody can sit down; not at all
+  /// otherwise.
   void IfFree(const std::function<void()>& look) const;
 
  private:

@@ -133,8 +133,8 @@ WebService::WebService(const WebOptions& options, const std::atomic<bool>* stop)
   AddPages();
 }
 
-// Where what belongs to a machine is kept; empty: nowhere. `which`: the wire or the twin,
-// so that nothing of one is ever written to another.
+// Where what belongs to a machine is kept; empty: nowhere. `which`: the wire or the
+// twin, so that nothing of one is ever written to another.
 fs::path WebService::StoreOf(const std::string& machine,
                              const std::string& which,
                              const char* what) const {
@@ -174,11 +174,11 @@ void WebService::BuildMachines() {
   parts.printer_link = std::make_unique<AbortableLink>(
       parts.printer->wire(), &parts.printer_seat, [] {});
   parts.printer->Connect(parts.printer_link.get());
-  parts.bed = BedApiOn(parts.printer->bench(),
-                       {StoreOf(printer.machine, TwinUrl(printer), "bed"),
-                        printer.machine},
-                       &parts.printer_seat,
-                       &parts.events);
+  parts.bed =
+      BedApiOn(parts.printer->bench(),
+               {StoreOf(printer.machine, TwinUrl(printer), "bed"), printer.machine},
+               &parts.printer_seat,
+               &parts.events);
 }
 
 void WebService::AddRoutes() {

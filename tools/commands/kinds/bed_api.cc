@@ -83,7 +83,8 @@ BedApi::BedApi(TripleZPrinter* printer,
   if (kept.applied_mm) {
     kept.applied_mm.reset();
     kept.found.back().notes.emplace_back(
-        "the server was started anew since: nobody knows whether what was applied still "
+        "the server was started anew since: nobody knows whether what was applied "
+        "still "
         "is, measure again");
   }
   Show(std::move(kept));
@@ -268,10 +269,10 @@ std::vector<BedTouch> BedApi::TouchAll(const std::vector<Eigen::Vector2d>& at_mm
     touches.push_back({place_mm, *height_mm});
     events_->Publish("touch",
                      JsonLine(Json{{"number", touches.size()},
-                          {"of", at_mm.size()},
-                          {"x", place_mm[0]},
-                          {"y", place_mm[1]},
-                          {"z", *height_mm}}));
+                                   {"of", at_mm.size()},
+                                   {"x", place_mm[0]},
+                                   {"y", place_mm[1]},
+                                   {"z", *height_mm}}));
   }
   return touches;
 }
