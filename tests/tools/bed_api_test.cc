@@ -96,7 +96,7 @@ TEST_F(BedApiTest, ALeaningBedIsLevelledInOneRound) {
   const double counted = 0.00125 / 195;  // Whole steps of the screws.
   EXPECT_NEAR(now["plane_equation"]["a"], 0, 4 * counted);
   EXPECT_NEAR(now["plane_equation"]["b"], 0, 4 * counted);
-  EXPECT_THAT(now["notes"].dump(), HasSubstr("level as far as these touches tell"));
+  EXPECT_THAT(now["notes"].dump(), HasSubstr("the bed is level"));
 }
 
 TEST_F(BedApiTest, TheSameOffsetsMoveOnceAndNoughtTakesThemBack) {

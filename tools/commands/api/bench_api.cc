@@ -85,8 +85,8 @@ BenchApi::BenchApi(std::unique_ptr<Desk> desk,
     }
     events_->Publish("bench", JsonLine(Tree()));
   });
-  link_ =
-      std::make_unique<AbortableLink>(desk_->wire(), seat_, [this] { TellReadings(); });
+  link_ = std::make_unique<AbortableLink>(
+      desk_->wire(), seat_, [this](std::string_view line) { Sent(line); });
   desk_->Connect(link_.get());
   bench->person = person_.get();
   bench->gauge = person_.get();
@@ -351,6 +351,18 @@ void BenchApi::Work(const PreparedProcedure& work, OperatorSeat::Held seat) {
   events_->Publish("bench", JsonLine(Tree()));
 }
 
+void BenchApi::Sent(std::string_view line) {
+  TellReadings();
+  // "M92 X800", "set global.nxtProbeDeflection = ...": the settings are others now.
+  const bool writes = (line.starts_with("M92 ") || line.starts_with("M425 ") ||
+                       line.starts_with("set global.nxtProbeDeflection"));
+  if (!writes || is_reading_ || !HasAxisSettings(*desk_->bench())) return;
+  is_reading_ = true;
+  ReadSettings();
+  is_reading_ = false;
+  events_->Publish("bench", JsonLine(Tree()));
+}
+
 void BenchApi::TellReadings() {
   const Bench& bench = *desk_->bench();
   if (bench.record == nullptr) return;
@@ -372,6 +384,8 @@ void BenchApi::ReadSettings() {
   if (!controller.ReadSettings()) return;
   const std::lock_guard<std::mutex> lock(mutex_);
   settings_ = controller.settings();
+  // In a procedure compensation may be off for a while: nothing to go on from.
+  if (!is_reading_) kept_settings_ = settings_;
 }
 
 void BenchApi::ResumeSettings() {
@@ -471,7 +485,7 @@ void BenchApi::KeepStore() {
                 {"readings", readings_},
                 {"last_job", last_job_},
                 {"calibrated_at", calibrated_at_},
-                {"settings", SettingsTree(settings_)},
+                {"settings", SettingsTree(kept_settings_)},
                 {"settings_before", SettingsTree(settings_before_)}}
                .dump(1,
                      ' ',

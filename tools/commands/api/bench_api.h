@@ -5,6 +5,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <vector>
 
@@ -67,6 +68,8 @@ class BenchApi {
                         PreparedProcedure work);
   void Work(const PreparedProcedure& work, OperatorSeat::Held seat);
   CalibrationStep StepOf(const std::string& name, const Json& options) const;
+  /// After each line of a procedure, in its thread.
+  void Sent(std::string_view line);
   void TellReadings();
   void ReadSettings();
   /// Puts back what the firmware believed when the last server ended.
@@ -85,7 +88,8 @@ class BenchApi {
   std::string note_{};
   std::thread thread_{};
   std::jthread stopping_{};
-  std::size_t told_ = 0;  ///< Readings, in the job's thread.
+  std::size_t told_ = 0;     ///< Readings, in the job's thread.
+  bool is_reading_ = false;  ///< The settings, likewise.
 
   std::mutex writing_{};
   mutable std::mutex mutex_{};  ///< Of what follows.
@@ -97,6 +101,7 @@ class BenchApi {
   Json results_ = Json::array();   ///< Without their readings.
   Json readings_ = Json::array();  ///< The last ones with theirs.
   std::optional<Settings> settings_{}, settings_before_{};
+  std::optional<Settings> kept_settings_{};  ///< Between procedures: what is stored.
   std::string calibrated_at_{};
 };
 

@@ -121,7 +121,7 @@ Expected<std::vector<std::string>> AbortableLink::Send(
   if ((seat_->is_aborted() || InterruptRequested()) && !PutsBack(line))
     return Refused("aborted by the operator");
   auto answer = inner_->Send(line, patience);
-  sent_();
+  sent_(line);
   return answer;
 }
 

@@ -73,7 +73,9 @@ class ClientOperator final : public Operator, public Gauge {
 class AbortableLink final : public Link {
  public:
   /// Both are borrowed. `sent` is called after each line.
-  AbortableLink(Link* inner, const OperatorSeat* seat, std::function<void()> sent)
+  AbortableLink(Link* inner,
+                const OperatorSeat* seat,
+                std::function<void(std::string_view)> sent)
       : inner_(inner), seat_(seat), sent_(std::move(sent)) {}
   Expected<std::vector<std::string>> Send(std::string_view line,
                                           std::chrono::milliseconds patience) override;
@@ -82,7 +84,7 @@ class AbortableLink final : public Link {
  private:
   Link* inner_;
   const OperatorSeat* seat_;
-  std::function<void()> sent_;
+  std::function<void(std::string_view line)> sent_;
 };
 
 }  // namespace caltwin

@@ -172,7 +172,7 @@ void WebService::BuildMachines() {
   const TwinOptions printer = Practice("triple_z_printer", fidelity);
   parts.printer = DeskOf(printer, "");
   parts.printer_link = std::make_unique<AbortableLink>(
-      parts.printer->wire(), &parts.printer_seat, [] {});
+      parts.printer->wire(), &parts.printer_seat, [](std::string_view) {});
   parts.printer->Connect(parts.printer_link.get());
   parts.bed =
       BedApiOn(parts.printer->bench(),

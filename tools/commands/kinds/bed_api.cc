@@ -24,6 +24,7 @@ constexpr std::size_t kMostPoints = 400;  // Of one request.
 constexpr double kMargin_mm = 20;         // Of a grid from the ends of the travel.
 constexpr double kClear_mm = 10;          // Nozzle over the bed where screws move.
 constexpr double kHighest_mm = 1000;      // Of a height that somebody gives.
+constexpr double kLevelEnough_mm = 0.02;  // Between screws: no print shows it.
 constexpr double kWellLevelled_mm = 0.1;  // The published target of a validation.
 
 // What the machine would not do, in its own words.
@@ -318,14 +319,15 @@ std::vector<std::string> BedApi::NotesOf(BedFound* kept) const {
     notes.push_back(why);
   const double most_mm = found.offsets_mm.maxCoeff();
   const double noise_mm = std::max(Residual_mm(found), sigma_mm);
-  kept->is_level = most_mm < 2 * noise_mm;
+  kept->is_level = most_mm < std::max(2 * noise_mm, kLevelEnough_mm);
   if (found.is_level) {
     notes.push_back(
-        fmt::format("the bed is level as far as these touches tell: the screws differ "
-                    "by {:.3f} mm, "
-                    "the touches scatter by {:.3f}; another round would chase noise",
+        fmt::format("the bed is level: over the screws it differs by {:.3f} mm, where "
+                    "the touches scatter by {:.3f} and {:.2f} is good; another round "
+                    "would gain nothing",
                     most_mm,
-                    noise_mm));
+                    noise_mm,
+                    kLevelEnough_mm));
   } else {
     notes.push_back(
         fmt::format("raise the screws by {:.3f}, {:.3f} and {:.3f} mm: the lowest "
@@ -384,7 +386,8 @@ HttpResponse BedApi::Status() const {
     const auto& at_mm = bench.drawn_mm[static_cast<std::size_t>(i)];
     screws.push_back({{"name", ScrewName(i)},
                       {"at_mm", {at_mm[0], at_mm[1]}},
-                      {"raised_mm", raised_mm_[i]}});
+                      {"raised_mm", raised_mm_[i]},
+                      {"applied_mm", kept.applied_mm ? (*kept.applied_mm)[i] : 0.0}});
   }
   Json tree{{"machine", options_.machine},
             {"travel_mm", {bench.most_mm[0], bench.most_mm[1]}},
@@ -439,9 +442,22 @@ HttpResponse BedApi::Apply(const HttpRequest& request) {
     throw ProblemOf(moved.error());
   homings_ = printer_->homings();
   Change([&](BedStore* now) { now->applied_mm = offsets_mm; });
-  const Json answer{{"status", "success"},
-                    {"z_offsets", ScrewsToJson(offsets_mm)},
-                    {"moved", ScrewsToJson(move_mm)}};
+  const Eigen::Vector2d middle_mm = printer_->bench().most_mm / 2;
+  const Vec3<double> weights =
+      ScrewWeights(printer_->bench().drawn_mm, middle_mm[0], middle_mm[1]);
+  const double risen_mm = weights.dot(move_mm);
+  Json answer{{"status", "success"},
+              {"z_offsets", ScrewsToJson(offsets_mm)},
+              {"moved", ScrewsToJson(move_mm)},
+              {"notes", Json::array()}};
+  if (std::abs(risen_mm) > kLevelEnough_mm) {
+    answer["notes"].push_back(
+        fmt::format("the middle of the bed stands {:.3f} mm {} than before: set the "
+                    "nozzle's height "
+                    "(Z offset) anew before you print",
+                    std::abs(risen_mm),
+                    risen_mm > 0 ? "higher" : "lower"));
+  }
   events_->Publish("applied", JsonLine(answer));
   return JsonResponse(answer);
 }

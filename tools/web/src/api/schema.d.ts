@@ -825,6 +825,7 @@ export interface components {
             status: "success";
             z_offsets: components["schemas"]["Screws"];
             moved: components["schemas"]["Screws"];
+            notes: string[];
         };
         ValidateRequest: {
             test_points: number[][];
@@ -854,7 +855,10 @@ export interface components {
             screws: {
                 name: string;
                 at_mm: number[];
+                /** @description Since homing. */
                 raised_mm: number;
+                /** @description Since the bed was touched. */
+                applied_mm: number;
             }[];
             is_measured: boolean;
             is_applied: boolean;

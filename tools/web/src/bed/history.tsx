@@ -4,7 +4,7 @@ import { heightOf, isWithinNoise, mostOffset, offsetOf, plain, screwNames, when,
 function wordsOf(past: BedTilt[]): string {
   const [last, before] = past;
   if (!last) return "";
-  if (isWithinNoise(last)) return "Another round would not help: what is left is as small as the touches scatter.";
+  if (last.is_level || isWithinNoise(last)) return "The bed is level: another round would gain nothing.";
   if (!before) return "One measurement so far. Apply, then check: the two are set side by side here.";
   const [now, then] = [mostOffset(last), mostOffset(before)];
   if (now < 0.5 * then) return `The last measurement is better: ${plain(now)} mm to raise instead of ${plain(then)} mm. Another round helps.`;

@@ -32,12 +32,12 @@ export function isMoved(screws: Screws | null | undefined): boolean {
 }
 
 export function isRaised(status: BedStatus): boolean {
-  return status.screws.some((screw) => Math.abs(screw.raised_mm) >= 0.0005);
+  return status.screws.some((screw) => Math.abs(screw.applied_mm) >= 0.0005);
 }
 
 // The notes say so where the rest is as small as the scatter.
 export function isWithinNoise(bed: BedTilt): boolean {
-  return (bed.notes ?? []).some((note) => note.includes("another round would chase noise"));
+  return bed.is_level === true;
 }
 
 export function isLevel(bed: BedTilt): boolean {
@@ -115,7 +115,9 @@ export function readPoints(text: string, least: number): Read {
   const points: number[][] = [];
   for (const [i, line] of text.split("\n").entries()) {
     if (!line.trim()) continue;
-    const words = line.trim().split(/[\s,;]+/);
+    // "20, 20, 0.15", "20;20;0,15": a comma between digits is a decimal one where others separate.
+    const plain = /[;\t]|\d\s+\d/.test(line) ? line.replace(/(\d),(\d)/g, "$1.$2") : line;
+    const words = plain.trim().split(/[\s,;]+/);
     const numbers = words.map(Number);
     if (words.length !== 3 || numbers.some((number) => !Number.isFinite(number))) {
       return { points, fault: `Line ${i + 1}: “${line.trim()}” is not three numbers. Write x, y and z in mm, as in “20, 20, 0.15”.` };

@@ -7,7 +7,7 @@ import type { Bed, Grid } from "./use_bed";
 type Wish = { title: string; verb: string; offsets: Screws };
 
 function movesOf(wish: Screws, status: BedStatus): { name: ScrewName; by: number }[] {
-  return screwNames.map((name, i) => ({ name, by: offsetOf(wish, name) - (status.screws[i]?.raised_mm ?? 0) }));
+  return screwNames.map((name, i) => ({ name, by: offsetOf(wish, name) - (status.screws[i]?.applied_mm ?? 0) }));
 }
 
 function moveText(by: number): string {
@@ -26,7 +26,7 @@ export function ScrewsCard({ bed, status, found, grid }: { bed: Bed; status: Bed
       <p>How far each motor is to raise its screw. One stays at 0: the others come up to it.</p>
       <div className="bed-motors">
         {screwNames.map((name, i) => (
-          <Motor key={name} name={name} found={found} status={status} raised={status.screws[i]?.raised_mm ?? 0} />
+          <Motor key={name} name={name} found={found} status={status} raised={status.screws[i]?.applied_mm ?? 0} />
         ))}
       </div>
       <div className="row">
@@ -83,6 +83,7 @@ function State({ bed, found, raised }: { bed: Bed; found: BedTilt; raised: boole
     return (
       <Notice kind="good">
         <p><strong>Done: {moved.join(", ")}.</strong></p>
+        {bed.movedNotes.map((note) => <p key={note}>{note[0]!.toUpperCase() + note.slice(1)}.</p>)}
         {raised ? <p>Choose “Check it” to touch the bed again and see what is left.</p> : <p>The screws stand as they did when the bed was touched.</p>}
       </Notice>
     );
@@ -97,7 +98,7 @@ function State({ bed, found, raised }: { bed: Bed; found: BedTilt; raised: boole
 function progressOf(before: BedTilt, after: BedTilt): string {
   const [was, is] = [mostOffset(before), mostOffset(after)];
   const tilts = `The tilt went from ${plain(before.tilt_angles.tilt_degrees)}° to ${plain(after.tilt_angles.tilt_degrees)}°.`;
-  if (isWithinNoise(after)) return `${tilts} What is left is as small as the touches scatter: another round would not help.`;
+  if (isLevel(after) || isWithinNoise(after)) return `${tilts} The bed is level: another round would gain nothing.`;
   if (is < 0.5 * was) return `${tilts} Another round helps: choose “Apply” again.`;
   return `${tilts} The screws did not do what they were told. Look at which motor turns which screw, at the pitch of the screws, and whether the bed can tilt freely.`;
 }

@@ -18,6 +18,7 @@ export type Bed = {
   failed: { doing: Doing; problem: Problem } | null;
   before: BedTilt | null;
   moved: Screws | null;
+  movedNotes: string[];
   connection: Connection;
   calibrate: (grid: Grid, before?: BedTilt) => Promise<void>;
   probe: (body: Schemas["ProbeRequest"]) => Promise<void>;
@@ -119,6 +120,7 @@ export function useBed(): Bed {
   const [failed, setFailed] = useState<Bed["failed"]>(null);
   const [before, setBefore] = useState<BedTilt | null>(null);
   const [moved, setMoved] = useState<Screws | null>(null);
+  const [movedNotes, setMovedNotes] = useState<string[]>([]);
   useKeepUp(kept.status, connection, reload, setLive);
 
   // What a success changes shows together with what the server then says of the bed.
@@ -141,7 +143,7 @@ export function useBed(): Bed {
     setMoved(null);
   };
   return {
-    ...kept, live, doing, loading, problem: fault, failed, before, moved, connection, reload,
+    ...kept, live, doing, loading, problem: fault, failed, before, moved, movedNotes, connection, reload,
     calibrate: (grid, earlier) => act("measure", async () => {
       const body = { grid_rows: grid.rows, grid_cols: grid.columns, reference_height: grid.reference };
       await answered(api.POST("/api/calibration/bed-tilt/calibrate", { body }));
@@ -155,6 +157,7 @@ export function useBed(): Bed {
       const done = await answered(api.POST("/api/calibration/bed-tilt/apply-triple-z", { body: offsets }));
       return () => {
         setMoved(done.moved);
+        setMovedNotes(done.notes ?? []);
         setBefore(null);
       };
     }),

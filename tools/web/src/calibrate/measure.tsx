@@ -12,7 +12,7 @@ import type { BenchHold } from "./use_bench";
 const about: Record<number, string> = {
   2: "The machine moves 100 mm and asks what a gauge reads before and after. Skip this where steps/mm are right within 1 %.",
   3: "The probe measures two sizes of the block. Their difference tells steps/mm; backlash and deflection cancel.",
-  4: "The probe touches one face many times. Readings form two clusters, on the way in and on the way out. Their distance tells the backlash.",
+  4: "The probe touches two faces of the block many times. Readings form two clusters, on the way in and on the way out. Their distance tells the backlash.",
   5: "The probe measures one known size. With steps/mm and backlash right, what is left is how far the probe bends before it triggers. Along Z this needs a ledge that can be touched from below; without one it stays not known.",
 };
 

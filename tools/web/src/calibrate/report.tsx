@@ -86,6 +86,22 @@ function save(name: string, type: string, text: string) {
   setTimeout(() => URL.revokeObjectURL(link.href), 1000);
 }
 
+// grbl and Marlin: steps/mm alone, and Marlin's backlash.
+function OtherFirmware({ settings }: { settings: Settings }) {
+  const steps = axes.map((axis) => settings.steps_per_mm[axis].toFixed(3));
+  const gaps = axes.map((axis) => settings.backlash_mm[axis].toFixed(3));
+  return (
+    <details>
+      <summary>The same for grbl or Marlin</summary>
+      <h3>grbl</h3>
+      <pre tabIndex={0} aria-label="Settings for grbl">{steps.map((value, i) => `$${100 + i}=${value}`).join("\n")}</pre>
+      <p className="hint">grbl corrects no backlash; a sender or the CAM program may.</p>
+      <h3>Marlin</h3>
+      <pre tabIndex={0} aria-label="Settings for Marlin">{`M92 X${steps[0]} Y${steps[1]} Z${steps[2]}\nM425 F1 X${gaps[0]} Y${gaps[1]} Z${gaps[2]}\nM500`}</pre>
+    </details>
+  );
+}
+
 function UserVars({ settings }: { settings: Settings | null }) {
   const [text, setText] = useState<string | null>(null);
   const [problem, setProblem] = useState<Problem | null>(null);
@@ -101,14 +117,15 @@ function UserVars({ settings }: { settings: Settings | null }) {
     () => setCopied("Copied."), () => setCopied("The browser does not allow copying here. Select the text instead."));
   return (
     <>
-      <p>Settings live in the controller's memory until it restarts. Put this file beside config.g and call it from there
-        with <code>M98 P"nxt-user-vars.g"</code>.</p>
+      <p>Settings live in the controller's memory until it restarts. This file is for RepRapFirmware: put it beside config.g
+        and call it from there with <code>M98 P"nxt-user-vars.g"</code>. Other firmware takes only the lines below it.</p>
       <pre tabIndex={0} aria-label="nxt-user-vars.g">{text}</pre>
       <div className="row">
         <button onClick={() => save("nxt-user-vars.g", "text/plain", text)}>Download nxt-user-vars.g</button>
         <button className="quiet" onClick={copy}>Copy</button>
         <span role="status">{copied}</span>
       </div>
+      {settings ? <OtherFirmware settings={settings} /> : null}
     </>
   );
 }

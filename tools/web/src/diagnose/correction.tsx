@@ -37,6 +37,16 @@ function WhyNot({ problem }: { problem: Problem }) {
 }
 
 // The factor needs no machine file: what stands in the firmware, times what was measured.
+// One line that sets them, as each firmware has it.
+function stepsLines(axis: string, steps: string): [string, string][] {
+  const letter = axis.toUpperCase();
+  return [
+    ["Marlin, RepRapFirmware", `M92 ${letter}${steps}`],
+    ["grbl", `$${100 + "XYZ".indexOf(letter)}=${steps}`],
+    ["LinuxCNC, in its joint's section", `SCALE = ${steps}`],
+  ];
+}
+
 function NewSteps({ fact }: { fact: Fact }) {
   const [now, setNow] = useState("");
   const id = useId();
@@ -54,6 +64,17 @@ function NewSteps({ fact }: { fact: Fact }) {
           {steps > 0 ? <>Set {withSd(steps * factor, fact.steps_factor_sd ? steps * fact.steps_factor_sd : null, "steps/mm")}</> : null}
         </output>
       </div>
+      {steps > 0 && "xyz".includes(fact.axis) && fact.axis ? (
+        <div className="scroll">
+          <table aria-label="The line that sets them">
+            <tbody>
+              {stepsLines(fact.axis, (steps * factor).toFixed(3)).map(([name, line]) => (
+                <tr key={name}><th scope="row">{name}</th><td><code>{line}</code></td></tr>
+              ))}
+            </tbody>
+          </table>
+        </div>
+      ) : null}
     </div>
   );
 }
