@@ -5,6 +5,7 @@ printed, leads a procedure through its questions, kills the server in the middle
 sends noise. No browser; the standard library alone.
 """
 
+import atexit
 import http.client
 import json
 import os
@@ -24,6 +25,7 @@ class Server:
     def __init__(self, program, state, *options):
         words = [program, "serve", "--http", "0", "--fidelity", "fast", "--state", state, *options]
         self.process = subprocess.Popen(words, stdout=subprocess.PIPE, text=True)
+        atexit.register(self.process.kill)  # Nothing stays behind where a claim fails.
         self.port = None
         for line in self.process.stdout:
             if line.startswith("open http://"):
