@@ -97,6 +97,14 @@ bool HttpRequest::Prefers(std::string_view type, std::string_view other) const {
          accept.find(type) != std::string::npos;
 }
 
+HttpResponse PageResponse(std::string html) {
+  return {.content_type = "text/html; charset=utf-8",
+          .body = std::move(html),
+          .headers = {{"Content-Security-Policy",
+                       "default-src 'none'; style-src 'unsafe-inline'; script-src "
+                       "'unsafe-inline'; img-src data:"}}};
+}
+
 std::optional<std::string> PercentDecoded(std::string_view text) {
   std::string decoded;
   for (std::size_t i = 0; i < text.size(); ++i) {

@@ -36,6 +36,9 @@ struct HttpResponse {
   std::shared_ptr<EventTopic> events{};
 };
 
+/// A page of ours that loads nothing: style, script and pictures are inside.
+HttpResponse PageResponse(std::string html);
+
 /// Percent-decoded; nullopt where a sequence is broken or a zero byte comes out.
 std::optional<std::string> PercentDecoded(std::string_view text);
 

@@ -14,6 +14,7 @@
 #include "sim/base/text_file.h"
 #include "sim/machine/machine_kind.h"
 #include "tools/commands/api/bench_json.h"
+#include "tools/commands/api/put_aside.h"
 #include "tools/commands/api/utc.h"
 #include "tools/server/json_keys.h"
 
@@ -464,11 +465,7 @@ void BenchApi::ReadStore() {
     }
     return;
   } catch (const std::exception&) {
-    const std::filesystem::path aside = options_.store.string() + ".unread";
-    std::filesystem::rename(options_.store, aside, error);
-    note_ = fmt::format("{} holds nothing this version wrote: put aside as {}",
-                        options_.store.string(),
-                        aside.filename().string());
+    note_ = PutAside(options_.store);
   }
 }
 

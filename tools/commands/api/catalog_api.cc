@@ -47,15 +47,6 @@ fs::path ModelFile(const std::string& name) {
   return ShareFolder() / "models" / name / "machine.yaml";
 }
 
-void RequireModel(const std::string& name) {
-  const std::vector<std::string> known = ModelNames();
-  if (std::ranges::find(known, name) != known.end()) return;
-  throw Problem(
-      404,
-      fmt::format("there is no machine '{}'", Printable(name)),
-      {{.detail = "no such machine", .hint = "GET /api/machines lists them"}});
-}
-
 HttpResponse Machines(const HttpRequest&) {
   Json list = Json::array();
   for (const std::string& name : ModelNames()) {
@@ -70,21 +61,8 @@ HttpResponse Machines(const HttpRequest&) {
 
 HttpResponse Picture(const HttpRequest& request) {
   const std::string& name = request.places[0];
-  RequireModel(name);
-  double exaggerate = 1;
-  if (const auto asked = request.query.find("exaggerate");
-      asked != request.query.end()) {
-    const char* const end = asked->second.data() + asked->second.size();
-    const auto read = std::from_chars(asked->second.data(), end, exaggerate);
-    const bool is_fit = read.ec == std::errc() && read.ptr == end && exaggerate >= 1 &&
-                        exaggerate <= 1e6;
-    if (!is_fit) {
-      throw Problem(
-          422,
-          "exaggerate is no factor",
-          {{.detail = "a number from 1 to 1000000", .pointer = "/exaggerate"}});
-    }
-  }
+  RequireAmong(ModelNames(), name);
+  const double exaggerate = ExaggerateOf(request);
   const TemporaryFolder folder;
   RunOwnProgram({.words = {"render",
                            ModelFile(name).string(),
@@ -171,6 +149,24 @@ std::vector<std::string> ScenarioNames() {
   }
   std::ranges::sort(names);
   return names;
+}
+
+double ExaggerateOf(const HttpRequest& request) {
+  const auto asked = request.query.find("exaggerate");
+  if (asked == request.query.end()) return 1;
+  double times = 0;
+  const char* const end = asked->second.data() + asked->second.size();
+  const auto read = std::from_chars(asked->second.data(), end, times);
+  if (read.ec == std::errc() && read.ptr == end && times >= 1 && times <= 1e6)
+    return times;
+  throw Problem(422,
+                "exaggerate is no factor",
+                {{.detail = "a number from 1 to 1000000", .pointer = "/exaggerate"}});
+}
+
+void RequireAmong(const std::vector<std::string>& known, const std::string& name) {
+  if (std::ranges::find(known, name) != known.end()) return;
+  throw Problem(404, fmt::format("there is no '{}'", Printable(name)));
 }
 
 void AddCatalogTo(Routes* routes) {

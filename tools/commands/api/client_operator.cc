@@ -111,11 +111,6 @@ void ClientOperator::Begin() {
   is_aborted_ = false;
 }
 
-bool ClientOperator::is_aborted() const {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  return is_aborted_;
-}
-
 Expected<std::vector<std::string>> AbortableLink::Send(
     std::string_view line, std::chrono::milliseconds patience) {
   if ((seat_->is_aborted() || InterruptRequested()) && !PutsBack(line))

@@ -49,7 +49,6 @@ class ClientOperator final : public Operator, public Gauge {
   /// Every question from now on is refused, the one that waits too; until Begin.
   void Abort();
   void Begin();
-  bool is_aborted() const;
 
  private:
   struct Answered {

@@ -231,11 +231,8 @@ HttpResponse DiagnoseApi::Report(const HttpRequest& request) {
   if (!fs::exists(folder / "report" / "index.html")) {
     RunOwnProgram({.words = words, .folder = folder, .stop = stop_});
   }
-  return {.content_type = "text/html; charset=utf-8",
-          .body = ReadTextFile(folder / "report" / "index.html", kLargestData_bytes),
-          .headers = {{"Content-Security-Policy",
-                       "default-src 'none'; style-src 'unsafe-inline'; script-src "
-                       "'unsafe-inline'; img-src data:"}}};
+  return PageResponse(
+      ReadTextFile(folder / "report" / "index.html", kLargestData_bytes));
 }
 
 HttpResponse DiagnoseApi::Rows(const HttpRequest& request) {

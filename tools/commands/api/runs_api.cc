@@ -210,11 +210,7 @@ HttpResponse RunsApi::Transcript(const HttpRequest& request) const {
 
 HttpResponse RunsApi::Report(const HttpRequest& request) const {
   const fs::path file = FileOf(request, fs::path("report") / "index.html");
-  return {.content_type = "text/html; charset=utf-8",
-          .body = ReadTextFile(file, kLargestData_bytes),
-          .headers = {{"Content-Security-Policy",
-                       "default-src 'none'; style-src 'unsafe-inline'; script-src "
-                       "'unsafe-inline'; img-src data:"}}};
+  return PageResponse(ReadTextFile(file, kLargestData_bytes));
 }
 
 }  // namespace caltwin

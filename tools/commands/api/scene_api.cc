@@ -24,24 +24,6 @@ using Json = nlohmann::ordered_json;
 constexpr std::size_t kMostKept = 4;
 constexpr std::size_t kMostPositions = 400;
 
-double ExaggerateOf(const HttpRequest& request) {
-  const auto asked = request.query.find("exaggerate");
-  if (asked == request.query.end()) return 1;
-  double times = 0;
-  const char* const end = asked->second.data() + asked->second.size();
-  const auto read = std::from_chars(asked->second.data(), end, times);
-  if (read.ec == std::errc() && read.ptr == end && times >= 1 && times <= 1e6)
-    return times;
-  throw Problem(422,
-                "exaggerate is no factor",
-                {{.detail = "a number from 1 to 1000000", .pointer = "/exaggerate"}});
-}
-
-void RequireAmong(const std::vector<std::string>& known, const std::string& name) {
-  if (std::ranges::find(known, name) != known.end()) return;
-  throw Problem(404, fmt::format("there is no '{}'", Printable(name)));
-}
-
 Machine MachineIn(const fs::path& file) {
   return KindOf(file) == FileKind::kScenario ? ReadScenario(file).machine.machine
                                              : ReadAnyMachineFile(file).machine;

@@ -109,11 +109,10 @@ struct WebService::Parts {
   std::string machine{};
   Gate gate;
   Pages pages;
-  EventTopic events{};
-  std::shared_ptr<EventTopic> shared_events{std::shared_ptr<EventTopic>(), &events};
+  std::shared_ptr<EventTopic> events = std::make_shared<EventTopic>();
   OperatorSeat bench_seat{}, printer_seat{};
   DiagnoseApi diagnose;
-  RunsApi runs{&events};
+  RunsApi runs{events.get()};
   SceneApi scenes{};
   std::unique_ptr<BenchApi> bench{};
   std::unique_ptr<Desk> printer{};  ///< Of practice, beside the bench.
@@ -163,11 +162,11 @@ void WebService::BuildMachines() {
       BenchApi::Options{.store = StoreOf(parts.machine, which, "bench"),
                         .is_twin = options_.link.empty()},
       &parts.bench_seat,
-      &parts.events);
+      parts.events.get());
   parts.bed = BedApiOn(bench,
                        {StoreOf(parts.machine, which, "bed"), parts.machine},
                        &parts.bench_seat,
-                       &parts.events);
+                       parts.events.get());
   if (parts.bed || options_.has_machine) return;
   const TwinOptions printer = Practice("triple_z_printer", fidelity);
   parts.printer = DeskOf(printer, "");
@@ -178,7 +177,7 @@ void WebService::BuildMachines() {
       BedApiOn(parts.printer->bench(),
                {StoreOf(printer.machine, TwinUrl(printer), "bed"), printer.machine},
                &parts.printer_seat,
-               &parts.events);
+               parts.events.get());
 }
 
 void WebService::AddRoutes() {
@@ -195,9 +194,9 @@ void WebService::AddRoutes() {
   if (parts.bed) {
     parts.bed->AddTo(routes);
   } else {
-    for (const Route& route : BedApi::AllRoutes(NoBed)) routes->Add(route);
+    BedApi::Refuse(routes, NoBed);
   }
-  get("/api/events", [events = parts.shared_events](const HttpRequest&) {
+  get("/api/events", [events = parts.events](const HttpRequest&) {
     return HttpResponse{.events = events};
   });
   get("/api", [&parts](const HttpRequest&) {

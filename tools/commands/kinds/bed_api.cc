@@ -1,6 +1,7 @@
 #include "tools/commands/kinds/bed_api.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -11,7 +12,6 @@
 #include "sim/base/input_error.h"
 #include "sim/machine/kinds/triple_z/drawing.h"
 #include "tools/commands/api/utc.h"
-#include "tools/commands/kinds/bed_report.h"
 #include "tools/server/json_keys.h"
 
 namespace caltwin {
@@ -20,12 +20,10 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kMostFound = 4;     // This and the three before.
-constexpr std::size_t kMostPoints = 400;  // Of one request.
 constexpr double kMargin_mm = 20;         // Of a grid from the ends of the travel.
 constexpr double kClear_mm = 10;          // Nozzle over the bed where screws move.
 constexpr double kHighest_mm = 1000;      // Of a height that somebody gives.
 constexpr double kLevelEnough_mm = 0.02;  // Between screws: no print shows it.
-constexpr double kWellLevelled_mm = 0.1;  // The published target of a validation.
 
 // What the machine would not do, in its own words.
 Problem ProblemOf(const MachineFault& fault) {
@@ -85,73 +83,67 @@ BedApi::BedApi(TripleZPrinter* printer,
     kept.applied_mm.reset();
     kept.found.back().notes.emplace_back(
         "the server was started anew since: nobody knows whether what was applied "
-        "still "
-        "is, measure again");
+        "still is, measure again");
   }
   Show(std::move(kept));
 }
 
-std::vector<Route> BedApi::AllRoutes(const Handler& answer) {
+std::span<const BedApi::Served> BedApi::AllServed() {
   using enum Route::Pace;
-  const auto route = [&](const char* method, const char* path, Route::Pace pace) {
-    return Route{.method = method,
-                 .pattern = std::string("/api/calibration") + path,
-                 .handler = answer,
-                 .pace = pace};
-  };
-  return {route("GET", "/intrinsics", kQuick),
-          route("POST", "/intrinsics", kSlow),
-          route("POST", "/bed-tilt/probe", kSlow),
-          route("POST", "/bed-tilt/calibrate", kSlow),
-          route("GET", "/bed-tilt/current", kQuick),
-          route("GET", "/bed-tilt/history", kQuick),
-          route("GET", "/bed-tilt/status", kQuick),
-          route("POST", "/bed-tilt/apply-triple-z", kSlow),
-          route("POST", "/bed-tilt/abort", kQuick),
-          route("POST", "/validate", kQuick),
-          route("GET", "/report", kQuick)};
+  static constexpr std::array kServed = {
+      Served{"GET", "/intrinsics", kQuick, &BedApi::Intrinsics},
+      Served{"POST", "/intrinsics", kSlow, &BedApi::SetIntrinsics},
+      Served{"POST", "/bed-tilt/probe", kSlow, &BedApi::Probe},
+      Served{"POST", "/bed-tilt/calibrate", kSlow, &BedApi::Calibrate},
+      Served{"GET", "/bed-tilt/current", kQuick, &BedApi::Current},
+      Served{"GET", "/bed-tilt/history", kQuick, &BedApi::History},
+      Served{"GET", "/bed-tilt/status", kQuick, &BedApi::Status},
+      Served{"POST", "/bed-tilt/apply-triple-z", kSlow, &BedApi::Apply},
+      Served{"POST", "/bed-tilt/abort", kQuick, &BedApi::Abort},
+      Served{"POST", "/validate", kQuick, &BedApi::Validate},
+      Served{"GET", "/report", kQuick, &BedApi::Report}};
+  return kServed;
+}
+
+Route BedApi::RouteOf(const Served& served, Handler handler) {
+  return {.method = served.method,
+          .pattern = std::string("/api/calibration") + served.path,
+          .handler = std::move(handler),
+          .pace = served.pace};
 }
 
 void BedApi::AddTo(Routes* routes) {
-  for (const Route& route :
-       AllRoutes([this](const HttpRequest& request) { return Handle(request); })) {
-    routes->Add(route);
+  for (const Served& served : AllServed()) {
+    routes->Add(RouteOf(served, [this, answer = served.answer](const HttpRequest& r) {
+      ForgetWhatHomingUndid();
+      return (this->*answer)(r);
+    }));
   }
 }
 
-HttpResponse BedApi::Handle(const HttpRequest& request) {
-  ForgetWhatHomingUndid();
-  const std::string path = request.path.substr(std::string("/api/calibration").size());
-  const bool is_read = request.method != "POST";
-  if (path == "/intrinsics") return is_read ? Intrinsics() : SetIntrinsics(request);
-  if (path == "/bed-tilt/probe") return Probe(request);
-  if (path == "/bed-tilt/calibrate") return Calibrate(request);
-  if (path == "/bed-tilt/current") return Current();
-  if (path == "/bed-tilt/history") return History();
-  if (path == "/bed-tilt/status") return Status();
-  if (path == "/bed-tilt/apply-triple-z") return Apply(request);
-  if (path == "/bed-tilt/abort") return Abort();
-  if (path == "/validate") return Validate(request);
-  return Report(request);
+void BedApi::Refuse(Routes* routes, const Handler& refusal) {
+  for (const Served& served : AllServed()) routes->Add(RouteOf(served, refusal));
 }
 
-HttpResponse BedApi::Abort() {
+HttpResponse BedApi::Abort(const HttpRequest& /*request*/) {
   return JsonResponse({{"aborted", seat_->Abort()}}, 202);
 }
 
 // Homing squares the screws: what was applied is gone with it. So it is after a start,
 // where nobody knows what became of it.
 void BedApi::ForgetWhatHomingUndid() {
+  bool is_undone = false;
   seat_->IfFree([&] {
+    const std::lock_guard<std::mutex> lock(mutex_);
     raised_mm_ = printer_->raised_mm();
-    if (printer_->homings() == homings_) return;
+    is_undone = printer_->homings() != homings_ && store_.applied_mm.has_value();
     homings_ = printer_->homings();
-    BedStore kept = store();
-    if (!kept.applied_mm) return;
-    kept.applied_mm.reset();
-    kept.found.back().notes.emplace_back(
+  });
+  if (!is_undone) return;
+  Change([](BedStore* kept) {
+    kept->applied_mm.reset();
+    kept->found.back().notes.emplace_back(
         "the printer was homed since: what was applied is undone, measure again");
-    Show(std::move(kept));
   });
 }
 
@@ -187,7 +179,7 @@ void BedApi::Show(BedStore store) {
   current_ = JsonResponse(tree).body;
 }
 
-HttpResponse BedApi::Intrinsics() const {
+HttpResponse BedApi::Intrinsics(const HttpRequest& /*request*/) {
   return JsonResponse(ToJson(store().camera));
 }
 
@@ -359,48 +351,6 @@ std::string BedApi::WhyAppliedFailed(const BedFound& found) const {
   return WhyNotLevel(*before.applied_mm, moved_mm, noise_mm);
 }
 
-HttpResponse BedApi::Current() const {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  if (!current_.empty()) return {.body = current_};
-  return Problem(404,
-                 "no bed was measured yet",
-                 {{.detail = "nothing is stored",
-                   .hint = "POST /api/calibration/bed-tilt/calibrate measures it"}})
-      .Response();
-}
-
-HttpResponse BedApi::History() const {
-  Json tree{{"calibrations", Json::array()}};
-  const BedStore kept = store();
-  for (auto one = kept.found.rbegin(); one != kept.found.rend(); ++one) {
-    tree["calibrations"].push_back(ToJson(*one));
-  }
-  return JsonResponse(tree);
-}
-
-HttpResponse BedApi::Status() const {
-  const TripleZBench& bench = printer_->bench();
-  Json screws = Json::array();
-  const BedStore kept = store();
-  for (int i = 0; i < kNumScrews; ++i) {
-    const auto& at_mm = bench.drawn_mm[static_cast<std::size_t>(i)];
-    screws.push_back({{"name", ScrewName(i)},
-                      {"at_mm", {at_mm[0], at_mm[1]}},
-                      {"raised_mm", raised_mm_[i]},
-                      {"applied_mm", kept.applied_mm ? (*kept.applied_mm)[i] : 0.0}});
-  }
-  Json tree{{"machine", options_.machine},
-            {"travel_mm", {bench.most_mm[0], bench.most_mm[1]}},
-            {"top_mm", bench.top_mm},
-            {"screws", std::move(screws)},
-            {"is_measured", !kept.found.empty()},
-            {"is_applied", kept.applied_mm.has_value()}};
-  const auto sitter = seat_->sitter();
-  tree["held_by"] = sitter ? Json(sitter->name) : Json();
-  tree["doing"] = sitter ? Json(sitter->doing) : Json();
-  return JsonResponse(tree);
-}
-
 void BedApi::RequireReachable(const Vec3<double>& raised_mm) const {
   const double top_mm = printer_->bench().top_mm;
   std::vector<ProblemFault> faults;
@@ -440,7 +390,10 @@ HttpResponse BedApi::Apply(const HttpRequest& request) {
   const Vec3<double> move_mm = target_mm - printer_->raised_mm();
   if (const auto moved = printer_->Raise(move_mm); !moved)
     throw ProblemOf(moved.error());
-  homings_ = printer_->homings();
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    homings_ = printer_->homings();
+  }
   Change([&](BedStore* now) { now->applied_mm = offsets_mm; });
   const Eigen::Vector2d middle_mm = printer_->bench().most_mm / 2;
   const Vec3<double> weights =
@@ -460,69 +413,6 @@ HttpResponse BedApi::Apply(const HttpRequest& request) {
   }
   events_->Publish("applied", JsonLine(answer));
   return JsonResponse(answer);
-}
-
-HttpResponse BedApi::Validate(const HttpRequest& request) const {
-  const Json body = JsonBody(request);
-  JsonKeys keys(body);
-  const auto points = keys.Tuples("test_points", 3, 1, kMostPoints);
-  keys.Done();
-  const BedStore kept = store();
-  if (kept.found.empty()) {
-    throw Problem(409,
-                  "there is no plane to hold points against",
-                  {{.detail = "no bed was measured yet",
-                    .hint = "POST /api/calibration/bed-tilt/calibrate measures it"}});
-  }
-  const BedPlane plane = PlaneNow(kept, printer_->bench().drawn_mm);
-  std::vector<BedTouch> off;
-  double common_mm = 0;
-  for (const auto& point : points) {
-    const Eigen::Vector2d at_mm(point[0], point[1]);
-    off.push_back({at_mm, point[2] - plane.At_mm(at_mm)});
-    common_mm += off.back().height_mm / static_cast<double>(points.size());
-  }
-  const LevelReport level = ReportLevel(off, /*level_mm=*/0);
-  const LevelReport about_common = ReportLevel(off, common_mm);
-  Json notes = Json::array();
-  if (std::abs(common_mm) > kWellLevelled_mm &&
-      about_common.mean_mm < std::abs(common_mm) / 4) {
-    notes.push_back(fmt::format(
-        "all points lie {:.3f} mm {} the plane: they are heights over another zero, "
-        "not "
-        "tilt; without that common part they are off by {:.3f} mm in the mean",
-        std::abs(common_mm),
-        common_mm > 0 ? "above" : "below",
-        about_common.mean_mm));
-  }
-  return JsonResponse(
-      {{"status", "success"},
-       {"mean_error_mm", level.mean_mm},
-       {"max_error_mm", level.max_mm},
-       {"std_error_mm", level.std_mm},
-       {"num_points", level.count},
-       {"mean_signed_error_mm", common_mm},
-       {"mean_error_about_common_mm", about_common.mean_mm},
-       {"is_within_target", level.mean_mm < kWellLevelled_mm},
-       {"plane_equation", {{"a", plane.a()}, {"b", plane.b()}, {"c", plane.c_mm()}}},
-       {"notes", std::move(notes)}});
-}
-
-HttpResponse BedApi::Report(const HttpRequest& request) const {
-  const BedStore kept = store();
-  if (request.Prefers("application/json", "text/html")) {
-    Json tree{{"machine", options_.machine},
-              {"intrinsics", ToJson(kept.camera)},
-              {"calibrations", Json::array()}};
-    for (const BedFound& found : kept.found)
-      tree["calibrations"].push_back(ToJson(found));
-    tree["applied"] = kept.applied_mm ? ScrewsToJson(*kept.applied_mm) : Json();
-    return JsonResponse(tree);
-  }
-  return {.content_type = "text/html; charset=utf-8",
-          .body = BedReportHtml(options_.machine, kept, printer_->bench().drawn_mm),
-          .headers = {{"Content-Security-Policy",
-                       "default-src 'none'; style-src 'unsafe-inline'"}}};
 }
 
 std::unique_ptr<BedApi> BedApiOn(Bench* bench,

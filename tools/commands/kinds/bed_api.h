@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -34,8 +35,8 @@ class BedApi {
          EventTopic* events);
 
   void AddTo(Routes* routes);
-  /// All its routes, answered by `answer`.
-  static std::vector<Route> AllRoutes(const Handler& answer);
+  /// The same routes where there is no such bed, all answered by `refusal`.
+  static void Refuse(Routes* routes, const Handler& refusal);
   /// What was read at the start and is no store of ours; empty: nothing.
   const std::string& note() const { return note_; }
 
@@ -47,19 +48,28 @@ class BedApi {
     bool uses_printer = true;
   };
 
-  HttpResponse Handle(const HttpRequest& request);
-  HttpResponse Abort();
+  struct Served {
+    const char* method;
+    const char* path;
+    Route::Pace pace;
+    HttpResponse (BedApi::*answer)(const HttpRequest& request);
+  };
+  static constexpr std::size_t kMostPoints = 400;  ///< Of one request.
+
+  static std::span<const Served> AllServed();
+  static Route RouteOf(const Served& served, Handler handler);
   void ForgetWhatHomingUndid();
-  HttpResponse Intrinsics() const;
+  HttpResponse Intrinsics(const HttpRequest& request);
   HttpResponse SetIntrinsics(const HttpRequest& request);
   HttpResponse Probe(const HttpRequest& request);
   HttpResponse Calibrate(const HttpRequest& request);
-  HttpResponse Current() const;
-  HttpResponse History() const;
-  HttpResponse Status() const;
+  HttpResponse Current(const HttpRequest& request);
+  HttpResponse History(const HttpRequest& request);
+  HttpResponse Status(const HttpRequest& request);
   HttpResponse Apply(const HttpRequest& request);
-  HttpResponse Validate(const HttpRequest& request) const;
-  HttpResponse Report(const HttpRequest& request) const;
+  HttpResponse Abort(const HttpRequest& request);
+  HttpResponse Validate(const HttpRequest& request);
+  HttpResponse Report(const HttpRequest& request);
 
   /// Touches where asked, fits, keeps, answers.
   HttpResponse Find(const HttpRequest& request, const Asked& asked);
@@ -78,10 +88,10 @@ class BedApi {
   OperatorSeat* seat_;
   EventTopic* events_;
   std::string note_{};
-  int homings_ = 0;  ///< When something was applied; while nobody sits there.
-  Vec3<double> raised_mm_ = Vec3<double>::Zero();  ///< Likewise, at the last look.
   std::mutex writing_{};
   mutable std::mutex mutex_{};  ///< Of what follows.
+  int homings_ = 0;             ///< At the last look, or when something was applied.
+  Vec3<double> raised_mm_ = Vec3<double>::Zero();  ///< At the last look.
   BedStore store_{};
   std::string current_{};  ///< As `current` answers.
 };

@@ -8,6 +8,7 @@
 #include "sim/base/input_error.h"
 #include "sim/base/text_file.h"
 #include "sim/base/units.h"
+#include "tools/commands/api/put_aside.h"
 
 namespace caltwin {
 namespace {
@@ -162,11 +163,7 @@ BedStore ReadBedStore(const fs::path& file, double sigma_mm, std::string* note) 
   } catch (const nlohmann::json::exception&) {
   } catch (const InputError&) {
   }
-  const fs::path aside = file.string() + ".unread";
-  fs::rename(file, aside, error);
-  *note = fmt::format("{} holds nothing this version wrote: put aside as {}",
-                      file.string(),
-                      aside.filename().string());
+  *note = PutAside(file);
   return {};
 }
 

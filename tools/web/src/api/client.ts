@@ -1,4 +1,4 @@
-// The REST interface, typed by docs/openapi.json (npm run client makes schema.d.ts).
+// The REST interface, typed by docs/openapi.json, from which the build makes schema.d.ts.
 import createClient from "openapi-fetch";
 import type { components, paths } from "./schema";
 

@@ -1,30 +1,9 @@
-import { operatorName, problemOf } from "../api/client";
+import { answered, api, type Schemas } from "../api/client";
 
+export type SceneData = Schemas["Scene"];
+export type PosesData = Schemas["Poses"];
+export type Geom = SceneData["geoms"][number];
 export type Pose = number[];
-
-export interface Geom {
-  body: number;
-  type: string;
-  size_mm: number[];
-  pose: Pose;
-  rgba: number[];
-  mesh: number | null;
-}
-
-export interface SceneData {
-  machine: string;
-  moves: boolean;
-  travel_mm: number[][];
-  bodies: string[];
-  poses: Pose[];
-  geoms: Geom[];
-  meshes: { vertices_mm: number[]; faces: number[] }[];
-}
-
-export interface PosesData {
-  bodies: number[];
-  poses: (Pose[] | null)[];
-}
 
 // What is shown: a scenario's machine with its hidden errors, or a machine without any.
 export interface Subject {
@@ -33,35 +12,35 @@ export interface Subject {
   exaggerate: number;
 }
 
-async function fetched(path: string, init: RequestInit): Promise<Response> {
-  const response = await fetch(path, { ...init, headers: { ...init.headers, "X-Operator": operatorName() } })
-    .catch((fault: unknown) => {
-      throw init.signal?.aborted ? fault : problemOf(fault);
-    });
-  if (response.ok) return response;
-  throw problemOf(await response.json().catch(() => null));
+// What was given up is no problem of the server's.
+async function unlessAborted<T>(asked: Promise<T>, signal: AbortSignal): Promise<T> {
+  return asked.catch((fault: unknown) => {
+    throw signal.aborted ? signal.reason : fault;
+  });
 }
 
-const routeOf = (subject: Subject, leaf: string) =>
-  `/api/${subject.of}/${encodeURIComponent(subject.name)}/${leaf}${subject.exaggerate > 1 ? `?exaggerate=${subject.exaggerate}` : ""}`;
+const paramsOf = ({ name, exaggerate }: Subject) => ({ path: { name }, query: { exaggerate } });
 
 export async function sceneOf(subject: Subject, signal: AbortSignal): Promise<SceneData> {
-  return await (await fetched(routeOf(subject, "scene"), { signal })).json() as SceneData;
+  const init = { params: paramsOf(subject), signal };
+  return unlessAborted(answered(subject.of === "scenarios" ? api.GET("/api/scenarios/{name}/scene", init)
+    : api.GET("/api/machines/{name}/scene", init)), signal);
 }
 
 export async function posesOf(subject: Subject, positions: number[][], signal: AbortSignal): Promise<PosesData> {
-  const init = { method: "POST", body: JSON.stringify({ positions }), headers: { "Content-Type": "application/json" }, signal };
-  return await (await fetched(routeOf(subject, "poses"), init)).json() as PosesData;
+  const init = { params: paramsOf(subject), body: { positions }, signal };
+  return unlessAborted(answered(subject.of === "scenarios" ? api.POST("/api/scenarios/{name}/poses", init)
+    : api.POST("/api/machines/{name}/poses", init)), signal);
 }
 
 export const transcriptPath = (id: string) => `/api/runs/${encodeURIComponent(id)}/transcript`;
 
 export async function transcriptOf(id: string): Promise<string> {
-  return await (await fetched(transcriptPath(id), {})).text();
+  return answered<string>(api.GET("/api/runs/{id}/transcript", { params: { path: { id } }, parseAs: "text" }));
 }
 
 export async function stopRun(id: string): Promise<void> {
-  await fetched(`/api/runs/${encodeURIComponent(id)}/stop`, { method: "POST" });
+  await answered(api.POST("/api/runs/{id}/stop", { params: { path: { id } } }));
 }
 
 export const picturePath = (machine: string) => `/api/machines/${encodeURIComponent(machine)}/picture`;
