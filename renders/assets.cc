@@ -14,9 +14,7 @@
   extern "C" const char symbol##_begin[];                                   \
   extern "C" const char symbol##_end[]
 
-CALTWIN_ASSET(caltwin_uplot_js, "uPlot.iife.min.js");
-CALTWIN_ASSET(caltwin_uplot_css, "uPlot.min.css");
-CALTWIN_ASSET(caltwin_report_js, "report.js");
+CALTWIN_ASSET(caltwin_palette_css, "palette.css");
 CALTWIN_ASSET(caltwin_report_css, "report.css");
 
 namespace caltwin {
@@ -28,14 +26,8 @@ std::string_view PartBetween(const char* begin, const char* end) {
 
 }  // namespace
 
-std::string_view PlotLibrary() {
-  return PartBetween(caltwin_uplot_js_begin, caltwin_uplot_js_end);
-}
-std::string_view PlotLibraryCss() {
-  return PartBetween(caltwin_uplot_css_begin, caltwin_uplot_css_end);
-}
-std::string_view ReportScript() {
-  return PartBetween(caltwin_report_js_begin, caltwin_report_js_end);
+std::string_view PaletteCss() {
+  return PartBetween(caltwin_palette_css_begin, caltwin_palette_css_end);
 }
 std::string_view ReportCss() {
   return PartBetween(caltwin_report_css_begin, caltwin_report_css_end);

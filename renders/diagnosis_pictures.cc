@@ -12,7 +12,7 @@
 #include <fmt/ranges.h>
 
 #include "calibration/diagnosis/diagnosis_words.h"
-#include "renders/diagnosis_chart.h"
+#include "renders/chart.h"
 #include "sim/base/units.h"
 #include "sim/machine/axis.h"
 
@@ -31,25 +31,6 @@ std::string ErrorLabel(std::string_view channel) {
   if (channel == "probe") return "pre-travel error [µm]";
   if (channel == "bed") return "height error of the bed [µm]";
   return fmt::format("error along {} [µm]", Letter(channel));
-}
-
-struct Range {
-  double min = 0, max = 1;
-};
-
-// From the least to the most with some air; never empty.
-Range RangeOf(const std::vector<const std::vector<double>*>& all, double air) {
-  double min = INFINITY, max = -INFINITY;
-  for (const auto* values : all) {
-    for (const double value : *values) {
-      if (!std::isfinite(value)) continue;
-      min = std::min(min, value);
-      max = std::max(max, value);
-    }
-  }
-  if (!(max >= min)) return {};
-  const double more = max > min ? (max - min) * air : 1;
-  return {min - more, max + more};
 }
 
 // A covariate's scale: seconds become minutes or hours, whichever suits.
@@ -120,8 +101,8 @@ DiagnosisPicture FindingPicture(const FindingSeries& series, std::size_t number)
   const Pair all = RowsOf(series, -1, scale.unit);
   const std::vector<double> band = {-2 * series.pure_error_um,
                                     2 * series.pure_error_um};
-  const Range x = RangeOf({&all.at}, 0.02);
-  const Range y = RangeOf({&all.before_um, &all.after_um, &band}, 0.06);
+  const ChartRange x = RangeOf({&all.at}, 0.02);
+  const ChartRange y = RangeOf({&all.before_um, &all.after_um, &band}, 0.06);
   Chart chart({.x_label = scale.label,
                .y_label = ErrorLabel(series.channel),
                .x_min = x.min,
@@ -156,8 +137,8 @@ DiagnosisPicture ContrastPicture(const DirectionContrast& contrast) {
           "mean lost motion taken off. Level: the gap is the same everywhere. A bump: "
           "worn in one place. The band is two standard deviations of one difference."};
   const std::vector<double> band = {-2 * contrast.sd_um, 2 * contrast.sd_um};
-  const Range x = RangeOf({&contrast.at_mm}, 0.02);
-  const Range y = RangeOf({&contrast.before_um, &contrast.after_um, &band}, 0.1);
+  const ChartRange x = RangeOf({&contrast.at_mm}, 0.02);
+  const ChartRange y = RangeOf({&contrast.before_um, &contrast.after_um, &band}, 0.1);
   Chart chart({.x_label = fmt::format("position along {} [mm]", axis),
                .y_label = "forward less backward [µm]",
                .x_min = x.min,
@@ -232,7 +213,7 @@ DiagnosisPicture PeriodogramPicture(const Periodogram& all) {
           OfSteps(all, one.period_mm.size()))};
   if (one.period_mm.size() < 2) return picture;
   const std::vector<double> top = {0, one.noise_um};
-  const Range y = RangeOf({&one.before_um, &one.after_um, &top}, 0.08);
+  const ChartRange y = RangeOf({&one.before_um, &one.after_um, &top}, 0.08);
   Chart chart({.x_label = "period [mm]",
                .y_label = "amplitude [µm]",
                .x_min = one.period_mm.back(),

@@ -9,12 +9,14 @@
 
 #include <fmt/format.h>
 
+#include "calibration/diagnosis/diagnosis_summary.h"
 #include "calibration/diagnosis/diagnosis_text.h"
 #include "calibration/diagnosis/diagnosis_words.h"
 #include "calibration/diagnosis/pictures_json.h"
-#include "renders/assets.h"
 #include "renders/diagnosis_pictures.h"
+#include "renders/document.h"
 #include "renders/html.h"
+#include "renders/parts.h"
 #include "sim/base/text_file.h"
 #include "sim/base/units.h"
 #include "sim/effects/catalog.h"
@@ -22,84 +24,17 @@
 namespace caltwin {
 namespace {
 
-// Drawings carry light colours; the page's own, dark scheme included, go before them.
-constexpr std::string_view kStyle = R"(
-.drawing { margin: 0 0 1.6rem; padding: .9rem 1rem .6rem; background: var(--card); border: 1px solid var(--line); border-radius: 8px; max-width: 62rem; }
-.drawing figcaption p { max-width: none; margin: .2rem 0 .4rem; }
-.drawing svg { display: block; width: 100%; height: auto; margin-top: .5rem; }
-.drawing pre { margin: .6rem 0 .3rem; padding: .4rem .7rem; font-size: .8rem; }
-.drawn .page { fill: var(--card); }
-.drawn .fill-before { fill: var(--series-1); } .drawn .stroke-before { stroke: var(--series-1); }
-.drawn .fill-after { fill: var(--series-2); } .drawn .stroke-after { stroke: var(--series-2); }
-.drawn .fill-third { fill: var(--series-3); } .drawn .stroke-third { stroke: var(--series-3); }
-.drawn .fill-text { fill: var(--ink); } .drawn .stroke-text { stroke: var(--ink); }
-.drawn .fill-dim { fill: var(--dim); } .drawn .stroke-dim { stroke: var(--dim); }
-.drawn .stroke-grid { stroke: var(--line); }
-.drawn .band { fill: var(--good-page); } .drawn .shade { fill: var(--dim-page); }
-.cause dt { color: var(--dim); font-size: .85rem; margin-top: .7rem; }
-.cause dd { margin: 0; max-width: 50rem; }
-.verdict-text { white-space: pre-wrap; }
-)";
-
-std::string Section(std::string_view id,
-                    std::string_view title,
-                    std::string_view html) {
-  if (html.empty()) return "";
-  return fmt::format(
-      "<section id=\"{0}\" aria-labelledby=\"{0}-title\">\n"
-      "<h2 id=\"{0}-title\">{1}</h2>\n{2}</section>\n",
-      id,
-      Escaped(title),
-      html);
-}
-
 std::string Drawing(const DiagnosisPicture& picture,
                     const DiagnosisReportNotes& notes) {
-  if (picture.svg.empty()) return "";
-  return fmt::format(
-      "<figure class=\"drawing\">\n<figcaption><strong>{}</strong><p>{}</p>"
-      "</figcaption>\n{}<pre><code>{} --report {}</code></pre>\n"
-      "<p class=\"kind\">{}/{}.svg</p>\n</figure>\n",
-      Escaped(picture.title),
-      Escaped(picture.caption),
-      picture.svg,
-      Escaped(notes.command),
-      Escaped(notes.folder),
-      Escaped(notes.folder),
-      picture.name);
-}
-
-std::string BadgeOf(DiagnosisVerdict verdict) {
-  const std::string_view kind = verdict == DiagnosisVerdict::kNone    ? "dim"
-                                : verdict == DiagnosisVerdict::kNamed ? "good"
-                                                                      : "warn";
-  const std::string_view word = verdict == DiagnosisVerdict::kNone        ? "none"
-                                : verdict == DiagnosisVerdict::kNamed     ? "named"
-                                : verdict == DiagnosisVerdict::kAmbiguous ? "ambiguous"
-                                                                          : "unknown";
-  return fmt::format("<span class=\"badge {}\">{}</span>", kind, word);
-}
-
-std::string Tile(std::string_view value, std::string_view label) {
-  return fmt::format(
-      "<div><dt>{}</dt><dd>{}</dd></div>\n", Escaped(label), Escaped(value));
-}
-
-std::string Header(const Diagnosis& diagnosis, const DiagnosisReportNotes& notes) {
-  const GainFigures& gain = diagnosis.gain;
-  const std::string name = std::filesystem::path(notes.data).filename().string();
-  std::string tiles = Tile(fmt::format("{}", diagnosis.findings.size()), "findings");
-  tiles += Tile(LengthText(gain.blocks.before_mm), "rms before, rows left out");
-  tiles += Tile(LengthText(gain.blocks.after_mm), "rms after, rows left out");
-  tiles += Tile(LengthText(gain.noise_floor_mm), "noise floor");
-  tiles += Tile(fmt::format("{}", diagnosis.residual_before_mm.size()), "readings");
-  return fmt::format(
-      "<header>\n<p class=\"brand\">caltwin</p>\n<h1>{} {}</h1>\n"
-      "<p class=\"about\">What these rows say the model gets wrong, and why.</p>\n"
-      "<dl class=\"tiles\">\n{}</dl>\n</header>\n",
-      Escaped(name),
-      BadgeOf(diagnosis.verdict),
-      tiles);
+  return FigureHtml(picture.title,
+                    picture.caption,
+                    picture.svg,
+                    fmt::format("<pre><code>{} --report {}</code></pre>\n<p "
+                                "class=\"kind\">{}/{}.svg</p>\n",
+                                Escaped(notes.command),
+                                Escaped(notes.folder),
+                                Escaped(notes.folder),
+                                picture.name));
 }
 
 std::string Item(std::string_view term, std::string_view html) {
@@ -168,8 +103,9 @@ std::string CausePage(const Diagnosis& diagnosis,
   const auto said = [](std::string_view text) {
     return Escaped(text);
   };
-  std::string html = fmt::format(
-      "<p>{}</p>\n", Escaped(FindingText(finding, diagnosis, notes.measured)));
+  std::string html =
+      fmt::format("<p>{}</p>\n",
+                  SentenceHtml(FindingText(finding, diagnosis, notes.words.measured)));
   html += Drawing(FindingPicture(data.findings[i], i + 1), notes);
   html += "<dl class=\"cause\">\n";
   html += Item("plot", said(words.plot));
@@ -187,21 +123,7 @@ std::string CausePage(const Diagnosis& diagnosis,
 
 std::string FlaggedTable(const PicturesData& data) {
   if (data.flagged.empty()) return "";
-  std::string html =
-      "<div class=\"scroll\" tabindex=\"0\"><table>\n<caption><span>Rows beyond 4.2 "
-      "sigma of everything that fits were left out of every fit; rows that somebody "
-      "marked were not.</span></caption>\n<thead><tr>";
-  for (const char* heading : {"row",
-                              "campaign",
-                              "commanded x, y, z [mm]",
-                              "value [mm]",
-                              "left over [µm]",
-                              "in sigma",
-                              "left out",
-                              "remark in the file"}) {
-    html += fmt::format("<th scope=\"col\">{}</th>", heading);
-  }
-  html += "</tr></thead>\n<tbody>\n";
+  std::string html;
   for (const FlaggedRow& row : data.flagged) {
     std::string at;
     for (const double mm : row.cmd_mm) {
@@ -220,28 +142,50 @@ std::string FlaggedTable(const PicturesData& data) {
         row.is_out ? "yes" : "no",
         Escaped(row.flag));
   }
-  return html + "</tbody></table></div>\n";
+  return TableHtml(
+      "Rows beyond 4.2 sigma of everything that fits were left out of every fit; rows "
+      "that somebody marked were not.",
+      {"row",
+       "campaign",
+       "commanded x, y, z [mm]",
+       "value [mm]",
+       "left over [µm]",
+       "in sigma",
+       "left out",
+       "remark in the file"},
+      html);
 }
 
-std::string TextHtml(const DiagnosisReportNotes& notes) {
-  return fmt::format("<p class=\"verdict-text\">{}</p>\n",
-                     Escaped(notes.text.substr(0, notes.text.find("\nBaseline"))));
+std::string Group(std::string_view title, const std::vector<std::string>& sentences) {
+  const std::string list = ListHtml(sentences);
+  return list.empty() ? "" : fmt::format("<h3>{}</h3>\n{}", title, list);
+}
+
+std::string MeaningHtml(const Diagnosis& diagnosis,
+                        const DiagnosisSummary& summary,
+                        const DiagnosisReportNotes& notes) {
+  return Group("What was found", summary.found) +
+         Group("What these measurements cannot tell", summary.cannot_tell) +
+         Group("What to do", summary.to_do) +
+         Group("How the data were read", diagnosis.remarks) +
+         fmt::format(
+             "<details><summary>The whole answer, as the terminal shows it"
+             "</summary>\n<pre class=\"words\">{}</pre></details>\n",
+             Escaped(notes.text));
 }
 
 std::string BaselineHtml(const Diagnosis& diagnosis) {
-  if (diagnosis.baseline.empty()) return "";
-  std::string html =
-      "<div class=\"scroll\" tabindex=\"0\"><table>\n<caption><span>Always fitted, "
-      "never "
-      "a finding: built minus believed, one standard deviation.</span></caption>\n"
-      "<thead><tr><th scope=\"col\">figure</th><th scope=\"col\">value</th></tr>"
-      "</thead>\n<tbody>\n";
+  std::string rows;
   for (const BaselineLine& line : diagnosis.baseline) {
-    html += fmt::format("<tr><th scope=\"row\"><code>{}</code></th><td>{}</td></tr>\n",
+    rows += fmt::format("<tr><th scope=\"row\"><code>{}</code></th><td>{}</td></tr>\n",
                         Escaped(line.name),
                         Escaped(WithSd(line.value, line.sd, line.unit)));
   }
-  return html + "</tbody></table></div>\n";
+  return TableHtml(
+      "Always fitted, never a finding: built minus believed, one standard "
+      "deviation.",
+      {"figure", "value"},
+      rows);
 }
 
 std::string ProvenanceHtml(const DiagnosisReportNotes& notes) {
@@ -257,28 +201,28 @@ std::string ProvenanceHtml(const DiagnosisReportNotes& notes) {
       Escaped(notes.folder));
 }
 
-std::vector<DiagnosisPicture> AllPictures(const Diagnosis& diagnosis,
-                                          const PicturesData& data) {
+std::vector<DocumentDrawing> Drawings(const Diagnosis& diagnosis,
+                                      const PicturesData& data) {
   std::vector<DiagnosisPicture> all = {
       EvidencePicture(data), SharesPicture(diagnosis), LackOfFitPicture(data)};
   for (std::size_t i = 0; i < data.findings.size(); ++i) {
     all.push_back(FindingPicture(data.findings[i], i + 1));
   }
-  for (const DirectionContrast& one : data.contrasts)
+  for (const DirectionContrast& one : data.contrasts) {
     all.push_back(ContrastPicture(one));
-  for (const Periodogram& one : data.periodograms)
+  }
+  for (const Periodogram& one : data.periodograms) {
     all.push_back(PeriodogramPicture(one));
-  std::erase_if(all, [](const DiagnosisPicture& one) { return one.svg.empty(); });
-  return all;
+  }
+  std::vector<DocumentDrawing> drawings;
+  for (const DiagnosisPicture& one : all) drawings.push_back({one.name, one.svg});
+  return drawings;
 }
 
-struct Part {
-  std::string id{}, title{}, html{};
-};
-
-std::vector<Part> Parts(const Diagnosis& diagnosis,
-                        const PicturesData& data,
-                        const DiagnosisReportNotes& notes) {
+std::vector<DocumentSection> Sections(const Diagnosis& diagnosis,
+                                      const PicturesData& data,
+                                      const DiagnosisReportNotes& notes,
+                                      const DiagnosisSummary& summary) {
   const auto drawn = [&](const DiagnosisPicture& one) {
     return Drawing(one, notes);
   };
@@ -289,8 +233,8 @@ std::vector<Part> Parts(const Diagnosis& diagnosis,
   for (const Periodogram& one : data.periodograms) {
     waves += drawn(PeriodogramPicture(one));
   }
-  std::vector<Part> parts = {
-      {"verdict", "What came out", TextHtml(notes)},
+  std::vector<DocumentSection> parts = {
+      {"meaning", "What it means", MeaningHtml(diagnosis, summary, notes)},
       {"evidence", "Where it is", drawn(EvidencePicture(data))},
       {"shares", "Who has which part", drawn(SharesPicture(diagnosis))}};
   for (std::size_t i = 0; i < diagnosis.findings.size(); ++i) {
@@ -306,8 +250,55 @@ std::vector<Part> Parts(const Diagnosis& diagnosis,
   parts.push_back({"baseline", "Baseline", BaselineHtml(diagnosis)});
   parts.push_back(
       {"provenance", "How to make this report again", ProvenanceHtml(notes)});
-  std::erase_if(parts, [](const Part& part) { return part.html.empty(); });
   return parts;
+}
+
+Tone ToneOf(DiagnosisSummary::Answer answer) {
+  switch (answer) {
+    case DiagnosisSummary::Answer::kNothing:
+      return Tone::kGood;
+    case DiagnosisSummary::Answer::kTooFew:
+      return Tone::kPlain;
+    case DiagnosisSummary::Answer::kCause:
+    case DiagnosisSummary::Answer::kFigure:
+    case DiagnosisSummary::Answer::kElsewhere:
+      return Tone::kWarn;
+  }
+  return Tone::kPlain;
+}
+
+std::string WordOf(DiagnosisVerdict verdict) {
+  switch (verdict) {
+    case DiagnosisVerdict::kNone:
+      return "none";
+    case DiagnosisVerdict::kNamed:
+      return "named";
+    case DiagnosisVerdict::kAmbiguous:
+      return "ambiguous";
+    case DiagnosisVerdict::kUnknownStructure:
+      return "unknown";
+  }
+  return "";
+}
+
+Document DocumentOf(const Diagnosis& diagnosis,
+                    const PicturesData& data,
+                    const DiagnosisReportNotes& notes) {
+  const GainFigures& gain = diagnosis.gain;
+  const DiagnosisSummary summary = SummaryOf(diagnosis, notes.words);
+  return {
+      .kind = "diagnosis",
+      .name = std::filesystem::path(notes.data).filename().string(),
+      .about = "",
+      .tone = ToneOf(summary.answer),
+      .verdict = summary.sentence,
+      .tiles = {{"verdict on causes", WordOf(diagnosis.verdict)},
+                {"rms before, rows left out", LengthText(gain.blocks.before_mm)},
+                {"rms after, rows left out", LengthText(gain.blocks.after_mm)},
+                {"noise floor", LengthText(gain.noise_floor_mm)},
+                {"readings", fmt::format("{}", diagnosis.residual_before_mm.size())}},
+      .sections = Sections(diagnosis, data, notes, summary),
+      .drawings = Drawings(diagnosis, data)};
 }
 
 }  // namespace
@@ -315,37 +306,15 @@ std::vector<Part> Parts(const Diagnosis& diagnosis,
 std::string DiagnosisReportHtml(const Diagnosis& diagnosis,
                                 const PicturesData& data,
                                 const DiagnosisReportNotes& notes) {
-  std::string links, body;
-  for (const Part& part : Parts(diagnosis, data, notes)) {
-    links += fmt::format("<a href=\"#{}\">{}</a>\n", part.id, Escaped(part.title));
-    body += Section(part.id, part.title, part.html);
-  }
-  return fmt::format(
-      "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-      "<meta name=\"color-scheme\" content=\"light dark\">\n"
-      "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; "
-      "style-src 'unsafe-inline'\">\n"
-      "<title>Diagnosis of {} - caltwin</title>\n<style>\n{}{}</style>\n</head>\n"
-      "<body>\n{}<nav aria-label=\"Sections\">\n{}</nav>\n<main>\n{}</main>\n</body>\n"
-      "</html>\n",
-      Escaped(notes.data),
-      ReportCss(),
-      kStyle,
-      Header(diagnosis, notes),
-      links,
-      body);
+  return DocumentHtml(DocumentOf(diagnosis, data, notes));
 }
 
 void WriteDiagnosisReport(const Diagnosis& diagnosis,
                           const PicturesData& data,
                           const DiagnosisReportNotes& notes,
                           const std::filesystem::path& folder) {
-  for (const DiagnosisPicture& picture : AllPictures(diagnosis, data)) {
-    WriteTextFile(folder / (picture.name + ".svg"), picture.svg);
-  }
   WriteTextFile(folder / "pictures.json", PicturesJson(data).dump() + "\n");
-  WriteTextFile(folder / "index.html", DiagnosisReportHtml(diagnosis, data, notes));
+  WriteDocument(DocumentOf(diagnosis, data, notes), folder);
 }
 
 }  // namespace caltwin

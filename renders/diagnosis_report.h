@@ -1,9 +1,11 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 
 #include "calibration/diagnosis/diagnosis.h"
+#include "calibration/diagnosis/diagnosis_text.h"
 #include "calibration/diagnosis/pictures_data.h"
 
 namespace caltwin {
@@ -11,10 +13,10 @@ namespace caltwin {
 /// What a report of a diagnosis says beside it.
 struct DiagnosisReportNotes {
   std::string data{};     ///< The file of rows, as given.
-  std::string text{};     ///< DiagnosisText.
+  std::string text{};     ///< DiagnosisText, as the terminal shows it.
+  TextNotes words{};      ///< What its summary needs.
   std::string command{};  ///< Without `--report`; printed under every picture.
   std::string folder{};   ///< As given to `--report`.
-  std::string measured = "the rows";  ///< WhatRowsMeasure.
   std::string version{};
   std::uint64_t seed = 1;
 };

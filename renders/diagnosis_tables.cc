@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-#include "renders/diagnosis_chart.h"
+#include "renders/chart.h"
 #include "renders/diagnosis_pictures.h"
 
 // The pictures that are tables: the evidence map, and lack of fit by campaign.

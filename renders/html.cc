@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -57,6 +58,31 @@ std::string Escaped(std::string_view text) {
     }
   }
   return out;
+}
+
+std::string SentenceHtml(std::string_view text) {
+  constexpr std::string_view kPlusMinus = "+-";
+  constexpr std::string_view kMicro = " um";
+  std::string set;
+  const auto is_of_word = [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_';
+  };
+  for (std::size_t i = 0; i < text.size();) {
+    const std::string_view rest = text.substr(i);
+    const bool is_micro =
+        rest.starts_with(kMicro) &&
+        (rest.size() == kMicro.size() || !is_of_word(rest[kMicro.size()]));
+    if (is_micro) {
+      set += " µm";
+      i += kMicro.size();
+    } else if (rest.starts_with(kPlusMinus)) {
+      set += "±";
+      i += kPlusMinus.size();
+    } else {
+      set += text[i++];
+    }
+  }
+  return Escaped(set);
 }
 
 std::string JsonForScript(const nlohmann::json& json) {

@@ -11,6 +11,10 @@ namespace caltwin {
 /// entities, so that nothing a scenario says is taken for markup.
 std::string Escaped(std::string_view text);
 
+/// A sentence as HTML: escaped, and set as people write it: "+-" becomes a plus-minus
+/// sign, "um" after a number or a space its Greek letter.
+std::string SentenceHtml(std::string_view text);
+
 /// JSON that may stand between <script> tags: every <, > and & is written as \u00xx,
 /// so that no string in it can end the element. Bytes that are no UTF-8 are replaced.
 std::string JsonForScript(const nlohmann::json& json);

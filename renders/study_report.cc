@@ -1,9 +1,14 @@
 #include "renders/study_report.h"
 
+#include <algorithm>
+#include <cstddef>
+#include <optional>
+
 #include <fmt/format.h>
 
-#include "renders/assets.h"
+#include "renders/document.h"
 #include "renders/html.h"
+#include "renders/parts.h"
 #include "renders/study_pictures.h"
 #include "scenarios/result_text.h"
 #include "scenarios/study/best_readings.h"
@@ -12,31 +17,6 @@
 
 namespace caltwin {
 namespace {
-
-constexpr std::string_view kStyle = R"(
-.histograms { display: grid; grid-template-columns: repeat(auto-fill, minmax(20rem, 1fr)); gap: 1rem; }
-figure { margin: 0; } figure svg { display: block; width: 100%; height: auto; border: 1px solid var(--line); border-radius: 8px; }
-.coverage { max-width: 44rem; }
-)";
-
-std::string Cell(const std::string& text) {
-  return fmt::format("<td class=\"number\">{}</td>", Escaped(text));
-}
-
-std::string Table(const std::string& caption,
-                  const std::vector<std::string>& headings,
-                  const std::string& rows) {
-  std::string head;
-  for (const std::string& heading : headings) {
-    head += fmt::format("<th scope=\"col\">{}</th>", Escaped(heading));
-  }
-  return fmt::format(
-      "<div class=\"scroll\" tabindex=\"0\"><table>\n<caption><span>{}</span></caption>"
-      "\n<thead><tr>{}</tr></thead>\n<tbody>\n{}</tbody></table></div>\n",
-      Escaped(caption),
-      head,
-      rows);
-}
 
 std::string Validated(const ParameterSummary& parameter) {
   const Validation& gum = parameter.gum;
@@ -62,23 +42,23 @@ std::string CoverageTable(const CaseSummary& summary) {
         "scope=\"row\"><code>{}</code></th><td>{}</td>{}{}{}{}{}{}{}{}{}{}{}</tr>\n",
         Escaped(one.name),
         Escaped(one.unit),
-        Cell(fmt::format("{}", one.identified.hits)),
-        Cell(SignedText(one.error.mean, one.error.sd / 10)),
-        Cell(NumberText(one.error.sd, one.error.sd / 10)),
-        Cell(RangeText(one.error.q025, one.error.q975, one.error.sd / 10)),
-        Cell(RangeText(
+        NumberCell(fmt::format("{}", one.identified.hits)),
+        NumberCell(SignedText(one.error.mean, one.error.sd / 10)),
+        NumberCell(NumberText(one.error.sd, one.error.sd / 10)),
+        NumberCell(RangeText(one.error.q025, one.error.q975, one.error.sd / 10)),
+        NumberCell(RangeText(
             one.error.shortest_low, one.error.shortest_high, one.error.sd / 10)),
-        Cell(NumberText(one.stated.U, one.stated.U)),
-        Cell(fmt::format("{:.2f}", one.stated.k)),
-        Cell(DofText(one.stated.dof)),
-        Cell(fmt::format("{:.3f}", one.rms_over_sd)),
-        Cell(fmt::format("{:.1f} ({:.1f} to {:.1f})",
-                         PercentFromFraction(coverage.rate),
-                         PercentFromFraction(coverage.low),
-                         PercentFromFraction(coverage.high))),
-        Cell(Validated(one)));
+        NumberCell(NumberText(one.stated.U, one.stated.U)),
+        NumberCell(fmt::format("{:.2f}", one.stated.k)),
+        NumberCell(DofText(one.stated.dof)),
+        NumberCell(fmt::format("{:.3f}", one.rms_over_sd)),
+        NumberCell(fmt::format("{:.1f} ({:.1f} to {:.1f})",
+                               PercentFromFraction(coverage.rate),
+                               PercentFromFraction(coverage.low),
+                               PercentFromFraction(coverage.high))),
+        NumberCell(Validated(one)));
   }
-  std::string html = Table(
+  std::string html = TableHtml(
       "U = k u: the 95 % interval as the machines state it, root of their mean square; "
       "dof: effective degrees of freedom of u. rms/sd: root mean square error over the "
       "stated standard deviation, 1 where "
@@ -117,14 +97,13 @@ std::string BudgetTable(const std::vector<Budget>& budgets) {
           Escaped(budget.name),
           line.input.empty() ? "readings and all else"
                              : fmt::format("<code>{}</code>", Escaped(line.input)),
-          Cell(line.input.empty() ? "" : fmt::format("{:.3g}", line.u)),
-          Cell(line.input.empty() ? "" : fmt::format("{:+.3g}", line.c)),
-          Cell(fmt::format("{:.3g} {}", line.contribution, budget.unit)),
-          Cell(fmt::format("{:.1f} %", PercentFromFraction(line.share))));
+          NumberCell(line.input.empty() ? "" : fmt::format("{:.3g}", line.u)),
+          NumberCell(line.input.empty() ? "" : fmt::format("{:+.3g}", line.c)),
+          NumberCell(fmt::format("{:.3g} {}", line.contribution, budget.unit)),
+          NumberCell(fmt::format("{:.1f} %", PercentFromFraction(line.share))));
     }
   }
-  if (rows.empty()) return "";
-  return Table(
+  return TableHtml(
       "Regression of errors on what was varied; what chance could make is "
       "counted to the readings.",
       {"error of", "input", "u", "c", "contribution", "share of variance"},
@@ -139,10 +118,9 @@ std::string PairsTable(const CaseSummary& summary) {
         "<tr><th scope=\"row\"><code>{}</code></th><td><code>{}</code></td>{}</tr>\n",
         Escaped(pair.first),
         Escaped(pair.second),
-        Cell(fmt::format("{:+.2f}", pair.r)));
+        NumberCell(fmt::format("{:+.2f}", pair.r)));
   }
-  if (rows.empty()) return "";
-  return Table(
+  return TableHtml(
       "Correlation of errors over the machines, where it is 0.3 or more and chance "
       "does "
       "not make it. What is computed from two of them needs it (JCGM 100, 5.2).",
@@ -162,126 +140,126 @@ std::string WorstList(const Study& study, const CaseSummary& summary) {
   return html + "</ol>\n";
 }
 
-std::string Section(const std::string& title, const std::string& html) {
+std::string Histograms(const CaseSummary& summary) {
+  std::string html;
+  for (const ParameterSummary& one : summary.parameters) {
+    html += FigureHtml(
+        one.name, fmt::format("{} machines.", one.error.count), HistogramSvg(one));
+  }
   if (html.empty()) return "";
-  return fmt::format("<section>\n<h2>{}</h2>\n{}</section>\n", Escaped(title), html);
+  return "<p>Columns: errors of the machines. Curve and dashed lines: the spread and "
+         "the "
+         "95 % interval that the estimates state.</p>\n<div class=\"drawings\">\n" +
+         html + "</div>\n";
 }
 
-std::string CaseHtml(const Study& study,
-                     const CaseSummary& summary,
-                     const std::vector<Budget>& budgets) {
+// The sections of one contender; their ids carry its number where there are several.
+std::vector<DocumentSection> SectionsOf(const Study& study,
+                                        const CaseSummary& summary,
+                                        const std::vector<Budget>& budgets,
+                                        std::size_t number) {
+  const auto section =
+      [&](const std::string& id, const std::string& title, const std::string& html) {
+        return number == 0 ? DocumentSection{id, title, html}
+                           : DocumentSection{fmt::format("{}-{}", id, number),
+                                             fmt::format("{}: {}", summary.name, title),
+                                             html};
+      };
+  return {section("coverage",
+                  "How often the truth was inside",
+                  FigureHtml("Coverage of intervals of 95 %",
+                             "A dot and its own 95 % interval; the band is 93 to 97 %.",
+                             CoverageSvg(summary.parameters)) +
+                      CoverageTable(summary)),
+          section("errors", "Errors", Histograms(summary)),
+          section("budget", "Where errors come from", BudgetTable(budgets)),
+          section("pairs", "Errors that go together", PairsTable(summary)),
+          section("worst", "Worst machines", WorstList(study, summary))};
+}
+
+// "in 94.0 to 96.1 % of the machines the stated 95 % interval held the truth".
+std::string CoverageText(const CaseSummary& summary) {
+  std::optional<double> least, most;
+  for (const ParameterSummary& one : summary.parameters) {
+    if (one.coverage95.cases == 0) continue;
+    const double rate = one.coverage95.rate;
+    least = std::min(rate, least.value_or(rate));
+    most = std::max(rate, most.value_or(rate));
+  }
+  if (!least) return "no uncertainty was stated that could be checked";
+  const std::string low = fmt::format("{:.1f}", PercentFromFraction(*least));
+  const std::string high = fmt::format("{:.1f}", PercentFromFraction(*most));
+  return fmt::format("the stated 95 % intervals held the truth in {} % of the machines",
+                     low == high ? low : fmt::format("{} to {}", low, high));
+}
+
+std::string VerdictText(const CaseSummary& summary) {
   std::string states;
   for (const auto& [status, count] : summary.status) {
     states += fmt::format("{}{} {}", states.empty() ? "" : ", ", count, status);
   }
-  std::string histograms;
-  for (const ParameterSummary& one : summary.parameters) {
-    const std::string svg = HistogramSvg(one);
-    if (!svg.empty()) histograms += "<figure>" + svg + "</figure>\n";
-  }
-  if (!histograms.empty()) {
-    histograms =
-        "<p>Bars: errors of the machines. Curve and dashed lines: the spread and the "
-        "95 % interval that the estimates state.</p>\n<div class=\"histograms\">\n" +
-        histograms + "</div>\n";
-  }
-  const std::string coverage = CoverageSvg(summary.parameters);
-  return fmt::format(
-             "<h1>{}</h1>\n<p>{}; {:.0f} touches and {} on the machine "
-             "(medians).</p>\n",
-             Escaped(summary.name),
-             Escaped(states),
-             summary.touches.median,
-             DurationText(summary.machine_time_s.median)) +
-         Section("How often the truth was inside",
-                 (coverage.empty()
-                      ? ""
-                      : "<figure class=\"coverage\">" + coverage + "</figure>\n") +
-                     CoverageTable(summary)) +
-         Section("Errors", histograms) +
-         Section("Where errors come from", BudgetTable(budgets)) +
-         Section("Errors that go together", PairsTable(summary)) +
-         Section("Worst machines", WorstList(study, summary));
+  return fmt::format("{}: {}. {:.0f} touches and {} on the machine (medians).",
+                     states,
+                     CoverageText(summary),
+                     summary.touches.median,
+                     DurationText(summary.machine_time_s.median));
 }
 
-std::string HeaderHtml(const Study& study, const StudySummary& summary) {
-  const auto tile = [](const std::string& value, const char* label) {
-    return fmt::format("<div><dt>{}</dt><dd>{}</dd></div>\n", label, Escaped(value));
-  };
-  std::string notes;
-  for (const std::string& note : study.notes) {
-    notes += fmt::format("<p class=\"about\">{}</p>\n", Escaped(note));
+Document DocumentOf(const Study& study, const StudyFindings& findings) {
+  const auto& cases = findings.summary.cases;
+  const bool is_one = cases.size() == 1;
+  Document document{.kind = "study",
+                    .name = study.file.stem().string(),
+                    .about = study.about,
+                    .tiles = {{"machines", fmt::format("{}", findings.summary.trials)},
+                              {"fidelity", study.FidelityWord()},
+                              {"seed", fmt::format("{}", study.seed)},
+                              {"caltwin", CALTWIN_VERSION}}};
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    const std::string verdict = VerdictText(cases[i]);
+    if (is_one) {
+      document.verdict = fmt::format("{}: {}", cases[i].name, verdict);
+    } else {
+      document.remarks.push_back(fmt::format("{}: {}", cases[i].name, verdict));
+    }
+    const auto sections = SectionsOf(
+        study,
+        cases[i],
+        i < findings.budgets.size() ? findings.budgets[i] : std::vector<Budget>{},
+        is_one ? 0 : i + 1);
+    document.sections.insert(document.sections.end(), sections.begin(), sections.end());
   }
-  return fmt::format(
-      "<header>\n<p class=\"brand\">caltwin</p>\n<h1>{}</h1>\n<p "
-      "class=\"about\">{}</p>\n{}"
-      "<dl class=\"tiles\">\n{}{}{}{}</dl>\n</header>\n",
-      Escaped(study.file.stem().string()),
-      Escaped(study.about),
-      notes,
-      tile(fmt::format("{}", summary.trials), "machines"),
-      tile(study.FidelityWord(), "fidelity"),
-      tile(fmt::format("{}", study.seed), "seed"),
-      tile(CALTWIN_VERSION, "caltwin"));
+  if (cases.size() > 1) {
+    document.verdict = fmt::format("{} contenders on the same machines", cases.size());
+  }
+  document.remarks.insert(
+      document.remarks.end(), study.notes.begin(), study.notes.end());
+  const auto words = [](const std::string& text) {
+    return fmt::format("<pre class=\"words\">{}</pre>\n", Escaped(text));
+  };
+  if (study.plan) {
+    document.sections.push_back({"plan",
+                                 "What the plan determines",
+                                 words(WorthText(*study.plan, WorthOf(*study.plan)))});
+  }
+  if (!findings.remarks.empty()) {
+    document.sections.push_back({"remarks", "Remarks", words(findings.remarks)});
+  }
+  document.sections.push_back(
+      {"study", "The study, as it was read", words(study.verbatim)});
+  return document;
 }
 
 }  // namespace
 
 std::string StudyReportHtml(const Study& study, const StudyFindings& findings) {
-  std::string body = HeaderHtml(study, findings.summary) + "<main>\n";
-  for (std::size_t i = 0; i < findings.summary.cases.size(); ++i) {
-    body += CaseHtml(
-        study,
-        findings.summary.cases[i],
-        i < findings.budgets.size() ? findings.budgets[i] : std::vector<Budget>{});
-  }
-  if (study.plan) {
-    const std::string told = WorthText(*study.plan, WorthOf(*study.plan));
-    body += Section(
-        "What the plan tells",
-        fmt::format("<pre style=\"white-space: pre-wrap\">{}</pre>\n", Escaped(told)));
-  }
-  if (!findings.remarks.empty()) {
-    body +=
-        Section("Remarks", fmt::format("<pre>{}</pre>\n", Escaped(findings.remarks)));
-  }
-  body += Section("The study, as it was read",
-                  fmt::format("<pre>{}</pre>\n", Escaped(study.verbatim)));
-  return fmt::format(
-      "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-      "<meta name=\"color-scheme\" content=\"light dark\">\n"
-      "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; "
-      "img-src data:; style-src 'unsafe-inline'\">\n"
-      "<title>{} - "
-      "caltwin</title>\n<style>\n{}\n{}</style>\n</head>\n<body>\n{}</main>\n"
-      "</body>\n</html>\n",
-      Escaped(study.file.stem().string()),
-      ReportCss(),
-      kStyle,
-      body);
+  return DocumentHtml(DocumentOf(study, findings));
 }
 
 void WriteStudyReport(const Study& study,
                       const StudyFindings& findings,
                       const std::filesystem::path& folder) {
-  for (const CaseSummary& summary : findings.summary.cases) {
-    const std::string prefix =
-        findings.summary.cases.size() > 1 ? summary.name + " " : "";
-    const auto write = [&](const std::string& name, const std::string& svg) {
-      if (svg.empty()) return;
-      std::string file = prefix + name + ".svg";
-      for (char& c : file) {
-        if (c == '/' || c == ':' || c == ' ') c = '_';
-      }
-      WriteTextFile(folder / file, svg);
-    };
-    write("coverage", CoverageSvg(summary.parameters));
-    for (const ParameterSummary& one : summary.parameters) {
-      write("errors_" + one.name, HistogramSvg(one));
-    }
-  }
-  WriteTextFile(folder / "index.html", StudyReportHtml(study, findings));
+  WriteDocument(DocumentOf(study, findings), folder);
 }
 
 }  // namespace caltwin

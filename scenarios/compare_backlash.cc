@@ -150,6 +150,10 @@ BacklashComparison CompareBacklash(int machines,
   return comparison;
 }
 
+std::vector<Contender> ContendersOf(const BacklashComparison& comparison) {
+  return Contenders(comparison, BacklashRivals(), &BacklashStanding::error_um);
+}
+
 std::string BacklashComparisonText(const BacklashComparison& comparison) {
   std::string text = fmt::format(
       "{} random routers, seed {}: gaps of 50 um by a factor of 2, M425 somewhere from "

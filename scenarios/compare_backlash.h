@@ -10,7 +10,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "scenarios/kinds/compare_delta.h"
+#include "scenarios/contender.h"
 
 namespace caltwin {
 
@@ -52,6 +52,8 @@ BacklashComparison CompareBacklash(int machines,
                                    std::uint64_t seed,
                                    const std::function<void(int)>& progress);
 
+/// By the error of the gap as told.
+std::vector<Contender> ContendersOf(const BacklashComparison& comparison);
 std::string BacklashComparisonText(const BacklashComparison& comparison);
 nlohmann::ordered_json BacklashComparisonJson(const BacklashComparison& comparison);
 

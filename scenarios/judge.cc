@@ -109,9 +109,10 @@ bool IsSaid(const std::string& text,
   const auto says = [&](const std::string& message) {
     return message.find(text) != std::string::npos;
   };
-  if (std::ranges::any_of(result.messages, says)) return true;
+  if (std::ranges::any_of(result.messages, says, &Message::text)) return true;
   return std::ranges::any_of(results, [&](const ProcedureResult& part) {
-    return says(part.fault) || std::ranges::any_of(part.messages, says) ||
+    return says(part.fault) ||
+           std::ranges::any_of(part.messages, says, &Message::text) ||
            std::ranges::any_of(part.steps, says, &Step::message) ||
            std::ranges::any_of(part.observability, says, &Observability::statement);
   });

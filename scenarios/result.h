@@ -10,6 +10,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "calibration/estimate/expanded.h"
+#include "calibration/loop/message.h"
 #include "calibration/loop/outcome.h"
 #include "sim/machine/machine.h"
 #include "sim/measure/data_header.h"
@@ -68,7 +69,7 @@ struct RunResult {
   std::vector<Step> steps{};
   std::vector<Correlations> correlations{};  ///< A procedure's fit each.
   std::vector<Observability> observability{};
-  std::vector<std::string> messages{};
+  std::vector<Message> messages{};
   double position_error_before_p95_mm = 0;  ///< At 1000 seeded poses, both senses.
   double position_error_after_p95_mm = 0;
   /// Both are instead how far the clean nozzle, commanded to 0 over the middle of the

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "scenarios/verdict_text.h"
 #include "sim/base/units.h"
 
 namespace caltwin {
@@ -152,22 +153,6 @@ std::string ChecksText(const RunResult& result, bool colour, bool only_failed = 
   return ListText("Checks", lines);
 }
 
-// How many of the things that were expected held, and of how many.
-std::pair<int, int> Score(const RunResult& result) {
-  int passed = 0;
-  int all = 0;
-  for (const ParameterResult& row : result.parameters) {
-    if (!row.passed) continue;
-    ++all;
-    passed += *row.passed ? 1 : 0;
-  }
-  for (const CheckResult& check : result.checks) {
-    ++all;
-    passed += check.passed ? 1 : 0;
-  }
-  return {passed, all};
-}
-
 }  // namespace
 
 std::string UncertaintyText(const ParameterResult& row) {
@@ -237,7 +222,9 @@ std::string ResultText(const RunResult& result, bool colour) {
   std::vector<std::string> blind;
   for (const Observability& o : result.observability) blind.push_back(o.statement);
   text += ListText("What the measurements tell, and what not", blind);
-  text += ListText("Messages", result.messages);
+  std::vector<std::string> messages;
+  for (const Message& message : result.messages) messages.push_back(message.text);
+  text += ListText("Messages", messages);
   text += ChecksText(result, colour);
   const auto [passed, all] = Score(result);
   text += fmt::format(
@@ -255,24 +242,22 @@ std::string ResultText(const RunResult& result, bool colour) {
 }
 
 std::string ResultBrief(const RunResult& result, bool colour) {
-  const auto [passed, all] = Score(result);
+  const RunVerdict verdict = VerdictOf(result);
   std::string text =
-      fmt::format("{}: {} of {} expectations met. {}\n",
+      fmt::format("{}: {}\n",
                   Painted(result.passed ? "PASSED" : "FAILED", result.passed, colour),
-                  passed,
-                  all,
-                  result.about.empty() ? result.scenario : result.about);
-  text +=
-      fmt::format("machine {}, {}, seed {}; {} touches, {:.0f} s on the machine\n\n",
-                  result.machine,
-                  result.fidelity,
-                  result.seed,
-                  result.touches,
-                  result.machine_time_s);
+                  verdict.sentence);
+  for (const std::string& remark : verdict.remarks) text += remark + "\n";
+  text += fmt::format(
+      "\n{}\nmachine {}, {}, seed {}; {} touches, {:.0f} s on the machine\n\n",
+      result.about.empty() ? result.scenario : result.about,
+      result.machine,
+      result.fidelity,
+      result.seed,
+      result.touches,
+      result.machine_time_s);
   if (!result.parameters.empty()) text += TableText(result, colour);
   text += ChecksText(result, colour, /*only_failed=*/true);
-  if (result.lost) text += "A process or link was lost on the way.\n";
-  if (result.interrupted) text += "Interrupted; what was done until then is above.\n";
   return text + fmt::format(
                     "\n--verbose shows how sure each is and why, {} steps and {} "
                     "messages.\n",

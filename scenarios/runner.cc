@@ -86,8 +86,8 @@ std::vector<ProcedureResult> PerformAll(const Scenario& scenario,
 
 // Procedures repeat what they said before measuring and what the one before them said:
 // once is enough.
-void AddOnce(const std::string& message, std::vector<std::string>* messages) {
-  if (std::ranges::find(*messages, message) == messages->end()) {
+void AddOnce(const Message& message, std::vector<Message>* messages) {
+  if (std::ranges::find(*messages, message.text, &Message::text) == messages->end()) {
     messages->push_back(message);
   }
 }
@@ -95,11 +95,11 @@ void AddOnce(const std::string& message, std::vector<std::string>* messages) {
 void Collect(const std::vector<ProcedureResult>& results, RunResult* result) {
   for (const ProcedureResult& part : results) {
     AddDone(part, result);
-    for (const std::string& message : part.messages) {
+    for (const Message& message : part.messages) {
       AddOnce(message, &result->messages);
     }
     if (!part.fault.empty()) {
-      AddOnce("the machine said: " + part.fault, &result->messages);
+      AddOnce(MachineSaid(part.fault), &result->messages);
     }
   }
 }
@@ -154,13 +154,14 @@ RunResult RunScenario(const Scenario& scenario, const RunOptions& options) {
   const std::clock_t start = std::clock();
   const Chance chance = ChanceOf(scenario, options);
   const std::unique_ptr<KindTrial> trial = scenario.kind->Begin(scenario, chance);
-  RunResult result{.scenario = scenario.file.string(),
-                   .about = scenario.about,
-                   .verbatim = scenario.verbatim,
-                   .machine = scenario.machine.machine.name,
-                   .fidelity = ToString(chance.fidelity),
-                   .seed = chance.seed,
-                   .messages = scenario.machine.notes};
+  RunResult result{
+      .scenario = scenario.file.string(),
+      .about = scenario.about,
+      .verbatim = scenario.verbatim,
+      .machine = scenario.machine.machine.name,
+      .fidelity = ToString(chance.fidelity),
+      .seed = chance.seed,
+      .messages = {scenario.machine.notes.begin(), scenario.machine.notes.end()}};
   trial->Before(&result);
   InterruptibleLink link(trial->wire());
   std::unique_ptr<RecordingLink> recorder;

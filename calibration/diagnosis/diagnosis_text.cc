@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "calibration/diagnosis/diagnosis_summary.h"
 #include "calibration/diagnosis/diagnosis_words.h"
 #include "calibration/diagnosis/unseen_rows.h"
 #include "calibration/facts/facts_text.h"
@@ -151,20 +152,6 @@ std::string Capitalised(std::string text) {
   return text;
 }
 
-// The first thing that the rows say by themselves and that answers a question.
-const Fact* FirstAnswer(const Diagnosis& diagnosis) {
-  const auto& all = diagnosis.facts.all;
-  const auto found = std::ranges::find(all, true, &Fact::is_answer);
-  return found == all.end() ? nullptr : &*found;
-}
-
-// Whether the rows determine nothing of what is always fitted.
-bool IsOpen(const Diagnosis& diagnosis) {
-  if (!diagnosis.has_model) return true;
-  return !diagnosis.baseline.empty() &&
-         std::ranges::none_of(diagnosis.baseline, &BaselineLine::is_determined);
-}
-
 // Whether no cause is named and the rows answer all the same: what no baseline takes
 // up.
 bool SpeaksByItself(const Diagnosis& diagnosis) {
@@ -298,31 +285,9 @@ void AddWouldShow(const std::vector<WouldShow>& all, std::string* text) {
   }
 }
 
-// A line: "cyclic_lead (z), tip_size"; what takes each of them is in the JSON.
-void AddAbsorbed(const std::vector<Absorbed>& absorbed, std::string* text) {
-  std::vector<std::pair<std::string, std::vector<std::string>>> causes;
-  for (const Absorbed& one : absorbed) {
-    const std::size_t dot = one.what.find('.');
-    const std::string cause = one.what.substr(0, dot);
-    if (causes.empty() || causes.back().first != cause) causes.push_back({cause, {}});
-    if (dot != std::string::npos) {
-      causes.back().second.push_back(one.what.substr(dot + 1));
-    }
-  }
-  std::vector<std::string> words;
-  for (const auto& [cause, axes] : causes) {
-    words.push_back(
-        axes.empty() ? cause : fmt::format("{} ({})", cause, fmt::join(axes, ", ")));
-  }
-  if (words.empty()) return;
-  *text += fmt::format(
-      "Cannot be seen here, since the baseline takes it up or no row moves it (--json "
-      "says which): {}.\n",
-      fmt::join(words, ", "));
-}
-
 void AddCannotTell(const Diagnosis& diagnosis, std::string* text) {
-  AddAbsorbed(diagnosis.absorbed, text);
+  const std::string absorbed = AbsorbedText(diagnosis.absorbed);
+  if (!absorbed.empty()) *text += absorbed + "\n";
   if (!diagnosis.next_campaign) return;
   *text += NextInWords(*diagnosis.next_campaign) + ".\n";
 }

@@ -6,6 +6,7 @@
 
 #include "calibration/estimate/correlation.h"
 #include "calibration/estimate/uncertain.h"
+#include "calibration/loop/message.h"
 #include "sim/base/yaml.h"
 #include "sim/link/link.h"
 
@@ -71,7 +72,7 @@ struct ProcedureResult {
   std::vector<Estimate> estimates{};
   std::vector<Correlations> correlations{};  ///< Of what was fitted together.
   std::vector<Observability> observability{};
-  std::vector<std::string> messages{};  ///< Warnings and remedies, for a person.
+  std::vector<Message> messages{};  ///< Warnings and remedies, for a person.
   int touches = 0;
   /// What else it found: figures of scenarios ("predicted_factor", "alerts"), and what
   /// only the one who leads the procedures asks for ("rounds_steeper").

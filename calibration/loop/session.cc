@@ -78,9 +78,9 @@ Expected<void> Session::Begin() {
   return {};
 }
 
-void Session::Tell(const std::string& message) {
+void Session::Tell(const Message& message) {
   result_.messages.push_back(message);
-  bench_->say(message);
+  bench_->say(message.text);
 }
 
 void Session::Measured(const std::string& name,
@@ -261,7 +261,9 @@ void Session::Explain(const ObservabilityReport& report) {
   }
   for (const std::string& advice : report.advice) {
     const auto& told = result_.messages;
-    if (std::ranges::find(told, advice) == told.end()) Tell(advice);
+    if (std::ranges::find(told, advice, &Message::text) == told.end()) {
+      Tell({advice, Message::Kind::kOpen});
+    }
   }
 }
 

@@ -67,8 +67,8 @@ class Session {
   /// Homes where needed, reads settings and keeps them as the backup.
   Expected<void> Begin();
   /// For a person, kept with the result; shown at once.
-  void Tell(const std::string& message);
-  void Tell(Trouble trouble) { Tell(RemedyFor(trouble)); }
+  void Tell(const Message& message);
+  void Tell(Trouble trouble) { Tell({RemedyFor(trouble), Message::Kind::kToDo}); }
 
   /// Limit, confirmation, write; a new steps/mm is followed by homing. Adds a step.
   /// @return whether the setting now is what was proposed, within its uncertainty

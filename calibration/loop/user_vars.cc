@@ -92,11 +92,11 @@ Expected<void> Persist(Session* session, const std::string& date) {
             fmt::format("{} does not read back as it was written", kUserVarsFile)});
   }
   session->controller().Remember(wanted);
-  session->Tell(
-      fmt::format("Kept in {}; it loads twice without error. The values "
-                  "before stand in {}.",
-                  kUserVarsFile,
-                  kUserVarsBackup));
+  session->Tell({fmt::format("Kept in {}; it loads twice without error. The values "
+                             "before stand in {}.",
+                             kUserVarsFile,
+                             kUserVarsBackup),
+                 Message::Kind::kLog});
   return {};
 }
 

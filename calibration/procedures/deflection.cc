@@ -95,7 +95,7 @@ void ExplainPlanOfDeflection(Session* session,
                   std::max(known.backlash_left_mm.sd, 1e-6));
   }
   const ObservabilityReport report = plan.Report();
-  session->Tell(InWords(report));
+  session->Tell({InWords(report), Message::Kind::kOpen});
   session->Explain(report);
 }
 

@@ -18,7 +18,7 @@ Expected<void> RunDial(Session* session, const DialOptions& o) {
   for (const int sense : {+1, -1}) plan.AddReading(c.axis, middle_mm, sense, 0.001);
   plan.AddKnown(NameOf(Setting::kStepsPerMm, c.axis), 0.1);
   const ObservabilityReport report = plan.Report();
-  session->Tell(InWords(report));
+  session->Tell({InWords(report), Message::Kind::kOpen});
   session->Explain(report);
   const auto left_mm = ReadGapLeft(session, c.axis, id, c.repeats);
   if (!left_mm) return tl::unexpected(left_mm.error());

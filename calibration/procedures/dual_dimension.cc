@@ -66,7 +66,7 @@ void ExplainPlanOfDualDimension(Session* session,
     }
   }
   const ObservabilityReport report = plan.Report();
-  session->Tell(InWords(report));
+  session->Tell({InWords(report), Message::Kind::kOpen});
   session->Explain(report);
 }
 

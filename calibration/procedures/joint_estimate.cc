@@ -189,7 +189,7 @@ Expected<void> RunJoint(Session* session, const JointOptions& o) {
     BelieveScatter(session, &fit);
   }
   session->Explain(fit.observability);
-  session->Tell(InWords(fit.observability));
+  session->Tell({InWords(fit.observability), Message::Kind::kOpen});
   if (!fit.converged) {
     session->Tell("The joint estimate did not converge: " + fit.message);
     session->End(Ending::kConfounded);

@@ -110,6 +110,25 @@ ObservabilityReport PlanModel::Report() const {
   return Observe(jacobian, columns);
 }
 
+namespace {
+
+// "a + b only" and "a not at all", as Observe states them, as a sentence.
+std::string BlindInWords(const std::string& statement) {
+  constexpr std::string_view kOnly = " only";
+  constexpr std::string_view kNotAtAll = " not at all";
+  if (statement.ends_with(kNotAtAll)) {
+    return fmt::format("It does not determine {}.",
+                       statement.substr(0, statement.size() - kNotAtAll.size()));
+  }
+  if (!statement.ends_with(kOnly)) return statement + ".";
+  const std::string sums = statement.substr(0, statement.size() - kOnly.size());
+  return sums.find(" and ") == std::string::npos
+             ? fmt::format("It determines {} as a whole, not its parts.", sums)
+             : fmt::format("It determines {}, each as a whole, not their parts.", sums);
+}
+
+}  // namespace
+
 std::string InWords(const ObservabilityReport& report) {
   std::vector<std::string> told;
   for (const std::string& name : report.determined) {
@@ -122,10 +141,11 @@ std::string InWords(const ObservabilityReport& report) {
     }
   }
   const std::string first =
-      told.empty() ? "This plan tells nothing by itself"
-                   : fmt::format("This plan tells {}", fmt::join(told, ", "));
-  if (blind.empty()) return first + ".";
-  return fmt::format("{}; beside that {}.", first, fmt::join(blind, "; "));
+      told.empty() ? "The plan determines nothing by itself"
+                   : fmt::format("The plan determines {}", fmt::join(told, ", "));
+  std::string text = first + ".";
+  for (const std::string& statement : blind) text += " " + BlindInWords(statement);
+  return text;
 }
 
 }  // namespace caltwin

@@ -143,7 +143,7 @@ void ExplainPlanOfReleaseBacklash(Session* session, const ReleaseOptions& o) {
   plan.AddKnown(NameOf(Setting::kStepsPerMm, o.common.axis), 0.1);
   plan.AddKnown("probe_hysteresis", Hysteresis(session, o).sd + 1e-6);
   const ObservabilityReport report = plan.Report();
-  session->Tell(InWords(report));
+  session->Tell({InWords(report), Message::Kind::kOpen});
   session->Explain(report);
 }
 

@@ -103,7 +103,7 @@ Expected<void> RunRoughSteps(Session* session, const RoughOptions& o) {
   plan.AddReading(c.axis, 0, +1, Sd_mm(session, o));
   plan.AddReading(c.axis, Distance_mm(session, o), +1, Sd_mm(session, o));
   const ObservabilityReport report = plan.Report();
-  session->Tell(InWords(report));
+  session->Tell({InWords(report), Message::Kind::kOpen});
   session->Explain(report);
   const std::string name = NameOf(Setting::kStepsPerMm, c.axis);
   bool applied_any = false;

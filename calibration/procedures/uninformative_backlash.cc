@@ -43,7 +43,7 @@ Expected<void> RunSameSide(Session* session, const CommonOptions& c) {
   plan.AddTouch(face, c.repeats, artefact->id);
   plan.AddTouch(face, c.repeats, artefact->id);
   const ObservabilityReport report = plan.Report();
-  session->Tell(InWords(report));
+  session->Tell({InWords(report), Message::Kind::kOpen});
   session->Explain(report);
   std::vector<Touched> both;
   for (int i = 0; i < 2; ++i) {
@@ -67,7 +67,7 @@ Expected<void> RunAwayReturn(Session* session, const DialOptions& o) {
   plan.AddReading(c.axis, drawing.mid_mm(), +1, 0.001);
   plan.AddReading(c.axis, drawing.mid_mm(), +1, 0.001);
   const ObservabilityReport report = plan.Report();
-  session->Tell(InWords(report));
+  session->Tell({InWords(report), Message::Kind::kOpen});
   session->Explain(report);
   const double way_mm = session->probing().LeadIn_mm(Unit(c.axis)) + 5;
   Vec3<double> at_mm = session->controller().position_mm();

@@ -132,15 +132,17 @@ std::string Judged(double value_mm, double limit_mm) {
 
 void Print(Session* session, Axis axis, const Checks& checks) {
   const std::string name(1, Letter(axis));
-  session->Tell(name + ": 1. sizes: worst " + Judged(checks.worst_size_mm, kSize_mm));
-  session->Tell(name + ": 2. reversal: " +
-                (checks.reversal_known ? Judged(checks.reversal_mm, kReversal_mm)
-                                       : std::string("not checked")));
-  session->Tell(name + ": 3. repeatability: " + Judged(checks.scatter_mm, kScatter_mm));
-  session->Tell(name + ": 4. both directions: " + Judged(checks.offset_mm, kOffset_mm));
-  session->Tell(name + ": 5. a pocket not calibrated on: " +
-                (checks.pocket_known ? Judged(checks.pocket_mm, kSize_mm)
-                                     : std::string("there is none")));
+  const auto tell = [&](std::string_view what, const std::string& how) {
+    session->Tell({fmt::format("{}: {} {}", name, what, how), Message::Kind::kCheck});
+  };
+  tell("1. sizes: worst", Judged(checks.worst_size_mm, kSize_mm));
+  tell(
+      "2. reversal:",
+      checks.reversal_known ? Judged(checks.reversal_mm, kReversal_mm) : "not checked");
+  tell("3. repeatability:", Judged(checks.scatter_mm, kScatter_mm));
+  tell("4. both directions:", Judged(checks.offset_mm, kOffset_mm));
+  tell("5. a pocket not calibrated on:",
+       checks.pocket_known ? Judged(checks.pocket_mm, kSize_mm) : "there is none");
 }
 
 Expected<void> VerifyAxis(Session* session, Axis axis, const VerifyOptions& o) {
@@ -150,7 +152,9 @@ Expected<void> VerifyAxis(Session* session, Axis axis, const VerifyOptions& o) {
   if (const auto done = CheckPocket(session, axis, o, &checks); !done) return done;
   Print(session, axis, checks);
   const std::vector<std::string> revisit = WhatToRevisit(axis, checks);
-  for (const std::string& message : revisit) session->Tell(message);
+  for (const std::string& message : revisit) {
+    session->Tell({message, Message::Kind::kToDo});
+  }
   session->Measured(
       NameOf(Setting::kStepsPerMm, axis),
       session->Believed(Setting::kStepsPerMm, axis),

@@ -1,13 +1,14 @@
 #include <algorithm>
 #include <cstddef>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "renders/chart.h"
 #include "renders/display_unit.h"
-#include "renders/html.h"
-#include "renders/plot.h"
+#include "renders/parts.h"
 #include "renders/sections/sections.h"
 
 namespace caltwin {
@@ -25,10 +26,10 @@ std::string CauseOf(const std::string& name) {
 
 /// The error of one quantity over the whole run: level between the steps that had to
 /// do with it, a slope across each of them. Empty where none had.
-Series ErrorsOf(const RunResult& result,
-                const ParameterResult& truth,
-                double per_unit) {
-  Series series{.label = truth.name, .is_line = true};
+ChartSeries ErrorsOf(const RunResult& result,
+                     const ParameterResult& truth,
+                     double per_unit) {
+  ChartSeries series{.label = truth.name, .is_line = true};
   const auto add = [&](std::size_t step, double value) {
     const auto x = static_cast<double>(step);
     if (!series.x.empty() && series.x.back() == x) return;
@@ -59,22 +60,21 @@ std::vector<std::string> CausesInOrder(const RunResult& result) {
   return causes;
 }
 
-Plot PlotOf(const RunResult& result, const std::string& cause) {
-  Plot plot{.title = cause,
-            .caption = "setting minus truth; it should end on zero.",
-            .x_label = "step",
-            .y_label = "",
-            .series = {}};
+std::string FigureOf(const RunResult& result, const std::string& cause) {
+  std::string label;
+  std::vector<ChartSeries> all;
   for (const ParameterResult& truth : result.parameters) {
     if (CauseOf(truth.name) != cause || !truth.is_setting) continue;
     const std::string unit = truth.unit.empty() ? UnitOfName(truth.name) : truth.unit;
     const ErrorUnit shown = ErrorUnitOf(unit);
-    Series series = ErrorsOf(result, truth, shown.per_unit);
+    ChartSeries series = ErrorsOf(result, truth, shown.per_unit);
     if (series.x.empty()) continue;
-    plot.y_label = fmt::format("error [{}]", shown.name);
-    plot.series.push_back(std::move(series));
+    label = fmt::format("error [{}]", shown.name);
+    all.push_back(std::move(series));
   }
-  return plot;
+  return FigureHtml(cause,
+                    "setting minus truth; it should end on zero.",
+                    ChartSvg("step", label, all));
 }
 
 }  // namespace
@@ -83,11 +83,11 @@ std::string ConvergenceSection(const RunResult& result,
                                const ReportPictures& /*pictures*/) {
   std::string plots;
   for (const std::string& cause : CausesInOrder(result)) {
-    plots += PlotHtml(PlotOf(result, cause));
+    plots += FigureOf(result, cause);
   }
   if (plots.empty()) return "";
   return "<p>Error of each setting after every step that touched it. The steps are "
-         "numbered as in the table above.</p>\n<div class=\"plots\">\n" +
+         "numbered as in the table above.</p>\n<div class=\"drawings\">\n" +
          plots + "</div>\n";
 }
 

@@ -38,9 +38,7 @@ std::string ProvenanceSection(const RunResult& result,
       "same "
       "version gives the same numbers:</p>\n<pre><code>{}</code></pre>\n"
       "<details open><summary>The scenario, verbatim</summary>\n"
-      "<pre tabindex=\"0\"><code>{}</code></pre></details>\n"
-      "<p class=\"kind\">Plots: uPlot 1.6.32, copyright 2022 Leon Sorokin, MIT "
-      "licence.</p>\n",
+      "<pre tabindex=\"0\"><code>{}</code></pre></details>\n",
       CALTWIN_VERSION,
       result.seed,
       Escaped(result.fidelity),

@@ -5,16 +5,15 @@
 namespace caltwin {
 namespace {
 
-constexpr std::array<Section, 10> kSections = {{
-    {"verdict", "What came out", VerdictSection},
-    {"uncertainty", "How sure it is", UncertaintySection},
+constexpr std::array<Section, 9> kSections = {{
+    {"results", "Results", VerdictSection},
+    {"meaning", "What it means", MeaningSection},
     {"pictures", "Before and after", PicturesSection},
     {"position", "Where the tool ends up", PositionSection},
+    {"uncertainty", "How sure it is", UncertaintySection},
     {"steps", "What was done, in order", StepsSection},
     {"convergence", "How the settings converged", ConvergenceSection},
     {"readings", "The readings", ReadingsSection},
-    {"observability", "What could not be told apart", ObservabilitySection},
-    {"messages", "Messages", MessagesSection},
     {"provenance", "How to make this report again", ProvenanceSection},
 }};
 

@@ -28,9 +28,8 @@ std::string PositionSection(const RunResult& result, const ReportPictures& pictu
 std::string StepsSection(const RunResult& result, const ReportPictures& pictures);
 std::string ConvergenceSection(const RunResult& result, const ReportPictures& pictures);
 std::string ReadingsSection(const RunResult& result, const ReportPictures& pictures);
-std::string ObservabilitySection(const RunResult& result,
-                                 const ReportPictures& pictures);
-std::string MessagesSection(const RunResult& result, const ReportPictures& pictures);
+/// What was found, what these measurements cannot tell, what to do.
+std::string MeaningSection(const RunResult& result, const ReportPictures& pictures);
 std::string ProvenanceSection(const RunResult& result, const ReportPictures& pictures);
 
 }  // namespace caltwin

@@ -7,23 +7,24 @@
 #include "calibration/loop/outcome.h"
 #include "renders/display_unit.h"
 #include "renders/html.h"
+#include "renders/parts.h"
 #include "renders/sections/sections.h"
 
 namespace caltwin {
 namespace {
 
-std::string_view BadgeKind(Verdict verdict) {
+Tone ToneOf(Verdict verdict) {
   switch (verdict) {
     case Verdict::kApplied:
-      return "good";
+      return Tone::kGood;
     case Verdict::kMeasured:
-      return "dim";
+      return Tone::kPlain;
     case Verdict::kRefused:
-      return "warn";
+      return Tone::kWarn;
     case Verdict::kRolledBack:
-      return "bad";
+      return Tone::kBad;
   }
-  return "dim";
+  return Tone::kPlain;
 }
 
 std::string VerdictWord(Verdict verdict) {
@@ -49,7 +50,7 @@ std::string StepRow(const Step& step, std::size_t number) {
       "<tr><td class=\"number\">{}</td><td><code>{}</code>{}</td>"
       "<td class=\"number\">{}</td><td><code>{}</code></td>"
       "<td class=\"number\">{}</td><td class=\"number\">{}</td><td>{}</td>"
-      "<td><span class=\"badge {}\">{}</span></td><td class=\"words\">{}</td></tr>\n",
+      "<td>{}</td><td class=\"words\">{}</td></tr>\n",
       number,
       Escaped(step.procedure),
       variant,
@@ -58,8 +59,7 @@ std::string StepRow(const Step& step, std::size_t number) {
       step.has_before ? NumberText(step.before, resolution) : "",
       NumberText(step.after, resolution),
       Escaped(UnitText(unit)),
-      BadgeKind(step.verdict),
-      Escaped(VerdictWord(step.verdict)),
+      BadgeHtml(ToneOf(step.verdict), VerdictWord(step.verdict)),
       Escaped(step.message));
 }
 
@@ -67,18 +67,20 @@ std::string StepRow(const Step& step, std::size_t number) {
 
 std::string StepsSection(const RunResult& result, const ReportPictures& /*pictures*/) {
   if (result.steps.empty()) return "<p>Nothing was applied or measured.</p>\n";
-  std::string html =
-      "<div class=\"scroll\" tabindex=\"0\"><table>\n<caption><span>What the "
-      "procedures made "
-      "of each quantity.</span></caption>\n"
-      "<thead><tr><th scope=\"col\">step</th><th scope=\"col\">procedure</th>"
-      "<th scope=\"col\">pass</th><th scope=\"col\">quantity</th>"
-      "<th scope=\"col\">before</th><th scope=\"col\">after</th>"
-      "<th scope=\"col\">unit</th><th scope=\"col\">verdict</th>"
-      "<th scope=\"col\">message</th></tr></thead>\n<tbody>\n";
+  std::string rows;
   std::size_t number = 0;
-  for (const Step& step : result.steps) html += StepRow(step, ++number);
-  return html + "</tbody></table></div>\n";
+  for (const Step& step : result.steps) rows += StepRow(step, ++number);
+  return TableHtml("What the procedures made of each quantity.",
+                   {"step",
+                    "procedure",
+                    "pass",
+                    "quantity",
+                    "before",
+                    "after",
+                    "unit",
+                    "verdict",
+                    "message"},
+                   rows);
 }
 
 }  // namespace caltwin

@@ -4,6 +4,7 @@
 
 #include "renders/display_unit.h"
 #include "renders/html.h"
+#include "renders/parts.h"
 #include "renders/sections/sections.h"
 #include "scenarios/result_text.h"
 
@@ -14,19 +15,17 @@ std::string UncertaintyRow(const ParameterResult& parameter, const Expanded& exp
   const std::string shares = SharesText(parameter);
   const std::string unit =
       parameter.unit.empty() ? UnitOfName(parameter.name) : parameter.unit;
-  const auto number = [](const std::string& text) {
-    return fmt::format("<td class=\"number\">{}</td>", text);
-  };
   return fmt::format(
       "<tr><th "
-      "scope=\"row\"><code>{}</code></th><td>{}</td>{}{}{}{}{}<td>{}</td></tr>\n",
+      "scope=\"row\"><code>{}</code></th><td>{}</td>{}{}{}{}{}<td "
+      "class=\"words\">{}</td></tr>\n",
       Escaped(parameter.name),
       Escaped(UnitText(unit)),
-      number(NumberText(parameter.recovered.value_or(0), expanded.U)),
-      number(NumberText(expanded.u, expanded.u)),
-      number(fmt::format("{:.2f}", expanded.k)),
-      number(NumberText(expanded.U, expanded.U)),
-      number(DofText(expanded.dof)),
+      NumberCell(NumberText(parameter.recovered.value_or(0), expanded.U)),
+      NumberCell(NumberText(expanded.u, expanded.u)),
+      NumberCell(fmt::format("{:.2f}", expanded.k)),
+      NumberCell(NumberText(expanded.U, expanded.U)),
+      NumberCell(DofText(expanded.dof)),
       shares.empty() ? "not taken apart" : Escaped(shares));
 }
 
@@ -46,16 +45,13 @@ std::string UncertaintySection(const RunResult& result,
     const std::string text = CorrelationText(of);
     if (!text.empty()) pairs += fmt::format("<p>{}.</p>\n", Escaped(text));
   }
-  return "<div class=\"scroll\" tabindex=\"0\"><table>\n<caption><span>Value &plusmn; "
-         "U "
-         "holds the truth 95&nbsp;% of the time (JCGM 100): u is the combined standard "
-         "uncertainty, U = k u, dof its effective degrees of freedom, and to the right "
-         "the share of its variance that each input has.</span></caption>\n<thead><tr>"
-         "<th scope=\"col\">quantity</th><th scope=\"col\">unit</th>"
-         "<th scope=\"col\">value</th><th scope=\"col\">u</th><th scope=\"col\">k</th>"
-         "<th scope=\"col\">U</th><th scope=\"col\">dof</th>"
-         "<th scope=\"col\">made of</th></tr></thead>\n<tbody>\n" +
-         rows + "</tbody></table></div>\n" + pairs;
+  return TableHtml(
+             "Value ± U holds the truth 95 % of the time (JCGM 100): u is the combined "
+             "standard uncertainty, U = k u, dof its effective degrees of freedom, and "
+             "to the right the share of its variance that each input has.",
+             {"quantity", "unit", "value", "u", "k", "U", "dof", "made of"},
+             rows) +
+         pairs;
 }
 
 }  // namespace caltwin

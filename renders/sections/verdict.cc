@@ -7,21 +7,19 @@
 
 #include "renders/display_unit.h"
 #include "renders/html.h"
+#include "renders/parts.h"
 #include "renders/sections/sections.h"
 
 namespace caltwin {
 namespace {
 
-std::string Badge(std::string_view kind, std::string_view text) {
-  return fmt::format("<span class=\"badge {}\">{}</span>", kind, text);
-}
-
 std::string ParameterVerdict(const ParameterResult& parameter) {
   if (parameter.passed.has_value()) {
-    return *parameter.passed ? Badge("good", "passed") : Badge("bad", "failed");
+    return *parameter.passed ? BadgeHtml(Tone::kGood, "passed")
+                             : BadgeHtml(Tone::kBad, "failed");
   }
-  if (!parameter.identifiable) return Badge("dim", "cannot be told");
-  return Badge("dim", "not checked");
+  if (!parameter.identifiable) return BadgeHtml(Tone::kPlain, "cannot be told");
+  return BadgeHtml(Tone::kPlain, "not checked");
 }
 
 /// Half the length of the error bar's scale: what is drawn at its ends.
@@ -106,48 +104,40 @@ std::string ParameterRow(const ParameterResult& parameter) {
 }
 
 std::string ParameterTable(const RunResult& result) {
-  if (result.parameters.empty()) return "";
-  std::string html =
-      "<div class=\"scroll\" tabindex=\"0\"><table>\n<caption><span>What the machine "
-      "was given, and what the calibration found. The bar shows the error (dot), its "
-      "95&nbsp;% interval (line) and the tolerance (band).</span></caption>\n"
-      "<thead><tr>";
-  for (const char* heading : {"quantity",
-                              "verdict",
-                              "unit",
-                              "injected",
-                              "recovered",
-                              "error",
-                              "uncertainty (1 sd)",
-                              "tolerance",
-                              "error in its tolerance"}) {
-    html += fmt::format("<th scope=\"col\">{}</th>", heading);
-  }
-  html += "</tr></thead>\n<tbody>\n";
+  std::string rows;
   for (const ParameterResult& parameter : result.parameters) {
-    html += ParameterRow(parameter);
+    rows += ParameterRow(parameter);
   }
-  return html + "</tbody></table></div>\n";
+  return TableHtml(
+      "What the machine was given, and what the calibration found. The bar shows the "
+      "error (dot), its 95 % interval (line) and the tolerance (band).",
+      {"quantity",
+       "verdict",
+       "unit",
+       "injected",
+       "recovered",
+       "error",
+       "uncertainty (1 sd)",
+       "tolerance",
+       "error in its tolerance"},
+      rows);
 }
 
 std::string CheckTable(const RunResult& result) {
-  if (result.checks.empty()) return "";
-  std::string html =
-      "<div class=\"scroll\" tabindex=\"0\"><table>\n<caption><span>What else the "
-      "scenario "
-      "expects.</span></caption>\n<thead><tr><th scope=\"col\">check</th>"
-      "<th scope=\"col\">expected</th><th scope=\"col\">found</th>"
-      "<th scope=\"col\">verdict</th></tr></thead>\n<tbody>\n";
+  std::string rows;
   for (const CheckResult& check : result.checks) {
-    html += fmt::format(
-        "<tr><th scope=\"row\"><code>{}</code></th><td>{}</td><td>{}</td><td>{}</td>"
-        "</tr>\n",
+    rows += fmt::format(
+        "<tr><th scope=\"row\"><code>{}</code></th><td class=\"words\">{}</td><td "
+        "class=\"words\">{}</td><td>{}</td></tr>\n",
         Escaped(check.name),
         Escaped(check.expected),
         Escaped(check.found),
-        check.passed ? Badge("good", "passed") : Badge("bad", "failed"));
+        check.passed ? BadgeHtml(Tone::kGood, "passed")
+                     : BadgeHtml(Tone::kBad, "failed"));
   }
-  return html + "</tbody></table></div>\n";
+  return TableHtml("What else the scenario expects.",
+                   {"check", "expected", "found", "verdict"},
+                   rows);
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "calibration/kinds/delta/bench.h"
+#include "scenarios/contender.h"
 #include "sim/machine/kinds/delta/model.h"
 #include "sim/machine/kinds/delta/touch.h"
 
@@ -41,16 +42,6 @@ inline constexpr double kCompareRadius_mm = 100;
 /// six rods within 0.3 mm, the bed's slopes in x and y within 3 mrad.
 DeltaCase RandomDelta(std::uint64_t seed, int machine);
 
-/// Quantiles over machines, and the 95 % interval of the median (order statistics;
-/// distribution-free).
-struct Spread {
-  double median = 0;
-  double p95 = 0;
-  double low = 0;
-  double high = 0;
-};
-Spread SpreadOf(std::vector<double> values);
-
 /// How one engine did.
 struct DeltaStanding {
   std::string_view name{};
@@ -75,6 +66,8 @@ DeltaComparison CompareDelta(int machines,
                              std::uint64_t seed,
                              const std::function<void(int)>& progress);
 
+/// By the nozzle's height over the bed at unseen points.
+std::vector<Contender> ContendersOf(const DeltaComparison& comparison);
 std::string DeltaComparisonText(const DeltaComparison& comparison);
 nlohmann::ordered_json DeltaComparisonJson(const DeltaComparison& comparison);
 

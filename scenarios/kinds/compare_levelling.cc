@@ -247,6 +247,10 @@ LevellingComparison CompareLevelling(int machines,
   return comparison;
 }
 
+std::vector<Contender> ContendersOf(const LevellingComparison& comparison) {
+  return Contenders(comparison, LevellingRivals(), &LevellingStanding::mean_um);
+}
+
 std::string LevellingComparisonText(const LevellingComparison& comparison) {
   std::string text = fmt::format(
       "{} random printers, seed {}; touches scatter by {:.0f} um; judged on 121 "

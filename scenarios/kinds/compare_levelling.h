@@ -10,7 +10,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "calibration/kinds/triple_z/procedures.h"
-#include "scenarios/kinds/compare_delta.h"
+#include "scenarios/contender.h"
 #include "sim/effects/effect.h"
 
 namespace caltwin {
@@ -67,6 +67,8 @@ LevellingComparison CompareLevelling(int machines,
                                      std::uint64_t seed,
                                      const std::function<void(int)>& progress);
 
+/// By the mean error of the bed.
+std::vector<Contender> ContendersOf(const LevellingComparison& comparison);
 std::string LevellingComparisonText(const LevellingComparison& comparison);
 nlohmann::ordered_json LevellingComparisonJson(const LevellingComparison& comparison);
 

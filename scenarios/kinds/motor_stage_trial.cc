@@ -83,7 +83,7 @@ ProcedureResult MotorStageTrial::CutPower(const PowerCut& cut) {
     const auto answer = bench_.link->Send(line, std::chrono::milliseconds(600'000));
     if (answer) continue;
     const std::string& said = answer.error().reply;
-    done.messages.push_back("the machine said: " + said);
+    done.messages.push_back(MachineSaid(said));
     const bool is_cut = said.find("the power went") != std::string::npos;
     if (!is_cut) done.ending = Ending::kRefused;
     break;

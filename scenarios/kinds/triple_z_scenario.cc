@@ -132,7 +132,7 @@ CalibrationStep TripleZScenario::ReadScenarioStep(const std::string& name,
             if (moved) return result;
             result.fault = moved.error().reply;
             result.ending = EndingOfFault(moved.error());
-            result.messages.push_back("the machine said: " + result.fault);
+            result.messages.push_back(MachineSaid(result.fault));
             return result;
           }};
 }

@@ -314,7 +314,7 @@ std::string CauseOf(const RunResult& run) {
     missed += (missed.empty() ? "missed " : ", ") + parameter.name;
   }
   if (run.outcome == "misses" && !missed.empty()) return missed;
-  return run.messages.empty() ? "" : run.messages.back();
+  return run.messages.empty() ? "" : run.messages.back().text;
 }
 
 TrialResult KeptOf(const RunResult& run, std::size_t of_case, std::int64_t trial) {

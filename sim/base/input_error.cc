@@ -12,9 +12,9 @@ namespace {
 
 constexpr std::size_t kMostFaultsShown = 20;
 
-std::string Message(const Place& place,
-                    const std::string& text,
-                    const std::string& hint) {
+std::string InputMessage(const Place& place,
+                         const std::string& text,
+                         const std::string& hint) {
   const std::string where = ToString(place);
   std::string message = where.empty() ? text : where + ": " + text;
   if (!hint.empty()) message += "\n  " + hint;
@@ -52,10 +52,10 @@ InputError::InputError(std::vector<std::string> faults)
 InputError::InputError(const Place& place,
                        const std::string& text,
                        const std::string& hint)
-    : InputError(std::vector{Message(place, text, hint)}) {}
+    : InputError(std::vector{InputMessage(place, text, hint)}) {}
 
 void Faults::Add(const Place& place, const std::string& text, const std::string& hint) {
-  faults_.push_back(Message(place, text, hint));
+  faults_.push_back(InputMessage(place, text, hint));
 }
 
 void Faults::Add(const InputError& error) {
@@ -63,7 +63,7 @@ void Faults::Add(const InputError& error) {
 }
 
 void Faults::Note(const Place& place, const std::string& text) {
-  const std::string note = Message(place, text, "");
+  const std::string note = InputMessage(place, text, "");
   if (std::ranges::find(notes_, note) == notes_.end()) notes_.push_back(note);
 }
 

@@ -59,7 +59,7 @@ TEST(TriggerRelease, SaysBeforehandThatItTellsTheGap) {
 
   const ProcedureResult result = RunStep(kTriggerReleaseBacklash, "{axis: x}", &toy);
 
-  EXPECT_THAT(result.messages.at(0), HasSubstr("This plan tells backlash.x"));
+  EXPECT_THAT(result.messages.at(0), HasSubstr("The plan determines backlash.x"));
   ASSERT_FALSE(result.observability.empty());
   EXPECT_EQ(result.observability[0].statement, "probe_pretravel.x - tip_size only");
 }

@@ -133,7 +133,7 @@ TEST(DiagnosisReport, LoadsNothing) {
 TEST(DiagnosisReport, HasNoPagesWhereNothingIsFound) {
   const std::string html = DiagnosisReportHtml({}, {}, Notes());
 
-  EXPECT_THAT(html, HasSubstr(">none</span>"));
+  EXPECT_THAT(html, HasSubstr("<dd>none</dd>"));
   EXPECT_THAT(html, Not(HasSubstr("id=\"finding-1\"")));
   EXPECT_THAT(html, Not(HasSubstr("<svg")));
 }

@@ -69,8 +69,34 @@ TEST(Report, SaysWhatCannotBeTold) {
 TEST(Report, SaysARepeatedMessageOnce) {
   const RunResult result{.messages = {"a", "b", "a"}};
 
-  EXPECT_EQ(MessagesSection(result, {}),
-            "<ul>\n<li>a (2 times)</li>\n<li>b</li>\n</ul>\n");
+  EXPECT_THAT(MeaningSection(result, {}),
+              HasSubstr("<ul>\n<li>a (2 times)</li>\n<li>b</li>\n</ul>\n"));
+}
+
+// What a message is for decides where it stands, not its words.
+TEST(Report, GroupsMessagesByWhatTheyAreFor) {
+  using enum Message::Kind;
+  const RunResult result{.messages = {{"tighten it", kToDo},
+                                      {"x: 2. reversal", kCheck},
+                                      {"the gap reads 0.05 mm", kFound},
+                                      MachineSaid("ok")}};
+
+  const std::string html = MeaningSection(result, {});
+
+  const auto found = html.find("<h3>What was found</h3>\n<ul>\n<li>the gap");
+  const auto to_do = html.find("<h3>What to do</h3>\n<ul>\n<li>tighten it");
+  const auto check = html.find("<summary>What was verified (1)</summary>");
+  EXPECT_LT(found, to_do);
+  EXPECT_LT(to_do, check);
+  EXPECT_NE(check, std::string::npos);
+  EXPECT_EQ(MeaningSection({}, {}), "");
+}
+
+TEST(Report, SaysItsVerdictInASentenceFirst) {
+  const std::string html = ReportHtml(SampleResult(), {});
+
+  const auto verdict = html.find("<strong>Passed. The calibration recovered what was");
+  EXPECT_LT(verdict, html.find("<section"));
 }
 
 TEST(Report, HasEverySectionAndItsAnchor) {
@@ -88,7 +114,7 @@ TEST(Report, LeavesOutSectionsWithNothingToShow) {
 
   EXPECT_THAT(html, Not(HasSubstr("id=\"pictures\"")));
   EXPECT_THAT(html, Not(HasSubstr("id=\"readings\"")));
-  EXPECT_THAT(html, Not(HasSubstr("id=\"observability\"")));
+  EXPECT_THAT(html, Not(HasSubstr("id=\"meaning\"")));
 }
 
 /// A result whose every text tries to become markup.
@@ -120,8 +146,8 @@ TEST(Report, LetsNoTextOfAScenarioBecomeMarkup) {
 
   EXPECT_THAT(html, Not(HasSubstr("<script>alert")));
   EXPECT_THAT(html, Not(HasSubstr("<img src=x")));
-  // As many scripts as the harmless report has: two, and one a plot.
-  EXPECT_EQ(Count(html, "<script"), Count(html, "</script"));
+  EXPECT_EQ(Count(html, "<script"), 0);
+  EXPECT_EQ(Count(html, "</script"), 0);
 }
 
 TEST(Report, KeepsDataInItsScriptElement) {

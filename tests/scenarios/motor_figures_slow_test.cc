@@ -269,13 +269,15 @@ void Build(const Unlike& unlike, Rng* rng, MotorAxisDrawing* x) {
 }
 
 bool IsCalledLate(const MotorResult& stopped) {
-  return std::ranges::any_of(stopped.result.messages, [](const std::string& text) {
+  return std::ranges::any_of(stopped.result.messages, [](const Message& message) {
+    const std::string& text = message.text;
     return text.find("were foretold: it brakes like") != std::string::npos;
   });
 }
 
 bool WantsMeasuring(const MotorResult& stopped) {
-  return std::ranges::any_of(stopped.result.messages, [](const std::string& text) {
+  return std::ranges::any_of(stopped.result.messages, [](const Message& message) {
+    const std::string& text = message.text;
     return text.find("needs measuring") != std::string::npos;
   });
 }

@@ -167,15 +167,21 @@ TEST(ResultText, ShowsAsManyDigitsAsTheUncertaintyWarrants) {
 
 // The verdict stands first; of checks what failed; of messages how many.
 TEST(ResultText, TheBriefOneSaysTheVerdictFirst) {
-  RunResult result{.scenario = "x.yaml", .about = "A worn axis.", .passed = false};
+  RunResult result{.scenario = "x.yaml",
+                   .about = "A worn axis.",
+                   .passed = false,
+                   .outcome = "misses"};
   result.messages = {"a message"};
   result.checks = {{.name = "outcome", .expected = "recovers", .found = "misses"},
                    {.name = "alarm", .found = "none", .passed = true}};
 
   const std::string text = ResultBrief(result);
 
-  EXPECT_TRUE(text.starts_with("FAILED: 1 of 2 expectations met. A worn axis.\n"))
+  EXPECT_TRUE(text.starts_with(
+      "FAILED: The calibration ended off the truth, which was not expected: 1 of 2 "
+      "expectations met.\noutcome: expected recovers, found misses.\n"))
       << text;
+  EXPECT_THAT(text, HasSubstr("A worn axis."));
   EXPECT_THAT(text, HasSubstr("outcome: misses, expected recovers"));
   EXPECT_THAT(text, testing::Not(HasSubstr("alarm")));
   EXPECT_THAT(text, testing::Not(HasSubstr("a message")));

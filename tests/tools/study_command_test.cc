@@ -74,7 +74,7 @@ TEST_F(StudyCommandTest, OfAPlanSaysWhatItTellsAndWhatToAdd) {
   EXPECT_EQ(answer.exit_code, kPassed) << answer.fault;
   EXPECT_THAT(
       answer.out,
-      AllOf(HasSubstr("This plan tells backlash.x"),
+      AllOf(HasSubstr("The plan determines backlash.x"),
             HasSubstr("The best one to add: iso230"),
             HasSubstr("Linear against the closed forms, errors of 1000 machines")));
   EXPECT_FALSE(fs::exists(In("out/trials.csv")));  // None is kept.

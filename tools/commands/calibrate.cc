@@ -138,13 +138,14 @@ void PrintResult(const std::string& name, const ProcedureResult& result) {
   for (const Observability& o : result.observability) {
     std::cout << "  " << o.statement << "\n";
   }
-  for (const std::string& message : result.messages) {
-    std::cout << "  " << message << "\n";
+  for (const Message& message : result.messages) {
+    std::cout << "  " << message.text << "\n";
   }
   // Some procedures have said so already.
-  const std::string said = "the machine said: " + result.fault;
+  const std::string said = MachineSaid(result.fault).text;
   if (!result.fault.empty() &&
-      std::ranges::find(result.messages, said) == result.messages.end()) {
+      std::ranges::find(result.messages, said, &Message::text) ==
+          result.messages.end()) {
     std::cout << "  " << said << "\n";
   }
 }

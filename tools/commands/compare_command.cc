@@ -3,11 +3,14 @@
 #include <iostream>
 #include <memory>
 #include <string_view>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "renders/compare_report.h"
+#include "renders/document.h"
 #include "scenarios/compare_backlash.h"
 #include "scenarios/interrupt.h"
 #include "scenarios/kinds/compare_delta.h"
@@ -31,6 +34,7 @@ struct CompareAsked {
   int draws = 200;
   std::uint64_t seed = 1;
   std::string json{};
+  std::string report{};
 };
 
 void Write(const CompareAsked& options,
@@ -46,7 +50,32 @@ void Write(const CompareAsked& options,
   }
 }
 
+void WriteReportOf(const CompareAsked& options,
+                   const std::vector<Contender>& contenders,
+                   const std::string& text) {
+  if (options.report.empty()) return;
+  WriteDocument(
+      CompareDocument(contenders,
+                      {.kind = options.kind,
+                       .text = text,
+                       .command = fmt::format(
+                           "caltwin compare {} --machines {} --seed {} --report {}",
+                           options.kind,
+                           options.machines,
+                           options.seed,
+                           options.report)}),
+      options.report);
+  if (options.json != "-") {
+    std::cout << "\nreport: " << options.report << "/index.html\n";
+  }
+}
+
 int RunMeasured(const CompareAsked& options) {
+  if (!options.report.empty()) {
+    throw InputError({.file = "--report"},
+                     "is of random machines",
+                     "--json - has every figure of the measured one");
+  }
   if (options.has_machines) {
     throw InputError({.file = "--machines"},
                      "is of random machines; only one was measured",
@@ -68,7 +97,9 @@ int RunRandom(const CompareAsked& options) {
     line.Show(fmt::format("machine {} of {}", done + 1, options.machines));
   });
   line.Clear();
-  Write(options, text(comparison), json(comparison));
+  const std::string table = text(comparison);
+  Write(options, table, json(comparison));
+  WriteReportOf(options, ContendersOf(comparison), table);
   return comparison.is_interrupted ? kInterrupted : kPassed;
 }
 
@@ -125,6 +156,7 @@ Action DeclareCompare(CLI::App* app) {
       ->capture_default_str();
   app->add_option(
       "--json", options->json, "write the figures as JSON; - for stdout alone");
+  app->add_option("--report", options->report, "write an HTML report to this folder");
   return [options, machines] {
     options->has_machines = machines->count() > 0;
     return RunCompare(*options);

@@ -267,9 +267,9 @@ void WriteReportOf(const DiagnoseAsked& options,
       {.data = options.file,
        .text = DiagnosisText(judged.diagnosis, text_notes) + "\n" +
                VolumetricText(judged.volumetric) + ReplayText(judged.replay),
+       .words = text_notes,
        .command = CommandOf(options),
        .folder = options.report,
-       .measured = text_notes.measured,
        .version = CALTWIN_VERSION,
        .seed = options.seed},
       options.report);

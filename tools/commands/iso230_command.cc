@@ -8,6 +8,8 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include "renders/document.h"
+#include "renders/iso230_report.h"
 #include "sim/base/text_file.h"
 #include "sim/measure/rows.h"
 #include "tools/commands/command.h"
@@ -24,6 +26,7 @@ struct Iso230Asked {
   std::string axis{};
   std::string campaign{};
   std::string json{};
+  std::string report{};
   Iso230Budget budget{};
 };
 
@@ -58,6 +61,20 @@ Iso230Choice Choose(const RowTable& table, const Iso230Asked& options) {
       fmt::format("{}", fmt::join(offered, "; ")));
 }
 
+std::string CommandOf(const Iso230Asked& options, const Iso230Choice& choice) {
+  std::string command = fmt::format("caltwin iso230 {} --axis {} --campaign {}",
+                                    options.file,
+                                    Name(choice.axis),
+                                    choice.campaign);
+  const auto add = [&](const char* name, double u_um) {
+    if (u_um > 0) command += fmt::format(" {} {:g}", name, u_um);
+  };
+  add("--u-alignment-um", options.budget.alignment_u_um);
+  add("--u-temperature-um", options.budget.temperature_u_um);
+  add("--u-environment-um", options.budget.environment_u_um);
+  return command + " --report " + options.report;
+}
+
 int RunIso230(const Iso230Asked& options) {
   RefuseOverwriting(RowsAndHeader("the data", options.file),
                     {{"--json", options.json}});
@@ -70,6 +87,16 @@ int RunIso230(const Iso230Asked& options) {
   }
   const Iso230Report report = MakeIso230Report(table, header, choice, options.budget);
   if (options.json != "-") std::cout << Iso230Text(report);
+  if (!options.report.empty()) {
+    WriteDocument(Iso230Document(report.sheet,
+                                 {.data = options.file,
+                                  .text = Iso230Text(report),
+                                  .command = CommandOf(options, choice)}),
+                  options.report);
+    if (options.json != "-") {
+      std::cout << "\nreport: " << options.report << "/index.html\n";
+    }
+  }
   if (options.json.empty()) return kPassed;
   const std::string json = Iso230Json(report).dump(kJsonIndent) + "\n";
   if (options.json == "-") {
@@ -90,6 +117,7 @@ Action DeclareIso230(CLI::App* app) {
   app->add_option("--campaign", options->campaign, "which campaign");
   app->add_option(
       "--json", options->json, "write the sheet as JSON; - for stdout alone");
+  app->add_option("--report", options->report, "write an HTML report to this folder");
   const auto add_uncertainty = [app](const char* name, double* u_um, const char* what) {
     app->add_option(name, *u_um, what)->check(CLI::Range(0.0, kLargestU_um));
   };

@@ -89,7 +89,8 @@ class DeltaCalibration {
     const std::string line = fmt::format("G33 P{}{}", step_.points, step_.words);
     const auto agreed =
         Ask(fmt::format("{} sets what it finds by itself. Run it?", line));
-    result_.messages = wire.Say(agreed.has_value() ? line : AsDryRun(line));
+    const auto answers = wire.Say(agreed.has_value() ? line : AsDryRun(line));
+    result_.messages.assign(answers.begin(), answers.end());
     if (wire.fault()) {
       End(*wire.fault_itself());
       return;
@@ -140,7 +141,7 @@ class DeltaCalibration {
                          {.probe = probe, .calliper = Calliper()},
                          believed.settings,
                          &fit);
-    result_.messages = outcome.messages;
+    result_.messages.assign(outcome.messages.begin(), outcome.messages.end());
     result_.figures = {{"said_mm", outcome.said_mm},
                        {"tilt_x", outcome.tilt_x},
                        {"tilt_y", outcome.tilt_y}};

@@ -8,7 +8,7 @@
 namespace caltwin {
 
 void MotorDoing::Log(std::size_t axis, const std::string& text) {
-  Say("logged: " + text);
+  Say({"logged: " + text, Message::Kind::kLog});
   logged_ = {axis, text};
   const auto logged = axes_->Log(axis, text);
   if (!logged) Say("the controller did not log that: " + logged.error().reply);
@@ -18,7 +18,7 @@ void MotorDoing::Alert(std::size_t axis, const std::string& text) {
   ++done_.found.alerts;
   const bool is_logged = logged_.first == axis && text.starts_with(logged_.second);
   if (!is_logged) Log(axis, text);
-  Say("ALERT: operator wanted: " + text);
+  Say({"ALERT: operator wanted: " + text, Message::Kind::kToDo});
   done_.result.ending = Ending::kRefused;
 }
 
@@ -154,7 +154,7 @@ bool MotorDoing::Absorb(MotorResult inner) {
 
 void MotorDoing::Fail(const MachineFault& fault) {
   done_.result.fault = fault.reply;
-  Say("the machine said: " + fault.reply);
+  Say(MachineSaid(fault.reply));
   if (auto condition = ConditionOf(fault, axes_->bench().drawing)) {
     Meet(*std::move(condition));
     return;

@@ -25,7 +25,7 @@ class MotorDoing {
   MotorDoing(std::string name, const MotorOptions& options, MotorAxes* axes)
       : name_(std::move(name)), options_(options), axes_(axes) {}
 
-  void Say(std::string text) { done_.result.messages.push_back(std::move(text)); }
+  void Say(Message message) { done_.result.messages.push_back(std::move(message)); }
   void Warn(const std::string& text) {
     ++done_.found.warnings;
     Say("warning: " + text);

@@ -20,7 +20,7 @@ class Doing {
         printer_(printer),
         touches_before_(printer->touches()) {}
 
-  void Say(std::string text) { done_.result.messages.push_back(std::move(text)); }
+  void Say(Message message) { done_.result.messages.push_back(std::move(message)); }
   void SayAll(const std::vector<std::string>& lines) {
     for (const std::string& line : lines) Say(line);
   }
@@ -68,7 +68,7 @@ class Doing {
   void Fail(const MachineFault& fault) {
     done_.result.fault = fault.reply;
     done_.result.ending = EndingOfFault(fault);
-    Say("the machine said: " + fault.reply);
+    Say(MachineSaid(fault.reply));
   }
   /// The value, or nullopt and the fault noted.
   template <typename T>

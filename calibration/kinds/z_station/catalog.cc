@@ -63,10 +63,12 @@ void SayWhatToWrite(ZStationDesk* desk, ProcedureResult* result) {
   for (Step& done : result->steps) done.verdict = Verdict::kMeasured;
   if (!result->steps.empty()) desk->stays = false;
   if (result->estimates.empty() || result->estimates.back().value < 0) return;
-  result->messages.push_back(fmt::format(
-      "write `switch_offset: {:.3f}` under [z_calibration] of printer.cfg, restart, "
-      "and calibrate again: no G-code sets it",
-      result->estimates.back().value));
+  result->messages.push_back(
+      {fmt::format(
+           "write `switch_offset: {:.3f}` under [z_calibration] of printer.cfg, "
+           "restart, and calibrate again: no G-code sets it",
+           result->estimates.back().value),
+       Message::Kind::kToDo});
 }
 
 ProcedureResult FindSwitchOffset(const SwitchOffsetStep& step, Bench* bench) {

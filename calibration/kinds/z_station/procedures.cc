@@ -76,7 +76,7 @@ bool HomesWithin(const std::string& macro) {
 void FailZStation(const MachineFault& fault, ProcedureResult* result) {
   result->fault = fault.reply;
   result->ending = EndingOfFault(fault);
-  result->messages.push_back("the machine said: " + fault.reply);
+  result->messages.push_back(MachineSaid(fault.reply));
 }
 
 std::optional<ZCalibrationReading> ReadZCalibration(

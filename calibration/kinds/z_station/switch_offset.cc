@@ -275,7 +275,8 @@ ProcedureResult RunSwitchOffset(ZStationClient* client,
       fmt::format("switch_offset {:.3f} should be {:.3f}", in_force_mm, should_mm));
   if (should_mm < 0) {
     result.messages.push_back(
-        "Klipper takes none below 0: does the body of the switch touch as it should?");
+        {"Klipper takes none below 0: does the body of the switch touch as it should?",
+         Message::Kind::kToDo});
   }
   return result;
 }

@@ -64,7 +64,7 @@ ProcedureResult ResultOf(const Expected<void>& done) {
   if (done) return result;
   result.ending = EndingOfFault(done.error());
   result.fault = done.error().reply;
-  result.messages.push_back("the machine said: " + done.error().reply);
+  result.messages.push_back(MachineSaid(done.error().reply));
   return result;
 }
 

@@ -1,4 +1,4 @@
-#include "renders/diagnosis_chart.h"
+#include "renders/chart.h"
 
 #include <algorithm>
 #include <array>
@@ -20,9 +20,13 @@ constexpr double kScaleHeight = 38;
 struct InkLook {
   std::string_view name, colour;
 };
-constexpr std::array<InkLook, 6> kInks = {{{"before", "#c2500f"},
+constexpr std::size_t kNumSeries = 6;
+constexpr std::array<InkLook, 9> kInks = {{{"before", "#c2500f"},
                                            {"after", "#1667b7"},
                                            {"third", "#1b7f4b"},
+                                           {"fourth", "#8a3fb0"},
+                                           {"fifth", "#8a7000"},
+                                           {"sixth", "#b32558"},
                                            {"text", "#1b1e22"},
                                            {"dim", "#5c636b"},
                                            {"grid", "#dfe2e5"}}};
@@ -56,6 +60,24 @@ std::vector<double> LogTicks(double min, double max) {
 }
 
 }  // namespace
+
+Ink InkOfSeries(std::size_t index) {
+  return static_cast<Ink>(index % kNumSeries);
+}
+
+ChartRange RangeOf(const std::vector<const std::vector<double>*>& all, double air) {
+  double min = INFINITY, max = -INFINITY;
+  for (const auto* values : all) {
+    for (const double value : *values) {
+      if (!std::isfinite(value)) continue;
+      min = std::min(min, value);
+      max = std::max(max, value);
+    }
+  }
+  if (!(max >= min)) return {};
+  const double more = max > min ? (max - min) * air : 1;
+  return {min - more, max + more};
+}
 
 std::string FillOf(Ink ink) {
   return fmt::format(
@@ -143,11 +165,16 @@ double Chart::Y(double y) const {
 
 void Chart::Entry(std::string_view mark, const std::string& label) {
   if (label.empty()) return;
-  constexpr double kMarkWidth = 22, kGap = 18, kBaseline = 14;
-  legend_ +=
-      fmt::format("<g transform=\"translate({:.1f} 0)\">{}</g>\n", legend_x_, mark);
-  legend_ += SvgText(legend_x_ + kMarkWidth, kBaseline, label);
-  legend_x_ += kMarkWidth + TextWidth(label) + kGap;
+  constexpr double kMarkWidth = 22, kGap = 18, kBaseline = 14, kRowHeight = 17;
+  const double width = kMarkWidth + TextWidth(label);
+  if (legend_x_ > kLeft && legend_x_ + width > kWidth) {
+    legend_x_ = kLeft;
+    legend_y_ += kRowHeight;
+  }
+  legend_ += fmt::format(
+      "<g transform=\"translate({:.1f} {:.1f})\">{}</g>\n", legend_x_, legend_y_, mark);
+  legend_ += SvgText(legend_x_ + kMarkWidth, legend_y_ + kBaseline, label);
+  legend_x_ += width + kGap;
 }
 
 void Chart::Band(double y_from, double y_to, const std::string& label) {
@@ -209,6 +236,28 @@ void Chart::Line(const std::vector<double>& x,
       path,
       StrokeOf(ink));
   Entry(fmt::format("<path d=\"M0 10H17\" stroke-width=\"2.4\" {}/>", StrokeOf(ink)),
+        label);
+}
+
+void Chart::Columns(double x_from,
+                    double width,
+                    const std::vector<double>& heights,
+                    Ink ink,
+                    const std::string& label) {
+  constexpr double kGap = 0.6;
+  drawn_ += fmt::format("<g {} fill-opacity=\"0.75\">\n", FillOf(ink));
+  double from = x_from;
+  for (const double height : heights) {
+    drawn_ += fmt::format(
+        "<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\"/>\n",
+        X(from),
+        Y(height),
+        X(from + width) - X(from) - kGap,
+        Y(0) - Y(height));
+    from += width;
+  }
+  drawn_ += "</g>\n";
+  Entry(fmt::format("<rect y=\"4\" width=\"16\" height=\"12\" {}/>", FillOf(ink)),
         label);
 }
 
@@ -297,6 +346,38 @@ std::string Chart::Axes() const {
 std::string Chart::Svg() const {
   return SvgOpen(kWidth, height_, frame_.y_label + " against " + frame_.x_label) +
          behind_ + Axes() + drawn_ + legend_ + "</svg>\n";
+}
+
+std::string ChartSvg(const std::string& x_label,
+                     const std::string& y_label,
+                     const std::vector<ChartSeries>& series) {
+  constexpr double kAcross = 0.02, kUp = 0.08;
+  std::vector<const std::vector<double>*> x, y;
+  std::size_t num_points = 0;
+  for (const ChartSeries& one : series) {
+    x.push_back(&one.x);
+    y.push_back(&one.y);
+    num_points += one.x.size();
+  }
+  if (num_points == 0) return "";
+  const ChartRange across = RangeOf(x, kAcross);
+  const ChartRange up = RangeOf(y, kUp);
+  Chart chart({.x_label = x_label,
+               .y_label = y_label,
+               .x_min = across.min,
+               .x_max = across.max,
+               .y_min = up.min,
+               .y_max = up.max});
+  for (std::size_t i = 0; i < series.size(); ++i) {
+    const ChartSeries& one = series[i];
+    const Ink ink = InkOfSeries(i);
+    if (one.is_line) {
+      chart.Line(one.x, one.y, ink, one.label);
+    } else {
+      chart.Points(one.x, one.y, ink, one.label);
+    }
+  }
+  return chart.Svg();
 }
 
 }  // namespace caltwin

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -8,7 +9,17 @@ namespace caltwin {
 
 /// Inks of a chart, by what they mean. Colours come with the drawing, so that it stands
 /// alone as a file; a page may override them by class (its dark scheme does).
-enum class Ink { kBefore, kAfter, kThird, kText, kDim, kGrid };
+enum class Ink { kBefore, kAfter, kThird, kFourth, kFifth, kSixth, kText, kDim, kGrid };
+
+/// The ink of the series `index`, which counts from 0: six, then again from the first.
+Ink InkOfSeries(std::size_t index);
+
+/// From the least to the most of what is drawn, with `air` of it at either end; never
+/// empty. What is no number is not counted.
+struct ChartRange {
+  double min = 0, max = 1;
+};
+ChartRange RangeOf(const std::vector<const std::vector<double>*>& all, double air);
 
 /// One more scale below a chart, for the same x in another unit: x / unit.
 struct ExtraScale {
@@ -42,6 +53,12 @@ class Chart {
             const std::vector<double>& y,
             Ink ink,
             const std::string& label);
+  /// Columns from 0 to `heights`, side by side from `x_from`, each `width` wide.
+  void Columns(double x_from,
+               double width,
+               const std::vector<double>& heights,
+               Ink ink,
+               const std::string& label);
   void Horizontal(double y, const std::string& label);  ///< Dashed, across.
   void Vertical(double x, const std::string& label);    ///< Dashed, named at its top.
 
@@ -57,10 +74,23 @@ class Chart {
   ChartFrame frame_;
   double height_ = 0;
   std::string behind_{}, drawn_{}, legend_{};
-  double legend_x_ = 0;
+  double legend_x_ = 0, legend_y_ = 0;
   double last_named_x_ = -1e9;
   int named_row_ = 0;
 };
+
+/// One set of points in a chart, or a line through them.
+struct ChartSeries {
+  std::string label{};
+  std::vector<double> x{};
+  std::vector<double> y{};
+  bool is_line = false;
+};
+
+/// The series over axes that hold them all; empty where there is nothing to draw.
+std::string ChartSvg(const std::string& x_label,
+                     const std::string& y_label,
+                     const std::vector<ChartSeries>& series);
 
 /// @name Parts of drawings that are no charts.
 /// `classes` are the ink's own; coordinates in pixels of the drawing.

@@ -1,0 +1,171 @@
+#include "calibration/diagnosis/diagnosis_summary.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cstddef>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "calibration/diagnosis/diagnosis_words.h"
+#include "calibration/diagnosis/unseen_rows.h"
+#include "sim/base/units.h"
+
+namespace caltwin {
+namespace {
+
+using Answer = DiagnosisSummary::Answer;
+
+std::string Sentence(std::string text) {
+  if (text.empty()) return text;
+  text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
+  if (text.back() != '.' && text.back() != '!' && text.back() != '?') text += '.';
+  return text;
+}
+
+void AddOnce(const std::string& text, std::vector<std::string>* all) {
+  const std::string sentence = Sentence(text);
+  if (sentence.empty() || std::ranges::find(*all, sentence) != all->end()) return;
+  all->push_back(sentence);
+}
+
+// "Backlash of X (62 %) or wind-up of the X drive (30 %)".
+std::string Candidates(const Finding& finding) {
+  constexpr double kWorthANumber = 0.05;
+  std::vector<std::string> names;
+  for (const FindingCandidate& one : finding.candidates) {
+    if (!names.empty() && !one.structural && one.probability < kWorthANumber) continue;
+    names.push_back(fmt::format("{} ({:.0f} %)",
+                                NameInWords(one.cause, one.axis),
+                                PercentFromFraction(one.probability)));
+  }
+  return fmt::format("{}", fmt::join(names, " or "));
+}
+
+std::string OfFindings(const Diagnosis& diagnosis) {
+  std::vector<std::string> does;
+  for (const Finding& finding : diagnosis.findings) {
+    does.push_back(diagnosis.verdict == DiagnosisVerdict::kAmbiguous &&
+                           finding.candidates.size() > 1
+                       ? "More than one cause is possible: " + Candidates(finding)
+                       : WhatItDoes(finding));
+  }
+  constexpr std::size_t kMost = 2;
+  const std::size_t more = does.size() - std::min(does.size(), kMost);
+  does.resize(does.size() - more);
+  std::string text = fmt::format("{}", fmt::join(does, ". "));
+  if (more > 0) {
+    text += fmt::format(". There {} {} more",
+                        more == 1 ? "is" : "are",
+                        more == 1 ? "one" : fmt::format("{}", more));
+  }
+  return text;
+}
+
+std::pair<Answer, std::string> AnswerOf(const Diagnosis& diagnosis) {
+  const NotTheMachine& other = diagnosis.facts.not_the_machine;
+  if (!other.reason.empty()) return {Answer::kElsewhere, other.sentence};
+  const Fact* const first = FirstAnswer(diagnosis);
+  const bool is_known = diagnosis.verdict == DiagnosisVerdict::kNamed ||
+                        diagnosis.verdict == DiagnosisVerdict::kAmbiguous;
+  if (is_known && !diagnosis.findings.empty()) {
+    return {Answer::kCause, OfFindings(diagnosis)};
+  }
+  if (first != nullptr) return {Answer::kFigure, first->sentence};
+  if (!diagnosis.findings.empty()) {
+    return {Answer::kCause,
+            "Something is there that no cause in the catalogue explains: " +
+                OfFindings(diagnosis)};
+  }
+  if (diagnosis.verdict != DiagnosisVerdict::kNone) {
+    return {Answer::kCause, "Something is there, but these rows cannot say what"};
+  }
+  if (IsOpen(diagnosis)) {
+    return {Answer::kTooFew, "These rows are too few to tell anything"};
+  }
+  return {Answer::kNothing,
+          "Nothing is wrong that these rows could show: beyond plain settings (scale, "
+          "backlash, where things lie) there is only noise"};
+}
+
+void AddFindings(const Diagnosis& diagnosis,
+                 const TextNotes& notes,
+                 DiagnosisSummary* summary) {
+  for (const Finding& finding : diagnosis.findings) {
+    if (finding.is_of_facts) continue;  // Its sentence stands among the facts.
+    AddOnce(FindingText(finding, diagnosis, notes.measured), &summary->found);
+    if (finding.candidates.size() > 1 &&
+        diagnosis.verdict == DiagnosisVerdict::kAmbiguous) {
+      AddOnce("These rows show alike: " + Candidates(finding), &summary->cannot_tell);
+    }
+    if (WhatUnseenRowsSay(finding, diagnosis.gain).is_recommended) {
+      AddOnce(WhatToDo(finding), &summary->to_do);
+    }
+  }
+}
+
+}  // namespace
+
+const Fact* FirstAnswer(const Diagnosis& diagnosis) {
+  const auto& all = diagnosis.facts.all;
+  const auto found = std::ranges::find(all, true, &Fact::is_answer);
+  return found == all.end() ? nullptr : &*found;
+}
+
+bool IsOpen(const Diagnosis& diagnosis) {
+  if (!diagnosis.has_model) return true;
+  return !diagnosis.baseline.empty() &&
+         std::ranges::none_of(diagnosis.baseline, &BaselineLine::is_determined);
+}
+
+std::string AbsorbedText(const std::vector<Absorbed>& absorbed) {
+  std::vector<std::pair<std::string, std::vector<std::string>>> causes;
+  for (const Absorbed& one : absorbed) {
+    const std::size_t dot = one.what.find('.');
+    const std::string cause = one.what.substr(0, dot);
+    if (causes.empty() || causes.back().first != cause) causes.push_back({cause, {}});
+    if (dot != std::string::npos) {
+      causes.back().second.push_back(one.what.substr(dot + 1));
+    }
+  }
+  std::vector<std::string> words;
+  for (const auto& [cause, axes] : causes) {
+    words.push_back(
+        axes.empty() ? cause : fmt::format("{} ({})", cause, fmt::join(axes, ", ")));
+  }
+  if (words.empty()) return "";
+  return fmt::format(
+      "Cannot be seen here, since the baseline takes it up or no row moves it (--json "
+      "says which): {}.",
+      fmt::join(words, ", "));
+}
+
+DiagnosisSummary SummaryOf(const Diagnosis& diagnosis, const TextNotes& notes) {
+  DiagnosisSummary summary;
+  auto [answer, sentence] = AnswerOf(diagnosis);
+  summary.answer = answer;
+  summary.sentence = Sentence(std::move(sentence));
+  AddFindings(diagnosis, notes, &summary);
+  for (const bool is_answer : {true, false}) {
+    for (const Fact& fact : diagnosis.facts.all) {
+      if (fact.is_answer == is_answer) AddOnce(fact.sentence, &summary.found);
+    }
+  }
+  std::erase(summary.found, summary.sentence);
+  for (const std::string& cannot : diagnosis.facts.cannot) {
+    AddOnce(cannot, &summary.cannot_tell);
+  }
+  if (!IsOpen(diagnosis)) {
+    AddOnce(AbsorbedText(diagnosis.absorbed), &summary.cannot_tell);
+    if (diagnosis.next_campaign) {
+      AddOnce(NextInWords(*diagnosis.next_campaign), &summary.to_do);
+    }
+  }
+  for (const Advice& advice : diagnosis.facts.next) {
+    AddOnce(advice.sentence, &summary.to_do);
+  }
+  return summary;
+}
+
+}  // namespace caltwin

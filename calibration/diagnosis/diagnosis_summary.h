@@ -1,0 +1,41 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "calibration/diagnosis/diagnosis.h"
+#include "calibration/diagnosis/diagnosis_text.h"
+
+namespace caltwin {
+
+/// The first thing that the rows say by themselves and that answers a question; nullptr
+/// where none does.
+const Fact* FirstAnswer(const Diagnosis& diagnosis);
+
+/// Whether the rows determine nothing of what is always fitted.
+bool IsOpen(const Diagnosis& diagnosis);
+
+/// "Cannot be seen here, since the baseline takes it up or no row moves it (--json says
+/// which): cyclic_lead (z), tip_size."; empty where everything can.
+std::string AbsorbedText(const std::vector<Absorbed>& absorbed);
+
+/// A diagnosis for somebody who reads one sentence, then what it means for them.
+struct DiagnosisSummary {
+  /// What the answer is about.
+  enum class Answer {
+    kCause,      ///< A cause is named, or several are possible.
+    kFigure,     ///< A plain figure: a scale, lost motion, a tilt.
+    kElsewhere,  ///< It is not the machine: the gauge, the file, the slicer.
+    kNothing,    ///< Nothing is wrong that these rows could show.
+    kTooFew      ///< The rows determine nothing.
+  };
+  Answer answer = Answer::kNothing;
+  std::string sentence{};
+  std::vector<std::string> found{};
+  std::vector<std::string> cannot_tell{};
+  std::vector<std::string> to_do{};
+};
+
+DiagnosisSummary SummaryOf(const Diagnosis& diagnosis, const TextNotes& notes);
+
+}  // namespace caltwin
