@@ -54,7 +54,7 @@ std::string ValuesHtml(const Finding& finding) {
     }
     html += fmt::format("<li><code>{}</code> {}</li>\n",
                         Escaped(one.name),
-                        Escaped(WithSd(one.value, one.sd, unit)));
+                        SentenceHtml(WithSd(one.value, one.sd, unit)));
   }
   html += fmt::format(
       "<li>near-peak in these rows {:.3g} µm; share {:.1f} %; probability {:.4f}; log "
@@ -101,7 +101,7 @@ std::string CausePage(const Diagnosis& diagnosis,
   const auto effect = FindEffect(finding.cause);
   const Words words = effect ? EffectAt(*effect).words : Words{};
   const auto said = [](std::string_view text) {
-    return Escaped(text);
+    return SentenceHtml(text);
   };
   std::string html =
       fmt::format("<p>{}</p>\n",
@@ -179,7 +179,7 @@ std::string BaselineHtml(const Diagnosis& diagnosis) {
   for (const BaselineLine& line : diagnosis.baseline) {
     rows += fmt::format("<tr><th scope=\"row\"><code>{}</code></th><td>{}</td></tr>\n",
                         Escaped(line.name),
-                        Escaped(WithSd(line.value, line.sd, line.unit)));
+                        SentenceHtml(WithSd(line.value, line.sd, line.unit)));
   }
   return TableHtml(
       "Always fitted, never a finding: built minus believed, one standard "

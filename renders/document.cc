@@ -16,7 +16,7 @@ std::string VerdictHtml(const Document& document) {
   std::string html =
       fmt::format("<div class=\"verdict {}\">\n<p><strong>{}</strong></p>\n",
                   ClassOf(document.tone),
-                  Escaped(document.verdict));
+                  SentenceHtml(document.verdict));
   for (const std::string& remark : document.remarks) {
     html += fmt::format("<p>{}</p>\n", SentenceHtml(remark));
   }

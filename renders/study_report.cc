@@ -228,6 +228,12 @@ Document DocumentOf(const Study& study, const StudyFindings& findings) {
         i < findings.budgets.size() ? findings.budgets[i] : std::vector<Budget>{},
         is_one ? 0 : i + 1);
     document.sections.insert(document.sections.end(), sections.begin(), sections.end());
+    const std::string prefix = is_one ? "" : cases[i].name + "_";
+    document.drawings.push_back(
+        {prefix + "coverage", CoverageSvg(cases[i].parameters)});
+    for (const ParameterSummary& one : cases[i].parameters) {
+      document.drawings.push_back({prefix + "errors_" + one.name, HistogramSvg(one)});
+    }
   }
   if (cases.size() > 1) {
     document.verdict = fmt::format("{} contenders on the same machines", cases.size());

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
 
 #include "calibration/diagnosis/diagnosis_words.h"
 #include "calibration/diagnosis/unseen_rows.h"
@@ -139,6 +140,29 @@ std::string AbsorbedText(const std::vector<Absorbed>& absorbed) {
       "Cannot be seen here, since the baseline takes it up or no row moves it (--json "
       "says which): {}.",
       fmt::join(words, ", "));
+}
+
+nlohmann::ordered_json SummaryJson(const DiagnosisSummary& summary) {
+  const auto word = [&] {
+    switch (summary.answer) {
+      case Answer::kCause:
+        return "cause";
+      case Answer::kFigure:
+        return "figure";
+      case Answer::kElsewhere:
+        return "elsewhere";
+      case Answer::kNothing:
+        return "nothing";
+      case Answer::kTooFew:
+        return "too_few";
+    }
+    return "";
+  };
+  return {{"answer", word()},
+          {"sentence", summary.sentence},
+          {"found", summary.found},
+          {"cannot_tell", summary.cannot_tell},
+          {"to_do", summary.to_do}};
 }
 
 DiagnosisSummary SummaryOf(const Diagnosis& diagnosis, const TextNotes& notes) {

@@ -3,6 +3,8 @@
 #include <string>
 #include <vector>
 
+#include <nlohmann/json_fwd.hpp>
+
 #include "calibration/diagnosis/diagnosis.h"
 #include "calibration/diagnosis/diagnosis_text.h"
 
@@ -35,6 +37,10 @@ struct DiagnosisSummary {
   std::vector<std::string> cannot_tell{};
   std::vector<std::string> to_do{};
 };
+
+/// {"answer": "figure", "sentence": "X loses ...", "found": [], "cannot_tell": [],
+/// "to_do": []}; an answer is one of cause, figure, elsewhere, nothing, too_few.
+nlohmann::ordered_json SummaryJson(const DiagnosisSummary& summary);
 
 DiagnosisSummary SummaryOf(const Diagnosis& diagnosis, const TextNotes& notes);
 

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <string>
-#include <string_view>
 #include <utility>
 
 namespace caltwin {
@@ -31,9 +30,6 @@ struct Message {
   explicit operator std::string() const { return text; }
 
   friend bool operator==(const Message&, const Message&) = default;
-  friend bool operator==(const Message& message, std::string_view text) {
-    return message.text == text;
-  }
 };
 
 /// What the machine answered where it stopped a run.

@@ -149,7 +149,7 @@ TEST(Session, RollsBackWhatMadeThingsWorse) {
   EXPECT_EQ(toy.machine.settings.backlash_mm[0], 0);
   EXPECT_EQ(session.result().steps.back().verdict, Verdict::kRolledBack);
   ASSERT_FALSE(session.result().messages.empty());
-  EXPECT_EQ(session.result().messages.back(), RemedyFor(Trouble::kWorse));
+  EXPECT_EQ(session.result().messages.back().text, RemedyFor(Trouble::kWorse));
 }
 
 // What is kept as it stood says how far from its estimate it stands.

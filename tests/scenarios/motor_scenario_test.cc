@@ -112,7 +112,7 @@ TEST(MotorScenario, APowerCutLeavesTheOldRecordOrTheNew) {
                  "{power_cut: {lines: [\"M500 X\"], after_bytes: " +
                  std::string(bytes) + "}}, {gcode: {lines: [\"M206 X\"]}}]\n"),
         {});
-    EXPECT_EQ(result.messages.back(), home) << bytes;
+    EXPECT_EQ(result.messages.back().text, home) << bytes;
   }
 }
 

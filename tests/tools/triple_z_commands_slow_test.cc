@@ -105,7 +105,7 @@ TEST(TripleZCommands, AServedPrinterIsCalibratedAsBesideIt) {
   stop = true;
   server.join();
   ASSERT_FALSE(said.empty());
-  EXPECT_EQ(said.front(), "Z1 and Z3 are swapped");
+  EXPECT_EQ(said.front().text, "Z1 and Z3 are swapped");
   EXPECT_EQ(said, found_by(&beside.link()));
 }
 

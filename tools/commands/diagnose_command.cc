@@ -14,6 +14,7 @@
 #include "calibration/diagnosis/closed_loop.h"
 #include "calibration/diagnosis/diagnosis.h"
 #include "calibration/diagnosis/diagnosis_json.h"
+#include "calibration/diagnosis/diagnosis_summary.h"
 #include "calibration/diagnosis/diagnosis_text.h"
 #include "calibration/diagnosis/extension.h"
 #include "calibration/diagnosis/kinds/diagnosed_kind.h"
@@ -244,6 +245,7 @@ void WriteJson(const DiagnoseAsked& options,
                                         .version = CALTWIN_VERSION,
                                         .seed = options.seed,
                                         .command = CommandOf(options)});
+  tree["summary"] = SummaryJson(SummaryOf(judged.diagnosis, text_notes));
   tree["gain"]["volumetric"] = VolumetricJson(judged.volumetric);
   tree["replay"] = ReplayJson(judged.replay);
   if (!options.closed_loop.empty()) tree["rounds"] = RoundsJson(judged.rounds);
@@ -398,14 +400,14 @@ int TellSettings(const DiagnoseAsked& options, const Data& data) {
   }
   if (options.json != "-") std::cout << DiagnosisText(diagnosis, {});
   if (options.json.empty()) return kPassed;
-  const std::string json = ToJson(diagnosis,
-                                  "",
-                                  {.data_sha256 = Sha256OfFile(options.file),
-                                   .version = CALTWIN_VERSION,
-                                   .seed = options.seed,
-                                   .command = CommandOf(options)})
-                               .dump(kJsonIndent) +
-                           "\n";
+  nlohmann::ordered_json tree = ToJson(diagnosis,
+                                       "",
+                                       {.data_sha256 = Sha256OfFile(options.file),
+                                        .version = CALTWIN_VERSION,
+                                        .seed = options.seed,
+                                        .command = CommandOf(options)});
+  tree["summary"] = SummaryJson(SummaryOf(diagnosis, {}));
+  const std::string json = tree.dump(kJsonIndent) + "\n";
   if (options.json == "-") {
     std::cout << json;
   } else {

@@ -1,0 +1,91 @@
+// A diagnosis in one sentence: what answers comes first, whatever the verdict's word
+// is.
+
+#include "calibration/diagnosis/diagnosis_summary.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+namespace caltwin {
+namespace {
+
+using Answer = DiagnosisSummary::Answer;
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+Diagnosis Determined() {
+  Diagnosis diagnosis{.verdict = DiagnosisVerdict::kNone, .has_model = true};
+  diagnosis.baseline = {{.name = "scale.x", .is_determined = true}};
+  return diagnosis;
+}
+
+Fact Scale() {
+  return {.id = "scale", .sentence = "X moves 1.002 times", .is_answer = true};
+}
+
+// "None" is of the catalogue's causes; that steps/mm are wrong is the answer all the
+// same.
+TEST(DiagnosisSummary, AFigureAnswersWhereNoCauseIsNamed) {
+  Diagnosis diagnosis = Determined();
+  diagnosis.facts.all = {{.id = "repeatability", .sentence = "it repeats"}, Scale()};
+  diagnosis.facts.cannot = {"lost motion of X"};
+  diagnosis.facts.next = {{.instrument = "dial", .sentence = "measure both ways"}};
+
+  const DiagnosisSummary summary = SummaryOf(diagnosis, {});
+
+  EXPECT_EQ(summary.answer, Answer::kFigure);
+  EXPECT_EQ(summary.sentence, "X moves 1.002 times.");
+  EXPECT_THAT(summary.found, ElementsAre("It repeats."));  // Not said twice.
+  EXPECT_THAT(summary.cannot_tell, ElementsAre("Lost motion of X."));
+  EXPECT_THAT(summary.to_do, ElementsAre("Measure both ways."));
+}
+
+TEST(DiagnosisSummary, WhatIsNotTheMachineComesBeforeAll) {
+  Diagnosis diagnosis = Determined();
+  diagnosis.facts.all = {Scale()};
+  diagnosis.facts.not_the_machine = {"file", "the columns are exchanged"};
+
+  const DiagnosisSummary summary = SummaryOf(diagnosis, {});
+
+  EXPECT_EQ(summary.answer, Answer::kElsewhere);
+  EXPECT_EQ(summary.sentence, "The columns are exchanged.");
+  EXPECT_THAT(summary.found, Contains("X moves 1.002 times."));
+}
+
+TEST(DiagnosisSummary, NothingAndTooFewAreToldApart) {
+  EXPECT_EQ(SummaryOf(Determined(), {}).answer, Answer::kNothing);
+  Diagnosis open = Determined();
+  open.baseline[0].is_determined = false;
+  EXPECT_EQ(SummaryOf(open, {}).answer, Answer::kTooFew);
+  EXPECT_THAT(SummaryOf(open, {}).found, IsEmpty());
+}
+
+TEST(DiagnosisSummary, SeveralPossibleCausesAreNamedWithTheirProbabilities) {
+  Diagnosis diagnosis = Determined();
+  diagnosis.verdict = DiagnosisVerdict::kAmbiguous;
+  diagnosis.findings = {
+      {.cause = "cyclic_lead",
+       .axis = "x",
+       .probability = 0.62,
+       .candidates = {{.cause = "cyclic_lead", .axis = "x", .probability = 0.62},
+                      {.cause = "microstep", .axis = "x", .probability = 0.37},
+                      {.cause = "pitch_map", .axis = "x", .probability = 0.01}}}};
+
+  const DiagnosisSummary summary = SummaryOf(diagnosis, {});
+
+  EXPECT_EQ(summary.answer, Answer::kCause);
+  EXPECT_THAT(summary.sentence,
+              testing::AllOf(HasSubstr("More than one cause is possible: "),
+                             HasSubstr("(62 %) or "),
+                             HasSubstr("(37 %)"),
+                             testing::Not(HasSubstr("(1 %)"))));
+  const auto json = SummaryJson(summary);
+  EXPECT_EQ(json["answer"], "cause");
+  EXPECT_EQ(json["sentence"], summary.sentence);
+}
+
+}  // namespace
+}  // namespace caltwin
