@@ -84,7 +84,7 @@ BenchApi::BenchApi(std::unique_ptr<Desk> desk,
       const std::lock_guard<std::mutex> lock(mutex_);
       state_ = person_->question() ? "asking" : "working";
     }
-    events_->Publish("bench", JsonLine(Tree()));
+    Tell();
   });
   link_ = std::make_unique<AbortableLink>(
       desk_->wire(), seat_, [this](std::string_view line) { Sent(line); });
@@ -162,6 +162,13 @@ Json BenchApi::Tree() const {
   return tree;
 }
 
+Json BenchApi::Tell() {
+  const std::lock_guard<std::mutex> lock(telling_);
+  Json tree = Tree();
+  events_->Publish("bench", JsonLine(tree));
+  return tree;
+}
+
 HttpResponse BenchApi::Status() const {
   return JsonResponse(Tree());
 }
@@ -187,9 +194,7 @@ HttpResponse BenchApi::SetSession(const HttpRequest& request) {
     entries_ = entries;
   }
   KeepStore();
-  const Json tree = Tree();
-  events_->Publish("bench", JsonLine(tree));
-  return JsonResponse(tree["session"]);
+  return JsonResponse(Tell()["session"]);
 }
 
 CalibrationStep BenchApi::StepOf(const std::string& name, const Json& options) const {
@@ -301,7 +306,7 @@ HttpResponse BenchApi::StartJob(const HttpRequest& request,
     if (!settings_before_) settings_before_ = settings_;
   }
   KeepStore();
-  events_->Publish("bench", JsonLine(Tree()));
+  Tell();
   thread_ =
       std::thread([this, work = std::move(work), seat = std::move(seat)]() mutable {
         Work(work, std::move(seat));
@@ -349,7 +354,7 @@ void BenchApi::Work(const PreparedProcedure& work, OperatorSeat::Held seat) {
   }
   KeepStore();
   { const OperatorSeat::Held rises = std::move(seat); }
-  events_->Publish("bench", JsonLine(Tree()));
+  Tell();
 }
 
 void BenchApi::Sent(std::string_view line) {
@@ -361,7 +366,7 @@ void BenchApi::Sent(std::string_view line) {
   is_reading_ = true;
   ReadSettings();
   is_reading_ = false;
-  events_->Publish("bench", JsonLine(Tree()));
+  Tell();
 }
 
 void BenchApi::TellReadings() {

@@ -75,6 +75,9 @@ class BenchApi {
   /// Puts back what the firmware believed when the last server ended.
   void ResumeSettings();
   Json Tree() const;
+  /// Tells all listeners what stands now: of two threads the later one tells the newer
+  /// state. Returns what was told.
+  Json Tell();
   void ReadStore();
   void KeepStore();
 
@@ -92,6 +95,7 @@ class BenchApi {
   bool is_reading_ = false;  ///< The settings, likewise.
 
   std::mutex writing_{};
+  std::mutex telling_{};
   mutable std::mutex mutex_{};  ///< Of what follows.
   std::string state_ = "idle";  ///< idle, working, asking
   Json job_ = nullptr;

@@ -1,6 +1,6 @@
 import { useCallback, useEffect, useRef, useState } from "react";
 import { answered, api, problemOf, type Problem, type Schemas } from "../api/client";
-import { useEvents, type Connection } from "../api/events";
+import { useEvents, useNews, type Connection } from "../api/events";
 import type { BedStatus, BedTilt, Screws, Touch } from "./maths";
 
 export type Grid = { rows: number; columns: number; reference: number };
@@ -48,15 +48,19 @@ function useKept() {
   const [kept, setKept] = useState<Kept>({ status: null, current: null, past: [] });
   const [loading, setLoading] = useState(true);
   const [fault, setFault] = useState<Problem | null>(null);
+  const begin = useNews();
   const reload = useCallback(async () => {
+    const isNews = begin();
     try {
-      setKept(await fetchAll());
+      const next = await fetchAll();
+      if (!isNews()) return;
+      setKept(next);
       setFault(null);
     } catch (error) {
-      setFault(problemOf(error));
+      if (isNews()) setFault(problemOf(error));
     }
     setLoading(false);
-  }, []);
+  }, [begin]);
   useEffect(() => void reload(), [reload]);
   return { kept, loading, fault, reload };
 }

@@ -1,6 +1,6 @@
 import { useCallback, useEffect, useRef, useState } from "react";
 import { answered, api, operatorName, problemOf, type Problem, type Schemas } from "../api/client";
-import { useEvents, type Connection } from "../api/events";
+import { useEvents, useNews, type Connection } from "../api/events";
 import { readEntries, type Bench, type Entries, type Reading } from "./model";
 
 type Session = Schemas["Session"];
@@ -129,8 +129,9 @@ export function useBench(): BenchHold {
     if (next.job && next.held_by === operatorName()) setFollowed(next.job.id);
     settleRef.current(next.session);
   }, [takeBench]);
+  const begin = useNews();
   const connection = useEvents({
-    bench: (next: Bench) => take(next),
+    bench: (next: Bench) => { begin()(); take(next); },
     said: (one: { text: string }) => live.setSaid((now) => [...now, one.text]),
     reading: (one: Reading) => live.setReadings((now) => [...now, one]),
   });
@@ -138,9 +139,10 @@ export function useBench(): BenchHold {
   settleRef.current = session.settle;
 
   const retry = useCallback(() => {
-    answered(api.GET("/api/bench")).then((next) => { take(next); setProblem(null); },
-      (fault: unknown) => setProblem(problemOf(fault)));
-  }, [take]);
+    const isNews = begin();
+    answered(api.GET("/api/bench")).then((next) => { setProblem(null); if (isNews()) take(next); },
+      (fault: unknown) => { if (isNews()) setProblem(problemOf(fault)); });
+  }, [begin, take]);
   useEffect(retry, [retry, connection]);
 
   const tried = async (asked: Promise<unknown>): Promise<boolean> => {

@@ -1,6 +1,6 @@
 import { useCallback, useEffect, useRef, useState } from "react";
 import { answered, api, problemOf, type Problem, type Schemas } from "../api/client";
-import { useEvents, type Connection } from "../api/events";
+import { useEvents, useNews, type Connection } from "../api/events";
 import { posesOf, type Pose, type SceneData, type Subject } from "./ask";
 import type { World } from "./world";
 
@@ -28,11 +28,14 @@ export function useBenchLive(): LiveHold {
     setProblem(null);
     setReadings((next.job?.readings ?? []).map(readingOf));
   }, []);
+  const begin = useNews();
   const reload = useCallback(() => {
-    answered(api.GET("/api/bench")).then(take, (fault: unknown) => setProblem(problemOf(fault)));
-  }, [take]);
+    const isNews = begin();
+    answered(api.GET("/api/bench")).then((next) => { if (isNews()) take(next); },
+      (fault: unknown) => { if (isNews()) setProblem(problemOf(fault)); });
+  }, [begin, take]);
   const connection = useEvents({
-    bench: take,
+    bench: (next: Bench) => { begin()(); take(next); },
     reading: (came: Came) => setReadings((all) => [...all, readingOf(came)]),
   });
   useEffect(() => {
