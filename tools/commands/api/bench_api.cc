@@ -350,10 +350,14 @@ void BenchApi::Work(const PreparedProcedure& work, OperatorSeat::Held seat) {
       return step.verdict == Verdict::kApplied;
     });
     if (is_changed) calibrated_at_ = UtcNow();
-    state_ = "idle";
   }
   KeepStore();
   { const OperatorSeat::Held rises = std::move(seat); }
+  // Who reads "idle" may begin the next job at once.
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    state_ = "idle";
+  }
   Tell();
 }
 

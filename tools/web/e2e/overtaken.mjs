@@ -1,19 +1,31 @@
 // An answer that was on its way while the machine went on does not undo what an event has told.
-async function until(base, tells) {
-  for (let i = 0; i < 80; ++i) {
-    const bench = await (await fetch(`${base}/api/bench`)).json();
-    if (tells(bench)) return;
-    await new Promise((done) => setTimeout(done, 100));
+const benchOf = async (base) => (await fetch(`${base}/api/bench`)).json();
+
+async function until(base, tells, pause_ms = 100) {
+  const end = Date.now() + 8000;
+  while (Date.now() < end) {
+    if (tells(await benchOf(base))) return;
+    await new Promise((done) => setTimeout(done, pause_ms));
   }
   throw new Error("the bench does not get there");
 }
 
-const begin = (page, base, procedure, options) =>
-  page.request.post(`${base}/api/bench/procedures`, { data: { procedure, options } });
+const begin = (base, procedure, options) => fetch(`${base}/api/bench/procedures`, {
+  method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify({ procedure, options }),
+});
+
+// The seat must be free where the state says so.
+async function oneAfterTheOther(base, check) {
+  let taken = 0;
+  for (let i = 0; i < 20; ++i) {
+    taken += (await begin(base, "home", {})).status === 202 ? 1 : 0;
+    await until(base, (bench) => bench.state === "idle", 0);
+  }
+  check(taken === 20, `a job begins as soon as the machine is idle: ${taken} of 20`);
+}
 
 export async function overtaken(page, base, check) {
-  await begin(page, base, "home", {});
-  await until(base, (bench) => bench.state === "idle" && bench.results.length > 0);
+  await oneAfterTheOther(base, check);
   // Made while the machine is idle, handed over when it has asked already.
   let handOver;
   const isAsked = new Promise((done) => { handOver = done; });
@@ -27,7 +39,7 @@ export async function overtaken(page, base, check) {
   await isOpen;
   await page.waitForTimeout(500);
   check(held.length > 0, "the page asks for the state of the bench");
-  await begin(page, base, "next_cluster_backlash", { axis: "x" });
+  await begin(base, "next_cluster_backlash", { axis: "x" });
   const apply = page.getByRole("button", { name: "Apply", exact: true });
   await apply.waitFor();
   handOver();
