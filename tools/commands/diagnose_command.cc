@@ -16,6 +16,7 @@
 #include "calibration/diagnosis/diagnosis_json.h"
 #include "calibration/diagnosis/diagnosis_summary.h"
 #include "calibration/diagnosis/diagnosis_text.h"
+#include "calibration/diagnosis/errors_by_place.h"
 #include "calibration/diagnosis/extension.h"
 #include "calibration/diagnosis/kinds/diagnosed_kind.h"
 #include "calibration/diagnosis/pictures_json.h"
@@ -249,7 +250,10 @@ void WriteJson(const DiagnoseAsked& options,
   tree["gain"]["volumetric"] = VolumetricJson(judged.volumetric);
   tree["replay"] = ReplayJson(judged.replay);
   if (!options.closed_loop.empty()) tree["rounds"] = RoundsJson(judged.rounds);
-  tree["show"] = ShowJson(PicturesDataOf(judged.observed, OfModel(judged.diagnosis)));
+  const Diagnosis fitted = OfModel(judged.diagnosis);
+  tree["show"] = ShowJson(PicturesDataOf(judged.observed, fitted));
+  tree["show"]["places_of"] = fitted.findings.empty() ? "baseline" : "findings";
+  tree["show"]["places"] = ToJson(ErrorsByPlace(judged.observed, fitted));
   if (text_notes.has_before) tree["changes"] = ChangesJson(text_notes.changes);
   const std::string json = tree.dump(kJsonIndent) + "\n";
   if (options.json == "-") {

@@ -4,17 +4,18 @@ import { Baseline, NextSteps } from "./details";
 import { Correction } from "./correction";
 import { Findings } from "./findings";
 import { GainCard } from "./gain";
+import { Drawn } from "./drawn";
 import { Pictures } from "./pictures";
 import type { Diagnosis } from "./types";
 import { verdictOf } from "./verdict";
 import { first, nice, size } from "./words";
 
-export function AnswerTabs({ diagnoses }: { diagnoses: Diagnosis[] }) {
+export function AnswerTabs({ diagnoses, machine }: { diagnoses: Diagnosis[]; machine: string }) {
   const [at, setAt] = useState(0);
   const id = useId();
   const one = diagnoses[at];
   if (!one) return null;
-  if (diagnoses.length === 1) return <AnswerOf one={one} />;
+  if (diagnoses.length === 1) return <AnswerOf one={one} machine={machine} />;
   const move = (event: KeyboardEvent) => {
     const step = event.key === "ArrowRight" ? 1 : event.key === "ArrowLeft" ? -1 : 0;
     if (step === 0) return;
@@ -33,19 +34,20 @@ export function AnswerTabs({ diagnoses }: { diagnoses: Diagnosis[] }) {
         ))}
       </div>
       <div role="tabpanel" id={`${id}-panel`} aria-labelledby={`${id}-tab-${at}`} tabIndex={-1}>
-        <AnswerOf key={one.id} one={one} />
+        <AnswerOf key={one.id} one={one} machine={machine} />
       </div>
     </>
   );
 }
 
-function AnswerOf({ one }: { one: Diagnosis }) {
+function AnswerOf({ one, machine }: { one: Diagnosis; machine: string }) {
   return (
     <>
       <VerdictShown one={one} />
       <Reading one={one} />
       <Findings one={one} />
       <Facts one={one} />
+      <Drawn one={one} machine={machine} />
       <GainCard one={one} />
       <NextSteps one={one} />
       <Correction one={one} />

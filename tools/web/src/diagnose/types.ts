@@ -52,12 +52,15 @@ export interface Periodogram {
   peaks: { period_mm: number; before_um: number; after_um: number }[];
 }
 export interface Flagged { row: number; cmd_mm: (number | null)[]; value_mm: number; left_um: number; sigmas: number; left_out: boolean }
+export interface PlaceError { is_touch: boolean; cmd_mm: (number | null)[]; n: (number | null)[]; sense: number; rows: number; fitted_um: number }
 export interface Show {
   evidence_map?: Evidence[];
   lack_of_fit?: Fit[];
   direction_contrast?: Contrast[];
   periodograms?: Periodogram[];
   flagged_rows?: Flagged[];
+  places?: PlaceError[];
+  places_of?: "findings" | "baseline";
 }
 export interface Campaign { kind: string; separates: string[]; minutes: number; separation_sigma: number }
 

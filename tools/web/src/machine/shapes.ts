@@ -45,7 +45,7 @@ function geomMesh(geom: Geom, data: SceneData): three.Object3D | null {
 
 export function freeAll(root: three.Object3D) {
   root.traverse((one) => {
-    if (!(one instanceof three.Mesh || one instanceof three.InstancedMesh)) return;
+    if (!(one instanceof three.Mesh || one instanceof three.LineSegments)) return;
     one.geometry.dispose();
     for (const material of [one.material].flat()) (material as three.Material).dispose();
     if (one instanceof three.InstancedMesh) one.dispose();
@@ -53,16 +53,30 @@ export function freeAll(root: three.Object3D) {
   root.clear();
 }
 
+// Things on the bed move with it, where it moves; else they stay in the room.
+export const holderOf = (data: SceneData) => Math.max(0, data.bodies.findIndex((name) => name === "bed"));
+
+// Where the tip is, as the holder has it; null: out of reach.
+export function tipOn(bodies: three.Group[], holder: number, moving: number[], poses: Pose[]): three.Vector3 | null {
+  const poseOf = (body: number) => poses[moving.indexOf(body)];
+  const tip = poseOf(bodies.length - 1);
+  if (!tip) return null;
+  const frame = new three.Object3D();
+  const bed = poseOf(holder);
+  if (bed) place(frame, bed);
+  else frame.applyMatrix4(bodies[holder]!.matrix);
+  frame.updateMatrix();
+  return new three.Vector3(tip[0], tip[1], tip[2]).applyMatrix4(frame.matrix.invert());
+}
+
 const mostDots = 4000;
 
-// Dots stay on the bed where it moves, else in the room.
 export class Dots {
   private mesh: three.InstancedMesh | null = null;
   private holder = 0;
   count = 0;
   constructor(private bodies: three.Group[], data: SceneData, size: number) {
-    const bed = data.bodies.findIndex((name) => name === "bed");
-    this.holder = Math.max(0, bed);
+    this.holder = holderOf(data);
     const shape = new three.SphereGeometry(size * 0.006, 12, 8);
     this.mesh = new three.InstancedMesh(shape, new three.MeshBasicMaterial({ color: 0xe8590c, depthTest: false, transparent: true }), mostDots);
     this.mesh.count = 0;
@@ -73,20 +87,12 @@ export class Dots {
 
   add(moving: number[], poses: Pose[]) {
     if (!this.mesh || this.count >= mostDots) return;
-    const poseOf = (body: number) => poses[moving.indexOf(body)];
-    const tip = poseOf(this.bodies.length - 1);
+    const at = tipOn(this.bodies, this.holder, moving, poses);
     // Out of reach: counted, not seen.
-    if (!tip) {
+    if (!at) {
       this.mesh.setMatrixAt(this.count++, new three.Matrix4().makeScale(0, 0, 0));
       return;
     }
-    const at = new three.Vector3(tip[0], tip[1], tip[2]);
-    const bed = poseOf(this.holder);
-    const frame = new three.Object3D();
-    if (bed) place(frame, bed);
-    else frame.applyMatrix4(this.bodies[this.holder]!.matrix);
-    frame.updateMatrix();
-    at.applyMatrix4(frame.matrix.invert());
     this.mesh.setMatrixAt(this.count++, new three.Matrix4().setPosition(at));
     this.mesh.instanceMatrix.needsUpdate = true;
   }

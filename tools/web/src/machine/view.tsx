@@ -77,9 +77,10 @@ function useWorld(data: SceneData | null, onWorld: (world: World | null) => void
   return { canvas, world, hasFailed };
 }
 
-function Solid({ data, name, onWorld, onFailed }: {
+function Solid({ data, name, told, onWorld, onFailed }: {
   data: SceneData | null;
   name: string;
+  told: string;
   onWorld: (world: World | null) => void;
   onFailed: () => void;
 }) {
@@ -97,7 +98,7 @@ function Solid({ data, name, onWorld, onFailed }: {
   return (
     <>
       <div className="mac-view" tabIndex={0} role="application" onKeyDown={onKey}
-           aria-label={`${name} in three dimensions. Arrow keys turn it, plus and minus zoom, Home goes back. What it does is in the list of G-code.`}>
+           aria-label={`${name} in three dimensions. Arrow keys turn it, plus and minus zoom, Home goes back. ${told}`}>
         <canvas ref={canvas} aria-hidden="true" data-drawn={world && data ? data.machine : undefined} />
         {!world || !data ? <Busy text="Loading the machine" /> : null}
       </div>
@@ -130,10 +131,14 @@ function Undrawn({ shape, machine }: { shape: Shape; machine: string }) {
   );
 }
 
+const inCode = "What it does is in the list of G-code.";
+
 // In 3D; as a picture where the browser draws none. `children` belong to the drawing in 3D.
-export function MachineView({ shape, machine, onWorld, children }: {
+export function MachineView({ shape, machine, told = inCode, onWorld, children }: {
   shape: Shape;
   machine: string;
+  // Where the same stands in words.
+  told?: string;
   onWorld: (world: World | null) => void;
   children?: ReactNode;
 }) {
@@ -148,7 +153,7 @@ export function MachineView({ shape, machine, onWorld, children }: {
   if (shape.problem && !shape.data) return <Undrawn key={machine} shape={shape} machine={machine} />;
   return (
     <>
-      <Solid data={shape.data} name={machine} onWorld={onWorld} onFailed={() => setFlat(true)} />
+      <Solid data={shape.data} name={machine} told={told} onWorld={onWorld} onFailed={() => setFlat(true)} />
       {shape.problem ? (
         <Notice kind="warn"><p><strong>Not drawn anew: {shape.problem.detail}.</strong> The drawing before is still shown.
           {shape.problem.errors?.some((fault) => fault.file === "--exaggerate") ? " Choose smaller errors." : ""}</p></Notice>

@@ -1,7 +1,8 @@
 import * as three from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import type { Pose, SceneData } from "./ask";
-import { bodiesOf, Dots, freeAll, place } from "./shapes";
+import { Errors, type Mark } from "./errors";
+import { bodiesOf, Dots, freeAll, holderOf, place, tipOn } from "./shapes";
 
 export interface World {
   show: (data: SceneData, keepView: boolean) => void;
@@ -10,6 +11,11 @@ export interface World {
   dot: (bodies: number[], poses: Pose[]) => void;
   clearDots: () => void;
   countDots: (shown: number) => void;
+  // Where the tip is at each pose, for `mark`; null: out of reach.
+  tips: (bodies: number[], poses: (Pose[] | null)[]) => ([number, number, number] | null)[];
+  // Draws errors at places that reach over so much, instead of those before.
+  mark: (marks: Mark[], size_mm: number) => void;
+  exaggerate: (times: number) => void;
   turn: (around: number, up: number) => void;
   zoom: (by: number) => void;
   home: () => void;
@@ -165,11 +171,15 @@ export function makeWorld(canvas: HTMLCanvasElement): World {
   const deaf = listen(canvas, eye, draw);
   let bodies: three.Group[] = [];
   let dots: Dots | null = null;
+  let errors: Errors | null = null;
+  let holder = 0;
   return {
     show: (data, keepView) => {
       freeAll(machine);
       freeAll(room);
       bodies = bodiesOf(data);
+      holder = holderOf(data);
+      errors = null;
       machine.add(...bodies);
       const extent = extentOf(machine);
       const plane = data.geoms.find((geom) => geom.type === "plane");
@@ -184,6 +194,17 @@ export function makeWorld(canvas: HTMLCanvasElement): World {
       draw();
     },
     dot: (moving, poses) => dots?.add(moving, poses),
+    tips: (moving, poses) => poses.map((pose) => (pose && tipOn(bodies, holder, moving, pose)?.toArray()) || null),
+    mark: (marks, size_mm) => {
+      if (errors) freeAll(errors);
+      errors?.removeFromParent();
+      // Thick enough to be seen from where all of the machine is.
+      const whole_mm = extentOf(machine).getSize(new three.Vector3()).length();
+      errors = new Errors(marks, Math.max(size_mm * 0.005, whole_mm * 0.0025));
+      bodies[holder]?.add(errors);
+      draw();
+    },
+    exaggerate: (times) => { errors?.exaggerate(times); draw(); },
     clearDots: () => { dots?.clear(); draw(); },
     countDots: (shown) => { dots?.show(shown); draw(); },
     turn: (around, up) => eye.spin(around, up, 1),

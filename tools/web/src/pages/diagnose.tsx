@@ -89,7 +89,7 @@ export default function Diagnose() {
         {shown ? (
           <div key={shown.key} className={asked ? "old" : undefined}>
             {shown.problems.length > 0 ? <Failed answer={shown} onAgain={() => put(shown)} onMap={asColumns(shown)} /> : null}
-            {shown.diagnoses.length > 0 ? <AnswerTabs diagnoses={shown.diagnoses} /> : null}
+            {shown.diagnoses.length > 0 ? <AnswerTabs diagnoses={shown.diagnoses} machine={shown.assumed.machine} /> : null}
           </div>
         ) : null}
         {!asked && !shown ? <Empty /> : null}
