@@ -350,6 +350,10 @@ void BenchApi::Work(const PreparedProcedure& work, OperatorSeat::Held seat) {
       return step.verdict == Verdict::kApplied;
     });
     if (is_changed) calibrated_at_ = UtcNow();
+    // What stood before the first change: when that was found, nobody here knows.
+    const bool is_restored =
+        job_["procedure"] == "restore" && result.ending == Ending::kDone;
+    if (is_restored) calibrated_at_.clear();
   }
   KeepStore();
   { const OperatorSeat::Held rises = std::move(seat); }

@@ -86,6 +86,9 @@ async function reportAndRestore(page, base, check) {
   await page.getByRole("button", { name: "Yes, restore" }).click();
   const bench = await until(base, (one) => one.settings.backlash_mm.x === 0 && one.state === "idle");
   check(bench.settings.backlash_mm.x === 0 && bench.settings.steps_per_mm.x === 800, "restore puts every setting back");
+  check(bench.calibrated_at === null, "after restoring no calibration is claimed");
+  await page.getByText(/^undone: settings restored/).waitFor({ timeout: patience });
+  check(await page.getByText(/Last calibrated/).count() === 0, "the settings to keep bear no date after restoring");
 }
 
 export async function calibrate(page, base, check) {

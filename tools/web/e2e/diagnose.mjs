@@ -18,7 +18,7 @@ const seen = (locator) => locator.waitFor({ timeout: 8000 }).then(() => true, ()
 
 async function examples(page, check) {
   await page.getByRole("button", { name: "Backlash" }).click();
-  check(await seen(heading(page, "Plain settings are off")), "the example with backlash gets a verdict");
+  check(await seen(heading(page, /^X loses 0\.0\d+ mm at each reversal: backlash$/)), "the example with backlash gets a verdict");
   check(await seen(page.getByText(/X loses 0\.0\d+ ± [\d.]+ mm at its reversals/).first()), "the lost motion is told with its uncertainty");
   await page.getByRole("button", { name: "Bent or sagging" }).click();
   check(await seen(heading(page, /^Finding/)), "the example of touches gets a finding");
@@ -31,6 +31,8 @@ async function settings(page, check) {
   await page.getByLabel("Steps/mm of X set now").fill("80");
   check(await seen(page.getByText(/Set 79\.8\d* ± [\d.]+ steps\/mm/)), "new steps/mm are worked out");
   await page.getByLabel("Your controller").selectOption({ label: "Marlin" });
+  check(await seen(page.getByText("The line above is all there is to paste.")), "steps/mm that were typed need no machine");
+  await page.getByLabel("Steps/mm of X set now").fill("");
   check(await seen(page.getByText("No settings to paste:")), "a correction that cannot be given says why");
   await page.getByRole("combobox", { name: "Machine" }).selectOption("gantry_router");
   check(await seen(page.getByRole("img", { name: "Picture of the gantry router" })), "the machine chosen is shown");
@@ -61,7 +63,32 @@ async function refusedAndBack(page, check) {
   const list = page.getByRole("region", { name: "Answers of this visit" });
   check(await list.getByRole("button").count() >= 4, "earlier answers are listed");
   await list.getByRole("button", { name: "example_backlash.csv" }).click();
-  check(await seen(heading(page, "Plain settings are off")), "an earlier answer comes back");
+  check(await seen(heading(page, /^X loses 0\.0\d+ mm at each reversal: backlash$/)), "an earlier answer comes back");
+}
+
+// Errors stand on the places alone, then on the machine that is chosen; a machine that does not
+// go with the file leaves the answer as it is.
+async function drawn(page, check) {
+  await page.getByLabel("Measured files").setInputFiles([file("backlash.csv", table((_at, sense) => -0.02 * sense))]);
+  const card = page.getByRole("region", { name: "The error, drawn larger than it is" });
+  await seen(heading(page, /^X loses 0\.04\d* mm/));
+  await card.scrollIntoViewIfNeeded();
+  check(await seen(card.locator("canvas[data-drawn='measured places']")), "without a machine only the places are drawn");
+  check(await seen(card.getByText(/Largest: (19|20|21)(\.\d)? µm/)), "the legend has the largest error");
+  const looks = () => card.locator(".mac-view").screenshot().then((png) => png.toString("base64"));
+  await page.waitForTimeout(500);
+  const before = await looks();
+  await card.getByRole("slider").fill("0.2");
+  await page.waitForTimeout(500);
+  check((await looks()) !== before, "the slider changes the drawing");
+  const machine = page.getByRole("combobox", { name: "Machine" });
+  await machine.selectOption("gantry_router");
+  check(await seen(card.locator("canvas[data-drawn='gantry_router']")), "the machine chosen is drawn");
+  check(await seen(card.getByText("The file does not tell Y and Z")), "what the file does not tell is said");
+  await machine.selectOption("delta_printer");
+  check(await seen(page.getByText("That does not go with this file")), "a machine that does not go with the file is refused beside the choice");
+  check(await heading(page, /^X loses 0\.04\d* mm/).isVisible(), "the answer before stays");
+  await machine.selectOption("");
 }
 
 export async function diagnose(page, base, check) {
@@ -74,6 +101,7 @@ export async function diagnose(page, base, check) {
   check(await seen(page.getByText("Nothing leaves this computer.")), "it says that nothing leaves the computer");
   await examples(page, check);
   await settings(page, check);
+  await drawn(page, check);
   await several(page, check);
   await refusedAndBack(page, check);
   const report = page.getByRole("link", { name: /Whole report/ });

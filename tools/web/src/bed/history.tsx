@@ -21,7 +21,7 @@ export function History({ past, status }: { past: BedTilt[]; status: BedStatus }
         <div className="scroll" tabIndex={0} role="region" aria-label="Measurements, newest first">
           <table>
             <thead>
-              <tr><th scope="col">Measured</th><th scope="col" className="number">points</th><th scope="col" className="number">tilt, °</th>
+              <tr><th scope="col">When</th><th scope="col" className="number">points</th><th scope="col" className="number">tilt, °</th>
                 {screwNames.map((name) => <th key={name} scope="col" className="number">{name}, mm</th>)}
                 <th scope="col" className="number">residual, µm</th></tr>
             </thead>

@@ -60,7 +60,7 @@ function Progress({ hold, bench }: { hold: BenchHold; bench: Bench }) {
       {bench.state === "asking" ? null
         : <Busy text={`Measuring${axis ? ` ${axis}` : ""}. ${touches} readings so far.`} />}
       {hold.said.length > 0 ? (
-        <details className="cal-fold"><summary>What the machine said ({hold.said.length})</summary>
+        <details className="cal-fold"><summary>What has been done so far ({hold.said.length} {hold.said.length === 1 ? "line" : "lines"})</summary>
           <ul>{hold.said.map((text, i) => <li key={i}>{plain(text)}</li>)}</ul>
         </details>
       ) : null}

@@ -144,10 +144,10 @@ function Jobs({ bench }: { bench: Bench }) {
     <>
       <div className="scroll" tabIndex={0} role="region" aria-label="Jobs">
         <table>
-          <thead><tr><th scope="col">Job</th><th scope="col">Ended</th><th scope="col">Result</th></tr></thead>
+          <thead><tr><th scope="col">Job, and when it ended</th><th scope="col">Result</th></tr></thead>
           <tbody>
             {[...bench.results].reverse().map((job) => (
-              <tr key={job.id}><th scope="row">{jobName(job)}</th><td>{when(job.ended_at)}</td>
+              <tr key={job.id}><th scope="row">{jobName(job)}<br /><span className="hint">{when(job.ended_at)}</span></th>
                 <td>{capital(jobText(job))}</td></tr>
             ))}
           </tbody>

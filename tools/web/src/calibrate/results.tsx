@@ -14,7 +14,7 @@ function Changes({ result, name }: { result: Result; name: string }) {
       <table>
         <thead>
           <tr><th scope="col">Setting</th><th scope="col">Before</th><th scope="col">Now</th>
-            <th scope="col">Measured</th><th scope="col">What was done</th></tr>
+            <th scope="col">The readings say</th><th scope="col">What was done</th></tr>
         </thead>
         <tbody>
           {result.steps.map((step, i) => {
@@ -85,7 +85,7 @@ export function JobResult({ job, hideChanges, children }: { job: Job; hideChange
       <Notice kind={verdict.kind}>
         <p><strong>{capital(verdict.text)}</strong></p>
         {verdict.remedy ? <p>{verdict.remedy}</p> : null}
-        {failed && result.machine_said ? <p>The machine said: <q>{result.machine_said}</q></p> : null}
+        {failed && result.machine_said ? <p>The controller answered: <q>{result.machine_said}</q></p> : null}
         {failed && messages.length > 0 ? told : null}
       </Notice>
       {hideChanges ? null : <Changes result={result} name={jobName(job)} />}

@@ -27,6 +27,15 @@ export function facesOf(readings: Reading[]): Face[] {
 const faceName = (feature: string) => `${feature.split(".").at(-1) ?? feature} face`;
 const senseName = (sense: number, axis: Axis) => `moving ${sense > 0 ? "+" : "−"}${axis.toUpperCase()}`;
 
+// Three or four round numbers, evenly apart.
+function ticksIn(low: number, high: number): number[] {
+  const rough = (high - low) / 4;
+  const ten = 10 ** Math.floor(Math.log10(rough));
+  const step = [1, 2, 5, 10].map((times) => times * ten).find((one) => one >= rough) ?? rough;
+  const first = Math.ceil(low / step);
+  return Array.from({ length: Math.floor(high / step) - first + 1 }, (_, i) => (first + i) * step);
+}
+
 function Plot({ face }: { face: Face }) {
   const all = face.clusters.flatMap((one) => one.points);
   const low = Math.min(...all.map((one) => one.um));
@@ -35,13 +44,13 @@ function Plot({ face }: { face: Face }) {
   const last = Math.max(...all.map((one) => one.n), 10);
   const x = (n: number) => 48 + (n / last) * 300;
   const y = (um: number) => 150 - ((um - low + room) / (high - low + 2 * room)) * 140;
-  const ticks = [low, (low + high) / 2, high];
+  const ticks = ticksIn(low - room, high + room);
   return (
     <svg viewBox="0 0 360 185" className="cal-plot" aria-hidden="true">
       {ticks.map((um) => (
         <g key={um}>
           <line x1={48} x2={352} y1={y(um)} y2={y(um)} className="cal-grid" />
-          <text x={44} y={y(um) + 4} textAnchor="end">{um.toFixed(1)}</text>
+          <text x={44} y={y(um) + 4} textAnchor="end">{Number(um.toFixed(2))}</text>
         </g>
       ))}
       <text x={200} y={180} textAnchor="middle">touch 1 to {last} · reading in µm</text>

@@ -100,6 +100,12 @@ export function NowBar({ hold }: { hold: BenchHold }) {
   );
 }
 
+function calibratedText(bench: Bench): string {
+  if (bench.calibrated_at) return when(bench.calibrated_at);
+  const restored = bench.results.filter((job) => job.procedure === "restore" && job.result?.ending === "done").at(-1);
+  return restored ? `undone: settings restored ${when(restored.ended_at)}` : "never";
+}
+
 export function Status({ hold }: { hold: BenchHold }) {
   const { bench, entries } = hold;
   if (!bench) return null;
@@ -107,7 +113,7 @@ export function Status({ hold }: { hold: BenchHold }) {
     <Card title={`Status of ${bench.machine}`}>
       <SettingsTable bench={bench} since={entries.since} />
       <dl className="figures">
-        <div className="figure"><dt>Last calibration</dt><dd>{when(bench.calibrated_at)}</dd></div>
+        <div className="figure"><dt>Last calibration</dt><dd>{calibratedText(bench)}</dd></div>
         <div className="figure"><dt>Link</dt><dd>{linkText(hold)}</dd></div>
         <div className="figure"><dt>Who moves the machine</dt><dd>{whoMoves(bench)}</dd></div>
         <div className="figure"><dt>Your entries</dt><dd>{hold.isSaved ? "kept on the server" : "not kept yet"}</dd></div>

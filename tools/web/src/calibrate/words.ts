@@ -74,4 +74,4 @@ export const endings: Record<string, { kind: "good" | "warn" | "bad"; verdict: s
 };
 
 export const endingOf = (ending: string) => endings[ending]
-  ?? { kind: "bad" as const, verdict: `It ended with "${ending}".`, remedy: "See what the machine said." };
+  ?? { kind: "bad" as const, verdict: `It ended with "${ending}".`, remedy: "The lines below say more." };

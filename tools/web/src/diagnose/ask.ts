@@ -5,6 +5,9 @@ import { diagnosesOf, type Diagnosis } from "./types";
 export interface Assumed { machine: string; unit: "" | "mm" | "um" | "inch" | "thou"; axis: "" | "x" | "y" | "z"; least: string; columns: string }
 export const nothingAssumed: Assumed = { machine: "", unit: "", axis: "", least: "", columns: "" };
 
+// Another assumption about the same files that was refused: the answer before stays.
+export interface Refused { assumed: Assumed; problems: Problem[] }
+
 export interface Answer {
   key: number;
   at: Date;

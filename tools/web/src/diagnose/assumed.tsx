@@ -1,7 +1,7 @@
 import { useEffect, useState } from "react";
 import { answered, api, type Schemas } from "../api/client";
-import { Busy, Card } from "../ui/parts";
-import type { Assumed } from "./ask";
+import { Busy, Card, ProblemNotice } from "../ui/parts";
+import type { Assumed, Refused } from "./ask";
 import { first, plain } from "./words";
 
 type Machine = Schemas["Machines"]["machines"][number];
@@ -21,8 +21,9 @@ function MachineShown({ machine }: { machine: Machine }) {
 }
 
 // Changing a choice answers again at once; the least effect waits for Enter or leaving the field.
-export function ChangeAssumed({ assumed, onChange }: {
+export function ChangeAssumed({ assumed, refused, onChange }: {
   assumed: Assumed;
+  refused: Refused | null;
   onChange: (assumed: Assumed) => void;
 }) {
   const [machines, setMachines] = useState<Machine[]>([]);
@@ -63,6 +64,13 @@ export function ChangeAssumed({ assumed, onChange }: {
                  onKeyDown={(event) => { if (event.key === "Enter") commit(); }} />
         </label>
       </div>
+      {refused ? (
+        <div>
+          <p><strong>That does not go with this file{refused.assumed.machine && refused.assumed.machine !== assumed.machine
+            ? ` (machine: ${plain(refused.assumed.machine)})` : ""}.</strong> The answer above is still the one before.</p>
+          {refused.problems.map((problem, i) => <ProblemNotice key={i} problem={problem} />)}
+        </div>
+      ) : null}
       {assumed.columns ? <p>Columns as you said: <code>{assumed.columns}</code>{" "}
         <button type="button" className="quiet" onClick={() => onChange({ ...assumed, columns: "" })}>Take back</button></p> : null}
       {shown ? <MachineShown key={shown.name} machine={shown} /> : null}

@@ -25,7 +25,16 @@ function CopyButton({ text }: { text: string }) {
   );
 }
 
-function WhyNot({ problem }: { problem: Problem }) {
+// `hasSteps`: the lines with the new steps/mm stand above already.
+function WhyNot({ problem, hasSteps }: { problem: Problem; hasSteps: boolean }) {
+  if (hasSteps && problem.status === 422) {
+    return (
+      <Notice kind="info">
+        <p><strong>The line above is all there is to paste.</strong> A whole file of settings needs a machine file that has your
+          steps/mm; the list under “Change what was assumed” may have your machine.</p>
+      </Notice>
+    );
+  }
   return (
     <Notice kind={problem.status === 422 ? "info" : "bad"}>
       <p><strong>No settings to paste:</strong> {problem.detail}.</p>
@@ -47,12 +56,13 @@ function stepsLines(axis: string, steps: string): [string, string][] {
   ];
 }
 
-function NewSteps({ fact }: { fact: Fact }) {
-  const [now, setNow] = useState("");
+const stepsIn = (text: string) => Number(text.replace(",", "."));
+
+function NewSteps({ fact, now, setNow }: { fact: Fact; now: string; setNow: (now: string) => void }) {
   const id = useId();
   const axis = axisWord(fact.axis);
   const factor = fact.steps_factor ?? 1;
-  const steps = Number(now.replace(",", "."));
+  const steps = stepsIn(now);
   return (
     <div>
       <p>Multiply the steps/mm of {axis} by {withSd(factor, fact.steps_factor_sd, "", 6).trim()}. Klipper: divide rotation_distance by it.</p>
@@ -87,6 +97,10 @@ export function Correction({ one }: { one: Diagnosis }) {
   const [controller, setController] = useState<Controller | "">("");
   const [found, setFound] = useState<Schemas["Correction"] | null>(null);
   const [problem, setProblem] = useState<Problem | null>(null);
+  // By axis, as typed.
+  const [steps, setSteps] = useState<Record<string, string>>({});
+  const off = (one.not_the_machine ? [] : one.facts ?? []).filter(isOff);
+  const hasSteps = off.length > 0 && off.every((fact) => stepsIn(steps[fact.axis] ?? "") > 0);
   useEffect(() => {
     setFound(null);
     setProblem(null);
@@ -98,7 +112,9 @@ export function Correction({ one }: { one: Diagnosis }) {
   }, [id, controller]);
   return (
     <Card title="Settings to paste">
-      {(one.not_the_machine ? [] : one.facts ?? []).filter(isOff).map((fact) => <NewSteps key={fact.says} fact={fact} />)}
+      {off.map((fact) => (
+        <NewSteps key={fact.says} fact={fact} now={steps[fact.axis] ?? ""} setNow={(now) => setSteps((all) => ({ ...all, [fact.axis]: now }))} />
+      ))}
       <label>Your controller
         <select value={controller} onChange={(event) => setController(event.target.value as Controller | "")}>
           <option value="">choose</option>
@@ -106,7 +122,7 @@ export function Correction({ one }: { one: Diagnosis }) {
         </select>
       </label>
       {controller && !found && !problem ? <Busy text="Working out the settings" /> : null}
-      {problem ? <WhyNot problem={problem} /> : null}
+      {problem ? <WhyNot problem={problem} hasSteps={hasSteps} /> : null}
       {found?.files.map((file) => (
         <div key={file.name}>
           <h3>{file.name}</h3>

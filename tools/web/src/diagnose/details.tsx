@@ -45,6 +45,18 @@ function Rows({ quantities }: { quantities: Quantity[] }) {
   );
 }
 
+// A figure may be told by itself where it cannot be told from all others at once.
+function NoneKnown({ one }: { one: Diagnosis }) {
+  const told = (one.facts ?? []).filter((fact) => ["reversal", "scale", "plane", "squareness"].includes(fact.fact) && fact.sigmas !== null);
+  if (told.length === 0) return <p>These readings determine none of them.</p>;
+  return (
+    <>
+      <p>Fitted all at once, these readings settle none of them: one could stand in for another. Each looked at by itself, they say:</p>
+      <ul>{told.map((fact) => <li key={fact.says}>{nice(fact.says)}.</li>)}</ul>
+    </>
+  );
+}
+
 export function Baseline({ one }: { one: Diagnosis }) {
   const all = one.baseline ?? [];
   if (all.length === 0) return null;
@@ -53,7 +65,7 @@ export function Baseline({ one }: { one: Diagnosis }) {
   return (
     <Card title="Plain settings, as measured">
       <p className="hint">These are always fitted first: scale, backlash, where things lie. ± is one standard deviation.</p>
-      {known.length > 0 ? <Rows quantities={known} /> : <p>These readings determine none of them.</p>}
+      {known.length > 0 ? <Rows quantities={known} /> : <NoneKnown one={one} />}
       {blind.length > 0 ? <details><summary>Not known from these readings ({blind.length})</summary><Rows quantities={blind} /></details> : null}
     </Card>
   );

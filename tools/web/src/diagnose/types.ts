@@ -20,7 +20,7 @@ export interface Finding {
   knots?: Knots;
   parts?: Part[];
 }
-export interface Fact { fact: string; axis: string; says: string; is_answer: boolean; rows: number[]; sigmas: number | null; steps_factor?: number | null; steps_factor_sd?: number | null }
+export interface Fact { fact: string; axis: string; says: string; is_answer: boolean; rows: number[]; sigmas: number | null; steps_factor?: number | null; steps_factor_sd?: number | null; factor?: number | null; gap_um?: number | null; peak_to_peak_um?: number | null }
 export interface LeftOut { rmse_before_um: number; rmse_after_um: number; rows: number }
 export interface Gain {
   rmse_before_um: number | null;

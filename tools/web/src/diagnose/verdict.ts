@@ -1,3 +1,4 @@
+import { headline } from "./headline";
 import type { Diagnosis, Fact, Finding } from "./types";
 import { causeAndAxis, first, percent } from "./words";
 
@@ -56,24 +57,28 @@ export function verdictOf(one: Diagnosis): Verdict {
     const more = findings.length > 0 ? findings : named.length > 0 ? named : /cannot say what/.test(says) || few.test(says) ? [] : [says];
     return { kind: "warn", title, says: dot(other.says), more };
   }
-  if (speaks.test(paragraph)) return { kind: "warn", title: "What the numbers show", says, more: [] };
+  const stated = (one.facts ?? []).filter((fact) => fact.is_answer && fact.fact !== "outliers");
+  if (speaks.test(paragraph)) return { kind: "warn", title: headline(stated) ?? numbersShow, says, more: [] };
   const causes = new Set((one.findings ?? []).map((finding) => finding.cause));
   const own = (fact: Fact) => (ownFact[fact.fact] ?? []).some((cause) => causes.has(cause));
-  const answers = [...(one.facts ?? [])].sort((a, b) => Number(own(b)) - Number(own(a))).filter((fact) => fact.is_answer && fact.fact !== "outliers" && !same(says, fact.says)).map((fact) => dot(fact.says));
-  if (one.verdict === "none") return withoutFinding(says, answers);
+  const facts = [...stated].sort((a, b) => Number(own(b)) - Number(own(a))).filter((fact) => !same(says, fact.says));
+  const answers = facts.map((fact) => dot(fact.says));
+  if (one.verdict === "none") return withoutFinding(says, facts);
   const all = [...findings, ...answers];
   const named = one.verdict === "named" ? (one.findings ?? []).map(causeAndAxis).join("; ") : "";
   if (one.verdict === "unknown" && findings.length === 0 && answers.length > 0) {
-    return { kind: "warn", title: "What the numbers show", says: answers[0]!, more: answers.slice(1) };
+    return { kind: "warn", title: headline(facts) ?? numbersShow, says: answers[0]!, more: answers.slice(1) };
   }
   const title = named ? `${titles.named}: ${lower(named)}` : titles[one.verdict] ?? "Answer";
   return { kind: "warn", title, says: all[0] ?? says, more: all.slice(1) };
 }
 
 const few = /too few/;
+const numbersShow = "What the numbers show";
 
-function withoutFinding(says: string, answers: string[]): Verdict {
-  if (answers.length > 0) return { kind: "warn", title: "Plain settings are off", says: answers[0]!, more: [...answers.slice(1), says] };
+function withoutFinding(says: string, facts: Fact[]): Verdict {
+  const answers = facts.map((fact) => dot(fact.says));
+  if (answers.length > 0) return { kind: "warn", title: headline(facts) ?? "Plain settings are off", says: answers[0]!, more: [...answers.slice(1), says] };
   const scarce = few.test(says);
   return { kind: scarce ? "info" : "good", title: scarce ? "Too few readings to tell" : titles.none!, says, more: [] };
 }

@@ -29,6 +29,26 @@ const fits = (scenario: Scenario, words: string[]) => {
   return words.every((word) => text.includes(word));
 };
 
+// For somebody who never saw one: each shows something else.
+const good = [
+  { name: "next_cluster_backlash_corrected", about: "a router: a touch probe finds lost motion" },
+  { name: "tz_levels_in_one_round", about: "a printer: its three screws level a tilted bed" },
+  { name: "delta_joint_recovers", about: "a delta printer: 37 touches find its geometry" },
+];
+
+function StartHere({ scenarios, onChoose }: { scenarios: Scenario[]; onChoose: (name: string) => void }) {
+  const there = good.filter((one) => scenarios.some((scenario) => scenario.name === one.name));
+  return (
+    <div>
+      <p className="hint">A scenario is a machine with known hidden errors and a procedure that should find them.</p>
+      <h3>New here? Start with one of these</h3>
+      <ul className="mac-start">
+        {there.map((one) => <li key={one.name}><button type="button" className="quiet" onClick={() => onChoose(one.name)}>{one.about}</button></li>)}
+      </ul>
+    </div>
+  );
+}
+
 export function Choose({ all, chosen, onChoose, isBusy }: {
   all: ReturnType<typeof useScenarios>;
   chosen: Scenario | null;
@@ -65,7 +85,7 @@ export function Choose({ all, chosen, onChoose, isBusy }: {
       {chosen ? (
         <p className="mac-chosen"><strong>{chosen.about}</strong>
           <br /><span className="hint">{chosen.name} on {chosen.machine}</span></p>
-      ) : <p className="hint">A scenario is a machine with known hidden errors and a procedure that should find them. Choose one.</p>}
+      ) : <StartHere scenarios={scenarios} onChoose={onChoose} />}
     </div>
   );
 }

@@ -2,7 +2,7 @@ import "../diagnose/diagnose.css";
 import { useEffect, useRef, useState } from "react";
 import { Busy, Card, ProblemNotice } from "../ui/parts";
 import { AnswerTabs } from "../diagnose/answer";
-import { ask, nothingAssumed, type Answer, type Assumed } from "../diagnose/ask";
+import { ask, nothingAssumed, type Answer, type Assumed, type Refused } from "../diagnose/ask";
 import { ChangeAssumed } from "../diagnose/assumed";
 import { Columns, columnsFound } from "../diagnose/columns";
 import { Drop } from "../diagnose/drop";
@@ -18,6 +18,7 @@ function useAnswers() {
   const [answers, setAnswers] = useState<Answer[]>(kept);
   const [shown, setShown] = useState<Answer | null>(kept[0] ?? null);
   const [asked, setAsked] = useState<Asked | null>(null);
+  const [refused, setRefused] = useState<Refused | null>(null);
   const running = useRef<AbortController | null>(null);
   useEffect(() => { kept = answers; }, [answers]);
   useEffect(() => () => running.current?.abort(), []);
@@ -26,16 +27,21 @@ function useAnswers() {
     const control = new AbortController();
     running.current = control;
     setAsked(next);
+    setRefused(null);
     const answer = await ask(next.files, next.assumed, control.signal);
     if (control.signal.aborted) return;
     const whole: Answer = { key: Date.now(), at: new Date(), ...next, ...answer };
     setAsked(null);
+    if (answer.diagnoses.length === 0 && shown && shown.files === next.files && shown.diagnoses.length > 0) {
+      setRefused({ assumed: next.assumed, problems: answer.problems });
+      return;
+    }
     setShown(whole);
     if (answer.diagnoses.length > 0) setAnswers((all) => [whole, ...all].slice(0, 20));
   };
   const stop = () => { running.current?.abort(); setAsked(null); };
-  const open = (answer: Answer) => { stop(); setShown(answer); };
-  return { answers, shown, open, asked, put, stop };
+  const open = (answer: Answer) => { stop(); setRefused(null); setShown(answer); };
+  return { answers, shown, open, asked, refused, put, stop };
 }
 
 function Waiting({ asked, onStop }: { asked: Asked; onStop: () => void }) {
@@ -72,7 +78,7 @@ function spoken(answer: Answer): string {
 }
 
 export default function Diagnose() {
-  const { answers, shown, open, asked, put, stop } = useAnswers();
+  const { answers, shown, open, asked, refused, put, stop } = useAnswers();
   const result = useRef<HTMLDivElement>(null);
   const asColumns = (of: Answer) => (columns: string) => put({ files: of.files, assumed: { ...of.assumed, columns } });
   const assumed = asked?.assumed ?? shown?.assumed ?? nothingAssumed;
@@ -83,7 +89,7 @@ export default function Diagnose() {
     <div className="diagnose">
       <h1>What is wrong with my machine?</h1>
       <Drop onFiles={(files) => put({ files, assumed: { ...nothingAssumed, machine: assumed.machine } })} />
-      <p className="unseen" aria-live="polite">{asked ? "Answering." : shown ? spoken(shown) : ""}</p>
+      <p className="unseen" aria-live="polite">{asked ? "Answering." : refused ? "Refused. The answer before stays." : shown ? spoken(shown) : ""}</p>
       <div ref={result} className="result" aria-busy={asked !== null}>
         {asked ? <Waiting asked={asked} onStop={stop} /> : null}
         {shown ? (
@@ -94,7 +100,7 @@ export default function Diagnose() {
         ) : null}
         {!asked && !shown ? <Empty /> : null}
       </div>
-      {shown ? <ChangeAssumed assumed={assumed} onChange={(next) => put({ files: shown.files, assumed: next })} /> : null}
+      {shown ? <ChangeAssumed assumed={assumed} refused={refused} onChange={(next) => put({ files: shown.files, assumed: next })} /> : null}
       <Recent answers={answers} shown={shown} onOpen={open} />
     </div>
   );
