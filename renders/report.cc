@@ -44,7 +44,8 @@ Document DocumentOf(const RunResult& result, const ReportPictures& pictures) {
       .tone = result.passed ? Tone::kGood : Tone::kBad,
       .verdict = (result.passed ? "Passed. " : "Failed. ") + verdict.sentence,
       .remarks = verdict.remarks,
-      .tiles = Tiles(result)};
+      .tiles = Tiles(result),
+      .has_script = !pictures.playback.empty()};
   for (const Section& section : AllSections()) {
     document.sections.push_back({std::string(section.id),
                                  std::string(section.title),

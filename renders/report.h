@@ -18,6 +18,7 @@ struct ReportPicture {
 /// The pictures of a report, in the order shown; none: the report has no such section.
 struct ReportPictures {
   std::vector<ReportPicture> pictures{};
+  std::string playback{};  ///< Of PlaybackHtml; empty: there is no such section.
 };
 
 /// The report of a run as one HTML document that loads nothing: style, script, data and

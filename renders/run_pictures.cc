@@ -11,6 +11,7 @@
 #include "renders/html.h"
 #include "renders/kinds/as_built.h"
 #include "renders/machine_scene.h"
+#include "renders/playback.h"
 #include "scenarios/kinds/gantry_trial.h"
 #include "scenarios/runner.h"
 #include "scenarios/scenario.h"
@@ -132,7 +133,7 @@ std::vector<Arrow> ArrowsOf(const std::vector<PoseError>& errors,
 
 ReportPictures PicturesOf(const RunResult& result) {
   const Scenario scenario = ReadScenarioText(result.verbatim, result.scenario);
-  ReportPictures pictures;
+  ReportPictures pictures{.playback = PlaybackHtml(scenario, result, PackedPlayer())};
   if (auto of_kind = PicturesOfKind(scenario, result.seed)) {
     pictures.pictures = *std::move(of_kind);
     return pictures;

@@ -29,8 +29,9 @@ double Magnification(const std::vector<PoseError>& errors);
 std::vector<Arrow> ArrowsOf(const std::vector<PoseError>& errors, double magnification);
 
 /// The pictures of a run's report, made from its scenario's text: the machine with its
-/// errors enlarged, the errors of position before and after to the same scale, and what
-/// is left magnified until it shows. Throws InputError where the text is no scenario.
+/// errors enlarged, the errors of position before and after to the same scale, what is
+/// left magnified until it shows, and the run played back where its transcript was held
+/// (RunOptions). Throws InputError where the text is no scenario.
 ReportPictures PicturesOf(const RunResult& result);
 
 }  // namespace caltwin

@@ -23,11 +23,17 @@ double Short(double value) {
   return std::round(value * kDigits) / kDigits;
 }
 
-Json Pose(const mjtNum* position_m, const mjtNum* quaternion) {
-  Json pose = Json::array();
-  for (int i = 0; i < 3; ++i) pose.push_back(Short(position_m[i] * kMm_per_m));
-  for (int i = 0; i < 4; ++i) pose.push_back(Short(quaternion[i]));
+BodyPose PoseOf(const mjtNum* position_m, const mjtNum* quaternion) {
+  BodyPose pose{};
+  for (std::size_t i = 0; i < 3; ++i) pose[i] = position_m[i] * kMm_per_m;
+  std::copy_n(quaternion, 4, pose.begin() + 3);
   return pose;
+}
+
+Json ShortJson(const BodyPose& pose) {
+  Json json = Json::array();
+  for (const double value : pose) json.push_back(Short(value));
+  return json;
 }
 
 const char* TypeOf(int type) {
@@ -51,25 +57,57 @@ const char* TypeOf(int type) {
   }
 }
 
-Json GeomOf(const mjModel& model, int geom) {
-  const float* rgba = model.geom_rgba + std::ptrdiff_t{4} * geom;
-  const int material = model.geom_matid[geom];
+/// Of the material, where there is one.
+Json Colour(const mjModel& model, int material, const float* rgba) {
   if (material >= 0) rgba = model.mat_rgba + std::ptrdiff_t{4} * material;
   Json colour = Json::array();
   for (int i = 0; i < 4; ++i) colour.push_back(Short(rgba[i]));
+  return colour;
+}
+
+Json GeomOf(const mjModel& model, int geom) {
   Json size = Json::array();
   for (int i = 0; i < 3; ++i) {
     size.push_back(Short(model.geom_size[3 * geom + i] * kMm_per_m));
   }
   const bool is_mesh = model.geom_type[geom] == mjGEOM_MESH;
-  return {{"body", model.geom_bodyid[geom]},
-          {"type", TypeOf(model.geom_type[geom])},
-          {"size_mm", std::move(size)},
-          {"pose",
-           Pose(model.geom_pos + std::ptrdiff_t{3} * geom,
-                model.geom_quat + std::ptrdiff_t{4} * geom)},
-          {"rgba", std::move(colour)},
-          {"mesh", is_mesh ? Json(model.geom_dataid[geom]) : Json()}};
+  return {
+      {"body", model.geom_bodyid[geom]},
+      {"type", TypeOf(model.geom_type[geom])},
+      {"size_mm", std::move(size)},
+      {"pose",
+       ShortJson(PoseOf(model.geom_pos + std::ptrdiff_t{3} * geom,
+                        model.geom_quat + std::ptrdiff_t{4} * geom))},
+      {"rgba",
+       Colour(
+           model, model.geom_matid[geom], model.geom_rgba + std::ptrdiff_t{4} * geom)},
+      {"mesh", is_mesh ? Json(model.geom_dataid[geom]) : Json()}};
+}
+
+/// A straight rod between sites of two bodies, as MuJoCo draws a spatial tendon; null:
+/// it is another.
+Json RodOf(const mjModel& model, int tendon) {
+  const int first = model.tendon_adr[tendon];
+  const bool is_rod = model.tendon_num[tendon] == 2 &&
+                      model.wrap_type[first] == mjWRAP_SITE &&
+                      model.wrap_type[first + 1] == mjWRAP_SITE;
+  if (!is_rod || model.tendon_group[tendon] > kHighestGroup) return {};
+  Json bodies = Json::array(), ends = Json::array();
+  for (const int site : {model.wrap_objid[first], model.wrap_objid[first + 1]}) {
+    bodies.push_back(model.site_bodyid[site]);
+    Json end = Json::array();
+    for (int i = 0; i < 3; ++i) {
+      end.push_back(Short(model.site_pos[3 * site + i] * kMm_per_m));
+    }
+    ends.push_back(std::move(end));
+  }
+  return {{"bodies", std::move(bodies)},
+          {"ends_mm", std::move(ends)},
+          {"radius_mm", Short(model.tendon_width[tendon] * kMm_per_m)},
+          {"rgba",
+           Colour(model,
+                  model.tendon_matid[tendon],
+                  model.tendon_rgba + std::ptrdiff_t{4} * tendon)}};
 }
 
 Json MeshOf(const mjModel& model, int mesh) {
@@ -88,12 +126,18 @@ Json MeshOf(const mjModel& model, int mesh) {
 
 }  // namespace
 
+std::vector<BodyPose> PosesOf(const mjData& data, const std::vector<int>& bodies) {
+  std::vector<BodyPose> poses;
+  for (const int body : bodies) {
+    poses.push_back(PoseOf(data.xpos + std::ptrdiff_t{3} * body,
+                           data.xquat + std::ptrdiff_t{4} * body));
+  }
+  return poses;
+}
+
 Json PosesJson(const mjData& data, const std::vector<int>& bodies) {
   Json poses = Json::array();
-  for (const int body : bodies) {
-    poses.push_back(Pose(data.xpos + std::ptrdiff_t{3} * body,
-                         data.xquat + std::ptrdiff_t{4} * body));
-  }
+  for (const BodyPose& pose : PosesOf(data, bodies)) poses.push_back(ShortJson(pose));
   return poses;
 }
 
@@ -108,10 +152,15 @@ std::vector<int> MovingBodies(const mjModel& model) {
   return moving;
 }
 
-Json SceneJson(const mjModel& model, const mjData& data) {
-  Json scene{{"bodies", Json::array()},
+Json SceneJson(const Still& still) {
+  const mjModel& model = *still.model;
+  Json scene{{"machine", still.machine},
+             {"moves", static_cast<bool>(still.move_to)},
+             {"travel_mm", still.travel_mm},
+             {"bodies", Json::array()},
              {"poses", Json::array()},
              {"geoms", Json::array()},
+             {"rods", Json::array()},
              {"meshes", Json::array()}};
   std::vector<int> all;
   for (int body = 0; body < model.nbody; ++body) {
@@ -119,11 +168,15 @@ Json SceneJson(const mjModel& model, const mjData& data) {
     scene["bodies"].push_back(name == nullptr ? "" : name);
     all.push_back(body);
   }
-  scene["poses"] = PosesJson(data, all);
+  scene["poses"] = PosesJson(*still.data, all);
   for (int geom = 0; geom < model.ngeom; ++geom) {
     const bool is_shown = model.geom_group[geom] <= kHighestGroup &&
                           TypeOf(model.geom_type[geom]) != nullptr;
     if (is_shown) scene["geoms"].push_back(GeomOf(model, geom));
+  }
+  for (int tendon = 0; tendon < model.ntendon; ++tendon) {
+    Json rod = RodOf(model, tendon);
+    if (!rod.is_null()) scene["rods"].push_back(std::move(rod));
   }
   for (int mesh = 0; mesh < model.nmesh; ++mesh) {
     scene["meshes"].push_back(MeshOf(model, mesh));

@@ -78,8 +78,9 @@ struct RunResult {
   double machine_time_s = 0;
   double cpu_s = 0;
   int touches = 0;
-  DataHeader header{};  ///< What explains the rows.
-  RowTable rows{};      ///< Every reading taken.
+  DataHeader header{};       ///< What explains the rows.
+  RowTable rows{};           ///< Every reading taken.
+  std::string transcript{};  ///< Where it was asked for. Not written as JSON.
   Settings
       settings_before{};  ///< What the firmware believed at power-up, and at the end.
   Settings settings_after{};

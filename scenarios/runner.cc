@@ -165,7 +165,7 @@ RunResult RunScenario(const Scenario& scenario, const RunOptions& options) {
   trial->Before(&result);
   InterruptibleLink link(trial->wire());
   std::unique_ptr<RecordingLink> recorder;
-  if (!options.transcript.empty()) {
+  if (options.holds_transcript || !options.transcript.empty()) {
     recorder = std::make_unique<RecordingLink>(&link, options.transcript);
   }
   trial->Connect(recorder ? static_cast<Link*>(recorder.get()) : &link);
@@ -175,6 +175,7 @@ RunResult RunScenario(const Scenario& scenario, const RunOptions& options) {
 
   trial->Finish(&result);
   if (recorder) recorder->Save();
+  if (options.holds_transcript) result.transcript = recorder->text();
   Collect(results, &result);
   Judge(scenario, results, trial.get(), &result);
   result.cpu_s = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;

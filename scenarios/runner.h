@@ -18,6 +18,7 @@ struct RunOptions {
   std::optional<std::uint64_t> seed{};
   std::uint64_t sample = 0;
   std::filesystem::path transcript{};  ///< Every line and answer; empty: not kept.
+  bool holds_transcript = false;       ///< In RunResult::transcript, for a report.
   /// What is being done now, for a progress line.
   std::function<void(const std::string&)> progress = [](const std::string&) {
   };

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# Builds the pages that `caltwin serve --http PORT` shows, into web/. Node comes from the
-# Python index, by hash, since Debian 12's is too old for the tools; what else is needed
-# by tools/web/package-lock.json, which holds a hash for each.
+# Builds the pages that `caltwin serve --http PORT` shows, and the player of reports
+# (web/player.js), into web/. Node comes from the Python index, by hash, since Debian 12's
+# is too old for the tools; what else is needed by tools/web/package-lock.json, which holds
+# a hash for each.
 #
 #   tools/pages.sh           builds
 #   tools/pages.sh COMMAND   runs a command of tools/web with that Node: `npm run e2e`

@@ -1,47 +1,25 @@
 #include "renders/kinds/as_built.h"
 
-#include <algorithm>
+#include <string_view>
 
 #include <fmt/format.h>
 
-#include "renders/kinds/delta_scene.h"
-#include "renders/kinds/triple_z_scene.h"
+#include "renders/kinds/still.h"
 #include "scenarios/kinds/delta_scenario.h"
 #include "scenarios/kinds/gantry_scenario.h"
 #include "scenarios/kinds/triple_z_scenario.h"
-#include "sim/base/input_error.h"
 
 namespace caltwin {
 namespace {
 
-// Enlarged as far as its rods still reach.
-ReportPicture DeltaAsBuilt(const Scenario& scenario, std::uint64_t seed) {
-  const Machine& machine = scenario.machine.machine;
-  const BuiltDelta built =
-      DrawDelta(*scenario.kind.As<DeltaScenario>(), machine, seed, /*sample=*/0);
-  for (double exaggerate = kExaggerate;; exaggerate /= 2) {
-    try {
-      const DeltaScene scene(machine, built, std::max(exaggerate, 1.0));
-      return {
-          .title = "The machine as built.",
-          .caption = fmt::format("Its geometric errors are enlarged {:g} times.",
-                                 std::max(exaggerate, 1.0)),
-          .png = PngBytes(DrawScene(scene.model(), scene.data(), RunPictureOptions()))};
-    } catch (const InputError&) {
-      if (exaggerate <= 1) throw;
-    }
-  }
-}
-
-ReportPicture TripleZAsBuilt(const Scenario& scenario, std::uint64_t seed) {
-  const TripleZScene scene(DrawTripleZ(*scenario.kind.As<TripleZScenario>(),
-                                       scenario.machine.machine,
-                                       seed,
-                                       /*sample=*/0),
-                           kExaggerate);
+ReportPicture AsBuilt(const Scenario& scenario,
+                      std::uint64_t seed,
+                      std::string_view enlarged) {
+  const Enlarged drawn = EnlargedStillOf(scenario, seed, kExaggerate).value();
   return {.title = "The machine as built.",
-          .caption = fmt::format("Its bed's tilt is enlarged {} times.", kExaggerate),
-          .png = PngBytes(DrawScene(scene.model(), scene.data(), RunPictureOptions()))};
+          .caption = fmt::format("{} enlarged {:g} times.", enlarged, drawn.exaggerate),
+          .png = PngBytes(
+              DrawScene(drawn.still.model, drawn.still.data, RunPictureOptions()))};
 }
 
 }  // namespace
@@ -51,10 +29,10 @@ std::optional<std::vector<ReportPicture>> PicturesOfKind(const Scenario& scenari
   if (scenario.kind.As<GantryScenario>() != nullptr) return std::nullopt;
   std::vector<ReportPicture> pictures;
   if (scenario.kind.As<DeltaScenario>() != nullptr) {
-    pictures.push_back(DeltaAsBuilt(scenario, seed));
+    pictures.push_back(AsBuilt(scenario, seed, "Its geometric errors are"));
   }
   if (scenario.kind.As<TripleZScenario>() != nullptr) {
-    pictures.push_back(TripleZAsBuilt(scenario, seed));
+    pictures.push_back(AsBuilt(scenario, seed, "Its bed's tilt is"));
   }
   return pictures;
 }

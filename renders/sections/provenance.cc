@@ -36,7 +36,7 @@ std::string ProvenanceSection(const RunResult& result,
   return fmt::format(
       "<p>caltwin {} with the scenario below, seed {}, {} fidelity, machine {}. The "
       "same "
-      "version gives the same numbers:</p>\n<pre><code>{}</code></pre>\n"
+      "version gives the same numbers:</p>\n<pre tabindex=\"0\"><code>{}</code></pre>\n"
       "<details open><summary>The scenario, verbatim</summary>\n"
       "<pre tabindex=\"0\"><code>{}</code></pre></details>\n",
       CALTWIN_VERSION,

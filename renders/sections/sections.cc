@@ -5,10 +5,11 @@
 namespace caltwin {
 namespace {
 
-constexpr std::array<Section, 9> kSections = {{
+constexpr std::array<Section, 10> kSections = {{
     {"results", "Results", VerdictSection},
     {"meaning", "What it means", MeaningSection},
     {"pictures", "Before and after", PicturesSection},
+    {"playback", "The run, played back", PlaybackSection},
     {"position", "Where the tool ends up", PositionSection},
     {"uncertainty", "How sure it is", UncertaintySection},
     {"steps", "What was done, in order", StepsSection},

@@ -24,6 +24,7 @@ std::span<const Section> AllSections();
 std::string VerdictSection(const RunResult& result, const ReportPictures& pictures);
 std::string UncertaintySection(const RunResult& result, const ReportPictures& pictures);
 std::string PicturesSection(const RunResult& result, const ReportPictures& pictures);
+std::string PlaybackSection(const RunResult& result, const ReportPictures& pictures);
 std::string PositionSection(const RunResult& result, const ReportPictures& pictures);
 std::string StepsSection(const RunResult& result, const ReportPictures& pictures);
 std::string ConvergenceSection(const RunResult& result, const ReportPictures& pictures);

@@ -116,7 +116,7 @@ Expected<std::vector<std::string>> RecordingLink::Send(
 }
 
 void RecordingLink::Save() {
-  WriteTextFile(file_, text_);
+  if (!file_.empty()) WriteTextFile(file_, text_);
   is_saved_ = true;
 }
 

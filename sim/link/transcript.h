@@ -38,11 +38,11 @@ class TranscriptLink : public Link {
   bool has_parted_ = false;
 };
 
-/// Passes everything on to another link and writes the transcript of it.
+/// Passes everything on to another link and keeps the transcript of it.
 class RecordingLink : public Link {
  public:
-  /// `inner` is borrowed.
-  RecordingLink(Link* inner, std::filesystem::path file);
+  /// `inner` is borrowed. Without a file the transcript is only held.
+  explicit RecordingLink(Link* inner, std::filesystem::path file = {});
   /// Writes the file, if Save has not; a failure to write is silent here.
   ~RecordingLink() override;
   RecordingLink(const RecordingLink&) = delete;
@@ -52,6 +52,8 @@ class RecordingLink : public Link {
                                           std::chrono::milliseconds patience) override;
   /// Writes what has been recorded so far; throws InputError where it cannot.
   void Save();
+  /// What has been recorded so far.
+  const std::string& text() const { return text_; }
 
  private:
   Link* inner_;

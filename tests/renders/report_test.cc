@@ -101,7 +101,9 @@ TEST(Report, SaysItsVerdictInASentenceFirst) {
 
 TEST(Report, HasEverySectionAndItsAnchor) {
   const std::string html =
-      ReportHtml(SampleResult(), {{{.title = "Before", .caption = "c", .png = "x"}}});
+      ReportHtml(SampleResult(),
+                 {.pictures = {{.title = "Before", .caption = "c", .png = "x"}},
+                  .playback = "<p>Played.</p>"});
 
   for (const Section& section : AllSections()) {
     EXPECT_THAT(html, HasSubstr("<section id=\"" + std::string(section.id) + "\""));

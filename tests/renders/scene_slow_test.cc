@@ -5,11 +5,14 @@
 #include <set>
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "renders/kinds/motor_stage_scene.h"
+#include "renders/kinds/still.h"
 #include "renders/machine_scene.h"
 #include "renders/run_pictures.h"
 #include "renders/scene.h"
+#include "renders/scene_json.h"
 #include "sim/base/text_file.h"
 #include "sim/effects/catalog.h"
 
@@ -211,6 +214,28 @@ TEST(Magnification, IsARoundNumber) {
   EXPECT_DOUBLE_EQ(of(0.05), 500);
   EXPECT_DOUBLE_EQ(of(0.15), 200);
   EXPECT_DOUBLE_EQ(of(0), 1);
+}
+
+TEST(SceneJson, HasTheRodsOfADelta) {
+  const Still delta = StillOf(
+      std::filesystem::path(CALTWIN_SOURCE_DIR) / "models/delta_printer/machine.yaml",
+      /*exaggerate=*/1);
+
+  const auto rods = SceneJson(delta)["rods"];
+
+  ASSERT_EQ(rods.size(), 6);
+  for (const auto& rod : rods) {
+    Vec3<double> ends_mm[2];
+    for (std::size_t i = 0; i < 2; ++i) {
+      const int body = rod["bodies"][i];
+      const auto at_mm = rod["ends_mm"][i].get<std::vector<double>>();
+      const BodyPose pose = PosesOf(*delta.data, {body}).front();
+      const Eigen::Quaterniond turned(pose[3], pose[4], pose[5], pose[6]);
+      ends_mm[i] = Vec3<double>(pose[0], pose[1], pose[2]) +
+                   turned * Vec3<double>(at_mm[0], at_mm[1], at_mm[2]);
+    }
+    EXPECT_NEAR((ends_mm[1] - ends_mm[0]).norm(), 250, 1e-3);
+  }
 }
 
 TEST(RunPictures, ShowTheMachineAndItsErrorsBeforeAndAfter) {

@@ -5,6 +5,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "scenarios/result_text.h"
 #include "sim/base/text_file.h"
@@ -18,6 +19,7 @@ using ::testing::DoubleNear;
 using ::testing::Eq;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 using ::testing::Optional;
 using ::testing::SizeIs;
 using ::testing::StrEq;
@@ -154,6 +156,16 @@ TEST(Runner, KeepsATranscriptOfEveryLine) {
   RunScenario(WornGantry("[gcode: {lines: [M92 X800]}]"), {.transcript = file});
 
   EXPECT_THAT(ReadTextFile(file, 10'000), HasSubstr("> M92 X800\n"));
+}
+
+TEST(Runner, HoldsTheTranscriptWhereAskedAndNeverAsJson) {
+  const Scenario scenario = WornGantry("[gcode: {lines: [M92 X800]}]");
+
+  const RunResult held = RunScenario(scenario, {.holds_transcript = true});
+
+  EXPECT_THAT(held.transcript, HasSubstr("> M92 X800\n"));
+  EXPECT_THAT(ToJson(held).dump(), Not(HasSubstr("> M92 X800")));
+  EXPECT_EQ(RunScenario(scenario).transcript, "");
 }
 
 TEST(ResultText, ShowsAsManyDigitsAsTheUncertaintyWarrants) {

@@ -8,9 +8,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "renders/kinds/still.h"
 #include "renders/scene.h"
 #include "tools/commands/command.h"
-#include "tools/commands/kinds/still.h"
 #include "tools/commands/spare_files.h"
 
 namespace caltwin {

@@ -96,7 +96,8 @@ RunOptions OptionsOf(const RunAsked& options,
                      const Scenario& scenario,
                      std::int64_t index,
                      ProgressLine* progress) {
-  RunOptions run{.transcript = options.transcript};
+  RunOptions run{.transcript = options.transcript,
+                 .holds_transcript = !options.report.empty()};
   run.seed = options.seed.value_or(scenario.seed) + static_cast<std::uint64_t>(index);
   if (!options.fidelity.empty()) {
     run.fidelity = options.fidelity == "fast" ? Fidelity::kFast : Fidelity::kPhysics;

@@ -24,11 +24,6 @@ using Json = nlohmann::ordered_json;
 constexpr std::size_t kMostKept = 4;
 constexpr std::size_t kMostPositions = 400;
 
-Machine MachineIn(const fs::path& file) {
-  return KindOf(file) == FileKind::kScenario ? ReadScenario(file).machine.machine
-                                             : ReadAnyMachineFile(file).machine;
-}
-
 }  // namespace
 
 void SceneApi::AddTo(Routes* routes) {
@@ -61,13 +56,7 @@ SceneApi::Kept* SceneApi::Find(const fs::path& file, double exaggerate) {
     return one.file == file && one.exaggerate == exaggerate;
   });
   if (found != kept_.end()) return &*found;
-  const Machine machine = MachineIn(file);
-  Json travel_mm = Json::array();
-  for (const Axis axis : kAxes) {
-    travel_mm.push_back({machine.axis(axis).min_mm, machine.axis(axis).max_mm});
-  }
-  kept_.push_back(
-      {file, exaggerate, machine.name, travel_mm, StillOf(file, exaggerate)});
+  kept_.push_back({file, exaggerate, StillOf(file, exaggerate)});
   if (kept_.size() > kMostKept) kept_.pop_front();
   return &kept_.back();
 }
@@ -75,12 +64,7 @@ SceneApi::Kept* SceneApi::Find(const fs::path& file, double exaggerate) {
 HttpResponse SceneApi::Scene(const fs::path& file, const HttpRequest& request) {
   const double exaggerate = ExaggerateOf(request);
   const std::lock_guard<std::mutex> lock(mutex_);
-  const Kept& kept = *Find(file, exaggerate);
-  Json scene{{"machine", kept.name},
-             {"moves", static_cast<bool>(kept.still.move_to)},
-             {"travel_mm", kept.travel_mm}};
-  scene.update(SceneJson(*kept.still.model, *kept.still.data));
-  return JsonResponse(scene);
+  return JsonResponse(SceneJson(Find(file, exaggerate)->still));
 }
 
 HttpResponse SceneApi::Poses(const fs::path& file, const HttpRequest& request) {

@@ -3,11 +3,8 @@
 #include <deque>
 #include <filesystem>
 #include <mutex>
-#include <string>
 
-#include <nlohmann/json.hpp>
-
-#include "tools/commands/kinds/still.h"
+#include "renders/kinds/still.h"
 #include "tools/server/routes.h"
 
 namespace caltwin {
@@ -22,8 +19,6 @@ class SceneApi {
   struct Kept {
     std::filesystem::path file{};
     double exaggerate = 1;
-    std::string name{};
-    nlohmann::ordered_json travel_mm{};
     Still still{};
   };
   HttpResponse Scene(const std::filesystem::path& file, const HttpRequest& request);

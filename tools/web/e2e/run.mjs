@@ -43,6 +43,7 @@ function tools(name, page, server, faults, state) {
     console.log(`${holds ? "ok  " : "NOT "} ${name}: ${what}`);
     if (!holds) faults.push(`${name}: ${what}`);
   };
+  Object.assign(check, { program, root, shots });
   check.shot = (as) => page.screenshot({ path: join(shots, `${name}-${as}.png`), fullPage: true });
   check.accessible = async (where) => {
     const { violations } = await new AxeBuilder({ page }).analyze();
@@ -64,6 +65,7 @@ async function look(page, check) {
     await check.shot(scheme);
   }
   await page.setViewportSize({ width: 390, height: 844 });
+  await page.waitForTimeout(500); // What is drawn to the window's width is drawn again.
   const wide = await page.evaluate(() => document.documentElement.scrollWidth > innerWidth);
   check(!wide, "nothing scrolls sideways on a phone");
   await check.accessible("on a phone");

@@ -1,9 +1,9 @@
 // The REST interface, typed by docs/openapi.json, from which the build makes schema.d.ts.
 import createClient from "openapi-fetch";
-import type { components, paths } from "./schema";
+import { problemOf, type Problem, type Schemas } from "./problem";
+import type { paths } from "./schema";
 
-export type Schemas = components["schemas"];
-export type Problem = Schemas["Problem"] & { held_by?: string };
+export { problemOf, type Problem, type Schemas };
 
 export const api = createClient<paths>({ baseUrl: "", headers: { "X-Operator": operatorName() } });
 
@@ -14,19 +14,6 @@ export function operatorName(): string {
   const name = `the page opened at ${new Date().toLocaleTimeString()}`;
   localStorage.setItem("operator", name);
   return name;
-}
-
-// What a request failed by, for people: always a Problem, also where nobody answered.
-export function problemOf(error: unknown): Problem {
-  if (error && typeof error === "object" && "detail" in error && "status" in error) {
-    return error as Problem;
-  }
-  return {
-    type: "about:blank",
-    title: "No answer",
-    status: 0,
-    detail: "The server does not answer. Is caltwin serve still running?",
-  };
 }
 
 // The answer, or the problem thrown.

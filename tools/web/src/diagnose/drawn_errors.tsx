@@ -1,7 +1,9 @@
 import "../machine/machine.css";
 import { useCallback, useEffect, useMemo, useState } from "react";
-import { posesOf, type SceneData, type Subject } from "../machine/ask";
-import { MachineView, useShape, type Shape } from "../machine/view";
+import { picturePath, posesOf, type Subject } from "../machine/ask";
+import type { SceneData } from "../machine/data";
+import { useShape, type Shape } from "../machine/use_shape";
+import { MachineView } from "../machine/view";
 import type { World } from "../machine/world";
 import { alongOf, commanded, isBeside, marksOf, middleOf, mostOf, placesOf, plainScene, sizeOf, stepInLine, untold, type Triple } from "./places";
 import type { Diagnosis, PlaceError } from "./types";
@@ -103,7 +105,7 @@ export default function DrawnErrors({ one, machine }: { one: Diagnosis; machine:
   const times = chosen ?? (fitted ? rounded(fitted.longest_mm / largest_mm) : 1);
   useEffect(() => { if (fitted) world?.exaggerate(times); }, [world, fitted, times]);
   return (
-    <MachineView shape={shape} machine={isPlain ? "The measured places" : plain(machine)} told="The figures are in the text of this answer." onWorld={onWorld}>
+    <MachineView shape={shape} machine={isPlain ? "The measured places" : plain(machine)} picture={isPlain ? null : picturePath(machine)} told="The figures are in the text of this answer." onWorld={onWorld}>
       {fitted ? <Times value={times} most={most} set={setChosen} /> : null}
       {fitted ? <Legend fitted={fitted} one={one} machine={isPlain ? "" : machine} /> : null}
     </MachineView>

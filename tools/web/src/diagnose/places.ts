@@ -1,6 +1,6 @@
 // What the fit says at the measured places, made ready to be drawn.
 import type { Mark } from "../machine/errors";
-import type { SceneData } from "../machine/ask";
+import type { SceneData } from "../machine/data";
 import type { Diagnosis, PlaceError } from "./types";
 
 export type Triple = [number, number, number];
@@ -75,7 +75,7 @@ export function plainScene(at: Triple[]): SceneData {
   const thick = size * 0.004;
   const low = Math.min(...at.map((one) => one[2]));
   return {
-    machine: "measured places", moves: false, travel_mm: [[0, 0], [0, 0], [0, 0]], bodies: ["room"], poses: [[0, 0, 0, 1, 0, 0, 0]], meshes: [],
+    machine: "measured places", moves: false, travel_mm: [[0, 0], [0, 0], [0, 0]], bodies: ["room"], poses: [[0, 0, 0, 1, 0, 0, 0]], meshes: [], rods: [],
     geoms: [{ body: 0, type: "box", size_mm: [Math.max(span[0] / 2, least) + least, Math.max(span[1] / 2, least * 2) + least, thick],
       pose: [centre[0]!, centre[1]!, low - thick, 1, 0, 0, 0], rgba: [0.72, 0.75, 0.79, 1], mesh: null }],
   };

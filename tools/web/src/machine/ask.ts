@@ -1,9 +1,5 @@
-import { answered, api, type Schemas } from "../api/client";
-
-export type SceneData = Schemas["Scene"];
-export type PosesData = Schemas["Poses"];
-export type Geom = SceneData["geoms"][number];
-export type Pose = number[];
+import { answered, api } from "../api/client";
+import type { PosesData, PoseSource, SceneData } from "./data";
 
 // What is shown: a scenario's machine with its hidden errors, or a machine without any.
 export interface Subject {
@@ -26,6 +22,8 @@ export async function sceneOf(subject: Subject, signal: AbortSignal): Promise<Sc
   return unlessAborted(answered(subject.of === "scenarios" ? api.GET("/api/scenarios/{name}/scene", init)
     : api.GET("/api/machines/{name}/scene", init)), signal);
 }
+
+export const posesFrom = (subject: Subject): PoseSource => (positions, signal) => posesOf(subject, positions, signal);
 
 export async function posesOf(subject: Subject, positions: number[][], signal: AbortSignal): Promise<PosesData> {
   const init = { params: paramsOf(subject), body: { positions }, signal };

@@ -1,8 +1,9 @@
 import { useMemo, useState } from "react";
 import { Card, Notice, ProblemNotice } from "../ui/parts";
-import type { Subject } from "./ask";
+import { picturePath, type Subject } from "./ask";
 import { useBenchLive, useFollow, type LiveHold } from "./use_live";
-import { MachineView, useShape } from "./view";
+import { useShape } from "./use_shape";
+import { MachineView } from "./view";
 import type { World } from "./world";
 
 function stateText({ bench }: LiveHold): string {
@@ -50,7 +51,7 @@ export function Live() {
   return (
     <div className="mac-grid">
       <Card title={machine ? `On the bench: ${machine}` : "On the bench"}>
-        {machine ? <MachineView shape={shape} machine={machine} onWorld={setWorld} /> : null}
+        {machine ? <MachineView shape={shape} machine={machine} picture={picturePath(machine)} onWorld={setWorld} /> : null}
         {shape.data ? <p className="hint">The tip goes to the place of each reading as it comes. It is drawn without the machine's errors: those are not known.</p> : null}
       </Card>
       <Card title="What it does">

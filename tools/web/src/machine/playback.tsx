@@ -1,20 +1,17 @@
 import { useMemo, useState } from "react";
 import { Busy, Card, ProblemNotice } from "../ui/parts";
-import type { SceneData, Subject } from "./ask";
+import { picturePath, posesFrom, type Subject } from "./ask";
 import { Choose, type Scenario, type useScenarios } from "./choose";
-import { Code, Controls, PlainTranscript, Settings } from "./code";
+import { PlainTranscript } from "./code";
+import type { SceneData } from "./data";
 import { Result, Verdict } from "./result";
-import { trackOf, type Point } from "./transcript";
+import { Lines, Stage } from "./stage";
+import { startIn, trackOf } from "./transcript";
 import { usePlayer } from "./use_player";
 import type { RunHold } from "./use_run";
-import { Exaggeration, MachineView, useShape } from "./view";
+import { useShape } from "./use_shape";
+import { Exaggeration } from "./view";
 import type { World } from "./world";
-
-// The middle of the travel: where a run begins whose first lines do not say.
-const startOf = (travel: number[][], kinematics: string): Point => {
-  const middle = (axis: number) => (kinematics === "delta" ? 0 : ((travel[axis]?.[0] ?? 0) + (travel[axis]?.[1] ?? 0)) / 2);
-  return [middle(0), middle(1), 10];
-};
 
 function useTrack(run: RunHold, chosen: Scenario | null, data: SceneData | null) {
   const transcript = run.done && run.done.scenario === chosen?.name ? run.done.transcript : "";
@@ -22,7 +19,7 @@ function useTrack(run: RunHold, chosen: Scenario | null, data: SceneData | null)
   const travel = data ? JSON.stringify(data.travel_mm) : "";
   return useMemo(() => {
     if (!transcript || !travel || !data?.moves) return null;
-    const track = trackOf(transcript, startOf(JSON.parse(travel) as number[][], kinematics), kinematics === "delta" ? 15 : 1e9);
+    const track = trackOf(transcript, startIn(JSON.parse(travel) as number[][]), kinematics === "delta" ? 15 : null);
     return track.steps.length > 0 ? track : null;
   }, [transcript, travel, kinematics, data?.moves]);
 }
@@ -66,7 +63,8 @@ export function Playback({ all, chosen, run, onChoose }: {
   const subject = useMemo<Subject | null>(() => (name ? { of: "scenarios", name, exaggerate } : null), [name, exaggerate]);
   const shape = useShape(subject);
   const track = useTrack(run, chosen, shape.data);
-  const player = usePlayer(track, shape.of, shape.data, world);
+  const poses = useMemo(() => (shape.of ? posesFrom(shape.of) : null), [shape.of]);
+  const player = usePlayer(track, poses, shape.data, world);
   const done = run.done && run.done.scenario === name ? run.done : null;
   const isStill = (shape.problem !== null && !shape.data) || shape.data?.moves === false;
   return (
@@ -76,20 +74,16 @@ export function Playback({ all, chosen, run, onChoose }: {
       {chosen ? (
         <div className="mac-grid">
           <Card title={`The machine: ${chosen.machine}`}>
-            <MachineView shape={shape} machine={chosen.machine} onWorld={setWorld}>
+            <Stage shape={shape} machine={chosen.machine} picture={picturePath(chosen.machine)} onWorld={setWorld}
+                   track={track} player={player} touches={done?.result?.touches ?? 0}>
               {shape.data?.moves === false ? <p className="hint">This machine has no tip to follow, so it is shown standing still.</p>
                 : <Exaggeration value={exaggerate} set={(value) => setExaggeration({ of: name, value })} />}
-            </MachineView>
-            {track ? <Controls track={track} player={player} /> : null}
-            {track && (done?.result?.touches ?? 0) > 0 && track.steps.every((step) => step.touch === null) ? (
-              <p className="hint">The controller probes by itself in this run. Those moves are not in the transcript, so they cannot be shown.</p>
-            ) : null}
-            {track ? <Legend /> : null}
+            </Stage>
           </Card>
           <Card title="G-code">
             {run.running ? <Busy text="It comes when the run is done" />
               : !done ? <p className="hint">What is sent to the controller is shown here once the scenario has run.</p>
-                : track ? <><Code track={track} player={player} /><Settings track={track} player={player} /></>
+                : track ? <Lines track={track} player={player} />
                   : done.transcript && isStill ? <PlainTranscript text={done.transcript} />
                     : shape.isLoading ? <Busy text="Loading the machine" /> : <p>{done.state === "done" ? "Nothing was sent in this run." : "There is no transcript of this run."}</p>}
           </Card>
@@ -97,15 +91,5 @@ export function Playback({ all, chosen, run, onChoose }: {
       ) : null}
       {done ? <Result done={done} /> : null}
     </>
-  );
-}
-
-function Legend() {
-  return (
-    <ul className="mac-legend">
-      <li><span className="mac-dot" aria-hidden="true" /> where something was touched (also seen through what is in front)</li>
-      <li>The machine is drawn with the errors hidden in it at the start. What a setting corrects during the run is not drawn.</li>
-      <li>Times follow the feed rates (F) of the lines; accelerations are left out.</li>
-    </ul>
   );
 }

@@ -1,4 +1,4 @@
-import { posesOf, type Pose, type PosesData, type Subject } from "./ask";
+import type { Pose, PosesData, PoseSource } from "./data";
 
 const chunk = 400;
 
@@ -8,13 +8,13 @@ type Chunk = PosesData | "asked" | "failed";
 export class PoseTrack {
   private chunks = new Map<number, Chunk>();
   private control = new AbortController();
-  constructor(private subject: Subject, private points: number[][], private onCame: (fault: unknown) => void) {}
+  constructor(private source: PoseSource, private points: number[][], private onCame: (fault: unknown) => void) {}
 
   private ask(index: number) {
     if (index < 0 || index * chunk >= this.points.length || this.chunks.has(index)) return;
     this.chunks.set(index, "asked");
     const { signal } = this.control;
-    posesOf(this.subject, this.points.slice(index * chunk, (index + 1) * chunk), signal).then((came) => {
+    this.source(this.points.slice(index * chunk, (index + 1) * chunk), signal).then((came) => {
       this.chunks.set(index, came);
       this.onCame(null);
     }, (fault: unknown) => {

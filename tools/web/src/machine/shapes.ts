@@ -1,5 +1,5 @@
 import * as three from "three";
-import type { Geom, Pose, SceneData } from "./ask";
+import type { Geom, Pose, SceneData } from "./data";
 
 // MuJoCo's z is up, three's is y: all of the machine hangs in a group that is turned.
 export function place(object: three.Object3D, pose: Pose) {
@@ -29,18 +29,50 @@ function shapeOf(geom: Geom, data: SceneData): three.BufferGeometry | null {
   return mesh ? meshShape(mesh) : null;
 }
 
-function geomMesh(geom: Geom, data: SceneData): three.Object3D | null {
-  const shape = shapeOf(geom, data);
-  if (!shape) return null;
-  const [red = 0.6, green = 0.6, blue = 0.6, alpha = 1] = geom.rgba;
-  const colour = new three.Color().setRGB(red, green, blue, three.SRGBColorSpace);
+function painted(shape: three.BufferGeometry, rgba: number[]): three.Mesh {
+  const [red = 0.6, green = 0.6, blue = 0.6, alpha = 1] = rgba;
   const mesh = new three.Mesh(shape, new three.MeshStandardMaterial({
-    color: colour, roughness: 0.65, metalness: 0.1, transparent: alpha < 1, opacity: alpha,
+    color: new three.Color().setRGB(red, green, blue, three.SRGBColorSpace),
+    roughness: 0.65, metalness: 0.1, transparent: alpha < 1, opacity: alpha,
   }));
   mesh.castShadow = alpha === 1;
   mesh.receiveShadow = true;
+  return mesh;
+}
+
+function geomMesh(geom: Geom, data: SceneData): three.Object3D | null {
+  const shape = shapeOf(geom, data);
+  if (!shape) return null;
+  const mesh = painted(shape, geom.rgba);
   place(mesh, geom.pose);
   return mesh;
+}
+
+// Rods from one body to another: they follow when bodies move.
+export class Rods {
+  private rods: { mesh: three.Mesh; ends: [three.Group, three.Vector3][] }[];
+  constructor(bodies: three.Group[], data: SceneData) {
+    this.rods = data.rods.map(({ bodies: on, ends_mm, radius_mm, rgba }) => ({
+      mesh: painted(new three.CylinderGeometry(radius_mm, radius_mm, 1, 16), rgba),
+      ends: on.map((body, i) => [bodies[body]!, new three.Vector3(...ends_mm[i]!)]),
+    }));
+    this.follow();
+  }
+
+  meshes = () => this.rods.map(({ mesh }) => mesh);
+
+  follow() {
+    for (const { mesh, ends } of this.rods) {
+      const [from, to] = ends.map(([body, at]) => {
+        body.updateMatrix();
+        return at.clone().applyMatrix4(body.matrix);
+      }) as [three.Vector3, three.Vector3];
+      const along = to.clone().sub(from);
+      mesh.position.copy(from).addScaledVector(along, 0.5);
+      mesh.scale.y = Math.max(1e-6, along.length());
+      mesh.quaternion.setFromUnitVectors(new three.Vector3(0, 1, 0), along.normalize());
+    }
+  }
 }
 
 export function freeAll(root: three.Object3D) {

@@ -127,14 +127,20 @@ function markOf(text: string, touch: number | null): Mark {
   return settings.test(text) ? "setting" : null;
 }
 
+// The middle of the travel: where a run begins whose first lines do not say.
+export function startIn(travel: number[][]): Point {
+  const middle = (axis: number) => ((travel[axis]?.[0] ?? 0) + (travel[axis]?.[1] ?? 0)) / 2;
+  return [middle(0), middle(1), clearance];
+}
+
 // `reach`: the longest way between two waypoints, for machines on which a straight line of the
-// tip is none of their carriages.
-export function trackOf(transcript: string, start: Point, reach: number): Track {
+// tip is none of their carriages; null: any.
+export function trackOf(transcript: string, start: Point, reach: number | null): Track {
   const rows = transcript.split("\n").filter((row) => /^[<>] ?/.test(row));
   const lines: Line[] = rows.map((row) => ({ text: row.slice(2), isSent: row.startsWith(">"), step: 0, mark: null }));
   const sent = lines.flatMap((line, i) => (line.isSent ? [i] : []));
   const answersOf = (k: number) => lines.slice(sent[k]! + 1, sent[k + 1] ?? lines.length).map((line) => line.text);
-  const reader = new Reader(start, reach);
+  const reader = new Reader(start, reach ?? Infinity);
   const steps = sent.map((line, k): Step => {
     const text = lines[line]!.text;
     const from = reader.time;

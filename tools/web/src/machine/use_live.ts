@@ -1,7 +1,8 @@
 import { useCallback, useEffect, useRef, useState } from "react";
 import { answered, api, problemOf, type Problem, type Schemas } from "../api/client";
 import { useEvents, useNews, type Connection } from "../api/events";
-import { posesOf, type Pose, type SceneData, type Subject } from "./ask";
+import { posesOf, type Subject } from "./ask";
+import type { Pose, SceneData } from "./data";
 import type { World } from "./world";
 
 export type Bench = Schemas["Bench"];

@@ -1,6 +1,6 @@
 import { useCallback, useEffect, useMemo, useRef, useState } from "react";
-import { problemOf, type Problem } from "../api/client";
-import type { SceneData, Subject } from "./ask";
+import { problemOf, type Problem } from "../api/problem";
+import type { PoseSource, SceneData } from "./data";
 import { between, PoseTrack } from "./poses";
 import { before, stepAt, type Track } from "./transcript";
 import type { World } from "./world";
@@ -64,18 +64,18 @@ const goodSpeed = (track: Track | null): number => {
   return speeds.find((speed) => whole / speed <= 40) ?? speeds.at(-1)!;
 };
 
-function useStage(track: Track | null, subject: Subject | null, data: SceneData | null, world: World | null, onCame: (fault: unknown) => void) {
+function useStage(track: Track | null, source: PoseSource | null, data: SceneData | null, world: World | null, onCame: (fault: unknown) => void) {
   const stage = useRef<{ stage: Stage; poses: PoseTrack } | null>(null);
   useEffect(() => {
-    if (!track || !subject || !data?.moves || !world) return;
-    const poses = new PoseTrack(subject, track.points, onCame);
+    if (!track || !source || !data?.moves || !world) return;
+    const poses = new PoseTrack(source, track.points, onCame);
     stage.current = { stage: new Stage(track, poses, world), poses };
     onCame(null);
     return () => {
       poses.free();
       stage.current = null;
     };
-  }, [track, subject, data, world, onCame]);
+  }, [track, source, data, world, onCame]);
   return stage;
 }
 
@@ -114,7 +114,7 @@ function useTicking(track: Track | null, clock: ReturnType<typeof useClock>, sho
   }, [isPlaying, track, speed, time, setStep, setPlaying, showNow]);
 }
 
-export function usePlayer(track: Track | null, subject: Subject | null, data: SceneData | null, world: World | null): Player {
+export function usePlayer(track: Track | null, source: PoseSource | null, data: SceneData | null, world: World | null): Player {
   const clock = useClock(track);
   const { time, setStep, isPlaying, setPlaying, speed } = clock;
   const [isWaiting, setWaiting] = useState(false);
@@ -125,7 +125,7 @@ export function usePlayer(track: Track | null, subject: Subject | null, data: Sc
     setProblem(fault ? problemOf(fault) : null);
     if (!fault) showNow.current();
   }, []);
-  const stage = useStage(track, subject, data, world, onCame);
+  const stage = useStage(track, source, data, world, onCame);
   showNow.current = () => {
     if (!stage.current) return true;
     const frame = stage.current.stage.at(time.current);

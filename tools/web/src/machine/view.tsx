@@ -1,7 +1,7 @@
 import { useEffect, useRef, useState, type ReactNode } from "react";
-import { problemOf, type Problem } from "../api/client";
 import { Busy, Notice } from "../ui/parts";
-import { picturePath, sceneOf, type SceneData, type Subject } from "./ask";
+import type { SceneData } from "./data";
+import type { Shape } from "./use_shape";
 import type { World } from "./world";
 
 function hasWebGl(): boolean {
@@ -10,37 +10,6 @@ function hasWebGl(): boolean {
   } catch {
     return false;
   }
-}
-
-// The drawing, and what it is of: while another is asked for or refused, the one before stays.
-export interface Shape {
-  data: SceneData | null;
-  of: Subject | null;
-  isLoading: boolean;
-  problem: Problem | null;
-  again: () => void;
-}
-
-const isSame = (one: Subject | null, other: Subject | null) => one?.of === other?.of && one?.name === other?.name;
-
-export function useShape(subject: Subject | null): Shape {
-  const [held, setHeld] = useState<{ data: SceneData; of: Subject } | null>(null);
-  const [isLoading, setLoading] = useState(false);
-  const [problem, setProblem] = useState<Problem | null>(null);
-  const [tries, setTries] = useState(0);
-  useEffect(() => {
-    if (!subject) return;
-    const control = new AbortController();
-    setLoading(true);
-    setProblem(null);
-    setHeld((was) => (was && isSame(was.of, subject) ? was : null));
-    sceneOf(subject, control.signal).then((data) => setHeld({ data, of: subject }), (fault: unknown) => {
-      if (!control.signal.aborted) setProblem(problemOf(fault));
-    }).finally(() => { if (!control.signal.aborted) setLoading(false); });
-    return () => control.abort();
-  }, [subject, tries]);
-  const own = held && isSame(held.of, subject) ? held : null;
-  return { data: own?.data ?? null, of: own?.of ?? null, isLoading, problem, again: () => setTries((was) => was + 1) };
 }
 
 const turns: Record<string, [number, number]> = {
@@ -110,19 +79,19 @@ function Solid({ data, name, told, onWorld, onFailed }: {
   );
 }
 
-function Still({ machine, children }: { machine: string; children: ReactNode }) {
+function Still({ machine, picture, children }: { machine: string; picture: string | null; children: ReactNode }) {
   const [isMissing, setMissing] = useState(false);
   return (
     <>
-      {isMissing ? null : <img className="mac-picture" src={picturePath(machine)} alt={`The machine ${machine}, standing still`} onError={() => setMissing(true)} />}
+      {isMissing || !picture ? null : <img className="mac-picture" src={picture} alt={`The machine ${machine}, standing still`} onError={() => setMissing(true)} />}
       {children}
     </>
   );
 }
 
-function Undrawn({ shape, machine }: { shape: Shape; machine: string }) {
+function Undrawn({ shape, machine, picture }: { shape: Drawing; machine: string; picture: string | null }) {
   return (
-    <Still machine={machine}>
+    <Still machine={machine} picture={picture}>
       <Notice kind="info">
         <p><strong>This machine is not drawn in 3D.</strong> The server says: {shape.problem?.detail}.</p>
         {shape.problem?.status === 422 ? null : <p><button type="button" className="quiet" onClick={shape.again}>Try again</button></p>}
@@ -131,12 +100,15 @@ function Undrawn({ shape, machine }: { shape: Shape; machine: string }) {
   );
 }
 
+export type Drawing = Pick<Shape, "data" | "problem" | "again">;
+
 const inCode = "What it does is in the list of G-code.";
 
 // In 3D; as a picture where the browser draws none. `children` belong to the drawing in 3D.
-export function MachineView({ shape, machine, told = inCode, onWorld, children }: {
-  shape: Shape;
+export function MachineView({ shape, machine, picture, told = inCode, onWorld, children }: {
+  shape: Drawing;
   machine: string;
+  picture: string | null;
   // Where the same stands in words.
   told?: string;
   onWorld: (world: World | null) => void;
@@ -145,12 +117,12 @@ export function MachineView({ shape, machine, told = inCode, onWorld, children }
   const [isFlat, setFlat] = useState(() => !hasWebGl());
   if (isFlat) {
     return (
-      <Still key={machine} machine={machine}>
+      <Still key={machine} machine={machine} picture={picture}>
         <p className="hint">This browser draws nothing in 3D (no WebGL), so the machine does not move here. The list of G-code follows the run all the same.</p>
       </Still>
     );
   }
-  if (shape.problem && !shape.data) return <Undrawn key={machine} shape={shape} machine={machine} />;
+  if (shape.problem && !shape.data) return <Undrawn key={machine} shape={shape} machine={machine} picture={picture} />;
   return (
     <>
       <Solid data={shape.data} name={machine} told={told} onWorld={onWorld} onFailed={() => setFlat(true)} />

@@ -1,8 +1,8 @@
 import * as three from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
-import type { Pose, SceneData } from "./ask";
+import type { Pose, SceneData } from "./data";
 import { Errors, type Mark } from "./errors";
-import { bodiesOf, Dots, freeAll, holderOf, place, tipOn } from "./shapes";
+import { bodiesOf, Dots, freeAll, holderOf, place, Rods, tipOn } from "./shapes";
 
 export interface World {
   show: (data: SceneData, keepView: boolean) => void;
@@ -170,6 +170,7 @@ export function makeWorld(canvas: HTMLCanvasElement): World {
   const { draw } = painter;
   const deaf = listen(canvas, eye, draw);
   let bodies: three.Group[] = [];
+  let rods: Rods | null = null;
   let dots: Dots | null = null;
   let errors: Errors | null = null;
   let holder = 0;
@@ -180,7 +181,8 @@ export function makeWorld(canvas: HTMLCanvasElement): World {
       bodies = bodiesOf(data);
       holder = holderOf(data);
       errors = null;
-      machine.add(...bodies);
+      rods = new Rods(bodies, data);
+      machine.add(...bodies, ...rods.meshes());
       const extent = extentOf(machine);
       const plane = data.geoms.find((geom) => geom.type === "plane");
       room.add(floorAt(plane?.pose[2] ?? extent.min.y, extent));
@@ -191,6 +193,7 @@ export function makeWorld(canvas: HTMLCanvasElement): World {
     },
     move: (moving, poses) => {
       moving.forEach((body, i) => { if (bodies[body] && poses[i]) place(bodies[body], poses[i]); });
+      rods?.follow();
       draw();
     },
     dot: (moving, poses) => dots?.add(moving, poses),

@@ -1,0 +1,169 @@
+#include "renders/kinds/still.h"
+
+#include <algorithm>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "renders/kinds/delta_scene.h"
+#include "renders/kinds/motor_stage_scene.h"
+#include "renders/kinds/triple_z_scene.h"
+#include "renders/machine_scene.h"
+#include "scenarios/file_kind.h"
+#include "scenarios/kinds/delta_scenario.h"
+#include "scenarios/kinds/gantry_trial.h"
+#include "scenarios/kinds/motor_stage_scenario.h"
+#include "scenarios/kinds/triple_z_scenario.h"
+#include "scenarios/kinds/z_station_scenario.h"
+#include "scenarios/machine_file.h"
+#include "scenarios/runner.h"
+#include "sim/base/input_error.h"
+#include "sim/machine/kinds/delta/drawing.h"
+#include "sim/machine/kinds/kinds.h"
+#include "sim/machine/kinds/triple_z/drawing.h"
+
+namespace caltwin {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+using Travel = std::array<std::array<double, 2>, 3>;
+
+Travel TravelOf(const Machine& machine) {
+  Travel travel_mm;
+  for (const Axis axis : kAxes) {
+    travel_mm[Index(axis)] = {machine.axis(axis).min_mm, machine.axis(axis).max_mm};
+  }
+  return travel_mm;
+}
+
+// A delta's axes are its towers'.
+Travel TravelOf(const DeltaDrawing& delta) {
+  const double radius_mm = delta.print_radius_mm;
+  return {{{-radius_mm, radius_mm},
+           {-radius_mm, radius_mm},
+           {0, *std::ranges::min_element(delta.model.endstop_mm)}}};
+}
+
+template <typename Scene>
+Still Held(const std::string& machine, const Travel& travel_mm, Scene scene) {
+  const auto held = std::make_shared<Scene>(std::move(scene));
+  Still still{.machine = machine,
+              .travel_mm = travel_mm,
+              .scene = held,
+              .model = held->model(),
+              .data = held->data()};
+  if constexpr (requires(Vec3<double> tip_mm) { held->MoveTo(tip_mm); }) {
+    still.move_to = [raw = held.get()](const Vec3<double>& tip_mm) {
+      using Result = decltype(raw->MoveTo(tip_mm));
+      if constexpr (std::is_same_v<Result, bool>) return raw->MoveTo(tip_mm);
+      raw->MoveTo(tip_mm);
+      return true;
+    };
+  }
+  return still;
+}
+
+Still GantryStill(const TwinConfig& config, double exaggerate) {
+  return Held(
+      config.machine.name, TravelOf(config.machine), MachineScene(config, exaggerate));
+}
+
+Still DeltaStill(const Machine& machine, const BuiltDelta& built, double exaggerate) {
+  return Held(
+      machine.name, TravelOf(DeltaOf(machine)), DeltaScene(machine, built, exaggerate));
+}
+
+Still TripleZStill(const BuiltTripleZ& built, double exaggerate) {
+  return Held(
+      built.machine.name, TravelOf(built.machine), TripleZScene(built, exaggerate));
+}
+
+Still MotorStill(const Machine& machine,
+                 const BuiltMotorStage& built,
+                 double exaggerate) {
+  return Held(machine.name, TravelOf(machine), MotorStageScene(built, exaggerate));
+}
+
+// As its file (or extension) says it was built.
+Still StillOfMachine(const fs::path& file, double exaggerate) {
+  const MachineFile read = ReadAnyMachineFile(file);
+  const Machine& machine = read.machine;
+  constexpr std::uint64_t kSeed = 1;
+  if (machine.kind == MotorStageKind()) {
+    return MotorStill(
+        machine,
+        DrawMotorStage({.drawing = MotorStageOf(machine)}, kSeed, /*sample=*/0),
+        exaggerate);
+  }
+  if (machine.kind == DeltaKind()) {
+    const DrawnDelta drawn =
+        DrawDelta({.effects = read.effects}, machine, kSeed, /*sample=*/0);
+    return DeltaStill(machine, drawn.built, exaggerate);
+  }
+  const std::vector<Injected> effects = DrawEffects(read.effects, kSeed, /*sample=*/0);
+  if (machine.Own<TripleZDrawing>() != nullptr) {
+    return TripleZStill({.machine = machine, .effects = effects}, exaggerate);
+  }
+  const Machine gantry = ReadMachineFile(file).machine;
+  return GantryStill(
+      {.machine = gantry, .effects = effects, .settings = gantry.settings}, exaggerate);
+}
+
+}  // namespace
+
+std::optional<Still> StillOf(const Scenario& scenario,
+                             std::uint64_t seed,
+                             double exaggerate) {
+  const Machine& machine = scenario.machine.machine;
+  const AnyKindScenario& kind = scenario.kind;
+  if (kind.As<ZStationScenario>() != nullptr) return std::nullopt;
+  if (const auto* const motor = kind.As<MotorStageScenario>()) {
+    return MotorStill(machine, DrawMotorStage(*motor, seed, /*sample=*/0), exaggerate);
+  }
+  if (const auto* const delta = kind.As<DeltaScenario>()) {
+    return DeltaStill(
+        machine, DrawDelta(*delta, machine, seed, /*sample=*/0), exaggerate);
+  }
+  if (const auto* const triple_z = kind.As<TripleZScenario>()) {
+    return TripleZStill(DrawTripleZ(*triple_z, machine, seed, /*sample=*/0),
+                        exaggerate);
+  }
+  return GantryStill(MakeTwinConfig(scenario, {.seed = seed}), exaggerate);
+}
+
+std::optional<Enlarged> EnlargedStillOf(const Scenario& scenario,
+                                        std::uint64_t seed,
+                                        double exaggerate) {
+  for (;; exaggerate = std::max(exaggerate / 2, 1.0)) {
+    try {
+      auto still = StillOf(scenario, seed, exaggerate);
+      if (!still) return std::nullopt;
+      return Enlarged{*std::move(still), exaggerate};
+    } catch (const InputError&) {
+      if (exaggerate <= 1) throw;
+    }
+  }
+}
+
+Still StillOf(const fs::path& file, double exaggerate) {
+  const FileKind kind = KindOf(file);
+  if (kind == FileKind::kMachine) return StillOfMachine(file, exaggerate);
+  if (kind != FileKind::kScenario) {
+    throw InputError(
+        {.file = file.string()},
+        fmt::format("this is a {}, where a machine or a scenario is wanted",
+                    ToString(kind)));
+  }
+  const Scenario scenario = ReadScenario(file);
+  auto still = StillOf(scenario, scenario.seed, exaggerate);
+  if (still) return *std::move(still);
+  throw InputError({.file = file.string()},
+                   "a nozzle's height is not drawn",
+                   "models/z_station/model.xml opens in any MuJoCo viewer");
+}
+
+}  // namespace caltwin
