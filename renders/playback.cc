@@ -6,12 +6,14 @@
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+#include <zlib.h>
 
 #include "renders/html.h"
 #include "renders/kinds/as_built.h"
 #include "renders/kinds/still.h"
 #include "renders/pose_grid.h"
 #include "renders/scene_json.h"
+#include "sim/base/require.h"
 #include "sim/base/text_file.h"
 
 namespace caltwin {
@@ -22,18 +24,23 @@ using Json = nlohmann::ordered_json;
 constexpr double kTolerance_mm = 0.5;  // Below a pixel of a machine a metre high.
 constexpr double kReach_mm = 15;       // Of what goes in arcs.
 // A report stays below two million bytes.
-constexpr std::size_t kMostTranscript_bytes = 400'000;
+constexpr std::size_t kMostPacked_bytes = 300'000;
 
-// Unpacks the player and begins it. An element made by a script may hold one, as the
-// page's policy has it.
+// Unpacks what the run is played from and the player, and begins it. An element that a
+// script makes may hold one, as the page's policy has it.
 constexpr std::string_view kBegin = R"(
 (async function () {
   'use strict';
-  var text = document.getElementById('playback-script').textContent;
-  var packed = Uint8Array.from(atob(text), function (c) { return c.charCodeAt(0); });
-  var plain = new Blob([packed]).stream().pipeThrough(new DecompressionStream('gzip'));
+  async function unpack(id, format) {
+    var element = document.getElementById(id);
+    var packed = Uint8Array.from(atob(element.textContent), function (c) { return c.charCodeAt(0); });
+    var plain = new Blob([packed]).stream().pipeThrough(new DecompressionStream(format));
+    return new Response(plain).text();
+  }
+  var data = await unpack('playback-data', 'deflate');
   var script = document.createElement('script');
-  script.textContent = await new Response(plain).text();
+  script.textContent = await unpack('playback-script', 'gzip');
+  document.getElementById('playback-data').textContent = data;
   document.body.appendChild(script);
 })();
 )";
@@ -53,7 +60,7 @@ void DropWhatIsAlike(const Json& like, Json* scene) {
 }
 
 /// The machine as built and, where that is another, enlarged.
-Json ScenesOf(const Scenario& scenario, std::uint64_t seed, Enlarged built) {
+Json ScenesOf(const Scenario& scenario, std::uint64_t seed, const Enlarged& built) {
   Json scenes = Json::array({SceneOf(built)});
   const auto larger = EnlargedStillOf(scenario, seed, kExaggerate);
   Json enlarged = SceneOf(*larger);
@@ -63,6 +70,16 @@ Json ScenesOf(const Scenario& scenario, std::uint64_t seed, Enlarged built) {
   DropWhatIsAlike(scenes[0]["scene"], &enlarged["scene"]);
   scenes.push_back(std::move(enlarged));
   return scenes;
+}
+
+/// What is played, packed; of a run too long for a report its first lines.
+std::string PackedFor(Json playback, std::string_view transcript) {
+  for (std::size_t most = transcript.size();; most /= 2) {
+    playback["transcript"] = WholeLinesOf(transcript, most);
+    std::string packed =
+        Packed(playback.dump(-1, ' ', false, Json::error_handler_t::replace));
+    if (packed.size() <= kMostPacked_bytes || most == 0) return packed;
+  }
 }
 
 }  // namespace
@@ -81,8 +98,21 @@ std::optional<Json> PlaybackJson(const Scenario& scenario,
   if (!built || !built->move_to) return std::nullopt;
   return Json{{"scenes", ScenesOf(scenario, seed, {*std::move(built)})},
               {"touches", touches},
-              {"transcript", WholeLinesOf(transcript, kMostTranscript_bytes)},
+              {"transcript", transcript},
               {"lines", std::ranges::count(transcript, '\n')}};
+}
+
+std::string Packed(std::string_view text) {
+  uLongf size = compressBound(text.size());
+  std::string packed(size, '\0');
+  const int result = compress2(reinterpret_cast<Bytef*>(packed.data()),
+                               &size,
+                               reinterpret_cast<const Bytef*>(text.data()),
+                               text.size(),
+                               Z_BEST_COMPRESSION);
+  Require(result == Z_OK, "packed");
+  packed.resize(size);
+  return packed;
 }
 
 std::string PackedPlayer() {
@@ -107,10 +137,10 @@ std::string PlaybackHtml(const Scenario& scenario,
       "<div id=\"playback-player\"><p>On a screen, in a browser with JavaScript, the "
       "run is "
       "played back here.</p></div>\n"
-      "<script type=\"application/json\" id=\"playback-data\">{}</script>\n"
+      "<script type=\"text/plain\" id=\"playback-data\">{}</script>\n"
       "<script type=\"text/plain\" id=\"playback-script\">{}</script>\n"
       "<script>{}</script>\n",
-      JsonForScript(*json),
+      Base64(PackedFor(*json, result.transcript)),
       Base64(packed_player),
       kBegin);
 }

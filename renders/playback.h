@@ -23,8 +23,8 @@ namespace caltwin {
 ///     reach_mm    the longest way of the tip along which its parts go straight; null:
 ///                 any
 ///   touches     how often the run touched
-///   transcript  what was sent and answered; of a long run its first lines
-///   lines       how many there are in all
+///   transcript  what was sent and answered
+///   lines       how many lines that are
 ///
 /// nullopt: the machine has no tip to follow, or is not drawn.
 std::optional<nlohmann::ordered_json> PlaybackJson(const Scenario& scenario,
@@ -34,6 +34,9 @@ std::optional<nlohmann::ordered_json> PlaybackJson(const Scenario& scenario,
 
 /// The whole lines that a text begins with, `most_bytes` at most.
 std::string_view WholeLinesOf(std::string_view text, std::size_t most_bytes);
+
+/// The text in zlib's format (RFC 1950), as browsers unpack it by themselves.
+std::string Packed(std::string_view text);
 
 /// The script that plays it, as tools/pages.sh builds it (web/player.js.gz), packed by
 /// gzip. Empty: it was not built.

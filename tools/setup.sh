@@ -8,7 +8,7 @@ packages=(
   clang-16 cmake mold ninja-build
   libeigen3-dev libceres-dev libyaml-cpp-dev libfmt-dev libcli11-dev
   nlohmann-json3-dev libexpected-dev libgtest-dev libgmock-dev libbenchmark-dev
-  libboost1.81-dev libosmesa6-dev libpng-dev libssl-dev libsqlite3-dev libsqlitecpp-dev libpugixml-dev
+  libboost1.81-dev libosmesa6-dev libpng-dev zlib1g-dev libssl-dev libsqlite3-dev libsqlitecpp-dev libpugixml-dev
   python3 python3-pip python3-numpy python3-yaml
 )
 

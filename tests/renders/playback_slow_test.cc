@@ -1,11 +1,17 @@
+#include <algorithm>
 #include <filesystem>
 #include <string>
+#include <string_view>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+#include <zlib.h>
 
+#include "renders/html.h"
 #include "renders/playback.h"
+#include "sim/base/rng.h"
 
 namespace caltwin {
 namespace {
@@ -18,6 +24,23 @@ using ::testing::StrEq;
 Scenario Named(const std::string& name) {
   return ReadScenario(std::filesystem::path(CALTWIN_SOURCE_DIR) / "scenarios" /
                       (name + ".yaml"));
+}
+
+/// The inverse of Base64.
+std::string PlainOf(std::string_view base64) {
+  constexpr std::string_view kDigits =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string plain;
+  unsigned bits = 0;
+  int num_bits = 0;
+  for (const char digit : base64.substr(0, base64.find('='))) {
+    bits = bits << 6 | static_cast<unsigned>(kDigits.find(digit));
+    num_bits += 6;
+    if (num_bits < 8) continue;
+    num_bits -= 8;
+    plain += static_cast<char>(bits >> num_bits & 0xff);
+  }
+  return plain;
 }
 
 RunResult Sent(const std::string& transcript) {
@@ -39,7 +62,6 @@ TEST(Playback, HoldsTheMachineAsBuiltAndWhatIsOtherWithItsErrorsEnlarged) {
   EXPECT_EQ((*json)["lines"], 2);
 }
 
-// Its rods do not reach with errors thirty times as large.
 TEST(Playback, OfADeltaGoesInShortWays) {
   const auto json = PlaybackJson(Named("delta_joint_recovers"), 1, 0, "> G28\n");
 
@@ -61,24 +83,48 @@ TEST(Playback, IsAboutWhatToBuildWhereThereIsNoPlayer) {
                     "<code>tools/pages.sh</code> builds them.</p>\n"));
 }
 
-TEST(Playback, KeepsWhatAMachineAnswersInItsScriptElement) {
-  const std::string html = PlaybackHtml(
-      Named("first_light"), Sent("> G28\n< </script><img src=x>\n"), "</script>");
+/// What a page's playback is made of, unpacked again.
+nlohmann::json DataIn(const std::string& html) {
+  const std::string_view begin = "id=\"playback-data\">";
+  const std::size_t from = html.find(begin) + begin.size();
+  const std::string packed = PlainOf(html.substr(from, html.find('<', from) - from));
+  std::string text(50'000'000, '\0');
+  uLongf size = text.size();
+  uncompress(reinterpret_cast<Bytef*>(text.data()),
+             &size,
+             reinterpret_cast<const Bytef*>(packed.data()),
+             packed.size());
+  text.resize(size);
+  return nlohmann::json::parse(text);
+}
+
+TEST(Playback, StandsPackedInItsPage) {
+  const std::string transcript = "> G28\n< </script><img src=x>\xff\n";
+
+  const std::string html =
+      PlaybackHtml(Named("first_light"), Sent(transcript), "</script>");
 
   EXPECT_THAT(html, AllOf(HasSubstr("id=\"playback-player\""), Not(HasSubstr("<img"))));
-  EXPECT_THAT(html, HasSubstr(">PC9zY3JpcHQ+<"));
+  EXPECT_THAT(html, HasSubstr(">" + Base64("</script>") + "<"));
+  EXPECT_EQ(DataIn(html)["transcript"], "> G28\n< </script><img src=x>\uFFFD\n");
 }
 
 TEST(Playback, OfALongRunIsOfItsFirstLines) {
+  Rng rng(1, 0, "a long run");
   std::string transcript;
-  while (transcript.size() < 3'000'000) transcript += "> G1 X1\n";
+  while (transcript.size() < 3'000'000) {
+    transcript += fmt::format("> G1 X{:.9f} Y{:.9f}\n", rng.Normal(), rng.Normal());
+  }
 
-  const auto json = PlaybackJson(Named("first_light"), 1, 0, transcript);
+  const std::string html = PlaybackHtml(Named("first_light"), Sent(transcript), "x");
 
-  EXPECT_EQ((*json)["lines"], transcript.size() / 8);
-  const auto kept = (*json)["transcript"].get<std::string>();
-  EXPECT_LT(kept.size(), 500'000);
-  EXPECT_TRUE(kept.ends_with("> G1 X1\n"));
+  EXPECT_LT(html.size(), 410'000);
+  const nlohmann::json data = DataIn(html);
+  const auto kept = data["transcript"].get<std::string>();
+  EXPECT_GT(kept.size(), 300'000);
+  EXPECT_LT(kept.size(), transcript.size());
+  EXPECT_TRUE(transcript.starts_with(kept) && kept.ends_with("\n"));
+  EXPECT_EQ(data["lines"], std::ranges::count(transcript, '\n'));
 }
 
 TEST(Playback, CutsATextBehindAWholeLine) {

@@ -15,7 +15,11 @@ function cellOf(nodes: number[], at: number): [number, number] {
   return [low, (at - nodes[low]!) / (nodes[low + 1]! - nodes[low]!)];
 }
 
-const isOpposed = (one: Pose, other: Pose) => one.slice(3).reduce((sum, value, k) => sum + value * other[k + 3]!, 0) < 0;
+const isOpposed = (one: Pose, other: Pose) => {
+  let product = 0;
+  for (let k = 3; k < 7; k++) product += one[k]! * other[k]!;
+  return product < 0;
+};
 
 // Trilinear, quaternions turned into one sense (place() makes them unit ones); beyond the last
 // nodes straight on.
@@ -31,10 +35,10 @@ export function posesAt(grid: Grid, tip: number[]): Pose[] | null {
     const node = grid.poses[index];
     if (!node) return null;
     like ??= node;
-    node.forEach((pose, body) => {
-      const turned = isOpposed(pose, like![body]!) ? -share : share;
-      pose.forEach((value, k) => { sum[body]![k]! += (k < 3 ? share : turned) * value; });
-    });
+    for (const [body, pose] of node.entries()) {
+      const turned = isOpposed(pose, like[body]!) ? -share : share;
+      for (let k = 0; k < 7; k++) sum[body]![k]! += (k < 3 ? share : turned) * pose[k]!;
+    }
   }
   return sum;
 }

@@ -26,7 +26,9 @@ function useScene(playback: Playback, isEnlarged: boolean) {
   }, [playback, isEnlarged]);
 }
 
-function Cut({ shown, of }: { shown: number; of: number }) {
+function Cut({ playback }: { playback: Playback }) {
+  const shown = useMemo(() => playback.transcript.split("\n").length - 1, [playback]);
+  const of = playback.lines;
   if (shown >= of) return null;
   return (
     <p className="hint">The first {shown} of {of} lines are played: the report would grow too large with all.
@@ -58,7 +60,7 @@ export function Player({ playback }: { playback: Playback }) {
         </div>
         <div>
           <Lines track={track} player={player} />
-          <Cut shown={playback.transcript.split("\n").length - 1} of={playback.lines} />
+          <Cut playback={playback} />
         </div>
       </div>
     </div>
