@@ -30,7 +30,8 @@ constexpr std::array kKeys = {
     Word{
         "firmware",
         "The controller: m400_ignores_backlash (a defect before RepRapFirmware 3.6.1), "
-        "files (its own storage by path, such as sys/nxt-user-vars.g)."},
+        "files (its own storage by path, such as sys/nxt-user-vars.g), probe (missing: "
+        "none is configured; open: it never reads triggered; stuck: always)."},
     Word{"calibrate",
          "A list of what is done, in order, each a procedure with its options: `- "
          "next_dual_dimension: {axis: x, variant: corrected}`."},

@@ -28,6 +28,7 @@ void RefuseTwice(const std::vector<InjectedSpec>& specs, Faults* faults) {
 FirmwareOptions ReadFirmware(YamlMap map) {
   FirmwareOptions options;
   options.m400_ignores_backlash = map.FlagOr("m400_ignores_backlash", false);
+  options.probe = ReadProbeInput(&map);
   if (const auto files = map.Optional("files")) {
     for (const auto& [path, text] : files->Map().Entries()) {
       options.files[path] = text.Text();
@@ -38,6 +39,15 @@ FirmwareOptions ReadFirmware(YamlMap map) {
 }
 
 }  // namespace
+
+ProbeInput ReadProbeInput(YamlMap* map) {
+  const std::string word =
+      map->WordOr("probe", "wired", {"wired", "missing", "open", "stuck"});
+  return word == "missing" ? ProbeInput::kMissing
+         : word == "open"  ? ProbeInput::kOpen
+         : word == "stuck" ? ProbeInput::kStuck
+                           : ProbeInput::kWired;
+}
 
 void GantryScenario::ReadKeys(YamlMap* map, Scenario* scenario) {
   machine_kind_ = scenario->machine.machine.kind;

@@ -35,6 +35,9 @@ class GantryScenario : public KindScenario {
   const MachineKind* machine_kind_;  ///< As ReadKeys finds it.
 };
 
+/// `firmware: {probe: missing | open | stuck}`: how the probe reaches the controller.
+ProbeInput ReadProbeInput(YamlMap* map);
+
 /// The values that `varied` gives replace those of the same effect on the same axis.
 void ReplaceEffect(const InjectedSpec& varied,
                    const std::string& parameter,

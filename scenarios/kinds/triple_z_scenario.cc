@@ -102,6 +102,11 @@ void TripleZScenario::ReadKeys(YamlMap* map, Scenario* scenario) {
   }
   for (const InjectedSpec& effect : effects) RequireBuildable(effect, map->faults());
   if (const auto value = map->Optional("settings")) ReadSettings(value->Map(), this);
+  if (const auto value = map->Optional("firmware")) {
+    YamlMap keys = value->Map();
+    probe = ReadProbeInput(&keys);
+    keys.NoMoreKeys();
+  }
   if (const auto value = map->Optional("instruments")) {
     YamlMap by_name = value->Map();
     if (const auto probe = by_name.Optional("probe")) {

@@ -21,6 +21,7 @@ class TripleZScenario : public KindScenario {
   Pivots<double> believed_mm{};  ///< settings: {screws_at_mm: {z1: [x, y]}}, as M671.
   double steps_per_mm = 800;     ///< settings: {steps_per_mm: {z: }}
   double probe_sigma_mm = 0;     ///< instruments: {probe: {sigma_um: }}
+  ProbeInput probe = ProbeInput::kWired;  ///< firmware: {probe: }
 
   std::unique_ptr<KindScenario> Clone() const override {
     return std::make_unique<TripleZScenario>(*this);

@@ -53,7 +53,7 @@ TripleZTrial::TripleZTrial(const TripleZScenario& scenario,
       plant_(built_, chance.fidelity == Fidelity::kPhysics, chance.seed, chance.sample),
       firmware_(built_.machine,
                 built_.machine.settings,
-                FirmwareOnScrews(triple_z_.believed_mm),
+                FirmwareOnScrews(triple_z_.believed_mm, triple_z_.probe),
                 &plant_),
       wire_(&firmware_),
       record_(built_.machine, triple_z_.probe_sigma_mm) {

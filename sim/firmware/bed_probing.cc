@@ -41,6 +41,7 @@ Vec3<double> Firmware::Parts::Raised_mm() const {
 Reply Firmware::Parts::ProbeBed(const Words& words) {
   if (!IsHomed()) return Refuse("G30: insufficient axes homed");
   if (bed.is_split) return Refuse("G30: the drivers of Z are not joined");
+  if (!HasProbe()) return Refuse("G30: no Z probe is configured");
   if (!IsInside(machine, Axis::kZ, kDive_mm)) {
     return Refuse("G30: the dive height is outside the travel of Z");
   }
@@ -90,14 +91,14 @@ std::optional<double> Firmware::Parts::TouchBed(Vec3<double> over_mm,
   motion.MoveTo(over_mm, kRapid_mm_s);
   motion.Dwell(options.probe_recovery_s);
   if (motion.alarm()) return std::nullopt;
-  if (plant->ProbeTriggered()) {
+  if (ProbeReads()) {
     *why_not = "Probe already triggered before probing move started";
     return std::nullopt;
   }
   const double slow_mm_s = machine.probe.speeds_mm_s.back();
   over_mm[2] = machine.axis(Axis::kZ).min_mm - kDeepest_mm;
   const bool is_found =
-      motion.Probe(over_mm, slow_mm_s, Watch::Kind::kProbeTriggered).stopped;
+      motion.Probe(over_mm, slow_mm_s, WatchOf(Watch::Kind::kProbeTriggered)).stopped;
   if (!is_found) {
     if (!motion.alarm()) *why_not = "Probe was not triggered during probing move";
     return std::nullopt;
@@ -259,7 +260,7 @@ Reply Firmware::Parts::ReportEndstops(const Words&) {
                                                    : "at max stop");
   }
   line += fmt::format(" Z probe: {}",
-                      plant->ProbeTriggered() ? "at min stop" : "not stopped");
+                      ProbeReads() ? "at min stop" : "not stopped");
   return {.lines = {line}};
 }
 

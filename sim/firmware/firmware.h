@@ -15,6 +15,14 @@
 
 namespace caltwin {
 
+/// How the probe reaches its controller.
+enum class ProbeInput {
+  kWired,    ///< As it should.
+  kMissing,  ///< No probe is configured (M558): probe moves are refused.
+  kOpen,     ///< It never reads triggered: a broken cable, another pin.
+  kStuck     ///< It always reads triggered: a short, an inverted pin.
+};
+
 /// What distinguishes one controller from another of the same dialect.
 struct FirmwareOptions {
   /// RepRapFirmware before 3.6.1 ignored backlash steps when it recomputed the position
@@ -26,6 +34,7 @@ struct FirmwareOptions {
   /// Of a bed on screws: what M671 has said before the first line.
   std::optional<Leadscrews> leadscrews{};
   double probe_recovery_s = 0;  ///< M558 R: at rest before a touch of the bed.
+  ProbeInput probe = ProbeInput::kWired;
 };
 
 /// A controller that understands RepRapFirmware's G-code (3.6.1, CNC mode) and drives a

@@ -132,6 +132,7 @@ Reply Firmware::Parts::Probe(const GcodeCommand& command, const Words& words) {
   }
   if (!NamesAxis(words)) return Refuse(command.Name() + ": no axis specified");
   if (bed.is_split) return Refuse(command.Name() + ": the drivers of Z are not joined");
+  if (!HasProbe()) return Refuse(command.Name() + ": no Z probe is configured");
   const double slow_mm_s = machine.probe.speeds_mm_s.back();
   const auto feed_word = words.Number('F');
   if (feed_word && *feed_word <= 0) {
@@ -144,14 +145,14 @@ Reply Firmware::Parts::Probe(const GcodeCommand& command, const Words& words) {
   if (!refusal.empty()) return Refuse(fmt::format("{}: {}", command.Name(), refusal));
 
   const bool goes_away = command.minor >= 4;
-  if (plant->ProbeTriggered() != goes_away) {
+  if (ProbeReads() != goes_away) {
     return Refuse(goes_away ? "Probe not triggered before probing move started"
                             : "Probe already triggered before probing move started");
   }
   const Motion::Probed probed = motion.Probe(
       target_mm,
       feed_word ? FeedFromWord_mm_s(*feed_word) : slow_mm_s,
-      goes_away ? Watch::Kind::kProbeReleased : Watch::Kind::kProbeTriggered);
+      WatchOf(goes_away ? Watch::Kind::kProbeReleased : Watch::Kind::kProbeTriggered));
   const bool must_find = command.minor == 2 || command.minor == 4;
   if (!probed.stopped && must_find && !motion.alarm()) {
     return Refuse(goes_away ? "Probe did not lose contact during probing move"

@@ -70,17 +70,29 @@ Json Firmware::Parts::AxisModel(Axis axis) {
           {"workplaceOffsets", offsets}};
 }
 
-Json Firmware::Parts::ObjectModel() {
-  Json axes = Json::array();
-  for (const Axis axis : kAxes) axes.push_back(AxisModel(axis));
+Json Firmware::Parts::ProbesModel() const {
+  if (!HasProbe()) return Json::array();
   Json speeds = Json::array();
   for (const double speed_mm_s : machine.probe.speeds_mm_s) {
     speeds.push_back(FeedWord_mm_min(speed_mm_s));
   }
+  const double travel_mm_s = machine.axis(Axis::kX).max_feed_mm_s;
+  return Json::array({{{"diveHeights", Json::array({5.0, 5.0})},
+                       {"maxProbeCount", 1},
+                       {"offsets", Json::array({0.0, 0.0})},
+                       {"recoveryTime", options.probe_recovery_s},
+                       {"speeds", speeds},
+                       {"travelSpeed", FeedWord_mm_min(travel_mm_s)},
+                       {"type", 8},
+                       {"value", Json::array({ProbeReads() ? 1000 : 0})}}});
+}
+
+Json Firmware::Parts::ObjectModel() {
+  Json axes = Json::array();
+  for (const Axis axis : kAxes) axes.push_back(AxisModel(axis));
   Json variables = Json::object();
   for (const auto& [name, value] : globals) variables[name] = JsonFrom(value);
   const bool is_off = is_halted();
-  const double travel_mm_s = machine.axis(Axis::kX).max_feed_mm_s;
   return {{"boards",
            Json::array({{{"firmwareName", "RepRapFirmware dialect of caltwin"},
                          {"firmwareVersion",
@@ -93,17 +105,7 @@ Json Firmware::Parts::ObjectModel() {
            {{"axes", axes},
             {"backlashFactor", motion.backlash_factor()},
             {"workplaceNumber", workplace}}},
-          {"sensors",
-           {{"probes",
-             Json::array(
-                 {{{"diveHeights", Json::array({5.0, 5.0})},
-                   {"maxProbeCount", 1},
-                   {"offsets", Json::array({0.0, 0.0})},
-                   {"recoveryTime", options.probe_recovery_s},
-                   {"speeds", speeds},
-                   {"travelSpeed", FeedWord_mm_min(travel_mm_s)},
-                   {"type", 8},
-                   {"value", Json::array({plant->ProbeTriggered() ? 1000 : 0})}}})}}},
+          {"sensors", {{"probes", ProbesModel()}}},
           {"spindles", Json::array()},
           {"state",
            {{"currentTool", tool},

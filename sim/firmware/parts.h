@@ -109,6 +109,17 @@ struct Firmware::Parts {
   /// @name object_model.cc
   nlohmann::ordered_json ObjectModel();
   nlohmann::ordered_json AxisModel(Axis axis);
+  nlohmann::ordered_json ProbesModel() const;
+
+  /// @name The probe as its wire brings it (options.probe)
+  bool HasProbe() const { return options.probe != ProbeInput::kMissing; }
+  bool ProbeReads() const {
+    if (options.probe != ProbeInput::kWired) return options.probe == ProbeInput::kStuck;
+    return plant->ProbeTriggered();
+  }
+  Watch::Kind WatchOf(Watch::Kind kind) const {
+    return options.probe == ProbeInput::kWired ? kind : Watch::Kind::kNothing;
+  }
 
   Vec3<double> offset_mm() const { return workplaces_mm[workplace]; }
   bool is_halted() const { return halted || motion.alarm().has_value(); }

@@ -161,10 +161,11 @@ Outcome TripleZTwinPlant::Run(const Segment& segment, const Watch& watch) {
   return outcome;
 }
 
-FirmwareOptions FirmwareOnScrews(const Pivots<double>& believed_mm) {
+FirmwareOptions FirmwareOnScrews(const Pivots<double>& believed_mm, ProbeInput probe) {
   constexpr double kRecovery_s = 0.2;  // M558 R.
   return {.leadscrews = Leadscrews{.at_mm = believed_mm},
-          .probe_recovery_s = kRecovery_s};
+          .probe_recovery_s = kRecovery_s,
+          .probe = probe};
 }
 
 double TrueBedHeight_mm(const BuiltTripleZ& built,
