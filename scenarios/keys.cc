@@ -31,7 +31,10 @@ constexpr std::array kKeys = {
         "firmware",
         "The controller: m400_ignores_backlash (a defect before RepRapFirmware 3.6.1), "
         "files (its own storage by path, such as sys/nxt-user-vars.g), probe (missing: "
-        "none is configured; open: it never reads triggered; stuck: always)."},
+        "none is configured; open: it never reads triggered; stuck: always), on a "
+        "triple-Z "
+        "printer still_alone (z1, z2, z3: that motor stays when it is told to move "
+        "alone)."},
     Word{"calibrate",
          "A list of what is done, in order, each a procedure with its options: `- "
          "next_dual_dimension: {axis: x, variant: corrected}`."},

@@ -327,10 +327,18 @@ void Controller::NoteMove(const Vec3<double>& target_mm) {
 
 Expected<void> Controller::ProbeTowards(const Vec3<double>& target_mm,
                                         double feed_mm_s) {
+  probe_move_ = {
+      .from_mm = position_mm_, .target_mm = target_mm, .feed_mm_s = feed_mm_s};
   if (const auto moved = Move("G38.2", target_mm, feed_mm_s); !moved) return moved;
+  probe_move_.reset();
   const auto position_mm = ReadPosition_mm();
   if (!position_mm) return tl::unexpected(position_mm.error());
   return {};
+}
+
+ProbeReading Controller::ReadProbe() {
+  const auto answer = Send(kAskProbe);
+  return answer ? ProbeReadingOf(*answer) : ProbeReading::kUnknown;
 }
 
 Expected<void> Controller::ProbeAway(const Vec3<double>& target_mm, double feed_mm_s) {

@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "calibration/loop/contact_ahead.h"
+#include "calibration/loop/probe_reading.h"
 #include "sim/link/link.h"
 #include "sim/machine/axis.h"
 #include "sim/machine/machine.h"
@@ -59,6 +61,10 @@ class Controller {
   Expected<void> ProbeTowards(const Vec3<double>& target_mm, double feed_mm_s);
   /// G38.4: away until it releases.
   Expected<void> ProbeAway(const Vec3<double>& target_mm, double feed_mm_s);
+  /// The probe move that was begun last and did not end in a touch, if it was the last.
+  const std::optional<ProbeMove>& failed_probe_move() const { return probe_move_; }
+  /// What the probe reads now; kUnknown of a controller that does not say.
+  ProbeReading ReadProbe();
   /// Tip centre in machine coordinates, from whole motor steps (M114 Count, without
   /// backlash steps) over the steps per mm believed, of the drives.
   Expected<Vec3<double>> ReadPosition_mm();
@@ -87,6 +93,7 @@ class Controller {
   Link* link_;
   Machine drawing_;
   Settings settings_{};
+  std::optional<ProbeMove> probe_move_{};  ///< Begun, not ended.
   Vec3<double> position_mm_;
   Vec3<double> direction_;
   Vec3<double> drive_direction_;

@@ -127,7 +127,7 @@ Expected<std::string> Session::WhyNot(const Proposal& proposal, double before) {
   const double change = proposal.after / before - 1;
   if (proposal.setting == Setting::kStepsPerMm &&
       !(std::abs(change) <= rules_.steps_limit + kRounding)) {
-    Tell(Trouble::kUnreasonable);
+    Tell(Trouble::kUnreasonable, WhyUnlikelySteps(proposal.after / before));
     return fmt::format(
         "{:.4f} would change {:.4f} by {:.1f} %, beyond the limit of "
         "{:.1f} % an "
@@ -188,7 +188,9 @@ Expected<bool> Session::Apply(const Proposal& proposal) {
   return true;
 }
 
-Expected<void> Session::RollBack(const Proposal& proposal, double before) {
+Expected<void> Session::RollBack(const Proposal& proposal,
+                                 double before,
+                                 const std::string& why) {
   const std::string name = NameHere(proposal.setting, proposal.axis);
   Step step{.procedure = procedure_,
             .variant = variant_,
@@ -202,7 +204,7 @@ Expected<void> Session::RollBack(const Proposal& proposal, double before) {
   step.after = Believed(proposal.setting, proposal.axis);
   result_.steps.push_back(step);
   Tell(fmt::format("{}: rolled back to {:.4f}.", name, step.after));
-  Tell(Trouble::kWorse);
+  Tell(Trouble::kWorse, why);
   return {};
 }
 
@@ -210,9 +212,10 @@ Expected<bool> Session::KeepOrRollBack(const Proposal& proposal,
                                        double before,
                                        const Check& check) {
   constexpr double kSigmas = 3;
-  const double grown = check.error_after - check.error_before;
-  const bool worse = grown > 0 && check.error_after > kSigmas * check.sd;
+  const double after = std::abs(check.error_after);
+  const bool worse = after > std::abs(check.error_before) && after > kSigmas * check.sd;
   if (!worse) return true;
+  const std::string why = WhyWorse(check.error_before, check.error_after, check.sd);
   // What was kept as it stood has nothing to go back to.
   if (Believed(proposal.setting, proposal.axis) == before) return true;
   if (!rules_.roll_back) {
@@ -220,11 +223,12 @@ Expected<bool> Session::KeepOrRollBack(const Proposal& proposal,
         fmt::format("{}: the verification came out worse ({:.4f} mm, before {:.4f} mm)"
                     "; the text does not take the change back.",
                     NameHere(proposal.setting, proposal.axis),
-                    check.error_after,
-                    check.error_before));
+                    after,
+                    std::abs(check.error_before)));
+    if (!why.empty()) Tell(Trouble::kWorse, why);
     return true;
   }
-  const auto back = RollBack(proposal, before);
+  const auto back = RollBack(proposal, before, why);
   if (!back) return tl::unexpected(back.error());
   return false;
 }
@@ -275,12 +279,7 @@ ProcedureResult Session::Finish(const Expected<void>& run) {
   if (!run) {
     result_.fault = run.error().reply;
     result_.ending = EndingOfFault(run.error());
-    if (result_.ending == Ending::kNoTrigger) Tell(Trouble::kNoTrigger);
-    if (result_.ending == Ending::kCollision) {
-      Tell(
-          "The stylus ran into something: the way to the next point led through the "
-          "block. Restart the machine and home it before going on.");
-    }
+    TellWhyProbeFailed(run.error());
     // Whatever position and sense it had is lost.
     if (result_.ending != Ending::kNoTrigger) bench_->ledger.homings = 0;
   }

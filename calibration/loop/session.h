@@ -13,6 +13,7 @@
 #include "calibration/loop/outcome.h"
 #include "calibration/loop/probing.h"
 #include "calibration/loop/remedies.h"
+#include "calibration/loop/troubles.h"
 #include "sim/machine/drive_map.h"
 
 namespace caltwin {
@@ -68,15 +69,20 @@ class Session {
   Expected<void> Begin();
   /// For a person, kept with the result; shown at once.
   void Tell(const Message& message);
-  void Tell(Trouble trouble) { Tell({RemedyFor(trouble), Message::Kind::kToDo}); }
+  /// The trouble and its cause, `why`. As published the guide's list comes first, and
+  /// it comes where nothing singles a cause out.
+  void Tell(Trouble trouble, const std::string& why);
 
   /// Limit, confirmation, write; a new steps/mm is followed by homing. Adds a step.
   /// @return whether the setting now is what was proposed, within its uncertainty
   Expected<bool> Apply(const Proposal& proposal);
   /// Back to `before`, with the step and the remedy that belong to it.
-  Expected<void> RollBack(const Proposal& proposal, double before);
+  Expected<void> RollBack(const Proposal& proposal,
+                          double before,
+                          const std::string& why);
   /// Keeps the change where the error after it is not larger than before it, else rolls
-  /// it back if the rules say so. Errors are magnitudes; `sd` is that of the later one.
+  /// it back if the rules say so. Errors are signed alike; `sd` is that of the later
+  /// one.
   struct Check {
     double error_before = 0;
     double error_after = 0;
@@ -109,6 +115,10 @@ class Session {
   /// Why a change may not be made, by limit or person; empty: it may.
   Expected<std::string> WhyNot(const Proposal& proposal, double before);
   Expected<void> Write(Setting setting, Axis axis, double value);
+  bool is_as_published() const { return variant_ == "as_published"; }
+  /// Of a fault in a probe move: looks once more where that tells, and says it.
+  void TellWhyProbeFailed(const MachineFault& fault);
+  FailedProbeMove LookAgain(const ProbeMove& move, FailedProbeMove failed);
 
   Bench* bench_;
   std::string procedure_;

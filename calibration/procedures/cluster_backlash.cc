@@ -1,6 +1,7 @@
 #include "calibration/procedures/cluster_backlash.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -86,7 +87,8 @@ Expected<void> RunAsPublished(Session* session, const ClusterOptions& o) {
         CompareClusters(clusters->from_plus_mm, clusters->from_minus_mm, step_mm);
     WarnOfScatter(session,
                   "one side",
-                  std::max(statistics.scatter_plus_mm, statistics.scatter_minus_mm));
+                  std::max(statistics.scatter_plus_mm, statistics.scatter_minus_mm),
+                  std::array{clusters->from_plus_mm, clusters->from_minus_mm});
     if (pass > 1 && statistics.one_cluster_as_published) {
       session->Tell("All touches form one cluster.");
       return {};
@@ -97,7 +99,12 @@ Expected<void> RunAsPublished(Session* session, const ClusterOptions& o) {
         "Two clusters {:.4f} mm apart: that is the thickness between the two faces "
         "less 2 delta + b, not the backlash.",
         gap_mm.value));
-    if (gap_mm.value > kTooLarge_mm) session->Tell(Trouble::kUnreasonable);
+    if (gap_mm.value > kTooLarge_mm) {
+      session->Tell(
+          Trouble::kUnreasonable,
+          "no drive has a gap of more than 1 mm: the probe came to two faces, "
+          "not to one from two sides");
+    }
     const double before_mm = session->Believed(Setting::kBacklash, c.axis);
     const double added_mm = pass == 1 ? 0 : before_mm;
     const auto applied = session->Apply(

@@ -130,6 +130,33 @@ Expected<void> SayGapUnknown(Session* session, Axis axis) {
   return {};
 }
 
+// No probe bends so far: what was entered is asked about, and nothing applied.
+bool IsReasonable(Session* session,
+                  const Artefact& artefact,
+                  const SpanReading& span,
+                  Axis axis,
+                  const Uncertain& delta_mm) {
+  UnlikelyPretravel pretravel{.found_mm = delta_mm.value,
+                              .drawn_mm = session->bench().machine.probe.pretravel_mm,
+                              .entered_radius_mm = session->believed().tip_radius_mm,
+                              .entered_size_mm = span.size_mm.value};
+  if (!IsUnlikely(pretravel, delta_mm.sd)) return true;
+  if (session->bench().instruments.contains("calliper")) {
+    const auto size_mm = session->bench().gauge->Read_mm(
+        fmt::format("calliper.{}.{}", artefact.id, Name(axis)));
+    if (size_mm) pretravel.calliper_size_mm = *size_mm;
+  }
+  session->Tell(Trouble::kUnreasonable, WhyUnlikelyPretravel(pretravel));
+  session->Measured(
+      NameOf(Setting::kDeflection, axis),
+      session->Believed(Setting::kDeflection, axis),
+      fmt::format("Not applied: {:.4f} mm is no pre-travel of this probe.",
+                  delta_mm.value));
+  session->Conclude(NameOf(Setting::kDeflection, axis), "mm", {});
+  session->End(Ending::kRefused);
+  return false;
+}
+
 Expected<void> RunAsPublished(Session* session,
                               const Artefact& artefact,
                               const DeflectionOptions& o) {
@@ -176,7 +203,7 @@ double Off_mm(Session* session,
       2 * (known.tip_radius_mm.value - session->believed().tip_radius_mm);
   const double taken_off_mm =
       2 * deflection_mm + known.backlash_left_mm.value - tips_mm;
-  return std::abs(span.error_mm() + sign * taken_off_mm);
+  return span.error_mm() + sign * taken_off_mm;
 }
 
 }  // namespace
@@ -201,6 +228,7 @@ Expected<void> RunDeflection(Session* session, const DeflectionOptions& o) {
                             found.combination_mm.value));
   if (known.backlash_left_mm.sd > kKnown_mm) return SayGapUnknown(session, c.axis);
   const Uncertain delta_mm = found.pretravel_mm;
+  if (!IsReasonable(session, *artefact, *span, c.axis, delta_mm)) return {};
   const Proposal proposal{
       .setting = Setting::kDeflection,
       .axis = c.axis,

@@ -45,8 +45,8 @@ Expected<void> RunDial(Session* session, const DialOptions& o) {
     if (!after_mm) return tl::unexpected(after_mm.error());
     const auto good = session->KeepOrRollBack(proposal,
                                               before_mm,
-                                              {.error_before = std::abs(left_mm->value),
-                                               .error_after = std::abs(after_mm->value),
+                                              {.error_before = left_mm->value,
+                                               .error_after = after_mm->value,
                                                .sd = after_mm->sd});
     if (!good) return tl::unexpected(good.error());
     kept = *good;

@@ -152,16 +152,15 @@ Expected<void> RunDualDimension(Session* session, const DualDimensionOptions& o)
       session->Conclude(name, "1/mm", kept, true);
       break;
     }
-    const double error_before_mm = std::abs(sizes->change_error_mm());
+    const double error_before_mm = sizes->change_error_mm();
     sizes = MeasureDualDimension(session, block, o);
     if (!sizes) return tl::unexpected(sizes.error());
     if (c.as_published) CheckAsPublished(session, *sizes);
-    const auto good =
-        session->KeepOrRollBack(proposal,
-                                before,
-                                {.error_before = error_before_mm,
-                                 .error_after = std::abs(sizes->change_error_mm()),
-                                 .sd = sizes->sd_mm()});
+    const auto good = session->KeepOrRollBack(proposal,
+                                              before,
+                                              {.error_before = error_before_mm,
+                                               .error_after = sizes->change_error_mm(),
+                                               .sd = sizes->sd_mm()});
     if (!good) return tl::unexpected(good.error());
     session->Conclude(name, "1/mm", *good ? kept : steps, *good);
     if (!*good) break;

@@ -115,7 +115,7 @@ Expected<bool> ApplyAxis(Session* session,
   }
   std::ranges::reverse(done);
   for (const Change& change : done) {
-    const auto back = session->RollBack(change.proposal, change.before);
+    const auto back = session->RollBack(change.proposal, change.before, "");
     if (!back) return tl::unexpected(back.error());
   }
   return false;

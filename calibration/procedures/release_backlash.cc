@@ -26,7 +26,8 @@ struct Releases {
   std::vector<double>
       trigger_mm{};  ///< At the slowest feed, each about its face's mean.
   std::vector<double> release_mm{};
-  double scatter_mm = 0;  ///< Of triggers at the slowest feed.
+  double scatter_mm = 0;                        ///< Of triggers at the slowest feed.
+  std::vector<std::vector<double>> faces_mm{};  ///< Those triggers, face by face.
   double outward_mm = 0;  ///< Sum of the faces' mean triggers: the span's change.
   double outward_sd_mm = 0;
   std::size_t faces = 0;
@@ -76,6 +77,7 @@ void KeepSlowest(Session* session, Axis axis, const Touched& touched, Releases* 
   }
   all->outward_mm += trigger.value;
   all->outward_sd_mm = std::hypot(all->outward_sd_mm, trigger.sd);
+  all->faces_mm.push_back(touched.trigger_mm);
   all->scatter_mm = std::max(all->scatter_mm, Scatter(touched.trigger_mm));
 }
 
@@ -231,12 +233,11 @@ Expected<void> Check(Session* session,
   if (!left_mm) return tl::unexpected(left_mm.error());
   bool kept = true;
   if (left_mm->identifiable) {
-    const auto good =
-        session->KeepOrRollBack(proposal,
-                                before_mm,
-                                {.error_before = std::abs(gap_mm.value - before_mm),
-                                 .error_after = std::abs(left_mm->value),
-                                 .sd = left_mm->sd});
+    const auto good = session->KeepOrRollBack(proposal,
+                                              before_mm,
+                                              {.error_before = gap_mm.value - before_mm,
+                                               .error_after = left_mm->value,
+                                               .sd = left_mm->sd});
     if (!good) return tl::unexpected(good.error());
     kept = *good;
     session->Tell(fmt::format(
@@ -262,7 +263,7 @@ Expected<void> RunRelease(Session* session, const ReleaseOptions& o) {
   const auto measured =
       c.as_published ? measure() : WithoutCompensation(session, c.axis, measure);
   if (!measured) return tl::unexpected(measured.error());
-  WarnOfScatter(session, "one face", measured->scatter_mm);
+  WarnOfScatter(session, "one face", measured->scatter_mm, measured->faces_mm);
   if (o.statistics) PrintClusters(session, *measured, c.axis);
   const ReleaseFit fit = FitReleaseBacklash(session, *measured, o);
   const std::string name = NameOf(Setting::kBacklash, c.axis);

@@ -73,7 +73,7 @@ Expected<MeasuredMove> MeasureRoughSteps(Session* session, const RoughOptions& o
 }
 
 double Error(const MeasuredMove& move) {
-  return std::abs(move.actual_mm.value / move.commanded_mm - 1);
+  return move.actual_mm.value / move.commanded_mm - 1;
 }
 
 // The published check, and whether the move is nearer to its command than before.
@@ -87,7 +87,7 @@ Expected<bool> CheckAgain(Session* session,
   session->Tell(fmt::format("{:.3f} mm commanded now move {:.4f} mm, {} within 1 %.",
                             again->commanded_mm,
                             again->actual_mm.value,
-                            Error(*again) <= kPublished ? "so" : "not"));
+                            std::abs(Error(*again)) <= kPublished ? "so" : "not"));
   return session->KeepOrRollBack(proposal,
                                  before,
                                  {.error_before = Error(move) * move.commanded_mm,

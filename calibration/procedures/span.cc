@@ -105,16 +105,21 @@ Expected<SpanReading> MeasureSpan(Session* session,
                      .sd = std::sqrt(variance_mm2),
                      .dof = noise.dof};
   reading.scatter_mm = Pooled_mm(reading.faces);
-  WarnOfScatter(session, artefact.id, reading.scatter_mm);
+  std::vector<std::vector<double>> faces_mm;
+  for (const Touched& touched : reading.faces) faces_mm.push_back(touched.trigger_mm);
+  WarnOfScatter(session, artefact.id, reading.scatter_mm, faces_mm);
   return reading;
 }
 
-void WarnOfScatter(Session* session, const std::string& what, double scatter_mm) {
+void WarnOfScatter(Session* session,
+                   const std::string& what,
+                   double scatter_mm,
+                   std::span<const std::vector<double>> faces_mm) {
   if (scatter_mm <= kScatterWarning_mm) return;
   session->Tell(fmt::format("Repeated touches of {} scatter by {:.1f} um, more than 5.",
                             what,
                             UmFromMm(scatter_mm)));
-  session->Tell(Trouble::kInconsistent);
+  session->Tell(Trouble::kInconsistent, WhyInconsistent(faces_mm));
 }
 
 Given TipRadius(Session* session, const std::optional<Given>& told) {

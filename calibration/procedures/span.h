@@ -69,7 +69,11 @@ Given TipRadius(Session* session, const std::optional<Given>& told);
 /// carriage in its gap: 0.05, or 0 where half the rail's friction would not hold it.
 double PushOn_mm(Session* session, Axis axis);
 
-/// Warns by message where repeats scatter by more than 5 um.
-void WarnOfScatter(Session* session, const std::string& what, double scatter_mm);
+/// Warns by message where repeats scatter by more than 5 um, and says why, where the
+/// touches of each face (in their order) tell it.
+void WarnOfScatter(Session* session,
+                   const std::string& what,
+                   double scatter_mm,
+                   std::span<const std::vector<double>> faces_mm);
 
 }  // namespace caltwin

@@ -100,6 +100,7 @@ Expected<void> CheckReversal(Session* session,
     return {};
   }
   checks->reversal_mm = left_mm->value;
+  checks->compensated_mm = session->Believed(Setting::kBacklash, axis);
   checks->reversal_known = true;
   return {};
 }
@@ -207,6 +208,9 @@ std::vector<std::string> WhatToRevisit(Axis axis, const Checks& checks) {
         fmt::format("approaches from both sides differ by {:+.4f} mm: revisit the "
                     "backlash compensation (next_cluster_backlash).",
                     checks.reversal_mm));
+    const std::string why =
+        WhyTooMuchCompensation(checks.compensated_mm, checks.reversal_mm);
+    if (!why.empty()) say(why + ".");
   }
   // A gap left makes every block read that much small; what remains is the probe's.
   const double probe_mm = checks.offset_mm + checks.reversal_mm;

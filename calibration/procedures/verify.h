@@ -21,6 +21,7 @@ struct VerifyOptions {
 /// What the five checks of NeXT phase 5 found on one axis [mm], each with its limit.
 struct Checks {
   double worst_size_mm = 0;     ///< 1: largest error of a size; 0.02.
+  double compensated_mm = 0;    ///< M425, while the reversal was read.
   double reversal_mm = 0;       ///< 2: between approaches from both sides; 0.01.
   bool reversal_known = false;  ///< An instrument was there to tell.
   double scatter_mm = 0;        ///< 3: of ten touches; 0.005.

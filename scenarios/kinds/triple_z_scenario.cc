@@ -105,6 +105,12 @@ void TripleZScenario::ReadKeys(YamlMap* map, Scenario* scenario) {
   if (const auto value = map->Optional("firmware")) {
     YamlMap keys = value->Map();
     probe = ReadProbeInput(&keys);
+    if (const auto still = keys.Optional("still_alone")) {
+      const std::string word = still->Word({"z1", "z2", "z3"});
+      for (int i = 0; i < kNumScrews; ++i) {
+        if (word == ScrewName(i)) still_alone = i;
+      }
+    }
     keys.NoMoreKeys();
   }
   if (const auto value = map->Optional("instruments")) {

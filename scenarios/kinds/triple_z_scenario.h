@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,7 @@ class TripleZScenario : public KindScenario {
   double steps_per_mm = 800;     ///< settings: {steps_per_mm: {z: }}
   double probe_sigma_mm = 0;     ///< instruments: {probe: {sigma_um: }}
   ProbeInput probe = ProbeInput::kWired;  ///< firmware: {probe: }
+  std::optional<int> still_alone{};       ///< firmware: {still_alone: z2}
 
   std::unique_ptr<KindScenario> Clone() const override {
     return std::make_unique<TripleZScenario>(*this);

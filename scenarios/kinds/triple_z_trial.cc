@@ -36,6 +36,13 @@ std::string TimingWords(int columns, int rows, std::span<const ProbedPoint> touc
                      most_s);
 }
 
+FirmwareOptions FirmwareOf(const TripleZScenario& scenario) {
+  FirmwareOptions options = FirmwareOnScrews(scenario.believed_mm);
+  options.probe = scenario.probe;
+  options.still_alone = scenario.still_alone;
+  return options;
+}
+
 }  // namespace
 
 Expected<std::vector<std::string>> HeardByPrinter::Send(
@@ -51,10 +58,8 @@ TripleZTrial::TripleZTrial(const TripleZScenario& scenario,
     : triple_z_(scenario),
       built_(DrawTripleZ(triple_z_, machine, chance.seed, chance.sample)),
       plant_(built_, chance.fidelity == Fidelity::kPhysics, chance.seed, chance.sample),
-      firmware_(built_.machine,
-                built_.machine.settings,
-                FirmwareOnScrews(triple_z_.believed_mm, triple_z_.probe),
-                &plant_),
+      firmware_(
+          built_.machine, built_.machine.settings, FirmwareOf(triple_z_), &plant_),
       wire_(&firmware_),
       record_(built_.machine, triple_z_.probe_sigma_mm) {
   bench_.gauge = &gauges_;

@@ -235,7 +235,9 @@ std::string_view Firmware::Parts::SplitTarget(const Words& words,
 }
 
 void Firmware::Parts::MoveSplit(const Vec3<double>& to_mm) {
-  motion.MoveSingly(to_mm - bed.split_mm, is_rapid ? kRapid_mm_s : feed_mm_s);
+  Vec3<double> by_mm = to_mm - bed.split_mm;
+  if (options.still_alone) by_mm[*options.still_alone] = 0;
+  motion.MoveSingly(by_mm, is_rapid ? kRapid_mm_s : feed_mm_s);
   bed.split_mm = to_mm;
 }
 
@@ -259,8 +261,7 @@ Reply Firmware::Parts::ReportEndstops(const Words&) {
                         : is_min                   ? "at min stop"
                                                    : "at max stop");
   }
-  line += fmt::format(" Z probe: {}",
-                      ProbeReads() ? "at min stop" : "not stopped");
+  line += fmt::format(" Z probe: {}", ProbeReads() ? "at min stop" : "not stopped");
   return {.lines = {line}};
 }
 

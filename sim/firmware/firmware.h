@@ -35,6 +35,9 @@ struct FirmwareOptions {
   std::optional<Leadscrews> leadscrews{};
   double probe_recovery_s = 0;  ///< M558 R: at rest before a touch of the bed.
   ProbeInput probe = ProbeInput::kWired;
+  /// Of a bed on screws: the motor, from 0, that stays when it is an axis of its own
+  /// (M584 names a driver for it that is not there).
+  std::optional<int> still_alone{};
 };
 
 /// A controller that understands RepRapFirmware's G-code (3.6.1, CNC mode) and drives a

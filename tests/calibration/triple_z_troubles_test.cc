@@ -3,13 +3,16 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "calibration/kinds/triple_z/missed_touch.h"
 #include "calibration/kinds/triple_z/troubles.h"
 #include "sim/base/rng.h"
 
 namespace caltwin {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using Cause = OffPlane::Cause;
 
 std::vector<BedTouch> Grid(int columns,
@@ -59,7 +62,7 @@ TEST(WhyOffPlane, ChipsUnderTheProbeAreOneTouch) {
     EXPECT_EQ(off->cause, Cause::kOneTouch);
     EXPECT_EQ(off->touch, 5u);
     EXPECT_NEAR(off->size_mm, 0.3, 0.05);
-    EXPECT_THAT(off->words, HasSubstr("something lies on the bed"));
+    EXPECT_THAT(off->words(), HasSubstr("something lies on the bed"));
   }
 }
 
@@ -68,9 +71,9 @@ TEST(WhyOffPlane, AHollowBedIsBent) {
     const auto off = WhyOffPlane(Grid(5, 0.005, seed, Bowl), 0.005);
 
     ASSERT_TRUE(off);
-    EXPECT_EQ(off->cause, Cause::kBent) << off->words;
+    EXPECT_EQ(off->cause, Cause::kBent) << off->words();
     EXPECT_NEAR(off->size_mm, 0.4, 0.03);  // 2e-5 * 2 * 100^2.
-    EXPECT_THAT(off->words, HasSubstr("its middle low"));
+    EXPECT_THAT(off->words(), HasSubstr("its middle low"));
   }
 }
 
@@ -84,8 +87,59 @@ TEST(WhyOffPlane, TouchesThatDoNotRepeatHaveNoShape) {
   EXPECT_GE(scatter, 97);
 }
 
-TEST(WhyOffPlane, FewTouchesTellNoShape) {
-  EXPECT_FALSE(WhyOffPlane(Grid(2, 0.1, 1, Flat), 0.005));
+TEST(WhyOffPlane, FourTouchesAreTooFewToTellWhy) {
+  auto touches = Grid(2, 0, 1, Flat);
+  EXPECT_FALSE(WhyOffPlane(touches, 0.005));
+  touches[3].height_mm += 0.4;
+
+  const auto off = WhyOffPlane(touches, 0.005);
+
+  ASSERT_TRUE(off);
+  EXPECT_EQ(off->cause, Cause::kFew);
+  EXPECT_NEAR(off->size_mm, 0.2, 1e-9);  // +-0.1 at each corner, one degree of freedom.
+}
+
+// A chip 0.3 mm high that the first touch met, in closed form: the plane lies at 1 mm.
+OffPlane Chip(double size_mm) {
+  return {.cause = Cause::kOneTouch,
+          .touch = 2,
+          .size_mm = size_mm,
+          .found = "found",
+          .advice = "advice"};
+}
+
+TEST(WordsOfAgain, WhatStaysIsDebrisAndWhatHangsADent) {
+  const std::vector<double> again_mm = {1.29, 1.30, 1.31};
+  const std::vector<double> dent_mm = {0.69, 0.70, 0.71};
+
+  EXPECT_THAT(WordsOfAgain(Chip(0.3), 1.3, again_mm),
+              HasSubstr("lies 0.300 mm above: debris on the bed, not the probe"));
+  EXPECT_THAT(WordsOfAgain(Chip(-0.3), 0.7, dent_mm),
+              HasSubstr("lies 0.300 mm below: a dent in the bed"));
+}
+
+TEST(WordsOfAgain, WhatIsGoneWasABadTouchNotDebris) {
+  const std::vector<double> again_mm = {1.00, 1.01, 0.99};
+
+  const std::string words = WordsOfAgain(Chip(0.3), 1.3, again_mm);
+
+  EXPECT_THAT(words, HasSubstr("that touch was bad"));
+  EXPECT_THAT(words, Not(HasSubstr("debris")));
+}
+
+TEST(WordsOfAgain, WhatMovedHalfwayIsNotDecided) {
+  const std::vector<double> again_mm = {1.15, 1.15, 1.15};
+
+  EXPECT_EQ(WordsOfAgain(Chip(0.3), 1.3, again_mm), "found: advice");
+}
+
+TEST(WordsOfAgain, APlaceThatRepeatsAcquitsTheProbe) {
+  const OffPlane off{.cause = Cause::kScatter, .size_mm = 0.1, .found = "found"};
+  const std::vector<double> tight_mm = {1.000, 1.004, 0.996, 1.002};
+  const std::vector<double> wide_mm = {1.0, 1.1, 0.9, 1.05};
+
+  EXPECT_THAT(WordsOfAgain(off, 1, tight_mm), HasSubstr("it is the bed"));
+  EXPECT_THAT(WordsOfAgain(off, 1, wide_mm), HasSubstr("it is the probe"));
 }
 
 TEST(WhyNotLevel, ScrewsThatDidAsToldAreNoTrouble) {
@@ -112,9 +166,63 @@ TEST(WhyNotLevel, WhatFitsNothingIsNotNamed) {
   EXPECT_EQ(WhyNotLevel({0.8, 0.1, 1.3}, {0.4, 0.05, 0.65}, 0.002), "");
 }
 
+// Nine tenths of the tilt, and the middle in full: one more round leaves a hundredth.
+TEST(WhyNotLevel, ABedThatFollowsInPartWantsAnotherRound) {
+  const Vec3<double> told(0.9, -0.3, 0.6);  // Mean 0.4.
+  const Vec3<double> moved(0.85, -0.23, 0.58);
+
+  EXPECT_THAT(WhyNotLevel(told, moved, 0.002),
+              AllOf(HasSubstr("tilted by 90 %"), HasSubstr("leaves 1 %")));
+  EXPECT_EQ(WhyNotLevel(told, {0.85, -0.23, 0.2}, 0.002), "");
+}
+
 // z1 and z2 were told the same: who is exchanged cannot show.
 TEST(WhyNotLevel, WhatLooksAlikeIsNotToldApart) {
   EXPECT_EQ(WhyNotLevel({0.5, 0.5, 0}, {0.5, 0.5, 0}, 0.002), "");
+}
+
+constexpr char kTriggered[] =
+    "Error: Probe already triggered before probing move started";
+constexpr char kNotTriggered[] = "Error: Probe was not triggered during probing move";
+
+// A bed of 40 mrad along x: +8 mm at 200, the other corners at 0.
+std::vector<BedTouch> Steep(double slope) {
+  return {{{0, 0}, 0}, {{50, 0}, 50 * slope}, {{50, 50}, 50 * slope}, {{0, 50}, 0}};
+}
+
+TEST(WhyNoHeight, AProbeThatIsMissingIsNeitherStuckNorOpen) {
+  EXPECT_THAT(WhyNoHeight({.reply = kNotTriggered, .clear = ProbeReading::kMissing}),
+              HasSubstr("no probe configured"));
+}
+
+TEST(WhyNoHeight, AStuckProbeIsToldFromABedTooHighByTheLoweredBed) {
+  const auto touches = Steep(0.04);
+  MissedTouch missed{.reply = kTriggered,
+                     .at_mm = {200, 0},
+                     .clear = ProbeReading::kTriggered,
+                     .before = touches};
+
+  EXPECT_THAT(WhyNoHeight(missed), HasSubstr("shorted or its pin inverted"));
+  missed.clear = ProbeReading::kFree;
+  EXPECT_THAT(WhyNoHeight(missed),
+              AllOf(HasSubstr("stands too high at (200, 0)"),
+                    HasSubstr("foretells +8.0 mm"),
+                    Not(HasSubstr("shorted"))));
+}
+
+TEST(WhyNoHeight, ABedTooLowIsToldByThePlaneOfTheOthers) {
+  const auto low = Steep(-0.04), flat = Steep(0.001);
+  MissedTouch missed{.reply = kNotTriggered,
+                     .at_mm = {200, 0},
+                     .clear = ProbeReading::kFree,
+                     .before = low};
+
+  EXPECT_THAT(WhyNoHeight(missed),
+              AllOf(HasSubstr("lies too low"), HasSubstr("foretells -8.0 mm")));
+  missed.before = flat;
+  EXPECT_THAT(WhyNoHeight(missed), HasSubstr("triggered 4 times and then not"));
+  missed.before = {};
+  EXPECT_THAT(WhyNoHeight(missed), HasSubstr("Push the probe by hand"));
 }
 
 }  // namespace

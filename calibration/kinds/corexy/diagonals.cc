@@ -147,7 +147,7 @@ Change StepsChange(Session* session, int drive, const Line& line, bool is_axis) 
                                       is_axis ? "The axis" : "Along its diagonal it",
                                       line.excess * 1e6)},
       .before = before,
-      .error_before = std::abs(line.excess),
+      .error_before = line.excess,
       .found = Found(after, after * line.excess_sd)};
 }
 
@@ -164,7 +164,7 @@ Change GapChange(Session* session, int drive, const Line& line) {
                                           line.gap_mm,
                                           before_mm)},
           .before = before_mm,
-          .error_before = std::abs(line.gap_mm),
+          .error_before = line.gap_mm,
           .found = Found(gap_mm, line.gap_sd_mm)};
 }
 
@@ -212,12 +212,12 @@ Expected<void> VerifyAll(Session* session,
   for (const Change& change : changes) {
     const Line& line = after[static_cast<std::size_t>(Index(change.proposal.axis))];
     const bool is_gap = change.proposal.setting == Setting::kBacklash;
-    const auto kept = session->KeepOrRollBack(
-        change.proposal,
-        change.before,
-        {.error_before = change.error_before,
-         .error_after = std::abs(is_gap ? line.gap_mm : line.excess),
-         .sd = is_gap ? line.gap_sd_mm : line.excess_sd});
+    const auto kept =
+        session->KeepOrRollBack(change.proposal,
+                                change.before,
+                                {.error_before = change.error_before,
+                                 .error_after = is_gap ? line.gap_mm : line.excess,
+                                 .sd = is_gap ? line.gap_sd_mm : line.excess_sd});
     if (!kept) return tl::unexpected(kept.error());
     session->Conclude(
         NameOfChange(session, change), is_gap ? "mm" : "1/mm", change.found, *kept);

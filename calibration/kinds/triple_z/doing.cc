@@ -5,6 +5,8 @@
 #include <fmt/format.h>
 
 #include "calibration/estimate/expanded.h"
+#include "calibration/kinds/triple_z/missed_touch.h"
+#include "calibration/kinds/triple_z/troubles.h"
 #include "sim/base/units.h"
 #include "sim/machine/kinds/triple_z/drawing.h"
 
@@ -46,11 +48,49 @@ std::vector<Eigen::Vector2d> PointsOf(const TripleZPrinter& printer,
   return {bench.drawn_mm.begin(), bench.drawn_mm.end()};
 }
 
+namespace {
+
+// Touches all places; where one fails, says why by what the others read.
+std::optional<std::vector<BedTouch>> TouchAll(
+    TripleZPrinter* printer, const std::vector<Eigen::Vector2d>& places, Doing* doing) {
+  std::vector<BedTouch> touches;
+  for (const Eigen::Vector2d& at_mm : places) {
+    const auto height_mm = printer->Probe(at_mm);
+    if (!height_mm) {
+      doing->Fail(height_mm.error());
+      const std::string why =
+          AskWhyNoHeight(printer, at_mm, touches, height_mm.error());
+      if (!why.empty()) doing->Say(why);
+      return std::nullopt;
+    }
+    touches.push_back({at_mm, *height_mm});
+  }
+  return touches;
+}
+
+// As published the list, whatever the touches show; corrected what they show.
+void SayWhyOffPlane(TripleZPrinter* printer,
+                    const TripleZOptions& o,
+                    const BedPlane& plane,
+                    std::span<const BedTouch> touches,
+                    Doing* doing) {
+  if (!plane.is_told()) return;
+  if (o.is_as_published) {
+    const std::string list = HighResidualAsPublished(plane);
+    if (!list.empty()) doing->Say(list);
+    return;
+  }
+  const auto off = WhyOffPlane(touches, Unsuspected_mm(printer->bench()));
+  if (off) doing->Say(TouchAgain(printer, *off, touches));
+}
+
+}  // namespace
+
 std::optional<BedPlane> ProbePlane(TripleZPrinter* printer,
                                    const TripleZOptions& o,
                                    Doing* doing,
                                    std::vector<BedTouch>* touches) {
-  auto touched = doing->Got(printer->ProbeAll(PointsOf(*printer, o)));
+  auto touched = TouchAll(printer, PointsOf(*printer, o), doing);
   if (!touched) return std::nullopt;
   *touches = *std::move(touched);
   const BedPlane plane = FitBedPlane(
@@ -78,6 +118,7 @@ std::optional<BedPlane> ProbePlane(TripleZPrinter* printer,
       plane.TiltY_deg(),
       plane.Tilt_deg()));
   doing->SayAll(PlaneVerdicts(plane));
+  SayWhyOffPlane(printer, o, plane, *touches, doing);
   return plane;
 }
 
@@ -162,7 +203,7 @@ std::optional<std::vector<RaisedTouches>> TryScrews(TripleZPrinter* printer,
                                                     const TripleZOptions& o,
                                                     Doing* doing) {
   const auto points = ProbeGrid(printer->bench(), 3, 3, o.margin_mm);
-  auto as_found = doing->Got(printer->ProbeAll(points));
+  auto as_found = TouchAll(printer, points, doing);
   if (!as_found) return std::nullopt;
   std::vector<RaisedTouches> stands = {{Vec3<double>::Zero(), *std::move(as_found)}};
   for (int i = 0; i < kNumScrews; ++i) {

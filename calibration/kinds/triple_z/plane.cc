@@ -11,11 +11,6 @@
 #include "sim/machine/kinds/triple_z/drawing.h"
 
 namespace caltwin {
-namespace {
-
-constexpr double kHighResidual_mm = 0.2;  // The published trouble list's.
-
-}  // namespace
 
 double BedPlane::TiltX_deg() const {
   return DegFromRad(std::atan(a()));
@@ -89,12 +84,6 @@ std::vector<std::string> PlaneVerdicts(const BedPlane& plane) {
         "three points fit any plane exactly: a residual of 0 says nothing; four and "
         "more "
         "tell how flat the bed is");
-  }
-  if (plane.fit.rms_mm > kHighResidual_mm) {
-    verdicts.push_back(fmt::format(
-        "residual {:.3f} mm, above 0.2 mm: probe more points (5x5), look for debris on "
-        "the bed, check the probe (probe_accuracy)",
-        plane.fit.rms_mm));
   }
   return verdicts;
 }

@@ -55,7 +55,7 @@ struct LevelReport {
 };
 LevelReport ReportLevel(std::span<const BedTouch> touches, double level_mm);
 
-/// What the published trouble list and the plane's own degrees of freedom say of it.
+/// What the plane's own degrees of freedom say of it.
 std::vector<std::string> PlaneVerdicts(const BedPlane& plane);
 
 }  // namespace caltwin

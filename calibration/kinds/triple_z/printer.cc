@@ -121,6 +121,15 @@ Expected<double> TripleZPrinter::Probe(const Eigen::Vector2d& at_mm) {
                                         line)});
 }
 
+ProbeReading TripleZPrinter::ReadProbeClear() {
+  if (const auto clear = SayAll({"G1 " + Word('Z', bench_.top_mm / 2)}); !clear) {
+    return ProbeReading::kUnknown;
+  }
+  z_mm_.reset();
+  const auto answer = Say(kAskProbe);
+  return answer ? ProbeReadingOf(*answer) : ProbeReading::kUnknown;
+}
+
 Expected<std::vector<BedTouch>> TripleZPrinter::ProbeAll(
     const std::vector<Eigen::Vector2d>& at_mm) {
   std::vector<BedTouch> touches;

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "calibration/loop/probe_reading.h"
 #include "sim/link/link.h"
 #include "sim/machine/kinds/triple_z/drawing.h"
 #include "sim/machine/machine.h"
@@ -43,6 +44,8 @@ class TripleZPrinter {
   /// "Stopped at height 0.123 mm". Homes first where that was not done.
   Expected<double> Probe(const Eigen::Vector2d& at_mm);
   Expected<std::vector<BedTouch>> ProbeAll(const std::vector<Eigen::Vector2d>& at_mm);
+  /// What its probe reads with the bed lowered halfway, out of any touch.
+  ProbeReading ReadProbeClear();
   /// The published move_triple_z: to (x, y), the screws to these heights, 0 .. top
   /// each; homes if that was not done or nobody knows where the screws stand any more,
   /// and waits (M400).

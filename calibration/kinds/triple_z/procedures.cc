@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "calibration/kinds/triple_z/doing.h"
+#include "calibration/kinds/triple_z/troubles.h"
 #include "sim/base/units.h"
 #include "sim/machine/kinds/triple_z/drawing.h"
 
@@ -51,7 +52,28 @@ double Steeper(const BedPlane& after, const BedPlane& before) {
          std::max(std::hypot(before.a(), before.b()), kLevel);
 }
 
-constexpr double kStillTilted = 0.5;  // Of the tilt before: the published trouble list.
+constexpr double kStillTilted = 0.1;  // Of the tilt before: somebody asks why.
+
+// As published the list; corrected what the screws did, where it tells.
+void SayStillTilted(const TripleZPrinter& printer,
+                    const TripleZOptions& o,
+                    const Vec3<double>& raised_mm,
+                    const BedPlane& before,
+                    const BedPlane& after,
+                    Doing* doing) {
+  const std::string why =
+      o.is_as_published ? "" : WhyNotLevel(raised_mm, before, after, printer.bench());
+  if (!why.empty()) {
+    doing->Say("still tilted after the corrections: " + why);
+    return;
+  }
+  constexpr double kPublished = 0.5;
+  if (Steeper(after, before) < kPublished) return;
+  doing->Say(
+      "the bed is still tilted after the corrections: look whether each motor is "
+      "plugged where it belongs and M671 says where its screw stands "
+      "(pivots_and_wiring tells both), and whether every screw moves");
+}
 
 // Raises the screws as the plane asks, and touches again.
 struct Round {
@@ -135,10 +157,7 @@ TripleZResult RunBedTilt(TripleZPrinter* printer, const TripleZOptions& options)
                     round->raise_mm[2],
                     steeper));
     if (steeper > kStillTilted && round->before.mean_mm > options.target_mm) {
-      doing.Say(
-          "the bed is still tilted after the corrections: look whether each motor is "
-          "plugged where it belongs and M671 says where its screw stands "
-          "(pivots_and_wiring tells both), and whether every screw moves");
+      SayStillTilted(*printer, options, round->raise_mm, *plane, round->plane, &doing);
     }
     const bool is_worse = round->after.mean_mm > round->before.mean_mm && steeper > 1;
     if (is_worse && !options.is_as_published) {
@@ -182,6 +201,10 @@ TripleZResult RunRrfLevelling(TripleZPrinter* printer, const TripleZOptions& opt
     if (!again) break;
     const double steeper = Steeper(*again, *plane);
     doing.done().steeper.push_back(steeper);
+    if (steeper > kStillTilted && before.mean_mm > options.target_mm) {
+      SayStillTilted(
+          *printer, options, printer->raised_mm() - before_mm, *plane, *again, &doing);
+    }
     plane = again;
     const LevelReport after = ReportLevel(touches, 0);
     if (steeper > 1 && after.mean_mm > before.mean_mm && !options.is_as_published) {

@@ -161,11 +161,10 @@ Outcome TripleZTwinPlant::Run(const Segment& segment, const Watch& watch) {
   return outcome;
 }
 
-FirmwareOptions FirmwareOnScrews(const Pivots<double>& believed_mm, ProbeInput probe) {
+FirmwareOptions FirmwareOnScrews(const Pivots<double>& believed_mm) {
   constexpr double kRecovery_s = 0.2;  // M558 R.
   return {.leadscrews = Leadscrews{.at_mm = believed_mm},
-          .probe_recovery_s = kRecovery_s,
-          .probe = probe};
+          .probe_recovery_s = kRecovery_s};
 }
 
 double TrueBedHeight_mm(const BuiltTripleZ& built,

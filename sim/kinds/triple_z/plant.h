@@ -64,8 +64,7 @@ class TripleZTwinPlant final : public Plant {
 
 /// What a printer's firmware starts with beside its settings, believing the screws to
 /// stand there.
-FirmwareOptions FirmwareOnScrews(const Pivots<double>& believed_mm,
-                                 ProbeInput probe = ProbeInput::kWired);
+FirmwareOptions FirmwareOnScrews(const Pivots<double>& believed_mm);
 
 /// Where the bed is truly touched over (x, y) with the screws raised so, noise apart:
 /// what the closed forms say.

@@ -1,10 +1,12 @@
-// What BedApi says of what it knows: these routes move nothing.
+// What BedApi says of what it knows and found.
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "calibration/kinds/triple_z/troubles.h"
 #include "sim/machine/kinds/triple_z/drawing.h"
 #include "tools/commands/kinds/bed_api.h"
 #include "tools/commands/kinds/bed_report.h"
@@ -16,6 +18,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr double kWellLevelled_mm = 0.1;  // The published target of a validation.
+constexpr double kLevelEnough_mm = 0.02;  // Between screws: no print shows it.
 
 }  // namespace
 
@@ -64,6 +67,52 @@ HttpResponse BedApi::Status(const HttpRequest& /*request*/) {
   tree["held_by"] = sitter ? Json(sitter->name) : Json();
   tree["doing"] = sitter ? Json(sitter->doing) : Json();
   return JsonResponse(tree);
+}
+
+// In words what the numbers mean, and whether another round helps.
+std::vector<std::string> BedApi::NotesOf(BedFound* kept) const {
+  const BedFound& found = *kept;
+  const double sigma_mm = printer_->bench().sigma_mm;
+  std::vector<std::string> notes = PlaneVerdicts(found.plane);
+  if (const auto off = WhyOffPlane(found.touches, Unsuspected_mm(printer_->bench()))) {
+    notes.push_back(found.is_by_printer ? TouchAgain(printer_, *off, found.touches)
+                                        : off->words());
+  }
+  if (const std::string why = WhyAppliedFailed(found); !why.empty())
+    notes.push_back(why);
+  const double most_mm = found.offsets_mm.maxCoeff();
+  const double noise_mm = std::max(Residual_mm(found), sigma_mm);
+  kept->is_level = most_mm < std::max(2 * noise_mm, kLevelEnough_mm);
+  if (found.is_level) {
+    notes.push_back(
+        fmt::format("the bed is level: over the screws it differs by {:.3f} mm, where "
+                    "the touches scatter by {:.3f} and {:.2f} is good; another round "
+                    "would gain nothing",
+                    most_mm,
+                    noise_mm,
+                    kLevelEnough_mm));
+  } else {
+    notes.push_back(
+        fmt::format("raise the screws by {:.3f}, {:.3f} and {:.3f} mm: the lowest "
+                    "corner comes up to "
+                    "the highest, {:.3f} mm of tilt between the screws go",
+                    found.offsets_mm[0],
+                    found.offsets_mm[1],
+                    found.offsets_mm[2],
+                    most_mm));
+  }
+  return notes;
+}
+
+// The bed over each screw now against where it was when what was applied was worked
+// out.
+std::string BedApi::WhyAppliedFailed(const BedFound& found) const {
+  const BedStore before = store();
+  const bool is_comparable = found.is_by_printer && before.applied_mm.has_value() &&
+                             !before.found.empty() && before.found.back().is_by_printer;
+  if (!is_comparable) return "";
+  return WhyNotLevel(
+      *before.applied_mm, before.found.back().plane, found.plane, printer_->bench());
 }
 
 HttpResponse BedApi::Validate(const HttpRequest& request) {

@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "calibration/kinds/triple_z/missed_touch.h"
 #include "calibration/kinds/triple_z/procedures.h"
-#include "calibration/kinds/triple_z/troubles.h"
 #include "sim/base/input_error.h"
 #include "sim/machine/kinds/triple_z/drawing.h"
 #include "tools/commands/api/utc.h"
@@ -19,20 +19,20 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kMostFound = 4;     // This and the three before.
-constexpr double kMargin_mm = 20;         // Of a grid from the ends of the travel.
-constexpr double kClear_mm = 10;          // Nozzle over the bed where screws move.
-constexpr double kHighest_mm = 1000;      // Of a height that somebody gives.
-constexpr double kLevelEnough_mm = 0.02;  // Between screws: no print shows it.
+constexpr std::size_t kMostFound = 4;  // This and the three before.
+constexpr double kMargin_mm = 20;      // Of a grid from the ends of the travel.
+constexpr double kClear_mm = 10;       // Nozzle over the bed where screws move.
+constexpr double kHighest_mm = 1000;   // Of a height that somebody gives.
 
 // What the machine would not do, in its own words.
-Problem ProblemOf(const MachineFault& fault) {
+Problem ProblemOf(const MachineFault& fault, const std::string& why = "") {
   const bool is_lost = fault.kind == MachineFault::Kind::kLinkLost;
   const bool is_late = fault.kind == MachineFault::Kind::kTimeout;
   const bool has_no_trigger = fault.kind == MachineFault::Kind::kNoTrigger;
   std::string hint;
   if (is_lost) hint = "look at the cable, and whether the controller runs";
-  if (has_no_trigger)
+  if (!why.empty()) hint = why;
+  if (has_no_trigger && why.empty())
     hint = "look at the probe: is it plugged in, does it trigger by hand?";
   const int status = is_late ? 504 : is_lost ? 502 : 409;
   return Problem(status,
@@ -257,7 +257,8 @@ std::vector<BedTouch> BedApi::TouchAll(const std::vector<Eigen::Vector2d>& at_mm
     const auto height_mm = printer_->Probe(place_mm);
     if (!height_mm) {
       events_->Publish("end", JsonLine(Json{{"fault", height_mm.error().reply}}));
-      throw ProblemOf(height_mm.error());
+      throw ProblemOf(height_mm.error(),
+                      AskWhyNoHeight(printer_, place_mm, touches, height_mm.error()));
     }
     touches.push_back({place_mm, *height_mm});
     events_->Publish("touch",
@@ -298,57 +299,6 @@ HttpResponse BedApi::Find(const HttpRequest& request, const Asked& asked) {
   });
   events_->Publish("found", JsonLine(ToJson(found)));
   return JsonResponse(ToJson(found));
-}
-
-// In words what the numbers mean, and whether another round helps.
-std::vector<std::string> BedApi::NotesOf(BedFound* kept) const {
-  const BedFound& found = *kept;
-  const double sigma_mm = printer_->bench().sigma_mm;
-  std::vector<std::string> notes = PlaneVerdicts(found.plane);
-  if (const auto off = WhyOffPlane(found.touches, sigma_mm))
-    notes.push_back(off->words);
-  if (const std::string why = WhyAppliedFailed(found); !why.empty())
-    notes.push_back(why);
-  const double most_mm = found.offsets_mm.maxCoeff();
-  const double noise_mm = std::max(Residual_mm(found), sigma_mm);
-  kept->is_level = most_mm < std::max(2 * noise_mm, kLevelEnough_mm);
-  if (found.is_level) {
-    notes.push_back(
-        fmt::format("the bed is level: over the screws it differs by {:.3f} mm, where "
-                    "the touches scatter by {:.3f} and {:.2f} is good; another round "
-                    "would gain nothing",
-                    most_mm,
-                    noise_mm,
-                    kLevelEnough_mm));
-  } else {
-    notes.push_back(
-        fmt::format("raise the screws by {:.3f}, {:.3f} and {:.3f} mm: the lowest "
-                    "corner comes up to "
-                    "the highest, {:.3f} mm of tilt between the screws go",
-                    found.offsets_mm[0],
-                    found.offsets_mm[1],
-                    found.offsets_mm[2],
-                    most_mm));
-  }
-  return notes;
-}
-
-// The bed over each screw now against where it was when what was applied was worked
-// out.
-std::string BedApi::WhyAppliedFailed(const BedFound& found) const {
-  const BedStore before = store();
-  const bool is_comparable = found.is_by_printer && before.applied_mm.has_value() &&
-                             !before.found.empty() && before.found.back().is_by_printer;
-  if (!is_comparable) return "";
-  Vec3<double> moved_mm;
-  for (int i = 0; i < kNumScrews; ++i) {
-    const auto& at_mm = printer_->bench().drawn_mm[static_cast<std::size_t>(i)];
-    moved_mm[i] = found.plane.At_mm(at_mm) - before.found.back().plane.At_mm(at_mm);
-  }
-  const double noise_mm = std::max({Residual_mm(found),
-                                    Residual_mm(before.found.back()),
-                                    printer_->bench().sigma_mm});
-  return WhyNotLevel(*before.applied_mm, moved_mm, noise_mm);
 }
 
 void BedApi::RequireReachable(const Vec3<double>& raised_mm) const {
