@@ -329,7 +329,8 @@ std::string WhyNotLevel(const Vec3<double>& applied_mm,
   }
   // The next best has to be clearly worse, and what is named has to fit.
   const bool fits = off_mm(*best) < std::max(enough_mm, 0.1 * applied_mm.norm());
-  if (fits && second_mm > 2 * off_mm(*best)) return best->words;
+  const bool is_named = best != &answers.front() && fits;
+  if (is_named && second_mm > 2 * off_mm(*best)) return best->words;
   return WhyInPart(applied_mm, moved_mm, enough_mm);
 }
 

@@ -18,7 +18,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr double kWellLevelled_mm = 0.1;  // The published target of a validation.
-constexpr double kLevelEnough_mm = 0.02;  // Between screws: no print shows it.
 
 }  // namespace
 

@@ -83,6 +83,8 @@ class BedApi {
   void Show(BedStore store);
   BedStore store() const;
 
+  static constexpr double kLevelEnough_mm = 0.02;  ///< Between screws.
+
   TripleZPrinter* printer_;
   Options options_;
   OperatorSeat* seat_;
