@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <string_view>
 
 #include <fmt/format.h>
 
@@ -217,39 +216,38 @@ std::string WhyInconsistent(std::span<const std::vector<double>> faces_mm) {
 }
 
 std::string WhyUnlikelySteps(double ratio) {
-  struct Known {
-    double ratio;
-    std::string_view cause;
-  };
-  constexpr double kInch_mm = 25.4;
-  constexpr std::array kKnown = {
-      Known{kInch_mm, "millimetres and inches are mixed up"},
-      Known{2,
-            "twice: microsteps of the driver set to the half, or a motor of 400 "
-            "steps in place of 200"},
-      Known{4, "four times: microsteps of the driver set to the quarter"},
-      Known{8, "eight times: a lead of 1 mm in place of 8, or microsteps"},
-      Known{5, "five times: a lead of 1 mm in place of 5"},
-      Known{2.5, "5/2: a lead of 2 mm in place of 5"},
-      Known{1.25,
-            "5/4: a lead of 4 mm in place of 5, or a pulley of 16 teeth in place "
-            "of 20"},
-      Known{1.6, "8/5: a lead of 5 mm in place of 8"},
-      Known{10, "ten times: a lead of 1 mm in place of 10, or a decimal point"}};
   constexpr double kWithin = 0.005;
-  for (const Known& known : kKnown) {
-    const bool is_more = std::abs(ratio / known.ratio - 1) < kWithin;
-    const bool is_less = std::abs(ratio * known.ratio - 1) < kWithin;
-    if (!is_more && !is_less) continue;
-    return fmt::format(
-        "{:.4f} of what is set{}, {}: what is set is no calibration that "
-        "drifted but another part or setting. Enter it by hand, then "
-        "calibrate",
-        ratio,
-        is_more ? "" : ", the other way round",
-        known.cause);
+  constexpr double kInch_mm = 25.4;
+  const auto is = [&](double times) {
+    return std::abs(ratio / times - 1) < kWithin ||
+           std::abs(ratio * times - 1) < kWithin;
+  };
+  // What is built, what is entered: steps/mm grow as the built one is smaller.
+  struct Part {
+    int less, more;
+  };
+  constexpr std::array kLeads_mm = {
+      Part{1, 10}, Part{1, 5}, Part{2, 5}, Part{4, 5}, Part{5, 8}, Part{1, 8}};
+  std::string cause;
+  if (is(kInch_mm)) cause = "inches for millimetres make";
+  if (is(2) || is(4)) cause = "a setting of the driver's microsteps makes";
+  for (const Part& lead : kLeads_mm) {
+    if (!is(static_cast<double>(lead.more) / lead.less)) continue;
+    const int built = ratio > 1 ? lead.less : lead.more;
+    const int entered = ratio > 1 ? lead.more : lead.less;
+    cause = fmt::format(
+        "a lead of {} mm where {} is entered (or a pulley of {} teeth for {}) makes",
+        built,
+        entered,
+        4 * built,
+        4 * entered);
   }
-  return "";
+  if (cause.empty()) return "";
+  return fmt::format(
+      "{:.4f} times what is set, as {}: another part or setting, no calibration that "
+      "drifted. Enter it by hand, then calibrate",
+      ratio,
+      cause);
 }
 
 bool IsUnlikely(const UnlikelyPretravel& pretravel, double sd_mm) {

@@ -133,7 +133,9 @@ TEST(WhyInconsistent, FewTouchesTellNothing) {
 }
 
 TEST(WhyUnlikelySteps, NamesRatiosThatPartsMake) {
-  EXPECT_THAT(WhyUnlikelySteps(640.0 / 800), HasSubstr("5/4"));
+  EXPECT_THAT(WhyUnlikelySteps(640.0 / 800),
+              HasSubstr("a lead of 5 mm where 4 is entered"));
+  EXPECT_THAT(WhyUnlikelySteps(1000.0 / 800), HasSubstr("a lead of 4 mm where 5"));
   EXPECT_THAT(WhyUnlikelySteps(1600.0 / 800), HasSubstr("microsteps"));
   EXPECT_THAT(WhyUnlikelySteps(1 / 25.4), HasSubstr("inches"));
   EXPECT_EQ(WhyUnlikelySteps(700.0 / 800), "");

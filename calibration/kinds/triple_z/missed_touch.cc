@@ -58,7 +58,7 @@ std::string WhyNotAtAll(const MissedTouch& missed, const std::string& place) {
         place);
   }
   const auto foretold_mm = Foretold_mm(missed);
-  const bool is_too_low = foretold_mm && *foretold_mm < -kReach_mm;
+  const bool is_too_low = foretold_mm && *foretold_mm < -0.9 * kReach_mm;
   if (is_too_low) {
     return fmt::format(
         "the bed lies too low at {} for the trigger distance: touches end {:g} mm "
