@@ -131,6 +131,23 @@ TEST_F(BedProbingTest, ProbesWithinItsTravelAlone) {
   EXPECT_FALSE(firmware_.Execute("G30 X230 Y20 S-1").error);
 }
 
+// M584 names a driver for it that is not there: alone it stays, with the others it
+// goes.
+TEST(BedProbing, ADriverThatIsNotThereStaysAlone) {
+  const Machine machine = ScrewBedMachine();
+  ScrewBed bed{TiltedBed_mm};
+  Firmware firmware(machine,
+                    machine.settings,
+                    {.leadscrews = Leadscrews{.at_mm = kPivots_mm}, .still_alone = 1},
+                    &bed);
+  for (const char* line :
+       {"G28", "G1 Z10", "M584 Z0 U1 V2 P5", "G92 U10 V10", "G1 U9 V11.5"}) {
+    EXPECT_FALSE(firmware.Execute(line).error) << line;
+  }
+
+  EXPECT_LT((firmware.raised_mm() - Vec3<double>(0, 0, -1.5)).norm(), 1e-9);
+}
+
 // Each screw has a switch of its own: homing takes back what they were raised.
 TEST_F(BedProbingTest, HomingPutsEveryScrewAtItsSwitch) {
   SayAll({"G28", "G1 Z10", "M584 Z0 U1 V2 P5", "G92 U10 V10", "G1 U9 V11.5"});

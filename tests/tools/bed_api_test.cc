@@ -16,6 +16,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 using testing::HasSubstr;
+using testing::Not;
 
 // A printer whose bed leans by 6 and -3 mm/m, and its API.
 class BedApiTest : public testing::Test {
@@ -237,6 +238,53 @@ TEST(BedApiOfSwappedMotors, TheNextMeasurementNamesThem) {
   const Json after = ask("calibrate", Json::object());
 
   EXPECT_THAT(after["notes"].dump(), HasSubstr("z1 and z2 are exchanged"));
+}
+
+// What one printer with this truth answers to a calibration by 3x3 touches.
+Json Calibrated(const TwinOptions& options) {
+  SimulatedPrinter twin(options);
+  TripleZPrinter printer(BenchOf(twin.machine(), &twin.link(), 0));
+  OperatorSeat seat;
+  EventTopic events;
+  BedApi api(&printer, {}, &seat, &events);
+  Routes routes;
+  api.AddTo(&routes);
+  HttpRequest request{.method = "POST",
+                      .path = "/api/calibration/bed-tilt/calibrate",
+                      .headers = {{"content-type", "application/json"}},
+                      .body = "{}"};
+  return Json::parse(AnswerOf(routes.Find(&request), request).body);
+}
+
+// The same sentences as `caltwin run`: the place is touched again.
+TEST(BedApiOfTroubles, DebrisIsToldFromABentBed) {
+  const std::string chip = Calibrated({.machine = CALTWIN_SOURCE_DIR
+                                       "/examples/machines/chip_on_the_bed.yaml",
+                                       .fidelity = "fast"})["notes"]
+                               .dump();
+  const std::string bent =
+      Calibrated(
+          {.machine = "triple_z_printer",
+           .truth = Written("bent.yaml", "effects: {bed_bowl: {height_um: 900}}\n"),
+           .fidelity = "fast"})["notes"]
+          .dump();
+
+  EXPECT_THAT(chip, HasSubstr("debris on the bed, not the probe"));
+  EXPECT_THAT(bent, HasSubstr("the bed is bent by"));
+  EXPECT_THAT(bent, Not(HasSubstr("debris")));
+}
+
+// Tilted both ways, its first corner stands 7 mm up.
+TEST(BedApiOfTroubles, ATouchThatCannotBeginSaysWhy) {
+  const Json said =
+      Calibrated({.machine = "triple_z_printer",
+                  .truth = Written(
+                      "high.yaml",
+                      "effects: {bed_tilt: {slope_x_mrad: -36, slope_y_mrad: -36}}\n"),
+                  .fidelity = "fast"});
+
+  EXPECT_EQ(said["status"], 409);
+  EXPECT_THAT(said["errors"].dump(), HasSubstr("stands too high at (20, 20)"));
 }
 
 class BedApiOnDisk : public BedApiTest {
