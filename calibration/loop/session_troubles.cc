@@ -27,7 +27,9 @@ bool IsAlreadyTriggered(const MachineFault& fault) {
 }  // namespace
 
 void Session::Tell(Trouble trouble, const std::string& why) {
-  if (why.empty() || is_as_published()) Tell(RemedyFor(trouble));
+  if (why.empty() || is_as_published()) {
+    Tell({RemedyFor(trouble), Message::Kind::kToDo});
+  }
   if (!why.empty()) Tell(fmt::format("{}: {}.", TitleOf(trouble), why));
 }
 
