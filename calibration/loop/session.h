@@ -118,6 +118,7 @@ class Session {
   bool is_as_published() const { return variant_ == "as_published"; }
   /// Of a fault in a probe move: looks once more where that tells, and says it.
   void TellWhyProbeFailed(const MachineFault& fault);
+  /// After homing, the same move.
   FailedProbeMove LookAgain(const ProbeMove& move, FailedProbeMove failed);
 
   Bench* bench_;

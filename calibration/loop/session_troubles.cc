@@ -43,8 +43,9 @@ void Session::TellWhyProbeFailed(const MachineFault& fault) {
   FailedProbeMove failed{.end = is_bent      ? End::kBent
                                 : is_refused ? End::kTriggeredBefore
                                              : End::kNothingMet};
-  // Only where the stylus may be bent no more does anything move.
-  if (!is_bent && move) probing_.Raise();
+  // Nothing moves with a bent stylus, nor up under the lip that a move up was to touch.
+  const bool may_raise = !is_bent && move && move->target_mm[2] <= move->from_mm[2];
+  if (may_raise) probing_.Raise();
   if (is_bent || move) failed.after = controller_.ReadProbe();
   if (is_refused && !(move && IsAlreadyTriggered(fault)) &&
       failed.after != ProbeReading::kMissing) {
@@ -53,7 +54,7 @@ void Session::TellWhyProbeFailed(const MachineFault& fault) {
   if (move) {
     failed.ahead = FindContactAhead(
         bench_->artefacts, *move, controller_.settings().tip_radius_mm);
-    failed = LookAgain(*move, failed);
+    if (may_raise) failed = LookAgain(*move, failed);
   }
   const std::string why = WhyProbeFailed(failed);
   if (is_bent && why.empty()) {
@@ -65,12 +66,13 @@ void Session::TellWhyProbeFailed(const MachineFault& fault) {
   Tell(Trouble::kNoTrigger, why);
 }
 
-// The move once more after homing, where it was to meet something and the probe works:
-// what is then met had been out of place.
+// The move once more after homing, where it was to meet something and the probe has
+// proved that it triggers: what is then met had been out of place.
 FailedProbeMove Session::LookAgain(const ProbeMove& move, FailedProbeMove failed) {
   const bool is_worth_it = failed.end == FailedProbeMove::End::kNothingMet &&
                            failed.after == ProbeReading::kFree && failed.ahead &&
-                           failed.ahead->beyond_mm > 0 && !is_as_published();
+                           failed.ahead->beyond_mm > 0 && probing_.touches() > 0 &&
+                           !is_as_published();
   if (!is_worth_it || !probing_.Home()) return failed;
   Vec3<double> over_mm = move.from_mm;
   over_mm[2] = controller_.position_mm()[2];
