@@ -1,15 +1,4 @@
 // An answer that was on its way while the machine went on does not undo what an event has told.
-const benchOf = async (base) => (await fetch(`${base}/api/bench`)).json();
-
-async function until(base, tells, pause_ms = 100) {
-  const end = Date.now() + 8000;
-  while (Date.now() < end) {
-    if (tells(await benchOf(base))) return;
-    await new Promise((done) => setTimeout(done, pause_ms));
-  }
-  throw new Error("the bench does not get there");
-}
-
 const begin = (base, procedure, options) => fetch(`${base}/api/bench/procedures`, {
   method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify({ procedure, options }),
 });
@@ -19,7 +8,7 @@ async function oneAfterTheOther(base, check) {
   let taken = 0;
   for (let i = 0; i < 20; ++i) {
     taken += (await begin(base, "home", {})).status === 202 ? 1 : 0;
-    await until(base, (bench) => bench.state === "idle", 0);
+    await check.until((bench) => bench.state === "idle", 0);
   }
   check(taken === 20, `a job begins as soon as the machine is idle: ${taken} of 20`);
 }
@@ -47,6 +36,6 @@ export async function overtaken(page, base, check) {
   await page.waitForTimeout(500);
   check(await apply.isVisible(), "a late answer does not take the question away");
   await apply.click({ timeout: 3000 });
-  await until(base, (bench) => bench.state === "idle" && bench.settings.backlash_mm.x > 0.05);
+  await check.until((bench) => bench.state === "idle" && bench.settings.backlash_mm.x > 0.05);
   check(true, "the question is answered and the change applied");
 }

@@ -50,6 +50,15 @@ function tools(name, page, server, faults, state) {
     for (const one of violations) console.log(`     ${one.id}: ${one.help}: ${one.nodes[0]?.html}`);
     check(violations.length === 0, `axe finds nothing ${where}`);
   };
+  // Waits here until `tells` holds of the bench: a promise in page.waitForFunction counts as true.
+  check.until = async (tells, pause_ms = 100) => {
+    for (const end = Date.now() + 15000; Date.now() < end;) {
+      const bench = await fetch(`${server.base}/api/bench`).then((answer) => answer.json(), () => null);
+      if (bench && tells(bench)) return bench;
+      await new Promise((done) => setTimeout(done, pause_ms));
+    }
+    throw new Error(`the bench does not get there: ${tells}`);
+  };
   check.killAndRestart = async () => {
     await end(server.child, "SIGKILL");
     Object.assign(server, await serve(state, server.port));
