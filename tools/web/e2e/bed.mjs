@@ -11,8 +11,8 @@ export async function bed(page, base, check) {
   check(await page.getByText("nobody now").isVisible(), "nobody is at the machine at the start");
 
   await page.getByLabel("Rows (along y)").selectOption("4");
-  check(await button("Calibrate (12 touches)").isVisible(), "the grid chosen says how many touches");
-  await button("Calibrate (12 touches)").click();
+  check(await button("Measure (12 touches)").isVisible(), "the grid chosen says how many touches");
+  await button("Measure (12 touches)").click();
   await heading("What was measured").waitFor();
   check(await page.getByText(/The bed is tilted by/).isVisible(), "the verdict comes in words");
   await page.getByText("Table of the 12 touches").click();
@@ -46,22 +46,22 @@ export async function bed(page, base, check) {
   check((await page.getByRole("region", { name: "Measurements, newest first" }).getByRole("row").count()) === 3, "both measurements are in the history");
 
   const points = page.getByLabel(/Test points/);
-  await button("Validate").click();
+  await button("Compare").click();
   await page.getByText(/Within the target/).waitFor();
   await points.fill("50, 50, nine");
-  await button("Validate").click();
+  await button("Compare").click();
   check(await page.getByText(/is not three numbers/).isVisible(), "a broken line is named");
   await points.fill("50, 50, 9");
-  await button("Validate").click();
+  await button("Compare").click();
   await page.getByText(/Beyond the target/).waitFor();
   check(true, "points far off the plane are beyond the target");
 
-  await button("Probe at the three screws").click();
+  await button("Touch only at the three screws").click();
   await heading("How flat: not known").waitFor();
   check(true, "three touches tell no flatness");
   await page.getByText("Write in heights you measured yourself").click();
   await page.getByLabel("Heights: x, y, z").fill("0 0 0\n50 50 0.1\n100 100 0.2");
-  await button("Fit a plane to these").click();
+  await button("Use these heights").click();
   await page.getByRole("alert").filter({ hasText: "span no plane" }).waitFor();
   check(true, "points on one line are refused, and the page says why");
   const wide = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);

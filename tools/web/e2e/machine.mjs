@@ -10,10 +10,14 @@ async function playBack(page, base, check) {
   await page.getByRole("heading", { name: "Machine", level: 1 }).waitFor();
   await page.getByText(/^\d+ scenarios$/).waitFor();
   check(await button("Run it").isDisabled(), "nothing runs before a scenario is chosen");
+  await page.getByRole("button", { name: /^A printer: its three screws/ }).click();
+  check(page.url().endsWith("?scenario=tz_levels_in_one_round"), "there is a scenario to start with");
+  await page.goto(`${base}/machine`);
+  await page.getByText(/^\d+ scenarios$/).waitFor();
   await page.getByLabel("Search").fill("nothing has this word");
   check(await page.getByText("No scenario has these words").isVisible(), "a search without a hit says so");
   await page.getByLabel("Search").fill("bent bed told apart");
-  await page.getByRole("listbox", { name: "Scenario" }).selectOption("tz_bent_bed_is_told_apart");
+  await page.getByRole("listbox", { name: "All scenarios" }).selectOption("tz_bent_bed_is_told_apart");
   await shownAs(page);
   check(page.url().endsWith("?scenario=tz_bent_bed_is_told_apart"), "the address names the scenario");
   await button("Run it").click();
@@ -69,7 +73,7 @@ async function standsStill(page, base, check) {
 }
 
 async function watch(page, base, check) {
-  await page.getByRole("button", { name: "Watch the bench" }).click();
+  await page.getByRole("button", { name: "Watch the machine live" }).click();
   await page.getByText("Nothing is at work, and nothing was.").waitFor();
   await shownAs(page);
   const before = await looks(page);

@@ -61,7 +61,7 @@ export function CameraCard() {
     void go(answered(api.POST("/api/calibration/intrinsics", { body: camera })), "Stored.");
   };
   return (
-    <Card title="Camera">
+    <Card title="Camera (optional)">
       <details onToggle={(event) => event.currentTarget.open && !text && load()}>
         <summary>Numbers of the camera that looks at the bed</summary>
         <p>Only needed by other software that reads them from here; levelling does not use them. They come from a calibration of the camera, as OpenCV does it.</p>

@@ -14,7 +14,7 @@ function wordsOf(past: BedTilt[]): string {
 
 export function History({ past, status }: { past: BedTilt[]; status: BedStatus }) {
   return (
-    <Card title="Compared with the last three">
+    <Card title="Compared with earlier measurements">
       <p>{wordsOf(past)}</p>
       <div className="bed-history">
         <Overlay past={past} status={status} />

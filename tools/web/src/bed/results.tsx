@@ -62,7 +62,7 @@ function Figures({ bed }: { bed: BedTilt }) {
       <dl className="figures bed-figures">
         <Figure name="Along x (+: right high)" value={sides.tilt_x_degrees} sd={sure?.tilt_x_degrees} unit="°" digits={4} />
         <Figure name="Along y (+: back high)" value={sides.tilt_y_degrees} sd={sure?.tilt_y_degrees} unit="°" digits={4} />
-        <Figure name="Tilt in all" value={sides.tilt_degrees} sd={tiltSd(bed)} unit="°" digits={4} />
+        <Figure name="Both together" value={sides.tilt_degrees} sd={tiltSd(bed)} unit="°" digits={4} />
       </dl>
       {sure ? null : <p className="hint">How sure these are is not known: three points leave nothing over to tell it by.</p>}
       <details>
@@ -84,7 +84,7 @@ function Residual({ bed }: { bed: BedTilt }) {
   const known = bed.measured_points > 3;
   return (
     <>
-      <h3>How flat: {known ? `residual ${plain(bed.residual_mm * 1000, 1)} µm` : "not known"}</h3>
+      <h3>How flat: {known ? `${plain(bed.residual_mm * 1000, 1)} µm off a plane` : "not known"}</h3>
       <div className={`notice ${meaning.kind}`}>
         <p>{meaning.text}</p>
         {known ? <p className="hint">The residual is how far the touches lie from the plane, root mean square.</p> : null}

@@ -20,15 +20,15 @@ export function Setup({ bed, status, grid, setGrid }: {
   });
   return (
     <Card title="Measure the bed">
-      <p>The nozzle touches the bed at a grid of points. Nothing else moves: the screws stay until you apply.</p>
+      <p>The nozzle (or the probe beside it) touches the bed at a grid of points. The screws stay as they are: they move only when you choose “Apply” below and say yes.</p>
       <div className="row">
         <Size name="Rows (along y)" value={grid.rows} set={(rows) => setGrid({ ...grid, rows })} />
         <Size name="Columns (along x)" value={grid.columns} set={(columns) => setGrid({ ...grid, columns })} />
         <button type="button" disabled={isBusy} onClick={() => void bed.calibrate(grid)}>
-          Calibrate ({grid.rows * grid.columns} touches)
+          Measure ({grid.rows * grid.columns} touches)
         </button>
         <button type="button" className="quiet" disabled={isBusy} onClick={() => void atScrews()}>
-          Probe at the three screws
+          Touch only at the three screws
         </button>
       </div>
       <p className="hint">Nine touches are good for most beds. Three at the screws are quicker, but cannot tell a tilted bed from a bent one.</p>
@@ -53,7 +53,7 @@ function Size({ name, value, set }: { name: string; value: number; set: (value: 
 function Reference({ grid, setGrid }: { grid: Grid; setGrid: (grid: Grid) => void }) {
   return (
     <details>
-      <summary>Reference height: {grid.reference} mm</summary>
+      <summary>Reference height: {grid.reference} mm (leave it as it is)</summary>
       <label>Reference height, mm
         <input type="number" min={-1000} max={1000} step="any" value={grid.reference}
                onChange={(event) => setGrid({ ...grid, reference: Number(event.target.value) })} />
@@ -112,7 +112,7 @@ function Heights({ bed, grid, isBusy, status }: { bed: Bed; grid: Grid; isBusy: 
           <p>The screws were moved here since the last measurement. Offsets of heights you write in are counted from where the screws stood when the server first saw them. To be sure, choose “Take back” first, then measure.</p>
         </Notice>
       ) : null}
-      <p><button type="button" className="quiet" disabled={isBusy} onClick={send}>Fit a plane to these</button></p>
+      <p><button type="button" className="quiet" disabled={isBusy} onClick={send}>Use these heights</button></p>
     </details>
   );
 }

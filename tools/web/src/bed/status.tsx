@@ -10,8 +10,8 @@ export function StatusLine({ bed, status }: { bed: Bed; status: BedStatus }) {
   return (
     <dl className="figures bed-status">
       <div className="figure"><dt>Printer</dt><dd>{status.machine}</dd></div>
-      <div className="figure"><dt>Bed</dt><dd>{state}</dd></div>
-      <div className="figure"><dt>Moved by</dt><dd>{holder ? `${holder}${status.doing ? `, ${status.doing}` : ""}` : "nobody now"}</dd></div>
+      <div className="figure"><dt>State of the bed</dt><dd>{state}</dd></div>
+      <div className="figure"><dt>Who moves it</dt><dd>{holder ? `${holder}${status.doing ? `, ${status.doing}` : ""}` : "nobody now"}</dd></div>
     </dl>
   );
 }

@@ -38,14 +38,14 @@ export function Validate({ bed, status }: { bed: BedTilt; status: BedStatus }) {
     }
   };
   return (
-    <Card title="Hold your own points against the plane">
+    <Card title="Check with another gauge (optional)">
       <p>Measure the bed in another way, say with a gauge at five places. Write the heights in: how far are they from the plane as it stands now? Good is a mean below {target_mm} mm. At the start the list has the plane's own heights.</p>
       <label className="bed-wide">Test points, one a line: x, y, z in mm
         <textarea rows={6} value={text} aria-invalid={asked && fault !== null}
                   onChange={(event) => { setText(event.target.value); setIsEdited(true); }} />
       </label>
       <div className="row">
-        <button type="button" onClick={() => void send()}>Validate</button>
+        <button type="button" onClick={() => void send()}>Compare</button>
         <button type="button" className="quiet" disabled={!isEdited}
                 onClick={() => { setText(start); setIsEdited(false); setResult(null); }}>Back to the plane's heights</button>
       </div>

@@ -25,14 +25,14 @@ function Changes({ result, name }: { result: Result; name: string }) {
                 <td>{valueOf(step.name, step.before)}</td>
                 <td>{valueOf(step.name, step.after)}</td>
                 <td>{found?.is_known ? valueOf(step.name, found.value, found.sd) : "not known"}</td>
-                <td className="cal-told">{verdicts[step.verdict] ?? step.verdict}. {plain(step.message)}</td>
+                <td className="cal-told">{capital(verdicts[step.verdict] ?? step.verdict)}. {capital(plain(step.message))}</td>
               </tr>
             );
           })}
           {result.estimates.filter((one) => !result.steps.some((step) => step.name === one.name)).map((one) => (
             <tr key={one.name}>
               <th scope="row">{plain(one.name)}</th><td>–</td><td>unchanged</td>
-              <td>{one.is_known ? valueOf(one.name, one.value, one.sd) : "not known"}</td><td>nothing changed</td>
+              <td>{one.is_known ? valueOf(one.name, one.value, one.sd) : "not known"}</td><td>Nothing was changed.</td>
             </tr>
           ))}
         </tbody>

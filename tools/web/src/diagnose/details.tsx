@@ -34,7 +34,7 @@ export function NextSteps({ one }: { one: Diagnosis }) {
 function Rows({ quantities }: { quantities: Quantity[] }) {
   return (
     <Scroll label="Plain settings"><table>
-      <thead><tr><th>Quantity</th><th className="number">Built minus believed</th></tr></thead>
+      <thead><tr><th>Quantity</th><th className="number">Off by (real minus set)</th></tr></thead>
       <tbody>{quantities.map((one) => (
         <tr key={one.name}>
           <td>{baselineWord(one.name)}</td>

@@ -23,7 +23,7 @@ function Sensitivity({ one }: { one: Diagnosis }) {
   if (lines.length === 0) return null;
   return (
     <Card title="How small a fault would have shown">
-      {lines.map((line) => <p key={line}>{nice(line.replace(/^They /, "These readings ").replace("The baseline predicts rows it has not seen", "Plain settings alone predict readings that were kept aside").replace("the baseline takes it up", "the plain settings take it up").replace("noise floor", "scatter of the readings"))}</p>)}
+      {lines.map((line) => <p key={line}>{nice(line.replace(/^They /, "These readings ").replace("The baseline predicts rows it has not seen", "Plain settings alone predict readings that were kept aside").replace("the baseline takes it up", "the plain settings take it up").replace("noise floor", "scatter of the readings").replace(/readings is ([\d.]+) \(/, "readings is $1 µm (").replace("from what the richest model leaves", "from what no pattern explains"))}</p>)}
     </Card>
   );
 }
@@ -46,7 +46,7 @@ export function GainCard({ one }: { one: Diagnosis }) {
       </dl>
       <p className="hint">
         All are root mean square errors{gain.held_out ? ", checked on readings that were kept aside" : ""}. The scatter comes from{" "}
-        {gain.noise_floor_from === "replicates" ? "repeated readings" : "what the richest model leaves"}; no correction gets below it.
+        {gain.noise_floor_from === "replicates" ? "repeated readings" : "what no pattern explains"}; no correction gets below it.
         {gain.explained_fraction !== null ? ` Explained: ${percent(gain.explained_fraction)} of what can be.` : ""}
       </p>
       {left.length > 0 ? (

@@ -19,7 +19,8 @@ function ofScale(fact: Fact): string | null {
   return `${axisWord(fact.axis)} moves ${share} too ${off > 0 ? "far" : "short"}: its steps/mm are off`;
 }
 
-const ofForm = (fact: Fact) => (typeof fact.peak_to_peak_um === "number" ? `The surface is uneven by ${size(fact.peak_to_peak_um)}` : null);
+const ofForm = (fact: Fact) => (typeof fact.peak_to_peak_um === "number"
+  ? `The surface is uneven by ${size(Number(fact.peak_to_peak_um.toPrecision(2)))} from lowest to highest` : null);
 
 const own: Record<string, (fact: Fact) => string | null> = { reversal: ofReversal, scale: ofScale, form: ofForm };
 

@@ -1,6 +1,6 @@
 import { headline } from "./headline";
 import type { Diagnosis, Fact, Finding } from "./types";
-import { causeAndAxis, first, percent } from "./words";
+import { causeAndAxis, first, percent, size } from "./words";
 
 export interface Verdict { kind: "good" | "warn" | "info"; title: string; says: string; more: string[] }
 
@@ -69,8 +69,20 @@ export function verdictOf(one: Diagnosis): Verdict {
   if (one.verdict === "unknown" && findings.length === 0 && answers.length > 0) {
     return { kind: "warn", title: headline(facts) ?? numbersShow, says: answers[0]!, more: answers.slice(1) };
   }
-  const title = named ? `${titles.named}: ${lower(named)}` : titles[one.verdict] ?? "Answer";
+  const title = named ? `${titles.named}: ${lower(named)}` : openTitle(one);
   return { kind: "warn", title, says: all[0] ?? says, more: all.slice(1) };
+}
+
+// Where no cause is sure: between which two it is, or how much is unexplained.
+function openTitle(one: Diagnosis): string {
+  const [only, ...others] = one.findings ?? [];
+  const title = titles[one.verdict] ?? "Answer";
+  if (one.verdict === "ambiguous" && only && others.length === 0) {
+    const [rival] = rivalsOf(only);
+    if (rival) return `${title}: ${lower(causeAndAxis(only))}, or ${lower(causeAndAxis(rival))}`;
+  }
+  const isAxis = only && ["x", "y", "z"].includes(only.axis) && only.peak_um > 0;
+  return one.verdict === "unknown" && isAxis ? `${only.axis.toUpperCase()} is off by up to ${size(Number(only.peak_um.toPrecision(2)))}, and no known cause fits` : title;
 }
 
 const few = /too few/;
@@ -79,6 +91,7 @@ const numbersShow = "What the numbers show";
 function withoutFinding(says: string, facts: Fact[]): Verdict {
   const answers = facts.map((fact) => dot(fact.says));
   if (answers.length > 0) return { kind: "warn", title: headline(facts) ?? "Plain settings are off", says: answers[0]!, more: [...answers.slice(1), says] };
+  if (/^The machine drifted/.test(says)) return { kind: "warn", title: "The readings drift, and nothing measured says why", says, more: [] };
   const scarce = few.test(says);
   return { kind: scarce ? "info" : "good", title: scarce ? "Too few readings to tell" : titles.none!, says, more: [] };
 }

@@ -68,6 +68,8 @@ export function quantityOf(name: string): { name: string; unit: string } {
   return unit ? { name: first(plain(name.slice(0, cut))), unit } : { name: first(plain(name)), unit: "" };
 }
 
+const placeWord = (what: string, along: string) => (along === "turn" ? `How “${what}” is turned` : `Where “${what}” lies in ${axisWord(along)}`);
+
 // Baseline and blind quantities: "scale.x", "bed_plane.slope_x", "placement.bed.z".
 export function baselineWord(name: string): string {
   const [what, ...rest] = name.split(".");
@@ -78,14 +80,15 @@ export function baselineWord(name: string): string {
     case "probe_pretravel": return `Pre-travel of the probe, ${where}`;
     case "squareness": return `Squareness of ${where}`;
     case "bed_plane": return `Tilt of the bed, ${plain(rest.join(" ")).replace("slope", "along").toUpperCase().replace("ALONG", "along")}`;
-    case "placement": return `Place of ${plain(rest.slice(0, -1).join(" "))} in ${axisWord(rest[rest.length - 1] ?? "")}`;
+    case "placement": return placeWord(plain(rest.slice(0, -1).join(" ")), rest[rest.length - 1] ?? "");
     default: return `${causeWord(what ?? name)}${where ? ` (${where})` : ""}`;
   }
 }
 
-// Units and signs as people write them, and no word with an underscore but settings' names.
+// Units and signs as people write them; no codes of errors (EXY), and no word with an
+// underscore but settings' names.
 export const nice = (text: string) =>
-  text.replace(/\b[a-z]+(?:_[a-z]+)+\b/g, (word) => (causes[word] ? plain(word) : word)).replace(/\+-/g, "±").replace(/(\d) um\b/g, "$1 µm").replace(/\bum rms/g, "µm rms").replace(/ \(--[a-z]+\)/g, "");
+  text.replace(/\b[a-z]+(?:_[a-z]+)+\b/g, (word) => (causes[word] ? plain(word) : word)).replace(/\+-/g, "±").replace(/(\d) um\b/g, "$1 µm").replace(/\bum rms/g, "µm rms").replace(/(\d) urad\b/g, "$1 µrad").replace(/ \((?:E[ABCXYZ][XYZ]|[ABC]0[XYZ])\)/g, "").replace(/ \(--[a-z]+\)/g, "");
 
 // A size in the unit that reads best, with three digits.
 export function size(um: number | null | undefined): string {

@@ -31,16 +31,16 @@ const fits = (scenario: Scenario, words: string[]) => {
 
 // For somebody who never saw one: each shows something else.
 const good = [
-  { name: "next_cluster_backlash_corrected", about: "a router: a touch probe finds lost motion" },
-  { name: "tz_levels_in_one_round", about: "a printer: its three screws level a tilted bed" },
-  { name: "delta_joint_recovers", about: "a delta printer: 37 touches find its geometry" },
+  { name: "next_cluster_backlash_corrected", about: "A router: a touch probe finds lost motion" },
+  { name: "tz_levels_in_one_round", about: "A printer: its three screws level a tilted bed" },
+  { name: "delta_joint_recovers", about: "A delta printer: 37 touches find its geometry" },
 ];
 
 function StartHere({ scenarios, onChoose }: { scenarios: Scenario[]; onChoose: (name: string) => void }) {
   const there = good.filter((one) => scenarios.some((scenario) => scenario.name === one.name));
   return (
     <div>
-      <p className="hint">A scenario is a machine with known hidden errors and a procedure that should find them.</p>
+      <p className="hint">A scenario is a machine with known hidden errors and a procedure that should find them. Choose one, run it, and play back what it did.</p>
       <h3>New here? Start with one of these</h3>
       <ul className="mac-start">
         {there.map((one) => <li key={one.name}><button type="button" className="quiet" onClick={() => onChoose(one.name)}>{one.about}</button></li>)}
@@ -66,12 +66,13 @@ export function Choose({ all, chosen, onChoose, isBusy }: {
   const groups = Object.entries(kinds).map(([kind, title]) => ({ title, members: found.filter((one) => one.kinematics === kind) }));
   return (
     <div className="mac-choose">
+      {chosen ? null : <StartHere scenarios={scenarios} onChoose={onChoose} />}
       <label>Search
         <input type="search" value={sought} placeholder="backlash, tilt, delta…" onChange={(event) => setSought(event.target.value)} />
       </label>
       <p className="hint mac-count" role="status">{found.length === scenarios.length ? `${found.length} scenarios` : `${found.length} of ${scenarios.length} scenarios`}</p>
       <div>
-        <label htmlFor="scenario">Scenario</label>
+        <label htmlFor="scenario">All scenarios</label>
         <select id="scenario" size={8} value={chosen?.name ?? ""} disabled={isBusy} onChange={(event) => onChoose(event.target.value)}>
           {chosen && !found.includes(chosen) ? <option value={chosen.name}>{chosen.about}</option> : null}
           {groups.filter((group) => group.members.length > 0).map((group) => (
@@ -85,7 +86,7 @@ export function Choose({ all, chosen, onChoose, isBusy }: {
       {chosen ? (
         <p className="mac-chosen"><strong>{chosen.about}</strong>
           <br /><span className="hint">{chosen.name} on {chosen.machine}</span></p>
-      ) : <StartHere scenarios={scenarios} onChoose={onChoose} />}
+      ) : null}
     </div>
   );
 }

@@ -50,7 +50,7 @@ export function Live() {
   const fault = useFollow(hold.readings, hold.bench?.job?.id ?? null, shape.of, shape.data, world);
   return (
     <div className="mac-grid">
-      <Card title={machine ? `On the bench: ${machine}` : "On the bench"}>
+      <Card title={machine ? `The machine of “Calibrate”: ${machine}` : "The machine of “Calibrate”"}>
         {machine ? <MachineView shape={shape} machine={machine} picture={picturePath(machine)} onWorld={setWorld} /> : null}
         {shape.data ? <p className="hint">The tip goes to the place of each reading as it comes. It is drawn without the machine's errors: those are not known.</p> : null}
       </Card>

@@ -32,6 +32,8 @@ export default function BedPage() {
       {!status && !bed.loading && !hasNoBed ? <p><button type="button" onClick={() => void bed.reload()}>Try again</button></p> : null}
       {status ? (
         <>
+          <p>For a printer whose bed stands on three screws, each with its own motor. Measure; the page lays a plane through the
+            touches and says how far each screw must rise so that the bed is level. You see it before anything moves.</p>
           <StatusLine bed={bed} status={status} />
           {current ? <Answer bed={current} isMeasuring={isMeasuring} /> : null}
           <div className="bed-grid">
@@ -56,7 +58,7 @@ export default function BedPage() {
 function NothingYet() {
   return (
     <Card title="What comes next">
-      <p>This bed was not measured yet. Choose “Calibrate”: the result says how far each of the three screws is to be raised. You see it before anything moves.</p>
+      <p>This bed was not measured yet. Choose “Measure”: the result says how far each of the three screws is to be raised.</p>
     </Card>
   );
 }

@@ -22,7 +22,7 @@ export default function MachinePage() {
       <h1>Machine</h1>
       <div className="mac-modes" role="group" aria-label="What to watch">
         <button type="button" className={isLive ? "quiet" : undefined} aria-pressed={!isLive} onClick={() => setLive(false)}>Play a run back</button>
-        <button type="button" className={isLive ? undefined : "quiet"} aria-pressed={isLive} onClick={() => setLive(true)}>Watch the bench</button>
+        <button type="button" className={isLive ? undefined : "quiet"} aria-pressed={isLive} onClick={() => setLive(true)}>Watch the machine live</button>
       </div>
       {isLive ? <Live /> : <Playback all={all} chosen={chosen} run={run} onChoose={choose} />}
     </>
