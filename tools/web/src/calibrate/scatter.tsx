@@ -27,9 +27,9 @@ export function facesOf(readings: Reading[]): Face[] {
 const faceName = (feature: string) => `${feature.split(".").at(-1) ?? feature} face`;
 const senseName = (sense: number, axis: Axis) => `moving ${sense > 0 ? "+" : "−"}${axis.toUpperCase()}`;
 
-// Three or four round numbers, evenly apart.
+// Two to five round numbers, evenly apart.
 function ticksIn(low: number, high: number): number[] {
-  const rough = (high - low) / 4;
+  const rough = (high - low) / 5;
   const ten = 10 ** Math.floor(Math.log10(rough));
   const step = [1, 2, 5, 10].map((times) => times * ten).find((one) => one >= rough) ?? rough;
   const first = Math.ceil(low / step);
