@@ -12,8 +12,8 @@ namespace caltwin {
 
 /// What a machine looks like, for somebody else's renderer: its name, whether its tip
 /// `moves` and where, `bodies` by name, `geoms` on them (pose in the body's frame),
-/// `rods` between two of them, `meshes`, and `poses` of the bodies as they stand. Lengths in mm; a pose is x, y, z
-/// and a quaternion w, x, y, z.
+/// `rods` between two of them, `meshes`, and `poses` of the bodies as they stand.
+/// Lengths in mm; a pose is x, y, z and a quaternion w, x, y, z.
 nlohmann::ordered_json SceneJson(const Still& still);
 
 /// Where a body stands: x, y, z [mm] and a quaternion w, x, y, z.

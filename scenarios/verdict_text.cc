@@ -95,13 +95,16 @@ RunVerdict VerdictOf(const RunResult& result) {
   const auto [passed, all] = Score(result);
   RunVerdict verdict;
   const bool is_usual = result.outcome == "recovers";
-  verdict.sentence = fmt::format("{}{}: {} of {} expectations met.",
-                                 SaysOf(result.outcome),
-                                 is_usual        ? ""
-                                 : result.passed ? ", as the scenario expects"
-                                                 : ", which was not expected",
-                                 passed,
-                                 all);
+  const bool is_checked = std::ranges::any_of(
+      result.parameters, [](const auto& row) { return row.passed.has_value(); });
+  verdict.sentence = fmt::format(
+      "{}{}: {} of {} expectations met.",
+      is_usual && !is_checked ? "The run ended well" : SaysOf(result.outcome),
+      is_usual        ? ""
+      : result.passed ? ", as the scenario expects"
+                      : ", which was not expected",
+      passed,
+      all);
   if (const std::string miss = FirstMiss(result); !miss.empty()) {
     verdict.remarks.push_back(miss);
   }

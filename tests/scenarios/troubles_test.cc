@@ -38,7 +38,7 @@ std::map<std::string, TroubleRun> RunTroubles() {
     TroubleRun& run = runs[name];
     run.expected = scenario.expect.messages;
     run.passed = result.passed;
-    run.said = result.messages;
+    for (const Message& message : result.messages) run.said.push_back(message.text);
   }
   return runs;
 }
