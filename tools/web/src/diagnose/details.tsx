@@ -9,9 +9,16 @@ const campaigns: Record<string, string> = {
   ballbar: "circles in both senses with a ball-bar",
 };
 
+// "scale.x" is told where a fact has the figure, if only from one place and its zero.
+function isTold(one: Diagnosis, what: string): boolean {
+  const [quantity = "", axis] = what.split(".");
+  const fact = { scale: "scale", backlash: "reversal" }[quantity];
+  return (one.facts ?? []).some((each) => each.fact === fact && each.axis === axis);
+}
+
 export function NextSteps({ one }: { one: Diagnosis }) {
   const next = one.next_measurement ?? [];
-  const unknown = one.not_determined ?? [];
+  const unknown = (one.not_determined ?? []).filter((part) => !isTold(one, part.what));
   const plan = one.next_campaign;
   if (next.length === 0 && unknown.length === 0 && !plan) return null;
   return (
@@ -38,7 +45,7 @@ function Rows({ quantities }: { quantities: Quantity[] }) {
       <tbody>{quantities.map((one) => (
         <tr key={one.name}>
           <td>{baselineWord(one.name)}</td>
-          <td className="number">{one.determined ? withSd(one.value, one.sd, one.unit) : "not known"}</td>
+          <td className="number">{one.determined ? withSd(one.value, one.sd, one.unit, one.unit === "ppm" ? 0 : 3) : "not known"}</td>
         </tr>))}
       </tbody>
     </table></Scroll>
@@ -47,7 +54,7 @@ function Rows({ quantities }: { quantities: Quantity[] }) {
 
 // A figure may be told by itself where it cannot be told from all others at once.
 function NoneKnown({ one }: { one: Diagnosis }) {
-  const told = (one.facts ?? []).filter((fact) => ["reversal", "scale", "plane", "squareness"].includes(fact.fact) && fact.sigmas !== null);
+  const told = (one.facts ?? []).filter((fact) => ["reversal", "scale", "plane", "squareness"].includes(fact.fact));
   if (told.length === 0) return <p>These readings determine none of them.</p>;
   return (
     <>
@@ -65,6 +72,7 @@ export function Baseline({ one }: { one: Diagnosis }) {
   return (
     <Card title="Plain settings, as measured">
       <p className="hint">These are always fitted first: scale, backlash, where things lie. ± is one standard deviation.</p>
+      {known.some((part) => part.sd === null) ? <p className="hint">Without “±”: how sure the number is, is not known.</p> : null}
       {known.length > 0 ? <Rows quantities={known} /> : <NoneKnown one={one} />}
       {blind.length > 0 ? <details><summary>Not known from these readings ({blind.length})</summary><Rows quantities={blind} /></details> : null}
     </Card>

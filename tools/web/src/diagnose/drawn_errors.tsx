@@ -59,7 +59,7 @@ function Legend({ fitted, one, machine }: { fitted: Fitted; one: Diagnosis; mach
     <>
       <p>
         Each arrow stands at a measured place. It shows {isTouch ? "where the surface seems to be off" : "how far the machine is off there"}
-        {one.show?.places_of === "findings" ? " because of what was found. Plain settings (steps/mm, backlash, where things lie) are left out" : " because of plain settings: steps/mm, backlash, tilt"}.
+        {one.show?.places_of === "findings" ? " because of what was found. Plain settings (steps/mm, backlash, where things lie) are left out" : " because of plain settings (steps/mm, backlash, tilt), counted from the mean of all places"}.
         {fitted.bends ? " The green line joins the ends of the arrows: without errors it would lie on the grey one." : ""}
       </p>
       <ul className="error-legend">

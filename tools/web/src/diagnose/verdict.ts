@@ -63,7 +63,7 @@ export function verdictOf(one: Diagnosis): Verdict {
   const own = (fact: Fact) => (ownFact[fact.fact] ?? []).some((cause) => causes.has(cause));
   const facts = [...stated].sort((a, b) => Number(own(b)) - Number(own(a))).filter((fact) => !same(says, fact.says));
   const answers = facts.map((fact) => dot(fact.says));
-  if (one.verdict === "none") return withoutFinding(says, facts);
+  if (one.verdict === "none") return withoutFinding(says, facts, one.facts ?? []);
   const all = [...findings, ...answers];
   const named = one.verdict === "named" ? (one.findings ?? []).map(causeAndAxis).join("; ") : "";
   if (one.verdict === "unknown" && findings.length === 0 && answers.length > 0) {
@@ -88,11 +88,13 @@ function openTitle(one: Diagnosis): string {
 const few = /too few/;
 const numbersShow = "What the numbers show";
 
-function withoutFinding(says: string, facts: Fact[]): Verdict {
+function withoutFinding(says: string, facts: Fact[], all: Fact[]): Verdict {
   const answers = facts.map((fact) => dot(fact.says));
   if (answers.length > 0) return { kind: "warn", title: headline(facts) ?? "Plain settings are off", says: answers[0]!, more: [...answers.slice(1), says] };
   if (/^The machine drifted/.test(says)) return { kind: "warn", title: "The readings drift, and nothing measured says why", says, more: [] };
   const scarce = few.test(says);
+  const [unsure] = all.filter((fact) => ["scale", "reversal"].includes(fact.fact) && fact.sigmas === null);
+  if (scarce && unsure) return { kind: "info", title: "Too few readings to be sure", says: dot(unsure.says), more: ["These readings are too few to tell more."] };
   return { kind: scarce ? "info" : "good", title: scarce ? "Too few readings to tell" : titles.none!, says, more: [] };
 }
 
