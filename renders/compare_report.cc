@@ -50,7 +50,7 @@ std::string VerdictSentence(const std::vector<Contender>& contenders) {
 
 // One contender a row: the median with its interval, and a tick where 95 of 100 end.
 std::string Drawing(const std::vector<Contender>& contenders) {
-  constexpr double kWide = 760, kNames = 210, kRow = 26, kFoot = 40, kRight = 90;
+  constexpr double kWide = 760, kNames = 210, kRow = 26, kFoot = 40, kRight = 112;
   double low = INFINITY, high = 0;
   for (const Contender& one : contenders) {
     if (!HasFigure(one)) continue;
@@ -100,11 +100,7 @@ std::string Drawing(const std::vector<Contender>& contenders) {
     svg += SvgText(kWide - kRight + 8, y + 4, failed, "start", Ink::kDim, 11);
     y += kRow;
   }
-  return FigureHtml(
-      "What each procedure leaves",
-      "dot: the median over the machines, with its 95 % interval; tick: 95 "
-      "of 100 machines end below it. Logarithmic.",
-      svg + "</svg>\n");
+  return svg + "</svg>\n";
 }
 
 std::string About(const std::vector<Contender>& contenders) {

@@ -39,6 +39,7 @@ inline Message MachineSaid(const std::string& reply) {
 
 /// As JSON its text alone.
 template <typename Json>
+// NOLINTNEXTLINE(readability-identifier-naming): the JSON library looks for this name.
 void to_json(Json& json, const Message& message) {
   json = message.text;
 }

@@ -34,6 +34,16 @@ TEST(CompareReport, NamesWhoFailsLeastAndThenLeavesLeast) {
               AllOf(HasSubstr("5 of 50 failed"), Not(HasSubstr("<script"))));
 }
 
+// A drawing is a file of its own too.
+TEST(CompareReport, ItsDrawingIsADrawingAlone) {
+  const Document document =
+      CompareDocument({Of("steady", 0, 8, 18)}, {.kind = "levelling"});
+
+  ASSERT_EQ(document.drawings.size(), 1);
+  EXPECT_TRUE(document.drawings[0].svg.starts_with("<svg "));
+  EXPECT_TRUE(document.drawings[0].svg.ends_with("</svg>\n"));
+}
+
 TEST(CompareReport, NobodyWinsWhereNobodyTellsAValue) {
   const Document document =
       CompareDocument({Of("blind", 50, 0, 0)}, {.kind = "backlash"});
