@@ -67,7 +67,9 @@ std::string Drawing(const std::vector<Contender>& contenders) {
   };
   const double bottom = kRow * static_cast<double>(contenders.size()) + 4;
   std::string svg = SvgOpen(kWide, bottom + kFoot, "what each procedure leaves");
-  for (double tick = low; tick <= high * 1.001; tick *= 10) {
+  const auto decades = std::lround(std::log10(high / low));
+  for (long decade = 0; decade <= decades; ++decade) {
+    const double tick = low * std::pow(10, static_cast<double>(decade));
     svg += fmt::format(
         "<path d=\"M{:.1f} 2V{:.1f}\" {}/>\n", x(tick), bottom, StrokeOf(Ink::kGrid));
     svg += SvgText(x(tick), bottom + 15, Um(tick), "middle", Ink::kDim, 11);

@@ -115,8 +115,8 @@ void TripleZScenario::ReadKeys(YamlMap* map, Scenario* scenario) {
   }
   if (const auto value = map->Optional("instruments")) {
     YamlMap by_name = value->Map();
-    if (const auto probe = by_name.Optional("probe")) {
-      YamlMap keys = probe->Map();
+    if (const auto instrument = by_name.Optional("probe")) {
+      YamlMap keys = instrument->Map();
       probe_sigma_mm = MmFromUm(keys.NumberOr("sigma_um", 0, {0, 1000}));
       keys.NoMoreKeys();
     }
