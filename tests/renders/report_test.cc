@@ -86,6 +86,7 @@ TEST(Report, GroupsMessagesByWhatTheyAreFor) {
   const auto found = html.find("<h3>What was found</h3>\n<ul>\n<li>the gap");
   const auto to_do = html.find("<h3>What to do</h3>\n<ul>\n<li>tighten it");
   const auto check = html.find("<summary>What was verified (1)</summary>");
+  EXPECT_THAT(html, HasSubstr("<h3>What the machine said</h3>\n<ul>\n<li>ok</li>"));
   EXPECT_LT(found, to_do);
   EXPECT_LT(to_do, check);
   EXPECT_NE(check, std::string::npos);
