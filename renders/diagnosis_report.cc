@@ -267,20 +267,6 @@ Tone ToneOf(DiagnosisSummary::Answer answer) {
   return Tone::kPlain;
 }
 
-std::string WordOf(DiagnosisVerdict verdict) {
-  switch (verdict) {
-    case DiagnosisVerdict::kNone:
-      return "none";
-    case DiagnosisVerdict::kNamed:
-      return "named";
-    case DiagnosisVerdict::kAmbiguous:
-      return "ambiguous";
-    case DiagnosisVerdict::kUnknownStructure:
-      return "unknown";
-  }
-  return "";
-}
-
 Document DocumentOf(const Diagnosis& diagnosis,
                     const PicturesData& data,
                     const DiagnosisReportNotes& notes) {
@@ -292,7 +278,7 @@ Document DocumentOf(const Diagnosis& diagnosis,
       .about = "",
       .tone = ToneOf(summary.answer),
       .verdict = summary.sentence,
-      .tiles = {{"verdict on causes", WordOf(diagnosis.verdict)},
+      .tiles = {{"verdict on causes", ToString(diagnosis.verdict)},
                 {"rms before, rows left out", LengthText(gain.blocks.before_mm)},
                 {"rms after, rows left out", LengthText(gain.blocks.after_mm)},
                 {"noise floor", LengthText(gain.noise_floor_mm)},

@@ -31,15 +31,21 @@ void AddOnce(const std::string& text, std::vector<std::string>* all) {
   all->push_back(sentence);
 }
 
+std::string Likely(double probability) {
+  constexpr double kLeast = 0.01, kMost = 0.99;
+  if (probability < kLeast) return "under 1 %";
+  if (probability > kMost) return "over 99 %";
+  return fmt::format("{:.0f} %", PercentFromFraction(probability));
+}
+
 // "Backlash of X (62 %) or wind-up of the X drive (30 %)".
 std::string Candidates(const Finding& finding) {
   constexpr double kWorthANumber = 0.05;
   std::vector<std::string> names;
   for (const FindingCandidate& one : finding.candidates) {
     if (!names.empty() && !one.structural && one.probability < kWorthANumber) continue;
-    names.push_back(fmt::format("{} ({:.0f} %)",
-                                NameInWords(one.cause, one.axis),
-                                PercentFromFraction(one.probability)));
+    names.push_back(fmt::format(
+        "{} ({})", NameInWords(one.cause, one.axis), Likely(one.probability)));
   }
   return fmt::format("{}", fmt::join(names, " or "));
 }

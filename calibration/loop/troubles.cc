@@ -79,6 +79,11 @@ Spread SpreadOf(std::span<const std::vector<double>> faces_mm) {
 constexpr double kExplains = 9;  // Of the squares: what is left is a third as wide.
 constexpr int kFewestLeft = 6;   // Degrees of freedom, else chance does it.
 
+// Whether what one figure leaves of the squares is little, and enough touches are left.
+bool Explains(double left_mm2, const Spread& spread) {
+  return spread.dof - 1 >= kFewestLeft && left_mm2 * kExplains <= spread.squares_mm2;
+}
+
 // The step between two touches of one face that leaves the least.
 std::string TwoLevels(std::span<const std::vector<double>> faces_mm,
                       const Spread& spread) {
@@ -97,9 +102,7 @@ std::string TwoLevels(std::span<const std::vector<double>> faces_mm,
       after = i;
     }
   }
-  if (spread.dof - 1 < kFewestLeft || least_mm2 * kExplains > spread.squares_mm2) {
-    return "";
-  }
+  if (!Explains(least_mm2, spread)) return "";
   return fmt::format(
       "two levels, {:.3f} mm apart: from touch {} on all lie there, and each level "
       "scatters by {:.1f} um only. Something moved once in between: the block was "
@@ -127,9 +130,7 @@ std::string OneBadTouch(std::span<const std::vector<double>> faces_mm,
       worst = i;
     }
   }
-  if (spread.dof - 1 < kFewestLeft || least_mm2 * kExplains > spread.squares_mm2) {
-    return "";
-  }
+  if (!Explains(least_mm2, spread)) return "";
   return fmt::format(
       "one touch, the {}. of its face, lies {:+.3f} mm off all others, which scatter "
       "by "

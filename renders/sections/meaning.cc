@@ -14,19 +14,18 @@
 namespace caltwin {
 namespace {
 
-constexpr std::string_view kMachineSaid = "the machine said: ";
-
 std::string Group(std::string_view title, const std::string& html) {
   return html.empty() ? "" : fmt::format("<h3>{}</h3>\n{}", title, html);
 }
 
 std::vector<std::string> Messages(const RunResult& result, Message::Kind kind) {
+  // The heading says whose words they are.
+  const std::string whose = MachineSaid("").text;
   std::vector<std::string> texts;
   for (const Message& message : result.messages) {
     if (message.kind != kind) continue;
-    // The heading says whose words they are.
-    const bool is_said = message.text.starts_with(kMachineSaid);
-    texts.push_back(is_said ? message.text.substr(kMachineSaid.size()) : message.text);
+    const bool is_said = message.text.starts_with(whose);
+    texts.push_back(is_said ? message.text.substr(whose.size()) : message.text);
   }
   return texts;
 }

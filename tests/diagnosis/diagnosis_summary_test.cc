@@ -71,8 +71,8 @@ TEST(DiagnosisSummary, SeveralPossibleCausesAreNamedWithTheirProbabilities) {
        .axis = "x",
        .probability = 0.62,
        .candidates = {{.cause = "cyclic_lead", .axis = "x", .probability = 0.62},
-                      {.cause = "microstep", .axis = "x", .probability = 0.37},
-                      {.cause = "pitch_map", .axis = "x", .probability = 0.01}}}};
+                      {.cause = "microstep", .axis = "x", .probability = 0.375},
+                      {.cause = "pitch_map", .axis = "x", .probability = 0.005}}}};
 
   const DiagnosisSummary summary = SummaryOf(diagnosis, {});
 
@@ -80,8 +80,11 @@ TEST(DiagnosisSummary, SeveralPossibleCausesAreNamedWithTheirProbabilities) {
   EXPECT_THAT(summary.sentence,
               testing::AllOf(HasSubstr("More than one cause is possible: "),
                              HasSubstr("(62 %) or "),
-                             HasSubstr("(37 %)"),
+                             HasSubstr("(38 %)"),
                              testing::Not(HasSubstr("(1 %)"))));
+  // A rival that could imitate it is named, however improbable.
+  diagnosis.findings[0].candidates[2].structural = true;
+  EXPECT_THAT(SummaryOf(diagnosis, {}).sentence, HasSubstr("(under 1 %)"));
   const auto json = SummaryJson(summary);
   EXPECT_EQ(json["answer"], "cause");
   EXPECT_EQ(json["sentence"], summary.sentence);
