@@ -1,11 +1,12 @@
-# caltwin_layer(NAME DIR folder [ONCE] USES layers NEEDS libraries)
+# caltwin_layer(NAME DIR folder [ONCE] [READER] USES layers NEEDS libraries)
 #
 # One layer is one library of all sources in its folder (a folder that is itself a layer
 # excepted), and USES is the whole of what it may include: the layers below it. A layer
 # that reaches upwards fails to link, or fails layers_test where the leak is header-only.
 # ONCE: what reads, writes and directs runs once a run; at -O3 it costs seconds a file.
+# READER: reads what comes from outside, and is fuzzed (tests/fuzz).
 function(caltwin_layer name)
-  cmake_parse_arguments(ARG "ONCE" "DIR" "USES;NEEDS" ${ARGN})
+  cmake_parse_arguments(ARG "ONCE;READER" "DIR" "USES;NEEDS" ${ARGN})
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/${ARG_DIR}/*.cc")
   list(FILTER sources EXCLUDE REGEX "_main\\.cc$")
   foreach(inner sim/effects/acts calibration/diagnosis calibration/facts)
@@ -20,7 +21,13 @@ function(caltwin_layer name)
     target_compile_options(caltwin_${name} PRIVATE ${caltwin_warnings})
     target_compile_definitions(caltwin_${name} PRIVATE
       CALTWIN_SOURCE_DIR="${PROJECT_SOURCE_DIR}" CALTWIN_VERSION="${PROJECT_VERSION}")
-    if(ARG_ONCE)
+    if(ARG_READER)
+      target_compile_options(caltwin_${name} PRIVATE ${caltwin_coverage})
+    endif()
+    if(ARG_READER AND caltwin_optimise_readers)
+      target_compile_options(caltwin_${name} PRIVATE ${caltwin_optimise_readers})
+      caltwin_precompile(caltwin_${name} readers)
+    elseif(ARG_ONCE)
       target_compile_options(caltwin_${name} PRIVATE ${caltwin_optimise_once})
       caltwin_precompile(caltwin_${name} once)
     else()

@@ -30,7 +30,7 @@ set(caltwin_precompiled_own
 list(TRANSFORM caltwin_precompiled_own PREPEND "${PROJECT_SOURCE_DIR}/")
 
 # caltwin_precompile(TARGET KIND): reuses the headers of its kind, which is `layers`,
-# `once` (layers that are compiled with -O1) or `tests`.
+# `once` (layers that are compiled with -O1), `readers` (those that are fuzzed) or `tests`.
 function(caltwin_precompile target kind)
   if(NOT CALTWIN_PCH)
     return()
@@ -46,6 +46,7 @@ function(caltwin_precompile target kind)
     target_compile_options(${owner} PRIVATE ${caltwin_warnings}
       $<$<STREQUAL:${kind},once>:${caltwin_optimise_once}>
       $<$<STREQUAL:${kind},tests>:${caltwin_optimise_tests}>
+      $<$<STREQUAL:${kind},readers>:${caltwin_optimise_readers}>
       # ccache: what it kept is older than the headers.
       "$<$<CXX_COMPILER_ID:Clang>:SHELL:-Xclang -fno-pch-timestamp>")
     target_precompile_headers(${owner} PRIVATE ${caltwin_precompiled_libraries}

@@ -1,6 +1,6 @@
 #include "renders/assets.h"
 
-#include <cstddef>
+#include <cstdint>
 
 // The assembler copies each file into the read-only data between two symbols. (C++23
 // has #embed for this; a string literal would be too long for some compilers.)
@@ -21,7 +21,11 @@ namespace caltwin {
 namespace {
 
 std::string_view PartBetween(const char* begin, const char* end) {
-  return {begin, static_cast<std::size_t>(end - begin)};
+  // Two symbols are two objects to the language: their addresses are subtracted, not
+  // they.
+  return {
+      begin,
+      reinterpret_cast<std::uintptr_t>(end) - reinterpret_cast<std::uintptr_t>(begin)};
 }
 
 }  // namespace

@@ -24,9 +24,7 @@ web() { # Ten thousand requests of noise; the server against its document, longe
 sanitizers() { # What CI leaves out of its sanitizer run: a quarter of an hour.
   local program only code=0
   only=$(grep -v '^#' tests/long_unoptimised.txt | paste -sd ':')
-  ./tools/build.sh build-asan -DCMAKE_CXX_COMPILER=clang++-16 \
-    -DCALTWIN_SANITIZE=address,undefined -DCMAKE_BUILD_TYPE=None \
-    -DCMAKE_CXX_FLAGS=-O0 -- unit_tests || return 1
+  ./tools/sanitized.sh unit_tests || return 1
   for program in build-asan/tests/*_unit_tests build-asan/tests/blind/*_unit_tests; do
     "$program" --gtest_brief=1 --gtest_filter="$only" || code=1
   done

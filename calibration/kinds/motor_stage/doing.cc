@@ -90,7 +90,8 @@ void MotorDoing::TryAgainAt(double speed_unit_s) {
 }
 
 void MotorDoing::GiveUp() {
-  const MotorCondition condition = *std::exchange(condition_, std::nullopt);
+  const MotorCondition condition = std::move(condition_).value();
+  condition_.reset();
   std::string words = condition.words;
   if (!condition.remedy.empty()) words += ": " + condition.remedy;
   Alert(condition.axis, words);
