@@ -123,8 +123,14 @@ std::string CausePage(const Diagnosis& diagnosis,
 
 std::string FlaggedTable(const PicturesData& data) {
   if (data.flagged.empty()) return "";
+  // What was left out first; a table of a thousand remarks is read by nobody.
+  constexpr std::size_t kMostShown = 50;
+  std::vector<FlaggedRow> shown = data.flagged;
+  std::ranges::stable_partition(shown, &FlaggedRow::is_out);
+  const std::size_t more = shown.size() - std::min(shown.size(), kMostShown);
+  shown.resize(shown.size() - more);
   std::string html;
-  for (const FlaggedRow& row : data.flagged) {
+  for (const FlaggedRow& row : shown) {
     std::string at;
     for (const double mm : row.cmd_mm) {
       at += (at.empty() ? "" : ", ") + NumberText(mm, 0.01);
@@ -142,9 +148,12 @@ std::string FlaggedTable(const PicturesData& data) {
         row.is_out ? "yes" : "no",
         Escaped(row.flag));
   }
+  const std::string rest =
+      more == 0 ? "" : fmt::format(" {} more are in the JSON.", more);
   return TableHtml(
       "Rows beyond 4.2 sigma of everything that fits were left out of every fit; rows "
-      "that somebody marked were not.",
+      "that somebody marked were not." +
+          rest,
       {"row",
        "campaign",
        "commanded x, y, z [mm]",

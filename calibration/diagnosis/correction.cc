@@ -22,6 +22,25 @@
 namespace caltwin {
 namespace {
 
+// The drive that the axis' letter stands for in settings.
+std::string DriveOf(Axis axis, const Observed& observed) {
+  return DriveName(observed.machine().kind->drive_map(), Index(axis));
+}
+
+// Of the drive alone, or of several alike ("scale.ab").
+const BaselineLine* ScaleOf(Axis axis,
+                            const Diagnosis& diagnosis,
+                            const Observed& observed) {
+  for (const BaselineLine& line : diagnosis.baseline) {
+    const std::string_view name(line.name);
+    if (!name.starts_with("scale.")) continue;
+    if (name.substr(name.find('.')).find(DriveOf(axis, observed)) != name.npos) {
+      return &line;
+    }
+  }
+  return nullptr;
+}
+
 class Writer {
  public:
   Writer(ControllerKind controller,
@@ -46,26 +65,15 @@ class Writer {
   }
 
  private:
-  // The drive that the axis' letter stands for in settings.
-  std::string Drive(Axis axis) const {
-    return DriveName(observed_.machine().kind->drive_map(), Index(axis));
-  }
-  // Of the drive alone, or of several alike ("scale.ab").
-  const BaselineLine* ScaleOf(Axis axis) const {
-    for (const BaselineLine& line : diagnosis_.baseline) {
-      const std::string_view name(line.name);
-      if (!name.starts_with("scale.")) continue;
-      if (name.substr(name.find('.')).find(Drive(axis)) != name.npos) return &line;
-    }
-    return nullptr;
-  }
   // What a belt of another pitch adds to what all do alike.
-  const Finding* PitchOf(Axis axis) const { return Found("belt_pitch", Drive(axis)); }
+  const Finding* PitchOf(Axis axis) const {
+    return Found("belt_pitch", DriveOf(axis, observed_));
+  }
 
   void AddAxis(Axis axis) {
     const bool has_table = controller_ == ControllerKind::kLinuxCnc && HasShape(axis);
-    const BaselineLine* scale = ScaleOf(axis);
-    const BaselineLine* gap = out_.Fitted("backlash." + Drive(axis));
+    const BaselineLine* scale = ScaleOf(axis, diagnosis_, observed_);
+    const BaselineLine* gap = out_.Fitted("backlash." + DriveOf(axis, observed_));
     if (controller_ == ControllerKind::kLinuxCnc && (scale || gap || has_table)) {
       out_.Add(fmt::format("[JOINT_{}]\n", Index(axis)));
     }
@@ -271,6 +279,22 @@ class Writer {
 };
 
 }  // namespace
+
+std::vector<Axis> AxesOfNewSteps(const Diagnosis& diagnosis, const Observed& observed) {
+  std::vector<Axis> axes;
+  for (const Axis axis : kAxes) {
+    const BaselineLine* scale = ScaleOf(axis, diagnosis, observed);
+    const bool has_pitch =
+        std::ranges::any_of(diagnosis.findings, [&](const Finding& finding) {
+          return finding.cause == "belt_pitch" &&
+                 finding.axis == DriveOf(axis, observed);
+        });
+    if (scale != nullptr && (has_pitch || CorrectionText::IsTold(*scale))) {
+      axes.push_back(axis);
+    }
+  }
+  return axes;
+}
 
 std::vector<CorrectionFile> CorrectionOfAxes(ControllerKind controller,
                                              const Diagnosis& diagnosis,

@@ -33,7 +33,11 @@ std::vector<CorrectionFile> CorrectionOfAxes(ControllerKind controller,
                                              const Observed& observed,
                                              const std::string& name);
 
-/// The same of any kind of machine: what its own numbers can do (kinds/).
+/// Axes of a gantry whose steps/mm its correction sets: those that these rows show to
+/// be off.
+std::vector<Axis> AxesOfNewSteps(const Diagnosis& diagnosis, const Observed& observed);
+
+/// The correction of any kind of machine: what its own numbers can do (kinds/).
 std::vector<CorrectionFile> CorrectionFor(ControllerKind controller,
                                           const Diagnosis& diagnosis,
                                           const Observed& observed,

@@ -37,7 +37,7 @@ const BaselineLine* CorrectionText::Fitted(std::string_view name) const {
 }
 
 bool CorrectionText::IsTold(const BaselineLine& line, double believed) {
-  constexpr double kSure_sds = 2;
+  constexpr double kSure_sds = 3;
   return line.is_determined && std::abs(line.value - believed) >= kSure_sds * line.sd;
 }
 

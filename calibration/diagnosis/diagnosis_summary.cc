@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <cstddef>
 #include <utility>
 
@@ -70,6 +71,74 @@ std::string OfFindings(const Diagnosis& diagnosis) {
   return text;
 }
 
+constexpr const char* kPlainSettings =
+    "plain settings (scale, backlash, where things lie)";
+
+// What the figures show that nothing says how sure they are of: the largest.
+const Fact* LargestUnsure(const Diagnosis& diagnosis) {
+  const Fact* largest = nullptr;
+  double most = 0;
+  for (const Fact& fact : diagnosis.facts.all) {
+    if (fact.id != "scale" || Known(fact.sigmas) || fact.figures.empty()) continue;
+    const double off = std::abs(fact.figures[0].value - 1);
+    if (off > most) largest = &fact, most = off;
+  }
+  return largest;
+}
+
+// The size that is off by most; nullptr where none was measured alone.
+const Fact* LargestSizeError(const Diagnosis& diagnosis) {
+  const Fact* largest = nullptr;
+  for (const Fact& fact : diagnosis.facts.all) {
+    const bool is_larger =
+        fact.id == "one_size" &&
+        (largest == nullptr ||
+         std::abs(fact.figures[0].value) > std::abs(largest->figures[0].value));
+    if (is_larger) largest = &fact;
+  }
+  return largest;
+}
+
+// What describes the rows best, where nothing answers: a surface, then the rest.
+const Fact* FirstDescription(const Diagnosis& diagnosis) {
+  const Facts& facts = diagnosis.facts;
+  if (const Fact* plane = facts.Find("plane")) return plane;
+  return facts.all.empty() ? nullptr : &facts.all.front();
+}
+
+// Where no cause is named and no fact answers.
+std::pair<Answer, std::string> OpenAnswer(const Diagnosis& diagnosis) {
+  const bool is_open = IsOpen(diagnosis);
+  const bool drifts = diagnosis.wander_um_per_sqrt_h > 0;
+  if (is_open && drifts) {
+    return {Answer::kTooFew,
+            "The readings drift, and nothing that was measured with them says why"};
+  }
+  const Fact* const unsure = LargestUnsure(diagnosis);
+  if (unsure != nullptr) return {Answer::kTooFew, unsure->sentence};
+  const Fact* const size = LargestSizeError(diagnosis);
+  if (size != nullptr) return {Answer::kTooFew, size->sentence};
+  const Fact* const first = FirstDescription(diagnosis);
+  if (is_open && first != nullptr) {
+    return {Answer::kTooFew, first->sentence + ". These rows are too few to tell more"};
+  }
+  if (is_open && !diagnosis.facts.cannot.empty()) {
+    return {Answer::kTooFew,
+            "These rows do not determine what is wrong. " +
+                Sentence(diagnosis.facts.cannot.front())};
+  }
+  if (is_open) return {Answer::kTooFew, "These rows are too few to tell anything"};
+  if (first != nullptr && first->id == "plane") {
+    return {
+        Answer::kNothing,
+        fmt::format("No fault shows beyond {}. {}", kPlainSettings, first->sentence)};
+  }
+  return {Answer::kNothing,
+          fmt::format("No fault shows: beyond {} there is only {}",
+                      kPlainSettings,
+                      drifts ? "a slow wander and noise" : "noise")};
+}
+
 std::pair<Answer, std::string> AnswerOf(const Diagnosis& diagnosis) {
   const NotTheMachine& other = diagnosis.facts.not_the_machine;
   if (!other.reason.empty()) return {Answer::kElsewhere, other.sentence};
@@ -88,12 +157,7 @@ std::pair<Answer, std::string> AnswerOf(const Diagnosis& diagnosis) {
   if (diagnosis.verdict != DiagnosisVerdict::kNone) {
     return {Answer::kCause, "Something is there, but these rows cannot say what"};
   }
-  if (IsOpen(diagnosis)) {
-    return {Answer::kTooFew, "These rows are too few to tell anything"};
-  }
-  return {Answer::kNothing,
-          "Nothing is wrong that these rows could show: beyond plain settings (scale, "
-          "backlash, where things lie) there is only noise"};
+  return OpenAnswer(diagnosis);
 }
 
 void AddFindings(const Diagnosis& diagnosis,
@@ -115,9 +179,14 @@ void AddFindings(const Diagnosis& diagnosis,
 }  // namespace
 
 const Fact* FirstAnswer(const Diagnosis& diagnosis) {
-  const auto& all = diagnosis.facts.all;
-  const auto found = std::ranges::find(all, true, &Fact::is_answer);
-  return found == all.end() ? nullptr : &*found;
+  // A bad reading is left out; what the others say answers more.
+  const Fact* outliers = nullptr;
+  for (const Fact& fact : diagnosis.facts.all) {
+    if (!fact.is_answer) continue;
+    if (fact.id != "outliers") return &fact;
+    if (outliers == nullptr) outliers = &fact;
+  }
+  return outliers;
 }
 
 bool IsOpen(const Diagnosis& diagnosis) {
@@ -169,6 +238,10 @@ nlohmann::ordered_json SummaryJson(const DiagnosisSummary& summary) {
           {"found", summary.found},
           {"cannot_tell", summary.cannot_tell},
           {"to_do", summary.to_do}};
+}
+
+std::string AnswerSentence(const Diagnosis& diagnosis) {
+  return Sentence(AnswerOf(diagnosis).second);
 }
 
 DiagnosisSummary SummaryOf(const Diagnosis& diagnosis, const TextNotes& notes) {

@@ -42,6 +42,9 @@ struct DiagnosisSummary {
 /// "to_do": []}; an answer is one of cause, figure, elsewhere, nothing, too_few.
 nlohmann::ordered_json SummaryJson(const DiagnosisSummary& summary);
 
+/// The summary's first sentence.
+std::string AnswerSentence(const Diagnosis& diagnosis);
+
 DiagnosisSummary SummaryOf(const Diagnosis& diagnosis, const TextNotes& notes);
 
 }  // namespace caltwin

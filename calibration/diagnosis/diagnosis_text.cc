@@ -185,18 +185,10 @@ std::string Headline(const Diagnosis& diagnosis) {
             "Verdict: no cause of the catalogue, but the numbers speak. {}.",
             FirstAnswer(diagnosis)->sentence);
       }
-      if (IsOpen(diagnosis) && diagnosis.wander_um_per_sqrt_h > 0) {
-        return "Verdict: none. The machine drifted while these rows were taken, and "
-               "nothing that was tried foretells how; they determine not even the "
-               "baseline.";
+      if (!diagnosis.facts.not_the_machine.reason.empty()) {
+        return "Verdict: none of the catalogue's causes.";
       }
-      if (IsOpen(diagnosis)) {
-        return "Verdict: none, but these rows are too few to tell anything: they "
-               "determine not even the baseline.";
-      }
-      return fmt::format(
-          "Verdict: none. Beyond the baseline these rows show nothing but {}.",
-          diagnosis.wander_um_per_sqrt_h > 0 ? "a slow wander and noise" : "noise");
+      return "Verdict: none. " + AnswerSentence(diagnosis);
     case DiagnosisVerdict::kNamed:
       if (diagnosis.findings[0].is_of_facts) {
         return fmt::format("Verdict: named. {}.",

@@ -18,6 +18,7 @@
 #include "sim/base/units.h"
 #include "sim/effects/catalog.h"
 #include "sim/effects/map_table.h"
+#include "sim/measure/row_flags.h"
 
 namespace caltwin {
 namespace {
@@ -286,7 +287,8 @@ std::vector<FlaggedRow> FlaggedOf(const Observed& observed,
   for (Eigen::Index i = 0; i < observed.num_rows(); ++i) {
     const Row& row = observed.row(i);
     const bool is_out = out[static_cast<std::size_t>(i)];
-    if (!is_out && row.flag.empty()) continue;
+    const bool is_marked = !row.flag.empty() && !IsKindOfReading(row.flag);
+    if (!is_out && !is_marked) continue;
     flagged.push_back({.row = row.row,
                        .campaign = row.campaign,
                        .cmd_mm = {row.cmd_mm.begin(), row.cmd_mm.end()},

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "calibration/facts/cells.h"
+#include "calibration/facts/one_size.h"
 
 namespace caltwin {
 namespace {
@@ -38,17 +39,6 @@ std::array<Coverage, 3> CoverageOf(const Rows& rows) {
 void Cannot(const std::string& what, const std::string& sentence, Facts* facts) {
   facts->not_determined.push_back(what);
   facts->cannot.push_back(sentence);
-}
-
-// Sizes of parts: positions without a sense, and no moves.
-bool AreSizes(const Rows& rows) {
-  return std::ranges::all_of(rows, [](const Row* row) {
-    const int axis = AxisAlong(*row);
-    return row->kind == RowKind::kPosition && axis >= 0 && row->flag != "move" &&
-           row->home.empty() && row->setup.empty() &&
-           row->cmd_mm[static_cast<std::size_t>(axis)] > 1 &&
-           !Known(row->dir[static_cast<std::size_t>(axis)]);
-  });
 }
 
 void AddLimits(const Rows& rows, const Repeats& repeats, Facts* facts) {

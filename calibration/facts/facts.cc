@@ -11,6 +11,7 @@
 #include "calibration/facts/levelling.h"
 #include "calibration/facts/map_change.h"
 #include "calibration/facts/motion.h"
+#include "calibration/facts/one_size.h"
 #include "calibration/facts/repeats.h"
 #include "calibration/facts/series.h"
 #include "calibration/facts/stretch.h"
@@ -81,6 +82,7 @@ Facts FactsOf(const RowTable& table,
   FactsOfInstruments(rows, repeats, header, &facts);
   FactsOfHistory(rows, &facts);
   FactsOfLevelling(rows, repeats, levelling, &facts);
+  FactsOfOneSize(rows, &facts);
   TellBadProbe(rows, repeats, &facts);
   // Several switches have each their own.
   const Fact* homing = facts.Find("homing_scatter");

@@ -18,6 +18,7 @@
 #include "sim/base/median.h"
 #include "sim/base/units.h"
 #include "sim/base/with_sd.h"
+#include "sim/measure/row_flags.h"
 
 namespace caltwin {
 namespace {
@@ -30,8 +31,9 @@ void Open(const std::string& what, const std::string& sentence, Facts* facts) {
 // Two sides, each time together: how far one is from the other.
 void AddSideBySide(const Rows& rows, Facts* facts) {
   constexpr double kSure = 4, kLeast_mm = 0.02;
-  if (rows.size() < 2 ||
-      !std::ranges::all_of(rows, [](const Row* row) { return row->flag == "sides"; })) {
+  if (rows.size() < 2 || !std::ranges::all_of(rows, [](const Row* row) {
+        return row->flag == kSidesFlag;
+      })) {
     return;
   }
   const Average apart = AverageOf(rows);

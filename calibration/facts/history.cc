@@ -10,6 +10,7 @@
 #include "calibration/facts/groups.h"
 #include "sim/base/units.h"
 #include "sim/base/with_sd.h"
+#include "sim/measure/row_flags.h"
 
 namespace caltwin {
 namespace {
@@ -34,7 +35,7 @@ void AddChangeOfAxis(const Rows& rows, Facts* facts) {
   std::vector<double> same_mm, other_mm;
   for (std::size_t i = 1; i < rows.size(); ++i) {
     const int axis = AxisAlong(*rows[i]), before = AxisAlong(*rows[i - 1]);
-    if (rows[i]->kind != RowKind::kPosition || rows[i]->flag != "move" || axis < 0 ||
+    if (rows[i]->kind != RowKind::kPosition || rows[i]->flag != kMoveFlag || axis < 0 ||
         before < 0) {
       return;
     }
@@ -77,7 +78,7 @@ void AddEvents(const Rows& rows, Facts* facts) {
   std::string event;
   for (std::size_t i = 1; i < rows.size(); ++i) {
     const double step_mm = rows[i]->value_mm - rows[i - 1]->value_mm;
-    const bool is_after = rows[i]->flag.starts_with("after ");
+    const bool is_after = rows[i]->flag.starts_with(kAfterFlag);
     if (is_after) event = rows[i]->flag.substr(6);
     (is_after ? with_mm : without_mm).push_back(step_mm);
   }

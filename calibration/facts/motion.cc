@@ -17,6 +17,7 @@
 #include "sim/base/median.h"
 #include "sim/base/units.h"
 #include "sim/base/with_sd.h"
+#include "sim/measure/row_flags.h"
 
 namespace caltwin {
 namespace {
@@ -96,7 +97,7 @@ bool IsWithinStep(const Rows& rows, std::size_t axis, Facts* facts) {
   const double step_mm = CoarseStep_mm(rows, axis);
   const bool is_within = step_mm >= 0.5 && rows.size() <= kMost &&
                          std::ranges::all_of(rows, [&](const Row* row) {
-                           return row->flag == "move" &&
+                           return row->flag == kMoveFlag &&
                                   std::abs(row->value_mm) < 1.001 * step_mm &&
                                   row->cmd_mm[axis] > 5 * step_mm;
                          });
@@ -202,7 +203,7 @@ void AddAlong(const Rows& rows,
     const int axis = AxisAlong(*row);
     if (row->kind != RowKind::kPosition || axis < 0) continue;
     // What a side of a square should measure is the mean of its sides here.
-    if (row->flag == "length") continue;
+    if (row->flag == kLengthFlag) continue;
     if (!Known(row->cmd_mm[static_cast<std::size_t>(axis)])) continue;
     series[{row->campaign + "|" + row->setup + "|" + row->settings, axis}].push_back(
         row);
@@ -226,7 +227,7 @@ void AddAlong(const Rows& rows,
           std::max(std::sqrt(line.left_mm2 / line.dof), step_mm / std::sqrt(12.0));
     }
     // How far it was sent before is no place.
-    const bool is_lost_motion = all.front()->flag == "lost_motion";
+    const bool is_lost_motion = all.front()->flag == kLostMotionFlag;
     if (!is_lost_motion && line.has_slope) {
       FactsOfLine(line, noise_mm, axis, StepsSet(*all.front(), header, axis), facts);
     }
@@ -309,7 +310,8 @@ void AddIdleSettings(const Rows& rows, const DataHeader& header, Facts* facts) {
   for (const Row* row : rows) {
     const int axis = AxisAlong(*row);
     const auto settings = header.settings.find(row->settings);
-    if (row->flag != "move" || axis < 0 || settings == header.settings.end()) continue;
+    if (row->flag != kMoveFlag || axis < 0 || settings == header.settings.end())
+      continue;
     const auto steps =
         settings->second.steps_per_mm.find(kAxisNames[static_cast<std::size_t>(axis)]);
     const double told_mm = row->cmd_mm[static_cast<std::size_t>(axis)];

@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 
 #include "sim/base/dense.h"
+#include "sim/measure/row_flags.h"
 
 namespace caltwin {
 namespace {
@@ -22,7 +23,7 @@ struct LineTerms {
 
 // A move, or a distance of two centres, which no wall makes longer.
 bool BeginsAtNought(const Row& row) {
-  return row.flag == "move" || row.flag == "distance";
+  return row.flag == kMoveFlag || row.flag == kDistanceFlag;
 }
 
 // Moves begin at nought; readings of one place tell no slope.

@@ -106,7 +106,7 @@ bool AddBoth(const Line& line, double noise_mm, std::size_t axis, Facts* facts) 
 // What was read is hardly any of what was told, or scatters too much: no figure. False:
 // it is one.
 bool IsNoFigure(double factor, double sd, std::size_t axis, Facts* facts) {
-  constexpr double kHardlyAny = 0.02, kNoFigure = 0.1;
+  constexpr double kHardlyAny = 0.02, kNoFigure = 0.02;
   const char letter = "XYZ"[axis];
   std::string why;
   if (std::abs(factor) < kHardlyAny) {
@@ -117,10 +117,10 @@ bool IsNoFigure(double factor, double sd, std::size_t axis, Facts* facts) {
         letter);
   } else if (Known(sd) && sd > kNoFigure) {
     why = fmt::format(
-        "steps/mm of {}: what was read scatters too much, they could be off by {:.0f} "
+        "steps/mm of {}: what was read scatters too much, they could be off by {:.2g} "
         "%",
         letter,
-        100 * sd);
+        PercentFromFraction(sd));
   }
   if (why.empty()) return false;
   facts->not_determined.push_back(fmt::format("scale.{}", kAxisNames[axis]));

@@ -15,6 +15,7 @@
 #include "sim/base/median.h"
 #include "sim/base/units.h"
 #include "sim/base/with_sd.h"
+#include "sim/measure/row_flags.h"
 
 namespace caltwin {
 namespace {
@@ -205,7 +206,7 @@ void AddContradictingSizes(const Rows& rows, Facts* facts) {
   int num_right = 0;
   for (const Row* row : rows) {
     const int axis = AxisAlong(*row);
-    if (row->kind != RowKind::kPosition || axis < 0 || row->flag == "move") return;
+    if (row->kind != RowKind::kPosition || axis < 0 || row->flag == kMoveFlag) return;
     const double at_mm = row->cmd_mm[static_cast<std::size_t>(axis)];
     if (!(at_mm > 0) || (Known(row->dir[static_cast<std::size_t>(axis)]))) return;
     sizes[{row->campaign, axis, std::lround(at_mm * 100)}].push_back(row);

@@ -13,6 +13,7 @@
 #include "sim/base/dense.h"
 #include "sim/base/units.h"
 #include "sim/base/with_sd.h"
+#include "sim/measure/row_flags.h"
 
 namespace caltwin {
 namespace {
@@ -33,10 +34,10 @@ struct Stretch {
 Course CourseOf(const Rows& rows, std::size_t axis, const Repeats& repeats) {
   std::map<double, Rows> by_place;
   for (const Row* row : rows) {
-    const bool is_along = row->kind == RowKind::kPosition &&
-                          AxisAlong(*row) == static_cast<int>(axis) &&
-                          Known(row->cmd_mm[axis]) &&
-                          !repeats.outliers.contains(row->row) && row->flag != "length";
+    const bool is_along =
+        row->kind == RowKind::kPosition && AxisAlong(*row) == static_cast<int>(axis) &&
+        Known(row->cmd_mm[axis]) && !repeats.outliers.contains(row->row) &&
+        row->flag != kLengthFlag;
     if (is_along) by_place[row->cmd_mm[axis]].push_back(row);
   }
   const auto num = std::ssize(by_place);

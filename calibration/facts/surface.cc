@@ -334,22 +334,22 @@ void AddTwist(const SheetFit& fit, const SpotNoise& noise, Facts* facts) {
   facts->all.push_back(std::move(fact));
 }
 
-// Too few places to tell a shape from scatter, and too much left to be scatter.
-void AddLargeForm(const SheetFit& plane, Facts* facts) {
-  constexpr double kLeast_mm = 0.2;
+// Too few places or repeats to tell a shape from scatter, and too much left to be
+// scatter.
+void AddLargeForm(const SheetFit& plane, bool is_repeated, Facts* facts) {
   const double range_mm = plane.left_mm.maxCoeff() - plane.left_mm.minCoeff();
-  if (range_mm < kLeast_mm) return;
   facts->all.push_back(
       {.id = "form",
        .figures = {{"peak_to_peak_um", UmFromMm(range_mm)},
                    {"rms_um", UmFromMm(std::sqrt(plane.squares_mm2() / plane.dof))}},
-       .sentence =
-           fmt::format("Beside its plane the surface is uneven by {:.2g} mm from "
-                       "lowest to highest. Whether "
-                       "it repeats is not known (no place was touched twice), but no "
-                       "probe scatters by so "
-                       "much: a shape that no tilt, and on a delta no endstop, removes",
-                       range_mm),
+       .sentence = fmt::format(
+           "Beside its plane the surface is uneven by {:.2g} mm from "
+           "lowest to highest. Whether it repeats is {} touched twice), but "
+           "no probe scatters by so much: a shape that no tilt, and on a "
+           "delta no endstop, removes",
+           range_mm,
+           is_repeated ? "hardly known (too few places were"
+                       : "not known (no place was"),
        .is_answer = true});
 }
 
@@ -359,7 +359,9 @@ void AddForm(const Sheet& sheet,
              const SheetFit& plane,
              const ReadingNoise& noise,
              Facts* facts) {
+  constexpr double kLarge_mm = 0.2;
   if (plane.dof < 2) return;
+  const double range_mm = plane.left_mm.maxCoeff() - plane.left_mm.minCoeff();
   double chance = 1;
   SpotNoise spot{};
   if (Known(noise.sd_mm)) {
@@ -368,16 +370,24 @@ void AddForm(const Sheet& sheet,
     chance = FUpperTail(f, plane.dof, spot.dof);
   } else {
     const SheetFit shape = Fit(sheet, kAllTerms);
-    if (!shape.is_determined || shape.dof < 3) return AddLargeForm(plane, facts);
+    if (!shape.is_determined || shape.dof < 3) {
+      if (range_mm >= kLarge_mm) AddLargeForm(plane, false, facts);
+      return;
+    }
     const double more = plane.dof - shape.dof;
     const double f = (plane.squares_mm2() - shape.squares_mm2()) / more /
                      std::max(shape.squares_mm2() / shape.dof, 1e-14);
     chance = FUpperTail(f, more, shape.dof);
     spot.sd_mm = std::sqrt(shape.squares_mm2() / shape.dof);
   }
-  const double range_mm = plane.left_mm.maxCoeff() - plane.left_mm.minCoeff();
   const double rms_mm = std::sqrt(plane.squares_mm2() / plane.dof);
   const bool is_there = chance <= kMostChance;
+  // Two or three repeats leave any scatter possible, but not one that no probe has.
+  constexpr double kFewRepeats = 3, kSigmas = 10;
+  if (!is_there && range_mm >= kLarge_mm && spot.dof < kFewRepeats &&
+      rms_mm > kSigmas * spot.sd_mm) {
+    return AddLargeForm(plane, true, facts);
+  }
   facts->all.push_back(
       {.id = "form",
        .figures = {{"peak_to_peak_um",

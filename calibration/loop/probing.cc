@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "sim/base/units.h"
+#include "sim/measure/row_flags.h"
 
 namespace caltwin {
 namespace {
@@ -197,7 +198,7 @@ Expected<void> Probing::ReleaseOnce(const Face& face,
   row.rep = static_cast<std::int64_t>(touched->trigger_mm.size());
   row.feed_mm_s = feed_mm_s;
   row.settings = SettingsId();
-  row.flag = "release";
+  row.flag = kReleaseFlag;
   touched->release_mm.push_back(row.value_mm);
   Record(row);
   return {};

@@ -60,9 +60,9 @@ struct Angular {
           "ISO 230-1, names; Abbe's principle. Machine tools 10 to 40 urad over "
           "the travel, routers on extrusions 50 to 200.",
       .twin =
-          "steps_per_mm, straightness or squareness at one height or one probe "
-          "offset: the same line or tilt. Two heights (or offsets) separate them, "
-          "for a turn grows with its lever.",
+          "At one height, or with one probe offset, a turn looks like wrong steps/mm, "
+          "straightness or squareness. Two heights (or offsets) tell them apart: a "
+          "turn grows with its lever.",
       .words = {.plot = "Scale error (or squareness) against height or arm: a line "
                         "through the height of no error.",
                 .values = "Slope: 10 to 200 urad, i.e. um per metre of lever; 100 urad "

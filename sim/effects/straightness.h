@@ -47,8 +47,8 @@ struct Straightness {
           "milled face: 5 to 20 um over 300 mm; to an extrusion as bought: 50 um "
           "and more; a machined casting: 2 to 5 um.",
       .twin =
-          "A straight-edge that is not straight: reverse it (both sides); the "
-          "machine's bow keeps its sign. squareness is the line, this the curve.",
+          "A straight-edge that is not straight: measure on both of its sides; the "
+          "machine's bow keeps its sign, the straight-edge's changes it.",
       .words = {.plot = "Error across against position along: a parabola, its ends on "
                         "the same side of its middle.",
                 .values = "Its height, ends to middle: 2 to 50 um over the travel.",

@@ -63,6 +63,42 @@ TEST(DiagnosisSummary, NothingAndTooFewAreToldApart) {
   EXPECT_THAT(SummaryOf(open, {}).found, IsEmpty());
 }
 
+// What a reader can use of rows that determine little comes in place of "too few".
+TEST(DiagnosisSummary, RowsThatDetermineLittleSayWhatTheyDo) {
+  Diagnosis open = Determined();
+  open.baseline[0].is_determined = false;
+  open.facts.cannot = {"steps/mm of X: one position"};
+  EXPECT_EQ(SummaryOf(open, {}).sentence,
+            "These rows do not determine what is wrong. Steps/mm of X: one position.");
+  open.facts.all = {{.id = "repeatability", .sentence = "it repeats"},
+                    {.id = "plane", .sentence = "it leans"}};
+  EXPECT_EQ(SummaryOf(open, {}).sentence,
+            "It leans. These rows are too few to tell more.");
+  open.facts.all.push_back(
+      {.id = "one_size", .figures = {{"change_um", 20}}, .sentence = "X is large"});
+  open.facts.all.push_back(
+      {.id = "one_size", .figures = {{"change_um", -50}}, .sentence = "Z is small"});
+  EXPECT_EQ(SummaryOf(open, {}).sentence, "Z is small.");
+  // A scale of which nothing says how sure it is.
+  open.facts.all.push_back(
+      {.id = "scale", .figures = {{"factor", 0.52}}, .sentence = "X moves half"});
+  EXPECT_EQ(SummaryOf(open, {}).sentence, "X moves half.");
+  EXPECT_EQ(SummaryOf(open, {}).answer, Answer::kTooFew);
+  open.wander_um_per_sqrt_h = 3;
+  EXPECT_THAT(SummaryOf(open, {}).sentence, HasSubstr("readings drift"));
+}
+
+// A bad reading is left out: it is the answer only where there is no other.
+TEST(DiagnosisSummary, ABadReadingComesLast) {
+  Diagnosis diagnosis = Determined();
+  diagnosis.facts.all = {
+      {.id = "outliers", .sentence = "row 18 is bad", .is_answer = true}};
+  EXPECT_EQ(SummaryOf(diagnosis, {}).sentence, "Row 18 is bad.");
+  diagnosis.facts.all.push_back(
+      {.id = "twist", .sentence = "two corners are high", .is_answer = true});
+  EXPECT_EQ(SummaryOf(diagnosis, {}).sentence, "Two corners are high.");
+}
+
 TEST(DiagnosisSummary, SeveralPossibleCausesAreNamedWithTheirProbabilities) {
   Diagnosis diagnosis = Determined();
   diagnosis.verdict = DiagnosisVerdict::kAmbiguous;

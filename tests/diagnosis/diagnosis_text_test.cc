@@ -126,18 +126,18 @@ TEST(DiagnosisText, NoneOfTooFewRowsSaysSo) {
   diagnosis.baseline = {{.name = "scale.x", .unit = "ppm", .is_determined = false}};
   EXPECT_THAT(DiagnosisText(diagnosis, {}), HasSubstr("too few to tell anything"));
   diagnosis.wander_um_per_sqrt_h = 5;
-  EXPECT_THAT(DiagnosisText(diagnosis, {}), HasSubstr("The machine drifted"));
+  EXPECT_THAT(DiagnosisText(diagnosis, {}), HasSubstr("The readings drift"));
   diagnosis.wander_um_per_sqrt_h = 0;
   diagnosis.baseline.push_back({.name = "backlash.x", .unit = "mm"});
-  EXPECT_THAT(DiagnosisText(diagnosis, {}), HasSubstr("nothing but noise"));
+  EXPECT_THAT(DiagnosisText(diagnosis, {}), HasSubstr("there is only noise"));
 }
 
 TEST(DiagnosisText, NoneBesideAWanderSaysSo) {
   Diagnosis diagnosis;
-  EXPECT_THAT(DiagnosisText(diagnosis, {}), HasSubstr("show nothing but noise."));
+  EXPECT_THAT(DiagnosisText(diagnosis, {}), HasSubstr("there is only noise."));
   diagnosis.wander_um_per_sqrt_h = 5;
   const std::string text = DiagnosisText(diagnosis, {});
-  EXPECT_THAT(text, HasSubstr("show nothing but a slow wander and noise."));
+  EXPECT_THAT(text, HasSubstr("there is only a slow wander and noise."));
   EXPECT_THAT(text, HasSubstr("Slow wander of 5 um per root hour"));
 }
 

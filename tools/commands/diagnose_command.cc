@@ -298,26 +298,25 @@ void RequireSettings(const DiagnoseAsked& options, const Machine& machine) {
 }
 
 // No steps/mm are written that nobody stated: those of a machine that is only assumed.
-void RequireStatedSteps(const DiagnoseAsked& options, const Data& data) {
+void RequireStatedSteps(const DiagnoseAsked& options,
+                        const Data& data,
+                        const Judged& judged) {
   if (options.correction.empty()) return;
-  for (const Axis axis : kAxes) {
-    const bool is_read = std::ranges::any_of(data.table.rows, [&](const Row& row) {
-      return row.kind == RowKind::kPosition && std::abs(row.n[Index(axis)]) > 0.5;
-    });
+  for (const Axis axis : AxesOfNewSteps(judged.diagnosis, judged.observed)) {
     const bool is_stated = std::ranges::any_of(
         data.header.settings,
         [&](const auto& one) { return one.second.steps_per_mm.contains(Name(axis)); });
-    if (!is_read || is_stated) continue;
+    if (is_stated) continue;
     throw InputError(
         {.file = "--correction"},
         fmt::format(
-            "nobody says which steps/mm are set for {}, so none can be corrected",
+            "the steps/mm of {} are off, and nobody says which are set, so none "
+            "can be corrected",
             CapitalLetter(axis)),
         fmt::format(
-            "say them in {}: settings: {{s1: {{steps_per_mm: {{{}: 80}}}}}}, or name "
-            "the "
-            "machine (--machine). Without --correction the answer gives the factor to "
-            "multiply yours by",
+            "say them in {}: settings: {{s1: {{steps_per_mm: {{{}: 80}}}}}}, or "
+            "name the machine (--machine). Without --correction the answer says "
+            "by which factor they are off",
             fs::path(options.file).replace_extension(".yaml").filename().string(),
             Name(axis)));
   }
@@ -431,12 +430,12 @@ int RunDiagnose(DiagnoseAsked options) {
   const Believed believed = BelievedMachine(options.file, options.machine, &data);
   RequireSettings(options, believed.machine);
   CheckSparesOfDiagnose(options, believed);
-  if (believed.file.empty()) RequireStatedSteps(options, data);
   if (!options.file.empty()) {
     JudgeData(options.file, believed.file.empty() ? nullptr : &believed.machine, &data);
   }
   Judged judged = tested ? JudgeInLoop(*tested, believed, options, &data)
                          : Judge(data, believed, options);
+  if (believed.file.empty()) RequireStatedSteps(options, data, judged);
   AddStory(data, &judged.diagnosis.facts);
   const bool is_of_facts =
       std::ranges::any_of(judged.diagnosis.findings, &Finding::is_of_facts);

@@ -20,6 +20,7 @@
 #include "sim/measure/import/table_notes.h"
 #include "sim/measure/import/table_remarks.h"
 #include "sim/measure/import/unit.h"
+#include "sim/measure/row_flags.h"
 
 namespace caltwin {
 namespace {
@@ -447,7 +448,7 @@ class TableReader {
       other.dir[axis] = 1;
       other.value_mm = 0;
       row.dir[axis] = -1;
-      row.flag = other.flag = "lost_motion";
+      row.flag = other.flag = kLostMotionFlag;
       both.push_back(std::move(other));
       both.push_back(std::move(row));
     }
@@ -471,7 +472,7 @@ class TableReader {
       row.value_mm = *other - *one;
       TakeState(record, &row);
       TakeLabel(record, &row);
-      row.flag = "sides";
+      row.flag = kSidesFlag;
       imported_.table.rows.push_back(std::move(row));
     }
     imported_.is_deviation = true;
@@ -630,12 +631,12 @@ class TableReader {
     row.n[axis] = 1;
     row.value_mm = is_actual ? *value - *at_mm : read.sign * *value;
     if (!read.side.empty()) row.setup = read.side;
-    if (commanded && is_actual && IsMove(*commanded)) row.flag = "move";
-    if (are_states_ && remarks_.are_distances) row.flag = "distance";
+    if (commanded && is_actual && IsMove(*commanded)) row.flag = kMoveFlag;
+    if (are_states_ && remarks_.are_distances) row.flag = kDistanceFlag;
     if (const auto event = FirstOf(Part::kEvent)) {
       const std::string word = PlainWord(record[event->index].text);
       if (word.starts_with('y') || word == "true")
-        row.flag = "after " + PlainWord(HeadingOf(*event));
+        row.flag = std::string(kAfterFlag) + PlainWord(HeadingOf(*event));
     }
     TakeState(record, &row);
     TakeLabel(record, &row);

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "sim/measure/import/fields.h"
+#include "sim/measure/row_flags.h"
 
 namespace caltwin {
 namespace {
@@ -128,7 +129,10 @@ void AddLength(const std::string& campaign,
   double length_mm = 0;
   for (std::size_t k = 0; k < 3; ++k) length_mm += std::pow(to_mm[k] - from_mm[k], 2);
   length_mm = std::sqrt(length_mm);
-  Row row{.campaign = campaign, .setup = line, .flag = "length", .place = place};
+  Row row{.campaign = campaign,
+          .setup = line,
+          .flag = std::string(kLengthFlag),
+          .place = place};
   for (std::size_t k = 0; k < 3; ++k) row.n[k] = (to_mm[k] - from_mm[k]) / length_mm;
   row.cmd_mm = from_mm;
   imported->table.rows.push_back(row);
