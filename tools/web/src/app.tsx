@@ -1,13 +1,14 @@
 import { lazy, Suspense, useEffect, useState } from "react";
 import { answered, api, type Schemas } from "./api/client";
+import { StopCorner, StopNote } from "./ui/emergency";
 import { Busy } from "./ui/parts";
 
-// One page each, fetched when it is first opened.
+// One page each, fetched when it is first opened. `moves`: a machine is moved or watched there.
 const pages = [
-  { path: "/diagnose", name: "Diagnose", page: lazy(() => import("./pages/diagnose")) },
-  { path: "/calibrate", name: "Calibrate", page: lazy(() => import("./pages/calibrate")) },
-  { path: "/bed", name: "Bed", page: lazy(() => import("./pages/bed")) },
-  { path: "/machine", name: "Machine", page: lazy(() => import("./pages/machine")) },
+  { path: "/diagnose", name: "Diagnose", moves: false, page: lazy(() => import("./pages/diagnose")) },
+  { path: "/calibrate", name: "Calibrate", moves: true, page: lazy(() => import("./pages/calibrate")) },
+  { path: "/bed", name: "Bed", moves: true, page: lazy(() => import("./pages/bed")) },
+  { path: "/machine", name: "Machine", moves: true, page: lazy(() => import("./pages/machine")) },
 ];
 
 export function App() {
@@ -32,7 +33,7 @@ export function App() {
   };
   const Page = shown.page;
   return (
-    <>
+    <div className={shown.moves ? "has-stop" : undefined}>
       <a className="skip" href="#main">Skip to content</a>
       <header>
         <span className="brand">caltwin</span>
@@ -44,11 +45,13 @@ export function App() {
         </nav>
         <span className="version">{about ? `version ${about.version}` : ""}</span>
       </header>
+      {shown.moves ? <StopCorner /> : null}
       <main id="main" tabIndex={-1}>
+        {shown.moves ? <StopNote /> : null}
         <Suspense fallback={<Busy text="Loading the page" />}>
           <Page />
         </Suspense>
       </main>
-    </>
+    </div>
   );
 }

@@ -1,4 +1,5 @@
 import { useEffect, useRef, useState } from "react";
+import { StopButton } from "../ui/emergency";
 import { Busy, Card, Notice, withSd } from "../ui/parts";
 import { highestScrew, isLevel, isRaised, isWithinNoise, mostOffset, nowhere, offsetOf, offsetSd, plain, screwNames, type BedStatus, type BedTilt, type ScrewName, type Screws } from "./maths";
 import { Failure } from "./status";
@@ -154,6 +155,7 @@ function Confirm({ wish, status, isGiven, close, go }: {
       <div className="row">
         <button type="button" onClick={go}>{wish.verb}</button>
         <button type="button" className="quiet" onClick={() => dialog.current?.close()}>Do not move</button>
+        <StopButton onPressed={() => dialog.current?.close()} />
       </div>
     </dialog>
   );
