@@ -23,7 +23,7 @@ async function playBack(page, base, check) {
   await button("Run it").click();
   await page.getByRole("heading", { name: "Result" }).waitFor();
   check(await page.getByText("That is what this scenario expects.").first().isVisible(), "the verdict comes in words");
-  const slope = await page.getByRole("row", { name: /slope_x_mrad/ }).innerText();
+  const slope = await page.getByRole("row", { name: /^Tilt of the bed, slope along X/ }).innerText();
   check(/4\.00 mrad\s+4\.00 ± \d/.test(slope), "built in and found stand side by side, with uncertainty");
 
   const where = page.getByLabel(/Where in the run/);
@@ -42,6 +42,27 @@ async function playBack(page, base, check) {
   await button(/M584/).first().click();
   check((await page.locator(".mac-now").innerText()).startsWith("M584 Z0 U1 V2"), "a change of a setting is one click away");
   check((await page.locator(".mac-code li").count()) <= 40, "forty lines are in the list at most");
+}
+
+// The cause that a run names stands first, whole, and every figure has its name and unit in words.
+async function namesTheCause(page, base, check) {
+  const result = page.getByRole("region", { name: "Result" });
+  const run = async (scenario) => {
+    await page.goto(`${base}/machine?scenario=${scenario}`);
+    await page.getByRole("button", { name: "Run it" }).click();
+    await result.getByText("That is what this scenario expects.").waitFor();
+    return (await result.locator("strong").allInnerTexts()).join(" ");
+  };
+  const debris = await run("trouble_bed_debris");
+  check(/^One touch, at \(118, 20\), lies 0\.\d+ mm above .* debris on the bed, not the probe/.test(debris), "debris is named in the first sentence");
+  check(await result.getByText("finds the hidden errors").count() === 0, "and no success is claimed in its place");
+  await check.shot("debris");
+  const drift = await run("trouble_inconsistent_drift");
+  check(/they drift: -1\.\d+ µm from touch to touch/.test(drift), "a drift is named in the first sentence");
+  check(await result.getByText(/\bsaid$|[a-z]_[a-z]/).count() === 0, "no fragment of a pattern and no key is shown");
+  await run("tz_levels_in_one_round");
+  const row = await result.getByRole("row", { name: /off level/ }).first().innerText();
+  check(/below [\d.]+ mm\s+[\d.e-]+ mm/.test(row), "a check has its unit");
 }
 
 async function exaggerateAndRefuse(page, base, check) {
@@ -92,6 +113,7 @@ export async function machine(page, base, check) {
   await page.setViewportSize({ width: 1000, height: 600 });
   await playBack(page, base, check);
   await check.accessible?.("with a run played back");
+  await namesTheCause(page, base, check);
   await exaggerateAndRefuse(page, base, check);
   await standsStill(page, base, check);
   await watch(page, base, check);

@@ -1,5 +1,7 @@
+import { capital, plain } from "../calibrate/words";
 import { Card, Notice, withSd } from "../ui/parts";
 import { transcriptPath } from "./ask";
+import { checkName, quantityName, unitWord, withUnit } from "./names";
 import type { Done } from "./use_run";
 
 interface Parameter {
@@ -39,31 +41,60 @@ const outcomes: Record<string, string> = {
   reads_zero: "The procedure reads zero where there is an error.",
   confounded: "The procedure says that it cannot tell the errors apart.",
 };
+const outcomeOf = (outcome: string) => outcomes[outcome] ?? `The run ended so: ${outcome.replaceAll("_", " ")}.`;
+
+const sentence = (text: string) => capital(plain(text.trim())).replace(/([^.!?])$/, "$1.");
+const once = (texts: string[]) => [...new Set(texts)];
+
+// The whole sentences of the run that hold what its scenario waits for: the cause, where one
+// is hidden. What each message is for, the server does not tell.
+function namedIn(result: RunResult): string[] {
+  const said = [...result.messages, ...result.steps.map((step) => step.message)];
+  const held = result.checks.filter((check) => check.name === "message" && check.passed);
+  return once(held.flatMap((check) => said.find((text) => text.includes(check.expected)) ?? []).map(sentence));
+}
 
 export function Verdict({ result, isLinked }: { result: RunResult; isLinked?: boolean }) {
+  const named = namedIn(result);
   const failed = result.checks.filter((check) => !check.passed).length;
   const expected = result.passed
     ? "That is what this scenario expects."
     : `${failed} of ${result.checks.length} checks of this scenario failed.`;
   const kind = !result.passed ? "bad" : result.outcome === "recovers" ? "good" : "warn";
+  const isNamed = named.length > 0;
   return (
     <Notice kind={kind}>
-      <p><strong>{outcomes[result.outcome] ?? `The run ended so: ${result.outcome}.`}</strong> {expected}
+      {named.map((text) => <p key={text}><strong>{text}</strong></p>)}
+      <p>{isNamed ? null : <strong>{outcomeOf(result.outcome)} </strong>}
+        {isNamed && result.outcome !== "recovers" ? `${outcomeOf(result.outcome)} ` : null}{expected}
         {isLinked ? <> <a href="#result">The numbers are below.</a></> : null}</p>
     </Notice>
   );
 }
 
+// What the procedure said besides, in its order.
+function Said({ result }: { result: RunResult }) {
+  const named = namedIn(result);
+  const rest = once(result.messages.map(sentence)).filter((text) => !named.includes(text));
+  if (rest.length === 0) return null;
+  return (
+    <>
+      <h3>{named.length > 0 ? "What the procedure said besides" : "What the procedure said"}</h3>
+      <ul>{rest.map((text) => <li key={text}>{text}</li>)}</ul>
+    </>
+  );
+}
+
 function told(one: Parameter): string {
   if (one.recovered === null) return "not known";
-  if (!one.identifiable) return `not known (read ${withSd(one.recovered, one.sd, one.unit, 4)})`;
-  return one.sd ? withSd(one.recovered, one.sd, one.unit) : `${withSd(one.recovered, null, one.unit, 4)} (uncertainty not known)`;
+  if (!one.identifiable) return `not known (read ${withSd(one.recovered, one.sd, unitWord(one.unit), 4)})`;
+  return one.sd ? withSd(one.recovered, one.sd, unitWord(one.unit)) : `${withSd(one.recovered, null, unitWord(one.unit), 4)} (uncertainty not known)`;
 }
 
 function judged(one: Parameter): string {
   if (one.passed === null) return "not judged";
   if (!one.identifiable && one.passed) return "✓ passed: it cannot be told, and the run says so";
-  const limit = one.tolerance === null ? "" : `, tolerance ± ${one.tolerance} ${one.unit}`;
+  const limit = one.tolerance === null ? "" : `, tolerance ± ${one.tolerance} ${unitWord(one.unit)}`;
   return (one.passed ? "✓ passed" : "✗ failed") + limit;
 }
 
@@ -80,8 +111,8 @@ function Parameters({ all }: { all: Parameter[] }) {
           <tbody>
             {all.map((one) => (
               <tr key={one.name}>
-                <th scope="row"><code>{one.name}</code></th>
-                <td className="number">{one.injected === null ? "none" : `${one.injected.toFixed(digitsFor(one))} ${one.unit}`}</td>
+                <th scope="row">{quantityName(one.name)}</th>
+                <td className="number">{one.injected === null ? "none" : `${one.injected.toFixed(digitsFor(one))} ${unitWord(one.unit)}`}</td>
                 <td className="number">{told(one)}</td>
                 <td className={one.passed === null ? "hint" : one.passed ? "mac-good" : "mac-bad"}>{judged(one)}</td>
               </tr>
@@ -93,21 +124,33 @@ function Parameters({ all }: { all: Parameter[] }) {
   );
 }
 
+const checkWords: Record<string, string> = {
+  recovers: "errors found", misses: "errors missed", diverges: "made worse", reads_zero: "reads zero", no_trigger: "nothing touched", confounded: "cannot be told apart",
+};
+
+function CheckRow({ check }: { check: Check }) {
+  const { title, unit } = checkName(check.name);
+  const inWords = (text: string) => withUnit(checkWords[text] ?? text, unit);
+  const isSentence = check.name === "message";
+  return (
+    <tr>
+      <th scope="row">{title}</th><td>{isSentence ? `“${check.expected}”` : inWords(check.expected)}</td><td>{inWords(check.found)}</td>
+      <td className={check.passed ? "mac-good" : "mac-bad"}>{check.passed ? "✓ passed" : "✗ failed"}</td>
+    </tr>
+  );
+}
+
+// A sentence that was waited for and came stands whole at the top.
 function Checks({ all }: { all: Check[] }) {
+  const shown = all.filter((check) => check.name !== "message" || !check.passed);
+  if (shown.length === 0) return null;
   return (
     <>
       <h3>Checks of the scenario</h3>
       <div className="scroll mac-table" tabIndex={0} role="group" aria-label="Checks of the scenario">
         <table>
           <thead><tr><th scope="col">Check</th><th scope="col">Expected</th><th scope="col">Found</th><th scope="col">Judged</th></tr></thead>
-          <tbody>
-            {all.map((check, i) => (
-              <tr key={i}>
-                <th scope="row">{check.name.replaceAll("_", " ")}</th><td>{check.expected}</td><td>{check.found}</td>
-                <td className={check.passed ? "mac-good" : "mac-bad"}>{check.passed ? "✓ passed" : "✗ failed"}</td>
-              </tr>
-            ))}
-          </tbody>
+          <tbody>{shown.map((check, i) => <CheckRow key={i} check={check} />)}</tbody>
         </table>
       </div>
     </>
@@ -134,9 +177,10 @@ export function Result({ done }: { done: Done }) {
       {result ? (
         <>
           <Verdict result={result} />
-          <p className="hint">{result.touches} touches in {result.machine_time_s.toFixed(0)} s of machine time, on {result.machine}, noise of seed {result.seed}.</p>
+          <p className="hint">{result.touches} touches in {result.machine_time_s.toFixed(0)} s of machine time. Machine: {result.machine.replaceAll("_", " ")}. Noise of seed {result.seed}.</p>
           {result.parameters.length > 0 ? <Parameters all={result.parameters} /> : <p>The run tells no parameter.</p>}
-          {result.checks.length > 0 ? <Checks all={result.checks} /> : null}
+          <Checks all={result.checks} />
+          <Said result={result} />
         </>
       ) : null}
       {done.transcript ? <p><a href={transcriptPath(done.id)} target="_blank" rel="noreferrer">Whole transcript (new tab)</a></p> : null}
