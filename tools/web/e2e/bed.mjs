@@ -2,6 +2,18 @@
 const rowOf = async (page, table, row) =>
   (await page.getByRole("table").filter({ hasText: table }).getByRole("row", { name: row }).getByRole("cell").allInnerTexts()).map(Number);
 
+// Four equal corners: the middle may be anywhere.
+async function fourCorners(page, check) {
+  await page.getByText("Write in heights you measured yourself").click();
+  await page.getByLabel("Heights: x, y, z").fill("20 20 0\n200 20 0\n20 200 0\n200 200 0");
+  await page.getByRole("button", { name: "Use these heights" }).click();
+  await page.getByRole("heading", { name: /^Twist: the touches lie 0\.0 µm off a plane/ }).waitFor();
+  check(await page.getByText("The bed is flat").count() === 0, "four equal corners are not called a flat bed");
+  check(await page.getByText(/A bowl, a dome or a saddle .* measure a 3×3 grid/).isVisible(), "it says what four corners cannot tell, and what to measure");
+  await check.shot("corners");
+  await page.getByText("Write in heights you measured yourself").click();
+}
+
 export async function bed(page, base, check) {
   const button = (name) => page.getByRole("button", { name });
   const heading = (name) => page.getByRole("heading", { name });
@@ -59,6 +71,7 @@ export async function bed(page, base, check) {
   await button("Touch only at the three screws").click();
   await heading("How flat: not known").waitFor();
   check(true, "three touches tell no flatness");
+  await fourCorners(page, check);
   await page.getByText("Write in heights you measured yourself").click();
   await page.getByLabel("Heights: x, y, z").fill("0 0 0\n50 50 0.1\n100 100 0.2");
   await button("Use these heights").click();

@@ -129,19 +129,6 @@ export function readPoints(text: string, least: number): Read {
   return { points, fault: `Write ${wanted}, one a line; ${points.length} so far.` };
 }
 
-// What a residual means for printing.
-export function residualMeaning(bed: BedTilt): { kind: "good" | "warn" | "bad" | "info"; text: string } {
-  if (bed.measured_points < 4) {
-    return { kind: "info", text: "Not known: three points fit any plane. Touch four or more to see how flat the bed is." };
-  }
-  const residual = bed.residual_mm;
-  if (residual <= 0.02) return { kind: "good", text: "The bed is flat (good: 0.02 mm or less). Screws alone can level it." };
-  if (residual <= 0.1) {
-    return { kind: "warn", text: "The bed is a little bent, or the probe scatters (good: 0.02 mm or less). Screws level it; a mesh takes the rest." };
-  }
-  return { kind: "bad", text: "The bed is not a plane, or the probe misses (good: 0.02 mm or less). Screws cannot take this away: look at the bed and the probe first." };
-}
-
 // Exaggeration by which a range of heights shows as a quarter of the travel.
 export function goodExaggeration(heights: number[], travel: number): number {
   const range = Math.max(...heights) - Math.min(...heights);

@@ -1,5 +1,6 @@
 import { Card, Figure, Notice } from "../ui/parts";
-import { isLevel, isMoved, isWithinNoise, plain, residualMeaning, signed, tiltOf, tiltSd, touchesOf, when, type BedTilt } from "./maths";
+import { flatnessOf } from "./flatness";
+import { isLevel, isMoved, isWithinNoise, plain, signed, tiltOf, tiltSd, touchesOf, when, type BedTilt } from "./maths";
 
 function answerOf(bed: BedTilt): { kind: "good" | "warn" | "info"; text: string } {
   const total = plain(bed.tilt_angles.tilt_degrees);
@@ -80,14 +81,14 @@ function Figures({ bed }: { bed: BedTilt }) {
 }
 
 function Residual({ bed }: { bed: BedTilt }) {
-  const meaning = residualMeaning(bed);
-  const known = bed.measured_points > 3;
+  const { kind, title, text, todo } = flatnessOf(bed);
   return (
     <>
-      <h3>How flat: {known ? `${plain(bed.residual_mm * 1000, 1)} µm off a plane` : "not known"}</h3>
-      <div className={`notice ${meaning.kind}`}>
-        <p>{meaning.text}</p>
-        {known ? <p className="hint">The residual is how far the touches lie from the plane, root mean square.</p> : null}
+      <h3>{title}</h3>
+      <div className={`notice ${kind}`}>
+        <p>{text}</p>
+        {todo ? <p>{todo}</p> : null}
+        {bed.measured_points > 3 ? <p className="hint">The residual is how far the touches lie from the plane, root mean square.</p> : null}
       </div>
     </>
   );

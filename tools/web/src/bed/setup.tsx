@@ -31,7 +31,7 @@ export function Setup({ bed, status, grid, setGrid }: {
           Touch only at the three screws
         </button>
       </div>
-      <p className="hint">Nine touches are good for most beds. Three at the screws are quicker, but cannot tell a tilted bed from a bent one.</p>
+      <p className="hint">Nine touches are good for most beds. Four at the corners tell tilt and twist, but no bowl. Three at the screws tell the tilt alone.</p>
       <Failure failed={bed.failed} doing="measure" />
       <Progress live={bed.live} doing={bed.doing} />
       <Heights bed={bed} grid={grid} isBusy={isBusy} status={status} />
