@@ -18,11 +18,27 @@ const seen = (locator) => locator.waitFor({ timeout: 8000 }).then(() => true, ()
 
 async function examples(page, check) {
   await page.getByRole("button", { name: "Backlash" }).click();
-  check(await seen(heading(page, /^X loses 0\.0\d+ mm at each reversal: backlash$/)), "the example with backlash gets a verdict");
-  check(await seen(page.getByText(/X loses 0\.0\d+ ± [\d.]+ mm at its reversals/).first()), "the lost motion is told with its uncertainty");
+  check(await seen(heading(page, /^X loses 0\.0\d+ ± [\d.]+ mm at its reversals/)), "the example with backlash gets a verdict");
   await page.getByRole("button", { name: "Bent or sagging" }).click();
   check(await seen(heading(page, /^Finding/)), "the example of touches gets a finding");
   check(await seen(page.getByText(/probable/).first()), "the finding has a probability");
+}
+
+// The server's summary, and nothing of the page's own: the report has the same sentences.
+async function sameAsSummary(page, base, check) {
+  const asPage = (text) => text.replace(/\+-/g, "±").replace(/ um\b/g, " µm").replace(/\s+/g, " ");
+  for (const path of ["tests/field/marks_stretch_in_mid_travel/marks.csv", "tests/field/two_free_corners_differ_by_a_millimetre/klippy_part.log"]) {
+    const coming = page.waitForResponse((one) => one.url().endsWith("/api/diagnose") && one.ok());
+    await page.getByLabel("Measured files").setInputFiles([`${check.root}/${path}`]);
+    const { summary, id } = await (await coming).json();
+    const verdict = page.locator(`section[aria-labelledby="verdict-${id}"] .notice`);
+    await verdict.waitFor();
+    check((await verdict.innerText()).replace(/\s+/g, " ") === asPage(summary.sentence), `the headline is the summary's sentence: ${summary.sentence.slice(0, 40)}...`);
+    const items = await page.getByRole("region", { name: "What it means" }).getByRole("listitem").count();
+    check(items === summary.found.length + summary.cannot_tell.length + summary.to_do.length, "the lists are the summary's");
+    const report = (await (await page.request.get(`${base}/api/diagnoses/${id}/report`)).text()).replace(/\s+/g, " ");
+    check(report.includes(asPage(summary.sentence).slice(0, 60)), "the report begins with the same sentence");
+  }
 }
 
 async function settings(page, check) {
@@ -63,7 +79,7 @@ async function refusedAndBack(page, check) {
   const list = page.getByRole("region", { name: "Answers of this visit" });
   check(await list.getByRole("button").count() >= 4, "earlier answers are listed");
   await list.getByRole("button", { name: "example_backlash.csv" }).click();
-  check(await seen(heading(page, /^X loses 0\.0\d+ mm at each reversal: backlash$/)), "an earlier answer comes back");
+  check(await seen(heading(page, /^X loses 0\.0\d+ ± [\d.]+ mm at its reversals/)), "an earlier answer comes back");
 }
 
 // Errors stand on the places alone, then on the machine that is chosen; a machine that does not
@@ -71,7 +87,7 @@ async function refusedAndBack(page, check) {
 async function drawn(page, check) {
   await page.getByLabel("Measured files").setInputFiles([file("backlash.csv", table((_at, sense) => -0.02 * sense))]);
   const card = page.getByRole("region", { name: "The error, drawn larger than it is" });
-  await seen(heading(page, /^X loses 0\.04\d* mm/));
+  await seen(heading(page, /^X loses 0\.04\d* ± [\d.]+ mm at its reversals/));
   await card.scrollIntoViewIfNeeded();
   check(await seen(card.locator("canvas[data-drawn='measured places']")), "without a machine only the places are drawn");
   check(await seen(card.getByText(/Largest: (19|20|21)(\.\d)? µm/)), "the legend has the largest error");
@@ -87,7 +103,7 @@ async function drawn(page, check) {
   check(await seen(card.getByText("The file does not tell Y and Z")), "what the file does not tell is said");
   await machine.selectOption("delta_printer");
   check(await seen(page.getByText("That does not go with this file")), "a machine that does not go with the file is refused beside the choice");
-  check(await heading(page, /^X loses 0\.04\d* mm/).isVisible(), "the answer before stays");
+  check(await heading(page, /^X loses 0\.04\d* ± [\d.]+ mm at its reversals/).isVisible(), "the answer before stays");
   await machine.selectOption("");
 }
 
@@ -106,5 +122,6 @@ export async function diagnose(page, base, check) {
   await refusedAndBack(page, check);
   const report = page.getByRole("link", { name: /Whole report/ });
   check((await page.request.get(new URL(await report.getAttribute("href"), base).href)).ok(), "the whole report opens");
+  await sameAsSummary(page, base, check);
   check(outside.length === 0, "no request leaves the server");
 }

@@ -1,13 +1,13 @@
 import { useId, useState, type KeyboardEvent } from "react";
 import { Card, Notice } from "../ui/parts";
-import { Baseline, NextSteps } from "./details";
+import { Baseline } from "./details";
 import { Correction } from "./correction";
 import { Findings } from "./findings";
 import { GainCard } from "./gain";
 import { Drawn } from "./drawn";
 import { Pictures } from "./pictures";
 import type { Diagnosis } from "./types";
-import { verdictOf } from "./verdict";
+import { headOf, kindOf } from "./verdict";
 import { first, nice, size } from "./words";
 
 export function AnswerTabs({ diagnoses, machine }: { diagnoses: Diagnosis[]; machine: string }) {
@@ -44,12 +44,11 @@ function AnswerOf({ one, machine }: { one: Diagnosis; machine: string }) {
   return (
     <>
       <VerdictShown one={one} />
+      <Meaning one={one} />
       <Reading one={one} />
       <Findings one={one} />
-      <Facts one={one} />
       <Drawn one={one} machine={machine} />
       <GainCard one={one} />
-      <NextSteps one={one} />
       <Correction one={one} />
       <Baseline one={one} />
       <Pictures one={one} />
@@ -58,13 +57,12 @@ function AnswerOf({ one, machine }: { one: Diagnosis; machine: string }) {
 }
 
 function VerdictShown({ one }: { one: Diagnosis }) {
-  const { kind, title, says, more } = verdictOf(one);
+  const { head, rest } = headOf(one);
   return (
     <section aria-labelledby={`verdict-${one.id}`} className="verdict">
-      <Notice kind={kind}>
-        <h2 id={`verdict-${one.id}`}>{title}</h2>
-        <p className="says">{nice(says)}</p>
-        {more.map((line) => <p key={line}>{nice(line)}</p>)}
+      <Notice kind={kindOf(one)}>
+        <h2 id={`verdict-${one.id}`}>{head}</h2>
+        {rest ? <p className="says">{rest}</p> : null}
       </Notice>
       <p className="links">
         <a href={`/api/diagnoses/${one.id}/report`} target="_blank" rel="noreferrer">Whole report (new tab)</a>
@@ -107,18 +105,20 @@ function Reading({ one }: { one: Diagnosis }) {
   );
 }
 
-// What the verdict has not said already.
-function Facts({ one }: { one: Diagnosis }) {
-  const { says, more } = verdictOf(one);
-  const told = [says, ...more].join(" ");
-  const facts = (one.facts ?? []).filter((fact) => !told.includes(fact.says))
-    .sort((a, b) => Number(b.is_answer) - Number(a.is_answer));
-  if (facts.length === 0) return null;
+const lists = [["found", "What was found"], ["cannot_tell", "What these measurements cannot tell"], ["to_do", "What to do"]] as const;
+
+// The summary's lists, under the headings that the report gives them.
+function Meaning({ one }: { one: Diagnosis }) {
+  const shown = lists.filter(([key]) => one.summary[key].length > 0);
+  if (shown.length === 0) return null;
   return (
-    <Card title="What the numbers also say">
-      <ul className="facts">
-        {facts.map((fact) => <li key={fact.says}>{fact.is_answer ? <strong>{nice(fact.says)}.</strong> : `${nice(fact.says)}.`}</li>)}
-      </ul>
+    <Card title="What it means">
+      {shown.map(([key, title]) => (
+        <div key={key}>
+          <h3>{title}</h3>
+          <ul className="facts">{one.summary[key].map((says) => <li key={says}>{nice(says)}</li>)}</ul>
+        </div>
+      ))}
     </Card>
   );
 }

@@ -1,42 +1,7 @@
 import { Card, withSd } from "../ui/parts";
 import type { Diagnosis, Quantity } from "./types";
 import { Scroll } from "./scroll";
-import { baselineWord, causeWord, first, nice, plain } from "./words";
-
-const campaigns: Record<string, string> = {
-  abbe: "one laser line at two places of another axis (called “abbe”)",
-  plate_turned_90: "the same plate again, turned by 90°",
-  ballbar: "circles in both senses with a ball-bar",
-};
-
-// "scale.x" is told where a fact has the figure, if only from one place and its zero.
-function isTold(one: Diagnosis, what: string): boolean {
-  const [quantity = "", axis] = what.split(".");
-  const fact = { scale: "scale", backlash: "reversal" }[quantity];
-  return (one.facts ?? []).some((each) => each.fact === fact && each.axis === axis);
-}
-
-export function NextSteps({ one }: { one: Diagnosis }) {
-  const next = one.next_measurement ?? [];
-  const unknown = (one.not_determined ?? []).filter((part) => !isTold(one, part.what));
-  const plan = one.next_campaign;
-  if (next.length === 0 && unknown.length === 0 && !plan) return null;
-  return (
-    <Card title="What to measure next">
-      {next.map((step) => <p key={step.says}>{first(nice(step.says))}.</p>)}
-      {plan ? (
-        <p>Then: {campaigns[plan.kind] ?? plain(plan.kind)}, about {Math.max(1, Math.round(plan.minutes))} minutes.
-          {plan.separates.length > 1 ? ` It tells apart: ${plan.separates.map((cause) => causeWord(cause).toLowerCase()).join("; ")}.` : ""}</p>
-      ) : null}
-      {unknown.length > 0 ? (
-        <>
-          <h3>Not known from these readings</h3>
-          <ul>{unknown.map((part) => <li key={part.what + part.says}>{nice(part.says)}</li>)}</ul>
-        </>
-      ) : null}
-    </Card>
-  );
-}
+import { baselineWord, nice } from "./words";
 
 function Rows({ quantities }: { quantities: Quantity[] }) {
   return (

@@ -3,24 +3,20 @@ import { answered, api } from "../api/client";
 import { Card, Figure } from "../ui/parts";
 import type { Diagnosis, Finding } from "./types";
 import { Shape } from "./shape";
-import { headOf, rivalsOf, toldOf, type Told } from "./verdict";
 import { Scroll } from "./scroll";
 import { axisWord, causeAndAxis, causeWord, followWord, nice, percent, quantityOf, size } from "./words";
 
 export function Findings({ one }: { one: Diagnosis }) {
   const findings = one.findings ?? [];
-  const told = toldOf(one);
-  return <>{findings.map((finding, i) => <FindingCard key={i} finding={finding} told={told[i]} number={findings.length > 1 ? i + 1 : 0} />)}</>;
+  return <>{findings.map((finding, i) => <FindingCard key={i} finding={finding} number={findings.length > 1 ? i + 1 : 0} />)}</>;
 }
 
-function FindingCard({ finding, told, number }: { finding: Finding; told: Told | undefined; number: number }) {
+function FindingCard({ finding, number }: { finding: Finding; number: number }) {
   const axis = axisWord(finding.axis);
-  const rivals = rivalsOf(finding);
-  const line = (key: string) => told?.lines.find((one) => one.key === key)?.says;
+  const rivals = finding.candidates.filter((one) => one.cause !== finding.cause || one.axis !== finding.axis);
   return (
     <Card title={`${number ? `Finding ${number}: ` : "Finding: "}${causeWord(finding.cause)}`}
           aside={<span className="badge">{percent(finding.probability)} probable</span>}>
-      {told ? <p>{nice(headOf(told.sentence))}</p> : null}
       <dl className="figures">
         {axis ? <div className="figure"><dt>Where</dt><dd>{axis}</dd></div> : null}
         {finding.parameters.map((one) => {
@@ -33,9 +29,8 @@ function FindingCard({ finding, told, number }: { finding: Finding; told: Told |
         {finding.rows > 0 ? <div className="figure"><dt>Share of the unexplained</dt><dd>{percent(finding.share)}</dd></div> : null}
       </dl>
       {finding.parameters.some((one) => one.sd === null) ? <p className="hint">Without “±”: how sure the number is, is not known.</p> : null}
-      <Rivals rivals={rivals} tells={line("What tells")} />
+      <Rivals rivals={rivals} />
       {!finding.recommended ? <p><strong>Do not correct by this:</strong> readings that were kept aside get worse with it.</p> : null}
-      {line("What to do") ? <p><strong>What to do:</strong> {nice(line("What to do")!.replace("what the last lines here ask for", "what is asked for below").replace("where the table is steepest", "where the curve is steepest"))}</p> : null}
       {finding.knots ? <Shape knots={finding.knots} prefix={number ? `Finding ${number}: ` : ""} /> : null}
       {finding.parts && finding.parts.length > 0 ? <Parts finding={finding} /> : null}
       <Meaning cause={finding.cause} />
@@ -43,7 +38,7 @@ function FindingCard({ finding, told, number }: { finding: Finding; told: Told |
   );
 }
 
-function Rivals({ rivals, tells }: { rivals: Finding["candidates"]; tells: string | undefined }) {
+function Rivals({ rivals }: { rivals: Finding["candidates"] }) {
   if (rivals.length === 0) return <p>No other known cause fits these rows.</p>;
   return (
     <>
@@ -56,7 +51,6 @@ function Rivals({ rivals, tells }: { rivals: Finding["candidates"]; tells: strin
           </li>
         ))}
       </ul>
-      {tells ? <p><strong>What tells them apart:</strong> {nice(tells)}</p> : null}
     </>
   );
 }

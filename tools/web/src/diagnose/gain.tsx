@@ -1,6 +1,5 @@
 import { Card } from "../ui/parts";
 import type { Diagnosis, LeftOut } from "./types";
-import { wouldShow } from "./verdict";
 import { Scroll } from "./scroll";
 import { nice, percent, size } from "./words";
 
@@ -17,6 +16,11 @@ const kinds: ["runs_left_out" | "positions_left_out" | "ends_left_out", string][
   ["runs_left_out", "runs left out in turn"], ["positions_left_out", "positions left out in turn"],
   ["ends_left_out", "the ends left out in turn"],
 ];
+
+// "They would have shown changing pitch of the X screw from 5.7 um, ...": how small a fault
+// these rows would have told. Only the text has it.
+const wouldShow = (one: Diagnosis) =>
+  one.text.split("\n").filter((line) => /^(They would have shown|They could not show|The baseline predicts)/.test(line));
 
 function Sensitivity({ one }: { one: Diagnosis }) {
   const lines = wouldShow(one);

@@ -1,6 +1,6 @@
 import { Card } from "../ui/parts";
 import type { Answer } from "./ask";
-import { verdictOf } from "./verdict";
+import { headOf } from "./verdict";
 import { plain } from "./words";
 
 function describe(answer: Answer): string {
@@ -24,7 +24,7 @@ export function Recent({ answers, shown, onOpen }: {
               {one.files.map((file) => file.name).join(", ")}
             </button>
             <span className="hint">
-              {one.at.toLocaleTimeString()} · {one.diagnoses.map((each) => verdictOf(each).title).join("; ")}
+              {one.at.toLocaleTimeString()} · {one.diagnoses.map((each) => headOf(each).head).join("; ")}
               {describe(one) ? ` · assumed: ${describe(one)}` : ""}
             </span>
           </li>

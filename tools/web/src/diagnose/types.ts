@@ -62,17 +62,21 @@ export interface Show {
   places?: PlaceError[];
   places_of?: "findings" | "baseline";
 }
-export interface Campaign { kind: string; separates: string[]; minutes: number; separation_sigma: number }
+export interface Summary {
+  answer: "cause" | "figure" | "elsewhere" | "nothing" | "too_few";
+  sentence: string;
+  found: string[];
+  cannot_tell: string[];
+  to_do: string[];
+}
 
-export interface Diagnosis extends Omit<Schemas["Diagnosis"], "findings" | "gain" | "facts" | "not_determined"
-  | "not_the_machine" | "next_measurement" | "show"> {
+export interface Diagnosis extends Omit<Schemas["Diagnosis"], "summary" | "findings" | "gain" | "facts"
+  | "not_the_machine" | "show"> {
+  summary: Summary;
   findings?: Finding[];
   gain?: Gain;
   facts?: Fact[];
-  not_determined?: { what: string; says: string }[];
   not_the_machine?: { reason: string; says: string } | null;
-  next_measurement?: { instrument: string; says: string }[];
-  next_campaign?: Campaign | null;
   baseline?: Quantity[];
   show?: Show | null;
 }

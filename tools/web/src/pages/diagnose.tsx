@@ -7,7 +7,7 @@ import { ChangeAssumed } from "../diagnose/assumed";
 import { Columns, columnsFound } from "../diagnose/columns";
 import { Drop } from "../diagnose/drop";
 import { Recent } from "../diagnose/recent";
-import { verdictOf } from "../diagnose/verdict";
+import { headOf } from "../diagnose/verdict";
 
 interface Asked { files: File[]; assumed: Assumed }
 
@@ -73,8 +73,8 @@ function Failed({ answer, onAgain, onMap }: { answer: Answer; onAgain: () => voi
 }
 
 function spoken(answer: Answer): string {
-  const verdicts = answer.diagnoses.map((one) => `${one.import.file}: ${verdictOf(one).title}`);
-  return verdicts.length > 0 ? `Answered. ${verdicts.join(". ")}.` : "Not answered.";
+  const verdicts = answer.diagnoses.map((one) => `${one.import.file}: ${headOf(one).head}`);
+  return verdicts.length > 0 ? `Answered. ${verdicts.join(" ")}` : "Not answered.";
 }
 
 export default function Diagnose() {
