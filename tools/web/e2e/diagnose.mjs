@@ -57,6 +57,33 @@ async function settings(page, check) {
   await page.getByRole("combobox", { name: "Machine" }).selectOption("");
 }
 
+// What was said of the machine: steps/mm go into the settings to paste; a .cfg describes it.
+async function assumed(page, check) {
+  await page.getByLabel("Measured files").setInputFiles([file("steps.csv", table((at) => 0.002 * at))]);
+  await seen(heading(page, /^X moves 1\.002/));
+  const steps = page.getByLabel("Steps/mm set now");
+  await steps.fill("80");
+  await steps.press("Enter");
+  check(await seen(page.getByText(/Set 79\.8\d* ± [\d.]+ steps\/mm/)), "steps/mm that are assumed give the settings to paste");
+  await page.getByLabel("Measured files").setInputFiles([`${check.root}/tests/data/imports/delta_super_racer.cfg`]);
+  await seen(heading(page, /Two opposite corners/));
+  check(await page.getByRole("combobox", { name: "Machine" }).locator("option:checked").innerText() === "as delta_super_racer.cfg says", "a machine that is read from a .cfg is not called none");
+  const map = page.getByRole("region", { name: "How it was found" }).getByRole("group", { name: "Evidence map" });
+  check(await map.isVisible(), "the evidence map is open");
+}
+
+// One table of two cannot be read: its columns are asked for, and it is answered.
+async function columnsOfOne(page, check) {
+  const rows = [10, 20, 30, 40, 50, 60].map((at) => `${at},${(at * 1.001).toFixed(3)}`).join("\n");
+  await page.getByLabel("Measured files").setInputFiles([file("good.csv", table((at) => 0.002 * at)), file("odd.csv", `x,y\n${rows}\n`)]);
+  const form = page.getByRole("region", { name: "Say which column is which: odd.csv" });
+  check(await seen(form), "in a drop of several the table that is not read is asked about");
+  check(await page.getByRole("region", { name: "What was read" }).getByText("good.csv").count() > 0, "and the other is answered");
+  await check.shot("columns");
+  await form.getByRole("button", { name: "Answer again" }).click();
+  check(await seen(page.getByRole("region", { name: "What was read" }).getByText("odd.csv")), "with its columns it is answered");
+}
+
 async function several(page, check) {
   const files = [file("one.csv", table((_at, sense) => -0.02 * sense)), file("two.csv", table((at) => 0.001 * at)),
     file("notes.txt", "nothing was measured here\nand nothing there\n")];
@@ -122,6 +149,8 @@ export async function diagnose(page, base, check) {
   await refusedAndBack(page, check);
   const report = page.getByRole("link", { name: /Whole report/ });
   check((await page.request.get(new URL(await report.getAttribute("href"), base).href)).ok(), "the whole report opens");
+  await assumed(page, check);
+  await columnsOfOne(page, check);
   await sameAsSummary(page, base, check);
   check(outside.length === 0, "no request leaves the server");
 }

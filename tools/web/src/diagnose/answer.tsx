@@ -1,5 +1,6 @@
 import { useId, useState, type KeyboardEvent } from "react";
 import { Card, Notice } from "../ui/parts";
+import type { Assumed } from "./ask";
 import { Baseline } from "./details";
 import { Correction } from "./correction";
 import { Findings } from "./findings";
@@ -10,12 +11,12 @@ import type { Diagnosis } from "./types";
 import { headOf, kindOf } from "./verdict";
 import { first, nice, size } from "./words";
 
-export function AnswerTabs({ diagnoses, machine }: { diagnoses: Diagnosis[]; machine: string }) {
+export function AnswerTabs({ diagnoses, assumed }: { diagnoses: Diagnosis[]; assumed: Assumed }) {
   const [at, setAt] = useState(0);
   const id = useId();
   const one = diagnoses[at];
   if (!one) return null;
-  if (diagnoses.length === 1) return <AnswerOf one={one} machine={machine} />;
+  if (diagnoses.length === 1) return <AnswerOf one={one} assumed={assumed} />;
   const move = (event: KeyboardEvent) => {
     const step = event.key === "ArrowRight" ? 1 : event.key === "ArrowLeft" ? -1 : 0;
     if (step === 0) return;
@@ -34,24 +35,24 @@ export function AnswerTabs({ diagnoses, machine }: { diagnoses: Diagnosis[]; mac
         ))}
       </div>
       <div role="tabpanel" id={`${id}-panel`} aria-labelledby={`${id}-tab-${at}`} tabIndex={-1}>
-        <AnswerOf key={one.id} one={one} machine={machine} />
+        <AnswerOf key={one.id} one={one} assumed={assumed} />
       </div>
     </>
   );
 }
 
-function AnswerOf({ one, machine }: { one: Diagnosis; machine: string }) {
+function AnswerOf({ one, assumed }: { one: Diagnosis; assumed: Assumed }) {
   return (
     <>
       <VerdictShown one={one} />
       <Meaning one={one} />
       <Reading one={one} />
       <Findings one={one} />
-      <Drawn one={one} machine={machine} />
-      <GainCard one={one} />
-      <Correction one={one} />
-      <Baseline one={one} />
       <Pictures one={one} />
+      <Drawn one={one} machine={assumed.machine} />
+      <GainCard one={one} />
+      <Correction key={assumed.steps} one={one} stepsNow={assumed.steps} />
+      <Baseline one={one} />
     </>
   );
 }

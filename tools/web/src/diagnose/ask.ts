@@ -1,9 +1,10 @@
 import { answered, api, problemOf, type Problem } from "../api/client";
+import { stepsIn } from "./correction";
 import { first } from "./words";
 import { diagnosesOf, type Diagnosis } from "./types";
 
-export interface Assumed { machine: string; unit: "" | "mm" | "um" | "inch" | "thou"; axis: "" | "x" | "y" | "z"; least: string; columns: string }
-export const nothingAssumed: Assumed = { machine: "", unit: "", axis: "", least: "", columns: "" };
+export interface Assumed { machine: string; unit: "" | "mm" | "um" | "inch" | "thou"; axis: "" | "x" | "y" | "z"; least: string; steps: string; columns: string }
+export const nothingAssumed: Assumed = { machine: "", unit: "", axis: "", least: "", steps: "", columns: "" };
 
 // Another assumption about the same files that was refused: the answer before stays.
 export interface Refused { assumed: Assumed; problems: Problem[] }
@@ -24,6 +25,8 @@ function send(files: File[], assumed: Assumed, signal: AbortSignal) {
   if (assumed.unit) form.append("unit", assumed.unit);
   if (assumed.axis) form.append("axis", assumed.axis);
   if (assumed.least.trim()) form.append("min_effect_um", assumed.least.trim());
+  const steps = stepsIn(assumed.steps);
+  if (steps > 0) form.append("step_mm", String(1 / steps));
   if (assumed.columns) form.append("map", assumed.columns);
   // The multipart body is made by the browser; the typed client knows only its fields.
   return answered(api.POST("/api/diagnose", { body: form as never, bodySerializer: () => form, signal }));
@@ -34,6 +37,9 @@ function forPeople(problem: Problem): Problem {
   const errors = problem.errors?.map((fault) => ({ ...fault, hint: fault.hint?.replace(/ Or say it: caltwin import.*$/s, "") }));
   return { ...problem, detail: first(problem.detail), errors: errors?.map((fault) => ({ ...fault, detail: first(fault.detail) })) };
 }
+
+// A file and the header of its name.
+export const withHeader = (files: File[], name: string) => files.filter((file) => stem(file.name) === stem(name));
 
 const stem = (name: string) => name.replace(/\.[^.]*$/, "");
 

@@ -2,6 +2,7 @@ import { useEffect, useState } from "react";
 import { answered, api, type Schemas } from "../api/client";
 import { Busy, Card, ProblemNotice } from "../ui/parts";
 import type { Assumed, Refused } from "./ask";
+import { stepsIn } from "./correction";
 import { first, plain } from "./words";
 
 type Machine = Schemas["Machines"]["machines"][number];
@@ -20,50 +21,67 @@ function MachineShown({ machine }: { machine: Machine }) {
   );
 }
 
-// Changing a choice answers again at once; the least effect waits for Enter or leaving the field.
-export function ChangeAssumed({ assumed, refused, onChange }: {
+// A field that waits for Enter or for being left.
+function Typed({ name, value, placeholder, onCommit }: {
+  name: string;
+  value: string;
+  placeholder: string;
+  onCommit: (value: string) => void;
+}) {
+  const [text, setText] = useState(value);
+  useEffect(() => setText(value), [value]);
+  const commit = () => { if (text.trim() !== value) onCommit(text.trim()); };
+  return (
+    <label>{name}
+      <input inputMode="decimal" value={text} placeholder={placeholder} onChange={(event) => setText(event.target.value)} onBlur={commit}
+             onKeyDown={(event) => { if (event.key === "Enter") commit(); }} />
+    </label>
+  );
+}
+
+function Choice<T extends string>({ name, value, options, onChange }: {
+  name: string;
+  value: T;
+  options: [T, string][];
+  onChange: (value: T) => void;
+}) {
+  return (
+    <label>{name}
+      <select value={value} onChange={(event) => onChange(event.target.value as T)}>
+        {options.map(([key, words]) => <option key={key} value={key}>{words}</option>)}
+      </select>
+    </label>
+  );
+}
+
+const units: [Assumed["unit"], string][] = [["", "as the file says"], ["mm", "mm"], ["um", "µm"], ["inch", "inch"], ["thou", "thou (0.001 inch)"]];
+const axes: [Assumed["axis"], string][] = [["", "as the file says"], ["x", "X"], ["y", "Y"], ["z", "Z"]];
+
+// Changing a choice answers again at once. `machineFile`: the file that the machine was read from.
+export function ChangeAssumed({ assumed, refused, machineFile, onChange }: {
   assumed: Assumed;
   refused: Refused | null;
+  machineFile: string | null;
   onChange: (assumed: Assumed) => void;
 }) {
   const [machines, setMachines] = useState<Machine[]>([]);
-  const [least, setLeast] = useState(assumed.least);
   useEffect(() => { answered(api.GET("/api/machines")).then((all) => setMachines(all.machines), () => setMachines([])); }, []);
-  useEffect(() => setLeast(assumed.least), [assumed.least]);
   const shown = machines.find((one) => one.name === assumed.machine);
-  const commit = () => { if (least.trim() !== assumed.least) onChange({ ...assumed, least: least.trim() }); };
+  const known = machines.map((one): [string, string] => [one.name, first(plain(one.name))]);
   return (
     <div id="assumed">
     <Card title="Change what was assumed">
       <p className="hint">Leave a field at “as the file says” if the file is right. A change answers again with the same files.</p>
       <div className="row">
-        <label>Machine
-          <select value={assumed.machine} onChange={(event) => onChange({ ...assumed, machine: event.target.value })}>
-            <option value="">none named</option>
-            {machines.map((one) => <option key={one.name} value={one.name}>{first(plain(one.name))}</option>)}
-          </select>
-        </label>
-        <label>Unit of the readings
-          <select value={assumed.unit}
-                  onChange={(event) => onChange({ ...assumed, unit: event.target.value as Assumed["unit"] })}>
-            <option value="">as the file says</option>
-            <option value="mm">mm</option><option value="um">µm</option>
-            <option value="inch">inch</option><option value="thou">thou (0.001 inch)</option>
-          </select>
-        </label>
-        <label>Axis
-          <select value={assumed.axis}
-                  onChange={(event) => onChange({ ...assumed, axis: event.target.value as Assumed["axis"] })}>
-            <option value="">as the file says</option>
-            <option value="x">X</option><option value="y">Y</option><option value="z">Z</option>
-          </select>
-        </label>
-        <label>Least effect of interest, µm
-          <input type="number" inputMode="decimal" min="0" step="any" value={least} placeholder="any"
-                 onChange={(event) => setLeast(event.target.value)} onBlur={commit}
-                 onKeyDown={(event) => { if (event.key === "Enter") commit(); }} />
-        </label>
+        <Choice name="Machine" value={assumed.machine} options={[["", machineFile ? `as ${machineFile} says` : "none named"], ...known]}
+                onChange={(machine) => onChange({ ...assumed, machine })} />
+        <Choice name="Unit of the readings" value={assumed.unit} options={units} onChange={(unit) => onChange({ ...assumed, unit })} />
+        <Choice name="Axis" value={assumed.axis} options={axes} onChange={(axis) => onChange({ ...assumed, axis })} />
+        <Typed name="Steps/mm set now" value={assumed.steps} placeholder="as the file says" onCommit={(steps) => onChange({ ...assumed, steps })} />
+        <Typed name="Least effect of interest, µm" value={assumed.least} placeholder="any" onCommit={(least) => onChange({ ...assumed, least })} />
       </div>
+      {assumed.steps && !(stepsIn(assumed.steps) > 0) ? <p role="status">“{assumed.steps}” are no steps/mm: write a number above 0.</p> : null}
+      <p className="hint">Steps/mm set now: the settings to paste are worked out from it, and a log that counts motor steps is read by it.</p>
       {refused ? (
         <div>
           <p><strong>That does not go with this file{refused.assumed.machine && refused.assumed.machine !== assumed.machine

@@ -15,9 +15,9 @@ function Unit({ name, value, onChange }: { name: string; value: string; onChange
 
 interface Found { at: string; name: string }
 
-// From "which column is which? Found: 1 'time', 2 'read'".
+// From "which column is which? Found: 1 'time', 2 'read'", or without headings "1 (10.0 ...)".
 export function columnsFound(detail: string): Found[] {
-  return [...detail.matchAll(/(\d+) '([^']*)'/g)].map((match) => ({ at: match[1]!, name: match[2]! }));
+  return [...detail.matchAll(/(\d+) (?:'([^']*)'|\((.*?) \.\.\.\))/g)].map((match) => ({ at: match[1]!, name: match[2] ?? `begins with ${match[3]}` }));
 }
 
 function Column({ name, found, value, onChange }: {
@@ -36,7 +36,8 @@ function Column({ name, found, value, onChange }: {
 }
 
 // For a table whose headings say nothing: what `--map` says on the command line.
-export function Columns({ found, onMap }: { found: Found[]; onMap: (map: string) => void }) {
+// `file`: which, where several came; it is then answered by itself.
+export function Columns({ file, found, onMap }: { file: string; found: Found[]; onMap: (map: string) => void }) {
   const [axis, setAxis] = useState("x");
   const [told, setTold] = useState("1");
   const [toldUnit, setToldUnit] = useState("mm");
@@ -48,7 +49,8 @@ export function Columns({ found, onMap }: { found: Found[]; onMap: (map: string)
     onMap(`cmd_${axis}_mm=${told}[${toldUnit}],${kind}=${read}[${readUnit}]`);
   };
   return (
-    <Card title="Say which column is which">
+    <Card title={`Say which column is which${file ? `: ${file}` : ""}`}>
+      {file ? <p className="hint">This file is then answered by itself. The answers to the others stay under “Answers of this visit”.</p> : null}
       <form onSubmit={submit}>
         <div className="row">
           <label>Axis

@@ -56,7 +56,7 @@ function stepsLines(axis: string, steps: string): [string, string][] {
   ];
 }
 
-const stepsIn = (text: string) => Number(text.replace(",", "."));
+export const stepsIn = (text: string) => Number(text.replace(",", "."));
 
 function NewSteps({ fact, now, setNow }: { fact: Fact; now: string; setNow: (now: string) => void }) {
   const id = useId();
@@ -92,7 +92,8 @@ function NewSteps({ fact, now, setNow }: { fact: Fact; now: string; setNow: (now
 const isOff = (fact: Fact) => fact.fact === "scale" && fact.is_answer && typeof fact.steps_factor === "number";
 const setsNothing = (text: string) => text.split("\n").every((line) => /^\s*($|[;#[])/.test(line));
 
-export function Correction({ one }: { one: Diagnosis }) {
+// `stepsNow`: the steps/mm set now, as said under “Change what was assumed”.
+export function Correction({ one, stepsNow }: { one: Diagnosis; stepsNow: string }) {
   const id = one.id;
   const [controller, setController] = useState<Controller | "">("");
   const [found, setFound] = useState<Schemas["Correction"] | null>(null);
@@ -100,7 +101,7 @@ export function Correction({ one }: { one: Diagnosis }) {
   // By axis, as typed.
   const [steps, setSteps] = useState<Record<string, string>>({});
   const off = (one.not_the_machine ? [] : one.facts ?? []).filter(isOff);
-  const hasSteps = off.length > 0 && off.every((fact) => stepsIn(steps[fact.axis] ?? "") > 0);
+  const hasSteps = off.length > 0 && off.every((fact) => stepsIn(steps[fact.axis] ?? stepsNow) > 0);
   useEffect(() => {
     setFound(null);
     setProblem(null);
@@ -113,7 +114,7 @@ export function Correction({ one }: { one: Diagnosis }) {
   return (
     <Card title="Settings to paste">
       {off.map((fact) => (
-        <NewSteps key={fact.says} fact={fact} now={steps[fact.axis] ?? ""} setNow={(now) => setSteps((all) => ({ ...all, [fact.axis]: now }))} />
+        <NewSteps key={fact.says} fact={fact} now={steps[fact.axis] ?? stepsNow} setNow={(now) => setSteps((all) => ({ ...all, [fact.axis]: now }))} />
       ))}
       <label>Your controller
         <select value={controller} onChange={(event) => setController(event.target.value as Controller | "")}>

@@ -6,7 +6,7 @@ import { useShape, type Shape } from "../machine/use_shape";
 import { MachineView } from "../machine/view";
 import type { World } from "../machine/world";
 import { alongOf, commanded, isBeside, marksOf, middleOf, mostOf, placesOf, plainScene, sizeOf, stepInLine, untold, type Triple } from "./places";
-import type { Diagnosis, PlaceError } from "./types";
+import { hasOwnMachine, type Diagnosis, type PlaceError } from "./types";
 import { plain, size } from "./words";
 
 const nothing = (): void => undefined;
@@ -71,7 +71,8 @@ function Legend({ fitted, one, machine }: { fitted: Fitted; one: Diagnosis; mach
       {missing.length > 0 ? <p className="hint">The file does not tell {missing.join(" and ")}{machine ? ": drawn in the middle of the travel" : ""}.</p> : null}
       {outside > 0 ? <p className="hint">{outside} places are beyond the travel of this machine, so they are not drawn. Is it the right one?</p> : null}
       <p className="hint">{machine ? `The machine is the ${plain(machine)}, as you chose it. Only the arrows come from your file.`
-        : "No machine is named, so only the places are drawn: the plate reaches as far as the measurements do."}{" "}
+        : hasOwnMachine(one) ? "The machine that the file describes is not drawn, only the places: the plate reaches as far as the measurements do."
+          : "No machine is named, so only the places are drawn: the plate reaches as far as the measurements do."}{" "}
         {machine ? null : <a href="#assumed">Choose your machine</a>}</p>
     </>
   );

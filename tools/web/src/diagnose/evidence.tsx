@@ -14,8 +14,8 @@ export function EvidenceMap({ map }: { map: Evidence[] }) {
   const rows = [...new Set(map.map((one) => one.channel))];
   const columns = [...new Set(map.map((one) => one.covariate))];
   return (
-    <details>
-      <summary>Where the evidence lies</summary>
+    <>
+      <h3>Where the evidence lies</h3>
       <p className="hint">What is off (rows), and what it follows (columns). “Strong” is more than 100 to 1 for the cause named.</p>
       <Scroll label="Evidence map"><table className="evidence">
         <thead><tr><th scope="col">Readings of</th>{columns.map((one) => <th key={one} scope="col">{followWord(one)}</th>)}</tr></thead>
@@ -26,7 +26,7 @@ export function EvidenceMap({ map }: { map: Evidence[] }) {
           </tr>))}
         </tbody>
       </table></Scroll>
-    </details>
+    </>
   );
 }
 

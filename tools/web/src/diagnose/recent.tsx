@@ -4,8 +4,8 @@ import { headOf } from "./verdict";
 import { plain } from "./words";
 
 function describe(answer: Answer): string {
-  const { machine, unit, axis, least } = answer.assumed;
-  return [machine && plain(machine), unit && `unit ${unit}`, axis && `axis ${axis.toUpperCase()}`, least && `from ${least} µm`]
+  const { machine, unit, axis, least, steps } = answer.assumed;
+  return [machine && plain(machine), unit && `unit ${unit}`, axis && `axis ${axis.toUpperCase()}`, least && `from ${least} µm`, steps && `${steps} steps/mm`]
     .filter(Boolean).join(", ");
 }
 
@@ -24,7 +24,7 @@ export function Recent({ answers, shown, onOpen }: {
               {one.files.map((file) => file.name).join(", ")}
             </button>
             <span className="hint">
-              {one.at.toLocaleTimeString()} · {one.diagnoses.map((each) => headOf(each).head).join("; ")}
+              {one.at.toLocaleTimeString()} · {one.diagnoses.map((each) => headOf(each).head).join(" ")}
               {describe(one) ? ` · assumed: ${describe(one)}` : ""}
             </span>
           </li>

@@ -85,3 +85,7 @@ export function diagnosesOf(answer: Schemas["Diagnoses"]): Diagnosis[] {
   const all = "diagnoses" in answer ? answer.diagnoses : [answer];
   return all as unknown as Diagnosis[];
 }
+
+// Whether the machine was read from the settings in the file itself.
+export const hasOwnMachine = (one: Diagnosis) =>
+  (one.remarks ?? []).some((remark) => remark.startsWith("the machine is that of the settings in the same file"));

@@ -1,12 +1,14 @@
 import "../diagnose/diagnose.css";
 import { useEffect, useRef, useState } from "react";
+import type { Problem } from "../api/client";
 import { Busy, Card, ProblemNotice } from "../ui/parts";
 import { AnswerTabs } from "../diagnose/answer";
-import { ask, nothingAssumed, type Answer, type Assumed, type Refused } from "../diagnose/ask";
+import { ask, nothingAssumed, withHeader, type Answer, type Assumed, type Refused } from "../diagnose/ask";
 import { ChangeAssumed } from "../diagnose/assumed";
 import { Columns, columnsFound } from "../diagnose/columns";
 import { Drop } from "../diagnose/drop";
 import { Recent } from "../diagnose/recent";
+import { hasOwnMachine } from "../diagnose/types";
 import { headOf } from "../diagnose/verdict";
 
 interface Asked { files: File[]; assumed: Assumed }
@@ -54,22 +56,34 @@ function Waiting({ asked, onStop }: { asked: Asked; onStop: () => void }) {
   );
 }
 
-const foundColumns = (answer: Answer) =>
-  (answer.files.length === 1 ? columnsFound(answer.problems.find((problem) => /^which column/i.test(problem.detail))?.detail ?? "") : []);
+const isUnread = (problem: Problem) => /^which column/i.test(problem.detail);
 
-function Failed({ answer, onAgain, onMap }: { answer: Answer; onAgain: () => void; onMap: (map: string) => void }) {
-  const found = foundColumns(answer);
+// A table whose columns nobody knows is asked about, also where other files were answered.
+function Failed({ answer, onAgain, onMap }: { answer: Answer; onAgain: () => void; onMap: (map: string, file: string) => void }) {
   const again = answer.problems.some((problem) => problem.status === 0 || problem.status >= 500);
+  const tables = answer.problems.filter(isUnread).map((problem) => (
+    { file: problem.errors?.[0]?.file ?? answer.files[0]?.name ?? "", found: columnsFound(problem.detail) }));
   return (
     <>
       {answer.problems.map((problem, i) => <ProblemNotice key={i} problem={problem} />)}
       {again
         ? <p><button type="button" className="quiet" onClick={onAgain}>Try again</button></p>
         : null}
+      {tables.filter(({ found }) => found.length > 1).map(({ file, found }) => (
+        <Columns key={file} file={answer.files.length > 1 ? file : ""} found={found} onMap={(map) => onMap(map, file)} />
+      ))}
       {answer.diagnoses.length > 0 ? <p className="hint">The other files are answered below.</p> : null}
-      {found.length > 1 ? <Columns found={found} onMap={onMap} /> : null}
     </>
   );
+}
+
+// The file that the machine was read from: the data's own, or one that came along.
+function machineFileOf(answer: Answer): string | null {
+  const own = answer.diagnoses.find(hasOwnMachine);
+  if (own) return own.import.file;
+  const along = answer.files.find((file) => /\.yaml$/.test(file.name) && withHeader(answer.files, file.name).length === 1);
+  const isUnnamed = answer.diagnoses.some((one) => (one.remarks ?? []).some((remark) => remark.startsWith("no machine is named")));
+  return along && answer.diagnoses.length > 0 && !isUnnamed ? along.name : null;
 }
 
 function spoken(answer: Answer): string {
@@ -80,7 +94,8 @@ function spoken(answer: Answer): string {
 export default function Diagnose() {
   const { answers, shown, open, asked, refused, put, stop } = useAnswers();
   const result = useRef<HTMLDivElement>(null);
-  const asColumns = (of: Answer) => (columns: string) => put({ files: of.files, assumed: { ...of.assumed, columns } });
+  // By itself: the columns of one table are not those of another.
+  const asColumns = (of: Answer) => (columns: string, file: string) => put({ files: withHeader(of.files, file), assumed: { ...of.assumed, columns } });
   const assumed = asked?.assumed ?? shown?.assumed ?? nothingAssumed;
   useEffect(() => {
     if (shown) result.current?.scrollIntoView({ block: "start" });
@@ -95,12 +110,12 @@ export default function Diagnose() {
         {shown ? (
           <div key={shown.key} className={asked ? "old" : undefined}>
             {shown.problems.length > 0 ? <Failed answer={shown} onAgain={() => put(shown)} onMap={asColumns(shown)} /> : null}
-            {shown.diagnoses.length > 0 ? <AnswerTabs diagnoses={shown.diagnoses} machine={shown.assumed.machine} /> : null}
+            {shown.diagnoses.length > 0 ? <AnswerTabs diagnoses={shown.diagnoses} assumed={shown.assumed} /> : null}
           </div>
         ) : null}
         {!asked && !shown ? <Empty /> : null}
       </div>
-      {shown ? <ChangeAssumed assumed={assumed} refused={refused} onChange={(next) => put({ files: shown.files, assumed: next })} /> : null}
+      {shown ? <ChangeAssumed assumed={assumed} refused={refused} machineFile={machineFileOf(shown)} onChange={(next) => put({ files: shown.files, assumed: next })} /> : null}
       <Recent answers={answers} shown={shown} onOpen={open} />
     </div>
   );
