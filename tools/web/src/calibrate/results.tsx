@@ -7,6 +7,12 @@ const verdicts: Record<string, string> = {
   measured: "kept as it was", applied: "applied", refused: "refused, not applied", rolled_back: "taken back, it was worse",
 };
 
+// A job that was stopped keeps what it applied, and no estimate of how sure that is.
+function readingsSay(step: Result["steps"][number], found: Result["estimates"][number] | undefined): string {
+  if (found?.is_known) return valueOf(step.name, found.value, found.sd);
+  return !found && step.verdict === "applied" ? `${valueOf(step.name, step.after)}, uncertainty not known` : "not known";
+}
+
 function Changes({ result, name }: { result: Result; name: string }) {
   if (result.steps.length === 0 && result.estimates.length === 0) return null;
   return (
@@ -24,7 +30,7 @@ function Changes({ result, name }: { result: Result; name: string }) {
                 <th scope="row">{plain(step.name)}</th>
                 <td>{valueOf(step.name, step.before)}</td>
                 <td>{valueOf(step.name, step.after)}</td>
-                <td>{found?.is_known ? valueOf(step.name, found.value, found.sd) : "not known"}</td>
+                <td>{readingsSay(step, found)}</td>
                 <td className="cal-told">{capital(verdicts[step.verdict] ?? step.verdict)}. {capital(plain(step.message))}</td>
               </tr>
             );

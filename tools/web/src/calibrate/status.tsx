@@ -1,6 +1,6 @@
-import { useState } from "react";
+import { useRef, useState } from "react";
 import { operatorName } from "../api/client";
-import { Card } from "../ui/parts";
+import { Card, useFocusAfter } from "../ui/parts";
 import { axes, counting, estimateOf, type Axis, type Bench, type Job, type Settings } from "./model";
 import { jobName, valueOf, when } from "./words";
 import type { BenchHold } from "./use_bench";
@@ -11,6 +11,10 @@ const rows = [
   { title: "Probe deflection", name: "probe_pretravel", key: "probe_deflection_mm" },
 ] as const;
 
+// Whether a job wrote this value, as one that was aborted after it does without an estimate.
+const wasApplied = (jobs: Job[], name: string, value: number) => jobs.some((job) =>
+  job.result?.steps.some((step) => step.name === name && step.verdict === "applied" && Math.abs(step.after - value) < 1e-9 + 1e-6 * Math.abs(value)));
+
 // A setting with the uncertainty of the estimate it came from; without one, as configured.
 export function settingText(settings: Settings, jobs: Job[], row: (typeof rows)[number], axis: Axis): string {
   const name = `${row.name}.${axis}`;
@@ -19,7 +23,8 @@ export function settingText(settings: Settings, jobs: Job[], row: (typeof rows)[
   if (estimate && !estimate.is_known) return `not known (set to ${valueOf(name, value)})`;
   const fits = estimate?.value != null && estimate.sd != null
     && Math.abs(estimate.value - value) <= Math.max(2 * estimate.sd, 1e-9);
-  return fits ? valueOf(name, value, estimate.sd) : `${valueOf(name, value)}, not measured`;
+  if (fits) return valueOf(name, value, estimate.sd);
+  return `${valueOf(name, value)}, ${wasApplied(jobs, name, value) ? "measured and applied, not verified" : "not measured"}`;
 }
 export const settingRows = rows;
 
@@ -91,10 +96,12 @@ function nowText(bench: Bench, isLost: boolean): string {
 // Stays in sight while the page scrolls, so that Abort is always within reach.
 export function NowBar({ hold }: { hold: BenchHold }) {
   const { bench } = hold;
+  const said = useRef<HTMLParagraphElement>(null);
+  useFocusAfter(bench?.state, said);
   if (!bench) return null;
   return (
     <div className={bench.state === "idle" ? "" : "cal-bar"}>
-      <p className="cal-now" role="status"><strong>{nowText(bench, hold.connection === "lost")}</strong></p>
+      <p className="cal-now" role="status" ref={said} tabIndex={-1}><strong>{nowText(bench, hold.connection === "lost")}</strong></p>
       {bench.state === "idle" ? null : <button className="danger" onClick={hold.abort}>Abort</button>}
     </div>
   );

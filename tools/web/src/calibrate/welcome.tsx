@@ -73,6 +73,7 @@ export function Welcome({ hold, bench }: { hold: BenchHold; bench: Bench }) {
         <button disabled={!idle || !entries.hasProbe} onClick={() => void hold.run("home", {})}>
           {homed ? "Home again" : "Home the machine and go on"}
         </button>
+        {state === "stopped" ? <button className="quiet" disabled={!idle} onClick={() => void hold.run("reset", {})}>Reset the controller</button> : null}
         {homed ? <button onClick={() => hold.keep({ step: 2 })}>Next: rough steps/mm</button> : null}
       </div>
       {bench.state !== "idle" && bench.job?.procedure === "home" ? <Busy text="Homing" /> : null}

@@ -7,9 +7,17 @@ const quantities: Record<string, string> = {
   probe_pretravel: "probe deflection",
 };
 
+// "backlash.x - 2 placement.gauge.x": the names in it, without signs and factors.
+function togetherIn(sum: string): string {
+  const names = sum.split(/ [+-] /).map((term) => term.replace(/^-?\s*(?:[\d.]+ )?/, ""));
+  return `It tells ${names.slice(0, -1).join(", ")} and ${names.at(-1)} only together, not each by itself.`;
+}
+
 // "probe_pretravel.x" -> "probe deflection of X", also inside sentences.
 export function plain(text: string): string {
   return text
+    .replace(/It determines ([^.]*(?:\.\S[^.]*)*?)(?:, each)? as a whole, not (?:its|their) parts\./g,
+      (_, sums: string) => sums.split(" and ").map(togetherIn).join(" "))
     .replace(/^([xyz]): /, (_, axis: string) => `${axis.toUpperCase()}: `)
     .replace(/\b(steps_per_mm|backlash|probe_pretravel)\.([xyz])\b/g,
       (_, what: string, axis: string) => `${quantities[what]} of ${axis.toUpperCase()}`)
@@ -29,7 +37,9 @@ export function nameOf(procedure: string): string {
   const step = steps.find((one) => one.procedure === procedure);
   if (procedure === "home") return "Homing";
   if (procedure === "restore") return "Restoring the settings from before";
-  return step && step.n > 1 ? (step.n === 6 ? "Verification" : step.name) : procedure;
+  if (procedure === "reset") return "Resetting the controller";
+  if (procedure === "set") return "Writing settings";
+  return step && step.n > 1 ? (step.n === 6 ? "Verification" : step.name) : capital(procedure.replaceAll("_", " "));
 }
 
 export function jobName(job: Job): string {
@@ -39,6 +49,19 @@ export function jobName(job: Job): string {
 }
 
 export const capital = (text: string) => text.charAt(0).toUpperCase() + text.slice(1);
+
+// "repeatability.x" -> "Repeatability, X"; "block.left" -> "left face of the block".
+export function campaignName(campaign: string): string {
+  const [what = campaign, axis] = campaign.split(".");
+  const name = what === "verify" ? "Verification" : capital(what.replaceAll("_", " "));
+  return axis ? `${name}, ${axis.toUpperCase()}` : name;
+}
+
+export function featureName(feature: string): string {
+  const [what = feature, side] = feature.split(".");
+  const thing = what.replaceAll("_", " ");
+  return side ? `${side.replaceAll("_", " ")} face of the ${thing}` : thing;
+}
 
 export const unitOf = (name: string) => (name.startsWith("steps_per_mm") ? "steps/mm" : "mm");
 
@@ -65,8 +88,8 @@ export const endings: Record<string, { kind: "good" | "warn" | "bad"; verdict: s
   no_trigger: { kind: "bad", verdict: "The probe did not trigger.",
     remedy: "Check that the probe is mounted and connected, and that the block stands where the machine looks for it. Then measure again." },
   collision: { kind: "bad", verdict: "The probe ran into something.",
-    remedy: "Check the stylus and the block. Reset the controller (M999, or its reset button). A simulated machine is reset by stopping caltwin serve and starting it again; nothing you entered is lost. Then home, and measure again in the corrected form." },
-  alarm: { kind: "bad", verdict: "The controller raised an alarm.", remedy: "Clear the cause. Reset the controller (M999, or its reset button). A simulated machine is reset by stopping caltwin serve and starting it again; nothing you entered is lost. Then home, and measure again." },
+    remedy: "Check the stylus and the block. Reset the controller (the button in step 1, or its own). Then home, and measure again in the corrected form." },
+  alarm: { kind: "bad", verdict: "The controller raised an alarm.", remedy: "Clear the cause. Reset the controller (the button in step 1, or its own). Then home, and measure again." },
   unconverged: { kind: "bad", verdict: "The value did not settle.",
     remedy: "Look for loose parts, a block that moves, or chips on its faces. Then measure again." },
   link_lost: { kind: "bad", verdict: "The link to the machine was lost.",

@@ -8,7 +8,7 @@ import { NowBar, Status } from "../calibrate/status";
 import { useBench, type BenchHold } from "../calibrate/use_bench";
 import { Welcome } from "../calibrate/welcome";
 import { operatorName } from "../api/client";
-import { Busy, Card, Notice, ProblemNotice } from "../ui/parts";
+import { Busy, Card, Notice, ProblemNotice, useFocusAfter } from "../ui/parts";
 
 const stateTexts: Record<StepState, string> = {
   open: "open", running: "running", done: "done", skipped: "skipped", stopped: "needs attention",
@@ -76,6 +76,8 @@ function Wizard({ hold, bench }: { hold: BenchHold; bench: Bench }) {
   useGoOn(hold);
   useTwinHands(hold);
   const step = steps[hold.entries.step - 1] ?? steps[0]!;
+  const heading = useRef<HTMLHeadingElement>(null);
+  useFocusAfter(step.n, heading, ".cal-now");
   return (
     <div className="cal-layout">
       <StepList hold={hold} bench={bench} />
@@ -85,7 +87,7 @@ function Wizard({ hold, bench }: { hold: BenchHold; bench: Bench }) {
             <button className="quiet" onClick={hold.clearProblem}>Dismiss</button></div>
         ) : null}
         <QuestionDialog hold={hold} />
-        <Card title={`Step ${step.n} of 6: ${step.name}`}>
+        <Card title={`Step ${step.n} of 6: ${step.name}`} heading={heading}>
           {step.n === 1 ? <Welcome hold={hold} bench={bench} />
             : step.n === 6 ? <Report hold={hold} bench={bench} />
               : <Measure key={step.n} hold={hold} bench={bench} step={step} />}

@@ -1,16 +1,34 @@
-import type { ReactNode } from "react";
+import { useEffect, useRef, type ReactNode, type Ref, type RefObject } from "react";
 import type { Problem } from "../api/client";
 
-export function Card({ title, children, aside }: { title: string; children: ReactNode; aside?: ReactNode }) {
+// `heading`: of a card whose heading takes the focus.
+export function Card({ title, children, aside, heading }: { title: string; children: ReactNode; aside?: ReactNode; heading?: Ref<HTMLHeadingElement> }) {
   return (
     <section className="card" aria-label={title}>
       <div className="card-head">
-        <h2>{title}</h2>
+        <h2 ref={heading} tabIndex={heading ? -1 : undefined}>{title}</h2>
         {aside}
       </div>
       {children}
     </section>
   );
+}
+
+// When `key` changes and the button with the focus is gone or off, the focus goes to `target`;
+// also from where it waited meanwhile (`waits`).
+export function useFocusAfter(key: string | number | undefined, target: RefObject<HTMLElement | null>, waits = "body") {
+  const before = useRef(key);
+  useEffect(() => {
+    const isFirst = before.current === undefined || before.current === key;
+    before.current = key;
+    if (isFirst) return;
+    // The browser takes the focus from a button that is gone or off after it has drawn.
+    const timer = setTimeout(() => {
+      const at = document.activeElement;
+      if (!at || at === document.body || at.matches(`:disabled, ${waits}`)) target.current?.focus();
+    }, 100);
+    return () => clearTimeout(timer);
+  }, [key, target, waits]);
 }
 
 // A number with its unit and how sure it is: "62.1 ± 0.8 µm".
