@@ -1,7 +1,8 @@
 import { Card } from "../ui/parts";
 import { heightOf, isWithinNoise, mostOffset, offsetOf, plain, screwNames, when, type BedStatus, type BedTilt } from "./maths";
 
-function wordsOf(past: BedTilt[]): string {
+// `isRaised`: screws stand elsewhere than when the server first saw them.
+function wordsOf(past: BedTilt[], isRaised: boolean): string {
   const [last, before] = past;
   if (!last) return "";
   if (last.is_level || isWithinNoise(last)) return "The bed is level: another round would gain nothing.";
@@ -9,13 +10,15 @@ function wordsOf(past: BedTilt[]): string {
   const [now, then] = [mostOffset(last), mostOffset(before)];
   if (now < 0.5 * then) return `The last measurement is better: ${plain(now)} mm to raise instead of ${plain(then)} mm. Another round helps.`;
   if (now > 1.5 * then) return `The last measurement is worse: ${plain(now)} mm to raise instead of ${plain(then)} mm. Look for what moved before you go on.`;
-  return `About as before: ${plain(now)} mm to raise, ${plain(then)} mm the time before. If you applied in between, the screws do not follow: look at wiring and screws.`;
+  return `About as before: ${plain(now)} mm to raise, ${plain(then)} mm the time before. ${isRaised
+    ? "Screws were moved here since the server began. If that was between these two, the bed does not follow: look at wiring and screws."
+    : "No screw was moved in between, so nothing else was to be expected."}`;
 }
 
 export function History({ past, status }: { past: BedTilt[]; status: BedStatus }) {
   return (
     <Card title="Compared with earlier measurements">
-      <p>{wordsOf(past)}</p>
+      <p>{wordsOf(past, status.screws.some((screw) => Math.abs(screw.raised_mm) >= 0.0005))}</p>
       <div className="bed-history">
         <Overlay past={past} status={status} />
         <div className="scroll" tabIndex={0} role="region" aria-label="Measurements, newest first">
