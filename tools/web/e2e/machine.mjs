@@ -105,8 +105,36 @@ async function watch(page, base, check) {
   await page.waitForTimeout(700);
   check((await looks(page)) !== before, "the tip goes where the readings are");
   await post("abort", {});
-  await page.getByText(/Nothing is at work. The last was: next cluster backlash./).waitFor();
+  await page.getByText(/Nothing is at work. The last was: Backlash, X\. Stopped on request\./).waitFor();
   check(true, "the page says that the work has ended");
+}
+
+// Paints while two readings are shown: their bench is made up, since a real one is too quick.
+async function paintsOf(page, base, reducedMotion) {
+  await page.emulateMedia({ reducedMotion });
+  await page.goto(`${base}/machine`);
+  await page.evaluate(() => {
+    window.paints = 0;
+    const render = WebGL2RenderingContext.prototype.clear;
+    WebGL2RenderingContext.prototype.clear = function (...all) { window.paints++; return render.apply(this, all); };
+  });
+  await page.getByRole("button", { name: "Watch the machine live" }).click();
+  await page.getByText(/The newest of 2 readings/).waitFor();
+  await page.waitForTimeout(2500);
+  return page.evaluate(() => window.paints);
+}
+
+async function glides(page, base, check) {
+  const bench = await (await page.request.get(`${base}/api/bench`)).json();
+  const reading = (x) => ({ campaign: "repeatability.x", feature: "block.left", setup: "", n: { x: 1, y: 0, z: 0 }, dir: { x: 1, y: 0, z: 0 }, at_mm: { x, y: 150, z: 20 }, value_mm: x });
+  bench.job = { ...bench.job, id: 99, readings: [reading(20), reading(280)] };
+  await page.route("**/api/bench", (route) => route.fulfill({ json: bench }));
+  const [steps, tweens] = [await paintsOf(page, base, "reduce"), await paintsOf(page, base, "no-preference")];
+  check(tweens > steps + 4, `the tip glides from reading to reading: ${tweens} paints, ${steps} where motion is unwanted`);
+  const row = await page.getByRole("row", { name: /left face of the block/ }).first().innerText();
+  check(row.startsWith("Repeatability, X"), "readings have names, not keys");
+  check(await page.getByText("The workpiece is not drawn").isVisible(), "what is not drawn is said");
+  await page.unroute("**/api/bench");
 }
 
 export async function machine(page, base, check) {
@@ -118,6 +146,7 @@ export async function machine(page, base, check) {
   await standsStill(page, base, check);
   await watch(page, base, check);
   await check.accessible?.("at the bench");
+  await glides(page, base, check);
   await page.setViewportSize({ width: 390, height: 800 });
   const wide = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
   check(wide <= 0, "nothing scrolls sideways on a phone");

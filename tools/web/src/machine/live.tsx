@@ -1,4 +1,5 @@
 import { useMemo, useState } from "react";
+import { campaignName, endingOf, featureName, jobName } from "../calibrate/words";
 import { Card, Notice, ProblemNotice } from "../ui/parts";
 import { picturePath, type Subject } from "./ask";
 import { useBenchLive, useFollow, type LiveHold } from "./use_live";
@@ -8,10 +9,11 @@ import type { World } from "./world";
 
 function stateText({ bench }: LiveHold): string {
   if (!bench) return "";
-  const what = (bench.job?.procedure ?? "a procedure").replaceAll("_", " ");
+  const what = bench.job ? jobName(bench.job) : "a procedure";
   if (bench.state === "working") return `At work: ${what}.`;
   if (bench.state === "asking") return `${what} waits for somebody at the machine to answer.`;
-  return bench.job ? `Nothing is at work. The last was: ${what}.` : "Nothing is at work, and nothing was.";
+  const ended = bench.job?.result ? ` ${endingOf(bench.job.result.ending).verdict}` : "";
+  return bench.job ? `Nothing is at work. The last was: ${what}.${ended}` : "Nothing is at work, and nothing was.";
 }
 
 function Readings({ hold }: { hold: LiveHold }) {
@@ -28,7 +30,7 @@ function Readings({ hold }: { hold: LiveHold }) {
           <tbody>
             {last.map((one, i) => (
               <tr key={hold.readings.length - i}>
-                <td>{one.campaign} <span className="hint">{one.feature}</span></td>
+                <td>{campaignName(one.campaign)} <span className="hint">{featureName(one.feature)}</span></td>
                 <td className="number">{one.at.map((value) => value.toFixed(3)).join(", ")}</td>
                 <td className="number">{one.value.toFixed(4)}</td>
               </tr>
@@ -52,7 +54,8 @@ export function Live() {
     <div className="mac-grid">
       <Card title={machine ? `The machine of “Calibrate”: ${machine}` : "The machine of “Calibrate”"}>
         {machine ? <MachineView shape={shape} machine={machine} picture={picturePath(machine)} onWorld={setWorld} /> : null}
-        {shape.data ? <p className="hint">The tip goes to the place of each reading as it comes. It is drawn without the machine's errors: those are not known.</p> : null}
+        {shape.data ? <p className="hint">The tip goes straight to the place of each reading as it comes. It is drawn without the machine's errors: those are not known, so there is nothing to enlarge.
+          {hold.bench?.artefacts?.length ? " The workpiece is not drawn: the server does not tell where it stands. The dots are where it was touched." : ""}</p> : null}
       </Card>
       <Card title="What it does">
         {hold.connection === "lost" ? <Notice kind="warn"><p><strong>The connection to the server is lost.</strong> What is at work goes on there. This page follows again when the connection is back.</p></Notice> : null}

@@ -3,6 +3,7 @@ import { answered, api, problemOf, type Problem, type Schemas } from "../api/cli
 import { useEvents, useNews, type Connection } from "../api/events";
 import { posesOf, type Subject } from "./ask";
 import type { Pose, SceneData } from "./data";
+import { between } from "./poses";
 import type { World } from "./world";
 
 export type Bench = Schemas["Bench"];
@@ -45,20 +46,29 @@ export function useBenchLive(): LiveHold {
   return { bench, readings, connection, problem, reload };
 }
 
-interface Moving { bodies: number[]; waiting: Pose[][]; asked: number; frame: number; isAsking: boolean }
+// `shown`: as the bodies stand now.
+interface Moving { bodies: number[]; shown: Pose[]; waiting: Pose[][]; asked: number; frame: number; isAsking: boolean }
 
-// Goes on from what is shown to the next, quicker the more wait.
+const nothingMoving = (): Moving => ({ bodies: [], shown: [], waiting: [], asked: 0, frame: 0, isAsking: false });
+
+// Goes on from what is shown to the next, quicker the more wait; straight, as the true way is
+// not told. Where motion is unwanted it steps.
 function follow(moving: Moving, world: World) {
-  let last = 0;
+  const isStepping = matchMedia("(prefers-reduced-motion: reduce)").matches;
+  let begun = performance.now();
   const tick = (now: number) => {
     const next = moving.waiting[0];
     if (!next) { moving.frame = 0; return; }
-    if (now - last > Math.max(30, 400 / moving.waiting.length)) {
-      last = now;
+    const share = (now - begun) / Math.max(30, 400 / moving.waiting.length);
+    if (share >= 1) {
+      begun = now;
+      moving.shown = next;
       moving.waiting.shift();
       world.move(moving.bodies, next);
       world.dot(moving.bodies, next);
       world.countDots(Infinity);
+    } else if (!isStepping) {
+      world.move(moving.bodies, between(moving.shown, next, Math.max(0, share)));
     }
     moving.frame = requestAnimationFrame(tick);
   };
@@ -68,9 +78,9 @@ function follow(moving: Moving, world: World) {
 export function useFollow(readings: LiveReading[], job: number | null, subject: Subject | null, data: SceneData | null, world: World | null): Problem | null {
   const [problem, setProblem] = useState<Problem | null>(null);
   const [round, setRound] = useState(0);
-  const moving = useRef<Moving>({ bodies: [], waiting: [], asked: 0, frame: 0, isAsking: false });
+  const moving = useRef<Moving>(nothingMoving());
   useEffect(() => {
-    moving.current = { bodies: [], waiting: [], asked: 0, frame: 0, isAsking: false };
+    moving.current = nothingMoving();
     world?.clearDots();
     return () => cancelAnimationFrame(moving.current.frame);
   }, [job, subject, data, world]);
@@ -82,6 +92,7 @@ export function useFollow(readings: LiveReading[], job: number | null, subject: 
     now.asked += next.length;
     posesOf(subject, next.map((one) => one.at), new AbortController().signal).then((came) => {
       if (moving.current !== now) return;
+      if (now.bodies.length === 0) now.shown = came.bodies.map((body) => data.poses[body]!);
       now.bodies = came.bodies;
       now.waiting.push(...came.poses.filter((one) => one !== null));
       setProblem(null);
