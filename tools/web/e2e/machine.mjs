@@ -109,7 +109,7 @@ async function watch(page, base, check) {
   check(true, "the page says that the work has ended");
 }
 
-// Paints while two readings are shown: their bench is made up, since a real one is too quick.
+// Paints while the tip goes to two readings: poses are held back until the machine stands drawn.
 async function paintsOf(page, base, reducedMotion) {
   await page.emulateMedia({ reducedMotion });
   await page.goto(`${base}/machine`);
@@ -118,13 +118,33 @@ async function paintsOf(page, base, reducedMotion) {
     const render = WebGL2RenderingContext.prototype.clear;
     WebGL2RenderingContext.prototype.clear = function (...all) { window.paints++; return render.apply(this, all); };
   });
+  const held = [];
+  await page.route(/\/poses/, async (route) => {
+    const response = await route.fetch();
+    await new Promise((go) => held.push(go));
+    await route.fulfill({ response });
+  });
+  // Until nothing has been painted for a second.
+  const settled = async () => {
+    for (let before = -1, now = 0; before !== now;) {
+      before = now;
+      await page.waitForTimeout(1000);
+      now = await page.evaluate(() => window.paints);
+    }
+  };
   await page.getByRole("button", { name: "Watch the machine live" }).click();
-  await page.getByText(/The newest of 2 readings/).waitFor();
-  await page.waitForTimeout(2500);
+  await shownAs(page);
+  await page.waitForTimeout(500);
+  await settled();
+  await page.evaluate(() => { window.paints = 0; });
+  for (const go of held) go();
+  await settled();
+  await page.unroute(/\/poses/);
   return page.evaluate(() => window.paints);
 }
 
 async function glides(page, base, check) {
+  // A made-up bench: a real one is too quick.
   const bench = await (await page.request.get(`${base}/api/bench`)).json();
   const reading = (x) => ({ campaign: "repeatability.x", feature: "block.left", setup: "", n: { x: 1, y: 0, z: 0 }, dir: { x: 1, y: 0, z: 0 }, at_mm: { x, y: 150, z: 20 }, value_mm: x });
   bench.job = { ...bench.job, id: 99, readings: [reading(20), reading(280)] };
