@@ -14,6 +14,21 @@ async function fourCorners(page, check) {
   await page.getByText("Write in heights you measured yourself").click();
 }
 
+// Heights of another gauge against the plane as it stands.
+async function validates(page, check) {
+  const button = (name) => page.getByRole("button", { name });
+  const points = page.getByLabel(/Test points/);
+  await button("Compare").click();
+  await page.getByText(/Within the target/).waitFor();
+  await points.fill("50, 50, nine");
+  await button("Compare").click();
+  check(await page.getByText(/is not three numbers/).isVisible(), "a broken line is named");
+  await points.fill("50, 50, 9");
+  await button("Compare").click();
+  await page.getByText(/Beyond the target/).waitFor();
+  check(true, "points far off the plane are beyond the target");
+}
+
 export async function bed(page, base, check) {
   const button = (name) => page.getByRole("button", { name });
   const heading = (name) => page.getByRole("heading", { name });
@@ -60,17 +75,7 @@ export async function bed(page, base, check) {
   check(before > 0.1 && after < 0.02, `levelled: ${before} mm before, ${after} mm after`);
   check((await page.getByRole("region", { name: "Measurements, newest first" }).getByRole("row").count()) === 4, "all three measurements are in the history");
 
-  const points = page.getByLabel(/Test points/);
-  await button("Compare").click();
-  await page.getByText(/Within the target/).waitFor();
-  await points.fill("50, 50, nine");
-  await button("Compare").click();
-  check(await page.getByText(/is not three numbers/).isVisible(), "a broken line is named");
-  await points.fill("50, 50, 9");
-  await button("Compare").click();
-  await page.getByText(/Beyond the target/).waitFor();
-  check(true, "points far off the plane are beyond the target");
-
+  await validates(page, check);
   await button("Touch only at the three screws").click();
   await heading("How flat: not known").waitFor();
   check(true, "three touches tell no flatness");
