@@ -13,6 +13,7 @@
 #include "calibration/diagnosis/diagnosis_words.h"
 #include "calibration/diagnosis/unseen_rows.h"
 #include "sim/base/units.h"
+#include "sim/measure/plan_kinds.h"
 
 namespace caltwin {
 namespace {
@@ -54,10 +55,11 @@ std::string Candidates(const Finding& finding) {
 std::string OfFindings(const Diagnosis& diagnosis) {
   std::vector<std::string> does;
   for (const Finding& finding : diagnosis.findings) {
-    does.push_back(diagnosis.verdict == DiagnosisVerdict::kAmbiguous &&
-                           finding.candidates.size() > 1
-                       ? "More than one cause is possible: " + Candidates(finding)
-                       : WhatItDoes(finding));
+    const bool is_open = diagnosis.verdict == DiagnosisVerdict::kAmbiguous &&
+                         finding.candidates.size() > 1;
+    const char* const opens =
+        does.empty() ? "More than one cause is possible: " : "And beside that: ";
+    does.push_back(is_open ? opens + Candidates(finding) : WhatItDoes(finding));
   }
   constexpr std::size_t kMost = 2;
   const std::size_t more = does.size() - std::min(does.size(), kMost);
@@ -160,6 +162,36 @@ std::pair<Answer, std::string> AnswerOf(const Diagnosis& diagnosis) {
   return OpenAnswer(diagnosis);
 }
 
+// As a finding's candidates have it; the cause's own word where none has.
+std::string SeparatedInWords(const std::string& cause, const Diagnosis& diagnosis) {
+  for (const Finding& finding : diagnosis.findings) {
+    for (const FindingCandidate& one : finding.candidates) {
+      if (one.cause == cause) return NameInWords(one.cause, one.axis);
+    }
+  }
+  return cause;
+}
+
+// "The same plate, turned by a quarter (plate_turned_90 in a plan, 10 minutes): that
+// tells a bow of Y from a bend of the bed."
+std::string NextSentence(const NextCampaign& next, const Diagnosis& diagnosis) {
+  const CampaignKind* kind = FindCampaignKind(next.kind);
+  std::string about(kind == nullptr ? next.kind : kind->about);
+  if (about.ends_with('.')) about.pop_back();
+  std::string text = fmt::format("{} (`{}` in a plan", about, next.kind);
+  if (next.minutes > 0)
+    text += fmt::format(", {:.0f} minutes", std::ceil(next.minutes));
+  text += ")";
+  std::vector<std::string> names;
+  for (const std::string& cause : next.separates) {
+    if (cause != "unknown") names.push_back(SeparatedInWords(cause, diagnosis));
+  }
+  if (names.empty()) return text;
+  return text + fmt::format(": that {} {}",
+                            names.size() == 1 ? "shows" : "tells apart",
+                            fmt::join(names, " and "));
+}
+
 void AddFindings(const Diagnosis& diagnosis,
                  const TextNotes& notes,
                  DiagnosisSummary* summary) {
@@ -196,25 +228,21 @@ bool IsOpen(const Diagnosis& diagnosis) {
 }
 
 std::string AbsorbedText(const std::vector<Absorbed>& absorbed) {
-  std::vector<std::pair<std::string, std::vector<std::string>>> causes;
+  constexpr std::size_t kMostNamed = 6;
+  std::vector<std::string> names;
   for (const Absorbed& one : absorbed) {
-    const std::size_t dot = one.what.find('.');
-    const std::string cause = one.what.substr(0, dot);
-    if (causes.empty() || causes.back().first != cause) causes.push_back({cause, {}});
-    if (dot != std::string::npos) {
-      causes.back().second.push_back(one.what.substr(dot + 1));
-    }
+    const std::size_t dot = std::min(one.what.find('.'), one.what.size());
+    const std::string axis = one.what.substr(std::min(dot + 1, one.what.size()));
+    names.push_back(NameInWords(one.what.substr(0, dot), axis));
   }
-  std::vector<std::string> words;
-  for (const auto& [cause, axes] : causes) {
-    words.push_back(
-        axes.empty() ? cause : fmt::format("{} ({})", cause, fmt::join(axes, ", ")));
-  }
-  if (words.empty()) return "";
+  if (names.empty()) return "";
+  const std::size_t more = names.size() - std::min(names.size(), kMostNamed);
+  names.resize(names.size() - more);
   return fmt::format(
-      "Cannot be seen here, since the baseline takes it up or no row moves it (--json "
-      "says which): {}.",
-      fmt::join(words, ", "));
+      "These rows cannot show {}{}: {} take it up, or no row moves it.",
+      fmt::join(names, "; "),
+      more == 0 ? "" : fmt::format("; and {} more, which the JSON names", more),
+      kPlainSettings);
 }
 
 nlohmann::ordered_json SummaryJson(const DiagnosisSummary& summary) {
@@ -262,7 +290,7 @@ DiagnosisSummary SummaryOf(const Diagnosis& diagnosis, const TextNotes& notes) {
   if (!IsOpen(diagnosis)) {
     AddOnce(AbsorbedText(diagnosis.absorbed), &summary.cannot_tell);
     if (diagnosis.next_campaign) {
-      AddOnce(NextInWords(*diagnosis.next_campaign), &summary.to_do);
+      AddOnce(NextSentence(*diagnosis.next_campaign, diagnosis), &summary.to_do);
     }
   }
   for (const Advice& advice : diagnosis.facts.next) {

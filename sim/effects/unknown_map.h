@@ -48,16 +48,16 @@ struct UnknownMap {
       .twin =
           "Every cause in the same covariates; the next campaign that diagnosis "
           "asks for separates them.",
-      .words = {.plot =
-                    "Residual against the covariates named: a trend that no cause of "
-                    "the list follows.",
-                .values = "As found; the table states each knot's standard deviation.",
-                .cause = "Not known: look for what changes with those covariates.",
-                .effect = "Predicted and compensated inside the range measured, held "
-                          "constant beyond it.",
-                .action =
-                    "Measure what the last lines here ask for, or look at the machine "
-                    "where the table is steepest."},
+      .words =
+          {.plot = "Residual against the covariates named: a trend that no cause of "
+                   "the list follows.",
+           .values = "As found; the table states each knot's standard deviation.",
+           .cause = "Not known: look for what changes with those covariates.",
+           .effect = "Predicted and compensated inside the range measured, held "
+                     "constant beyond it.",
+           .action =
+               "Take the measurement that is asked for next, or look at the machine "
+               "where the table is steepest."},
       .neutral = Neutral};
 
   template <typename T>
