@@ -4,15 +4,20 @@
 #include <thread>
 #include <vector>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "tests/server/served.h"
 #include "tools/server/server.h"
 
 namespace caltwin {
 namespace {
+
+using testing::HasSubstr;
+using testing::IsEmpty;
 
 int Connected(int port) {
   const int client = socket(AF_INET, SOCK_STREAM, 0);
@@ -44,7 +49,7 @@ TEST(Server, ClientsThatNeverEndAreDropped) {
                 return HttpResponse{};
               }});
   const Gate gate("127.0.0.1", "");
-  const ServerLimits limits{.connections = 40, .to_send = std::chrono::seconds(1)};
+  const ServerLimits limits{.connections = 40, .to_begin = std::chrono::seconds(1)};
   std::atomic<bool> stop = false;
   std::promise<int> listening;
   std::thread server([&] {
@@ -69,6 +74,27 @@ TEST(Server, ClientsThatNeverEndAreDropped) {
   }
   stop = true;
   server.join();
+}
+
+TEST(Server, BytesThatTrickleInDoNotPutTheEndOff) {
+  ServerLimits limits;
+  limits.to_begin = std::chrono::seconds(1);
+  const Served served(limits);
+  Client client(served.port());
+  client.Say("GET /hello HTTP/1.1\r\nHost: localhost\r\n\r\n");
+  EXPECT_THAT(client.Hear("hello"), HasSubstr(" 200 "));
+
+  std::atomic<bool> is_dropped = false;
+  std::thread trickle([&] {
+    while (!is_dropped) {
+      client.Say("a");
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+  });
+
+  EXPECT_THAT(client.Hear("never"), IsEmpty());
+  is_dropped = true;
+  trickle.join();
 }
 
 }  // namespace

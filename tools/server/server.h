@@ -12,12 +12,17 @@ namespace caltwin {
 
 /// What bounds a server, so that no client stops it for others.
 struct ServerLimits {
-  int connections = 512;  ///< At once; further ones are closed.
-  int waiting = 64;       ///< Slow requests that run or wait; further ones get 503.
-  int threads = 4;        ///< For slow requests.
-  std::chrono::seconds to_send{20};  ///< A request has to be whole, an answer taken.
-  std::chrono::seconds idle{90};     ///< A kept connection without a request.
-  std::size_t unsent_bytes = 4'000'000;  ///< Of an event stream nobody reads.
+  /// At once; for a further one that closes which has waited longest for its client.
+  int connections = 512;
+  int streams = 384;  ///< Of events; further listeners get 503.
+  int waiting = 64;   ///< Slow requests that run or wait; further ones get 503.
+  int threads = 4;    ///< For slow requests.
+  std::chrono::seconds to_begin{
+      5};  ///< From its first byte the header has to be whole.
+  std::chrono::seconds to_send{20};        ///< Then the body, and an answer taken.
+  std::chrono::seconds idle{90};           ///< A kept connection without a request.
+  std::size_t bodies_bytes = 192'000'000;  ///< Of all requests together (BodyBudget).
+  std::size_t unsent_bytes = 4'000'000;    ///< Of an event stream nobody reads.
 };
 
 struct ServerOptions {
