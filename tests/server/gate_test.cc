@@ -46,9 +46,25 @@ TEST(Gate, APageOfAnotherSiteChangesNothing) {
   EXPECT_EQ(StatusOf(gate, Asked("POST", {{"origin", "http://localhost:8080"}})), 200);
   EXPECT_EQ(StatusOf(gate, Asked("POST", {{"origin", "http://evil.example"}})), 403);
   EXPECT_EQ(StatusOf(gate, Asked("POST", {{"origin", "http://localhost:9"}})), 403);
+  EXPECT_EQ(StatusOf(gate, Asked("POST", {{"origin", "https://localhost:8080"}})), 403);
   EXPECT_EQ(StatusOf(gate, Asked("DELETE", {{"origin", "null"}})), 403);
   EXPECT_EQ(StatusOf(gate, Asked("PATCH", {{"sec-fetch-site", "cross-site"}})), 403);
   EXPECT_EQ(StatusOf(gate, Asked("POST", {{"sec-fetch-site", "same-origin"}})), 200);
+}
+
+TEST(Gate, AProxyWithTlsInFrontSaysHowItWasAsked) {
+  const Gate gate("127.0.0.1", "");
+
+  EXPECT_EQ(StatusOf(gate,
+                     Asked("POST",
+                           {{"origin", "https://localhost:8080"},
+                            {"x-forwarded-proto", "https"}})),
+            200);
+  EXPECT_EQ(StatusOf(gate,
+                     Asked("POST",
+                           {{"origin", "http://localhost:8080"},
+                            {"x-forwarded-proto", "https"}})),
+            403);
 }
 
 TEST(Gate, OthersNeedTheToken) {
@@ -60,7 +76,11 @@ TEST(Gate, OthersNeedTheToken) {
   EXPECT_EQ(StatusOf(gate, with("x", "y")), 401);
   EXPECT_EQ(StatusOf(gate, with("authorization", "Bearer sixteen-letters!")), 200);
   EXPECT_EQ(StatusOf(gate, with("authorization", "Bearer sixteen-letters?")), 401);
+  EXPECT_EQ(StatusOf(gate, with("authorization", "bearer sixteen-letters!")), 200);
+  EXPECT_EQ(StatusOf(gate, with("authorization", "BEARER  sixteen-letters!")), 200);
+  EXPECT_EQ(StatusOf(gate, with("authorization", "Basic sixteen-letters!")), 401);
   EXPECT_EQ(StatusOf(gate, with("authorization", "Bearer ")), 401);
+  EXPECT_EQ(StatusOf(gate, with("authorization", "Bearer")), 401);
   EXPECT_EQ(StatusOf(gate, with("cookie", "a=b; caltwin_token=sixteen-letters!")), 200);
   EXPECT_EQ(StatusOf(gate, with("cookie", "xcaltwin_token=sixteen-letters!")), 401);
 }
@@ -74,6 +94,17 @@ TEST(Gate, TheTokenInTheAddressSetsACookie) {
   EXPECT_EQ(gate.Enter().status, 302);
   request.query["token"] = "another";
   EXPECT_FALSE(gate.IsEntrance(request));
+}
+
+// A form's way of writing makes a space of it on the wire.
+TEST(Gate, APlusInTheTokenIsTakenAsItIs) {
+  const Gate gate("0.0.0.0", "sixteen+letters+");
+  for (const char* const target :
+       {"/?token=sixteen+letters+", "/?token=sixteen%2Bletters%2B"}) {
+    HttpRequest request{.method = "GET"};
+    ASSERT_TRUE(ReadTarget(target, &request));
+    EXPECT_TRUE(gate.IsEntrance(request)) << target;
+  }
 }
 
 TEST(Gate, NoOpenAddressWithoutAToken) {

@@ -34,6 +34,30 @@ bool SameSecret(std::string_view one, std::string_view other) {
          CRYPTO_memcmp(one.data(), other.data(), one.size()) == 0;
 }
 
+// What a form's way of writing made of a '+' is one again: no token has a space.
+std::string WithPlusses(std::string token) {
+  std::ranges::replace(token, ' ', '+');
+  return token;
+}
+
+// "http://shop.lan:8080", or as a proxy with TLS in front says that it was asked.
+std::string OriginOf(const HttpRequest& request) {
+  const std::string scheme = request.Header("x-forwarded-proto");
+  return fmt::format("{}://{}",
+                     scheme.empty() ? "http" : SmallLetters(scheme),
+                     SmallLetters(request.Header("host")));
+}
+
+// What follows "Bearer"; empty: another scheme, or none.
+std::string_view BearerIn(std::string_view authorization) {
+  constexpr std::string_view kBearer = "bearer ";
+  if (SmallLetters(authorization.substr(0, kBearer.size())) != kBearer) return {};
+  authorization.remove_prefix(kBearer.size());
+  authorization.remove_prefix(
+      std::min(authorization.find_first_not_of(' '), authorization.size()));
+  return authorization;
+}
+
 bool ChangesSomething(const std::string& method) {
   return method != "GET" && method != "HEAD" && method != "OPTIONS";
 }
@@ -63,10 +87,7 @@ void Gate::Check(const HttpRequest& request) const {
                   {{.detail = "it answers to localhost and 127.0.0.1 alone"}});
   }
   const std::string origin = SmallLetters(request.Header("origin"));
-  const std::size_t from = origin.find("://");
-  const bool is_foreign =
-      !origin.empty() &&
-      (from == std::string::npos || std::string_view(origin).substr(from + 3) != host);
+  const bool is_foreign = !origin.empty() && origin != OriginOf(request);
   const std::string site = request.Header("sec-fetch-site");
   const bool is_sent_by_another = site == "cross-site" || site == "same-site";
   const bool does_something =
@@ -86,12 +107,8 @@ void Gate::Check(const HttpRequest& request) const {
 }
 
 bool Gate::HasToken(const HttpRequest& request) const {
-  constexpr std::string_view kBearer = "Bearer ";
   const std::string given = request.Header("authorization");
-  if (given.starts_with(kBearer) &&
-      SameSecret(std::string_view(given).substr(kBearer.size()), token_)) {
-    return true;
-  }
+  if (SameSecret(BearerIn(given), token_)) return true;
   std::string_view cookies = request.headers.contains("cookie")
                                  ? std::string_view(request.headers.at("cookie"))
                                  : std::string_view();
@@ -110,7 +127,9 @@ bool Gate::HasToken(const HttpRequest& request) const {
 bool Gate::IsEntrance(const HttpRequest& request) const {
   const auto given = request.query.find("token");
   return !token_.empty() && request.method == "GET" && request.path == "/" &&
-         given != request.query.end() && SameSecret(given->second, token_);
+         given != request.query.end() &&
+         (SameSecret(given->second, token_) ||
+          SameSecret(WithPlusses(given->second), token_));
 }
 
 HttpResponse Gate::Enter() const {

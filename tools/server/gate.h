@@ -10,7 +10,8 @@ namespace caltwin {
 ///
 /// On a loopback address everybody on this computer, but no page of another site: the
 /// name in `Host` has to be this computer's, and where a browser says of which page a
-/// request is (`Origin`, `Sec-Fetch-Site`) it has to be ours. On another address who
+/// request is (`Origin`, `Sec-Fetch-Site`) it has to be ours, with its scheme: http, or
+/// what a proxy in front says (`X-Forwarded-Proto`). On another address who
 /// has the token: as `Authorization: Bearer`, or as a cookie that `/?token=` sets.
 class Gate {
  public:
