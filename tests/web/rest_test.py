@@ -90,25 +90,69 @@ def the_session_is_versioned(server):
     assert status == 409 and clash["entries"] == {"step": 3} and clash["version"] == kept["version"]
 
 
+def restored(server):
+    server.done("POST", "/api/bench/restore")
+    while server.done("GET", "/api/bench")["state"] != "idle":
+        time.sleep(0.01)
+    assert server.done("GET", "/api/bench")["settings"]["backlash_mm"]["x"] == 0
+
+
+def begun_until_asked(server, procedure, options, texts=("Set ",)):
+    """Answers yes to all but a question that begins so: the bench that stands at it."""
+    server.done("POST", "/api/bench/procedures", {"procedure": procedure, "options": options})
+    for _ in range(2000):
+        bench = server.done("GET", "/api/bench")
+        question = bench["job"]["question"]
+        if question and question["text"].startswith(texts):
+            return bench
+        assert bench["state"] != "idle", bench["job"]["result"]
+        if question:
+            answer = {"id": question["id"], "yes": True}
+            if "hint_mm" in question:
+                answer["value_mm"] = question["hint_mm"]
+            server.ask("POST", "/api/bench/answer", answer)
+        time.sleep(0.01)
+    raise AssertionError("it was never asked")
+
+
 def killed_in_a_procedure(program, state, gap):
     server = Server(program, state)
-    server.done("POST", "/api/bench/procedures",
-                {"procedure": "next_cluster_backlash", "options": {"axis": "y"}})
-    while not (server.done("GET", "/api/bench")["job"] or {}).get("question"):
-        time.sleep(0.01)
+    before = begun_until_asked(server, "next_cluster_backlash", {"axis": "y"})
     server.end(signal.SIGKILL)
     server = Server(program, state)
     bench = server.done("GET", "/api/bench")
     assert bench["session"]["entries"] == {"step": 3} and bench["state"] == "idle"
     assert abs(bench["settings"]["backlash_mm"]["x"] - gap) < 1e-9, "settings outlive a kill"
-    assert bench["results"], "results outlive a kill"
+    job = server.done("GET", "/api/bench/results")["results"][-1]
+    assert job["result"]["ending"] == "interrupted" and "server ended" in job["result"]["messages"][0], job
+    assert len(job["readings"]) > 20 and job["readings"] == before["job"]["readings"]
+    assert job["said"] == before["job"]["said"] and job["options"] == {"axis": "y"}
+    assert job["question"] == before["job"]["question"] and job["settings_now"] == bench["settings"]
+    assert job["result"]["steps"] == [] and bench["results"][-1]["id"] == job["id"]
     assert server.done("GET", "/api/calibration/bed-tilt/current")["measured_points"] == 9
     job = lead(server, "next_cluster_backlash", {"axis": "y"})
-    assert job["result"]["ending"] == "done"
-    server.done("POST", "/api/bench/restore")
-    while server.done("GET", "/api/bench")["state"] != "idle":
-        time.sleep(0.01)
-    assert server.done("GET", "/api/bench")["settings"]["backlash_mm"]["x"] == 0
+    assert job["result"]["ending"] == "done" and job["id"] == before["job"]["id"] + 1
+    restored(server)
+    return server
+
+
+def what_was_applied_outlives_a_kill(program, state, server):
+    """Applied, then aborted and killed; applied, and killed in the same procedure."""
+    for is_aborted in (True, False):
+        options = {"axis": "x", "variant": "corrected"}
+        asked = begun_until_asked(server, "next_cluster_backlash", options)
+        was = asked["settings"]
+        server.done("POST", "/api/bench/answer", {"id": asked["job"]["question"]["id"], "yes": True})
+        while (bench := server.done("GET", "/api/bench"))["settings"]["backlash_mm"] == was["backlash_mm"]:
+            assert bench["state"] != "idle", bench["job"]["result"]
+        if is_aborted:
+            server.ask("POST", "/api/bench/abort")
+        server.end(signal.SIGKILL)
+        server = Server(program, state)
+        now = server.done("GET", "/api/bench")
+        assert now["settings"] == bench["settings"], (now["settings"], bench["settings"])
+        assert now["results"][-1]["result"]["ending"] in ("aborted", "interrupted", "done")
+        restored(server)
     return server
 
 
@@ -177,6 +221,8 @@ def no_other_site_reaches_it(server):
     for host in ["evil.example", "127.0.0.1.evil.example", "127.evil.example"]:
         named = {"Host": f"{host}:{server.port}", "Origin": f"http://{host}:{server.port}"}
         assert server.ask("POST", "/api/bench/abort", headers=named)[0] == 421, host
+    tls = {"Origin": f"https://127.0.0.1:{server.port}"}
+    assert server.ask("POST", "/api/bench/abort", headers=tls)[0] == 403
     assert server.ask("GET", "/api/machines", headers={"Sec-Fetch-Site": "cross-site"})[0] == 403
 
 
@@ -200,6 +246,8 @@ def others_need_the_token(program, state):
     assert server.ask("GET", "/api", headers={"Authorization": "Bearer wrong"})[0] == 401
     assert server.ask("GET", "/api",
                       headers={"Authorization": "Bearer a-secret-of-24-letters-x"})[0] == 200
+    assert server.ask("GET", "/api",
+                      headers={"Authorization": "bearer a-secret-of-24-letters-x"})[0] == 200
     assert server.end() == 130
 
 
@@ -213,6 +261,7 @@ def main():
         the_session_is_versioned(server)
         server.end(signal.SIGKILL)
         server = killed_in_a_procedure(program, state, gap)
+        server = what_was_applied_outlives_a_kill(program, state, server)
         files_are_diagnosed(server)
         a_scenario_runs(server)
         no_other_site_reaches_it(server)

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <atomic>
+#include <chrono>
 #include <filesystem>
 #include <memory>
 #include <mutex>
@@ -12,6 +14,8 @@
 #include <nlohmann/json.hpp>
 
 #include "scenarios/kind_scenario.h"
+#include "tools/commands/api/bench_settings.h"
+#include "tools/commands/api/bench_store.h"
 #include "tools/commands/api/client_operator.h"
 #include "tools/commands/api/seat.h"
 #include "tools/commands/desk.h"
@@ -23,9 +27,11 @@ namespace caltwin {
 /// A machine on its bench, led through procedures by a client: `/api/bench/...`.
 ///
 /// A procedure runs in a thread of its own, asks the client (ClientOperator) and tells
-/// what it does as events. What the client entered, every reading and result, and the
-/// settings from before the first trial are kept in a file: a page that is loaded
-/// again, or a server that was killed, goes on from there.
+/// what it does as events. What the client entered, every reading and result, the
+/// settings applied and those from before the first trial are kept in a file, and the
+/// job at work beside it (BenchStore): a page that is loaded again, or a server that
+/// was killed, goes on from there; a job that was at work then is a result that says
+/// so.
 class BenchApi {
  public:
   struct Options {
@@ -68,9 +74,15 @@ class BenchApi {
                         PreparedProcedure work);
   void Work(const PreparedProcedure& work, OperatorSeat::Held seat);
   CalibrationStep StepOf(const std::string& name, const Json& options) const;
-  /// After each line of a procedure, in its thread.
+  /// When a question is put or answered, in the procedure's thread.
+  void Asked();
+  /// After each line of a procedure, likewise.
   void Sent(std::string_view line);
   void TellReadings();
+  /// What is in force; nullopt where that cannot be read.
+  std::optional<Settings> SettingsNow();
+  /// After a line that writes a setting.
+  void KeepApplied();
   void ReadSettings();
   /// Puts back what the firmware believed when the last server ended.
   void ResumeSettings();
@@ -79,34 +91,37 @@ class BenchApi {
   /// state. Returns what was told.
   Json Tell();
   void ReadStore();
+  /// A job during which the last server ended becomes a result.
+  void TakeUpInterrupted(const std::optional<Settings>& kept);
+  int last_ended_job() const;
   void KeepStore();
+  /// The job at work as it stands.
+  void KeepJob();
 
   std::unique_ptr<Desk> desk_;
   Options options_;
   OperatorSeat* seat_;
   EventTopic* events_;
+  BenchStore store_;
   std::unique_ptr<KindScenario> kind_;
   std::unique_ptr<ClientOperator> person_;
   std::unique_ptr<AbortableLink> link_;
   std::string note_{};
   std::thread thread_{};
   std::jthread stopping_{};
-  std::size_t told_ = 0;     ///< Readings, in the job's thread.
-  bool is_reading_ = false;  ///< The settings, likewise.
+  std::size_t told_ = 0;  ///< Readings, in the job's thread, as what follows.
+  SettingsWatch watch_{};
+  std::chrono::steady_clock::time_point job_kept_{};
+  std::atomic<bool> is_halted_ = false;  ///< By M112: it answers nothing more.
 
   std::mutex writing_{};
   std::mutex telling_{};
   mutable std::mutex mutex_{};  ///< Of what follows.
   std::string state_ = "idle";  ///< idle, working, asking
   Json job_ = nullptr;
-  int last_job_ = 0;
-  int version_ = 0;
-  Json entries_ = Json::object();
-  Json results_ = Json::array();   ///< Without their readings.
-  Json readings_ = Json::array();  ///< The last ones with theirs.
-  std::optional<Settings> settings_{}, settings_before_{};
-  std::optional<Settings> kept_settings_{};  ///< Between procedures: what is stored.
-  std::string calibrated_at_{};
+  Json applied_ = Json::array();  ///< By the job, as steps.
+  BenchKept kept_{};
+  std::optional<Settings> settings_{};  ///< In force now.
 };
 
 }  // namespace caltwin

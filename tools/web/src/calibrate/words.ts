@@ -83,6 +83,8 @@ export const endings: Record<string, { kind: "good" | "warn" | "bad"; verdict: s
     remedy: "Use the corrected form (Advanced)." },
   aborted: { kind: "warn", verdict: "Stopped on request.",
     remedy: "Settings applied before the stop stay. Measure again, or restore the settings from before." },
+  interrupted: { kind: "warn", verdict: "The server ended during it.",
+    remedy: "Settings applied before that stay. Measure again, or restore the settings from before." },
   refused: { kind: "bad", verdict: "Refused. Nothing was changed by this.",
     remedy: "Below it says why. Where steps/mm would change by more than 5 %: do the rough steps/mm first, and check the block's sizes." },
   no_trigger: { kind: "bad", verdict: "The probe did not trigger.",
