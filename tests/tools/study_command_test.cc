@@ -67,6 +67,13 @@ TEST_F(StudyCommandTest, PartsMergeIntoTheWhole) {
   EXPECT_EQ(Text("merged/summary.json"), Text("whole/summary.json"));
 }
 
+TEST_F(StudyCommandTest, TellsAProgramHowFarItIs) {
+  const Answer done = Run("  trials: 3\n", {"--out", In("out"), "--progress"});
+
+  EXPECT_EQ(done.exit_code, kPassed) << done.fault;
+  EXPECT_THAT(done.out, HasSubstr("{\"done\":3,\"all\":3}\n"));
+}
+
 TEST_F(StudyCommandTest, OfAPlanSaysWhatItTellsAndWhatToAdd) {
   const Answer answer = Run("  trials: 60\n  fidelity: linear\n",
                             {"--out", In("out"), "--report", In("report")});

@@ -195,6 +195,37 @@ def a_scenario_runs(server):
     assert server.done("GET", f"/api/runs/{begun['id']}/report").startswith("<!")
 
 
+def a_study_runs(program, state, server):
+    asked = {"scenario": "next_cluster_backlash_corrected", "trials": 30, "seed": 7,
+             "vary": {"backlash.x.gap_mm": {"normal": {"mean": 0.05, "sd": 0.01}}}}
+    for wrong in [{"scenario": "../x"}, {**asked, "trials": 20_001}, {**asked, "fidelity": "linear"},
+                  {**asked, "vary": {"nonsense": 1}}, {**asked, "extends": "/etc/passwd"}]:
+        assert server.ask("POST", "/api/studies", wrong)[0] == 422, wrong
+    assert server.done("GET", "/api/studies")["studies"] == []
+    long = server.done("POST", "/api/studies", {**asked, "trials": 20_000})
+    status, busy = server.ask("POST", "/api/studies", asked)
+    assert status == 409 and busy["running"] == long["id"], busy
+    assert server.ask("GET", f"/api/studies/{long['id']}/report")[0] == 409
+    home = lead(server, "home", {})
+    assert home["result"]["ending"] == "done", "the bench goes on beside a study"
+    while server.done("GET", f"/api/studies/{long['id']}")["progress"]["done"] == 0:
+        time.sleep(0.05)
+    assert server.ask("DELETE", f"/api/studies/{long['id']}")[0] == 204
+    begun = server.done("POST", "/api/studies", asked)
+    while (study := server.done("GET", f"/api/studies/{begun['id']}"))["state"] == "running":
+        time.sleep(0.05)
+    assert study["state"] == "done" and study["progress"] == {"done": 30, "all": 30}, study
+    assert study["summary"]["trials"] == 30 and "backlash.x" in study["text"], study
+    assert server.done("GET", f"/api/studies/{begun['id']}/report").startswith("<!")
+    server.done("POST", "/api/studies", {**asked, "trials": 20_000})
+    server.end(signal.SIGKILL)
+    server = Server(program, state)
+    kept, ended = server.done("GET", "/api/studies")["studies"]
+    assert kept["state"] == "done" and ended["state"] == "stopped", (kept, ended)
+    assert server.done("GET", f"/api/studies/{begun['id']}")["summary"] == study["summary"]
+    return server
+
+
 def noise_leaves_it_answering(server, count):
     rng = random.Random(1)
     document = server.done("GET", "/api/openapi.json")
@@ -264,6 +295,7 @@ def main():
         server = what_was_applied_outlives_a_kill(program, state, server)
         files_are_diagnosed(server)
         a_scenario_runs(server)
+        server = a_study_runs(program, state, server)
         no_other_site_reaches_it(server)
         strange_names_are_taken(server)
         noise_leaves_it_answering(server, noise)

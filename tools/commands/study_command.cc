@@ -29,6 +29,7 @@
 #include "tools/commands/command.h"
 #include "tools/commands/progress.h"
 #include "tools/commands/spare_files.h"
+#include "tools/commands/study_progress.h"
 #include "tools/commands/study_trial.h"
 
 namespace caltwin {
@@ -46,6 +47,7 @@ struct StudyAsked {
   std::string report{};
   int workers = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   bool resume = false;
+  bool tells_progress = false;
   std::optional<std::int64_t> trial{};
   std::string shard{};
   std::vector<std::string> merge{};
@@ -54,25 +56,6 @@ struct StudyAsked {
 // Of the whole study: "next_study" beside where one is.
 fs::path FolderOfStudy(const StudyAsked& options) {
   return options.out.empty() ? fs::path(options.study).stem() : fs::path(options.out);
-}
-
-std::string ProgressText(const StudyProgress& progress) {
-  constexpr int kWidth = 24;
-  const double part = progress.all > 0 ? static_cast<double>(progress.done) /
-                                             static_cast<double>(progress.all)
-                                       : 1;
-  const auto filled = static_cast<std::size_t>(kWidth * part);
-  const double left_s =
-      progress.per_s > 0
-          ? static_cast<double>(progress.all - progress.done) / progress.per_s
-          : 0;
-  return fmt::format("[{}{}] {} of {}, {:.0f}/s, {:.0f} s left",
-                     std::string(filled, '#'),
-                     std::string(kWidth - filled, '.'),
-                     progress.done,
-                     progress.all,
-                     progress.per_s,
-                     left_s);
 }
 
 // What says the same already is left alone, its time of writing too.
@@ -170,8 +153,9 @@ struct Shown {
   StudyOptions With(const StudyAsked& options) {
     return {.workers = options.workers,
             .shard = options.shard.empty() ? Shard{} : ReadShard(options.shard),
-            .progress = [this](const StudyProgress& now) {
+            .progress = [this, &options](const StudyProgress& now) {
               line.Show(ProgressText(now));
+              if (options.tells_progress) std::cout << ProgressJson(now) << std::endl;
             }};
   }
   ProgressLine line{};
@@ -370,6 +354,9 @@ Action DeclareStudy(CLI::App* app) {
   app->add_option("--workers", options->workers, "machines at a time; default: cores")
       ->check(CLI::Range(1, kMostWorkers));
   app->add_flag("--resume", options->resume, "goes on with what the folder holds");
+  app->add_flag("--progress",
+                options->tells_progress,
+                "for programs: a line of JSON on stdout now and then, how far it is");
   CLI::Option* const trial =
       app->add_option("--trial",
                       options->trial,

@@ -88,6 +88,11 @@ TemporaryFolder::~TemporaryFolder() {
   fs::remove_all(path_, ignored);
 }
 
+bool IsAnotherAlive(int process) {
+  if (process <= 0 || process == getpid()) return false;
+  return kill(process, 0) == 0 || errno != ESRCH;
+}
+
 void EndWithServer() {
   const char* const server = std::getenv(kServedBy);
   if (server == nullptr) return;
@@ -108,7 +113,7 @@ std::string RunOwnProgram(const OwnCommand& command) {
   child.words.insert(child.words.end(), command.words.begin(), command.words.end());
   std::string said;
   const ChildEnd end = ConverseWith(child, [&](std::string_view line) {
-    said += std::string(line) + "\n";
+    if (!command.takes(line)) said += std::string(line) + "\n";
     return std::string();
   });
   const bool is_done = end.how == ChildEnd::How::kExited &&

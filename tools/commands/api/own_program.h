@@ -3,7 +3,9 @@
 #include <atomic>
 #include <chrono>
 #include <filesystem>
+#include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace caltwin {
@@ -30,7 +32,14 @@ struct OwnCommand {
   /// Files that its files name (`extends:`, `machine:`) lie in its folder, or are
   /// machines that came with the program.
   bool is_confined = true;
+  /// Is shown every line of stdout as it comes; what it takes is not in the answer.
+  std::function<bool(std::string_view line)> takes = [](std::string_view) {
+    return false;
+  };
 };
+
+/// Whether another process of that number is there.
+bool IsAnotherAlive(int process);
 
 /// Of such a process: ends with the server that began it, also where that was killed.
 void EndWithServer();

@@ -15,8 +15,10 @@
 #include "tools/commands/api/bench_api.h"
 #include "tools/commands/api/catalog_api.h"
 #include "tools/commands/api/diagnose_api.h"
+#include "tools/commands/api/own_program.h"
 #include "tools/commands/api/runs_api.h"
 #include "tools/commands/api/scene_api.h"
+#include "tools/commands/api/studies_api.h"
 #include "tools/commands/kinds/bed_api.h"
 #include "tools/commands/kinds/desks.h"
 #include "tools/server/pages.h"
@@ -113,6 +115,8 @@ struct WebService::Parts {
   OperatorSeat bench_seat{}, printer_seat{};
   DiagnoseApi diagnose;
   RunsApi runs{events.get()};
+  TemporaryFolder temporary{};  ///< Where no other is for what is kept.
+  std::unique_ptr<StudiesApi> studies{};
   SceneApi scenes{};
   std::unique_ptr<BenchApi> bench{};
   std::unique_ptr<Desk> printer{};  ///< Of practice, beside the bench.
@@ -127,6 +131,10 @@ WebService::WebService(const WebOptions& options, const std::atomic<bool>* stop)
       parts_(new Parts{.gate = Gate(options.address, TokenOf(options)),
                        .pages = Pages(ShareFolder() / "web"),
                        .diagnose = DiagnoseApi(stop)}) {
+  const fs::path state = options_.state.empty() ? StateFolder() : options_.state;
+  parts_->studies = std::make_unique<StudiesApi>(
+      fs::absolute(state.empty() ? parts_->temporary.path() : state) / "studies",
+      parts_->events.get());
   BuildMachines();
   AddRoutes();
   AddPages();
@@ -185,6 +193,7 @@ void WebService::AddRoutes() {
   Routes* const routes = &parts.routes;
   parts.diagnose.AddTo(routes);
   parts.runs.AddTo(routes);
+  parts.studies->AddTo(routes);
   parts.scenes.AddTo(routes);
   parts.bench->AddTo(routes);
   AddCatalogTo(routes);
