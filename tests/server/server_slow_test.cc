@@ -10,7 +10,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "tests/server/served.h"
+#include "tests/server/server_at_work.h"
 #include "tools/server/server.h"
 
 namespace caltwin {
@@ -79,7 +79,7 @@ TEST(Server, ClientsThatNeverEndAreDropped) {
 TEST(Server, BytesThatTrickleInDoNotPutTheEndOff) {
   ServerLimits limits;
   limits.to_begin = std::chrono::seconds(1);
-  const Served served(limits);
+  const ServerAtWork served(limits);
   Client client(served.port());
   client.Say("GET /hello HTTP/1.1\r\nHost: localhost\r\n\r\n");
   EXPECT_THAT(client.Hear("hello"), HasSubstr(" 200 "));

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/base/input_error.h"
-#include "tests/server/served.h"
+#include "tests/server/server_at_work.h"
 
 namespace caltwin {
 namespace {
@@ -17,7 +17,7 @@ using testing::HasSubstr;
 using testing::StartsWith;
 
 TEST(Server, OneConnectionIsAnsweredAgainAndAgain) {
-  const Served served;
+  const ServerAtWork served;
   Client client(served.port());
 
   client.Say("GET /hello HTTP/1.1\r\nHost: localhost\r\n\r\n");
@@ -31,7 +31,7 @@ TEST(Server, OneConnectionIsAnsweredAgainAndAgain) {
 }
 
 TEST(Server, WhatIsNoRequestIsRefusedAndClosed) {
-  const Served served;
+  const ServerAtWork served;
   for (const auto& [said, status] :
        {std::pair{"nonsense\r\n\r\n", " 400 "},
         std::pair{"GET /hello HTTP/1.1\r\n\r\n", " 421 "},
@@ -50,7 +50,7 @@ TEST(Server, WhatIsNoRequestIsRefusedAndClosed) {
 }
 
 TEST(Server, LongHeadersAreRefused) {
-  const Served served;
+  const ServerAtWork served;
   Client client(served.port());
 
   client.Say("GET /hello HTTP/1.1\r\nHost: localhost\r\nX: " +
@@ -60,7 +60,7 @@ TEST(Server, LongHeadersAreRefused) {
 }
 
 TEST(Server, EventsReachWhoListens) {
-  Served served;
+  ServerAtWork served;
   Client client(served.port());
   client.Say("GET /events HTTP/1.1\r\nHost: localhost\r\n\r\n");
   EXPECT_THAT(client.Hear("retry"), HasSubstr("text/event-stream"));
@@ -84,7 +84,7 @@ bool IsRefused(int port) {
 }
 
 TEST(Server, APortThatIsTakenIsSaid) {
-  const Served served;
+  const ServerAtWork served;
 
   EXPECT_TRUE(IsRefused(served.port()));
 }

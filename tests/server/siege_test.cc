@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/server/served.h"
+#include "tests/server/server_at_work.h"
 
 namespace caltwin {
 namespace {
@@ -27,7 +27,9 @@ ServerLimits Few(int connections) {
 }
 
 // Connections that wait, each of which said `said`.
-std::deque<Client> Crowd(const Served& served, int count, const std::string& said) {
+std::deque<Client> Crowd(const ServerAtWork& served,
+                         int count,
+                         const std::string& said) {
   std::deque<Client> crowd;
   for (int i = 0; i < count; ++i) crowd.emplace_back(served.port()).Say(said);
   return crowd;
@@ -39,7 +41,7 @@ std::string Upload(int length) {
 }
 
 TEST(Server, RequestsThatNeverEndGiveWayToANewcomer) {
-  const Served served(Few(8));
+  const ServerAtWork served(Few(8));
   for (const char* const begun :
        {"",
         "GET /hel",
@@ -55,7 +57,7 @@ TEST(Server, RequestsThatNeverEndGiveWayToANewcomer) {
 }
 
 TEST(Server, ConnectionsKeptForLaterGiveWayToANewcomer) {
-  const Served served(Few(8));
+  const ServerAtWork served(Few(8));
   std::deque<Client> crowd = Crowd(served, 8, kHello);
   for (Client& one : crowd) EXPECT_THAT(one.Hear("hello"), HasSubstr(" 200 "));
 
@@ -68,7 +70,7 @@ TEST(Server, ConnectionsKeptForLaterGiveWayToANewcomer) {
 }
 
 TEST(Server, ListenersStayWhateverElseComes) {
-  Served served(Few(8));
+  ServerAtWork served(Few(8));
   const std::string ask = "GET /events HTTP/1.1\r\nHost: localhost\r\n\r\n";
   std::deque<Client> listeners = Crowd(served, 2, ask);
   for (Client& one : listeners) EXPECT_THAT(one.Hear("retry"), HasSubstr(" 200 "));
@@ -90,7 +92,7 @@ TEST(Server, ListenersStayWhateverElseComes) {
 TEST(Server, UploadsTogetherAreBounded) {
   ServerLimits limits;
   limits.bodies_bytes = 300'000;
-  const Served served(limits, 1'000'000);
+  const ServerAtWork served(limits, 1'000'000);
   Client first(served.port());
   first.Say(Upload(200'000));
   Client chunks(served.port());

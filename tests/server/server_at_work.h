@@ -56,9 +56,9 @@ class Client {
 };
 
 /// A server on a port of its own, for as long as it lives.
-class Served {
+class ServerAtWork {
  public:
-  explicit Served(ServerLimits limits = {}, std::size_t most_bytes = 100) {
+  explicit ServerAtWork(ServerLimits limits = {}, std::size_t most_bytes = 100) {
     const auto add =
         [&](const char* method, const char* path, Route::Pace pace, Handler go) {
           routes_.Add({.method = method,
@@ -85,7 +85,7 @@ class Served {
     });
     port_ = port.get_future().get();
   }
-  ~Served() {
+  ~ServerAtWork() {
     stop_ = true;
     server_.join();
   }
