@@ -75,7 +75,8 @@ void BenchApi::Work(const PreparedProcedure& work, OperatorSeat::Held seat) {
   }
   TellReadings();
   const bool was_aborted = seat_->is_aborted();
-  ReadSettings();
+  // Who stopped a machine does not wait for its answer: Sent has seen what was written.
+  if (!was_aborted || options_.is_twin) ReadSettings();
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     Json tree = ToJson(result);
