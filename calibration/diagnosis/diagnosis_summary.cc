@@ -108,6 +108,26 @@ const Fact* FirstDescription(const Diagnosis& diagnosis) {
   return facts.all.empty() ? nullptr : &facts.all.front();
 }
 
+// A fact's sentence. Sizes of parts give no setting alone.
+std::string SaidOf(const Fact& fact, const Diagnosis& diagnosis) {
+  const auto& open = diagnosis.facts.not_determined;
+  const bool is_of_parts = std::ranges::find(open, "scale") != open.end();
+  if (fact.id != "scale" || !is_of_parts) return fact.sentence;
+  return fact.sentence +
+         ". But these are sizes of parts, which plastic shrinks and walls widen: "
+         "measure "
+         "a move of the head before steps/mm are changed";
+}
+
+// "12 rows that fit nothing were left out".
+std::string LeftOut(const Diagnosis& diagnosis) {
+  const std::size_t num = diagnosis.outlier_rows.size();
+  if (num == 0) return "";
+  return num == 1 ? fmt::format(". Row {} fits nothing and was left out",
+                                diagnosis.outlier_rows[0])
+                  : fmt::format(". {} rows that fit nothing were left out", num);
+}
+
 // Where no cause is named and no fact answers.
 std::pair<Answer, std::string> OpenAnswer(const Diagnosis& diagnosis) {
   const bool is_open = IsOpen(diagnosis);
@@ -117,7 +137,7 @@ std::pair<Answer, std::string> OpenAnswer(const Diagnosis& diagnosis) {
             "The readings drift, and nothing that was measured with them says why"};
   }
   const Fact* const unsure = LargestUnsure(diagnosis);
-  if (unsure != nullptr) return {Answer::kTooFew, unsure->sentence};
+  if (unsure != nullptr) return {Answer::kTooFew, SaidOf(*unsure, diagnosis)};
   const Fact* const size = LargestSizeError(diagnosis);
   if (size != nullptr) return {Answer::kTooFew, size->sentence};
   const Fact* const first = FirstDescription(diagnosis);
@@ -131,14 +151,17 @@ std::pair<Answer, std::string> OpenAnswer(const Diagnosis& diagnosis) {
   }
   if (is_open) return {Answer::kTooFew, "These rows are too few to tell anything"};
   if (first != nullptr && first->id == "plane") {
-    return {
-        Answer::kNothing,
-        fmt::format("No fault shows beyond {}. {}", kPlainSettings, first->sentence)};
+    return {Answer::kNothing,
+            fmt::format("No fault shows beyond {}. {}{}",
+                        kPlainSettings,
+                        first->sentence,
+                        LeftOut(diagnosis))};
   }
   return {Answer::kNothing,
-          fmt::format("No fault shows: beyond {} there is only {}",
+          fmt::format("No fault shows: beyond {} there is only {}{}",
                       kPlainSettings,
-                      drifts ? "a slow wander and noise" : "noise")};
+                      drifts ? "a slow wander and noise" : "noise",
+                      LeftOut(diagnosis))};
 }
 
 std::pair<Answer, std::string> AnswerOf(const Diagnosis& diagnosis) {
@@ -150,7 +173,7 @@ std::pair<Answer, std::string> AnswerOf(const Diagnosis& diagnosis) {
   if (is_known && !diagnosis.findings.empty()) {
     return {Answer::kCause, OfFindings(diagnosis)};
   }
-  if (first != nullptr) return {Answer::kFigure, first->sentence};
+  if (first != nullptr) return {Answer::kFigure, SaidOf(*first, diagnosis)};
   if (!diagnosis.findings.empty()) {
     return {Answer::kCause,
             "Something is there that no cause in the catalogue explains: " +

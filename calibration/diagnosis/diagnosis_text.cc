@@ -145,74 +145,16 @@ void AddParts(const Finding& finding, std::string* text) {
   *text += fmt::format("  In parts: {}.\n", fmt::join(parts, "; "));
 }
 
-std::string Capitalised(std::string text) {
-  if (!text.empty()) {
-    text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
-  }
-  return text;
-}
-
-// Whether no cause is named and the rows answer all the same: what no baseline takes
-// up.
-bool SpeaksByItself(const Diagnosis& diagnosis) {
-  const Fact* answer = FirstAnswer(diagnosis);
-  const bool is_of_facts = answer != nullptr && !diagnosis.findings.empty() &&
-                           diagnosis.findings[0].is_of_facts &&
-                           diagnosis.verdict == DiagnosisVerdict::kUnknownStructure;
-  if (is_of_facts) return true;
-  if (answer == nullptr || diagnosis.verdict != DiagnosisVerdict::kNone ||
-      diagnosis.min_effect_um > 0 || diagnosis.is_extended) {
-    return false;
-  }
-  constexpr std::array<std::string_view, 4> kOfBaseline = {
-      "scale", "reversal", "outliers", "repeatability"};
-  return IsOpen(diagnosis) ||
-         std::ranges::find(kOfBaseline, answer->id) == kOfBaseline.end();
-}
-
+// The verdict's word of the catalogue's causes, then the answer whatever it is about.
 std::string Headline(const Diagnosis& diagnosis) {
-  const std::size_t count = diagnosis.findings.size();
-  switch (diagnosis.verdict) {
-    case DiagnosisVerdict::kNone:
-      if (diagnosis.min_effect_um > 0) {
-        return fmt::format(
-            "Verdict: none. Beyond the baseline these rows show nothing of {:g} um or "
-            "more; what is smaller was not asked for.",
-            diagnosis.min_effect_um);
-      }
-      if (SpeaksByItself(diagnosis)) {
-        return fmt::format(
-            "Verdict: no cause of the catalogue, but the numbers speak. {}.",
-            FirstAnswer(diagnosis)->sentence);
-      }
-      if (!diagnosis.facts.not_the_machine.reason.empty()) {
-        return "Verdict: none of the catalogue's causes.";
-      }
-      return "Verdict: none. " + AnswerSentence(diagnosis);
-    case DiagnosisVerdict::kNamed:
-      if (diagnosis.findings[0].is_of_facts) {
-        return fmt::format("Verdict: named. {}.",
-                           Capitalised(NameInWords(diagnosis.findings[0].cause,
-                                                   diagnosis.findings[0].axis)));
-      }
-      return fmt::format("Verdict: named. {} found.",
-                         count == 1 ? "One cause" : fmt::format("{} causes", count));
-    case DiagnosisVerdict::kAmbiguous:
-      return "Verdict: ambiguous. Something is there, but these rows cannot tell which "
-             "of several causes it is.";
-    case DiagnosisVerdict::kUnknownStructure:
-      break;
-  }
-  if (SpeaksByItself(diagnosis)) {
+  if (diagnosis.verdict == DiagnosisVerdict::kNone && diagnosis.min_effect_um > 0) {
     return fmt::format(
-        "Verdict: unknown: no cause of the catalogue, but the numbers speak. {}.",
-        FirstAnswer(diagnosis)->sentence);
+        "Verdict: none. Beyond the baseline these rows show nothing of {:g} um or "
+        "more; what is smaller was not asked for.",
+        diagnosis.min_effect_um);
   }
-  if (count == 0) {
-    return "Verdict: unknown. Something is there, but these rows cannot say what.";
-  }
-  return "Verdict: unknown. Something is there that no cause in the catalogue "
-         "explains.";
+  return fmt::format(
+      "Verdict: {}. {}", ToString(diagnosis.verdict), AnswerSentence(diagnosis));
 }
 
 void AddHeldOut(const HeldOut& held, std::string_view what, std::string* text) {
@@ -427,8 +369,7 @@ std::string DiagnosisText(const Diagnosis& diagnosis, const TextNotes& notes) {
     const std::string action = unseen.is_recommended ? WhatToDo(finding) : "";
     if (!action.empty()) text += "  What to do: " + action + "\n";
   }
-  const bool is_told = SpeaksByItself(diagnosis);
-  const std::string facts = FactsText(diagnosis.facts, is_told);
+  const std::string facts = FactsText(diagnosis.facts, AnswerSentence(diagnosis));
   if (!facts.empty()) text += "\n" + facts;
   text += "\n";
   if (!IsOpen(diagnosis)) {

@@ -40,25 +40,21 @@ bool IsSaidByRatio(const Fact& fact, const Facts& facts) {
 
 }  // namespace
 
-std::string FactsText(const Facts& facts, bool first_is_told) {
+std::string FactsText(const Facts& facts, std::string_view told) {
   std::vector<std::string> says, next;
-  std::string told;
-  bool is_told = !first_is_told;
   for (const Fact& fact : facts.all) {
-    if (IsSaidByRatio(fact, facts)) continue;
-    if (is_told || !fact.is_answer) {
-      says.push_back(fact.sentence);
-    } else {
-      is_told = true;
-      told = fact.sentence;
-    }
+    if (!IsSaidByRatio(fact, facts)) says.push_back(fact.sentence);
   }
-  std::erase(says, told);
   const NotTheMachine& other = facts.not_the_machine;
   const bool is_a_fact = std::ranges::any_of(
       facts.all, [&](const Fact& fact) { return fact.sentence == other.sentence; });
   if (!other.reason.empty() && !is_a_fact) says.insert(says.begin(), other.sentence);
-  // Two series of one axis may say the same.
+  // The headline's own; two series of one axis may say the same.
+  const auto is_told = [&](const std::string& sentence) {
+    return sentence.size() > 1 && told.find(sentence.substr(1)) != told.npos;
+  };
+  const bool is_one_told = std::ranges::any_of(says, is_told);
+  std::erase_if(says, is_told);
   std::vector<std::string> once;
   for (std::string& sentence : says) {
     if (std::ranges::find(once, sentence) == once.end())
@@ -67,8 +63,8 @@ std::string FactsText(const Facts& facts, bool first_is_told) {
   says = std::move(once);
   for (const Advice& advice : facts.next) next.push_back(advice.sentence);
   std::string text;
-  AddLines(first_is_told ? "What the numbers also say:"
-                         : "What the numbers say by themselves:",
+  AddLines(is_one_told ? "What the numbers also say:"
+                       : "What the numbers say by themselves:",
            says,
            &text);
   AddLines("What they do not determine:", facts.cannot, &text);

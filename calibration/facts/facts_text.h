@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 #include <nlohmann/json.hpp>
 
@@ -10,8 +11,8 @@ namespace caltwin {
 
 /// What the numbers say by themselves, what they do not determine, and the cheapest
 /// next measurement, a line each. Empty where there is nothing to say.
-/// `first_is_told`: the first answer stands in the headline.
-std::string FactsText(const Facts& facts, bool first_is_told = false);
+/// `told`: the headline; what stands there is not said again.
+std::string FactsText(const Facts& facts, std::string_view told = {});
 
 /// [{"fact": "twist", "axis": "", "height_um": 2067, "height_um_sd": 1.2, "rows": [],
 /// "sigmas": 1700, "says": "..."}]; unknown uncertainties are null.

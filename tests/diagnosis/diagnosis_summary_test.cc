@@ -99,6 +99,23 @@ TEST(DiagnosisSummary, ABadReadingComesLast) {
   EXPECT_EQ(SummaryOf(diagnosis, {}).sentence, "Two corners are high.");
 }
 
+// Plastic shrinks: sizes of parts alone set no steps/mm.
+TEST(DiagnosisSummary, SizesOfPartsAloneChangeNoSetting) {
+  Diagnosis diagnosis = Determined();
+  diagnosis.facts.all = {Scale()};
+  EXPECT_THAT(SummaryOf(diagnosis, {}).sentence, testing::Not(HasSubstr("parts")));
+  diagnosis.facts.not_determined = {"scale"};
+  EXPECT_THAT(SummaryOf(diagnosis, {}).sentence,
+              HasSubstr("measure a move of the head"));
+}
+
+TEST(DiagnosisSummary, RowsThatWereLeftOutAreSaid) {
+  Diagnosis diagnosis = Determined();
+  diagnosis.outlier_rows = {3, 7};
+  EXPECT_THAT(SummaryOf(diagnosis, {}).sentence,
+              HasSubstr("2 rows that fit nothing were left out."));
+}
+
 TEST(DiagnosisSummary, SeveralPossibleCausesAreNamedWithTheirProbabilities) {
   Diagnosis diagnosis = Determined();
   diagnosis.verdict = DiagnosisVerdict::kAmbiguous;

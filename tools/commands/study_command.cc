@@ -155,7 +155,8 @@ struct Shown {
             .shard = options.shard.empty() ? Shard{} : ReadShard(options.shard),
             .progress = [this, &options](const StudyProgress& now) {
               line.Show(ProgressText(now));
-              if (options.tells_progress) std::cout << ProgressJson(now) << std::endl;
+              if (options.tells_progress)
+                std::cout << ProgressJson(now) << '\n' << std::flush;
             }};
   }
   ProgressLine line{};

@@ -83,7 +83,7 @@ export function JobResult({ job, hideChanges, children }: { job: Job; hideChange
   if (!result) return null;
   const verdict = verdictOf(result);
   const messages = [...new Set(result.messages)].filter((text) => !result.machine_said || !text.includes(result.machine_said));
-  const failed = verdict.kind !== "good" && !isDeclined(result) && !result.machine_said?.startsWith("the operator");
+  const failed = verdict.kind !== "good" && !isDeclined(result) && result.ending !== "aborted" && !result.machine_said?.startsWith("the operator");
   const told = <ul>{messages.map((text) => <li key={text}>{plain(text)}</li>)}</ul>;
   return (
     <div>
