@@ -88,32 +88,46 @@ Still MotorStill(const Machine& machine,
   return Held(machine.name, TravelOf(machine), MotorStageScene(built, exaggerate));
 }
 
-// As its file (or extension) says it was built.
-Still StillOfMachine(const fs::path& file, double exaggerate) {
-  const MachineFile read = ReadAnyMachineFile(file);
-  const Machine& machine = read.machine;
-  constexpr std::uint64_t kSeed = 1;
-  if (machine.kind == MotorStageKind()) {
-    return MotorStill(
-        machine,
-        DrawMotorStage({.drawing = MotorStageOf(machine)}, kSeed, /*sample=*/0),
-        exaggerate);
-  }
-  if (machine.kind == DeltaKind()) {
-    const DrawnDelta drawn =
-        DrawDelta({.effects = read.effects}, machine, kSeed, /*sample=*/0);
-    return DeltaStill(machine, drawn.built, exaggerate);
-  }
-  const std::vector<Injected> effects = DrawEffects(read.effects, kSeed, /*sample=*/0);
-  if (machine.Own<TripleZDrawing>() != nullptr) {
-    return TripleZStill({.machine = machine, .effects = effects}, exaggerate);
-  }
-  const Machine gantry = ReadMachineFile(file).machine;
-  return GantryStill(
-      {.machine = gantry, .effects = effects, .settings = gantry.settings}, exaggerate);
+Still MotorStillOf(const TwinFiles& twin, const Machine& machine, double exaggerate) {
+  const MotorStageDrawing drawing = MotorStageOf(machine);
+  const MotorStageTruth truth = twin.truth.empty()
+                                    ? MotorStageTruth{.drawing = drawing}
+                                    : ReadMotorTruthFile(twin.truth, drawing);
+  return MotorStill(
+      machine, DrawMotorStage(truth, twin.seed, /*sample=*/0), exaggerate);
+}
+
+Still DeltaStillOf(const TwinFiles& twin, const MachineFile& file, double exaggerate) {
+  DeltaEffects truth;
+  if (!twin.truth.empty()) truth = ReadDeltaTruthFile(twin.truth, file.machine);
+  truth.effects.insert(truth.effects.end(), file.effects.begin(), file.effects.end());
+  const DrawnDelta drawn = DrawDelta(truth, file.machine, twin.seed, /*sample=*/0);
+  return DeltaStill(file.machine, drawn.built, exaggerate);
 }
 
 }  // namespace
+
+Still StillOf(const TwinFiles& twin, double exaggerate) {
+  MachineFile read = ReadAnyMachineFile(twin.machine);
+  const Machine& machine = read.machine;
+  if (machine.kind == MotorStageKind()) return MotorStillOf(twin, machine, exaggerate);
+  if (machine.kind == DeltaKind()) return DeltaStillOf(twin, read, exaggerate);
+  if (!twin.truth.empty()) {
+    const TruthFile truth = ReadTruthFile(twin.truth, machine);
+    read.effects.insert(read.effects.end(), truth.effects.begin(), truth.effects.end());
+  }
+  const std::vector<Injected> effects =
+      DrawEffects(read.effects, twin.seed, /*sample=*/0);
+  if (machine.Own<TripleZDrawing>() != nullptr) {
+    return TripleZStill({.machine = machine, .effects = effects}, exaggerate);
+  }
+  const Machine gantry = ReadMachineFile(twin.machine).machine;
+  return GantryStill({.machine = gantry,
+                      .effects = effects,
+                      .settings = gantry.settings,
+                      .artefacts = twin.artefacts},
+                     exaggerate);
+}
 
 std::optional<Still> StillOf(const Scenario& scenario,
                              std::uint64_t seed,
@@ -151,7 +165,8 @@ std::optional<Enlarged> EnlargedStillOf(const Scenario& scenario,
 
 Still StillOf(const fs::path& file, double exaggerate) {
   const FileKind kind = KindOf(file);
-  if (kind == FileKind::kMachine) return StillOfMachine(file, exaggerate);
+  if (kind == FileKind::kMachine)
+    return StillOf(TwinFiles{.machine = file}, exaggerate);
   if (kind != FileKind::kScenario) {
     throw InputError(
         {.file = file.string()},

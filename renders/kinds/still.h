@@ -7,9 +7,11 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "renders/scene.h"
 #include "scenarios/scenario.h"
+#include "sim/machine/artefact.h"
 
 namespace caltwin {
 
@@ -29,6 +31,18 @@ struct Still {
 /// The machine that a file describes: as its file (or extension) says it was built, or
 /// that of a scenario with its effects and artefacts. Throws InputError.
 Still StillOf(const std::filesystem::path& file, double exaggerate);
+
+/// What a twin is built from, and what lies on its table.
+struct TwinFiles {
+  std::filesystem::path machine{};
+  std::filesystem::path truth{};  ///< Empty: as its own file says it was built.
+  std::uint64_t seed = 1;
+  std::vector<Artefact> artefacts{};
+};
+
+/// That twin with its hidden errors. Throws InputError, as where errors enlarged so far
+/// leave no machine.
+Still StillOf(const TwinFiles& twin, double exaggerate);
 
 /// The machine of a run of that scenario, its errors drawn with that seed. nullopt: a
 /// nozzle's height, which is not drawn. Throws InputError where errors enlarged so far

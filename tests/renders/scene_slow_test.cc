@@ -1,8 +1,13 @@
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
+#include <fstream>
+#include <numeric>
 #include <set>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -10,11 +15,13 @@
 #include "renders/kinds/motor_stage_scene.h"
 #include "renders/kinds/still.h"
 #include "renders/machine_scene.h"
+#include "renders/pose_grid.h"
 #include "renders/run_pictures.h"
 #include "renders/scene.h"
 #include "renders/scene_json.h"
 #include "sim/base/text_file.h"
 #include "sim/effects/catalog.h"
+#include "tests/base/temp_folder.h"
 
 namespace caltwin {
 namespace {
@@ -235,6 +242,63 @@ TEST(SceneJson, HasTheRodsOfADelta) {
                    turned * Vec3<double>(at_mm[0], at_mm[1], at_mm[2]);
     }
     EXPECT_NEAR((ends_mm[1] - ends_mm[0]).norm(), 250, 1e-3);
+  }
+}
+
+TEST(StillOfATwin, HasItsHiddenErrorsEnlargedAndItsArtefacts) {
+  const std::filesystem::path root(CALTWIN_SOURCE_DIR);
+  const TwinFiles twin{.machine = root / "models/gantry_router/machine.yaml",
+                       .truth = root / "examples/practice/gantry_router.yaml",
+                       .artefacts = Router().artefacts};
+  TwinFiles bare = twin;
+  bare.artefacts.clear();
+  // Carriages trail by half their gap.
+  const auto trails_mm = [&](const TwinFiles& files, double exaggerate) {
+    const Still still = StillOf(files, exaggerate);
+    still.move_to({100, 100, 20});
+    double most_mm = 0;
+    for (int i = 0; i < still.model->nq; ++i) {
+      const double off_mm = std::abs(still.data->qpos[i]) * 1000;
+      for (const double at_mm : {100.0, 20.0}) {
+        if (std::abs(off_mm - at_mm) < 5) {
+          most_mm = std::max(most_mm, std::abs(off_mm - at_mm));
+        }
+      }
+    }
+    return most_mm;
+  };
+
+  EXPECT_EQ(StillOf(twin, 1).model->ngeom, StillOf(bare, 1).model->ngeom + 1);
+  EXPECT_NEAR(trails_mm(twin, 1), 0.031, 1e-6);
+  EXPECT_NEAR(trails_mm(twin, 100), 3.1, 1e-4);
+  EXPECT_NEAR(trails_mm({.machine = twin.machine}, 100), 0, 1e-6);
+}
+
+TEST(StillOfATwin, TakesEachKindsTruth) {
+  const std::filesystem::path models =
+      std::filesystem::path(CALTWIN_SOURCE_DIR) / "models";
+  for (const auto& [name, truth] :
+       {std::pair{"delta_printer", "effects:\n  bed_tilt: {slope_x_mrad: 4}\n"},
+        std::pair{"triple_z_printer", "effects:\n  bed_tilt: {slope_x_mrad: 4}\n"},
+        std::pair{"motor_stage", "effects:\n  backlash.x: {gap_mm: 0.4}\n"}}) {
+    const TempFolder folder;
+    const std::filesystem::path file = folder.path() / "truth.yaml";
+    std::ofstream(file) << truth;
+    const TwinFiles drawn{.machine = models / name / "machine.yaml"};
+    TwinFiles built = drawn;
+    built.truth = file;
+
+    const auto poses = [](const TwinFiles& files, double exaggerate) {
+      const Still still = StillOf(files, exaggerate);
+      std::vector<int> all(static_cast<std::size_t>(still.model->nbody));
+      std::iota(all.begin(), all.end(), 0);
+      return PosesOf(*still.data, all);
+    };
+
+    EXPECT_GT(Apart_mm(poses(built, 1), poses(drawn, 1)), 1e-3) << name;
+    EXPECT_GT(Apart_mm(poses(built, 10), poses(drawn, 1)),
+              5 * Apart_mm(poses(built, 1), poses(drawn, 1)))
+        << name;
   }
 }
 

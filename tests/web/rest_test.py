@@ -90,6 +90,45 @@ def the_session_is_versioned(server):
     assert status == 409 and clash["entries"] == {"step": 3} and clash["version"] == kept["version"]
 
 
+def the_bench_is_drawn(server):
+    block = server.done("GET", "/api/bench")["artefacts"][0]
+    assert block["type"] == "block123" and block["turn_deg"] == 0
+    assert block["size_mm"] == [76.2, 50.8, 25.4]
+    scene = server.done("GET", "/api/bench/scene")
+    base = block["at_mm"]
+    drawn = [geom for geom in scene["geoms"] if geom["size_mm"] == [38.1, 25.4, 12.7]]
+    assert [geom["pose"][:3] for geom in drawn] == [[base[0], base[1], base[2] + 12.7]]
+
+    def carriages(times):
+        return server.done("POST", f"/api/bench/poses?exaggerate={times}",
+                           {"positions": [[100, 100, 20]]})["poses"][0]
+
+    # Carriages trail by half their hidden gap, at most 0.062 mm, drawn 100 times as large.
+    apart = [abs(one - other) for few, many in zip(carriages(1), carriages(100))
+             for one, other in zip(few, many)]
+    assert abs(max(apart) - 99 * 0.062 / 2) < 1e-3, max(apart)
+
+
+def a_real_machine_tells_nothing(program, state):
+    words = [program, "serve", "--tcp", "0", "--fidelity", "fast"]
+    machine = subprocess.Popen(words, stdout=subprocess.PIPE, text=True)
+    try:
+        port = next(line for line in machine.stdout if line.startswith("listening on")).split(":")[1]
+        server = Server(program, state, "--machine", "gantry_router",
+                        "--link", f"tcp:127.0.0.1:{port.strip()}")
+        block = server.done("GET", "/api/bench")["artefacts"][0]
+        assert block == {"id": "block", "type": "block123", "at_mm": None, "size_mm": None,
+                         "turn_deg": None}
+        status, problem = server.ask("GET", "/api/bench/scene?exaggerate=2")
+        assert status == 404 and "real" in problem["detail"], problem
+        status, _ = server.ask("POST", "/api/bench/poses", {"positions": [[1, 2, 3]]})
+        assert status == 404
+        server.end()
+    finally:
+        machine.kill()
+        machine.wait()
+
+
 def restored(server):
     server.done("POST", "/api/bench/restore")
     while server.done("GET", "/api/bench")["state"] != "idle":
@@ -290,6 +329,7 @@ def main():
         published_requests(server)
         gap = a_machine_is_calibrated(server)
         the_session_is_versioned(server)
+        the_bench_is_drawn(server)
         server.end(signal.SIGKILL)
         server = killed_in_a_procedure(program, state, gap)
         server = what_was_applied_outlives_a_kill(program, state, server)
@@ -303,6 +343,7 @@ def main():
         siege.uploads_together_are_bounded(server)
         assert server.end() == 130
         others_need_the_token(program, state)
+        a_real_machine_tells_nothing(program, state)
     print("all is answered")
 
 

@@ -97,7 +97,7 @@ Json BenchApi::Tree() const {
   }
   Json artefacts = Json::array();
   for (const Artefact& artefact : bench.artefacts) {
-    artefacts.push_back({{"id", artefact.id}, {"type", ToString(artefact.type)}});
+    artefacts.push_back(ToJson(artefact, options_.is_twin));
   }
   const std::lock_guard<std::mutex> lock(mutex_);
   Json tree{{"machine", bench.machine.name},

@@ -3,6 +3,8 @@
 #include <array>
 #include <utility>
 
+#include "sim/machine/surface.h"
+
 namespace caltwin {
 namespace {
 
@@ -12,6 +14,25 @@ constexpr std::array kPerAxis = {
     std::pair{"steps_per_mm", &Settings::steps_per_mm},
     std::pair{"backlash_mm", &Settings::backlash_mm},
     std::pair{"probe_deflection_mm", &Settings::probe_deflection_mm}};
+
+// The box around it as it stands unturned: x and y about its middle, z from its base.
+Vec3<double> SizeOf_mm(Artefact artefact) {
+  artefact.at_mm = Vec3<double>::Zero();
+  artefact.turn_deg = 0;
+  Vec3<double> size_mm = Vec3<double>::Zero();
+  for (const Solid& solid : SolidsOf(artefact)) {
+    Vec3<double> half_mm = solid.half_mm;
+    if (solid.bore_radius_mm > 0) half_mm.y() = half_mm.x();
+    Vec3<double> reach_mm = solid.center_mm.cwiseAbs() + half_mm;
+    reach_mm.head<2>() *= 2;
+    size_mm = size_mm.cwiseMax(reach_mm);
+  }
+  return size_mm;
+}
+
+Json TripleOf(const Vec3<double>& values) {
+  return Json::array({values[0], values[1], values[2]});
+}
 
 }  // namespace
 
@@ -84,6 +105,14 @@ Json ToJson(const Row& row) {
   }
   tree["value_mm"] = row.value_mm;
   return tree;
+}
+
+Json ToJson(const Artefact& artefact, bool is_twin) {
+  return {{"id", artefact.id},
+          {"type", ToString(artefact.type)},
+          {"at_mm", is_twin ? TripleOf(artefact.at_mm) : Json()},
+          {"size_mm", is_twin ? TripleOf(SizeOf_mm(artefact)) : Json()},
+          {"turn_deg", is_twin ? Json(artefact.turn_deg) : Json()}};
 }
 
 Json ToJson(const Settings& settings) {

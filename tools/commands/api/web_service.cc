@@ -109,6 +109,7 @@ fs::path StateFolder() {
 
 struct WebService::Parts {
   std::string machine{};
+  std::optional<TwinFiles> twin{};  ///< On the bench; nullopt: a real machine.
   Gate gate;
   Pages pages;
   std::shared_ptr<EventTopic> events = std::make_shared<EventTopic>();
@@ -164,6 +165,12 @@ void WebService::BuildMachines() {
   std::unique_ptr<Desk> desk = DeskOf(twin, options_.link);
   Bench* const bench = desk->bench();
   parts.machine = bench->machine.name;
+  if (options_.link.empty()) {
+    parts.twin = {.machine = FindMachine(twin.machine, "", {.file = "--machine"}),
+                  .truth = twin.truth,
+                  .seed = twin.seed,
+                  .artefacts = bench->artefacts};
+  }
   const std::string which = options_.link.empty() ? TwinUrl(twin) : options_.link;
   parts.bench = std::make_unique<BenchApi>(
       std::move(desk),
@@ -194,7 +201,7 @@ void WebService::AddRoutes() {
   parts.diagnose.AddTo(routes);
   parts.runs.AddTo(routes);
   parts.studies->AddTo(routes);
-  parts.scenes.AddTo(routes);
+  parts.scenes.AddTo(routes, parts.twin);
   parts.bench->AddTo(routes);
   AddCatalogTo(routes);
   const auto get = [&](const char* path, Handler go) {

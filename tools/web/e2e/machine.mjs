@@ -4,6 +4,16 @@ const shownAs = (page) => page.locator("canvas[data-drawn]").waitFor();
 // A checksum of what the canvas shows: a screenshot, for its picture is not kept.
 const looks = (page) => page.locator(".mac-view").screenshot().then((png) => png.toString("base64"));
 
+// Once nothing moves any more, and from where the page begins: scrolled, edges fall between pixels.
+async function looksAtLast(page) {
+  await page.evaluate(() => scrollTo(0, 0));
+  for (let before = "", now = await looks(page); ; before = now) {
+    await page.waitForTimeout(1000);
+    now = await looks(page);
+    if (now === before) return now;
+  }
+}
+
 async function playBack(page, base, check) {
   const button = (name) => page.getByRole("button", { name });
   await page.goto(`${base}/machine`);
@@ -109,6 +119,42 @@ async function watch(page, base, check) {
   check(true, "the page says that the work has ended");
 }
 
+// The bench is a twin: what lies on its table and its hidden errors are drawn.
+async function enlargesTheBench(page, check) {
+  await page.getByText("On its table: the 1-2-3 block (76.2 × 50.8 × 25.4 mm)").waitFor();
+  const plain = await looksAtLast(page);
+  const asked = page.waitForRequest(/\/api\/bench\/scene\?exaggerate=300$/);
+  await page.getByLabel(/Errors drawn as they are/).fill("1");
+  await asked;
+  await page.getByText("Errors drawn 300 times as large").waitFor();
+  await page.waitForTimeout(600);
+  check((await looksAtLast(page)) !== plain, "the hidden errors of the bench are drawn larger");
+  await check.shot("bench");
+  await page.getByLabel(/Errors drawn/).fill("0");
+  await page.getByText("Errors drawn as they are (1×)").waitFor();
+  await page.waitForTimeout(600);
+  check((await looksAtLast(page)) === plain, "drawn as they are again, tip and dots stand where they stood");
+}
+
+async function drawsTheBlock(page, base, check) {
+  const live = async () => {
+    await page.goto(`${base}/machine`);
+    await page.getByRole("button", { name: "Watch the machine live" }).click();
+    await shownAs(page);
+    return looksAtLast(page);
+  };
+  const whole = await live();
+  await page.route(/\/api\/bench\/scene/, async (route) => {
+    const response = await route.fetch();
+    const scene = await response.json();
+    scene.geoms = scene.geoms.filter(({ size_mm }) => size_mm.join() !== "38.1,25.4,12.7");
+    await route.fulfill({ response, json: scene });
+  });
+  const bare = await live();
+  await page.unroute(/\/api\/bench\/scene/);
+  check(whole === await live() && bare !== whole, "the block on the bench is drawn");
+}
+
 // Paints while the tip goes to two readings: poses are held back until the machine stands drawn.
 async function paintsOf(page, base, reducedMotion) {
   await page.emulateMedia({ reducedMotion });
@@ -147,6 +193,7 @@ async function glides(page, base, check) {
   // A made-up bench: a real one is too quick.
   const bench = await (await page.request.get(`${base}/api/bench`)).json();
   const reading = (x) => ({ campaign: "repeatability.x", feature: "block.left", setup: "", n: { x: 1, y: 0, z: 0 }, dir: { x: 1, y: 0, z: 0 }, at_mm: { x, y: 150, z: 20 }, value_mm: x });
+  bench.is_twin = false;
   bench.job = { ...bench.job, id: 99, readings: [reading(20), reading(280)] };
   await page.route("**/api/bench", (route) => route.fulfill({ json: bench }));
   const [steps, tweens] = [await paintsOf(page, base, "reduce"), await paintsOf(page, base, "no-preference")];
@@ -154,6 +201,8 @@ async function glides(page, base, check) {
   const row = await page.getByRole("row", { name: /left face of the block/ }).first().innerText();
   check(row.startsWith("Repeatability, X"), "readings have names, not keys");
   check(await page.getByText("The workpiece is not drawn").isVisible(), "what is not drawn is said");
+  check(await page.getByText("whose errors nobody knows, so there is nothing to enlarge").isVisible()
+    && await page.getByLabel(/Errors drawn/).count() === 0, "a real machine has no slider, and the page says why");
   await page.unroute("**/api/bench");
 }
 
@@ -165,6 +214,8 @@ export async function machine(page, base, check) {
   await exaggerateAndRefuse(page, base, check);
   await standsStill(page, base, check);
   await watch(page, base, check);
+  await enlargesTheBench(page, check);
+  await drawsTheBlock(page, base, check);
   await check.accessible?.("at the bench");
   await glides(page, base, check);
   await page.setViewportSize({ width: 390, height: 800 });

@@ -1,9 +1,10 @@
 import { answered, api } from "../api/client";
 import type { PosesData, PoseSource, SceneData } from "./data";
 
-// What is shown: a scenario's machine with its hidden errors, or a machine without any.
+// What is shown: a scenario's machine with its hidden errors, a machine without any, or the twin on
+// the bench with its own.
 export interface Subject {
-  of: "scenarios" | "machines";
+  of: "scenarios" | "machines" | "bench";
   name: string;
   exaggerate: number;
 }
@@ -18,7 +19,9 @@ async function unlessAborted<T>(asked: Promise<T>, signal: AbortSignal): Promise
 const paramsOf = ({ name, exaggerate }: Subject) => ({ path: { name }, query: { exaggerate } });
 
 export async function sceneOf(subject: Subject, signal: AbortSignal): Promise<SceneData> {
-  const init = { params: paramsOf(subject), signal };
+  const params = paramsOf(subject);
+  const init = { params, signal };
+  if (subject.of === "bench") return unlessAborted(answered(api.GET("/api/bench/scene", { params: { query: params.query }, signal })), signal);
   return unlessAborted(answered(subject.of === "scenarios" ? api.GET("/api/scenarios/{name}/scene", init)
     : api.GET("/api/machines/{name}/scene", init)), signal);
 }
@@ -26,7 +29,9 @@ export async function sceneOf(subject: Subject, signal: AbortSignal): Promise<Sc
 export const posesFrom = (subject: Subject): PoseSource => (positions, signal) => posesOf(subject, positions, signal);
 
 export async function posesOf(subject: Subject, positions: number[][], signal: AbortSignal): Promise<PosesData> {
-  const init = { params: paramsOf(subject), body: { positions }, signal };
+  const params = paramsOf(subject);
+  const init = { params, body: { positions }, signal };
+  if (subject.of === "bench") return unlessAborted(answered(api.POST("/api/bench/poses", { ...init, params: { query: params.query } })), signal);
   return unlessAborted(answered(subject.of === "scenarios" ? api.POST("/api/scenarios/{name}/poses", init)
     : api.POST("/api/machines/{name}/poses", init)), signal);
 }

@@ -2,9 +2,9 @@ import { useMemo, useState } from "react";
 import { campaignName, endingOf, featureName, jobName } from "../calibrate/words";
 import { Card, Notice, ProblemNotice } from "../ui/parts";
 import { picturePath, type Subject } from "./ask";
-import { useBenchLive, useFollow, type LiveHold } from "./use_live";
+import { useBenchLive, useFollow, type Bench, type LiveHold } from "./use_live";
 import { useShape } from "./use_shape";
-import { MachineView } from "./view";
+import { Exaggeration, MachineView } from "./view";
 import type { World } from "./world";
 
 function stateText({ bench }: LiveHold): string {
@@ -43,19 +43,50 @@ function Readings({ hold }: { hold: LiveHold }) {
   );
 }
 
+const lying: Record<Bench["artefacts"][number]["type"], string> = {
+  block123: "the 1-2-3 block", web: "a thin wall", ring: "a ring", pocket: "a pocket", ledge: "a ledge", plate: "a plate",
+};
+
+function lyingText({ type, size_mm }: Bench["artefacts"][number]): string {
+  return size_mm ? `${lying[type]} (${size_mm.map((mm) => Number(mm.toFixed(1))).join(" × ")} mm)` : lying[type];
+}
+
+// What of the machine is drawn, and what is not.
+function Drawn({ bench, moves }: { bench: Bench; moves: boolean }) {
+  const lies = bench.artefacts.length > 0;
+  const how = moves ? "The tip goes straight to the place of each reading as it comes." : "This machine has no tip to follow, so it is shown standing still.";
+  if (bench.is_twin) {
+    return (
+      <p className="hint">{how} The machine is simulated and drawn with the errors hidden in it. What a setting corrects is not drawn, nor is a wrong steps/mm.
+        {lies ? ` On its table: ${bench.artefacts.map(lyingText).join(", ")}. The dots are where it was touched.` : ""}</p>
+    );
+  }
+  return (
+    <p className="hint">{how} It is drawn without the machine's errors: it is a real machine, whose errors nobody knows, so there is nothing to enlarge.
+      {lies ? " The workpiece is not drawn: the server does not know where it lies. The dots are where it was touched." : ""}</p>
+  );
+}
+
 export function Live() {
   const hold = useBenchLive();
   const [world, setWorld] = useState<World | null>(null);
   const machine = hold.bench?.machine ?? null;
-  const subject = useMemo<Subject | null>(() => (machine ? { of: "machines", name: machine, exaggerate: 1 } : null), [machine]);
+  const isTwin = hold.bench?.is_twin ?? false;
+  const [exaggerate, setExaggerate] = useState(1);
+  const subject = useMemo<Subject | null>(
+    () => (!machine ? null : isTwin ? { of: "bench", name: machine, exaggerate } : { of: "machines", name: machine, exaggerate: 1 }),
+    [machine, isTwin, exaggerate]);
   const shape = useShape(subject);
   const fault = useFollow(hold.readings, hold.bench?.job?.id ?? null, shape.of, shape.data, world);
   return (
     <div className="mac-grid">
       <Card title={machine ? `The machine of “Calibrate”: ${machine}` : "The machine of “Calibrate”"}>
-        {machine ? <MachineView shape={shape} machine={machine} picture={picturePath(machine)} onWorld={setWorld} /> : null}
-        {shape.data ? <p className="hint">The tip goes straight to the place of each reading as it comes. It is drawn without the machine's errors: those are not known, so there is nothing to enlarge.
-          {hold.bench?.artefacts?.length ? " The workpiece is not drawn: the server does not tell where it stands. The dots are where it was touched." : ""}</p> : null}
+        {machine ? (
+          <MachineView shape={shape} machine={machine} picture={picturePath(machine)} onWorld={setWorld}>
+            {isTwin && shape.data ? <Exaggeration value={exaggerate} set={setExaggerate} /> : null}
+          </MachineView>
+        ) : null}
+        {hold.bench && shape.data ? <Drawn bench={hold.bench} moves={shape.data.moves} /> : null}
       </Card>
       <Card title="What it does">
         {hold.connection === "lost" ? <Notice kind="warn"><p><strong>The connection to the server is lost.</strong> What is at work goes on there. This page follows again when the connection is back.</p></Notice> : null}

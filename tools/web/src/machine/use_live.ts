@@ -46,10 +46,21 @@ export function useBenchLive(): LiveHold {
   return { bench, readings, connection, problem, reload };
 }
 
-// `shown`: as the bodies stand now.
-interface Moving { bodies: number[]; shown: Pose[]; waiting: Pose[][]; asked: number; frame: number; isAsking: boolean }
+// `shown`: as the bodies stand now. `seen`: readings that were asked for before the machine was
+// drawn anew; the tip does not go to them once more.
+interface Moving { job: number | null; bodies: number[]; shown: Pose[]; waiting: Pose[][]; asked: number; seen: number; frame: number; isAsking: boolean }
 
-const nothingMoving = (): Moving => ({ bodies: [], shown: [], waiting: [], asked: 0, frame: 0, isAsking: false });
+const nothingMoving = (job: number | null, seen: number): Moving => ({ job, bodies: [], shown: [], waiting: [], asked: 0, seen, frame: 0, isAsking: false });
+
+// There at once, dots and all.
+function stand(moving: Moving, world: World, poses: Pose[][]) {
+  for (const pose of poses) world.dot(moving.bodies, pose);
+  const last = poses.at(-1);
+  if (!last) return;
+  moving.shown = last;
+  world.move(moving.bodies, last);
+  world.countDots(Infinity);
+}
 
 // Goes on from what is shown to the next, quicker the more wait; straight, as the true way is
 // not told. Where motion is unwanted it steps.
@@ -78,9 +89,10 @@ function follow(moving: Moving, world: World) {
 export function useFollow(readings: LiveReading[], job: number | null, subject: Subject | null, data: SceneData | null, world: World | null): Problem | null {
   const [problem, setProblem] = useState<Problem | null>(null);
   const [round, setRound] = useState(0);
-  const moving = useRef<Moving>(nothingMoving());
+  const moving = useRef<Moving>(nothingMoving(null, 0));
   useEffect(() => {
-    moving.current = nothingMoving();
+    const was = moving.current;
+    moving.current = nothingMoving(job, was.job === job ? Math.max(was.seen, was.asked) : 0);
     world?.clearDots();
     return () => cancelAnimationFrame(moving.current.frame);
   }, [job, subject, data, world]);
@@ -89,12 +101,15 @@ export function useFollow(readings: LiveReading[], job: number | null, subject: 
     const next = readings.slice(now.asked, now.asked + 400);
     if (now.isAsking || next.length === 0 || !subject || !data?.moves || !world) return;
     now.isAsking = true;
+    const seen = Math.min(next.length, Math.max(0, now.seen - now.asked));
     now.asked += next.length;
     posesOf(subject, next.map((one) => one.at), new AbortController().signal).then((came) => {
       if (moving.current !== now) return;
       if (now.bodies.length === 0) now.shown = came.bodies.map((body) => data.poses[body]!);
       now.bodies = came.bodies;
-      now.waiting.push(...came.poses.filter((one) => one !== null));
+      const there = (poses: (Pose[] | null)[]) => poses.filter((one) => one !== null);
+      stand(now, world, there(came.poses.slice(0, seen)));
+      now.waiting.push(...there(came.poses.slice(seen)));
       setProblem(null);
       follow(now, world);
     }, (fault: unknown) => setProblem(problemOf(fault))).finally(() => {
