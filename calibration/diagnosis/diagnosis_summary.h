@@ -17,8 +17,8 @@ const Fact* FirstAnswer(const Diagnosis& diagnosis);
 /// Whether the rows determine nothing of what is always fitted.
 bool IsOpen(const Diagnosis& diagnosis);
 
-/// "These rows cannot show a wave of the Z screw; a wrong size of the tip: plain settings
-/// take it up, or no row moves it."; empty where they can show everything.
+/// "These rows cannot show a wave of the Z screw; a wrong size of the tip: plain
+/// settings take it up, or no row moves it."; empty where they can show everything.
 std::string AbsorbedText(const std::vector<Absorbed>& absorbed);
 
 /// A diagnosis for somebody who reads one sentence, then what it means for them.

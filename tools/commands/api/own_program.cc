@@ -90,7 +90,17 @@ TemporaryFolder::~TemporaryFolder() {
 
 bool IsAnotherAlive(int process) {
   if (process <= 0 || process == getpid()) return false;
-  return kill(process, 0) == 0 || errno != ESRCH;
+  // One that has ended and was not waited for has no program; a number that was given
+  // out again has another.
+  std::error_code failed;
+  const auto name_of = [&](const std::string& which) {
+    std::string name = fs::read_symlink(fmt::format("/proc/{}/exe", which), failed)
+                           .filename()
+                           .string();
+    return name.substr(0, name.find(" (deleted)"));
+  };
+  const std::string theirs = name_of(std::to_string(process));
+  return !failed && theirs == name_of("self");
 }
 
 void EndWithServer() {

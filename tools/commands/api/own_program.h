@@ -38,7 +38,7 @@ struct OwnCommand {
   };
 };
 
-/// Whether another process of that number is there.
+/// Whether another process of this program has that number.
 bool IsAnotherAlive(int process);
 
 /// Of such a process: ends with the server that began it, also where that was killed.

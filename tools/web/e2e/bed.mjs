@@ -39,7 +39,8 @@ export async function bed(page, base, check) {
 
   await page.getByLabel("Rows (along y)").selectOption("4");
   check(await button("Measure (12 touches)").isVisible(), "the grid chosen says how many touches");
-  await button("Measure (12 touches)").click();
+  await button("Measure (12 touches)").press("Enter");
+  check(await button("Measure (12 touches)").evaluate((one) => one === document.activeElement), "a measurement begun by keyboard keeps the focus");
   await heading("What was measured").waitFor();
   check(await page.getByText(/The bed is tilted by/).isVisible(), "the verdict comes in words");
   await page.getByText("Table of the 12 touches").click();

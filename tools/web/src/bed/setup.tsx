@@ -21,13 +21,14 @@ export function Setup({ bed, status, grid, setGrid }: {
   return (
     <Card title="Measure the bed">
       <p>The nozzle (or the probe beside it) touches the bed at a grid of points. The screws stay as they are: they move only when you choose “Apply” below and say yes.</p>
+      {/* Not `disabled`, which would take the focus from the button that was pressed. */}
       <div className="row">
         <Size name="Rows (along y)" value={grid.rows} set={(rows) => setGrid({ ...grid, rows })} />
         <Size name="Columns (along x)" value={grid.columns} set={(columns) => setGrid({ ...grid, columns })} />
-        <button type="button" disabled={isBusy} onClick={() => void bed.calibrate(grid)}>
+        <button type="button" aria-disabled={isBusy} onClick={() => { if (!isBusy) void bed.calibrate(grid); }}>
           Measure ({grid.rows * grid.columns} touches)
         </button>
-        <button type="button" className="quiet" disabled={isBusy} onClick={() => void atScrews()}>
+        <button type="button" className="quiet" aria-disabled={isBusy} onClick={() => { if (!isBusy) void atScrews(); }}>
           Touch only at the three screws
         </button>
       </div>
