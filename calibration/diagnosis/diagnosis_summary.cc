@@ -40,7 +40,8 @@ std::string Likely(double probability) {
   return fmt::format("{:.0f} %", PercentFromFraction(probability));
 }
 
-// "Backlash of X (62 %) or wind-up of the X drive (30 %)".
+// "Backlash of X (62 %) or wind-up of the X drive (30 %)"; where one is as good as
+// sure, "backlash of X (over 99 %), and these rows cannot tell it from ...".
 std::string Candidates(const Finding& finding) {
   constexpr double kWorthANumber = 0.05;
   std::vector<std::string> names;
@@ -48,6 +49,13 @@ std::string Candidates(const Finding& finding) {
     if (!names.empty() && !one.structural && one.probability < kWorthANumber) continue;
     names.push_back(fmt::format(
         "{} ({})", NameInWords(one.cause, one.axis), Likely(one.probability)));
+  }
+  constexpr double kAsGoodAsSure = 0.95;
+  if (names.size() > 1 && finding.candidates[0].probability > kAsGoodAsSure) {
+    const std::string first = names.front();
+    names.erase(names.begin());
+    return fmt::format(
+        "{}, and these rows cannot tell it from {}", first, fmt::join(names, " or "));
   }
   return fmt::format("{}", fmt::join(names, " or "));
 }

@@ -178,9 +178,11 @@ void AddWhetherByFeed(const Rows& rows, std::size_t axis, Facts* facts) {
 // What part of the rows facts from `first` on are of, where others say the same of the
 // same axis.
 void NamePart(const Row& row, std::size_t first, Facts* facts) {
+  std::string part = row.campaign;  // A heading, made a name by its reader.
+  std::ranges::replace(part, '_', ' ');
   for (std::size_t k = first; k < facts->all.size(); ++k) {
     facts->all[k].sentence =
-        fmt::format("By the rows of '{}': {}", row.campaign, facts->all[k].sentence);
+        fmt::format("By the rows of '{}': {}", part, facts->all[k].sentence);
   }
 }
 

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <iterator>
 #include <map>
-#include <numeric>
-#include <optional>
 #include <utility>
 
 #include <Eigen/Core>
@@ -13,231 +11,15 @@
 #include <fmt/ranges.h>
 
 #include "calibration/estimate/f_test.h"
-#include "sim/base/dense.h"
+#include "calibration/facts/sheet.h"
 #include "sim/base/median.h"
-#include "sim/base/rng.h"
 #include "sim/base/units.h"
 #include "sim/base/with_sd.h"
 
 namespace caltwin {
 namespace {
 
-constexpr Eigen::Index kPlaneTerms = 3;
-constexpr Eigen::Index kTwistTerms = 4;
-constexpr Eigen::Index kAllTerms = 6;
 constexpr double kMostChance = 1e-3;
-
-/// One touched place: the mean of its readings.
-struct Spot {
-  double x_mm = 0, y_mm = 0, height_mm = 0;
-  double num = 0;
-  std::vector<std::int64_t> rows{};
-};
-
-/// Spots of one bed as it stood, scaled to -1 .. 1.
-class Sheet {
- public:
-  explicit Sheet(std::vector<Spot> spots) : spots_(std::move(spots)) {
-    double low_x = HUGE_VAL, high_x = -HUGE_VAL, low_y = HUGE_VAL, high_y = -HUGE_VAL;
-    for (const Spot& spot : spots_) {
-      low_x = std::min(low_x, spot.x_mm);
-      high_x = std::max(high_x, spot.x_mm);
-      low_y = std::min(low_y, spot.y_mm);
-      high_y = std::max(high_y, spot.y_mm);
-    }
-    mid_ = {(low_x + high_x) / 2, (low_y + high_y) / 2};
-    half_mm_ = {(high_x - low_x) / 2, (high_y - low_y) / 2};
-  }
-
-  Eigen::Index size() const { return static_cast<Eigen::Index>(spots_.size()); }
-  const std::vector<Spot>& spots() const { return spots_; }
-  const Eigen::Vector2d& half_mm() const { return half_mm_; }
-  bool has_area() const { return half_mm_.minCoeff() > 1; }
-
-  // Columns 1 u v uv u^2 v^2, as many as asked for.
-  Eigen::MatrixXd Columns(Eigen::Index num) const {
-    Eigen::MatrixXd columns(size(), num);
-    for (Eigen::Index i = 0; i < size(); ++i) {
-      const Spot& spot = spots_[static_cast<std::size_t>(i)];
-      const double u = (spot.x_mm - mid_[0]) / half_mm_[0];
-      const double v = (spot.y_mm - mid_[1]) / half_mm_[1];
-      const double all[kAllTerms] = {1, u, v, u * v, u * u, v * v};
-      for (Eigen::Index k = 0; k < num; ++k) columns(i, k) = all[k];
-    }
-    return columns;
-  }
-
-  Eigen::VectorXd Heights_mm() const {
-    Eigen::VectorXd heights_mm(size());
-    for (Eigen::Index i = 0; i < size(); ++i) {
-      heights_mm[i] = spots_[static_cast<std::size_t>(i)].height_mm;
-    }
-    return heights_mm;
-  }
-
-  Sheet Without(const std::vector<bool>& is_out) const {
-    std::vector<Spot> kept;
-    for (std::size_t i = 0; i < spots_.size(); ++i) {
-      if (!is_out[i]) kept.push_back(spots_[i]);
-    }
-    return Sheet(std::move(kept));
-  }
-
- private:
-  std::vector<Spot> spots_;
-  Eigen::Vector2d mid_ = Eigen::Vector2d::Zero(), half_mm_ = Eigen::Vector2d::Zero();
-};
-
-/// Least squares of spots: sizes, their standard deviations for a noise of one.
-struct SheetFit {
-  Eigen::VectorXd sizes_mm{}, unit_sds{}, left_mm{};
-  double dof = 0;
-  bool is_determined = false;
-  double squares_mm2() const { return left_mm.squaredNorm(); }
-};
-
-SheetFit Fit(const Sheet& sheet, Eigen::Index terms) {
-  const Eigen::MatrixXd columns = sheet.Columns(terms);
-  const Eigen::VectorXd heights_mm = sheet.Heights_mm();
-  const Eigen::MatrixXd normal = columns.transpose() * columns;
-  SheetFit fit;
-  if (sheet.size() < terms || EigenvaluesOf(normal)[0] < 1e-6 * normal.trace())
-    return fit;
-  const Cholesky solver(normal);
-  fit.is_determined = true;
-  fit.sizes_mm = solver.Solve(columns.transpose() * heights_mm);
-  fit.unit_sds =
-      solver.SolveEach(Eigen::MatrixXd::Identity(terms, terms)).diagonal().cwiseSqrt();
-  fit.left_mm = heights_mm - columns * fit.sizes_mm;
-  fit.dof = static_cast<double>(sheet.size() - terms);
-  return fit;
-}
-
-// The smallest half of squared distances from what passes through `chosen`; none where
-// those do not determine it.
-std::optional<std::pair<double, Eigen::VectorXd>> TrimmedBy(
-    const Eigen::MatrixXd& columns,
-    const Eigen::VectorXd& heights_mm,
-    const std::vector<Eigen::Index>& chosen,
-    Eigen::Index half) {
-  Eigen::MatrixXd own(static_cast<Eigen::Index>(chosen.size()), columns.cols());
-  Eigen::VectorXd right(own.rows());
-  for (Eigen::Index k = 0; k < own.rows(); ++k) {
-    own.row(k) = columns.row(chosen[static_cast<std::size_t>(k)]);
-    right[k] = heights_mm[chosen[static_cast<std::size_t>(k)]];
-  }
-  const Eigen::VectorXd sizes = LeastSquares(own, right);
-  if (!sizes.allFinite() || (own * sizes - right).cwiseAbs().maxCoeff() > 1e-6) {
-    return std::nullopt;
-  }
-  const Eigen::VectorXd left = heights_mm - columns * sizes;
-  std::vector<double> squares(left.size());
-  for (Eigen::Index i = 0; i < left.size(); ++i) {
-    squares[static_cast<std::size_t>(i)] = left[i] * left[i];
-  }
-  std::ranges::nth_element(squares, squares.begin() + half);
-  const double sum = std::accumulate(squares.begin(), squares.begin() + half, 0.0);
-  return std::pair{sum, left};
-}
-
-// Least trimmed squares: of many surfaces through as many spots as they have sizes, the
-// one whose better half of distances is smallest. Bad touches cannot hide each other.
-std::vector<bool> FarSpots(const Sheet& sheet, double noise_mm) {
-  constexpr Eigen::Index kFewest = 7, kFewestForShape = 15;
-  constexpr int kDraws = 400;
-  constexpr double kFar = 8, kMostShare = 0.2, kLeast_mm = 0.03;
-  const Eigen::Index n = sheet.size();
-  std::vector<bool> is_out(static_cast<std::size_t>(n), false);
-  if (n < kFewest) return is_out;
-  const Eigen::Index terms = n >= kFewestForShape ? kAllTerms : kPlaneTerms;
-  const Eigen::MatrixXd columns = sheet.Columns(terms);
-  const Eigen::VectorXd heights_mm = sheet.Heights_mm();
-  const Eigen::Index half = (n + terms + 1) / 2;
-  Rng rng(1, 0, "facts.surface");
-  std::optional<std::pair<double, Eigen::VectorXd>> best;
-  std::vector<Eigen::Index> order(static_cast<std::size_t>(n));
-  std::iota(order.begin(), order.end(), 0);
-  for (int draw = 0; draw < kDraws; ++draw) {
-    for (Eigen::Index k = 0; k < terms; ++k) {
-      const auto other =
-          k + static_cast<Eigen::Index>(rng.Uniform() * static_cast<double>(n - k));
-      std::swap(order[static_cast<std::size_t>(k)],
-                order[static_cast<std::size_t>(std::min(other, n - 1))]);
-    }
-    const std::vector<Eigen::Index> chosen(order.begin(), order.begin() + terms);
-    auto tried = TrimmedBy(columns, heights_mm, chosen, half);
-    if (tried && (!best || tried->first < best->first)) best = std::move(tried);
-  }
-  if (!best) return is_out;
-  std::vector<double> sizes_mm;
-  for (const double left_mm : best->second) sizes_mm.push_back(std::abs(left_mm));
-  // Half of the spots fit their own surface too well.
-  const double spread_mm =
-      kSigmaOfMedian * Median(sizes_mm) * (1 + 5.0 / static_cast<double>(n - terms));
-  const double limit_mm =
-      std::max({kFar * spread_mm, Known(noise_mm) ? kFar * noise_mm : 0, kLeast_mm});
-  Eigen::Index num_out = 0;
-  for (Eigen::Index i = 0; i < n; ++i) {
-    is_out[static_cast<std::size_t>(i)] = std::abs(best->second[i]) > limit_mm;
-    num_out += is_out[static_cast<std::size_t>(i)] ? 1 : 0;
-  }
-  const auto most = std::max<Eigen::Index>(
-      1, static_cast<Eigen::Index>(kMostShare * static_cast<double>(n)));
-  if (num_out > most) is_out.assign(is_out.size(), false);
-  return is_out;
-}
-
-std::map<std::string, std::vector<Spot>> SheetsOf(const std::vector<const Row*>& rows,
-                                                  const std::set<std::int64_t>& out) {
-  constexpr double kUp = 0.999;
-  std::map<std::string, std::map<std::pair<long, long>, Spot>> sheets;
-  for (const Row* row : rows) {
-    const bool is_height = row->kind == RowKind::kTouch && row->n[2] > kUp &&
-                           Known(row->cmd_mm[0]) && Known(row->cmd_mm[1]);
-    // Motors moved one by one raise what is touched.
-    if (!is_height || out.contains(row->row) || row->flag == "release") continue;
-    std::string key =
-        row->campaign + "|" + row->setup + "|" + row->feature + "|" + row->home;
-    if (Known(row->cmd_mm[2])) key += fmt::format("|{:.3f}", row->cmd_mm[2]);
-    Spot& spot = sheets[key][{std::lround(row->cmd_mm[0] * 100),
-                              std::lround(row->cmd_mm[1] * 100)}];
-    spot.x_mm = row->cmd_mm[0];
-    spot.y_mm = row->cmd_mm[1];
-    spot.height_mm += row->value_mm;
-    spot.num += 1;
-    spot.rows.push_back(row->row);
-  }
-  std::map<std::string, std::vector<Spot>> all;
-  for (auto& [key, spots] : sheets) {
-    for (auto& [at, spot] : spots) {
-      spot.height_mm /= spot.num;
-      all[key].push_back(spot);
-    }
-  }
-  return all;
-}
-
-double RepeatsOf(const Sheet& sheet) {
-  double num = 0;
-  for (const Spot& spot : sheet.spots()) num += spot.num;
-  return num / static_cast<double>(sheet.size());
-}
-
-// Standard deviation of a spot: of repeats, else of what a fit leaves; kUnknown.
-struct SpotNoise {
-  double sd_mm = kUnknown;
-  double dof = 0;
-};
-
-SpotNoise NoiseOf(const Sheet& sheet, const SheetFit& fit, const ReadingNoise& noise) {
-  constexpr double kFewest = 3, kStatedDof = 10;
-  if (Known(noise.sd_mm)) {
-    return {noise.sd_mm / std::sqrt(RepeatsOf(sheet)),
-            noise.is_stated ? kStatedDof : noise.dof};
-  }
-  if (fit.dof >= kFewest) return {std::sqrt(fit.squares_mm2() / fit.dof), fit.dof};
-  return {};
-}
 
 // Places on a line along one axis show the slope along it, and nothing of the other.
 void AddLine(const Sheet& sheet, const ReadingNoise& noise, Facts* facts) {
@@ -254,7 +36,7 @@ void AddLine(const Sheet& sheet, const ReadingNoise& noise, Facts* facts) {
   }
   const double spread = qq - q * q / n;
   const double slope = (qz - q * z / n) / spread;
-  const double sd = noise.sd_mm / std::sqrt(RepeatsOf(sheet)) / std::sqrt(spread);
+  const double sd = noise.sd_mm / std::sqrt(sheet.MeanReadings()) / std::sqrt(spread);
   facts->all.push_back(
       {.id = "plane",
        .figures = {{is_x ? "slope_x_mrad" : "slope_y_mrad",
@@ -433,10 +215,6 @@ void AddFar(const Sheet& sheet,
       fact.rows.size() == 1 ? "" : "es");
   facts->all.push_back(std::move(fact));
 }
-
-}  // namespace
-
-namespace {
 
 using Sheets = std::map<std::string, std::vector<Spot>>;
 

@@ -69,8 +69,10 @@ export function verdictOf(result: Result): Verdict {
   const refused = refusedOf(result);
   if (refused) return refused;
   const ending = endingOf(result.ending);
-  if (result.ending !== "done") return { kind: ending.kind, text: ending.verdict, remedy: ending.remedy };
   const applied = result.steps.filter((step) => step.verdict === "applied").at(-1);
+  const isStopped = result.ending === "aborted" || result.ending === "interrupted";
+  if (isStopped && !applied) return { kind: ending.kind, text: ending.verdict, remedy: "Nothing was changed. Measure again when you are ready." };
+  if (result.ending !== "done") return { kind: ending.kind, text: ending.verdict, remedy: ending.remedy };
   if (applied) {
     const sd = result.estimates.find((one) => one.name === applied.name)?.sd;
     return { kind: "good", text: `${plain(applied.name)} is now ${valueOf(applied.name, applied.after, sd)}.`, remedy: "" };

@@ -117,7 +117,7 @@ export function Status({ hold }: { hold: BenchHold }) {
   const { bench, entries } = hold;
   if (!bench) return null;
   return (
-    <Card title={`Status of ${bench.machine}`}>
+    <Card title={`Status of the ${bench.machine.replaceAll("_", " ")}`}>
       <SettingsTable bench={bench} since={entries.since} />
       <dl className="figures">
         <div className="figure"><dt>Last calibration</dt><dd>{calibratedText(bench)}</dd></div>
