@@ -55,8 +55,9 @@ std::string FirstMiss(const RunResult& result) {
   return "";
 }
 
+constexpr double kNoLength_mm = 1e-6;  // What arithmetic leaves of nought.
+
 std::string LengthWords(double length_mm) {
-  constexpr double kNoLength_mm = 1e-6;  // What arithmetic leaves of nought.
   if (length_mm < kNoLength_mm) return "0 um";
   return length_mm < 1 ? fmt::format("{:.3g} um", UmFromMm(length_mm))
                        : fmt::format("{:.3g} mm", length_mm);
@@ -66,8 +67,7 @@ std::string LengthWords(double length_mm) {
 std::string GainOf(const RunResult& result) {
   const double before_mm = result.position_error_before_p95_mm;
   const double after_mm = result.position_error_after_p95_mm;
-  constexpr double kNoError_mm = 1e-6;
-  if (before_mm < kNoError_mm && after_mm < kNoError_mm) return "";
+  if (before_mm < kNoLength_mm && after_mm < kNoLength_mm) return "";
   return fmt::format(
       "{} {} now, {} before.",
       result.is_error_of_nozzle

@@ -7,7 +7,7 @@ version are taken out, nothing else. Each is kept as a hash:
 
     tests/freeze/answers.txt   as they were when they were frozen
     tests/freeze/changes.txt   those that have changed since: a line `# REASON`, then the
-                               answers that changed for it
+                               answers that changed for it last (earlier ones: git log)
 """
 
 import argparse
@@ -260,10 +260,13 @@ def compare(found, is_whole):
 
 
 def accept(found, differing, reason):
-    with CHANGES.open("a") as file:
-        file.write(f"# {reason}\n")
-        for what, name in differing:
-            file.write(f"{GONE if what == 'gone' else found[name]}  {name}\n")
+    """Adds the reason and its answers; an earlier change of the same answer is no longer told."""
+    again = {name for _, name in differing}
+    kept = [line for line in CHANGES.read_text().splitlines()
+            if line.startswith("#") or line.split("  ", 1)[1] not in again]
+    kept += [f"# {reason}"]
+    kept += [f"{GONE if what == 'gone' else found[name]}  {name}" for what, name in differing]
+    CHANGES.write_text("\n".join(kept) + "\n")
 
 
 def main():

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Builds TARGET... with clang's sanitizers of addresses and undefined behaviour into
 # build-asan: sanitized.sh unit_tests, sanitized.sh fuzzers. Unoptimised, which compiles
-# faster. Unit tests and fuzzers share what they test.
+# faster, but for the readers, which both share.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

@@ -41,6 +41,24 @@ const BaselineLine* ScaleOf(Axis axis,
   return nullptr;
 }
 
+const Finding* Found(std::string_view cause,
+                     std::string_view axis,
+                     const Diagnosis& diagnosis) {
+  for (const Finding& finding : diagnosis.findings) {
+    if (finding.cause == cause && finding.axis == axis && finding.effect) {
+      return &finding;
+    }
+  }
+  return nullptr;
+}
+
+// What a belt of another pitch adds to what all do alike.
+const Finding* PitchOf(Axis axis,
+                       const Diagnosis& diagnosis,
+                       const Observed& observed) {
+  return Found("belt_pitch", DriveOf(axis, observed), diagnosis);
+}
+
 class Writer {
  public:
   Writer(ControllerKind controller,
@@ -65,11 +83,6 @@ class Writer {
   }
 
  private:
-  // What a belt of another pitch adds to what all do alike.
-  const Finding* PitchOf(Axis axis) const {
-    return Found("belt_pitch", DriveOf(axis, observed_));
-  }
-
   void AddAxis(Axis axis) {
     const bool has_table = controller_ == ControllerKind::kLinuxCnc && HasShape(axis);
     const BaselineLine* scale = ScaleOf(axis, diagnosis_, observed_);
@@ -90,7 +103,7 @@ class Writer {
 
   // Moves too far by s: steps/mm / (1 + s).
   void AddScale(Axis axis, const BaselineLine& scale) {
-    const Finding* pitch = PitchOf(axis);
+    const Finding* pitch = PitchOf(axis, diagnosis_, observed_);
     const double scale_ppm = out_.IsToBeSet(scale) ? scale.value : 0;
     if (pitch == nullptr && scale_ppm == 0) return;
     const double belt_ppm = pitch == nullptr ? 0 : pitch->effect->values[0];
@@ -176,15 +189,6 @@ class Writer {
                          fmt::join(sources, " and ")));
   }
 
-  const Finding* Found(std::string_view cause, std::string_view axis) const {
-    for (const Finding& finding : diagnosis_.findings) {
-      if (finding.cause == cause && finding.axis == axis && finding.effect) {
-        return &finding;
-      }
-    }
-    return nullptr;
-  }
-
   // The tool goes by this times the other axis's travel: the slope of x on y, of x on
   // z, of y on z.
   void AddSquareness() {
@@ -197,7 +201,7 @@ class Writer {
     std::vector<std::string> sources;
     std::vector<const Finding*> used;
     for (std::size_t i = 0; i < 3; ++i) {
-      const Finding* finding = Found("squareness", kPairs[i].axis);
+      const Finding* finding = Found("squareness", kPairs[i].axis, diagnosis_);
       if (finding == nullptr) continue;
       slopes[i] = kPairs[i].sign * RadFromMrad(finding->effect->values[0]);
       sources.push_back(fmt::format("squareness.{} {:+.4f} +- {:.4f} mrad",
@@ -207,7 +211,7 @@ class Writer {
       used.push_back(finding);
     }
     // A turned beam is, beside a turned whole, Y turned the other way.
-    if (const Finding* racked = Found("racking", "")) {
+    if (const Finding* racked = Found("racking", "", diagnosis_)) {
       slopes[0] += RadFromMrad(racked->effect->values[0]);
       sources.push_back(fmt::format("racking {:+.4f} mrad", racked->effect->values[0]));
       used.push_back(racked);
@@ -238,7 +242,7 @@ class Writer {
 
   // How much lower a probe beside the nozzle reads because the beam is twisted.
   void AddTwist() {
-    const Finding* finding = Found("axis_twist", "");
+    const Finding* finding = Found("axis_twist", "", diagnosis_);
     Vec3<double> off_mm = Vec3<double>::Zero();
     for (Eigen::Index i = 0; i < observed_.num_rows(); ++i) {
       const Vec3<double>& one_mm = observed_.at(i).probe_off_mm;
@@ -284,11 +288,7 @@ std::vector<Axis> AxesOfNewSteps(const Diagnosis& diagnosis, const Observed& obs
   std::vector<Axis> axes;
   for (const Axis axis : kAxes) {
     const BaselineLine* scale = ScaleOf(axis, diagnosis, observed);
-    const bool has_pitch =
-        std::ranges::any_of(diagnosis.findings, [&](const Finding& finding) {
-          return finding.cause == "belt_pitch" &&
-                 finding.axis == DriveOf(axis, observed);
-        });
+    const bool has_pitch = PitchOf(axis, diagnosis, observed) != nullptr;
     if (scale != nullptr && (has_pitch || CorrectionText::IsTold(*scale))) {
       axes.push_back(axis);
     }

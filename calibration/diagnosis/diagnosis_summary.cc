@@ -66,7 +66,7 @@ std::string OfFindings(const Diagnosis& diagnosis) {
     const bool is_open = diagnosis.verdict == DiagnosisVerdict::kAmbiguous &&
                          finding.candidates.size() > 1;
     const char* const opens =
-        does.empty() ? "More than one cause is possible: " : "And beside that: ";
+        does.empty() ? "More than one cause is possible: " : "Another finding: ";
     does.push_back(is_open ? opens + Candidates(finding) : WhatItDoes(finding));
   }
   constexpr std::size_t kMost = 2;
@@ -84,29 +84,22 @@ std::string OfFindings(const Diagnosis& diagnosis) {
 constexpr const char* kPlainSettings =
     "plain settings (scale, backlash, where things lie)";
 
-// What the figures show that nothing says how sure they are of: the largest.
-const Fact* LargestUnsure(const Diagnosis& diagnosis) {
-  const Fact* largest = nullptr;
-  double most = 0;
-  for (const Fact& fact : diagnosis.facts.all) {
-    if (fact.id != "scale" || Known(fact.sigmas) || fact.figures.empty()) continue;
-    const double off = std::abs(fact.figures[0].value - 1);
-    if (off > most) largest = &fact, most = off;
-  }
-  return largest;
+// The fact of which `size` is largest; of what is none of those meant, it is 0.
+// nullptr: all are.
+template <typename Size>
+const Fact* Largest(const Facts& facts, const Size& size) {
+  const auto largest = std::ranges::max_element(facts.all, {}, size);
+  return largest == facts.all.end() || size(*largest) == 0 ? nullptr : &*largest;
 }
 
-// The size that is off by most; nullptr where none was measured alone.
-const Fact* LargestSizeError(const Diagnosis& diagnosis) {
-  const Fact* largest = nullptr;
-  for (const Fact& fact : diagnosis.facts.all) {
-    const bool is_larger =
-        fact.id == "one_size" &&
-        (largest == nullptr ||
-         std::abs(fact.figures[0].value) > std::abs(largest->figures[0].value));
-    if (is_larger) largest = &fact;
-  }
-  return largest;
+// How far a scale is off of which nothing says how sure it is.
+double UnsureScale(const Fact& fact) {
+  const bool is_meant = fact.id == "scale" && !Known(fact.sigmas);
+  return is_meant && !fact.figures.empty() ? std::abs(fact.figures[0].value - 1) : 0;
+}
+
+double OneSizeError_um(const Fact& fact) {
+  return fact.id == "one_size" ? std::abs(fact.figures[0].value) : 0;
 }
 
 // What describes the rows best, where nothing answers: a surface, then the rest.
@@ -114,17 +107,6 @@ const Fact* FirstDescription(const Diagnosis& diagnosis) {
   const Facts& facts = diagnosis.facts;
   if (const Fact* plane = facts.Find("plane")) return plane;
   return facts.all.empty() ? nullptr : &facts.all.front();
-}
-
-// A fact's sentence. Sizes of parts give no setting alone.
-std::string SaidOf(const Fact& fact, const Diagnosis& diagnosis) {
-  const auto& open = diagnosis.facts.not_determined;
-  const bool is_of_parts = std::ranges::find(open, "scale") != open.end();
-  if (fact.id != "scale" || !is_of_parts) return fact.sentence;
-  return fact.sentence +
-         ". But these are sizes of parts, which plastic shrinks and walls widen: "
-         "measure "
-         "a move of the head before steps/mm are changed";
 }
 
 // "12 rows that fit nothing were left out".
@@ -144,10 +126,10 @@ std::pair<Answer, std::string> OpenAnswer(const Diagnosis& diagnosis) {
     return {Answer::kTooFew,
             "The readings drift, and nothing that was measured with them says why"};
   }
-  const Fact* const unsure = LargestUnsure(diagnosis);
-  if (unsure != nullptr) return {Answer::kTooFew, SaidOf(*unsure, diagnosis)};
-  const Fact* const size = LargestSizeError(diagnosis);
-  if (size != nullptr) return {Answer::kTooFew, size->sentence};
+  for (const auto size : {UnsureScale, OneSizeError_um}) {
+    const Fact* const largest = Largest(diagnosis.facts, size);
+    if (largest != nullptr) return {Answer::kTooFew, largest->sentence};
+  }
   const Fact* const first = FirstDescription(diagnosis);
   if (is_open && first != nullptr) {
     return {Answer::kTooFew, first->sentence + ". These rows are too few to tell more"};
@@ -175,13 +157,30 @@ std::pair<Answer, std::string> OpenAnswer(const Diagnosis& diagnosis) {
 std::pair<Answer, std::string> AnswerOf(const Diagnosis& diagnosis) {
   const NotTheMachine& other = diagnosis.facts.not_the_machine;
   if (!other.reason.empty()) return {Answer::kElsewhere, other.sentence};
+  if (diagnosis.verdict == DiagnosisVerdict::kNone) {
+    if (diagnosis.min_effect_um > 0) {
+      return {Answer::kNothing,
+              fmt::format("Beyond {} these rows show nothing of {:g} um or more; what "
+                          "is smaller was not asked for",
+                          kPlainSettings,
+                          diagnosis.min_effect_um)};
+    }
+    // Facts know no machine: what its file holds they show again.
+    if (diagnosis.is_extended && !IsOpen(diagnosis)) {
+      return {Answer::kNothing,
+              fmt::format("No fault shows: beyond {} and what the machine's file holds "
+                          "there is only noise{}",
+                          kPlainSettings,
+                          LeftOut(diagnosis))};
+    }
+  }
   const Fact* const first = FirstAnswer(diagnosis);
   const bool is_known = diagnosis.verdict == DiagnosisVerdict::kNamed ||
                         diagnosis.verdict == DiagnosisVerdict::kAmbiguous;
   if (is_known && !diagnosis.findings.empty()) {
     return {Answer::kCause, OfFindings(diagnosis)};
   }
-  if (first != nullptr) return {Answer::kFigure, SaidOf(*first, diagnosis)};
+  if (first != nullptr) return {Answer::kFigure, first->sentence};
   if (!diagnosis.findings.empty()) {
     return {Answer::kCause,
             "Something is there that no cause in the catalogue explains: " +

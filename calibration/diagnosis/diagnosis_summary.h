@@ -10,8 +10,8 @@
 
 namespace caltwin {
 
-/// The first thing that the rows say by themselves and that answers a question; nullptr
-/// where none does.
+/// The first thing that the rows say by themselves and that answers a question, a bad
+/// reading only where nothing else does; nullptr where none does.
 const Fact* FirstAnswer(const Diagnosis& diagnosis);
 
 /// Whether the rows determine nothing of what is always fitted.

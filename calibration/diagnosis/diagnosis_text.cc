@@ -147,12 +147,6 @@ void AddParts(const Finding& finding, std::string* text) {
 
 // The verdict's word of the catalogue's causes, then the answer whatever it is about.
 std::string Headline(const Diagnosis& diagnosis) {
-  if (diagnosis.verdict == DiagnosisVerdict::kNone && diagnosis.min_effect_um > 0) {
-    return fmt::format(
-        "Verdict: none. Beyond the baseline these rows show nothing of {:g} um or "
-        "more; what is smaller was not asked for.",
-        diagnosis.min_effect_um);
-  }
   return fmt::format(
       "Verdict: {}. {}", ToString(diagnosis.verdict), AnswerSentence(diagnosis));
 }
@@ -357,7 +351,8 @@ std::string FindingText(const Finding& finding,
 }
 
 std::string DiagnosisText(const Diagnosis& diagnosis, const TextNotes& notes) {
-  std::string text = Headline(diagnosis) + "\n";
+  const std::string headline = Headline(diagnosis);
+  std::string text = headline + "\n";
   for (const Finding& finding : diagnosis.findings) {
     if (finding.is_of_facts) continue;  // Its sentence stands among the facts.
     text += "\n" + FindingText(finding, diagnosis, notes.measured) + "\n";
@@ -369,7 +364,7 @@ std::string DiagnosisText(const Diagnosis& diagnosis, const TextNotes& notes) {
     const std::string action = unseen.is_recommended ? WhatToDo(finding) : "";
     if (!action.empty()) text += "  What to do: " + action + "\n";
   }
-  const std::string facts = FactsText(diagnosis.facts, AnswerSentence(diagnosis));
+  const std::string facts = FactsText(diagnosis.facts, headline);
   if (!facts.empty()) text += "\n" + facts;
   text += "\n";
   if (!IsOpen(diagnosis)) {

@@ -49,7 +49,8 @@ std::string FactsText(const Facts& facts, std::string_view told) {
   const bool is_a_fact = std::ranges::any_of(
       facts.all, [&](const Fact& fact) { return fact.sentence == other.sentence; });
   if (!other.reason.empty() && !is_a_fact) says.insert(says.begin(), other.sentence);
-  // The headline's own; two series of one axis may say the same.
+  // The headline's own, which has a capital there; two series of one axis may say the
+  // same.
   const auto is_told = [&](const std::string& sentence) {
     return sentence.size() > 1 && told.find(sentence.substr(1)) != told.npos;
   };

@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 
+#include "calibration/facts/one_size.h"
 #include "sim/base/dense.h"
 #include "sim/measure/row_flags.h"
 
@@ -52,6 +53,7 @@ Line FitLine(const Rows& rows, std::size_t axis, LineTerms terms) {
   const auto n = static_cast<Eigen::Index>(rows.size());
   if (n < terms.num() || (!terms.has_slope && !terms.has_gap)) return line;
   line.are_moves = BeginsAtNought(*rows.front());
+  line.are_parts = AreSizes(rows);
   line.has_senses_unknown = std::ranges::none_of(rows, [&](const Row* row) {
     return Known(row->dir[axis]) && row->dir[axis] != 0;
   });

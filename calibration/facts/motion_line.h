@@ -15,6 +15,7 @@ struct Line {
          gap_unit_sd = 0;                           ///< For a noise of 1 mm.
   double least_mm = HUGE_VAL, most_mm = -HUGE_VAL;  ///< Of positions.
   bool has_senses_unknown = false, are_moves = false;
+  bool are_parts = false;  ///< Sizes of parts, which shrink.
   double left_mm2 = 0, dof = 0;
   bool has_gap = false, has_slope = false;
 };

@@ -99,14 +99,21 @@ TEST(DiagnosisSummary, ABadReadingComesLast) {
   EXPECT_EQ(SummaryOf(diagnosis, {}).sentence, "Two corners are high.");
 }
 
-// Plastic shrinks: sizes of parts alone set no steps/mm.
-TEST(DiagnosisSummary, SizesOfPartsAloneChangeNoSetting) {
+// Facts know no machine: what its file holds they show again, and it is no news.
+TEST(DiagnosisSummary, WhatTheMachinesFileHoldsIsNoAnswer) {
   Diagnosis diagnosis = Determined();
   diagnosis.facts.all = {Scale()};
-  EXPECT_THAT(SummaryOf(diagnosis, {}).sentence, testing::Not(HasSubstr("parts")));
-  diagnosis.facts.not_determined = {"scale"};
+  diagnosis.is_extended = true;
+  EXPECT_EQ(SummaryOf(diagnosis, {}).answer, Answer::kNothing);
   EXPECT_THAT(SummaryOf(diagnosis, {}).sentence,
-              HasSubstr("measure a move of the head"));
+              HasSubstr("what the machine's file holds"));
+}
+
+TEST(DiagnosisSummary, SmallerThanAskedForIsNoAnswer) {
+  Diagnosis diagnosis = Determined();
+  diagnosis.facts.all = {Scale()};
+  diagnosis.min_effect_um = 20;
+  EXPECT_THAT(SummaryOf(diagnosis, {}).sentence, HasSubstr("nothing of 20 um or more"));
 }
 
 TEST(DiagnosisSummary, RowsThatWereLeftOutAreSaid) {

@@ -1,6 +1,9 @@
 // Parts of one size: how much too large, and nothing more.
 
 #include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,7 +14,9 @@
 namespace caltwin {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 Row Size(int axis, double size_mm, double error_mm) {
   Row row{.kind = RowKind::kPosition};
@@ -48,6 +53,25 @@ TEST(OneSize, OfRepeatsIsTheirMean) {
 TEST(OneSize, TwoSizesTellMore) {
   const Facts facts = FactsOfRows({Size(0, 20, 0.05), Size(0, 100, 0.25)});
   EXPECT_EQ(facts.Find("one_size"), nullptr);
+}
+
+// Material shrinks as a scale does, and never grows nor by a tenth; a move is no part.
+TEST(OneSize, OfSmallerPartsShrinkageIsThought) {
+  const auto says = [](double factor, const std::string& flag) {
+    std::vector<Row> rows;
+    for (const double size_mm : {50.0, 100.0, 150.0, 200.0}) {
+      rows.push_back(Size(0, size_mm, (factor - 1) * size_mm));
+      rows.back().flag = flag;
+    }
+    const Facts facts = FactsOfRows(std::move(rows));
+    const Fact* scale = facts.Find("scale");
+    return scale == nullptr ? std::string("nothing") : scale->sentence;
+  };
+  EXPECT_THAT(says(0.995, ""), HasSubstr("material that shrinks"));
+  EXPECT_THAT(says(1.005, ""), AllOf(HasSubstr("multiply"), Not(HasSubstr("shrinks"))));
+  EXPECT_THAT(says(0.93, ""), AllOf(HasSubstr("multiply"), Not(HasSubstr("shrinks"))));
+  EXPECT_THAT(says(0.995, "move"),
+              AllOf(HasSubstr("multiply"), Not(HasSubstr("shrinks"))));
 }
 
 }  // namespace

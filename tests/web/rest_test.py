@@ -46,14 +46,15 @@ def published_requests(server):
     assert "calibrations" in server.done("GET", base + "/report", headers={"Accept": "application/json"})
 
 
-def lead(server, procedure, options, say_yes=True):
-    """Runs a procedure to its end, answering what it asks; the job."""
+def lead(server, procedure, options, say_yes=True, until=()):
+    """Runs a procedure to its end or to a question that begins so, answering what else it asks;
+    the bench then."""
     server.done("POST", "/api/bench/procedures", {"procedure": procedure, "options": options})
     for _ in range(2000):
         bench = server.done("GET", "/api/bench")
         question = (bench["job"] or {}).get("question")
-        if bench["state"] == "idle":
-            return bench["job"]
+        if bench["state"] == "idle" or (question and question["text"].startswith(until)):
+            return bench
         if question:
             answer = {"id": question["id"], "yes": say_yes}
             if "hint_mm" in question:
@@ -65,10 +66,10 @@ def lead(server, procedure, options, say_yes=True):
 
 def a_machine_is_calibrated(server):
     before = server.done("GET", "/api/bench")["settings"]
-    refused = lead(server, "next_cluster_backlash", {"axis": "x"}, say_yes=False)
+    refused = lead(server, "next_cluster_backlash", {"axis": "x"}, say_yes=False)["job"]
     assert refused["result"]["ending"] == "refused", refused["result"]
     assert server.done("GET", "/api/bench")["settings"] == before
-    job = lead(server, "next_cluster_backlash", {"axis": "x", "variant": "corrected"})
+    job = lead(server, "next_cluster_backlash", {"axis": "x", "variant": "corrected"})["job"]
     assert job["result"]["ending"] == "done" and len(job["readings"]) > 20
     gap = server.done("GET", "/api/bench")["settings"]["backlash_mm"]["x"]
     assert abs(gap - 0.062) < 0.005, gap  # examples/practice has 0.062.
@@ -138,20 +139,9 @@ def restored(server):
 
 def begun_until_asked(server, procedure, options, texts=("Set ",)):
     """Answers yes to all but a question that begins so: the bench that stands at it."""
-    server.done("POST", "/api/bench/procedures", {"procedure": procedure, "options": options})
-    for _ in range(2000):
-        bench = server.done("GET", "/api/bench")
-        question = bench["job"]["question"]
-        if question and question["text"].startswith(texts):
-            return bench
-        assert bench["state"] != "idle", bench["job"]["result"]
-        if question:
-            answer = {"id": question["id"], "yes": True}
-            if "hint_mm" in question:
-                answer["value_mm"] = question["hint_mm"]
-            server.ask("POST", "/api/bench/answer", answer)
-        time.sleep(0.01)
-    raise AssertionError("it was never asked")
+    bench = lead(server, procedure, options, until=texts)
+    assert bench["state"] != "idle", bench["job"]["result"]
+    return bench
 
 
 def killed_in_a_procedure(program, state, gap):
@@ -169,7 +159,7 @@ def killed_in_a_procedure(program, state, gap):
     assert job["question"] == before["job"]["question"] and job["settings_now"] == bench["settings"]
     assert job["result"]["steps"] == [] and bench["results"][-1]["id"] == job["id"]
     assert server.done("GET", "/api/calibration/bed-tilt/current")["measured_points"] == 9
-    job = lead(server, "next_cluster_backlash", {"axis": "y"})
+    job = lead(server, "next_cluster_backlash", {"axis": "y"})["job"]
     assert job["result"]["ending"] == "done" and job["id"] == before["job"]["id"] + 1
     restored(server)
     return server
@@ -245,7 +235,7 @@ def a_study_runs(program, state, server):
     status, busy = server.ask("POST", "/api/studies", asked)
     assert status == 409 and busy["running"] == long["id"], busy
     assert server.ask("GET", f"/api/studies/{long['id']}/report")[0] == 409
-    home = lead(server, "home", {})
+    home = lead(server, "home", {})["job"]
     assert home["result"]["ending"] == "done", "the bench goes on beside a study"
     while server.done("GET", f"/api/studies/{long['id']}")["progress"]["done"] == 0:
         time.sleep(0.05)
