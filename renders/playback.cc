@@ -62,11 +62,11 @@ void DropWhatIsAlike(const Json& like, Json* scene) {
 /// The machine as built and, where that is another, enlarged.
 Json ScenesOf(const Scenario& scenario, std::uint64_t seed, const Enlarged& built) {
   Json scenes = Json::array({SceneOf(built)});
-  const auto larger = EnlargedStillOf(scenario, seed, kExaggerate);
-  Json enlarged = SceneOf(*larger);
+  const Enlarged larger = EnlargedStillOf(scenario, seed, kExaggerate);
+  Json enlarged = SceneOf(larger);
   const bool is_other =
       enlarged["scene"] != scenes[0]["scene"] || enlarged["grid"] != scenes[0]["grid"];
-  if (larger->exaggerate <= 1 || !is_other) return scenes;
+  if (larger.exaggerate <= 1 || !is_other) return scenes;
   DropWhatIsAlike(scenes[0]["scene"], &enlarged["scene"]);
   scenes.push_back(std::move(enlarged));
   return scenes;
@@ -94,9 +94,9 @@ std::optional<Json> PlaybackJson(const Scenario& scenario,
                                  std::uint64_t seed,
                                  int touches,
                                  std::string_view transcript) {
-  auto built = StillOf(scenario, seed, /*exaggerate=*/1);
-  if (!built || !built->move_to) return std::nullopt;
-  return Json{{"scenes", ScenesOf(scenario, seed, {*std::move(built)})},
+  Still built = StillOf(scenario, seed, /*exaggerate=*/1);
+  if (!built.move_to) return std::nullopt;
+  return Json{{"scenes", ScenesOf(scenario, seed, {std::move(built)})},
               {"touches", touches},
               {"transcript", transcript},
               {"lines", std::ranges::count(transcript, '\n')}};

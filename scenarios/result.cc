@@ -174,6 +174,7 @@ nlohmann::ordered_json ToJson(const RunResult& result) {
                                   {"blind_direction", o.blind_direction}};
                     })},
           {"messages", result.messages},
+          {"causes", result.Causes()},
           {"position_error_mm",
            {{"p95_before", result.position_error_before_p95_mm},
             {"p95_after", result.position_error_after_p95_mm}}},
@@ -181,6 +182,18 @@ nlohmann::ordered_json ToJson(const RunResult& result) {
           {"version", CALTWIN_VERSION},
           {"cpu_s", result.cpu_s},
           {"touches", result.touches}};
+}
+
+std::vector<std::string> RunResult::Causes() const {
+  for (const auto kind : {Message::Kind::kCause, Message::Kind::kMachine}) {
+    std::vector<std::string> causes;
+    for (const Message& message : messages) {
+      const bool is_new = std::ranges::find(causes, message.text) == causes.end();
+      if (message.kind == kind && is_new) causes.push_back(message.text);
+    }
+    if (!causes.empty()) return causes;
+  }
+  return {};
 }
 
 std::optional<double> Coverage95(std::span<const RunResult> results) {

@@ -108,6 +108,10 @@ RunVerdict VerdictOf(const RunResult& result) {
                       : ", which was not expected",
       passed,
       all);
+  for (const std::string& cause : result.Causes()) {
+    verdict.remarks.push_back(
+        fmt::format("Why: {}{}", cause, cause.ends_with('.') ? "" : "."));
+  }
   if (const std::string miss = FirstMiss(result); !miss.empty()) {
     verdict.remarks.push_back(miss);
   }

@@ -10,6 +10,7 @@ namespace caltwin {
 struct Message {
   enum class Kind {
     kFound,    ///< What was seen or done.
+    kCause,    ///< What went wrong, and why: a run leads with it.
     kCheck,    ///< One of a list of checks, and how it ended.
     kOpen,     ///< What a plan determines, and what would determine more.
     kToDo,     ///< What a person should do.

@@ -30,7 +30,8 @@ void Session::Tell(Trouble trouble, const std::string& why) {
   if (why.empty() || is_as_published()) {
     Tell({RemedyFor(trouble), Message::Kind::kToDo});
   }
-  if (!why.empty()) Tell(fmt::format("{}: {}.", TitleOf(trouble), why));
+  if (why.empty()) return;
+  Tell({fmt::format("{}: {}.", TitleOf(trouble), why), Message::Kind::kCause});
 }
 
 void Session::TellWhyProbeFailed(const MachineFault& fault) {
@@ -59,8 +60,9 @@ void Session::TellWhyProbeFailed(const MachineFault& fault) {
   const std::string why = WhyProbeFailed(failed);
   if (is_bent && why.empty()) {
     Tell(
-        "The stylus ran into something: the way to the next point led through the "
-        "block. Restart the machine and home it before going on.");
+        {"The stylus ran into something: the way to the next point led through the "
+         "block. Restart the machine and home it before going on.",
+         Message::Kind::kCause});
     return;
   }
   Tell(Trouble::kNoTrigger, why);

@@ -154,7 +154,7 @@ Expected<void> VerifyAxis(Session* session, Axis axis, const VerifyOptions& o) {
   Print(session, axis, checks);
   const std::vector<std::string> revisit = WhatToRevisit(axis, checks);
   for (const std::string& message : revisit) {
-    session->Tell({message, Message::Kind::kToDo});
+    session->Tell({message, Message::Kind::kCause});
   }
   session->Measured(
       NameOf(Setting::kStepsPerMm, axis),

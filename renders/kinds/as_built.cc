@@ -8,6 +8,7 @@
 #include "scenarios/kinds/delta_scenario.h"
 #include "scenarios/kinds/gantry_scenario.h"
 #include "scenarios/kinds/triple_z_scenario.h"
+#include "scenarios/kinds/z_station_scenario.h"
 
 namespace caltwin {
 namespace {
@@ -15,7 +16,7 @@ namespace {
 ReportPicture AsBuilt(const Scenario& scenario,
                       std::uint64_t seed,
                       std::string_view enlarged) {
-  const Enlarged drawn = EnlargedStillOf(scenario, seed, kExaggerate).value();
+  const Enlarged drawn = EnlargedStillOf(scenario, seed, kExaggerate);
   return {.title = "The machine as built.",
           .caption = fmt::format("{} enlarged {:g} times.", enlarged, drawn.exaggerate),
           .png = PngBytes(
@@ -33,6 +34,9 @@ std::optional<std::vector<ReportPicture>> PicturesOfKind(const Scenario& scenari
   }
   if (scenario.kind.As<TripleZScenario>() != nullptr) {
     pictures.push_back(AsBuilt(scenario, seed, "Its bed's tilt is"));
+  }
+  if (scenario.kind.As<ZStationScenario>() != nullptr) {
+    pictures.push_back(AsBuilt(scenario, seed, "How far its parts stand off is"));
   }
   return pictures;
 }

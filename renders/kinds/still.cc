@@ -10,6 +10,7 @@
 #include "renders/kinds/delta_scene.h"
 #include "renders/kinds/motor_stage_scene.h"
 #include "renders/kinds/triple_z_scene.h"
+#include "renders/kinds/z_station_scene.h"
 #include "renders/machine_scene.h"
 #include "scenarios/file_kind.h"
 #include "scenarios/kinds/delta_scenario.h"
@@ -20,9 +21,11 @@
 #include "scenarios/machine_file.h"
 #include "scenarios/runner.h"
 #include "sim/base/input_error.h"
+#include "sim/kinds/z_station/machine.h"
 #include "sim/machine/kinds/delta/drawing.h"
 #include "sim/machine/kinds/kinds.h"
 #include "sim/machine/kinds/triple_z/drawing.h"
+#include "sim/machine/kinds/z_station/drawing.h"
 
 namespace caltwin {
 
@@ -82,6 +85,27 @@ Still TripleZStill(const BuiltTripleZ& built, double exaggerate) {
       built.machine.name, TravelOf(built.machine), TripleZScene(built, exaggerate));
 }
 
+Still StationStill(const Machine& machine,
+                   const ZStationDrawing& drawing,
+                   const ZStationBuild& build,
+                   double exaggerate) {
+  return Held(
+      machine.name, TravelOf(machine), ZStationScene(drawing, build, exaggerate));
+}
+
+// On whatever machine it stands.
+Still StationStill(const ZStationScenario& scenario,
+                   const Machine& machine,
+                   std::uint64_t seed,
+                   double exaggerate) {
+  ZStation station;
+  SetStation(scenario.station, seed, /*sample=*/0, &station);
+  const ZStationDrawing drawing{.bed_at_mm = scenario.settings.middle_mm};
+  const ZStationTwin twin(
+      station, /*is_physics=*/false, seed, /*sample=*/0, drawing.bed_at_mm);
+  return StationStill(machine, drawing, twin.BuildAt(drawing.bed_at_mm), exaggerate);
+}
+
 Still MotorStill(const Machine& machine,
                  const BuiltMotorStage& built,
                  double exaggerate) {
@@ -118,6 +142,9 @@ Still StillOf(const TwinFiles& twin, double exaggerate) {
   }
   const std::vector<Injected> effects =
       DrawEffects(read.effects, twin.seed, /*sample=*/0);
+  if (const auto* const drawing = machine.Own<ZStationDrawing>()) {
+    return StationStill(machine, *drawing, BuildOf(machine, effects), exaggerate);
+  }
   if (machine.Own<TripleZDrawing>() != nullptr) {
     return TripleZStill({.machine = machine, .effects = effects}, exaggerate);
   }
@@ -129,12 +156,12 @@ Still StillOf(const TwinFiles& twin, double exaggerate) {
                      exaggerate);
 }
 
-std::optional<Still> StillOf(const Scenario& scenario,
-                             std::uint64_t seed,
-                             double exaggerate) {
+Still StillOf(const Scenario& scenario, std::uint64_t seed, double exaggerate) {
   const Machine& machine = scenario.machine.machine;
   const AnyKindScenario& kind = scenario.kind;
-  if (kind.As<ZStationScenario>() != nullptr) return std::nullopt;
+  if (const auto* const station = kind.As<ZStationScenario>()) {
+    return StationStill(*station, machine, seed, exaggerate);
+  }
   if (const auto* const motor = kind.As<MotorStageScenario>()) {
     return MotorStill(machine, DrawMotorStage(*motor, seed, /*sample=*/0), exaggerate);
   }
@@ -149,14 +176,12 @@ std::optional<Still> StillOf(const Scenario& scenario,
   return GantryStill(MakeTwinConfig(scenario, {.seed = seed}), exaggerate);
 }
 
-std::optional<Enlarged> EnlargedStillOf(const Scenario& scenario,
-                                        std::uint64_t seed,
-                                        double exaggerate) {
+Enlarged EnlargedStillOf(const Scenario& scenario,
+                         std::uint64_t seed,
+                         double exaggerate) {
   for (;; exaggerate = std::max(exaggerate / 2, 1.0)) {
     try {
-      auto still = StillOf(scenario, seed, exaggerate);
-      if (!still) return std::nullopt;
-      return Enlarged{*std::move(still), exaggerate};
+      return {StillOf(scenario, seed, exaggerate), exaggerate};
     } catch (const InputError&) {
       if (exaggerate <= 1) throw;
     }
@@ -174,11 +199,7 @@ Still StillOf(const fs::path& file, double exaggerate) {
                     ToString(kind)));
   }
   const Scenario scenario = ReadScenario(file);
-  auto still = StillOf(scenario, scenario.seed, exaggerate);
-  if (still) return *std::move(still);
-  throw InputError({.file = file.string()},
-                   "a nozzle's height is not drawn",
-                   "models/z_station/model.xml opens in any MuJoCo viewer");
+  return StillOf(scenario, scenario.seed, exaggerate);
 }
 
 }  // namespace caltwin

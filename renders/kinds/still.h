@@ -44,12 +44,9 @@ struct TwinFiles {
 /// leave no machine.
 Still StillOf(const TwinFiles& twin, double exaggerate);
 
-/// The machine of a run of that scenario, its errors drawn with that seed. nullopt: a
-/// nozzle's height, which is not drawn. Throws InputError where errors enlarged so far
-/// leave no machine.
-std::optional<Still> StillOf(const Scenario& scenario,
-                             std::uint64_t seed,
-                             double exaggerate);
+/// The machine of a run of that scenario, its errors drawn with that seed. Throws
+/// InputError where errors enlarged so far leave no machine.
+Still StillOf(const Scenario& scenario, std::uint64_t seed, double exaggerate);
 
 /// How far an Enlarged machine's errors are enlarged.
 struct Enlarged {
@@ -59,8 +56,8 @@ struct Enlarged {
 
 /// The same, its errors enlarged that many times, or a half, a quarter, ... of it, as
 /// far as the machine still holds together.
-std::optional<Enlarged> EnlargedStillOf(const Scenario& scenario,
-                                        std::uint64_t seed,
-                                        double exaggerate);
+Enlarged EnlargedStillOf(const Scenario& scenario,
+                         std::uint64_t seed,
+                         double exaggerate);
 
 }  // namespace caltwin

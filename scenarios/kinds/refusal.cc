@@ -21,7 +21,7 @@ void RequireGantry(const Machine& machine, const std::filesystem::path& file) {
         "this machine is a printer's station of nozzle, switch and probe, which this "
         "command does not know",
         "run, calibrate (z_calibration, probe_accuracy, switch_offset), serve, "
-        "simulate, plan, diagnose and validate know it");
+        "simulate, plan, diagnose, validate and render know it");
   }
   if (machine.kind == DeltaKind()) {
     throw InputError(

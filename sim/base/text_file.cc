@@ -1,5 +1,8 @@
 #include "sim/base/text_file.h"
 
+#include <cerrno>
+#include <charconv>
+#include <csignal>
 #include <fstream>
 #include <string_view>
 #include <system_error>
@@ -112,14 +115,39 @@ std::string Printable(std::string_view text) {
   return printable;
 }
 
+namespace {
+
+fs::path PartOf(const fs::path& file) {
+  return {file.string() + fmt::format(".{}.part", ::getpid())};
+}
+
+// What writers of the file left beside it that were killed.
+void RemoveOldParts(const fs::path& folder, const std::string& name) {
+  constexpr std::string_view kEnd = ".part";
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    const std::string part = entry.path().filename().string();
+    if (!part.starts_with(name + ".") || !part.ends_with(kEnd)) continue;
+    const char* const digits = part.data() + name.size() + 1;
+    const char* const end = part.data() + part.size() - kEnd.size();
+    int writer = 0;
+    const bool is_part =
+        digits < end && std::from_chars(digits, end, writer).ptr == end && writer > 0;
+    const bool is_gone = is_part && kill(writer, 0) != 0 && errno == ESRCH;
+    std::error_code ignored;
+    if (is_gone) fs::remove(entry.path(), ignored);
+  }
+}
+
+}  // namespace
+
 void WriteTextFile(const fs::path& file, const std::string& text) {
   const Place place{.file = file.string()};
   std::error_code error;
   if (file.has_parent_path()) fs::create_directories(file.parent_path(), error);
   const fs::file_status status = fs::status(file, error);
   const bool in_place = fs::exists(status) && !fs::is_regular_file(status);
-  const fs::path beside =
-      in_place ? file : fs::path(file.string() + fmt::format(".{}.part", ::getpid()));
+  const fs::path beside = in_place ? file : PartOf(file);
   std::ofstream out(beside, std::ios::binary);
   out << text;
   out.close();
@@ -137,7 +165,8 @@ void WriteDurably(const fs::path& file, const std::string& text) {
   std::error_code error;
   const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
   fs::create_directories(folder, error);
-  const fs::path beside(file.string() + fmt::format(".{}.part", ::getpid()));
+  RemoveOldParts(folder, file.filename().string());
+  const fs::path beside = PartOf(file);
   const int out =
       open(beside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, S_IRUSR | S_IWUSR);
   std::string_view left = text;

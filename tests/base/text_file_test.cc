@@ -3,8 +3,11 @@
 #include <filesystem>
 #include <functional>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include "sim/base/input_error.h"
 #include "tests/base/temp_folder.h"
@@ -44,6 +47,24 @@ TEST_F(TextFile, NothingIsLeftBesideTheFile) {
       std::distance(fs::directory_iterator(folder_.path()), fs::directory_iterator()),
       1);
   EXPECT_EQ(ReadTextFile(folder_ / "f.txt", 100), "new");
+}
+
+TEST_F(TextFile, WhatAKilledWriterLeftGoesAndALivingOnesStays) {
+  const pid_t gone = fork();
+  if (gone == 0) _exit(0);
+  waitpid(gone, nullptr, 0);
+  const std::string theirs = fmt::format("f.txt.{}.part", gone);
+  const std::string living = fmt::format("f.txt.{}.part", getppid());
+  for (const std::string& name : {theirs, living, std::string("f.txt.old.part")}) {
+    WriteTextFile(folder_ / name, "half");
+  }
+
+  WriteDurably(folder_ / "f.txt", "whole");
+
+  EXPECT_FALSE(fs::exists(folder_ / theirs));
+  EXPECT_TRUE(fs::exists(folder_ / living));
+  EXPECT_TRUE(fs::exists(folder_ / "f.txt.old.part"));
+  EXPECT_EQ(ReadTextFile(folder_ / "f.txt", 100), "whole");
 }
 
 TEST_F(TextFile, ADeviceIsWrittenInPlace) {

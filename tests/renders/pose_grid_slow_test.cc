@@ -51,7 +51,7 @@ INSTANTIATE_TEST_SUITE_P(PoseGrid,
 TEST_P(Straight, TwoNodesAlongEachAxisHoldEveryPose) {
   const Scenario scenario = Named(GetParam());
   for (const double exaggerate : {1.0, 30.0}) {
-    const Still still = StillOf(scenario, scenario.seed, exaggerate).value();
+    const Still still = StillOf(scenario, scenario.seed, exaggerate);
 
     const PoseGrid grid = GridOfPoses(still, kTolerance_mm);
 
@@ -65,7 +65,7 @@ TEST_P(Straight, TwoNodesAlongEachAxisHoldEveryPose) {
 // the edge of the bed, where a rod lies flat, by more.
 TEST(PoseGrid, HoldsADeltaOverItsBed) {
   const Scenario scenario = Named("delta_joint_recovers");
-  const Still still = StillOf(scenario, scenario.seed, /*exaggerate=*/1).value();
+  const Still still = StillOf(scenario, scenario.seed, /*exaggerate=*/1);
   const double radius_mm = still.travel_mm[0][1];
 
   const PoseGrid grid = GridOfPoses(still, kTolerance_mm);

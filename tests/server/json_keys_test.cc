@@ -57,6 +57,18 @@ TEST(JsonKeys, RangesAreKept) {
   EXPECT_EQ(FaultsIn({{"fx", 7}, {"points", {{1e9, 2}}}}).size(), 1u);
 }
 
+TEST(JsonKeys, AnObjectWithinTheBodyKnowsWhereItStands) {
+  const Json inner{{"q", 1}};
+  JsonKeys keys(inner, "/steps_per_mm");
+  keys.Number("x", {.least = 1, .most = 2, .unit = "mm"}, 1);
+  try {
+    keys.Done();
+    FAIL() << "q is no key";
+  } catch (const Problem& problem) {
+    EXPECT_EQ(problem.faults().at(0).pointer, "/steps_per_mm/q");
+  }
+}
+
 TEST(JsonKeys, ABodyIsAnObject) {
   EXPECT_EQ(FaultsIn(Json::array()).size(), 1u);
   EXPECT_EQ(FaultsIn(nullptr).size(), 1u);

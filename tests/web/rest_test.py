@@ -230,6 +230,10 @@ def a_study_runs(program, state, server):
     for wrong in [{"scenario": "../x"}, {**asked, "trials": 20_001}, {**asked, "fidelity": "linear"},
                   {**asked, "vary": {"nonsense": 1}}, {**asked, "extends": "/etc/passwd"}]:
         assert server.ask("POST", "/api/studies", wrong)[0] == 422, wrong
+    _, fault = server.ask("POST", "/api/studies", {**asked, "vary": {"nonsense": 1}})
+    assert fault["errors"][0]["pointer"] == "/vary" and "file" not in fault["errors"][0], fault
+    _, fault = server.ask("POST", "/api/studies", [1])
+    assert fault["errors"][0]["pointer"] == "", fault
     assert server.done("GET", "/api/studies")["studies"] == []
     long = server.done("POST", "/api/studies", {**asked, "trials": 20_000})
     status, busy = server.ask("POST", "/api/studies", asked)
@@ -241,6 +245,7 @@ def a_study_runs(program, state, server):
         time.sleep(0.05)
     assert server.ask("DELETE", f"/api/studies/{long['id']}")[0] == 204
     begun = server.done("POST", "/api/studies", asked)
+    assert begun["id"] != long["id"], "the address of a deleted study leads to no other"
     while (study := server.done("GET", f"/api/studies/{begun['id']}"))["state"] == "running":
         time.sleep(0.05)
     assert study["state"] == "done" and study["progress"] == {"done": 30, "all": 30}, study

@@ -37,11 +37,12 @@ std::string RangeText(const NumberRange& range) {
 
 }  // namespace
 
-JsonKeys::JsonKeys(const Json& tree) : tree_(&tree) {
+JsonKeys::JsonKeys(const Json& tree, std::string at)
+    : tree_(&tree), at_(std::move(at)) {
   if (!tree.is_object()) {
     throw Problem(422,
                   "the body is no JSON object",
-                  {{.detail = "an object with keys is expected", .pointer = "/"}});
+                  {{.detail = "an object with keys is expected", .pointer = at_}});
   }
 }
 
@@ -54,7 +55,7 @@ const Json* JsonKeys::Find(const std::string& key) {
 void JsonKeys::Add(const std::string& pointer,
                    const std::string& detail,
                    const std::string& hint) {
-  faults_.push_back({.detail = detail, .hint = hint, .pointer = pointer});
+  faults_.push_back({.detail = detail, .hint = hint, .pointer = at_ + pointer});
 }
 
 std::optional<double> JsonKeys::NumberAt(const Json& value,
@@ -187,11 +188,11 @@ void JsonKeys::Done() {
     faults.push_back(
         {.detail = "is no key of this body",
          .hint = fmt::format("{}It knows: {}", meant, fmt::join(known, ", ")),
-         .pointer = Printable(Pointer(key))});
+         .pointer = at_ + Printable(Pointer(key))});
   }
   faults.insert(faults.end(), faults_.begin(), faults_.end());
   if (faults.empty()) return;
-  throw Problem(422, faults.front().pointer + " " + faults.front().detail, faults);
+  throw Problem(422, *faults.front().pointer + " " + faults.front().detail, faults);
 }
 
 }  // namespace caltwin

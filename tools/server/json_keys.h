@@ -23,8 +23,9 @@ struct NumberRange {
 /// (`pointer`); Done throws them together. What a faulty key reads as is its fallback.
 class JsonKeys {
  public:
-  /// Throws Problem 422 where `tree` is no object. `tree` is borrowed.
-  explicit JsonKeys(const nlohmann::ordered_json& tree);
+  /// Throws Problem 422 where `tree` is no object. `tree` is borrowed; `at` is where it
+  /// stands in the body (RFC 6901), "" the body itself.
+  explicit JsonKeys(const nlohmann::ordered_json& tree, std::string at = "");
 
   bool Has(const std::string& key) const { return tree_->contains(key); }
   double Number(const std::string& key, const NumberRange& range);
@@ -55,6 +56,7 @@ class JsonKeys {
                                  const NumberRange& range);
 
   const nlohmann::ordered_json* tree_;
+  std::string at_;
   std::set<std::string> known_{};
   std::vector<ProblemFault> faults_{};
 };

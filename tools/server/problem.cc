@@ -56,7 +56,7 @@ ProblemFault FaultOf(const std::string& message) {
 nlohmann::ordered_json TreeOf(const ProblemFault& fault) {
   nlohmann::ordered_json tree{{"detail", fault.detail}};
   if (!fault.hint.empty()) tree["hint"] = fault.hint;
-  if (!fault.pointer.empty()) tree["pointer"] = fault.pointer;
+  if (fault.pointer) tree["pointer"] = *fault.pointer;
   if (!fault.file.empty()) tree["file"] = fault.file;
   if (fault.line > 0) tree["line"] = fault.line;
   if (fault.column > 0) tree["column"] = fault.column;

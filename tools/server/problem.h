@@ -1,6 +1,7 @@
 #pragma once
 
 #include <exception>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,8 +16,9 @@ namespace caltwin {
 struct ProblemFault {
   std::string detail{};
   std::string hint{};
-  std::string pointer{};  ///< Into a JSON body (RFC 6901): "/probe_points/2".
-  std::string file{};     ///< Of an uploaded file, with line and column from 1.
+  /// Into a JSON body (RFC 6901): "/probe_points/2"; "" is the whole body.
+  std::optional<std::string> pointer{};
+  std::string file{};  ///< Of an uploaded file, with line and column from 1.
   int line = 0;
   int column = 0;
 };

@@ -18,7 +18,7 @@ void MotorDoing::Alert(std::size_t axis, const std::string& text) {
   ++done_.found.alerts;
   const bool is_logged = logged_.first == axis && text.starts_with(logged_.second);
   if (!is_logged) Log(axis, text);
-  Say({"ALERT: operator wanted: " + text, Message::Kind::kToDo});
+  Say({"ALERT: operator wanted: " + text, Message::Kind::kCause});
   done_.result.ending = Ending::kRefused;
 }
 

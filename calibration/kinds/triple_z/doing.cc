@@ -60,7 +60,7 @@ std::optional<std::vector<BedTouch>> TouchAll(
       doing->Fail(height_mm.error());
       const std::string why =
           AskWhyNoHeight(printer, at_mm, touches, height_mm.error());
-      if (!why.empty()) doing->Say(why);
+      if (!why.empty()) doing->Say({why, Message::Kind::kCause});
       return std::nullopt;
     }
     touches.push_back({at_mm, *height_mm});
@@ -81,7 +81,7 @@ void SayWhyOffPlane(TripleZPrinter* printer,
     return;
   }
   const auto off = WhyOffPlane(touches, Unsuspected_mm(printer->bench()));
-  if (off) doing->Say(TouchAgain(printer, *off, touches));
+  if (off) doing->Say({TouchAgain(printer, *off, touches), Message::Kind::kCause});
 }
 
 }  // namespace

@@ -54,7 +54,7 @@ class Doing {
     }
   }
   void Refuse(const std::string& why) {
-    Say(why);
+    Say({why, Message::Kind::kCause});
     done_.result.ending = Ending::kRefused;
   }
   void Confess(const std::string& statement, std::map<std::string, double> direction) {

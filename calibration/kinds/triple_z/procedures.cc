@@ -64,7 +64,7 @@ void SayStillTilted(const TripleZPrinter& printer,
   const std::string why =
       o.is_as_published ? "" : WhyNotLevel(raised_mm, before, after, printer.bench());
   if (!why.empty()) {
-    doing->Say("still tilted after the corrections: " + why);
+    doing->Say({"still tilted after the corrections: " + why, Message::Kind::kCause});
     return;
   }
   constexpr double kPublished = 0.5;

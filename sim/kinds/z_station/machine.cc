@@ -23,6 +23,16 @@ ZStationBuild BuildOf(const ZStationDrawing& drawing, const Errors<double>& erro
 
 }  // namespace
 
+ZStationBuild BuildOf(const Machine& machine, const std::vector<Injected>& effects) {
+  const ZStationDrawing& drawing = ZStationOf(machine);
+  At over;
+  over.kind = RowKind::kTouch;
+  over.station = ZReading::kProbeOnBed;
+  over.on_table = true;
+  over.q_mm.head<2>() = drawing.bed_at_mm;
+  return BuildOf(drawing, ErrorsAt<double>(machine, over, effects));
+}
+
 ZStationMachine::ZStationMachine(const Machine& machine,
                                  const std::vector<Injected>& effects,
                                  bool is_physics)

@@ -12,6 +12,9 @@
 
 namespace caltwin {
 
+/// How the parts stand, the bed where it is probed. The errors are those of 20 degC.
+ZStationBuild BuildOf(const Machine& machine, const std::vector<Injected>& effects);
+
 /// A printer's station put through single readings, in closed form or in MuJoCo.
 ///
 /// Heights are counted from where Z was homed: the nozzle on the endstop switch, as it

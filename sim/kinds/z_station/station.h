@@ -63,13 +63,14 @@ class ZStationTwin : public ZStationPlant {
   const Eigen::Vector2d& middle_mm() const { return middle_mm_; }
   /// The probe's body over what its knob touches, at the trigger, as warm as it is.
   double Trigger_mm() const;
+  /// How the parts stand now, the bed where it is asked for.
+  ZStationBuild BuildAt(const Eigen::Vector2d& at_mm) const;
   /// Clear height of the clean nozzle's tip over the print surface there.
   double Gap_mm(double carriage_mm, const Eigen::Vector2d& at_mm) const;
 
  private:
   double Surface_mm(const Eigen::Vector2d& at_mm) const;
   double TipOver_mm() const;
-  ZStationBuild BuildAt(const Eigen::Vector2d& at_mm) const;
   double Late_mm(ZTouch touch);
 
   ZStation station_;

@@ -63,7 +63,7 @@ Settings SettingsAsked(const HttpRequest& request, const Settings& now) {
         std::pair{"backlash_mm", &Settings::backlash_mm},
         std::pair{"probe_deflection_mm", &Settings::probe_deflection_mm}}) {
     const Json by_axis = keys.Object(key, kMostAxes_bytes);
-    JsonKeys axes(by_axis);
+    JsonKeys axes(by_axis, std::string("/") + key);
     for (const Axis axis : kAxes) {
       double& value = (wanted.*member)[Index(axis)];
       const bool is_steps = member == &Settings::steps_per_mm;

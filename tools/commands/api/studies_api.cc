@@ -27,6 +27,7 @@ constexpr int kMostTrials = 20'000;
 constexpr std::size_t kMostVary_bytes = 64'000;
 constexpr std::chrono::hours kPatience{6};
 constexpr const char* kKept = "study.json";  // What is known of it, in its folder.
+constexpr const char* kLast = "last";        // The number given out last.
 
 // What is asked, as it is kept; throws Problem 422.
 Json AskedBy(const HttpRequest& request) {
@@ -53,6 +54,16 @@ Json AskedBy(const HttpRequest& request) {
   return asked;
 }
 
+// The client knows no file of the server's: of all that was written only `vary` is its
+// own.
+[[noreturn]] void ThrowForVary(const InputError& error) {
+  std::vector<ProblemFault> faults = FaultsOf(error.faults());
+  for (ProblemFault& fault : faults) {
+    fault = {.detail = fault.detail, .hint = fault.hint, .pointer = "/vary"};
+  }
+  throw Problem(422, "/vary " + faults.front().detail, faults);
+}
+
 // JSON is YAML. Read once here, so that what is wrong with it is said at once.
 void WriteStudy(const fs::path& file, const Json& asked) {
   const std::string scenario = asked["scenario"].get<std::string>();
@@ -62,7 +73,11 @@ void WriteStudy(const fs::path& file, const Json& asked) {
     if (asked.contains(key)) study[key] = asked[key];
   }
   WriteTextFile(file, Json{{"study", std::move(study)}}.dump() + "\n");
-  ReadStudy(file);
+  try {
+    ReadStudy(file);
+  } catch (const InputError& error) {
+    ThrowForVary(error);
+  }
 }
 
 std::string Workers() {
@@ -127,9 +142,15 @@ void StudiesApi::MakeRoom() {
 
 std::string StudiesApi::NewFolder() {
   fs::create_directories(folder_);
-  int number = studies_.empty() ? 1 : NumberOf(studies_.back()->id) + 1;
+  // A number is given out once: who kept the address of a deleted study meets no other.
+  const int last = fs::exists(folder_ / kLast)
+                       ? NumberOf(ReadTextFile(folder_ / kLast, kMostVary_bytes))
+                       : 0;
+  int number = 1 + std::max(last, studies_.empty() ? 0 : NumberOf(studies_.back()->id));
   while (!fs::create_directory(folder_ / std::to_string(number))) ++number;
-  return std::to_string(number);
+  std::string id = std::to_string(number);
+  WriteDurably(folder_ / kLast, id);
+  return id;
 }
 
 HttpResponse StudiesApi::Begin(const HttpRequest& request) {
@@ -149,7 +170,7 @@ HttpResponse StudiesApi::Begin(const HttpRequest& request) {
   one->id = NewFolder();
   try {
     WriteStudy(folder_ / one->id / "study.yaml", one->asked);
-  } catch (const InputError&) {
+  } catch (const std::exception&) {
     std::error_code ignored;
     fs::remove_all(folder_ / one->id, ignored);
     throw;

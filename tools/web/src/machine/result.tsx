@@ -27,6 +27,7 @@ export interface RunResult {
   parameters: Parameter[];
   checks: Check[];
   messages: string[];
+  causes: string[];
   steps: { message: string }[];
 }
 
@@ -46,13 +47,8 @@ const outcomeOf = (outcome: string) => outcomes[outcome] ?? `The run ended so: $
 const sentence = (text: string) => capital(plain(text.trim())).replace(/([^.!?])$/, "$1.");
 const once = (texts: string[]) => [...new Set(texts)];
 
-// The whole sentences of the run that hold what its scenario waits for: the cause, where one
-// is hidden. What each message is for, the server does not tell.
-function namedIn(result: RunResult): string[] {
-  const said = [...result.messages, ...result.steps.map((step) => step.message)];
-  const held = result.checks.filter((check) => check.name === "message" && check.passed);
-  return once(held.flatMap((check) => said.find((text) => text.includes(check.expected)) ?? []).map(sentence));
-}
+// What went wrong and why, as the procedures name it.
+const namedIn = (result: RunResult) => once(result.causes.map(sentence));
 
 export function Verdict({ result, isLinked }: { result: RunResult; isLinked?: boolean }) {
   const named = namedIn(result);
@@ -140,9 +136,11 @@ function CheckRow({ check }: { check: Check }) {
   );
 }
 
-// A sentence that was waited for and came stands whole at the top.
-function Checks({ all }: { all: Check[] }) {
-  const shown = all.filter((check) => check.name !== "message" || !check.passed);
+// Words that were waited for and stand at the top, in the cause, are not listed again.
+function Checks({ all, causes }: { all: Check[]; causes: string[] }) {
+  const isAtTop = (check: Check) => check.name === "message" && check.passed &&
+    causes.some((cause) => cause.includes(check.expected));
+  const shown = all.filter((check) => !isAtTop(check));
   if (shown.length === 0) return null;
   return (
     <>
@@ -179,7 +177,7 @@ export function Result({ done }: { done: Done }) {
           <Verdict result={result} />
           <p className="hint">{result.touches} touches in {result.machine_time_s.toFixed(0)} s of machine time. Machine: {result.machine.replaceAll("_", " ")}. Noise of seed {result.seed}.</p>
           {result.parameters.length > 0 ? <Parameters all={result.parameters} /> : <p>The run tells no parameter.</p>}
-          <Checks all={result.checks} />
+          <Checks all={result.checks} causes={result.causes} />
           <Said result={result} />
         </>
       ) : null}
