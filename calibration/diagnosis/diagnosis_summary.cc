@@ -268,11 +268,10 @@ std::string AbsorbedText(const std::vector<Absorbed>& absorbed) {
   if (names.empty()) return "";
   const std::size_t more = names.size() - std::min(names.size(), kMostNamed);
   names.resize(names.size() - more);
-  return fmt::format(
-      "These rows cannot show {}{}: {} take it up, or no row moves it.",
-      fmt::join(names, "; "),
-      more == 0 ? "" : fmt::format("; and {} more, which the JSON names", more),
-      kPlainSettings);
+  return fmt::format("These rows cannot show {}{}: {} take it up, or no row moves it.",
+                     fmt::join(names, "; "),
+                     more == 0 ? "" : fmt::format("; and {} more", more),
+                     kPlainSettings);
 }
 
 nlohmann::ordered_json SummaryJson(const DiagnosisSummary& summary) {

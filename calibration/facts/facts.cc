@@ -13,6 +13,7 @@
 #include "calibration/facts/motion.h"
 #include "calibration/facts/one_size.h"
 #include "calibration/facts/repeats.h"
+#include "calibration/facts/scale.h"
 #include "calibration/facts/series.h"
 #include "calibration/facts/stretch.h"
 #include "calibration/facts/surface.h"
@@ -87,6 +88,7 @@ Facts FactsOf(const RowTable& table,
   // Several switches have each their own.
   const Fact* homing = facts.Find("homing_scatter");
   if (homing != nullptr && homing->word.empty()) KeepLargest("homing_scatter", &facts);
+  KeepSurestScales(&facts);
   KeepLargest("drift", &facts);
   KeepLargest("jump", &facts);
   std::ranges::stable_sort(facts.all, std::ranges::greater{}, &Fact::is_answer);

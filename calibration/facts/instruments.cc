@@ -67,8 +67,8 @@ std::vector<Apart> ApartOf(const Rows& one,
     const auto same = others.find(place);
     if (same == others.end()) continue;
     const Average first = AverageOf(rows), second = AverageOf(same->second);
-    const double first_mm = repeats.NoiseOf(rows.front()->campaign).sd_mm;
-    const double second_mm = repeats.NoiseOf(same->second.front()->campaign).sd_mm;
+    const double first_mm = repeats.NoiseOf(*rows.front()).sd_mm;
+    const double second_mm = repeats.NoiseOf(*same->second.front()).sd_mm;
     apart.push_back({rows.front()->cmd_mm[axis],
                      static_cast<double>(place.second),
                      second.mean - first.mean,

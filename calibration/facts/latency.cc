@@ -48,7 +48,7 @@ void FactsOfLatency(const std::vector<const Row*>& rows,
     }
     const double dof = static_cast<double>(feeds.size()) - 2;
     double noise_mm = std::sqrt(left_mm2 / dof);
-    const double reading_mm = repeats.NoiseOf(cell.front()->campaign).sd_mm;
+    const double reading_mm = repeats.NoiseOf(*cell.front()).sd_mm;
     if (Known(reading_mm)) noise_mm = std::max(noise_mm, reading_mm);
     const double sd_s = noise_mm / std::sqrt(spread);
     if (std::abs(slope_s) < kSure * sd_s) continue;

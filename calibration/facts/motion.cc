@@ -220,7 +220,7 @@ void AddAlong(const Rows& rows,
     if (AddDeadZone(all, axis, facts) || IsWithinStep(all, axis, facts)) continue;
     const Line line = FitBeyondGap(Without(all, repeats.outliers), axis);
     if (line.dof < 0) continue;
-    double noise_mm = NoiseOf_mm(line, repeats.NoiseOf(all.front()->campaign));
+    double noise_mm = NoiseOf_mm(line, repeats.NoiseOf(*all.front()));
     // Readings that lie on the line as well as they were read off.
     constexpr double kEnough = 3;
     const double step_mm = FinestStep_mm(all);
@@ -268,7 +268,7 @@ void AddAcross(const Rows& rows, const Repeats& repeats, Facts* facts) {
       SenseContrast& contrast = contrasts[{along, across}];
       contrast.sum_mm += weight * (sum_mm[1] / num[1] - sum_mm[0] / num[0]);
       contrast.weight += weight;
-      const double noise_mm = repeats.NoiseOf(cell.front()->campaign).sd_mm;
+      const double noise_mm = repeats.NoiseOf(*cell.front()).sd_mm;
       if (Known(noise_mm)) contrast.noise_mm = std::max(contrast.noise_mm, noise_mm);
       ++contrast.places;
     }

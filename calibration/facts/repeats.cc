@@ -158,31 +158,41 @@ class RepeatReader {
   Repeats Take() {
     AddCommonDrift();
     LeaveOutFar(cells_, &found_.batches, resolution_mm_, &found_.outliers, facts_);
-    constexpr double kEnoughOfCampaign = 5;
     double squares_mm2 = drifted_mm2_, dof = drifted_dof_;
     std::map<std::string, BatchScatter> by_campaign;
+    std::map<RowKind, BatchScatter> by_kind;
     for (const Rows& batch : found_.batches) {
       if (batch.size() < 2 || drifted_.contains(batch.front())) continue;
       if (IsWarmed(batch)) continue;  // Readings at other temperatures are no repeats.
       ++num_places_;
       squares_mm2 += SquaresAbout(batch, MeanOf(batch));
       dof += static_cast<double>(batch.size()) - 1;
-      BatchScatter& own = by_campaign[batch.front()->campaign];
-      own.squares_mm2 += SquaresAbout(batch, MeanOf(batch));
-      own.dof += static_cast<double>(batch.size()) - 1;
+      for (BatchScatter* const own :
+           {&by_campaign[batch.front()->campaign], &by_kind[batch.front()->kind]}) {
+        own->squares_mm2 += SquaresAbout(batch, MeanOf(batch));
+        own->dof += static_cast<double>(batch.size()) - 1;
+      }
     }
-    for (const auto& [campaign, within] : by_campaign) {
-      if (within.dof < kEnoughOfCampaign) continue;
-      found_.of_campaign[campaign] = {
-          .sd_mm = std::max(within.sd_mm(), resolution_mm_ / std::sqrt(12.0)),
-          .dof = within.dof};
-    }
+    KeepEnough(by_campaign, &found_.of_campaign);
+    KeepEnough(by_kind, &found_.of_kind);
     if (dof > 0) {
       found_.noise = {.sd_mm = std::max(std::sqrt(squares_mm2 / dof),
                                         resolution_mm_ / std::sqrt(12.0)),
                       .dof = dof};
     }
     return std::move(found_);
+  }
+
+  template <typename Key>
+  void KeepEnough(const std::map<Key, BatchScatter>& scatters,
+                  std::map<Key, ReadingNoise>* noises) const {
+    constexpr double kEnough = 5;
+    for (const auto& [key, within] : scatters) {
+      if (within.dof < kEnough) continue;
+      (*noises)[key] = {
+          .sd_mm = std::max(within.sd_mm(), resolution_mm_ / std::sqrt(12.0)),
+          .dof = within.dof};
+    }
   }
 
   std::size_t num_places() const { return num_places_; }

@@ -19,16 +19,23 @@ struct ReadingNoise {
 /// What repeats of one place and sense say, two sufficing: how they scatter, whether
 /// they drift, fall on levels (homings), or one of them is far from the others.
 struct Repeats {
-  ReadingNoise noise{};                               ///< Of all rows together.
+  ReadingNoise noise{};                       ///< Of all rows together.
+  std::map<RowKind, ReadingNoise> of_kind{};  ///< A laser scatters less than a touch.
   std::map<std::string, ReadingNoise> of_campaign{};  ///< Each has its instrument.
   std::set<std::int64_t> outliers{};                  ///< Running numbers of rows.
   /// Rows of each place at each level (homing, or where readings jumped): those alike.
   std::vector<std::vector<const Row*>> batches{};
 
-  /// Of a campaign where it shows or states one, else of all.
-  const ReadingNoise& NoiseOf(const std::string& campaign) const {
+  /// Of a campaign where it shows or states one, else of all readings of that kind,
+  /// else of all.
+  const ReadingNoise& NoiseOf(const std::string& campaign, RowKind kind) const {
     const auto found = of_campaign.find(campaign);
-    return found == of_campaign.end() ? noise : found->second;
+    if (found != of_campaign.end()) return found->second;
+    const auto alike = of_kind.find(kind);
+    return alike == of_kind.end() ? noise : alike->second;
+  }
+  const ReadingNoise& NoiseOf(const Row& row) const {
+    return NoiseOf(row.campaign, row.kind);
   }
 };
 

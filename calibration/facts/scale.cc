@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -291,6 +293,26 @@ void FactsOfLine(const Line& line,
   }
   AddScale(line, noise_mm, axis, steps_per_mm, facts);
   AddLostPerMove(line, noise_mm, axis, facts);
+}
+
+void KeepSurestScales(Facts* facts) {
+  const auto agrees = [](const Fact& fact) {
+    return fact.id == "scale" && Known(fact.sigmas) && fact.sigmas < kSure / 2;
+  };
+  const auto sd = [](const Fact& fact) {
+    return fact.figures.front().sd;
+  };
+  std::map<std::string, double> surest;
+  for (const Fact& fact : facts->all) {
+    if (!agrees(fact)) continue;
+    const auto [least, is_first] = surest.emplace(fact.axis, sd(fact));
+    least->second = std::min(least->second, sd(fact));
+  }
+  std::set<std::string> kept;
+  std::erase_if(facts->all, [&](const Fact& fact) {
+    if (!agrees(fact)) return false;
+    return sd(fact) > surest.at(fact.axis) || !kept.insert(fact.axis).second;
+  });
 }
 
 }  // namespace caltwin

@@ -17,4 +17,8 @@ void FactsOfLine(const Line& line,
                  double steps_per_mm,
                  Facts* facts);
 
+/// Of scales of one axis against which nothing speaks the surest alone: the same said
+/// of several campaigns tells a reader nothing more.
+void KeepSurestScales(Facts* facts);
+
 }  // namespace caltwin

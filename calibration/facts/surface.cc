@@ -313,7 +313,8 @@ std::set<std::int64_t> FactsOfSurface(const std::vector<const Row*>& rows,
   const std::size_t before = facts->all.size();
   const Sheets sheets = SheetsOf(rows, repeats.outliers);
   for (const auto& [key, spots] : sheets) {
-    const ReadingNoise& reading = repeats.NoiseOf(key.substr(0, key.find('|')));
+    const ReadingNoise& reading =
+        repeats.NoiseOf(key.substr(0, key.find('|')), RowKind::kTouch);
     Sheet sheet(spots);
     if (!sheet.has_area()) AddLine(sheet, reading, facts);
     if (sheet.size() < kPlaneTerms || !sheet.has_area()) continue;

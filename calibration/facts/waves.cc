@@ -106,8 +106,7 @@ void FactsOfWaves(const Rows& rows, const Repeats& repeats, Facts* facts) {
     }
     const auto wave = DriftingWaveOf(at_mm, value_mm);
     if (!wave) continue;
-    const Fact fact =
-        FactOf(*wave, *axis, repeats.NoiseOf(members.front()->campaign).sd_mm);
+    const Fact fact = FactOf(*wave, *axis, repeats.NoiseOf(*members.front()).sd_mm);
     const auto known = largest.find(*axis);
     // Of several passes the one that it explains most of.
     if (known == largest.end() ||

@@ -224,6 +224,26 @@ def a_scenario_runs(server):
     assert server.done("GET", f"/api/runs/{begun['id']}/report").startswith("<!")
 
 
+def a_stop_holds_until_homed(server):
+    """Whatever a client sends after an emergency stop, nothing moves before somebody homes."""
+    home = {"procedure": "home", "options": {}}
+    gap = {"procedure": "next_cluster_backlash", "options": {"axis": "x"}}
+    lead(server, "home", {})
+    server.done("POST", "/api/bench/procedures", gap)
+    assert server.done("POST", "/api/bench/emergency-stop")["aborted"]
+    while (bench := server.done("GET", "/api/bench"))["state"] != "idle":
+        time.sleep(0.05)
+    assert bench["is_stopped"] and bench["results"][-1]["result"]["ending"] == "aborted", bench["results"][-1]
+    for method, path, body in [("POST", "/api/bench/procedures", gap), ("POST", "/api/bench/restore", None),
+                               ("PATCH", "/api/bench/settings", {"backlash_mm": {"x": 0.01}})]:
+        status, problem = server.ask(method, path, body)
+        assert status == 409 and "emergency" in problem["detail"], (path, status, problem)
+    assert server.done("POST", "/api/bench/procedures", home)["procedure"] == "home"
+    while (bench := server.done("GET", "/api/bench"))["state"] != "idle":
+        time.sleep(0.05)
+    assert not bench["is_stopped"] and lead(server, "next_cluster_backlash", {"axis": "x"})["job"]["result"]["ending"] == "done"
+
+
 def a_study_runs(program, state, server):
     asked = {"scenario": "next_cluster_backlash_corrected", "trials": 30, "seed": 7,
              "vary": {"backlash.x.gap_mm": {"normal": {"mean": 0.05, "sd": 0.01}}}}
@@ -330,6 +350,7 @@ def main():
         server = what_was_applied_outlives_a_kill(program, state, server)
         files_are_diagnosed(server)
         a_scenario_runs(server)
+        a_stop_holds_until_homed(server)
         server = a_study_runs(program, state, server)
         no_other_site_reaches_it(server)
         strange_names_are_taken(server)

@@ -104,6 +104,7 @@ Json BenchApi::Tree() const {
             {"kinematics", std::string(bench.machine.kind->name())},
             {"is_twin", options_.is_twin},
             {"state", state_},
+            {"is_stopped", is_stopped_.load()},
             {"held_by", sitter ? Json(sitter->name) : Json()},
             {"job", job_},
             {"settings", SettingsTree(settings_)},
@@ -253,7 +254,10 @@ HttpResponse BenchApi::Abort() {
 
 // The line is said in a thread of its own: a wire that takes nothing holds nobody up.
 HttpResponse BenchApi::EmergencyStop() {
+  is_stopped_ = true;
   const bool is_at_work = seat_->Abort();
+  is_stopped_ =
+      true;  // Homing may just have ended: what follows its end is stopped too.
   person_->Abort();
   if (!options_.is_twin) {
     is_halted_ = true;

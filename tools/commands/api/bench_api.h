@@ -112,7 +112,8 @@ class BenchApi {
   std::size_t told_ = 0;  ///< Readings, in the job's thread, as what follows.
   SettingsWatch watch_{};
   std::chrono::steady_clock::time_point job_kept_{};
-  std::atomic<bool> is_halted_ = false;  ///< By M112: it answers nothing more.
+  std::atomic<bool> is_halted_ = false;   ///< By M112: it answers nothing more.
+  std::atomic<bool> is_stopped_ = false;  ///< In an emergency, and not homed since.
 
   std::mutex writing_{};
   std::mutex telling_{};

@@ -26,6 +26,14 @@ HttpResponse BenchApi::StartJob(const HttpRequest& request,
                                 const std::string& name,
                                 const Json& asked,
                                 PreparedProcedure work) {
+  // No client goes on by itself: a person homes first.
+  if (is_stopped_ && name != "home" && name != "reset") {
+    throw Problem(409,
+                  "the machine was stopped in an emergency",
+                  {{.detail = "nothing moves until it has been homed",
+                    .hint = "POST /api/bench/procedures {\"procedure\": \"home\"}; a "
+                            "controller that was halted is reset before"}});
+  }
   auto seat = seat_->Take(request, "running " + name);
   if (thread_.joinable()) thread_.join();
   person_->Begin();
@@ -88,6 +96,9 @@ void BenchApi::Work(const PreparedProcedure& work, OperatorSeat::Held seat) {
       return step.verdict == Verdict::kApplied;
     });
     if (is_changed) kept_.calibrated_at = UtcNow();
+    const bool is_homed = job_["procedure"] == "home" &&
+                          result.ending == Ending::kDone && !seat_->is_aborted();
+    if (is_homed) is_stopped_ = false;
     // What stood before the first change: when that was found, nobody here knows.
     const bool is_restored =
         job_["procedure"] == "restore" && result.ending == Ending::kDone;

@@ -68,10 +68,43 @@ async function atBed(page, base, check) {
   check(true, "a dialog that covers the page has a stop of its own");
 }
 
+// Three axes are chosen, and the first asks whether to apply: whoever ends it, by whatever means, no
+// other axis begins by itself.
+async function noAxisFollows(page, base, check) {
+  const begun = [];
+  page.on("request", (one) => { if (one.method() === "POST" && one.url().endsWith("/api/bench/procedures")) begun.push(one.postData()); });
+  const post = (path) => fetch(base + path, { method: "POST" });
+  const ways = {
+    "the emergency stop": () => stopOf(page).first().click(),
+    "the page's Abort": () => page.getByRole("button", { name: /^Abort/ }).first().click(),
+    "an abort from elsewhere": () => post("/api/bench/abort"),
+    "an emergency stop from elsewhere": () => post("/api/bench/emergency-stop"),
+  };
+  for (const [way, end] of Object.entries(ways)) {
+    await post("/api/bench/abort");
+    await check.until((one) => one.state === "idle");
+    await fetch(`${base}/api/bench/procedures`, { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify({ procedure: "home", options: {} }) });
+    await check.until((one) => one.state === "idle" && !one.is_stopped);
+    await page.goto(`${base}/calibrate`);
+    await page.getByRole("button", { name: /^4\. Backlash/ }).click();
+    await page.getByRole("button", { name: /^(Measure|Repeat|Continue with) .*Y/ }).first().click();
+    await check.until((one) => one.state === "asking");
+    begun.length = 0;
+    await end();
+    await check.until((one) => one.state === "idle");
+    await page.waitForTimeout(1500);
+    const { bench } = { bench: await (await fetch(`${base}/api/bench`)).json() };
+    check(begun.length === 0 && bench.state === "idle", `after ${way} no other axis begins`);
+  }
+  await page.getByRole("heading", { name: "Emergency stop" }).waitFor({ state: "hidden" });
+  check(true, "once somebody has gone on, the note of the first stop is gone");
+}
+
 export async function emergency(page, base, check) {
   await everywhere(page, base, check);
   await onlooker(page, base, check);
   await goOn(page, check);
   await otherAnswers(page, check);
   await atBed(page, base, check);
+  await noAxisFollows(page, base, check);
 }

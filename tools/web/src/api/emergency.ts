@@ -41,6 +41,14 @@ export async function stopNow(): Promise<void> {
   set({ at, isTaken: bench !== null, isHalted: bench?.sent_m112 === true, wasAtWork: bench?.aborted === true || isBedEnded });
 }
 
+// Once somebody has homed the machine and gone on, the stop is over.
+export async function forgetIfOver(): Promise<void> {
+  const bench: Schemas["Bench"] | null = await answered(api.GET("/api/bench")).catch(() => null);
+  if (!bench || bench.is_stopped || !stopped) return;
+  const since = (job: Schemas["Job"]) => (job.begun_at ?? "") > stopped!.at && !["home", "reset"].includes(job.procedure);
+  if (bench.results.some(since) || (bench.job && since(bench.job))) forgetStop();
+}
+
 type Ended = { isDone: true } | { isDone: false; problem: Problem };
 
 const pause = (ms: number) => new Promise((done) => setTimeout(done, ms));

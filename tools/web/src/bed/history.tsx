@@ -1,10 +1,12 @@
 import { Card } from "../ui/parts";
 import { heightOf, isWithinNoise, mostOffset, offsetOf, plain, screwNames, when, type BedStatus, type BedTilt } from "./maths";
 
-// `isRaised`: screws stand elsewhere than when the server first saw them.
-function wordsOf(past: BedTilt[], isRaised: boolean): string {
+// `isRaised`: screws stand elsewhere than when the server first saw them. `isApplied`: they were
+// moved after the last measurement.
+function wordsOf(past: BedTilt[], isRaised: boolean, isApplied: boolean): string {
   const [last, before] = past;
   if (!last) return "";
+  if (isApplied) return "The screws were moved after the last measurement: check now to see what that did.";
   if (last.is_level || isWithinNoise(last)) return "The bed is level: another round would gain nothing.";
   if (!before) return "One measurement so far. Apply, then check: the two are set side by side here.";
   const [now, then] = [mostOffset(last), mostOffset(before)];
@@ -18,7 +20,7 @@ function wordsOf(past: BedTilt[], isRaised: boolean): string {
 export function History({ past, status }: { past: BedTilt[]; status: BedStatus }) {
   return (
     <Card title="Compared with earlier measurements">
-      <p>{wordsOf(past, status.screws.some((screw) => Math.abs(screw.raised_mm) >= 0.0005))}</p>
+      <p>{wordsOf(past, status.screws.some((screw) => Math.abs(screw.raised_mm) >= 0.0005), status.is_applied)}</p>
       <div className="bed-history">
         <Overlay past={past} status={status} />
         <div className="scroll" tabIndex={0} role="region" aria-label="Measurements, newest first">

@@ -1,7 +1,7 @@
 import { useEffect, useState } from "react";
 import { answered, api, type Schemas } from "../api/client";
 import { Busy } from "../ui/parts";
-import { counting, isThrough, lastJob, optionsOf, stateOf, steps, type Axis, type Bench, type Reading, type Step } from "./model";
+import { counting, isThrough, lastJob, optionsOf, stateOf, steps, type Axis, type Bench, type Job, type Reading, type Step } from "./model";
 import { JobResult } from "./results";
 import { ManualEntry } from "./rough";
 import { Scatter } from "./scatter";
@@ -93,6 +93,23 @@ export function Actions({ hold, bench, step }: { hold: BenchHold; bench: Bench; 
   );
 }
 
+// What the server kept of a job, also where it was ended in the middle of it.
+function KeptReadings({ job }: { job: Job }) {
+  const [readings, setReadings] = useState<Reading[]>([]);
+  useEffect(() => {
+    void answered(api.GET("/api/bench/results")).then(({ results }) => {
+      setReadings((results.find((one) => one.id === job.id)?.readings ?? []) as unknown as Reading[]);
+    }, () => undefined);
+  }, [job.id]);
+  if (readings.length === 0) return null;
+  return (
+    <details open={job.result?.ending === "interrupted"}>
+      <summary>{readings.length} readings by the sense of approach</summary>
+      <Scatter readings={readings} />
+    </details>
+  );
+}
+
 export function Measure({ hold, bench, step }: { hold: BenchHold; bench: Bench; step: Step }) {
   const { entries } = hold;
   const runs = bench.state !== "idle" && bench.job?.procedure === step.procedure;
@@ -115,11 +132,7 @@ export function Measure({ hold, bench, step }: { hold: BenchHold; bench: Bench; 
       {runs && step.n === 4 ? <><h3>Readings by the sense of approach</h3><Scatter readings={hold.readings} /></> : null}
       {entries.axes.map((axis) => lastJob(jobs, step.procedure, axis)).map((job) => (job ? (
         <JobResult key={job.id} job={job}>
-          {step.n === 4 && bench.job?.id === job.id && bench.job.readings?.length ? (
-            <details><summary>Readings by the sense of approach</summary>
-              <Scatter readings={bench.job.readings as unknown as Reading[]} />
-            </details>
-          ) : null}
+          {step.n === 4 ? <KeptReadings job={job} /> : null}
         </JobResult>
       ) : null))}
       {step.n === 2 ? <ManualEntry hold={hold} bench={bench} /> : <Advanced hold={hold} step={step} />}

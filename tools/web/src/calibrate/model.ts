@@ -114,7 +114,8 @@ export const lastJob = (jobs: Job[], procedure: string, axis?: Axis) =>
 
 export type StepState = "open" | "running" | "done" | "skipped" | "stopped";
 
-export const isDeclined = (result: Result) =>
+// Not where the job was ended: its open question is then refused too, and nobody said "No".
+export const isDeclined = (result: Result) => result.ending !== "aborted" &&
   result.steps.some((step) => step.verdict === "refused" && step.message.includes("not confirmed"));
 
 // "It cannot be told" is an answer too, and so is a person's "No": the step is through.

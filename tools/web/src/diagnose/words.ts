@@ -28,6 +28,9 @@ const turns: Record<string, string> = { A: "X", B: "Y", C: "Z" };
 const follows: Record<string, string> = {
   t: "time", load: "load", feed: "feed rate", theta: "direction of touch",
   dir_x: "side of approach in X", dir_y: "side of approach in Y", dir_z: "side of approach in Z",
+  dir_a: "side of approach of tower A", dir_b: "side of approach of tower B", dir_c: "side of approach of tower C",
+  motor_a: "position of tower A", motor_b: "position of tower B", motor_c: "position of tower C",
+  since_rev: "way since the reversal", temp: "temperature",
   x: "position in X", y: "position in Y", z: "position in Z",
 };
 
@@ -75,12 +78,13 @@ export function baselineWord(name: string): string {
   const [what, ...rest] = name.split(".");
   const where = rest.map(axisWord).join(" ");
   switch (what) {
-    case "scale": return `Scale of ${where} (steps/mm)`;
+    case "scale": return `Scale${where ? ` of ${where}` : ""} (steps/mm)`;
     case "backlash": return `Backlash of ${where}`;
     case "probe_pretravel": return `Pre-travel of the probe, ${where}`;
     case "squareness": return `Squareness of ${where}`;
     case "bed_plane": return `Tilt of the bed, ${plain(rest.join(" ")).replace("slope", "along").toUpperCase().replace("ALONG", "along")}`;
-    case "placement": return placeWord(plain(rest.slice(0, -1).join(" ")), rest[rest.length - 1] ?? "");
+    // "z_columns/z_columns_1": a campaign, and its setup of nearly that name.
+    case "placement": return placeWord(plain(rest.slice(0, -1).join(" ").split("/").at(-1) ?? ""), rest[rest.length - 1] ?? "");
     default: return `${causeWord(what ?? name)}${where ? ` (${where})` : ""}`;
   }
 }

@@ -25,6 +25,8 @@ function useGoOn(hold: BenchHold) {
     if (bench.state !== "idle" || !job.result || hold.followed !== job.id || handled.current === job.id) return;
     handled.current = job.id;
     const step = stepOf(job.procedure);
+    // Who ended a job wants no other axis to move by itself.
+    if (job.result.ending === "aborted" && entries.queue) hold.keep({ queue: null });
     if (!isThrough(job) || !step) return;
     if (step.n === 1) {
       if (entries.step === 1) hold.keep({ step: 2 });
@@ -105,7 +107,7 @@ export default function Calibrate() {
     <>
       <h1>Calibrate</h1>
       {hold.connection === "lost" ? (
-        <Notice kind="warn"><p><strong>The connection to the server is lost.</strong> A running job goes on there. What you
+        <Notice kind="warn"><p><strong>The connection to the server is lost.</strong> If the server still runs, so does its job. What you
           enter is sent when the connection is back.</p></Notice>
       ) : null}
       {!bench && !hold.problem ? <Busy text="Asking the machine for its settings" /> : null}

@@ -1,6 +1,6 @@
 import "./emergency.css";
 import { useEffect, useRef, useState } from "react";
-import { forgetStop, runToEnd, stopNow, useStopped, type Stopped } from "../api/emergency";
+import { forgetIfOver, forgetStop, runToEnd, stopNow, useStopped, type Stopped } from "../api/emergency";
 import type { Problem } from "../api/client";
 import { Busy, ProblemNotice } from "./parts";
 
@@ -32,7 +32,7 @@ function What({ stopped }: { stopped: Stopped }) {
       <p>
         {stopped.isHalted ? `At ${clock(stopped.at)} the server sent M112 to the controller. It halts its motors at once and then takes no command until it is reset.`
           : `At ${clock(stopped.at)} the simulated machine was told to stop. It stands still after its present line of G-code.`}
-        {stopped.wasAtWork ? " The job at work was ended. Nothing more is sent." : ""}
+        {stopped.wasAtWork ? " The job at work was ended. Nothing more is sent until the machine has been homed." : ""}
       </p>
       {stopped.isHalted ? <p><strong>Look at the machine: this page cannot see whether it stands still.</strong> If it moves, press the emergency stop at the machine itself.</p> : null}
     </>
@@ -85,6 +85,11 @@ export function StopNote() {
   const heading = useRef<HTMLHeadingElement>(null);
   const at = stopped?.at;
   useEffect(() => { if (at) heading.current?.focus(); }, [at]);
+  useEffect(() => {
+    if (!at) return;
+    const timer = setInterval(() => { void forgetIfOver(); }, 2000);
+    return () => { clearInterval(timer); };
+  }, [at]);
   if (!stopped) return null;
   return (
     <section className="card stop-note" aria-labelledby="stop-title">
