@@ -150,7 +150,8 @@ TEST(Facts, AMeshIsHeldAgainstTouchesAlone) {
     Rng rng(11, static_cast<std::uint64_t>(uneven_mm * 1000), "facts.mesh");
     std::vector<Row> rows;
     for (int i = 0; i < 60; ++i) {
-      Row laser = Touch(10.0 * (i / 2), 0, kLaser_mm * rng.Normal());
+      const int place = i / 2;
+      Row laser = Touch(10.0 * place, 0, kLaser_mm * rng.Normal());
       laser.kind = RowKind::kPosition;
       laser.n = {1, 0, 0};
       laser.campaign = "laser";
@@ -161,9 +162,10 @@ TEST(Facts, AMeshIsHeldAgainstTouchesAlone) {
       rows.back().campaign = "repeats";
     }
     for (int i = 0; i < 25; ++i) {
-      const double wave_mm = uneven_mm * std::cos(2.0 * (i % 5));
+      const int column = i % 5, line = i / 5;
+      const double wave_mm = uneven_mm * std::cos(2.0 * column);
       rows.push_back(
-          Touch(40.0 * (i % 5), 40.0 * (i / 5), wave_mm + kTouch_mm * rng.Normal()));
+          Touch(40.0 * column, 40.0 * line, wave_mm + kTouch_mm * rng.Normal()));
       rows.back().campaign = "mesh";
     }
 
@@ -182,7 +184,8 @@ TEST(Facts, StepsThatAgreeAreSaidOnceForAnAxis) {
   for (const auto& [campaign, sd_mm] :
        {std::pair{"fine", 0.001}, std::pair{"rough", 0.005}}) {
     for (int i = 0; i < 40; ++i) {
-      Row laser = Touch(10.0 * (i / 2), 0, sd_mm * rng.Normal());
+      const int place = i / 2;
+      Row laser = Touch(10.0 * place, 0, sd_mm * rng.Normal());
       laser.kind = RowKind::kPosition;
       laser.n = {1, 0, 0};
       laser.campaign = campaign;
