@@ -11,6 +11,7 @@
 #include "sim/machine/machine.h"
 #include "sim/machine/machine_kind.h"
 #include "tools/commands/command.h"
+#include "tools/commands/kinds/served.h"
 #include "tools/commands/starter.h"
 
 namespace caltwin {
@@ -59,18 +60,61 @@ int NewMachine(const NewAsked& options) {
   return kPassed;
 }
 
+struct NewKlipperAsked {
+  std::string machine{};
+  std::string out{};
+  std::string serial = "/tmp/klipper_host_caltwin";
+};
+
+int NewKlipper(const NewKlipperAsked& options) {
+  const fs::path file = FindMachine(options.machine, "", {.file = options.machine});
+  const ServedKind& kind = ServedToKlipper(file, options.machine);
+  std::error_code error;
+  if (fs::exists(options.out, error)) {
+    throw InputError(
+        {.file = options.out},
+        "this file is already there",
+        "a host keeps what it calibrated in it: take another name, or move "
+        "it away");
+  }
+  WriteTextFile(options.out,
+                kind.printer_cfg(ReadAnyMachineFile(file).machine, options.serial));
+  std::cout << fmt::format(
+      "{}\nThe machine: caltwin serve --machine {} --klipper {}\nIts host: kalico {}, "
+      "or "
+      "klippy of Klipper.\n",
+      options.out,
+      options.machine,
+      options.serial,
+      options.out);
+  return kPassed;
+}
+
 }  // namespace
 
 Action DeclareNew(CLI::App* app) {
   auto options = std::make_shared<NewAsked>();
+  auto klipper_options = std::make_shared<NewKlipperAsked>();
   CLI::App* machine =
       app->add_subcommand("machine", "a commented models/NAME/machine.yaml");
   machine->add_option("NAME", options->name, "letters, digits, _ and -")->required();
   machine->add_option("--like", options->like, "the machine whose sizes it starts with")
       ->capture_default_str();
+  CLI::App* klipper = app->add_subcommand(
+      "klipper", "the printer.cfg of a machine as drawn, for Klipper's host");
+  klipper->add_option("MACHINE", klipper_options->machine, "a name or a machine file")
+      ->required();
+  klipper->add_option("--out", klipper_options->out, "the file to write")->required();
+  klipper
+      ->add_option(
+          "--serial",
+          klipper_options->serial,
+          "what `caltwin serve --klipper` is given; a host takes a path that "
+          "begins with /tmp/klipper_host_ as it is, any other for a serial port")
+      ->capture_default_str();
   app->require_subcommand(1);
-  return [options] {
-    return NewMachine(*options);
+  return [options, klipper_options, klipper] {
+    return klipper->parsed() ? NewKlipper(*klipper_options) : NewMachine(*options);
   };
 }
 

@@ -13,6 +13,7 @@
 #include "tools/commands/command.h"
 #include "tools/commands/kinds/served.h"
 #include "tools/commands/serve/serve.h"
+#include "tools/commands/serve/serve_klipper.h"
 #include "tools/commands/twin_options.h"
 
 namespace caltwin {
@@ -27,6 +28,7 @@ struct ServeAsked {
   std::optional<int> http{};
   WebOptions web{};
   std::string pty{};
+  std::string klipper{};
   std::string dialect{};  ///< Empty: as the machine's controller speaks.
 };
 
@@ -106,12 +108,39 @@ int ServeWeb(const ServeAsked& asked) {
   return InterruptRequested() ? kInterrupted : kPassed;
 }
 
+// The twin as a microcontroller: its host is another program.
+int ServeToKlipper(const ServeAsked& options) {
+  if (options.port || !options.pty.empty() || options.http || !options.bench.empty() ||
+      !options.dialect.empty()) {
+    throw InputError({.file = "--klipper"},
+                     "Klipper's host alone drives the machine, and nobody at its bench",
+                     "leave --tcp, --pty, --http, --bench and --dialect away");
+  }
+  const std::filesystem::path machine =
+      FindMachine(options.twin.machine, "", {.file = options.twin.machine});
+  const ServedKind& kind = ServedToKlipper(machine, "--klipper");
+  const auto board = kind.board(machine, options.twin);
+  ServeKlipper(
+      board.get(),
+      options.klipper,
+      &InterruptFlag(),
+      [&] {
+        Announce(fmt::format("{}, {}: a Klipper microcontroller at {}; Ctrl-C ends",
+                             options.twin.machine,
+                             options.twin.fidelity,
+                             options.klipper));
+      },
+      [](std::string_view why) { Announce(fmt::format("shut down: {}", why)); });
+  return InterruptRequested() ? kInterrupted : kPassed;
+}
+
 int Serve(ServeAsked options) {
+  if (!options.klipper.empty()) return ServeToKlipper(options);
   if (!options.port && options.pty.empty() && !options.http) {
     throw InputError({},
                      "serve needs to know where",
-                     "--http PORT (pages and REST), --tcp PORT (0: any free one), or "
-                     "--pty PATH");
+                     "--http PORT (pages and REST), --tcp PORT (0: any free one), "
+                     "--pty PATH, or --klipper PATH");
   }
   if (!options.bench.empty()) ReadBenchFile(options.bench, &options.twin);
   if (options.http) return ServeWeb(options);
@@ -170,6 +199,11 @@ Action DeclareServe(CLI::App* app) {
   app->add_option("--tcp", options->port, "listen on this port of 127.0.0.1; 0: any")
       ->check(CLI::Range(0, kLargestPort));
   app->add_option("--pty", options->pty, "make a pseudo-terminal of this name");
+  app->add_option(
+      "--klipper",
+      options->klipper,
+      "be a Klipper microcontroller on a pseudo-terminal of this name, the "
+      "`serial:` of its host (`caltwin new klipper` writes its printer.cfg)");
   DeclareWeb(app, options.get());
   app->add_option("--fidelity", options->twin.fidelity, "physics or fast")
       ->check(CLI::IsMember({"physics", "fast"}))

@@ -6,6 +6,7 @@
 
 #include "scenarios/kinds/delta_g33.h"
 #include "sim/base/input_error.h"
+#include "sim/kinds/delta/klipper.h"
 #include "sim/kinds/delta/twin.h"
 #include "sim/machine/kinds/delta/drawing.h"
 #include "sim/machine/kinds/motor_stage/drawing.h"
@@ -49,6 +50,17 @@ Served Delta(const fs::path& file,
                                ToString(twin->config().fidelity)),
           .machine = twin,
           .link = &twin->link()};
+}
+
+std::unique_ptr<klipper::Board> DeltaBoard(const fs::path& file,
+                                           const TwinOptions& options) {
+  const DeltaTwinConfig config = MakeDeltaTwinConfig(ReadAnyMachineFile(file), options);
+  return std::make_unique<klipper::PlantBoard>(
+      WiringOfDelta(config.machine),
+      std::make_unique<SteppedDelta>(config.machine,
+                                     config.built,
+                                     config.fidelity == Fidelity::kPhysics,
+                                     config.seed));
 }
 
 Served Printer(const fs::path&, const TwinOptions& options, const std::string& bench) {
@@ -95,11 +107,12 @@ Served Motors(const fs::path& file,
       .link = &stage->link()};
 }
 
-constexpr std::array kKinds = {ServedKind{"cartesian", "rrf", Gantry},
-                               ServedKind{"delta", "marlin", Delta},
-                               ServedKind{"triple_z", "rrf", Printer},
-                               ServedKind{"z_station", "klipper", Station},
-                               ServedKind{"motor_stage", "motor", Motors}};
+constexpr std::array kKinds = {
+    ServedKind{"cartesian", "rrf", Gantry},
+    ServedKind{"delta", "marlin", Delta, DeltaBoard, PrinterCfgOfDelta},
+    ServedKind{"triple_z", "rrf", Printer},
+    ServedKind{"z_station", "klipper", Station},
+    ServedKind{"motor_stage", "motor", Motors}};
 
 }  // namespace
 
@@ -111,6 +124,20 @@ const ServedKind& ServedKindOf(const fs::path& file) {
     if (one.kind == name) return one;
   }
   return kKinds[0];
+}
+
+const ServedKind& ServedToKlipper(const fs::path& machine, const std::string& place) {
+  const ServedKind& kind = ServedKindOf(machine);
+  if (kind.board != nullptr) return kind;
+  std::string able;
+  for (const ServedKind& one : kKinds) {
+    if (one.board == nullptr) continue;
+    able += fmt::format("{}{}", able.empty() ? "" : ", ", one.kind);
+  }
+  throw InputError(
+      {.file = place},
+      fmt::format("a machine of kind {} cannot yet be driven by Klipper", kind.kind),
+      fmt::format("kinds that can: {}", able));
 }
 
 }  // namespace caltwin

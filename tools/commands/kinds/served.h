@@ -5,7 +5,9 @@
 #include <string>
 #include <string_view>
 
+#include "sim/controllers/klipper/board.h"
 #include "sim/link/link.h"
+#include "sim/machine/machine.h"
 #include "tools/commands/twin_options.h"
 
 namespace caltwin {
@@ -26,7 +28,19 @@ struct ServedKind {
   Served (*make)(const std::filesystem::path& machine,
                  const TwinOptions& twin,
                  const std::string& bench);
+  /// @name Under Klipper's host; null: such a machine cannot yet be
+  /// The machine behind a microcontroller's pins, likewise.
+  std::unique_ptr<klipper::Board> (*board)(const std::filesystem::path& machine,
+                                           const TwinOptions& twin) = nullptr;
+  /// What its firmware believes, as printer.cfg; `serial`: where the board is.
+  std::string (*printer_cfg)(const Machine& machine,
+                             const std::string& serial) = nullptr;
 };
 const ServedKind& ServedKindOf(const std::filesystem::path& machine);
+
+/// The same where it can be served to Klipper's host; else throws InputError that names
+/// the kinds which can, at `place`.
+const ServedKind& ServedToKlipper(const std::filesystem::path& machine,
+                                  const std::string& place);
 
 }  // namespace caltwin

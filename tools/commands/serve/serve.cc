@@ -2,20 +2,17 @@
 
 #include <cerrno>
 #include <chrono>
-#include <cstdlib>
-#include <system_error>
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <poll.h>
 #include <sys/socket.h>
-#include <termios.h>
 #include <unistd.h>
 
 #include "sim/base/input_error.h"
 #include "sim/link/line_channel.h"
+#include "tools/commands/serve/pseudo_terminal.h"
 #include "tools/commands/serve/session.h"
 
 namespace caltwin {
@@ -26,25 +23,6 @@ using std::chrono::milliseconds;
 
 constexpr milliseconds kGlance{200};  // Between two looks at the stop flag.
 constexpr std::size_t kLongestLine = 4096;
-
-std::string SystemSays(int error) {
-  return std::generic_category().message(error);
-}
-
-/// A descriptor that is closed at the end of its scope.
-class Descriptor {
- public:
-  explicit Descriptor(int number) : number_(number) {}
-  ~Descriptor() {
-    if (number_ >= 0) close(number_);
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  int number() const { return number_; }
-
- private:
-  int number_;
-};
 
 /// Answers one client until it goes, or until the stop.
 void Converse(Link* link, int descriptor, const std::atomic<bool>& stop) {
@@ -97,38 +75,6 @@ bool IsReadable(int descriptor, milliseconds patience) {
   return poll(&request, 1, static_cast<int>(patience.count())) > 0;
 }
 
-/// Opens a pseudo-terminal's master side; raw, so that nothing is echoed.
-int OpenPty() {
-  const int master = posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
-  if (master < 0 || grantpt(master) != 0 || unlockpt(master) != 0) {
-    throw InputError({}, fmt::format("--pty: {}", SystemSays(errno)));
-  }
-  return master;
-}
-
-int OpenClientSide(const std::string& name) {
-  const int descriptor = open(name.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC);
-  termios mode{};
-  if (descriptor < 0 || tcgetattr(descriptor, &mode) != 0) {
-    throw InputError({}, fmt::format("--pty: {}: {}", name, SystemSays(errno)));
-  }
-  cfmakeraw(&mode);
-  tcsetattr(descriptor, TCSANOW, &mode);
-  return descriptor;
-}
-
-void MakeLink(const std::string& target, const fs::path& path) {
-  std::error_code error;
-  const bool is_dangling = fs::is_symlink(path, error) && !fs::exists(path, error);
-  if (is_dangling) fs::remove(path, error);
-  fs::create_symlink(target, path, error);
-  if (error) {
-    throw InputError({},
-                     fmt::format("--pty {}: {}", path.string(), error.message()),
-                     "the path is made by caltwin and must not exist yet");
-  }
-}
-
 }  // namespace
 
 int ServeTcp(Link* link,
@@ -156,15 +102,9 @@ int ServePty(Link* link,
              const fs::path& path,
              const std::atomic<bool>* stop,
              const std::function<void()>& ready) {
-  const int master = OpenPty();
-  const std::string name = ptsname(master);
-  // Held open here as well, so that a client's going does not end the terminal.
-  const Descriptor client_side(OpenClientSide(name));
-  MakeLink(name, path);
+  PseudoTerminal terminal(path, "--pty");
   if (ready) ready();
-  Converse(link, master, *stop);
-  std::error_code ignored;
-  fs::remove(path, ignored);
+  Converse(link, terminal.ReleaseMaster(), *stop);
   return 0;
 }
 

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace caltwin {
+
+/// A descriptor that is closed at the end of its scope.
+class Descriptor {
+ public:
+  explicit Descriptor(int number) : number_(number) {}
+  ~Descriptor();
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  int number() const { return number_; }
+  /// Whoever takes it closes it.
+  int Release();
+
+ private:
+  int number_;
+};
+
+/// What the system says of that errno.
+std::string SystemSays(int error);
+
+/// A pseudo-terminal, raw on both sides, and a symbolic link to where clients open it,
+/// which is removed at the end. A client may come and go: the terminal stays.
+class PseudoTerminal {
+ public:
+  /// `option`: how messages name it, "--pty". Throws InputError where `path` is taken
+  /// by anything but a dangling link, or cannot be made.
+  PseudoTerminal(const std::filesystem::path& path, const std::string& option);
+  ~PseudoTerminal();
+  PseudoTerminal(const PseudoTerminal&) = delete;
+  PseudoTerminal& operator=(const PseudoTerminal&) = delete;
+
+  /// Our side.
+  int number() const { return master_.number(); }
+  int ReleaseMaster() { return master_.Release(); }
+
+ private:
+  Descriptor master_;
+  Descriptor client_side_;
+  std::filesystem::path path_;
+};
+
+}  // namespace caltwin
