@@ -8,11 +8,14 @@
 #include <fmt/format.h>
 
 #include "sim/base/units.h"
+#include "sim/controllers/klipper/printer_cfg.h"
 #include "sim/machine/kinds/delta/drawing.h"
 #include "sim/machine/kinds/delta/model.h"
 
 namespace caltwin {
 namespace {
+
+using klipper::CfgNumber;
 
 std::string PinName(int tower) {
   std::string name = TowerName(tower);
@@ -24,29 +27,16 @@ std::string StepperSection(const Machine& machine, int tower) {
   const auto at = static_cast<std::size_t>(tower);
   const AxisDrawing& axis = machine.axes[at];
   const DeltaModel<double>& settings = DeltaOf(machine).settings;
-  const std::string pin = PinName(tower);
-  return fmt::format(
-      "\n[stepper_{}]\n"
-      "step_pin: {}_STEP\n"
-      "dir_pin: {}_DIR\n"
-      "endstop_pin: {}_STOP\n"
-      "full_steps_per_rotation: {:.0f}\n"
-      "microsteps: {:.0f}\n"
-      "rotation_distance: {}\n"
-      "position_endstop: {}\n"
-      "arm_length: {}\n"
-      "angle: {}\n"
-      "homing_speed: 50\n",
-      TowerName(tower),
-      pin,
-      pin,
-      pin,
-      axis.full_steps_per_rev,
-      axis.microsteps,
-      axis.lead_mm,
-      settings.endstop_mm[at],
-      settings.arm_mm[at],
-      DegFromRad(settings.angle_rad[at]));
+  return klipper::StepperCfg({.section = "stepper_" + TowerName(tower),
+                              .pin = PinName(tower),
+                              .full_steps_per_rev = axis.full_steps_per_rev,
+                              .microsteps = axis.microsteps,
+                              .mm_per_rev = axis.lead_mm}) +
+         fmt::format(
+             "position_endstop: {}\narm_length: {}\nangle: {}\nhoming_speed: 50\n",
+             CfgNumber(settings.endstop_mm[at]),
+             CfgNumber(settings.arm_mm[at]),
+             CfgNumber(DegFromRad(settings.angle_rad[at])));
 }
 
 }  // namespace
@@ -117,25 +107,17 @@ std::string PrinterCfgOfDelta(const Machine& machine, const std::string& serial)
   const auto least = [&](double AxisDrawing::*member) {
     return std::ranges::min(machine.axes, {}, member).*member;
   };
-  std::string text = fmt::format(
-      "# {}, as its firmware believes it to be. Made by `caltwin new klipper`.\n"
-      "[mcu]\n"
-      "serial: {}\n"
-      "\n[printer]\n"
-      "kinematics: delta\n"
-      "max_velocity: {}\n"
-      "max_accel: {}\n"
-      "max_z_velocity: {}\n"
-      "minimum_z_position: -8\n"
-      "delta_radius: {}\n"
-      "print_radius: {}\n",
-      machine.name,
-      serial,
-      least(&AxisDrawing::max_feed_mm_s),
-      least(&AxisDrawing::acceleration_mm_s2),
-      std::min(100.0, least(&AxisDrawing::max_feed_mm_s)),
-      MeanOfTowers(delta.settings.radius_mm),
-      delta.print_radius_mm);
+  std::string text =
+      klipper::BeginningOfCfg(machine.name, serial) +
+      fmt::format(
+          "\n[printer]\nkinematics: delta\nmax_velocity: {}\nmax_accel: {}\n"
+          "max_z_velocity: {}\nminimum_z_position: -8\ndelta_radius: {}\n"
+          "print_radius: {}\n",
+          CfgNumber(least(&AxisDrawing::max_feed_mm_s)),
+          CfgNumber(least(&AxisDrawing::acceleration_mm_s2)),
+          CfgNumber(std::min(100.0, least(&AxisDrawing::max_feed_mm_s))),
+          CfgNumber(MeanOfTowers(delta.settings.radius_mm)),
+          CfgNumber(delta.print_radius_mm));
   for (int i = 0; i < kNumTowers; ++i) text += StepperSection(machine, i);
   // Neither touch nor move may leave the disc that the arms reach.
   text += fmt::format(
@@ -147,7 +129,7 @@ std::string PrinterCfgOfDelta(const Machine& machine, const std::string& serial)
       "radius: {}\n"
       "speed: 80\n"
       "horizontal_move_z: 12\n",
-      0.9 * delta.print_radius_mm);
+      CfgNumber(0.9 * delta.print_radius_mm));
   return text;
 }
 

@@ -85,7 +85,8 @@ bool TripleZTwinPlant::ProbeTriggered() {
   return stand.nozzle_mm < TrueBedHeight_mm(built_, stand.raised_mm, stand.head_mm);
 }
 
-std::optional<double> TripleZTwinPlant::Touch_mm(const Stand& stand, double feed_mm_s) {
+std::optional<TripleZTwinPlant::Trigger> TripleZTwinPlant::TriggerAt(const Stand& stand,
+                                                                     double feed_mm_s) {
   const Machine& machine = built_.machine;
   Row row = TouchRow(machine, stand.raised_mm, stand.head_mm);
   row.feed_mm_s = feed_mm_s;
@@ -102,17 +103,42 @@ std::optional<double> TripleZTwinPlant::Touch_mm(const Stand& stand, double feed
   }
   const double variance_mm2 = built_.scatter_mm * built_.scatter_mm +
                               ErrorsAt<double>(machine, at, built_.effects).scatter_mm2;
-  return height_mm + std::sqrt(variance_mm2) * scatter_.Normal();
+  return Trigger{.height_mm = height_mm, .scatter_mm = std::sqrt(variance_mm2)};
+}
+
+bool TripleZTwinPlant::ProbeActs(const Stand& stand) {
+  // Beyond it nothing has to be looked at closely.
+  constexpr double kClose_mm = 1;
+  const double above_mm =
+      stand.nozzle_mm - TrueBedHeight_mm(built_, stand.raised_mm, stand.head_mm);
+  if (std::abs(above_mm) > kClose_mm) return above_mm < 0;
+  const auto trigger = TriggerAt(stand, built_.machine.probe.speeds_mm_s.back());
+  return trigger &&
+         stand.nozzle_mm <= trigger->height_mm + trigger->scatter_mm * chance_;
+}
+
+bool TripleZTwinPlant::Acts(const PinSensor& sensor, const Motors& steps) {
+  const Stand stand = StandAt(steps);
+  if (sensor.kind == PinSensor::Kind::kProbe) return ProbeActs(stand);
+  if (sensor.motor >= 2) return stand.screws_mm[sensor.motor - 2] <= 0;
+  return BeforeHome_mm(sensor.motor == 0 ? Axis::kX : Axis::kY, stand) <= 0;
+}
+
+void TripleZTwinPlant::Arm(const PinSensor& sensor) {
+  if (sensor.kind == PinSensor::Kind::kProbe) chance_ = scatter_.Normal();
 }
 
 // On the way to the probe's trigger the head stands and all screws go alike.
 Outcome TripleZTwinPlant::RunToProbe(const Segment& segment, bool is_release) {
   const Profile& profile = segment.profile;
   const Stand from = StandAt(segment.from_steps), to = StandAt(segment.to_steps);
-  const auto touched_mm = Touch_mm(from, profile.feed_top_mm_s);
+  const auto trigger = TriggerAt(from, profile.feed_top_mm_s);
+  if (!trigger) return {.time_s = profile.Duration_s()};
+  const double touched_mm =
+      trigger->height_mm + trigger->scatter_mm * scatter_.Normal();
   const bool goes_up = from.nozzle_mm <= to.nozzle_mm;
-  if (!touched_mm || goes_up != is_release) return {.time_s = profile.Duration_s()};
-  const double share = (from.nozzle_mm - *touched_mm) / (from.nozzle_mm - to.nozzle_mm);
+  if (goes_up != is_release) return {.time_s = profile.Duration_s()};
+  const double share = (from.nozzle_mm - touched_mm) / (from.nozzle_mm - to.nozzle_mm);
   if (share > 1) return {.time_s = profile.Duration_s()};
   return {.stopped = true,
           .time_s = profile.Time_s(std::max(share, 0.0) * profile.length_mm)};

@@ -7,6 +7,7 @@
 #include "sim/base/rng.h"
 #include "sim/firmware/firmware.h"
 #include "sim/firmware/plant.h"
+#include "sim/firmware/stepped_plant.h"
 #include "sim/kinds/triple_z/machine.h"
 
 namespace caltwin {
@@ -22,7 +23,7 @@ struct BuiltTripleZ {
 /// nozzle, in closed form or MuJoCo. Motors: two of the head, x y or the belts a b,
 /// then z1 z2 z3, each screw with a switch at its lower end. Between touches it is
 /// where its motors are.
-class TripleZTwinPlant final : public Plant {
+class TripleZTwinPlant final : public Plant, public SteppedPlant {
  public:
   /// @param is_physics  MuJoCo finds the trigger
   TripleZTwinPlant(const BuiltTripleZ& built,
@@ -35,6 +36,10 @@ class TripleZTwinPlant final : public Plant {
   void Dwell(double /*s*/) override {}
   bool ProbeTriggered() override;
   bool SwitchClosed(Axis axis) override;
+
+  bool Acts(const PinSensor& sensor, const Motors& steps) override;
+  void Follow(const Motors& steps) override { steps_ = steps; }
+  void Arm(const PinSensor& sensor) override;
 
   const BuiltTripleZ& built() const { return built_; }
 
@@ -50,8 +55,13 @@ class TripleZTwinPlant final : public Plant {
   Stand StandAt(const Motors& steps) const;
   /// How far the carriage of x or y is from its home end; positive before.
   double BeforeHome_mm(Axis axis, const Stand& stand) const;
-  /// Height of the nozzle over the bed at the trigger, as drawn; nullopt: none.
-  std::optional<double> Touch_mm(const Stand& stand, double feed_mm_s);
+  /// Height of the nozzle over the bed at the trigger, as drawn, and its scatter.
+  struct Trigger {
+    double height_mm = 0, scatter_mm = 0;
+  };
+  /// nullopt: none.
+  std::optional<Trigger> TriggerAt(const Stand& stand, double feed_mm_s);
+  bool ProbeActs(const Stand& stand);
   Outcome RunToProbe(const Segment& segment, bool is_release);
   Outcome RunToSwitch(const Segment& segment, Axis axis) const;
 
@@ -60,6 +70,7 @@ class TripleZTwinPlant final : public Plant {
   Rng scatter_;
   Motors steps_;
   bool is_triggered_ = false;
+  double chance_ = 0;  ///< Of the probe now armed, in standard deviations.
 };
 
 /// What a printer's firmware starts with beside its settings, believing the screws to

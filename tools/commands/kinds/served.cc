@@ -8,6 +8,7 @@
 #include "sim/base/input_error.h"
 #include "sim/kinds/delta/klipper.h"
 #include "sim/kinds/delta/twin.h"
+#include "sim/kinds/triple_z/klipper.h"
 #include "sim/machine/kinds/delta/drawing.h"
 #include "sim/machine/kinds/motor_stage/drawing.h"
 #include "sim/machine/kinds/triple_z/drawing.h"
@@ -77,6 +78,15 @@ Served Printer(const fs::path&, const TwinOptions& options, const std::string& b
           .link = &printer->link()};
 }
 
+std::unique_ptr<klipper::Board> PrinterBoard(const fs::path&,
+                                             const TwinOptions& options) {
+  const BuiltTripleZ built = BuiltPrinter(options);
+  return std::make_unique<klipper::PlantBoard>(
+      WiringOfTripleZ(built.machine),
+      std::make_unique<TripleZTwinPlant>(
+          built, options.fidelity == "physics", options.seed, /*sample=*/0));
+}
+
 Served Station(const fs::path&, const TwinOptions& options, const std::string& bench) {
   if (!bench.empty()) {
     throw InputError({.file = bench}, "a printer's station has no bench");
@@ -110,7 +120,7 @@ Served Motors(const fs::path& file,
 constexpr std::array kKinds = {
     ServedKind{"cartesian", "rrf", Gantry},
     ServedKind{"delta", "marlin", Delta, DeltaBoard, PrinterCfgOfDelta},
-    ServedKind{"triple_z", "rrf", Printer},
+    ServedKind{"triple_z", "rrf", Printer, PrinterBoard, PrinterCfgOfTripleZ},
     ServedKind{"z_station", "klipper", Station},
     ServedKind{"motor_stage", "motor", Motors}};
 

@@ -23,7 +23,9 @@ void RequireTimeless(const std::vector<Injected>& effects, const std::string& tr
   }
 }
 
-BuiltTripleZ BuiltAs(const TwinOptions& named) {
+}  // namespace
+
+BuiltTripleZ BuiltPrinter(const TwinOptions& named) {
   const TwinConfig config = MakeTwinConfig(named, /*only_measures=*/true);
   RequireTimeless(config.effects, named.truth);
   BuiltTripleZ built{.machine = config.machine,
@@ -33,10 +35,9 @@ BuiltTripleZ BuiltAs(const TwinOptions& named) {
   return built;
 }
 
-}  // namespace
-
 SimulatedPrinter::SimulatedPrinter(const TwinOptions& named)
-    : plant_(BuiltAs(named), named.fidelity == "physics", named.seed, /*sample=*/0),
+    : plant_(
+          BuiltPrinter(named), named.fidelity == "physics", named.seed, /*sample=*/0),
       firmware_(machine(),
                 machine().settings,
                 FirmwareOnScrews(TripleZOf(machine()).pivots_mm()),

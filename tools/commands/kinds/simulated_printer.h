@@ -5,12 +5,16 @@
 
 namespace caltwin {
 
+/// A triple-Z printer as the files that `named` names have it built, its settings what
+/// its firmware believes. Throws InputError; of truths with what acts by times or
+/// temperatures too, which no controller's wire has: they would not act.
+BuiltTripleZ BuiltPrinter(const TwinOptions& named);
+
 /// A simulated triple-Z printer with its controller, which believes the screws to stand
 /// where the drawing has them.
 class SimulatedPrinter {
  public:
-  /// Reads the files that `named` names. Throws InputError; of truths with what acts by
-  /// times or temperatures too, which a controller's wire has not: they would not act.
+  /// Throws InputError as BuiltPrinter does.
   explicit SimulatedPrinter(const TwinOptions& named);
 
   const Machine& machine() const { return plant_.built().machine; }

@@ -42,11 +42,14 @@ class Line {
         std::clamp(nanoseconds((due - Ticks()) * kNsPerTick), nanoseconds(0), kGlance));
     klipper::Bytes bytes(4096);
     const ssize_t num = read(descriptor_, bytes.data(), bytes.size());
-    chip_.Advance(std::max(Ticks(), chip_.now()));
+    const Clock now = std::max(Ticks(), chip_.now());
     if (num > 0) {
       bytes.resize(static_cast<std::size_t>(num));
+      // Woken late, on a busy computer: they may well have come before what was due.
+      chip_.Advance(std::clamp(now, chip_.now(), std::max(chip_.now(), due - 1)));
       chip_.Receive(bytes);
     }
+    chip_.Advance(now);
     Write();
   }
 
