@@ -1,6 +1,10 @@
 #!/usr/bin/env bash
 # Installs what building caltwin needs and this machine lacks: packages of Debian 12, and
 # MuJoCo in third_party/mujoco. Says nothing where there is nothing to do.
+#
+#   tools/setup.sh [PACKAGE ...]    these packages too
+#   tools/setup.sh --controllers    and the shipped program that drives the twin
+#                                   (docs/klipper.md): kalico, in build/controllers
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -95,5 +99,34 @@ install_mujoco() {
   rm -rf "$work"
 }
 
-install_packages "${packages[@]}" "$@"
-install_mujoco
+# A Python of its own with the programs that drive the twin, each file by its hash.
+install_controllers() {
+  local folder=build/controllers wanted=tools/controllers/requirements.txt
+  cmp -s "$wanted" "$folder/installed.txt" && return 0
+  echo "setup: installing controllers in $folder"
+  rm -rf "$folder"
+  /usr/bin/python3 -m venv "$folder"
+  if ! "$folder/bin/pip" install --quiet --disable-pip-version-check --no-deps \
+    --only-binary=:all: --require-hashes -r "$wanted"; then
+    rm -rf "$folder"
+    echo "setup: the controllers could not be fetched (Python 3.11 on x86_64 is what" \
+      "$wanted is for)" >&2
+    return 1
+  fi
+  # At its first start it compiles a helper into its own folder: now, not in a test.
+  if ! "$folder/bin/python" -c 'from klippy import chelper; chelper.get_ffi()'; then
+    rm -rf "$folder"
+    echo "setup: kalico does not compile its helper" >&2
+    return 1
+  fi
+  cp "$wanted" "$folder/installed.txt"
+}
+
+if [[ ${1:-} == --controllers ]]; then
+  install_packages "${packages[@]}" gcc libc6-dev python3-venv "${@:2}"
+  install_mujoco
+  install_controllers
+else
+  install_packages "${packages[@]}" "$@"
+  install_mujoco
+fi

@@ -21,7 +21,10 @@ using std::chrono::nanoseconds;
 using Now = std::chrono::steady_clock;
 
 constexpr std::int64_t kNsPerTick = 1'000'000'000 / klipper::kTicksPerSecond;
-constexpr nanoseconds kGlance = std::chrono::milliseconds(200);
+constexpr nanoseconds kGlance = std::chrono::milliseconds(10);
+/// So late the process is woken on an idle computer. What is beyond, the computer was
+/// busy, and likely kept the host waiting too.
+constexpr nanoseconds kUsuallyLate = std::chrono::milliseconds(2);
 /// A host takes a chip that has just been switched on for one that was reset.
 constexpr Clock kOnBefore = 10 * klipper::kTicksPerSecond;
 /// Said while nobody listens; the host finds its way into what is left.
@@ -59,6 +62,12 @@ class Line {
   Clock Ticks() const {
     const nanoseconds since = Now::now() - start_;
     return kOnBefore + since.count() / kNsPerTick;
+  }
+  /// The chip's clock does not go on while the process was kept waiting for longer than
+  /// it asked to.
+  void StandStillBeyond(nanoseconds allowed) {
+    const nanoseconds gone((Ticks() - chip_.now()) * kNsPerTick);
+    if (gone > allowed) start_ += gone - allowed;
   }
   void Wait(nanoseconds patience) const {
     const bool has_more = !unsent_.empty();

@@ -13,6 +13,9 @@ namespace caltwin {
 /// `path` becomes a link to (`[mcu] serial:` of the host). A host may come, go or be
 /// killed, and another come after it: the machine stands where it was left.
 ///
+/// Where the computer keeps the process waiting, or physics take longer than what they
+/// are of, the chip's clock stands still meanwhile: to the host it is a slow one.
+///
 /// Blocks until `*stop`, which it notices within a fifth of a second. `ready` is called
 /// once. Returns 0; throws InputError where `path` cannot be had. A reason to shut down
 /// is told to `note`, once each.
