@@ -64,6 +64,20 @@ TEST(KlipperStepQueue, GoesThereAndBack) {
   EXPECT_EQ(queue.At(9999), 6);
 }
 
+TEST(KlipperStepQueue, TellsWhereItTurnsRound) {
+  StepQueue queue;
+  queue.Append(100, 10, 0, +1, 0);
+  queue.Append(100, 5, 0, +1, 0);
+  queue.Append(100, 5, 0, -1, 0);
+  queue.Append(100, 5, 0, +1, 0);
+  std::vector<Clock> turns;
+  queue.AppendTurns(0, 5000, &turns);
+  EXPECT_EQ(turns, (std::vector<Clock>{1500, 2000}));
+  turns.clear();
+  queue.AppendTurns(1500, 1999, &turns);
+  EXPECT_TRUE(turns.empty());
+}
+
 TEST(KlipperStepQueue, StandsWhereItIsStopped) {
   StepQueue queue;
   queue.Append(100, 10, 0, +1, 0);

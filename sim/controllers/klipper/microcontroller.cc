@@ -146,9 +146,20 @@ void Microcontroller::Advance(Clock to) {
   }
 }
 
+void Microcontroller::Follow(Clock clock) {
+  std::vector<Clock> stops;
+  for (const Object& object : objects_) {
+    const auto* stepper = std::get_if<Stepper>(&object);
+    if (stepper != nullptr) stepper->queue.AppendTurns(now_, clock, &stops);
+  }
+  std::ranges::sort(stops);
+  stops.push_back(clock);
+  for (const Clock stop : stops) board_->Follow(MotorsAt(stop));
+}
+
 void Microcontroller::GoTo(Clock clock) {
+  Follow(clock);
   now_ = clock;
-  board_->Follow(MotorsAt(clock));
   for (Object& object : objects_) {
     if (auto* stepper = std::get_if<Stepper>(&object)) stepper->queue.Forget(now_);
     auto* endstop = std::get_if<Endstop>(&object);

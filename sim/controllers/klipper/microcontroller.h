@@ -72,6 +72,8 @@ class Microcontroller {
   std::optional<Clock> FirstHit(const Endstop& endstop, Clock horizon);
   bool ReadsAsAwaited(const Endstop& endstop, Clock clock);
   void GoTo(Clock clock);
+  /// Takes the board along, from turning point to turning point: play depends on them.
+  void Follow(Clock clock);
   bool IsWatching() const;
   void FireDue();
   void Fire(int oid, Stepper*) { static_cast<void>(oid); }

@@ -59,6 +59,14 @@ void StepQueue::Stop(Clock clock) {
   last_ = 0;
 }
 
+void StepQueue::AppendTurns(Clock from, Clock to, std::vector<Clock>* turns) const {
+  for (std::size_t i = 1; i < moves_.size(); ++i) {
+    const Clock turn = moves_[i - 1].end();
+    if (turn > to) return;
+    if (turn > from && moves_[i].sense != moves_[i - 1].sense) turns->push_back(turn);
+  }
+}
+
 void StepQueue::Forget(Clock before) {
   while (!moves_.empty() && moves_.front().end() <= before) {
     from_ += moves_.front().sense * moves_.front().count;

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <vector>
 
 #include "sim/controllers/klipper/board.h"
 
@@ -53,6 +54,8 @@ class StepQueue {
   void Reset(Clock clock) { last_ = clock; }
   /// Stands where it is at that clock; what is queued is dropped.
   void Stop(Clock clock);
+  /// Appends the clocks in (from, to] at which the motor turns round.
+  void AppendTurns(Clock from, Clock to, std::vector<Clock>* turns) const;
   /// Forgets moves that have ended before.
   void Forget(Clock before);
 

@@ -1,11 +1,13 @@
 #include "tools/commands/kinds/served.h"
 
 #include <array>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "scenarios/kinds/delta_g33.h"
 #include "sim/base/input_error.h"
+#include "sim/kinds/cartesian/klipper.h"
 #include "sim/kinds/delta/klipper.h"
 #include "sim/kinds/delta/twin.h"
 #include "sim/kinds/triple_z/klipper.h"
@@ -32,6 +34,24 @@ Served Gantry(const fs::path&, const TwinOptions& options, const std::string&) {
                                ToString(twin->config().fidelity)),
           .machine = twin,
           .link = &twin->link()};
+}
+
+std::unique_ptr<klipper::Board> GantryBoard(const fs::path&,
+                                            const TwinOptions& options) {
+  if (options.fidelity == "physics") {
+    throw InputError({.file = "--fidelity physics"},
+                     "under Klipper's host such a machine is simulated in closed form",
+                     "--fidelity fast");
+  }
+  const TwinConfig config = MakeTwinConfig(options);
+  // Its table is empty: nobody tells the host of a block to keep clear of.
+  Built built{.machine = config.machine,
+              .effects = config.effects,
+              .probe_sigma_mm = ProbeSigma_mm(options.instruments)};
+  built.Prepare();
+  return std::make_unique<klipper::PlantBoard>(
+      WiringOfGantry(config.machine),
+      std::make_unique<SteppedGantry>(std::move(built), config.seed));
 }
 
 Served Delta(const fs::path& file,
@@ -118,7 +138,7 @@ Served Motors(const fs::path& file,
 }
 
 constexpr std::array kKinds = {
-    ServedKind{"cartesian", "rrf", Gantry},
+    ServedKind{"cartesian", "rrf", Gantry, GantryBoard, PrinterCfgOfGantry},
     ServedKind{"delta", "marlin", Delta, DeltaBoard, PrinterCfgOfDelta},
     ServedKind{"triple_z", "rrf", Printer, PrinterBoard, PrinterCfgOfTripleZ},
     ServedKind{"z_station", "klipper", Station},

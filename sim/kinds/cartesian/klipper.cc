@@ -1,0 +1,152 @@
+#include "sim/kinds/cartesian/klipper.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "sim/controllers/klipper/printer_cfg.h"
+#include "sim/machine/drive_map.h"
+#include "sim/machine/machine_kind.h"
+
+namespace caltwin {
+namespace {
+
+using klipper::CfgNumber;
+
+constexpr std::array kNames = {"X", "Y", "Z"};
+constexpr std::array kSections = {"stepper_x", "stepper_y", "stepper_z"};
+
+std::string AxisCfg(const Machine& machine, Axis axis) {
+  const auto at = static_cast<std::size_t>(Index(axis));
+  const AxisDrawing& drawn = machine.axis(axis);
+  const double steps_per_rev = drawn.full_steps_per_rev * drawn.microsteps;
+  const bool is_z = axis == Axis::kZ;
+  return klipper::StepperCfg(
+             {.section = kSections[at],
+              .pin = kNames[at],
+              .full_steps_per_rev = drawn.full_steps_per_rev,
+              .microsteps = drawn.microsteps,
+              .mm_per_rev = steps_per_rev / machine.settings.steps_per_mm[at]}) +
+         fmt::format(
+             "position_min: {}\nposition_max: {}\nposition_endstop: {}\n"
+             "homing_speed: {}\n",
+             CfgNumber(is_z ? drawn.min_mm - 5 : drawn.min_mm),
+             CfgNumber(drawn.max_mm),
+             CfgNumber(drawn.home_mm()),
+             CfgNumber(std::min(is_z ? 10.0 : 50.0, drawn.max_feed_mm_s)));
+}
+
+}  // namespace
+
+SteppedGantry::SteppedGantry(Built built, std::uint64_t seed)
+    : built_(std::move(built)),
+      scatter_(seed, /*sample=*/0, "trigger_scatter"),
+      steps_(Vec3<double>::Zero()),
+      lag_mm_(built_.lag_center_mm) {}
+
+Vec3<double> SteppedGantry::LagAt_mm(const Vec3<double>& steps) const {
+  const Vec3<double> travel_mm = (steps - steps_).cwiseQuotient(built_.steps_per_mm);
+  const Vec3<double> play_mm = built_.LostMotion_mm(built_.Drawn_mm(steps));
+  Vec3<double> lag_mm;
+  for (int i = 0; i < 3; ++i) {
+    const double center_mm = built_.lag_center_mm[i];
+    lag_mm[i] =
+        center_mm + LagAfter_mm(lag_mm_[i] - center_mm, travel_mm[i], play_mm[i]);
+  }
+  return lag_mm;
+}
+
+double SteppedGantry::BeforeHome_mm(Axis axis, const Vec3<double>& steps) const {
+  const Vec3<double> carriages_mm =
+      AxesOf(built_.drives(), built_.Motors_mm(steps) + LagAt_mm(steps));
+  const AxisDrawing& drawn = built_.machine.axis(axis);
+  const double off_mm = carriages_mm[Index(axis)] - drawn.home_mm();
+  return drawn.home == HomeEnd::kMin ? off_mm : -off_mm;
+}
+
+bool SteppedGantry::Acts(const PinSensor& sensor, const Motors& steps) {
+  const Vec3<double> to = steps;
+  if (sensor.kind == PinSensor::Kind::kSwitch) {
+    return BeforeHome_mm(kAxes[static_cast<std::size_t>(sensor.motor)], to) <= 0;
+  }
+  const SurfaceDistance clearance = built_.Clearance(built_.Tip_mm(to, LagAt_mm(to)));
+  return clearance.distance_mm + built_.Pretravel_mm(clearance.normal) + late_mm_ <= 0;
+}
+
+void SteppedGantry::Follow(const Motors& steps) {
+  const Vec3<double> to = steps;
+  const Vec3<double> by_mm = built_.Drawn_mm(to) - built_.Drawn_mm(steps_);
+  for (int i = 0; i < 3; ++i) {
+    const double sense = by_mm[i] > 0 ? 1 : -1;
+    if (by_mm[i] == 0 || sense == built_.now.dir[i]) continue;
+    built_.turned_at_mm[i] = built_.Drawn_mm(steps_)[i];
+    built_.now.dir[i] = sense;
+  }
+  lag_mm_ = LagAt_mm(to);
+  steps_ = to;
+}
+
+void SteppedGantry::Arm(const PinSensor& sensor) {
+  if (sensor.kind != PinSensor::Kind::kProbe) return;
+  late_mm_ = built_.scatter_mm() * scatter_.Normal();
+}
+
+klipper::Wiring WiringOfGantry(const Machine& machine) {
+  Vec3<double> axes_mm;
+  for (const Axis axis : kAxes) {
+    const AxisDrawing& drawn = machine.axis(axis);
+    const double stands_mm =
+        axis == Axis::kZ ? drawn.min_mm + 0.8 * drawn.travel_mm() : drawn.mid_mm();
+    axes_mm[Index(axis)] = stands_mm - drawn.home_mm();
+  }
+  const Vec3<double> drives_mm = DrivesOf(machine.kind->drive_map(), axes_mm);
+  klipper::Wiring wiring;
+  for (int i = 0; i < 3; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    wiring.motors.push_back(
+        {.name = kNames[at],
+         .start_steps = std::round(drives_mm[i] * machine.axes[at].steps_per_mm())});
+    wiring.inputs.push_back({std::string(kNames[at]) + "_STOP",
+                             {.kind = PinSensor::Kind::kSwitch, .motor = i}});
+  }
+  wiring.inputs.push_back({"PROBE", {.kind = PinSensor::Kind::kProbe}});
+  return wiring;
+}
+
+std::string PrinterCfgOfGantry(const Machine& machine, const std::string& serial) {
+  const AxisDrawing& x = machine.axis(Axis::kX);
+  const AxisDrawing& y = machine.axis(Axis::kY);
+  const AxisDrawing& z = machine.axis(Axis::kZ);
+  std::string text =
+      klipper::BeginningOfCfg(machine.name, serial) +
+      fmt::format(
+          "\n[printer]\nkinematics: {}\nmax_velocity: {}\nmax_accel: {}\n"
+          "max_z_velocity: {}\nmax_z_accel: {}\n",
+          machine.kind->drive_map() ? "corexy" : "cartesian",
+          CfgNumber(std::min(x.max_feed_mm_s, y.max_feed_mm_s)),
+          CfgNumber(std::min(x.acceleration_mm_s2, y.acceleration_mm_s2)),
+          CfgNumber(z.max_feed_mm_s),
+          CfgNumber(z.acceleration_mm_s2));
+  for (const Axis axis : kAxes) text += AxisCfg(machine, axis);
+  const auto at = [](const AxisDrawing& axis, double share) {
+    return CfgNumber(axis.min_mm + share * axis.travel_mm());
+  };
+  // A ball is at its trigger when it is pushed in by its pre-travel.
+  return text +
+         fmt::format(
+             "\n[probe]\npin: PROBE\nz_offset: {}\nspeed: {}\n"
+             "\n[bed_mesh]\nspeed: {}\nhorizontal_move_z: 5\n"
+             "mesh_min: {}, {}\nmesh_max: {}, {}\nprobe_count: 5, 5\n",
+             CfgNumber(machine.settings.tip_radius_mm - machine.probe.pretravel_mm),
+             CfgNumber(machine.probe.speeds_mm_s.front()),
+             CfgNumber(std::min(x.max_feed_mm_s, y.max_feed_mm_s)),
+             at(x, 0.1),
+             at(y, 0.1),
+             at(x, 0.9),
+             at(y, 0.9));
+}
+
+}  // namespace caltwin
