@@ -83,12 +83,17 @@ class Rig:
         with open(self.config, "a", encoding="utf-8") as config:
             # On a busy computer the host itself may be kept waiting: real ones are given 0.25 s.
             config.write("\n[danger_options]\nsingle_mcu_trsync_timeout: 2\n")
-        words = [caltwin, "serve", "--machine", machine, "--klipper", self.serial, *options]
+        self.words = [caltwin, "serve", "--machine", machine, "--klipper", self.serial, *options]
         if truth is not None:
             file = self.folder / "truth.yaml"
             file.write_text(truth)
-            words += ["--truth", file]
-        self.twin = self.start(words, "twin.log")
+            self.words += ["--truth", file]
+        self.start_twin()
+
+    def start_twin(self):
+        if self.serial.is_symlink():
+            self.serial.unlink()
+        self.twin = self.start(self.words, "twin.log")
         self.wait_for(self.serial.is_symlink, 20, "caltwin makes no terminal")
 
     def start(self, words, log):
@@ -132,7 +137,10 @@ class Rig:
 
     def say(self, line, patience_s=60):
         self.api.printed = []
-        self.api.ask("gcode/script", {"script": line}, patience_s)
+        try:
+            self.api.ask("gcode/script", {"script": line}, patience_s)
+        except HostError as error:
+            raise HostError(f"{line}: {error}{self.logs()}") from None
         # What it printed may come behind its answer.
         self.api.ask("info", {}, 10)
         return self.api.printed
@@ -176,7 +184,7 @@ class Rig:
         for name in ("twin.log", "host.log", "klippy.log"):
             file = self.folder / name
             if file.exists():
-                text += f"\n--- {name}\n" + file.read_text(errors="replace")[-2000:]
+                text += f"\n--- {name}\n" + file.read_text(errors="replace")[-3000:]
         return text
 
     def close(self):
