@@ -131,7 +131,7 @@ void Microcontroller::ConfigReset(const Message&) {
   for (const Object& object : objects_) {
     const auto* stepper = std::get_if<Stepper>(&object);
     if (stepper == nullptr) continue;
-    origin_[static_cast<std::size_t>(stepper->motor)] += stepper->queue.At(now_);
+    origin_[static_cast<std::size_t>(stepper->motor_index)] += stepper->queue.At(now_);
   }
   objects_.clear();
   crc_.reset();
@@ -146,12 +146,12 @@ void Microcontroller::ConfigStepper(const Message& message) {
   const auto is_of = [&](int motor) {
     return std::ranges::any_of(objects_, [&](const Object& object) {
       const auto* other = std::get_if<Stepper>(&object);
-      return other != nullptr && other->motor == motor;
+      return other != nullptr && other->motor_index == motor;
     });
   };
   const auto motor = board_->MotorAt(*pin);
   if (!motor || is_of(*motor)) return ShutDown("Can't assign oid");
-  Add(message, Stepper{.motor = *motor});
+  Add(message, Stepper{.motor_index = *motor});
 }
 
 void Microcontroller::QueueStep(const Message& message) {

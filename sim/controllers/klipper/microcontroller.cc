@@ -102,7 +102,7 @@ Motors Microcontroller::MotorsAt(Clock clock) const {
   for (const Object& object : objects_) {
     const auto* stepper = std::get_if<Stepper>(&object);
     if (stepper == nullptr) continue;
-    steps[stepper->motor] += static_cast<double>(stepper->queue.At(clock));
+    steps[stepper->motor_index] += static_cast<double>(stepper->queue.At(clock));
   }
   return steps;
 }

@@ -15,7 +15,7 @@ namespace klipper {
 // only hold state; Microcontroller acts.
 
 struct Stepper {
-  int motor = 0;
+  int motor_index = 0;  ///< On the board.
   StepQueue queue{};
   int sense = -1;  ///< Of steps queued from now on; the direction pin begins low.
   /// Stopped by a trigger: ignores steps until its clock is reset.
