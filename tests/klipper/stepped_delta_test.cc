@@ -69,7 +69,7 @@ TEST(SteppedDelta, ScatterIsDrawnAnewForEachWatch) {
   }
 
   // Half of them, to four standard deviations of a coin: 4 sqrt(200) / 2.
-  EXPECT_NEAR(early, kWatches / 2, 28);
+  EXPECT_NEAR(early, 0.5 * kWatches, 28);
 }
 
 TEST(SteppedDelta, IsWiredWithItsCarriagesBelowTheirEndstops) {

@@ -63,20 +63,24 @@ std::string ScrewCfg(const Machine& machine, int screw) {
 std::string LevellingCfg(const Machine& machine) {
   const Pivots<double> pivots_mm = TripleZOf(machine).pivots_mm();
   Eigen::Vector2d least = pivots_mm[0], most = pivots_mm[0];
-  std::string places;
+  std::string places, reached;
+  const auto line_of = [](const Eigen::Vector2d& at) {
+    return fmt::format("  {}, {}\n", CfgNumber(at[0]), CfgNumber(at[1]));
+  };
+  const Eigen::Vector2d low(machine.axes[0].min_mm, machine.axes[1].min_mm);
+  const Eigen::Vector2d high(machine.axes[0].max_mm, machine.axes[1].max_mm);
   for (const Eigen::Vector2d& at : pivots_mm) {
-    places += fmt::format("  {}, {}\n", CfgNumber(at[0]), CfgNumber(at[1]));
+    places += line_of(at);
+    // A screw may stand where the nozzle does not come.
+    reached += line_of(at.cwiseMax(low).cwiseMin(high));
     least = least.cwiseMin(at);
     most = most.cwiseMax(at);
   }
-  for (int i = 0; i < 2; ++i) {
-    const AxisDrawing& axis = machine.axes[static_cast<std::size_t>(i)];
-    least[i] = std::max(least[i], axis.min_mm);
-    most[i] = std::min(most[i], axis.max_mm);
-  }
+  least = least.cwiseMax(low);
+  most = most.cwiseMin(high);
   return fmt::format(
       "\n[probe]\npin: PROBE\nz_offset: 0\nspeed: 5\n"
-      "\n[z_tilt]\nz_positions:\n{0}points:\n{0}speed: 150\nhorizontal_move_z: 8\n"
+      "\n[z_tilt]\nz_positions:\n{0}points:\n{5}speed: 150\nhorizontal_move_z: 8\n"
       "retries: 3\nretry_tolerance: 0.01\n"
       "\n[bed_mesh]\nspeed: 150\nhorizontal_move_z: 8\nmesh_min: {1}, {2}\n"
       "mesh_max: {3}, {4}\nprobe_count: 5, 5\n",
@@ -84,7 +88,8 @@ std::string LevellingCfg(const Machine& machine) {
       CfgNumber(least[0]),
       CfgNumber(least[1]),
       CfgNumber(most[0]),
-      CfgNumber(most[1]));
+      CfgNumber(most[1]),
+      reached);
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "sim/kinds/delta/klipper.h"
 #include "sim/kinds/delta/twin.h"
 #include "sim/kinds/triple_z/klipper.h"
+#include "sim/kinds/z_station/klipper.h"
 #include "sim/machine/kinds/delta/drawing.h"
 #include "sim/machine/kinds/motor_stage/drawing.h"
 #include "sim/machine/kinds/triple_z/drawing.h"
@@ -118,6 +119,15 @@ Served Station(const fs::path&, const TwinOptions& options, const std::string& b
       .link = &station->link()};
 }
 
+std::unique_ptr<klipper::Board> StationBoard(const fs::path& file,
+                                             const TwinOptions& options) {
+  const Machine machine = ReadAnyMachineFile(file).machine;
+  return std::make_unique<klipper::PlantBoard>(
+      WiringOfStation(machine),
+      std::make_unique<SteppedStation>(
+          machine, BuiltStation(options), options.fidelity == "physics", options.seed));
+}
+
 Served Motors(const fs::path& file,
               const TwinOptions& options,
               const std::string& bench) {
@@ -141,7 +151,7 @@ constexpr std::array kKinds = {
     ServedKind{"cartesian", "rrf", Gantry, GantryBoard, PrinterCfgOfGantry},
     ServedKind{"delta", "marlin", Delta, DeltaBoard, PrinterCfgOfDelta},
     ServedKind{"triple_z", "rrf", Printer, PrinterBoard, PrinterCfgOfTripleZ},
-    ServedKind{"z_station", "klipper", Station},
+    ServedKind{"z_station", "klipper", Station, StationBoard, PrinterCfgOfStation},
     ServedKind{"motor_stage", "motor", Motors}};
 
 }  // namespace

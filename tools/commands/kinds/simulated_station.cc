@@ -65,29 +65,37 @@ void Build(const Injected& injected, const TwinOptions& named, ZStation* station
   if (!is_built) RefuseSimulatedStation(named, fmt::format("'{}'", effect.name));
 }
 
+ZStation BuiltAs(const TwinConfig& config, const TwinOptions& named) {
+  const ZStationDrawing& drawn = ZStationOf(config.machine);
+  ZStation station{.switch_mm = drawn.switch_mm,
+                   .body_mm = drawn.body_mm,
+                   .trigger_mm = drawn.trigger_mm,
+                   // What grows and scatters, the truth says.
+                   .endstop_scatter_mm = 0,
+                   .probe_scatter_mm = 0,
+                   .nozzle_mm_per_k = 0,
+                   .bed_mm_per_k = 0,
+                   .frame_mm_per_k = 0};
+  for (const Injected& injected : config.effects) Build(injected, named, &station);
+  return station;
+}
+
 }  // namespace
+
+ZStation BuiltStation(const TwinOptions& named) {
+  return BuiltAs(MakeTwinConfig(named, /*only_measures=*/true), named);
+}
 
 SimulatedStation::Parts SimulatedStation::PartsOf(const TwinOptions& named) {
   const TwinConfig config = MakeTwinConfig(named, /*only_measures=*/true);
   const ZStationDrawing& drawn = ZStationOf(config.machine);
-  Parts parts{.station = {.switch_mm = drawn.switch_mm,
-                          .body_mm = drawn.body_mm,
-                          .trigger_mm = drawn.trigger_mm,
-                          // What grows and scatters, the truth says.
-                          .endstop_scatter_mm = 0,
-                          .probe_scatter_mm = 0,
-                          .nozzle_mm_per_k = 0,
-                          .bed_mm_per_k = 0,
-                          .frame_mm_per_k = 0},
-              .config = {.position_endstop_mm = drawn.switch_mm,
-                         .switch_offset_mm = drawn.trigger_mm,
-                         .samples = 3,
-                         .before_switch_gcode = "ATTACH_PROBE",
-                         .end_gcode = "DETACH_PROBE",
-                         .middle_mm = drawn.bed_at_mm}};
-  for (const Injected& injected : config.effects)
-    Build(injected, named, &parts.station);
-  return parts;
+  return {.station = BuiltAs(config, named),
+          .config = {.position_endstop_mm = drawn.switch_mm,
+                     .switch_offset_mm = drawn.trigger_mm,
+                     .samples = 3,
+                     .before_switch_gcode = "ATTACH_PROBE",
+                     .end_gcode = "DETACH_PROBE",
+                     .middle_mm = drawn.bed_at_mm}};
 }
 
 SimulatedStation::SimulatedStation(const TwinOptions& named)

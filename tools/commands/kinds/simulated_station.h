@@ -5,6 +5,11 @@
 
 namespace caltwin {
 
+/// What is true of the station that the files in `named` name. Throws InputError; of
+/// truths with what acts by time too, which a wire of single commands has not: it would
+/// not act.
+ZStation BuiltStation(const TwinOptions& named);
+
 /// A simulated head over its switch and bed, with a controller that speaks Klipper's
 /// z_calibration and believes the station's drawing.
 class SimulatedStation {
