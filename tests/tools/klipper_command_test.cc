@@ -33,7 +33,8 @@ TEST(KlipperCommand, AMachineThatItCannotDriveIsNamed) {
   EXPECT_THAT(run.code, Eq(2));
   EXPECT_THAT(run.err,
               HasSubstr("of kind motor_stage cannot yet be driven by Klipper"));
-  EXPECT_THAT(run.err, HasSubstr("kinds that can: cartesian, delta, triple_z, z_station"));
+  EXPECT_THAT(run.err,
+              HasSubstr("kinds that can: cartesian, delta, triple_z, z_station"));
 }
 
 TEST(KlipperCommand, NobodyElseSharesTheMachine) {
