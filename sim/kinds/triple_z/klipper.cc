@@ -79,7 +79,7 @@ std::string LevellingCfg(const Machine& machine) {
   least = least.cwiseMax(low);
   most = most.cwiseMin(high);
   return fmt::format(
-      "\n[probe]\npin: PROBE\nz_offset: 0\nspeed: 5\n"
+      "\n[probe]\npin: PROBE\nz_offset: {6}\nspeed: 5\n"
       "\n[z_tilt]\nz_positions:\n{0}points:\n{5}speed: 150\nhorizontal_move_z: 8\n"
       "retries: 3\nretry_tolerance: 0.01\n"
       "\n[bed_mesh]\nspeed: 150\nhorizontal_move_z: 8\nmesh_min: {1}, {2}\n"
@@ -89,7 +89,9 @@ std::string LevellingCfg(const Machine& machine) {
       CfgNumber(least[1]),
       CfgNumber(most[0]),
       CfgNumber(most[1]),
-      reached);
+      reached,
+      // At its trigger the nozzle is pushed in by so much.
+      CfgNumber(-machine.probe.pretravel_mm));
 }
 
 }  // namespace
