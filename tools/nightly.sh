@@ -3,12 +3,13 @@
 # goes on where one fails; exit code 1 then.
 #
 #   tools/nightly.sh            all of it
-#   tools/nightly.sh lint ...   the parts named: lint freeze homings web sanitizers mutants bench fuzz
+#   tools/nightly.sh lint ...   the parts named: lint freeze homings web sanitizers controllers
+#                               mutants bench fuzz
 set -uo pipefail
 cd "$(dirname "$0")/.."
 
 parts=("$@")
-[[ ${#parts[@]} -eq 0 ]] && parts=(lint freeze homings web sanitizers mutants bench fuzz)
+[[ ${#parts[@]} -eq 0 ]] && parts=(lint freeze homings web sanitizers controllers mutants bench fuzz)
 ./tools/setup.sh clang-format-16 libclang-rt-16-dev python3-venv
 ./tools/build.sh build -DCALTWIN_WERROR=ON || exit 1
 
@@ -30,6 +31,9 @@ sanitizers() { # What CI leaves out of its sanitizer run: a quarter of an hour.
   done
   return "$code"
 }
+controllers() { # The shipped host of the Klipper family on the twin, in real time: eleven minutes.
+  ./tools/setup.sh --controllers && ctest --test-dir build -L controllers --output-on-failure
+}
 mutants() { ./tools/mutants.sh; }           # Each planted mistake has to turn a test red.
 bench() { ./tools/bench.sh; }               # The figures of docs/performance.md.
 fuzz() { ./tools/fuzz.sh 3600; }            # An hour, on from where the last one was.
@@ -37,7 +41,7 @@ fuzz() { ./tools/fuzz.sh 3600; }            # An hour, on from where the last on
 failed=()
 for part in "${parts[@]}"; do
   case $part in
-    lint | freeze | homings | web | sanitizers | mutants | bench | fuzz) ;;
+    lint | freeze | homings | web | sanitizers | controllers | mutants | bench | fuzz) ;;
     *) sed -n '2,/^set/{/^#/s/^# \{0,1\}//p}' "$0" >&2 && exit 2 ;;
   esac
   start=$SECONDS
