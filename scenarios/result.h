@@ -70,8 +70,8 @@ struct RunResult {
   std::vector<Correlations> correlations{};  ///< A procedure's fit each.
   std::vector<Observability> observability{};
   std::vector<Message> messages{};
-  /// What went wrong and why, of `messages`, each once; where nothing names it, what the
-  /// machine said when it stopped.
+  /// What went wrong and why, of `messages`, each once; where nothing names it, what
+  /// the machine said when it stopped.
   std::vector<std::string> Causes() const;
   double position_error_before_p95_mm = 0;  ///< At 1000 seeded poses, both senses.
   double position_error_after_p95_mm = 0;
