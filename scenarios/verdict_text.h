@@ -14,8 +14,8 @@ std::pair<int, int> Score(const RunResult& result);
 /// What a run came to, for somebody who reads one sentence.
 struct RunVerdict {
   std::string sentence{};
-  /// What goes with it: why it went wrong, the first expectation that is not met, what the machine gained,
-  /// that the run was broken off.
+  /// What goes with it: why it went wrong, the first expectation that is not met, what
+  /// the machine gained, that the run was broken off.
   std::vector<std::string> remarks{};
 };
 

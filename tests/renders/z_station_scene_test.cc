@@ -1,7 +1,8 @@
+#include "renders/kinds/z_station_scene.h"
+
 #include <gtest/gtest.h>
 
 #include "renders/kinds/still.h"
-#include "renders/kinds/z_station_scene.h"
 
 namespace caltwin {
 namespace {
