@@ -1,5 +1,6 @@
 #include "sim/controllers/klipper/wire.h"
 
+#include <algorithm>
 #include <limits>
 #include <string_view>
 
@@ -43,7 +44,9 @@ TEST(KlipperVlq, ComesBackAsItWent) {
   Rng rng(1, 0, "klipper.vlq");
   for (int i = 0; i < 2000; ++i) {
     const int bits = i % 32;
-    const auto number = static_cast<std::int32_t>(rng.Normal() * (1U << bits));
+    constexpr double kMost = std::numeric_limits<std::int32_t>::max();
+    const double drawn = std::clamp(rng.Normal() * (1U << bits), -kMost, kMost);
+    const auto number = static_cast<std::int32_t>(drawn);
     const Bytes bytes = VlqOf(number);
     ByteView view = bytes;
     EXPECT_EQ(TakeVlq(&view), number);
