@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <deque>
 #include <filesystem>
 #include <memory>
 #include <mutex>
@@ -79,6 +80,7 @@ class BenchApi {
   /// After each line of a procedure, likewise.
   void Sent(std::string_view line);
   void TellReadings();
+  void TellSent(bool at_once);
   /// What is in force; nullopt where that cannot be read.
   std::optional<Settings> SettingsNow();
   /// After a line that writes a setting.
@@ -111,6 +113,8 @@ class BenchApi {
   std::jthread stopping_{};
   std::size_t told_ = 0;  ///< Readings, in the job's thread, as what follows.
   SettingsWatch watch_{};
+  std::deque<std::string> sent_{};  ///< The newest lines.
+  std::chrono::steady_clock::time_point sent_told_{};
   std::chrono::steady_clock::time_point job_kept_{};
   std::atomic<bool> is_halted_ = false;   ///< By M112: it answers nothing more.
   std::atomic<bool> is_stopped_ = false;  ///< In an emergency, and not homed since.

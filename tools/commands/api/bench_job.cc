@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "calibration/loop/controller.h"
+#include "sim/base/text_file.h"
 #include "sim/machine/machine_kind.h"
 #include "tools/commands/api/bench_api.h"
 #include "tools/commands/api/bench_json.h"
@@ -74,6 +75,7 @@ void BenchApi::Work(const PreparedProcedure& work, OperatorSeat::Held seat) {
     }
     events_->Publish("said", JsonLine(Json{{"text", text}}));
   };
+  sent_.clear();
   ProcedureResult result;
   try {
     result = work(bench);
@@ -82,6 +84,7 @@ void BenchApi::Work(const PreparedProcedure& work, OperatorSeat::Held seat) {
     result.messages.emplace_back(fault.what());
   }
   TellReadings();
+  TellSent(/*at_once=*/true);
   const bool was_aborted = seat_->is_aborted();
   // Who stopped a machine does not wait for its answer: Sent has seen what was written.
   if (!was_aborted || options_.is_twin) ReadSettings();
@@ -119,6 +122,7 @@ void BenchApi::Work(const PreparedProcedure& work, OperatorSeat::Held seat) {
 // nothing.
 void BenchApi::Asked() {
   TellReadings();
+  TellSent(/*at_once=*/true);
   const bool is_asked = person_->question().has_value();
   if (is_asked) KeepJob();
   {
@@ -128,7 +132,21 @@ void BenchApi::Asked() {
   Tell();
 }
 
+// The newest lines of G-code, ten times a second at most; `at_once` where none may
+// follow for long.
+void BenchApi::TellSent(bool at_once) {
+  constexpr std::chrono::milliseconds kEvery{100};
+  const auto now = std::chrono::steady_clock::now();
+  if (sent_.empty() || (!at_once && now - sent_told_ < kEvery)) return;
+  sent_told_ = now;
+  events_->Publish("sent", JsonLine(Json{{"lines", sent_}}));
+}
+
 void BenchApi::Sent(std::string_view line) {
+  constexpr std::size_t kMostSent = 12;
+  sent_.push_back(Printable(line));
+  if (sent_.size() > kMostSent) sent_.pop_front();
+  TellSent(/*at_once=*/false);
   TellReadings();
   if (!watch_.Sees(line)) return;
   KeepApplied();

@@ -135,6 +135,9 @@ async function drawn(page, check) {
 }
 
 export async function diagnose(page, base, check) {
+  await page.goto(`${base}/nosuch`);
+  await page.getByRole("heading", { name: "There is no such page" }).waitFor();
+  check(await page.locator("[aria-current=page]").count() === 0, "an address that leads nowhere is called so");
   const outside = [];
   page.on("request", (request) => {
     if (!request.url().startsWith(base) && !/^(data|blob):/.test(request.url())) outside.push(request.url());

@@ -22,11 +22,11 @@ const share = (page, one, other) => page.evaluate(async (pictures) => {
   return differ / (a.width * a.height);
 }, [one, other]);
 
-// Poses that were asked for: until they come the machine stands still, and elsewhere.
+// Poses and scenes that were asked for: until they come the machine stands still, and elsewhere.
 const poses = { open: 0, endedAt: 0 };
 
 function watchPoses(page) {
-  const isOfPoses = (request) => /\/poses/.test(request.url());
+  const isOfPoses = (request) => /\/(poses|scene)\b/.test(request.url());
   const end = (request) => {
     if (!isOfPoses(request)) return;
     poses.open -= 1;
@@ -147,6 +147,8 @@ async function watch(page, base, check) {
   await page.getByText(/The newest of \d+ readings/).waitFor();
   await page.waitForTimeout(700);
   check((await looks(page)) !== before, "the tip goes where the readings are");
+  const sent = await page.getByRole("list", { name: "The newest lines of G-code" }).innerText();
+  check(/G38\.\d/.test(sent) && sent.split("\n").length <= 12, "the newest lines of G-code stand beside it, the probe's among them");
   await post("abort", {});
   await page.getByText(/Nothing is at work. The last was: Backlash, X\. Stopped on request\./).waitFor();
   check(true, "the page says that the work has ended");
@@ -163,9 +165,12 @@ async function enlargesTheBench(page, check) {
   await page.waitForTimeout(600);
   check((await looksAtLast(page)) !== plain, "the hidden errors of the bench are drawn larger");
   await check.shot("bench");
+  // The words change at once, the drawing once it has come, and the tip goes to its place then.
+  const anew = page.waitForResponse((one) => /\/api\/bench\/scene/.test(one.url()))
+    .then(() => page.waitForResponse((one) => /\/api\/bench\/poses/.test(one.url())));
   await page.getByLabel(/Errors drawn/).fill("0");
   await page.getByText("Errors drawn as they are (1×)").waitFor();
-  await page.waitForTimeout(600);
+  await anew;
   const moved = await share(page, plain, await looksAtLast(page));
   check(moved < 0.002, `drawn as they are again, tip and dots stand where they stood (${moved})`);
 }

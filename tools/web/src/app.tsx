@@ -11,6 +11,15 @@ const pages = [
   { path: "/machine", name: "Machine", moves: true, page: lazy(() => import("./pages/machine")) },
 ];
 
+function NotFound() {
+  return (
+    <>
+      <h1>There is no such page</h1>
+      <p>The address <code>{location.pathname}</code> leads nowhere. The pages are named above.</p>
+    </>
+  );
+}
+
 export function App() {
   const [path, setPath] = useState(location.pathname);
   const [about, setAbout] = useState<Schemas["About"] | null>(null);
@@ -20,10 +29,11 @@ export function App() {
     answered(api.GET("/api")).then(setAbout, () => setAbout(null));
     return () => removeEventListener("popstate", follow);
   }, []);
-  const shown = pages.find((one) => one.path === path) ?? pages[0]!;
+  const shown = ["/", "/index.html"].includes(path) ? pages[0] : pages.find((one) => one.path === path);
+  const name = shown?.name ?? "No such page";
   useEffect(() => {
-    document.title = `${shown.name} · caltwin`;
-  }, [shown]);
+    document.title = `${name} · caltwin`;
+  }, [name]);
   const open = (to: string) => (event: React.MouseEvent) => {
     if (event.metaKey || event.ctrlKey) return;
     event.preventDefault();
@@ -31,9 +41,9 @@ export function App() {
     setPath(to);
     document.getElementById("main")?.focus();
   };
-  const Page = shown.page;
+  const Page = shown?.page ?? NotFound;
   return (
-    <div className={shown.moves ? "has-stop" : undefined}>
+    <div className={shown?.moves ? "has-stop" : undefined}>
       <a className="skip" href="#main">Skip to content</a>
       <header>
         <span className="brand">caltwin</span>
@@ -45,9 +55,9 @@ export function App() {
         </nav>
         <span className="version">{about ? `version ${about.version}` : ""}</span>
       </header>
-      {shown.moves ? <StopCorner /> : null}
+      {shown?.moves ? <StopCorner /> : null}
       <main id="main" tabIndex={-1}>
-        {shown.moves ? <StopNote /> : null}
+        {shown?.moves ? <StopNote /> : null}
         <Suspense fallback={<Busy text="Loading the page" />}>
           <Page />
         </Suspense>

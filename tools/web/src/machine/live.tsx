@@ -43,6 +43,17 @@ function Readings({ hold }: { hold: LiveHold }) {
   );
 }
 
+// Not read out as it comes: it changes ten times a second.
+function Sent({ lines }: { lines: string[] }) {
+  if (lines.length === 0) return null;
+  return (
+    <>
+      <h3>The newest lines of G-code</h3>
+      <ol className="mac-sent" aria-label="The newest lines of G-code">{lines.map((line, i) => <li key={i}><code>{line}</code></li>)}</ol>
+    </>
+  );
+}
+
 const lying: Record<Bench["artefacts"][number]["type"], string> = {
   block123: "the 1-2-3 block", web: "a thin wall", ring: "a ring", pocket: "a pocket", ledge: "a ledge", plate: "a plate",
 };
@@ -89,10 +100,11 @@ export function Live() {
         {hold.bench && shape.data ? <Drawn bench={hold.bench} moves={shape.data.moves} /> : null}
       </Card>
       <Card title="What it does">
-        {hold.connection === "lost" ? <Notice kind="warn"><p><strong>The connection to the server is lost.</strong> What is at work goes on there. This page follows again when the connection is back.</p></Notice> : null}
+        {hold.connection === "lost" ? <Notice kind="warn"><p><strong>The connection to the server is lost.</strong> If the server still runs, so does what is at work. This page follows again when the connection is back.</p></Notice> : null}
         {hold.problem ? <><ProblemNotice problem={hold.problem} /><button type="button" onClick={hold.reload}>Try again</button></> : null}
         {fault ? <ProblemNotice problem={fault} /> : null}
         <p role="status">{stateText(hold)}{hold.bench?.held_by ? ` At the machine: ${hold.bench.held_by}.` : ""}</p>
+        <Sent lines={hold.sent} />
         <Readings hold={hold} />
       </Card>
     </div>

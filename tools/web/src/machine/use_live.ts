@@ -10,7 +10,7 @@ export type Bench = Schemas["Bench"];
 
 export interface LiveReading { campaign: string; feature: string; at: number[]; value: number }
 
-export interface LiveHold { bench: Bench | null; readings: LiveReading[]; connection: Connection; problem: Problem | null; reload: () => void }
+export interface LiveHold { bench: Bench | null; readings: LiveReading[]; sent: string[]; connection: Connection; problem: Problem | null; reload: () => void }
 
 type Came = Schemas["Reading"];
 
@@ -24,6 +24,7 @@ const readingOf = (came: Came): LiveReading => {
 export function useBenchLive(): LiveHold {
   const [bench, setBench] = useState<Bench | null>(null);
   const [readings, setReadings] = useState<LiveReading[]>([]);
+  const [sent, setSent] = useState<string[]>([]);
   const [problem, setProblem] = useState<Problem | null>(null);
   const take = useCallback((next: Bench) => {
     setBench(next);
@@ -38,12 +39,13 @@ export function useBenchLive(): LiveHold {
   }, [begin, take]);
   const connection = useEvents({
     bench: (next: Bench) => { begin()(); take(next); },
+    sent: ({ lines }: { lines: string[] }) => setSent(lines),
     reading: (came: Came) => setReadings((all) => [...all, readingOf(came)]),
   });
   useEffect(() => {
     if (connection === "open") reload();
   }, [connection, reload]);
-  return { bench, readings, connection, problem, reload };
+  return { bench, readings, sent, connection, problem, reload };
 }
 
 // `shown`: as the bodies stand now. `seen`: readings that were asked for before the machine was
