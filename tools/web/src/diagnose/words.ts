@@ -90,9 +90,9 @@ export function baselineWord(name: string): string {
 }
 
 // Units and signs as people write them; no codes of errors (EXY), and no word with an
-// underscore but settings' names.
+// underscore but settings' names, nor a campaign's key for plans.
 export const nice = (text: string) =>
-  text.replace(/\b[a-z]+(?:_[a-z]+)+\b/g, (word) => (causes[word] ? plain(word) : word)).replace(/\+-/g, "±").replace(/(\d) um\b/g, "$1 µm").replace(/\bum rms/g, "µm rms").replace(/(\d) urad\b/g, "$1 µrad").replace(/ \((?:E[ABCXYZ][XYZ]|[ABC]0[XYZ])\)/g, "").replace(/ \(--[a-z]+\)/g, "");
+  text.replace(/\(`\w+` in a plan, /g, "(").replace(/\b[a-z]+(?:_[a-z]+)+\b/g, (word) => (causes[word] ? plain(word) : word)).replace(/\+-/g, "±").replace(/(\d) um\b/g, "$1 µm").replace(/\bum rms/g, "µm rms").replace(/(\d) urad\b/g, "$1 µrad").replace(/ \((?:E[ABCXYZ][XYZ]|[ABC]0[XYZ])\)/g, "").replace(/ \(--[a-z]+\)/g, "");
 
 // A size in the unit that reads best, with three digits.
 export function size(um: number | null | undefined): string {
