@@ -141,6 +141,9 @@ DiagnosisPicture EvidencePicture(const PicturesData& data) {
           "is coloured. A strong cause lights up every cell that resembles it; "
           "only the best is meant."};
   if (data.evidence_map.empty()) return picture;
+  if (data.findings.empty()) {
+    picture.caption += " Here nothing passed the checks of a finding.";
+  }
   const auto columns =
       Occurring(kCovariates, data.evidence_map, &EvidenceCell::covariate);
   const auto rows = Occurring(kChannels, data.evidence_map, &EvidenceCell::channel);

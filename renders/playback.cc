@@ -6,14 +6,13 @@
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
-#include <zlib.h>
 
 #include "renders/html.h"
 #include "renders/kinds/as_built.h"
 #include "renders/kinds/still.h"
 #include "renders/pose_grid.h"
 #include "renders/scene_json.h"
-#include "sim/base/require.h"
+#include "sim/base/deflate.h"
 #include "sim/base/text_file.h"
 
 namespace caltwin {
@@ -77,7 +76,7 @@ std::string PackedFor(Json playback, std::string_view transcript) {
   for (std::size_t most = transcript.size();; most /= 2) {
     playback["transcript"] = WholeLinesOf(transcript, most);
     std::string packed =
-        Packed(playback.dump(-1, ' ', false, Json::error_handler_t::replace));
+        Deflated(playback.dump(-1, ' ', false, Json::error_handler_t::replace));
     if (packed.size() <= kMostPacked_bytes || most == 0) return packed;
   }
 }
@@ -100,19 +99,6 @@ std::optional<Json> PlaybackJson(const Scenario& scenario,
               {"touches", touches},
               {"transcript", transcript},
               {"lines", std::ranges::count(transcript, '\n')}};
-}
-
-std::string Packed(std::string_view text) {
-  uLongf size = compressBound(text.size());
-  std::string packed(size, '\0');
-  const int result = compress2(reinterpret_cast<Bytef*>(packed.data()),
-                               &size,
-                               reinterpret_cast<const Bytef*>(text.data()),
-                               text.size(),
-                               Z_BEST_COMPRESSION);
-  Require(result == Z_OK, "packed");
-  packed.resize(size);
-  return packed;
 }
 
 std::string PackedPlayer() {

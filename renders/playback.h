@@ -26,7 +26,7 @@ namespace caltwin {
 ///   transcript  what was sent and answered
 ///   lines       how many lines that are
 ///
-/// nullopt: the machine has no tip to follow, or is not drawn.
+/// nullopt: the machine has no tip to follow.
 std::optional<nlohmann::ordered_json> PlaybackJson(const Scenario& scenario,
                                                    std::uint64_t seed,
                                                    int touches,
@@ -34,9 +34,6 @@ std::optional<nlohmann::ordered_json> PlaybackJson(const Scenario& scenario,
 
 /// The whole lines that a text begins with, `most_bytes` at most.
 std::string_view WholeLinesOf(std::string_view text, std::size_t most_bytes);
-
-/// The text in zlib's format (RFC 1950), as browsers unpack it by themselves.
-std::string Packed(std::string_view text);
 
 /// The script that plays it, as tools/pages.sh builds it (web/player.js.gz), packed by
 /// gzip. Empty: it was not built.

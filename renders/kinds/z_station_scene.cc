@@ -10,7 +10,7 @@
 namespace caltwin {
 namespace {
 
-constexpr double kInward_mm = 0.3;  // Of pin and knob, at the trigger.
+constexpr double kInward_mm = ZStationWorld::kInward_mm;
 constexpr double kProbeBeside_mm = 30;
 constexpr double kLifted_mm = 12;  // The nozzle over the bed, where nothing moves it.
 constexpr double kSteepest = 0.2;  // Of a bed that is drawn.

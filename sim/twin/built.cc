@@ -198,6 +198,20 @@ Vec3<double> Built::StepsAt(const Vec3<double>& motors_mm) const {
   return steps;
 }
 
+Vec3<double> Built::LagAt_mm(const Vec3<double>& from_lag_mm,
+                             const Vec3<double>& from_steps,
+                             const Vec3<double>& to_steps) const {
+  const Vec3<double> travel_mm = (to_steps - from_steps).cwiseQuotient(steps_per_mm);
+  const Vec3<double> play_mm = LostMotion_mm(Drawn_mm(to_steps));
+  Vec3<double> lag_mm;
+  for (int i = 0; i < 3; ++i) {
+    lag_mm[i] =
+        lag_center_mm[i] +
+        LagAfter_mm(from_lag_mm[i] - lag_center_mm[i], travel_mm[i], play_mm[i]);
+  }
+  return lag_mm;
+}
+
 Vec3<double> Built::Tip_mm(const Vec3<double>& steps,
                            const Vec3<double>& lag_mm) const {
   const Vec3<double> axes_mm = AxesOf(drives(), Motors_mm(steps) + lag_mm);

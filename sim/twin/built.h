@@ -74,6 +74,11 @@ struct Built {
   Vec3<double> Motors_mm(const Vec3<double>& steps) const;
   /// Its inverse, to 1e-9 mm.
   Vec3<double> StepsAt(const Vec3<double>& motors_mm) const;
+  /// Carriage minus motor of each drive once its motor has come straight, in one sense,
+  /// from where it was `from_lag_mm`.
+  Vec3<double> LagAt_mm(const Vec3<double>& from_lag_mm,
+                        const Vec3<double>& from_steps,
+                        const Vec3<double>& to_steps) const;
   /// Position of the ball's centre, `lag_mm` being carriage minus motor of each drive
   /// (within half the play), stylus undeflected.
   Vec3<double> Tip_mm(const Vec3<double>& steps, const Vec3<double>& lag_mm) const;

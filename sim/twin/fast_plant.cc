@@ -29,7 +29,7 @@ Vec3<double> FastPlant::Tip_mm() {
 }
 
 void FastPlant::GoTo(const Vec3<double>& steps) {
-  lag_mm_ = LagAt_mm(lag_mm_, steps_, steps);
+  lag_mm_ = built_.LagAt_mm(lag_mm_, steps_, steps);
   steps_ = steps;
 }
 
@@ -55,7 +55,7 @@ FastPlant::Ahead FastPlant::Look(const Watch& watch,
                                  const Segment& segment,
                                  const Vec3<double>& steps,
                                  double allowed_mm) const {
-  const Vec3<double> lag_mm = LagAt_mm(lag_mm_, segment.from_steps, steps);
+  const Vec3<double> lag_mm = built_.LagAt_mm(lag_mm_, segment.from_steps, steps);
   const SurfaceDistance clearance = built_.Clearance(built_.Tip_mm(steps, lag_mm));
   Ahead ahead{.watched_mm = kNeverMet_mm,
               .collision_mm = clearance.distance_mm + allowed_mm};

@@ -166,7 +166,7 @@ double PhysicsPlant::FreePath_mm(const Watch& watch) const {
 
 void PhysicsPlant::PlaceAt(const Segment& segment, double t_s) {
   const Vec3<double> steps = segment.Steps(t_s);
-  const Vec3<double> lag_mm = LagAt_mm(Lag_mm(), steps_, steps);
+  const Vec3<double> lag_mm = built_.LagAt_mm(Lag_mm(), steps_, steps);
   const Vec3<double> travel =
       (segment.to_steps - segment.from_steps).cwiseQuotient(built_.steps_per_mm);
   const double length_mm = std::max(segment.profile.length_mm, 1e-12);

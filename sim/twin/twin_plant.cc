@@ -31,21 +31,6 @@ Vec3<double> PowerUpSteps(const Built& built) {
   return built.StepsAt(DrivesOf(built.drives(), motors_mm)).array().round();
 }
 
-Vec3<double> TwinPlant::LagAt_mm(const Vec3<double>& from_lag_mm,
-                                 const Vec3<double>& from_steps,
-                                 const Vec3<double>& to_steps) const {
-  const Vec3<double> travel_mm =
-      (to_steps - from_steps).cwiseQuotient(built_.steps_per_mm);
-  const Vec3<double> play_mm = built_.LostMotion_mm(built_.Drawn_mm(to_steps));
-  Vec3<double> lag_mm;
-  for (int i = 0; i < 3; ++i) {
-    const double center_mm = built_.lag_center_mm[i];
-    lag_mm[i] =
-        center_mm + LagAfter_mm(from_lag_mm[i] - center_mm, travel_mm[i], play_mm[i]);
-  }
-  return lag_mm;
-}
-
 Vec3<double> TwinPlant::Travel_mm(const Segment& segment) const {
   return AxesOf(
       built_.drives(),

@@ -34,10 +34,6 @@ class TwinPlant : public Plant {
   virtual Vec3<double> Tip_mm() = 0;
 
  protected:
-  /// Play, carried across moves: carriage minus motor of each drive.
-  Vec3<double> LagAt_mm(const Vec3<double>& from_lag_mm,
-                        const Vec3<double>& from_steps,
-                        const Vec3<double>& to_steps) const;
   /// What the motors move the axes in all of it.
   Vec3<double> Travel_mm(const Segment& segment) const;
   /// Where the carriage of an axis stands.

@@ -142,67 +142,6 @@ TEST(Facts, FourCornersShowATwistAndNoPlaneDoes) {
 }
 
 // Least trimmed squares: two bad touches of 25, three of 49, one of nine.
-// Readings of a laser, which scatter less, do not say how touches scatter: a flat mesh
-// beside them is flat, an uneven one uneven.
-TEST(Facts, AMeshIsHeldAgainstTouchesAlone) {
-  constexpr double kTouch_mm = 0.002, kLaser_mm = 0.0003;
-  for (const double uneven_mm : {0.0, 0.02}) {
-    Rng rng(11, static_cast<std::uint64_t>(uneven_mm * 1000), "facts.mesh");
-    std::vector<Row> rows;
-    for (int i = 0; i < 60; ++i) {
-      const int place = i / 2;
-      Row laser = Touch(10.0 * place, 0, kLaser_mm * rng.Normal());
-      laser.kind = RowKind::kPosition;
-      laser.n = {1, 0, 0};
-      laser.campaign = "laser";
-      rows.push_back(laser);
-    }
-    for (int i = 0; i < 16; ++i) {
-      rows.push_back(Touch(5, 5, kTouch_mm * rng.Normal()));
-      rows.back().campaign = "repeats";
-    }
-    for (int i = 0; i < 25; ++i) {
-      const int column = i % 5, line = i / 5;
-      const double wave_mm = uneven_mm * std::cos(2.0 * column);
-      rows.push_back(
-          Touch(40.0 * column, 40.0 * line, wave_mm + kTouch_mm * rng.Normal()));
-      rows.back().campaign = "mesh";
-    }
-
-    const Facts facts = FactsOfRows(rows);
-
-    const Fact* const form = facts.Find("form");
-    ASSERT_NE(form, nullptr);
-    EXPECT_EQ(form->is_answer, uneven_mm > 0) << form->sentence;
-  }
-}
-
-// What nothing speaks against is said of each axis once, by its surest campaign.
-TEST(Facts, StepsThatAgreeAreSaidOnceForAnAxis) {
-  Rng rng(5, 1, "facts.scale");
-  std::vector<Row> rows;
-  for (const auto& [campaign, sd_mm] :
-       {std::pair{"fine", 0.001}, std::pair{"rough", 0.005}}) {
-    for (int i = 0; i < 40; ++i) {
-      const int place = i / 2;
-      Row laser = Touch(10.0 * place, 0, sd_mm * rng.Normal());
-      laser.kind = RowKind::kPosition;
-      laser.n = {1, 0, 0};
-      laser.campaign = campaign;
-      rows.push_back(laser);
-    }
-  }
-
-  const Facts facts = FactsOfRows(rows);
-
-  std::vector<const Fact*> scales;
-  for (const Fact& fact : facts.all) {
-    if (fact.id == "scale") scales.push_back(&fact);
-  }
-  ASSERT_EQ(scales.size(), 1u);
-  EXPECT_LT(scales.front()->figures.front().sd, 1e-5);
-}
-
 TEST(Facts, FarTouchesOfAMeshCannotHideEachOther) {
   const struct {
     int side;

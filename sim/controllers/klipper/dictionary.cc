@@ -3,9 +3,8 @@
 #include <array>
 
 #include <nlohmann/json.hpp>
-#include <zlib.h>
 
-#include "sim/base/require.h"
+#include "sim/base/deflate.h"
 #include "sim/controllers/klipper/formats.h"
 
 namespace caltwin {
@@ -73,16 +72,8 @@ std::string DictionaryJson(const Board& board) {
 }
 
 Bytes CompressedDictionary(const Board& board) {
-  const std::string text = DictionaryJson(board);
-  uLongf size = compressBound(static_cast<uLong>(text.size()));
-  Bytes bytes(size);
-  const int status = compress(bytes.data(),
-                              &size,
-                              reinterpret_cast<const Bytef*>(text.data()),
-                              static_cast<uLong>(text.size()));
-  Require(status == Z_OK, "a dictionary can be compressed");
-  bytes.resize(size);
-  return bytes;
+  const std::string packed = Deflated(DictionaryJson(board));
+  return {packed.begin(), packed.end()};
 }
 
 }  // namespace klipper

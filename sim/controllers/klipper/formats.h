@@ -42,8 +42,10 @@ struct Argument {
   Bytes bytes{};
 
   Argument() = default;
-  Argument(std::int64_t value) : number(value) {}     // NOLINT: reads as a number.
-  Argument(Bytes value) : bytes(std::move(value)) {}  // NOLINT: reads as bytes.
+  // NOLINTBEGIN(google-explicit-constructor): a number or bytes are an argument.
+  Argument(std::int64_t value) : number(value) {}
+  Argument(Bytes value) : bytes(std::move(value)) {}
+  // NOLINTEND(google-explicit-constructor)
 };
 
 struct Message {

@@ -18,8 +18,19 @@ std::string BeginningOfCfg(const std::string& machine, const std::string& serial
       serial);
 }
 
-std::string StepperCfg(const StepperText& stepper) {
+std::string PrinterCfg(const PrinterText& printer) {
   return fmt::format(
+      "\n[printer]\nkinematics: {}\nmax_velocity: {}\nmax_accel: {}\n"
+      "max_z_velocity: {}\nmax_z_accel: {}\n",
+      printer.is_corexy ? "corexy" : "cartesian",
+      CfgNumber(printer.max_velocity_mm_s),
+      CfgNumber(printer.max_accel_mm_s2),
+      CfgNumber(printer.max_z_velocity_mm_s),
+      CfgNumber(printer.max_z_accel_mm_s2));
+}
+
+std::string StepperCfg(const StepperText& stepper) {
+  const std::string text = fmt::format(
       "\n[{0}]\n"
       "step_pin: {1}_STEP\n"
       "dir_pin: {1}_DIR\n"
@@ -32,6 +43,14 @@ std::string StepperCfg(const StepperText& stepper) {
       CfgNumber(stepper.full_steps_per_rev),
       CfgNumber(stepper.microsteps),
       CfgNumber(stepper.mm_per_rev));
+  if (!stepper.rail) return text;
+  return text + fmt::format(
+                    "position_min: {}\nposition_max: {}\nposition_endstop: {}\n"
+                    "homing_speed: {}\n",
+                    CfgNumber(stepper.rail->min_mm),
+                    CfgNumber(stepper.rail->max_mm),
+                    CfgNumber(stepper.rail->endstop_mm),
+                    CfgNumber(stepper.rail->homing_mm_s));
 }
 
 }  // namespace klipper

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <boost/crc.hpp>
+
 #include "sim/base/require.h"
 
 namespace caltwin {
@@ -17,15 +19,10 @@ constexpr int kLongestVlq = 5;
 }  // namespace
 
 std::uint16_t Crc16(ByteView bytes) {
-  constexpr unsigned kReflectedCcitt = 0x8408;
-  unsigned crc = 0xFFFF;
-  for (const std::uint8_t byte : bytes) {
-    crc ^= byte;
-    for (int bit = 0; bit < 8; ++bit) {
-      crc = (crc & 1U) != 0 ? (crc >> 1U) ^ kReflectedCcitt : crc >> 1U;
-    }
-  }
-  return static_cast<std::uint16_t>(crc);
+  // CRC-16/MCRF4XX: CCITT's polynomial, reflected, from all ones.
+  boost::crc_optimal<16, 0x1021, 0xFFFF, 0, true, true> crc;
+  crc.process_bytes(bytes.data(), bytes.size());
+  return crc.checksum();
 }
 
 void AppendVlq(std::int32_t number, Bytes* bytes) {

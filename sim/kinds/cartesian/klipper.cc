@@ -25,18 +25,15 @@ std::string AxisCfg(const Machine& machine, Axis axis) {
   const double steps_per_rev = drawn.full_steps_per_rev * drawn.microsteps;
   const bool is_z = axis == Axis::kZ;
   return klipper::StepperCfg(
-             {.section = kSections[at],
-              .pin = kNames[at],
-              .full_steps_per_rev = drawn.full_steps_per_rev,
-              .microsteps = drawn.microsteps,
-              .mm_per_rev = steps_per_rev / machine.settings.steps_per_mm[at]}) +
-         fmt::format(
-             "position_min: {}\nposition_max: {}\nposition_endstop: {}\n"
-             "homing_speed: {}\n",
-             CfgNumber(is_z ? drawn.min_mm - 5 : drawn.min_mm),
-             CfgNumber(drawn.max_mm),
-             CfgNumber(drawn.home_mm()),
-             CfgNumber(std::min(is_z ? 10.0 : 50.0, drawn.max_feed_mm_s)));
+      {.section = kSections[at],
+       .pin = kNames[at],
+       .full_steps_per_rev = drawn.full_steps_per_rev,
+       .microsteps = drawn.microsteps,
+       .mm_per_rev = steps_per_rev / machine.settings.steps_per_mm[at],
+       .rail = {{.min_mm = is_z ? drawn.min_mm - 5 : drawn.min_mm,
+                 .max_mm = drawn.max_mm,
+                 .endstop_mm = drawn.home_mm(),
+                 .homing_mm_s = std::min(is_z ? 10.0 : 50.0, drawn.max_feed_mm_s)}}});
 }
 
 }  // namespace
@@ -46,18 +43,6 @@ SteppedGantry::SteppedGantry(Built built, std::uint64_t seed)
       scatter_(seed, /*sample=*/0, "trigger_scatter"),
       steps_(Vec3<double>::Zero()),
       lag_mm_(built_.lag_center_mm) {}
-
-Vec3<double> SteppedGantry::LagAt_mm(const Vec3<double>& steps) const {
-  const Vec3<double> travel_mm = (steps - steps_).cwiseQuotient(built_.steps_per_mm);
-  const Vec3<double> play_mm = built_.LostMotion_mm(built_.Drawn_mm(steps));
-  Vec3<double> lag_mm;
-  for (int i = 0; i < 3; ++i) {
-    const double center_mm = built_.lag_center_mm[i];
-    lag_mm[i] =
-        center_mm + LagAfter_mm(lag_mm_[i] - center_mm, travel_mm[i], play_mm[i]);
-  }
-  return lag_mm;
-}
 
 double SteppedGantry::BeforeHome_mm(Axis axis, const Vec3<double>& steps) const {
   const Vec3<double> carriages_mm =
@@ -84,6 +69,14 @@ void SteppedGantry::Follow(const Motors& steps) {
     if (by_mm[i] == 0 || sense == built_.now.dir[i]) continue;
     built_.turned_at_mm[i] = built_.Drawn_mm(steps_)[i];
     built_.now.dir[i] = sense;
+  }
+  if (auto& drives = built_.now.drives) {
+    for (int i = 0; i < 3; ++i) {
+      const double by_steps = to[i] - steps_[i];
+      if (drives->map->is_coupled(i) && by_steps != 0) {
+        drives->dir[i] = std::copysign(1, by_steps);
+      }
+    }
   }
   lag_mm_ = LagAt_mm(to);
   steps_ = to;
@@ -122,14 +115,12 @@ std::string PrinterCfgOfGantry(const Machine& machine, const std::string& serial
   const AxisDrawing& z = machine.axis(Axis::kZ);
   std::string text =
       klipper::BeginningOfCfg(machine.name, serial) +
-      fmt::format(
-          "\n[printer]\nkinematics: {}\nmax_velocity: {}\nmax_accel: {}\n"
-          "max_z_velocity: {}\nmax_z_accel: {}\n",
-          machine.kind->drive_map() ? "corexy" : "cartesian",
-          CfgNumber(std::min(x.max_feed_mm_s, y.max_feed_mm_s)),
-          CfgNumber(std::min(x.acceleration_mm_s2, y.acceleration_mm_s2)),
-          CfgNumber(z.max_feed_mm_s),
-          CfgNumber(z.acceleration_mm_s2));
+      klipper::PrinterCfg(
+          {.is_corexy = machine.kind->drive_map() != nullptr,
+           .max_velocity_mm_s = std::min(x.max_feed_mm_s, y.max_feed_mm_s),
+           .max_accel_mm_s2 = std::min(x.acceleration_mm_s2, y.acceleration_mm_s2),
+           .max_z_velocity_mm_s = z.max_feed_mm_s,
+           .max_z_accel_mm_s2 = z.acceleration_mm_s2});
   for (const Axis axis : kAxes) text += AxisCfg(machine, axis);
   const auto at = [](const AxisDrawing& axis, double share) {
     return CfgNumber(axis.min_mm + share * axis.travel_mm());

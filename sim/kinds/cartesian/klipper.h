@@ -26,7 +26,9 @@ class SteppedGantry final : public SteppedPlant {
   void Arm(const PinSensor& sensor) override;
 
  private:
-  Vec3<double> LagAt_mm(const Vec3<double>& steps) const;
+  Vec3<double> LagAt_mm(const Vec3<double>& steps) const {
+    return built_.LagAt_mm(lag_mm_, steps_, steps);
+  }
   double BeforeHome_mm(Axis axis, const Vec3<double>& steps) const;
 
   Built built_;

@@ -34,30 +34,27 @@ std::string HeadCfg(const Machine& machine, Axis axis) {
                               .pin = kNames[at],
                               .full_steps_per_rev = drawn.full_steps_per_rev,
                               .microsteps = drawn.microsteps,
-                              .mm_per_rev = BelievedLead_mm(machine, axis)}) +
-         fmt::format(
-             "position_min: {}\nposition_max: {}\nposition_endstop: {}\n"
-             "homing_speed: 50\n",
-             CfgNumber(drawn.min_mm),
-             CfgNumber(drawn.max_mm),
-             CfgNumber(drawn.home_mm()));
+                              .mm_per_rev = BelievedLead_mm(machine, axis),
+                              .rail = {{.min_mm = drawn.min_mm,
+                                        .max_mm = drawn.max_mm,
+                                        .endstop_mm = drawn.home_mm()}}});
 }
 
 std::string ScrewCfg(const Machine& machine, int screw) {
   const auto at = static_cast<std::size_t>(screw);
   const ScrewDrawing& drawn = TripleZOf(machine).screws[at];
-  std::string text =
-      klipper::StepperCfg({.section = kSections[2 + at],
-                           .pin = kNames[2 + at],
-                           .full_steps_per_rev = drawn.full_steps_per_rev,
-                           .microsteps = drawn.microsteps,
-                           .mm_per_rev = drawn.lead_mm});
-  if (screw > 0) return text;
+  klipper::StepperText text{.section = kSections[2 + at],
+                            .pin = kNames[2 + at],
+                            .full_steps_per_rev = drawn.full_steps_per_rev,
+                            .microsteps = drawn.microsteps,
+                            .mm_per_rev = drawn.lead_mm};
+  // The first is Z's; the others follow it.
   const double top_mm = TripleZOf(machine).top_mm;
-  return text + fmt::format(
-                    "position_min: -5\nposition_max: {0}\nposition_endstop: {0}\n"
-                    "homing_speed: 10\n",
-                    CfgNumber(top_mm));
+  if (screw == 0) {
+    text.rail = {
+        .min_mm = -5, .max_mm = top_mm, .endstop_mm = top_mm, .homing_mm_s = 10};
+  }
+  return klipper::StepperCfg(text);
 }
 
 std::string LevellingCfg(const Machine& machine) {
@@ -124,15 +121,13 @@ klipper::Wiring WiringOfTripleZ(const Machine& machine) {
 std::string PrinterCfgOfTripleZ(const Machine& machine, const std::string& serial) {
   const AxisDrawing& x = machine.axis(Axis::kX);
   const AxisDrawing& z = machine.axis(Axis::kZ);
-  std::string text = klipper::BeginningOfCfg(machine.name, serial) +
-                     fmt::format(
-                         "\n[printer]\nkinematics: {}\nmax_velocity: {}\n"
-                         "max_accel: {}\nmax_z_velocity: {}\nmax_z_accel: {}\n",
-                         machine.kind->drive_map() ? "corexy" : "cartesian",
-                         CfgNumber(x.max_feed_mm_s),
-                         CfgNumber(x.acceleration_mm_s2),
-                         CfgNumber(z.max_feed_mm_s),
-                         CfgNumber(z.acceleration_mm_s2));
+  std::string text =
+      klipper::BeginningOfCfg(machine.name, serial) +
+      klipper::PrinterCfg({.is_corexy = machine.kind->drive_map() != nullptr,
+                           .max_velocity_mm_s = x.max_feed_mm_s,
+                           .max_accel_mm_s2 = x.acceleration_mm_s2,
+                           .max_z_velocity_mm_s = z.max_feed_mm_s,
+                           .max_z_accel_mm_s2 = z.acceleration_mm_s2});
   for (const Axis axis : {Axis::kX, Axis::kY}) text += HeadCfg(machine, axis);
   for (int screw = 0; screw < kNumScrews; ++screw) text += ScrewCfg(machine, screw);
   return text + LevellingCfg(machine);

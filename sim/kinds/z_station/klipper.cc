@@ -30,18 +30,16 @@ std::string AxisCfg(const Machine& machine, Axis axis) {
   const auto at = static_cast<std::size_t>(Index(axis));
   const AxisDrawing& drawn = machine.axis(axis);
   const bool is_z = axis == Axis::kZ;
-  return klipper::StepperCfg({.section = kSections[at],
-                              .pin = kNames[at],
-                              .full_steps_per_rev = drawn.full_steps_per_rev,
-                              .microsteps = drawn.microsteps,
-                              .mm_per_rev = drawn.lead_mm}) +
-         fmt::format(
-             "position_min: {}\nposition_max: {}\nposition_endstop: {}\n"
-             "homing_speed: {}\n",
-             CfgNumber(drawn.min_mm),
-             CfgNumber(drawn.max_mm),
-             CfgNumber(is_z ? ZStationOf(machine).switch_mm : drawn.home_mm()),
-             CfgNumber(std::min(is_z ? 8.0 : 50.0, drawn.max_feed_mm_s)));
+  return klipper::StepperCfg(
+      {.section = kSections[at],
+       .pin = kNames[at],
+       .full_steps_per_rev = drawn.full_steps_per_rev,
+       .microsteps = drawn.microsteps,
+       .mm_per_rev = drawn.lead_mm,
+       .rail = {{.min_mm = drawn.min_mm,
+                 .max_mm = drawn.max_mm,
+                 .endstop_mm = is_z ? ZStationOf(machine).switch_mm : drawn.home_mm(),
+                 .homing_mm_s = std::min(is_z ? 8.0 : 50.0, drawn.max_feed_mm_s)}}});
 }
 
 }  // namespace
@@ -122,15 +120,11 @@ std::string PrinterCfgOfStation(const Machine& machine, const std::string& seria
   const AxisDrawing& x = machine.axis(Axis::kX);
   const AxisDrawing& z = machine.axis(Axis::kZ);
   const ZStationDrawing& drawn = ZStationOf(machine);
-  std::string text =
-      klipper::BeginningOfCfg(machine.name, serial) +
-      fmt::format(
-          "\n[printer]\nkinematics: cartesian\nmax_velocity: {}\nmax_accel: {}\n"
-          "max_z_velocity: {}\nmax_z_accel: {}\n",
-          CfgNumber(x.max_feed_mm_s),
-          CfgNumber(x.acceleration_mm_s2),
-          CfgNumber(z.max_feed_mm_s),
-          CfgNumber(z.acceleration_mm_s2));
+  std::string text = klipper::BeginningOfCfg(machine.name, serial) +
+                     klipper::PrinterCfg({.max_velocity_mm_s = x.max_feed_mm_s,
+                                          .max_accel_mm_s2 = x.acceleration_mm_s2,
+                                          .max_z_velocity_mm_s = z.max_feed_mm_s,
+                                          .max_z_accel_mm_s2 = z.acceleration_mm_s2});
   for (const Axis axis : kAxes) text += AxisCfg(machine, axis);
   const auto& off_mm = SteppedStation::kProbeOff_mm;
   text += fmt::format(

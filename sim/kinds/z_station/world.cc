@@ -13,7 +13,6 @@ namespace {
 
 constexpr double kTimestep_s = 1e-3;
 constexpr double kProbing_mm_s = 5;
-constexpr double kInward_mm = 0.3;    // Of pin and knob, at the trigger.
 constexpr double kStart_mm = 0.25;    // Over where pin or knob is first met.
 constexpr double kMostTravel_mm = 3;  // Beyond where the trigger is expected.
 constexpr double kMmPerM = 1e3;

@@ -30,6 +30,8 @@ struct ZStationBuild {
 /// has gone in by 0.3 mm.
 class ZStationWorld {
  public:
+  static constexpr double kInward_mm = 0.3;  ///< Of pin and knob, at the trigger.
+
   explicit ZStationWorld(const std::filesystem::path& file);
 
   /// Lowers the head at 5 mm/s from above `expected_mm` (height of its carriage) until

@@ -27,7 +27,9 @@ HttpResponse BenchApi::StartJob(const HttpRequest& request,
                                 const std::string& name,
                                 const Json& asked,
                                 PreparedProcedure work) {
-  // No client goes on by itself: a person homes first.
+  auto seat = seat_->Take(request, "running " + name);
+  // No client goes on by itself: a person homes first. A stop from here on ends the
+  // job.
   if (is_stopped_ && name != "home" && name != "reset") {
     throw Problem(409,
                   "the machine was stopped in an emergency",
@@ -35,7 +37,6 @@ HttpResponse BenchApi::StartJob(const HttpRequest& request,
                     .hint = "POST /api/bench/procedures {\"procedure\": \"home\"}; a "
                             "controller that was halted is reset before"}});
   }
-  auto seat = seat_->Take(request, "running " + name);
   if (thread_.joinable()) thread_.join();
   person_->Begin();
   Json job;

@@ -144,7 +144,7 @@ std::string StudiesApi::NewFolder() {
   fs::create_directories(folder_);
   // A number is given out once: who kept the address of a deleted study meets no other.
   const int last = fs::exists(folder_ / kLast)
-                       ? NumberOf(ReadTextFile(folder_ / kLast, kMostVary_bytes))
+                       ? NumberOf(ReadTextFile(folder_ / kLast, kLargestFile_bytes))
                        : 0;
   int number = 1 + std::max(last, studies_.empty() ? 0 : NumberOf(studies_.back()->id));
   while (!fs::create_directory(folder_ / std::to_string(number))) ++number;

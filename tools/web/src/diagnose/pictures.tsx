@@ -14,7 +14,7 @@ export function Pictures({ one }: { one: Diagnosis }) {
   if (map.length + contrasts.length + fits.length + periods.length === 0) return null;
   return (
     <Card title="How it was found">
-      {map.length > 0 ? <EvidenceMap map={map} found={new Set((one.findings ?? []).map((each) => each.cause))} /> : null}
+      {map.length > 0 ? <EvidenceMap map={map} hasFindings={(one.findings ?? []).length > 0} /> : null}
       {contrasts.map((each) => <details key={each.axis}><summary>Difference of the two directions, {axisWord(each.axis)}</summary><Both contrast={each} /></details>)}
       {fits.length > 0 ? <details><summary>Each group of readings, before and after</summary><Fits fits={fits} /></details> : null}
       {periods.map((each) => <details key={each.axis}><summary>Repeating patterns, {axisWord(each.axis)}</summary><Periods one={each} /></details>)}
