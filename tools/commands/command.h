@@ -49,6 +49,7 @@ Action DeclarePredict(CLI::App* app);
 Action DeclareExplain(CLI::App* app);
 Action DeclareImport(CLI::App* app);
 Action DeclareIso230(CLI::App* app);
+Action DeclareKlipper(CLI::App* app);
 Action DeclareNew(CLI::App* app);
 Action DeclarePlan(CLI::App* app);
 Action DeclareRender(CLI::App* app);

@@ -12,7 +12,7 @@
 
 #include "sim/base/input_error.h"
 #include "sim/link/line_channel.h"
-#include "tools/commands/serve/pseudo_terminal.h"
+#include "sim/link/pseudo_terminal.h"
 #include "tools/commands/serve/session.h"
 
 namespace caltwin {

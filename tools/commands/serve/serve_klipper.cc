@@ -11,7 +11,7 @@
 
 #include "sim/base/input_error.h"
 #include "sim/controllers/klipper/microcontroller.h"
-#include "tools/commands/serve/pseudo_terminal.h"
+#include "sim/link/pseudo_terminal.h"
 
 namespace caltwin {
 namespace {

@@ -34,6 +34,8 @@ class PseudoTerminal {
   PseudoTerminal(const PseudoTerminal&) = delete;
   PseudoTerminal& operator=(const PseudoTerminal&) = delete;
 
+  /// The link.
+  const std::filesystem::path& path() const { return path_; }
   /// Our side.
   int number() const { return master_.number(); }
   int ReleaseMaster() { return master_.Release(); }

@@ -1,4 +1,4 @@
-#include "tools/commands/serve/pseudo_terminal.h"
+#include "sim/link/pseudo_terminal.h"
 
 #include <cerrno>
 #include <cstdlib>

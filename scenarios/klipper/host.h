@@ -1,0 +1,90 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sim/controllers/klipper/board.h"
+
+namespace caltwin {
+
+/// The host has ended, does not answer or cannot be started; what() says it in words,
+/// with what it wrote last.
+class HostLost : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+struct KlipperHostOptions {
+  std::filesystem::path program{};  ///< The host: kalico, or Klipper's start script.
+  std::string config{};             ///< Its printer.cfg; `serial:` is exchanged.
+  std::filesystem::path
+      beside{};                 ///< Where files are that it includes; empty: nowhere.
+  std::filesystem::path log{};  ///< Where its log is kept; empty: nowhere.
+  /// So long it may compute without asking for time, by the computer's clock.
+  std::chrono::milliseconds patience{120'000};
+  const std::atomic<bool>* stop = nullptr;  ///< True: HostLost.
+};
+
+/// What the host says to one line of G-code.
+struct HostAnswer {
+  std::vector<std::string> lines{};        ///< What it printed, as it printed it.
+  std::optional<std::string> refusal{};    ///< Why it did not do it, or not to its end.
+  std::optional<std::string> shut_down{};  ///< Why the chip has stopped.
+  bool has_restarted = false;              ///< As after SAVE_CONFIG.
+};
+
+/// An unmodified host of the Klipper family in front of a machine, both in lock-step:
+/// its time goes on only while it is asked something. The same lines give the same
+/// answers and the same printer.cfg, however fast or busy the computer is.
+///
+/// Works in a folder of its own under the system's temporary one, which is removed with
+/// all that stands in it. Ends the host whatever happens; a host whose caltwin was
+/// killed ends by itself.
+class KlipperHost {
+ public:
+  /// Starts it and waits until it is ready. Throws HostLost, also where its printer.cfg
+  /// is at fault, and InputError where the program cannot be found.
+  KlipperHost(klipper::Board* board, const KlipperHostOptions& options);
+  ~KlipperHost();
+  KlipperHost(const KlipperHost&) = delete;
+  KlipperHost& operator=(const KlipperHost&) = delete;
+
+  /// Sends a line as a page of the printer does, and waits for its end: of a restart
+  /// too.
+  HostAnswer Say(std::string_view line);
+
+  /// Its printer.cfg as it stands now.
+  std::string Config() const;
+  /// The end of its log.
+  std::string LogEnd() const;
+  /// By the printer's clock, since the host was started [s].
+  double printer_s() const;
+
+ private:
+  class Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
+/// The host: `stated`, else $CALTWIN_KLIPPER_HOST, else what tools/setup.sh
+/// --controllers has installed beside the program, else kalico of the PATH. Throws
+/// InputError where there is none.
+std::filesystem::path HostProgram(const std::string& stated);
+
+/// One setting that SAVE_CONFIG has written.
+struct SavedSetting {
+  std::string section{};  ///< "stepper_a"
+  std::string option{};   ///< "position_endstop"
+  std::string value{};    ///< "300.3107"; several lines as they stand.
+};
+
+/// What stands in the part of a printer.cfg that SAVE_CONFIG writes (`#*#`), in order.
+std::vector<SavedSetting> SavedSettingsOf(std::string_view config);
+
+}  // namespace caltwin
