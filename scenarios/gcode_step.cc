@@ -1,6 +1,7 @@
 #include "scenarios/gcode_step.h"
 
 #include <chrono>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -33,15 +34,19 @@ ProcedureResult SendLines(const std::vector<std::string>& lines, Bench* bench) {
 
 }  // namespace
 
+PreparedProcedure GcodeStep(std::vector<std::string> lines) {
+  return [lines = std::move(lines)](Bench* bench) {
+    return SendLines(lines, bench);
+  };
+}
+
 PreparedProcedure ReadGcodeStep(YamlMap options) {
   std::vector<std::string> lines;
   if (const auto list = options.Required("lines")) {
     for (const YamlValue& line : list->List()) lines.push_back(line.Text());
   }
   options.NoMoreKeys();
-  return [lines](Bench* bench) {
-    return SendLines(lines, bench);
-  };
+  return GcodeStep(std::move(lines));
 }
 
 }  // namespace caltwin

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "calibration/procedures/catalog.h"
 #include "sim/base/yaml.h"
 
@@ -9,5 +12,7 @@ namespace caltwin {
 /// are, one after the other, until one is refused. What the machine answers becomes the
 /// run's messages.
 PreparedProcedure ReadGcodeStep(YamlMap options);
+/// The same of those lines.
+PreparedProcedure GcodeStep(std::vector<std::string> lines);
 
 }  // namespace caltwin

@@ -38,6 +38,11 @@ constexpr std::array kKeys = {
     Word{"calibrate",
          "A list of what is done, in order, each a procedure with its options: `- "
          "next_dual_dimension: {axis: x, variant: corrected}`."},
+    Word{"controller",
+         "In place of calibrate: {klipper: {gcode: [G28, DELTA_CALIBRATE, "
+         "SAVE_CONFIG]}}: "
+         "Klipper's own host drives the machine and says those lines. `config`: its "
+         "printer.cfg, else one is made of the machine; `add`: further lines of it."},
     Word{"external",
          "A step of calibrate: somebody else's program, {command: [python3, mine.py], "
          "timeout_s: 600}, with the machine on its standard input and output."},

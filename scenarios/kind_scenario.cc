@@ -75,6 +75,11 @@ CalibrationStep KindScenario::ReadScenarioStep(const std::string& name,
   throw std::logic_error(name + " is no step of this kind's scenarios");
 }
 
+std::unique_ptr<KindTrial> KindScenario::BeginUnderKlipper(
+    const Scenario& /*scenario*/, const Chance& /*chance*/) const {
+  throw std::logic_error("no such machine is driven by Klipper's host");
+}
+
 void KindScenario::RefuseStep(const std::string& name, const YamlValue& options) const {
   std::vector<std::string> names = StepNames();
   names.insert(names.end(), {"gcode", "external"});

@@ -95,6 +95,10 @@ class KindScenario {
   /// The machine with its numbers drawn, its controller switched on.
   virtual std::unique_ptr<KindTrial> Begin(const Scenario& scenario,
                                            const Chance& chance) const = 0;
+  /// Whether Klipper's own host can drive such a machine, and how such a trial begins.
+  virtual bool CanBeUnderKlipper() const { return false; }
+  virtual std::unique_ptr<KindTrial> BeginUnderKlipper(const Scenario& scenario,
+                                                       const Chance& chance) const;
   /// Whether trials of it have rows to record.
   virtual bool HasRows() const { return true; }
 };

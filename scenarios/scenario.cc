@@ -1,5 +1,6 @@
 #include "scenarios/scenario.h"
 
+#include "scenarios/gcode_step.h"
 #include "scenarios/kinds/kinds.h"
 #include "sim/base/text_file.h"
 
@@ -21,6 +22,66 @@ void ReadMachineKey(YamlMap* map, const fs::path& folder, Scenario* scenario) {
   scenario->effects = scenario->machine.effects;
 }
 
+// Lines for Klipper's own host, in place of `calibrate`.
+void ReadUnderKlipper(YamlMap keys, const fs::path& folder, Scenario* scenario) {
+  scenario->klipper.emplace();
+  if (const auto config = keys.Optional("config")) {
+    const fs::path file = folder / config->Text();
+    std::error_code error;
+    if (fs::is_regular_file(file, error)) {
+      scenario->klipper->config = ReadTextFile(file, kLargestFile_bytes);
+      scenario->klipper->beside = fs::absolute(file).parent_path();
+    } else {
+      config->Fail(
+          "there is no file " + file.string(),
+          "a printer.cfg, relative to this file; without it one is made of the "
+          "machine");
+    }
+  }
+  scenario->klipper->add = keys.TextOr("add", "");
+  std::vector<std::string> lines;
+  if (const auto gcode = keys.Required("gcode")) {
+    for (const YamlValue& line : gcode->List()) lines.push_back(line.Text());
+    if (gcode->is_list() && lines.empty()) {
+      gcode->Fail("says nothing", "as in `gcode: [G28, DELTA_CALIBRATE, SAVE_CONFIG]`");
+    }
+  }
+  keys.NoMoreKeys();
+  scenario->calibrate = {{.name = "klipper", .procedure = GcodeStep(lines)}};
+}
+
+void ReadController(const YamlValue& value,
+                    const fs::path& folder,
+                    Scenario* scenario) {
+  YamlMap keys = value.Map();
+  if (const auto klipper = keys.Required("klipper")) {
+    ReadUnderKlipper(klipper->Map(), folder, scenario);
+    if (!scenario->kind->CanBeUnderKlipper()) {
+      klipper->Fail(
+          "such a machine cannot yet be driven by Klipper's host in a scenario",
+          "single motors speak another language");
+    }
+  }
+  keys.NoMoreKeys();
+}
+
+// What is done: by the engine, step by step, or by a real controller.
+void ReadWhatIsDone(YamlMap* map, const fs::path& folder, Scenario* scenario) {
+  const auto controller = map->Optional("controller");
+  if (!controller) {
+    if (const auto calibrate = map->Required("calibrate")) {
+      scenario->calibrate =
+          ReadCalibrationSteps(*calibrate, *scenario->kind, scenario->machine.machine);
+    }
+    return;
+  }
+  ReadController(*controller, folder, scenario);
+  if (const auto calibrate = map->Optional("calibrate")) {
+    calibrate->Fail("stands beside `controller`, which calibrates in its place",
+                    "leave one of them away");
+  }
+}
+
 }  // namespace
 
 Scenario ReadScenarioText(const std::string& text, const fs::path& name) {
@@ -34,10 +95,7 @@ Scenario ReadScenarioText(const std::string& text, const fs::path& name) {
                           ? Fidelity::kFast
                           : Fidelity::kPhysics;
   scenario.kind->ReadKeys(&map, &scenario);
-  if (const auto calibrate = map.Required("calibrate")) {
-    scenario.calibrate =
-        ReadCalibrationSteps(*calibrate, *scenario.kind, scenario.machine.machine);
-  }
+  ReadWhatIsDone(&map, name.parent_path(), &scenario);
   if (const auto expect = map.Optional("expect")) {
     scenario.expect = ReadExpectation(expect->Map(), scenario.kind->CanExpect());
   }

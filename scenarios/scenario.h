@@ -2,11 +2,13 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "scenarios/expectation.h"
 #include "scenarios/kind_scenario.h"
+#include "scenarios/klipper/host.h"
 #include "scenarios/machine_file.h"
 #include "scenarios/varied.h"
 #include "sim/machine/artefact.h"
@@ -32,6 +34,9 @@ struct Scenario {
   std::vector<VariedNumber> varied{};  ///< A study's; none in a scenario file.
   std::vector<Artefact> artefacts{};
   FirmwareOptions firmware{};
+  /// `controller: {klipper: ...}`: Klipper's own host drives the machine. An empty
+  /// config: made of the machine.
+  std::optional<KlipperHostOptions> klipper{};
   std::vector<CalibrationStep> calibrate{};
   Expectation expect{};
   std::vector<std::string> notes{};  ///< Of distributions (Faults::Note).

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "scenarios/kinds/delta_klipper_trial.h"
 #include "scenarios/kinds/delta_trial.h"
 #include "scenarios/kinds/gantry_scenario.h"
 #include "sim/effects/catalog.h"
@@ -114,6 +115,11 @@ void DeltaScenario::Vary(const std::string& effect,
   for (const InjectedSpec& spec : varied.effects) {
     ReplaceEffect(spec, parameter, &effects.effects);
   }
+}
+
+std::unique_ptr<KindTrial> DeltaScenario::BeginUnderKlipper(
+    const Scenario& scenario, const Chance& chance) const {
+  return BeginDeltaUnderKlipper(*this, scenario, chance);
 }
 
 std::unique_ptr<KindTrial> DeltaScenario::Begin(const Scenario& scenario,

@@ -40,6 +40,9 @@ class DeltaScenario : public KindScenario {
             Scenario* scenario) override;
   std::unique_ptr<KindTrial> Begin(const Scenario& scenario,
                                    const Chance& chance) const override;
+  bool CanBeUnderKlipper() const override { return true; }
+  std::unique_ptr<KindTrial> BeginUnderKlipper(const Scenario& scenario,
+                                               const Chance& chance) const override;
 };
 
 /// What is no part of the twin that firmware drives, as faults.

@@ -206,12 +206,12 @@ TrueEnd EndOfDelta(const DeltaTruth& trial, RunResult* result) {
   }
   result->messages.push_back(fmt::format(
       "the nozzle stands {:.1f} um rms off the bed ({:.1f} at most), {:.1f} before; "
-      "prints are {:+.2f} um/mm wrong; the procedure says {:.4f} mm",
+      "prints are {:+.2f} um/mm wrong{}",
       UmFromMm(after.z_rms_mm),
       UmFromMm(after.z_most_mm),
       UmFromMm(before.z_rms_mm),
       UmFromMm(after.xy_scale),
-      trial.said_mm));
+      trial.says ? fmt::format("; the procedure says {:.4f} mm", trial.said_mm) : ""));
   AddTiltCommanded(trial, result);
   if (HasPlay(trial.built.play_mm)) {
     result->messages.push_back(fmt::format(

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "scenarios/kinds/gantry_klipper_trial.h"
 #include "scenarios/kinds/gantry_trial.h"
 #include "scenarios/parameter_name.h"
 #include "sim/effects/catalog.h"
@@ -76,8 +77,9 @@ Procedures GantryScenario::KnownProcedures() const {
 }
 
 Expectable GantryScenario::CanExpect() const {
-  return {.parameters = AllParameterNames(machine_kind_),
-          .figures = {"position_error_mm.p95"}};
+  return {
+      .parameters = AllParameterNames(machine_kind_),
+      .figures = {"position_error_mm.p95", "mesh_error_mm.rms", "mesh_error_mm.most"}};
 }
 
 std::vector<std::string> GantryScenario::EffectNames() const {
@@ -99,6 +101,11 @@ void GantryScenario::Vary(const std::string& effect,
 
 void GantryScenario::CheckVaried(const Scenario& scenario, Faults* faults) const {
   RefuseUnknownArtefacts(scenario.effects, IdsOf(scenario.artefacts), faults);
+}
+
+std::unique_ptr<KindTrial> GantryScenario::BeginUnderKlipper(
+    const Scenario& scenario, const Chance& chance) const {
+  return BeginGantryUnderKlipper(scenario, chance);
 }
 
 std::unique_ptr<KindTrial> GantryScenario::Begin(const Scenario& scenario,

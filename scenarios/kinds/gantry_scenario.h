@@ -30,6 +30,9 @@ class GantryScenario : public KindScenario {
   void CheckVaried(const Scenario& scenario, Faults* faults) const override;
   std::unique_ptr<KindTrial> Begin(const Scenario& scenario,
                                    const Chance& chance) const override;
+  bool CanBeUnderKlipper() const override { return true; }
+  std::unique_ptr<KindTrial> BeginUnderKlipper(const Scenario& scenario,
+                                               const Chance& chance) const override;
 
  private:
   const MachineKind* machine_kind_;  ///< As ReadKeys finds it.

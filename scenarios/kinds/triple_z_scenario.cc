@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "scenarios/kinds/gantry_scenario.h"
+#include "scenarios/kinds/triple_z_klipper_trial.h"
 #include "scenarios/kinds/triple_z_trial.h"
 #include "sim/base/units.h"
 #include "sim/effects/catalog.h"
@@ -163,6 +164,11 @@ void TripleZScenario::Vary(const std::string& effect,
                            const YamlValue& value,
                            Scenario* scenario) {
   VaryEffects(effect, parameter, value, scenario->machine.machine, &effects);
+}
+
+std::unique_ptr<KindTrial> TripleZScenario::BeginUnderKlipper(
+    const Scenario& scenario, const Chance& chance) const {
+  return BeginTripleZUnderKlipper(*this, scenario, chance);
 }
 
 std::unique_ptr<KindTrial> TripleZScenario::Begin(const Scenario& scenario,

@@ -42,6 +42,9 @@ class TripleZScenario : public KindScenario {
             Scenario* scenario) override;
   std::unique_ptr<KindTrial> Begin(const Scenario& scenario,
                                    const Chance& chance) const override;
+  bool CanBeUnderKlipper() const override { return true; }
+  std::unique_ptr<KindTrial> BeginUnderKlipper(const Scenario& scenario,
+                                               const Chance& chance) const override;
 };
 
 /// The machine that the effects make, their numbers drawn.

@@ -4,6 +4,7 @@
 #include <array>
 #include <utility>
 
+#include "scenarios/kinds/z_station_klipper_trial.h"
 #include "scenarios/kinds/z_station_trial.h"
 #include "sim/base/units.h"
 #include "sim/effects/catalog.h"
@@ -181,6 +182,11 @@ void ZStationScenario::Vary(const std::string& /*effect*/,
     std::erase_if(station, [&](const StationSpec& had) { return had.key == spec.key; });
     station.push_back(spec);
   }
+}
+
+std::unique_ptr<KindTrial> ZStationScenario::BeginUnderKlipper(
+    const Scenario& scenario, const Chance& chance) const {
+  return BeginStationUnderKlipper(*this, scenario, chance);
 }
 
 std::unique_ptr<KindTrial> ZStationScenario::Begin(const Scenario& scenario,

@@ -43,6 +43,9 @@ class ZStationScenario : public KindScenario {
             Scenario* scenario) override;
   std::unique_ptr<KindTrial> Begin(const Scenario& scenario,
                                    const Chance& chance) const override;
+  bool CanBeUnderKlipper() const override { return true; }
+  std::unique_ptr<KindTrial> BeginUnderKlipper(const Scenario& scenario,
+                                               const Chance& chance) const override;
 };
 
 /// Reads `station: {KEY: number or distribution}`.

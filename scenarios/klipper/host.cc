@@ -204,7 +204,7 @@ class KlipperHost::Parts {
         theirs_(ends_[1]),
         api_(folder_.path() / "api"),
         lock_step_(board, terminal_.number(), ours_.number()) {
-    Write(config(), WithSerial(options.config, terminal_.path()));
+    Write(config(), WithSerial(options.config + "\n" + options.add, terminal_.path()));
     LinkNeighbours(options.beside, folder_.path());
     Start();
     WaitUntilReady();
@@ -217,6 +217,9 @@ class KlipperHost::Parts {
   fs::path config() const { return folder_.path() / "printer.cfg"; }
   std::string LogEnd() const;
   double printer_s() const { return lock_step_.host_s(); }
+  Motors MotorsNow() const {
+    return lock_step_.chip().MotorsAt(lock_step_.chip().now());
+  }
 
  private:
   void Start();
@@ -239,7 +242,9 @@ void KlipperHost::Parts::Start() {
   const auto in_folder = [&](std::string_view name) {
     return (folder_.path() / name).string();
   };
-  child_.emplace(std::vector<std::string>{options_.program.string(),
+  const fs::path program =
+      options_.program.empty() ? HostProgram("") : options_.program;
+  child_.emplace(std::vector<std::string>{program.string(),
                                           config().string(),
                                           "-l",
                                           in_folder("klippy.log"),
@@ -367,6 +372,10 @@ std::string KlipperHost::Config() const {
 
 std::string KlipperHost::LogEnd() const {
   return parts_->LogEnd();
+}
+
+Motors KlipperHost::MotorsNow() const {
+  return parts_->MotorsNow();
 }
 
 double KlipperHost::printer_s() const {

@@ -24,6 +24,7 @@ class HostLost : public std::runtime_error {
 struct KlipperHostOptions {
   std::filesystem::path program{};  ///< The host: kalico, or Klipper's start script.
   std::string config{};             ///< Its printer.cfg; `serial:` is exchanged.
+  std::string add{};                ///< Further lines of it.
   std::filesystem::path
       beside{};                 ///< Where files are that it includes; empty: nowhere.
   std::filesystem::path log{};  ///< Where its log is kept; empty: nowhere.
@@ -64,6 +65,8 @@ class KlipperHost {
   std::string Config() const;
   /// The end of its log.
   std::string LogEnd() const;
+  /// Where the motors stand now, as the board counts.
+  Motors MotorsNow() const;
   /// By the printer's clock, since the host was started [s].
   double printer_s() const;
 

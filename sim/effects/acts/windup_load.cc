@@ -8,7 +8,7 @@ namespace caltwin {
 void EditWindupLoad(const Machine&, const Injected& injected, Mjcf* model) {
   const double compliance_mm_per_n = MmFromUm(injected.values[0]);
   if (compliance_mm_per_n == 0) return;
-  model->SetDriveStiffness(kAxes[DriveNamed(injected.axis)->slot()],
+  model->SetDriveStiffness(kAxes[DriveNamed(injected.axis).value().slot()],
                            2.0 / compliance_mm_per_n);
 }
 

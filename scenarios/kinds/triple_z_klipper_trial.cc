@@ -1,0 +1,95 @@
+#include "scenarios/kinds/triple_z_klipper_trial.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "sim/base/units.h"
+#include "sim/kinds/triple_z/klipper.h"
+#include "sim/machine/kinds/triple_z/drawing.h"
+
+namespace caltwin {
+namespace {
+
+constexpr double kRecovered = 0.1;  // Of the tilt as it was.
+constexpr double kFlat_mm = 0.01;   // Less is as good as flat.
+constexpr Eigen::Index kFirstScrew = 2;
+
+// By how much each screw stands higher than the mean of the three, by its motor's steps
+// as the board counts them.
+Vec3<double> RaisedBy(const Machine& machine, const Motors& steps) {
+  const klipper::Wiring wiring = WiringOfTripleZ(machine);
+  Vec3<double> at_mm;
+  for (int i = 0; i < 3; ++i) {
+    const ScrewDrawing& screw = TripleZOf(machine).screws[static_cast<std::size_t>(i)];
+    const klipper::Wiring::Motor& motor =
+        wiring.motors[static_cast<std::size_t>(kFirstScrew + i)];
+    const double per_mm = screw.full_steps_per_rev * screw.microsteps / screw.lead_mm;
+    at_mm[i] = -(motor.start_steps + motor.sense * steps[kFirstScrew + i]) / per_mm;
+  }
+  return at_mm.array() - at_mm.mean();
+}
+
+}  // namespace
+
+TripleZKlipperTrial::TripleZKlipperTrial(const BuiltTripleZ& built,
+                                         std::unique_ptr<klipper::Board> board,
+                                         KlipperHostOptions options)
+    : KlipperTrial(built.machine, std::move(board), std::move(options)),
+      built_(built),
+      flat_before_mm_(TrueLevelOf(built, Vec3<double>::Zero(), 0).flat_rms_mm) {}
+
+void TripleZKlipperTrial::Finish(RunResult* result) {
+  KlipperTrial::Finish(result);
+  if (const auto steps = host()->MotorsNow()) {
+    raised_mm_ = RaisedBy(built_.machine, *steps);
+  }
+  result->position_error_before_p95_mm =
+      TripleZPositionP95_mm(built_, Vec3<double>::Zero());
+  result->position_error_after_p95_mm = TripleZPositionP95_mm(built_, raised_mm_);
+}
+
+TrueEnd TripleZKlipperTrial::End(const std::vector<ProcedureResult>& /*results*/,
+                                 RunResult* result) {
+  const double flat_mm = TrueLevelOf(built_, raised_mm_, 0).flat_rms_mm;
+  result->messages.push_back(fmt::format(
+      "the bed truly lies {:.1f} um rms from flat; {:.1f} with all screws alike",
+      UmFromMm(flat_mm),
+      UmFromMm(flat_before_mm_)));
+  return {.figure = TrueFigure{
+              .before = flat_before_mm_,
+              .after = flat_mm,
+              .noise = kFlat_mm,
+              .is_met = flat_mm <= std::max(kRecovered * flat_before_mm_, kFlat_mm)}};
+}
+
+double TripleZKlipperTrial::Figure(const std::string& name, const RunResult& result) {
+  if (name == "flatness_mm.rms") return TrueLevelOf(built_, raised_mm_, 0).flat_rms_mm;
+  if (name == "position_error_mm.p95") return result.position_error_after_p95_mm;
+  return std::numeric_limits<double>::quiet_NaN();
+}
+
+std::unique_ptr<KindTrial> BeginTripleZUnderKlipper(const TripleZScenario& triple_z,
+                                                    const Scenario& scenario,
+                                                    const Chance& chance) {
+  const BuiltTripleZ built =
+      DrawTripleZ(triple_z, scenario.machine.machine, chance.seed, chance.sample);
+  auto board = std::make_unique<klipper::PlantBoard>(
+      WiringOfTripleZ(built.machine),
+      std::make_unique<TripleZTwinPlant>(
+          built, chance.fidelity == Fidelity::kPhysics, chance.seed, chance.sample));
+  KlipperHostOptions options = *scenario.klipper;
+  if (options.config.empty()) {
+    Machine believed = built.machine;
+    for (std::size_t i = 0; i < kNumScrews; ++i) {
+      TripleZOf(believed).screws[i].at_mm = triple_z.believed_mm[i];
+    }
+    options.config = PrinterCfgOfTripleZ(believed, "-");
+  }
+  return std::make_unique<TripleZKlipperTrial>(
+      built, std::move(board), std::move(options));
+}
+
+}  // namespace caltwin

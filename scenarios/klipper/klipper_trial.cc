@@ -1,0 +1,100 @@
+#include "scenarios/klipper/klipper_trial.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "scenarios/interrupt.h"
+
+namespace caltwin {
+namespace {
+
+using Kind = MachineFault::Kind;
+
+// The host adds what a person may do next.
+std::string FirstLine(const std::string& text) {
+  std::string line = text.substr(0, text.find('\n'));
+  while (line.ends_with(' ')) line.pop_back();
+  return line;
+}
+
+MachineFault FaultOf(const std::string& refusal) {
+  const auto says = [&](std::string_view words) {
+    return refusal.find(words) != std::string::npos;
+  };
+  const Kind kind = says("No trigger on")         ? Kind::kNoTrigger
+                    : says("Printer is shutdown") ? Kind::kAlarm
+                                                  : Kind::kRefused;
+  return {kind, FirstLine(refusal)};
+}
+
+// Each line by itself, without the mark that the host sets before what is meant for a
+// person.
+void AddLines(const std::string& printed, std::vector<std::string>* lines) {
+  constexpr std::string_view kMark = "// ";
+  std::size_t at = 0;
+  while (at <= printed.size()) {
+    const std::size_t end = std::min(printed.find('\n', at), printed.size());
+    const bool is_marked = printed.compare(at, kMark.size(), kMark) == 0;
+    const std::size_t from = at + (is_marked ? kMark.size() : 0);
+    if (from < end) lines->push_back(printed.substr(from, end - from));
+    at = end + 1;
+  }
+}
+
+}  // namespace
+
+Expected<std::vector<std::string>> HostLink::Send(
+    std::string_view line, std::chrono::milliseconds /*patience*/) {
+  try {
+    if (!host_) {
+      host_ = std::make_unique<KlipperHost>(board_, options_);
+      ready_s_ = host_->printer_s();
+    }
+    HostAnswer answer = host_->Say(line);
+    if (answer.refusal) {
+      return tl::unexpected(FaultOf(*answer.refusal));
+    }
+    if (answer.shut_down) {
+      return tl::unexpected(MachineFault{Kind::kAlarm, *answer.shut_down});
+    }
+    std::vector<std::string> lines;
+    for (const std::string& printed : answer.lines) AddLines(printed, &lines);
+    touches_ += static_cast<int>(std::ranges::count_if(
+        lines, [](const auto& one) { return one.starts_with("probe at "); }));
+    return lines;
+  } catch (const HostLost& lost) {
+    return tl::unexpected(MachineFault{Kind::kLinkLost, lost.what()});
+  }
+}
+
+std::optional<Motors> HostLink::MotorsNow() const {
+  if (!host_) return std::nullopt;
+  return host_->MotorsNow();
+}
+
+KlipperTrial::KlipperTrial(const Machine& machine,
+                           std::unique_ptr<klipper::Board> board,
+                           KlipperHostOptions options)
+    : board_(std::move(board)),
+      config_before_(options.config),
+      host_(board_.get(), std::move(options)) {
+  host_.StopAt(&InterruptFlag());
+  bench_.gauge = &gauges_;
+  bench_.person = &hands_;
+  bench_.machine = machine;
+}
+
+void KlipperTrial::Finish(RunResult* result) {
+  result->touches = host_.touches();
+  result->machine_time_s = host_.machine_time_s();
+}
+
+std::optional<Motors> KlipperTrial::MotorsAfter(const std::vector<std::string>& lines) {
+  constexpr std::chrono::minutes kPatience{10};
+  for (const std::string& line : lines) {
+    if (!host_.Send(line, kPatience)) return std::nullopt;
+  }
+  return host_.MotorsNow();
+}
+
+}  // namespace caltwin

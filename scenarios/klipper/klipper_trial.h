@@ -1,0 +1,72 @@
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "scenarios/kind_trial.h"
+#include "scenarios/kinds/nobody.h"
+#include "scenarios/klipper/host.h"
+#include "sim/machine/machine.h"
+
+namespace caltwin {
+
+/// A line to Klipper's own host: what it prints is the answer. The host is started with
+/// the first line.
+class HostLink : public Link {
+ public:
+  /// `board` is borrowed.
+  HostLink(klipper::Board* board, KlipperHostOptions options)
+      : board_(board), options_(std::move(options)) {}
+
+  Expected<std::vector<std::string>> Send(std::string_view line,
+                                          std::chrono::milliseconds patience) override;
+  void StopAt(const std::atomic<bool>* stop) { options_.stop = stop; }
+  /// Its printer.cfg: as given, until it is started.
+  std::string Config() const { return host_ ? host_->Config() : options_.config; }
+  /// Where its motors stand, as the board counts; nullopt: it was never started.
+  std::optional<Motors> MotorsNow() const;
+  int touches() const { return touches_; }  ///< That the host has told of.
+  double machine_time_s() const { return host_ ? host_->printer_s() - ready_s_ : 0; }
+
+ private:
+  klipper::Board* board_;
+  KlipperHostOptions options_;
+  std::unique_ptr<KlipperHost> host_{};
+  double ready_s_ = 0;
+  int touches_ = 0;
+};
+
+/// A machine in a trial that Klipper's own host drives: `controller: {klipper: ...}`.
+/// What the truth says of what the host saved is the kind's.
+class KlipperTrial : public KindTrial {
+ public:
+  /// @param config  its printer.cfg as it begins
+  KlipperTrial(const Machine& machine,
+               std::unique_ptr<klipper::Board> board,
+               KlipperHostOptions options);
+
+  Link* wire() override { return &host_; }
+  void Connect(Link* link) override { bench_.link = link; }
+  Bench* bench() override { return &bench_; }
+  void Finish(RunResult* result) override;
+
+ protected:
+  HostLink* host() { return &host_; }
+  const std::string& config_before() const { return config_before_; }
+  /// Where the motors stand once the host has gone there; nullopt where it refuses.
+  std::optional<Motors> MotorsAfter(const std::vector<std::string>& lines);
+
+ private:
+  std::unique_ptr<klipper::Board> board_;
+  std::string config_before_;
+  HostLink host_;
+  NoGauges gauges_{};
+  NoHands hands_{};
+  Bench bench_{};
+};
+
+}  // namespace caltwin

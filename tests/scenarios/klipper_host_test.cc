@@ -1,0 +1,140 @@
+#include <filesystem>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include "scenarios/klipper/host.h"
+#include "scenarios/klipper/host_api.h"
+#include "scenarios/scenario.h"
+#include "sim/base/input_error.h"
+
+namespace caltwin {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+TEST(SavedSettings, AreWhatStandsInTheSavedPart) {
+  const auto saved = SavedSettingsOf(
+      "[probe]\nz_offset = 1\n#*# <---------------------- SAVE_CONFIG ------>\n"
+      "#*# DO NOT EDIT THIS BLOCK OR BELOW.\n#*#\n#*# [probe]\n#*# z_offset = -3.800\n"
+      "#*#\n#*# [bed_mesh default]\n#*# version = 1\n#*# points =\n"
+      "#*# \t0.1, 0.2\n#*# \t0.3, 0.4\n#*# min_x = 30\n");
+
+  ASSERT_EQ(saved.size(), 4U);
+  EXPECT_EQ(saved[0].section, "probe");
+  EXPECT_EQ(saved[0].option, "z_offset");
+  EXPECT_EQ(saved[0].value, "-3.800");
+  EXPECT_EQ(saved[2].option, "points");
+  EXPECT_EQ(saved[2].value, "0.1, 0.2\n0.3, 0.4");
+  EXPECT_EQ(saved[3].section, "bed_mesh default");
+  EXPECT_EQ(saved[3].value, "30");
+}
+
+TEST(SavedSettings, OfAnyTextAreNone) {
+  EXPECT_TRUE(SavedSettingsOf("").empty());
+  EXPECT_TRUE(SavedSettingsOf("#*#").empty());
+  EXPECT_TRUE(SavedSettingsOf("#*# [").empty());
+  EXPECT_TRUE(SavedSettingsOf("#*# \t1, 2").empty());
+}
+
+/// A host's API socket of which the test is the other end.
+class Api : public testing::Test {
+ protected:
+  Api() {
+    std::filesystem::create_directories(folder_);
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    path_.string().copy(address.sun_path, sizeof address.sun_path - 1);
+    listener_ = socket(AF_UNIX, SOCK_STREAM, 0);
+    const auto* const where = reinterpret_cast<const sockaddr*>(&address);
+    EXPECT_EQ(bind(listener_, where, sizeof address), 0);
+    EXPECT_EQ(listen(listener_, 1), 0);
+    EXPECT_TRUE(api_.Open());
+    host_ = accept(listener_, nullptr, nullptr);
+  }
+  ~Api() override {
+    close(host_);
+    close(listener_);
+    std::filesystem::remove_all(folder_);
+  }
+  void Say(const std::string& text) const {
+    EXPECT_EQ(write(host_, text.data(), text.size()),
+              static_cast<ssize_t>(text.size()));
+  }
+
+  std::filesystem::path folder_ =
+      std::filesystem::temp_directory_path() /
+      ("caltwin_api_test_" + std::to_string(getpid()) + "_" +
+       testing::UnitTest::GetInstance()->current_test_info()->name());
+  std::filesystem::path path_ = folder_ / "api";
+  HostApi api_{path_};
+  int listener_ = -1, host_ = -1;
+};
+
+TEST_F(Api, AnswersComeByTheirNumbersAndInAnyPieces) {
+  const int first = api_.Ask("info", nlohmann::json::object());
+  const int second = api_.Ask("gcode/script", {{"script", "G28"}});
+  Say("{\"id\": 2, \"result\": {}}\x03{\"id\": 1, \"resu");
+  api_.Receive();
+  EXPECT_FALSE(api_.TakeAnswer(first));
+  EXPECT_TRUE(api_.TakeAnswer(second));
+  EXPECT_FALSE(api_.TakeAnswer(second));
+  Say("lt\": {\"state\": \"ready\"}}\x03");
+  api_.Receive();
+  const auto answer = api_.TakeAnswer(first);
+  ASSERT_TRUE(answer);
+  EXPECT_EQ((*answer)["result"]["state"], "ready");
+}
+
+TEST_F(Api, WhatIsPrintedIsKeptAndWhatIsNoMessageIsNot) {
+  Say("{\"params\": {\"response\": \"// hello\"}}\x03no json\x03[1]\x03"
+      "{\"id\": \"text\"}\x03{\"params\": 3}\x03{\"params\": {\"response\": 4}}\x03");
+  api_.Receive();
+  EXPECT_THAT(api_.TakePrinted(), ElementsAre("// hello"));
+  EXPECT_THAT(api_.TakePrinted(), ElementsAre());
+}
+
+TEST_F(Api, ThatTheHostHasClosedIsNoticed) {
+  EXPECT_TRUE(api_.is_open());
+  shutdown(host_, SHUT_RDWR);
+  api_.Receive();
+  EXPECT_FALSE(api_.is_open());
+}
+
+std::string MessageOf(const std::string& scenario) {
+  try {
+    ReadScenarioText(scenario, "test.yaml");
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(ControllerKey, StandsInPlaceOfCalibrate) {
+  const std::string machine = "machine: delta_printer\nfidelity: fast\n";
+  EXPECT_EQ(MessageOf(machine + "controller: {klipper: {gcode: [G28]}}\n"), "");
+  EXPECT_THAT(MessageOf(machine + "controller: {klipper: {gcode: [G28]}}\n"
+                                  "calibrate: [g33]\n"),
+              HasSubstr("test.yaml:4:12: calibrate stands beside `controller`"));
+  EXPECT_THAT(MessageOf(machine + "controller: {klipper: {gcode: []}}\n"),
+              HasSubstr("says nothing"));
+  EXPECT_THAT(MessageOf(machine + "controller: {klipper: {}}\n"), HasSubstr("gcode"));
+  EXPECT_THAT(
+      MessageOf(machine + "controller: {klipper: {gcode: [G28], config: no.cfg}}"),
+      HasSubstr("there is no file no.cfg"));
+  EXPECT_THAT(
+      MessageOf("machine: motor_stage\ncontroller: {klipper: {gcode: [G28]}}\n"),
+      HasSubstr("cannot yet be driven by Klipper's host"));
+}
+
+TEST(HostProgram, ThatIsNotThereIsSaidSo) {
+  EXPECT_THROW(HostProgram("/no/such/host"), InputError);
+}
+
+}  // namespace
+}  // namespace caltwin
