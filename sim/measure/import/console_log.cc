@@ -28,6 +28,8 @@
 #include "sim/measure/import/switch_story.h"
 #include "sim/measure/import/text_table.h"
 #include "sim/measure/import/touch_offset.h"
+#include "sim/measure/import/unmeasured_lines.h"
+#include "sim/measure/import/update_between.h"
 
 namespace caltwin {
 namespace {
@@ -131,6 +133,8 @@ class LogReader {
     offset_.Tell(&imported_);
     corner_.Tell(&imported_);
     steps_.Tell(&imported_);
+    TellUnmeasuredLines(&imported_);
+    update_.Tell(&imported_);
     reported_.Tell(&imported_);
     TellMap();
     const bool has_readings = !imported_.table.rows.empty() ||
@@ -196,6 +200,7 @@ class LogReader {
     limit_.Take(said, line.line);
     offset_.Take(said, line.line);
     corner_.Take(said);
+    update_.Take(line.text, line.line);
     const std::string lower = Lowered(line.text);
     const bool is_report = lower.find("echo:") != std::string::npos ||
                            lower.find("recv:") != std::string::npos;
@@ -206,9 +211,12 @@ class LogReader {
       if (grid_.is_whole()) AddGrid();
       grid_.Begin(line.line);
     }
-    if (said.lower == "ok" || said.lower.find("leveling grid") != std::string::npos) {
+    const bool begins_anew = grid_.EndsBefore(said);
+    if (begins_anew || said.lower == "ok" ||
+        said.lower.find("leveling grid") != std::string::npos) {
       grid_.End();
       if (grid_.is_whole()) AddGrid();
+      if (begins_anew) grid_.Begin(line.line);
     }
     if (ReadState(said, Here(line)) || grid_.Take(said, line.line) ||
         ReadTouch(line, said)) {
@@ -710,6 +718,7 @@ class LogReader {
   TouchOffset offset_;
   CornerSpeed corner_;
   StepsBetween steps_;
+  UpdateBetween update_;
   ReportedMove reported_;
   std::vector<double> heights_mm_;
   Place first_;
