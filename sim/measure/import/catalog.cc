@@ -28,6 +28,7 @@
 #include "sim/measure/import/rrf_config.h"
 #include "sim/measure/import/rrf_heightmap.h"
 #include "sim/measure/import/screw_table.h"
+#include "sim/measure/import/told_stories.h"
 
 namespace caltwin {
 namespace {
@@ -123,12 +124,15 @@ const Importer& Find(const std::string& kind) {
           fmt::format("It may be: {}", fmt::join(kinds, ", ")));
 }
 
-// Where nothing can be read, a blunder in it is an answer.
+// What a text tells that is no table of readings is told; where nothing can be read, a
+// blunder in it is an answer.
 Imported ReadOrTell(const Importer& importer,
                     const std::string& text,
                     const std::string& name,
                     const ImportOptions& options,
                     const std::vector<FileNote>& blunders) {
+  const bool asks_for_answers = options.tells_blunders && options.map.empty();
+  if (auto story = asks_for_answers ? ToldStoryIn(text) : std::nullopt) return *story;
   try {
     return importer.read(text, name, options);
   } catch (const InputError&) {
