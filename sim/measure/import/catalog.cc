@@ -18,6 +18,7 @@
 #include "sim/measure/import/import.h"
 #include "sim/measure/import/iso230_dat.h"
 #include "sim/measure/import/kinds/klipper_delta.h"
+#include "sim/measure/import/kinds/told_delta.h"
 #include "sim/measure/import/klipper_thermal.h"
 #include "sim/measure/import/map.h"
 #include "sim/measure/import/named_heights.h"
@@ -193,6 +194,7 @@ Imported ImportText(const std::string& kind,
                                              : std::vector<FileNote>();
   Imported imported = ReadOrTell(importer, text, name, options, blunders);
   imported.notes.insert(imported.notes.begin(), blunders.begin(), blunders.end());
+  if (options.tells_blunders && !options.has_machine) TellOfDelta(text, &imported);
   imported.has_unit |= importer.has_unit || !options.unit.empty();
   std::int64_t number = 0;
   for (Row& row : imported.table.rows) row.row = ++number;
