@@ -18,6 +18,7 @@
 #include "sim/measure/import/console_settings.h"
 #include "sim/measure/import/console_story.h"
 #include "sim/measure/import/corner_speed.h"
+#include "sim/measure/import/drive_steps.h"
 #include "sim/measure/import/fields.h"
 #include "sim/measure/import/grbl_story.h"
 #include "sim/measure/import/plain_table.h"
@@ -142,6 +143,7 @@ class LogReader {
                               !imported_.levelling.differences_mm.empty();
     if (!has_readings) ReadTableBelow(options);
     if (is_table_) grbl_.TellIdle(&imported_);
+    drive_.Tell(&imported_);
     AddDifferences();
     AddCalibrations();
     if (imported_.table.rows.empty() && imported_.machine_yaml.empty() &&
@@ -166,9 +168,14 @@ class LogReader {
   void ReadTableBelow(const ImportOptions& options) {
     const std::string found = TableInText(text_);
     const bool is_marked_up = WithoutMarkup(text_) != text_;
-    if (found.empty() && !is_marked_up) return;
+    // As ReadPlainTable: where sentences say more than one thing, no table does.
+    constexpr long kFewest = 8;
+    const std::string sentences = SentencesAsTable(text_);
+    const bool are_sentences = std::ranges::count(sentences, ',') >= kFewest;
+    if (found.empty() && !is_marked_up && !are_sentences) return;
+    const bool is_of_text = is_marked_up || are_sentences;
     try {
-      Imported table = ReadPlainTable(is_marked_up ? text_ : found, name_, options);
+      Imported table = ReadPlainTable(is_of_text ? text_ : found, name_, options);
       imported_.table = std::move(table.table);
       imported_.header = std::move(table.header);
       imported_.assumed = std::move(table.assumed);
@@ -205,6 +212,7 @@ class LogReader {
     const bool is_report = lower.find("echo:") != std::string::npos ||
                            lower.find("recv:") != std::string::npos;
     steps_.Take(said, line.line, is_report);
+    drive_.Take(said, line.line);
     reported_.Take(said);
     if (grids_.contains(line.line)) {
       grid_.End();
@@ -718,6 +726,7 @@ class LogReader {
   TouchOffset offset_;
   CornerSpeed corner_;
   StepsBetween steps_;
+  DriveSteps drive_;
   UpdateBetween update_;
   ReportedMove reported_;
   std::vector<double> heights_mm_;
