@@ -136,14 +136,16 @@ std::optional<Imported> SpeedsByPulsesIn(const std::string& text) {
   constexpr double kAlike = 0.03, kRight = 0.02;
   const Seen seen = Look(text);
   const std::vector<double> products = PulsesAMinute(seen);
-  if (products.size() < 2 || !Known(seen.written_pulses) || !Known(Wanted_rpm(seen)))
-    return std::nullopt;
+  const double wanted_rpm = Wanted_rpm(seen);
+  const bool is_told = std::isfinite(wanted_rpm) && wanted_rpm > 0 &&
+                       std::isfinite(seen.written_pulses) && seen.written_pulses > 0;
+  if (products.size() < 2 || !is_told) return std::nullopt;
   const auto [least, most] = std::ranges::minmax(products);
   if (most > (1 + kAlike) * least) return std::nullopt;
   double mean = 0;
   for (const double product : products)
     mean += product / static_cast<double>(products.size());
-  const double factor = mean / seen.written_pulses / Wanted_rpm(seen);
+  const double factor = mean / seen.written_pulses / wanted_rpm;
   if (std::abs(factor - 1) < kRight) return std::nullopt;
   Imported imported{
       .recognised = {fmt::format("speeds of a screw under {} settings of its driver",

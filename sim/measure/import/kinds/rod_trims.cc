@@ -47,6 +47,7 @@ void TakeRods(const TextLine& line, const std::string& lower, Rods* rods) {
                                           : static_cast<std::size_t>(letter - '1');
   if (!is_named || tower >= kTowers || line.words[1].text.size() > 2) return;
   const std::size_t from = lower.find(Lowered(line.words[1].text), first.size());
+  if (from == std::string::npos) return;
   for (const double mm :
        NumbersApart(std::string_view(lower).substr(from + line.words[1].text.size()))) {
     rods->measured_mm[tower].push_back(mm);
