@@ -13,6 +13,7 @@
 #include "calibration/diagnosis/diagnosis_words.h"
 #include "calibration/diagnosis/jump_size.h"
 #include "calibration/diagnosis/kinds/diagnosed_kind.h"
+#include "calibration/diagnosis/name_by_facts.h"
 #include "calibration/diagnosis/next_campaign.h"
 #include "calibration/diagnosis/nothing_found.h"
 #include "calibration/diagnosis/pitch_map.h"
@@ -374,8 +375,8 @@ std::set<std::int64_t> FarRows(const Facts& facts, Eigen::Index num_rows) {
   return may_hide && are_few ? far : std::set<std::int64_t>();
 }
 
-// Where no model found a cause, one that the numbers amount to by themselves; and where
-// they show something without a cause, that the cause is open.
+}  // namespace
+
 void NameByFacts(Diagnosis* diagnosis) {
   const bool is_named = diagnosis->verdict == DiagnosisVerdict::kNamed;
   bool is_open = !diagnosis->findings.empty() && !is_named;
@@ -426,6 +427,8 @@ void NameByFacts(Diagnosis* diagnosis) {
   diagnosis->facts.cannot.emplace_back(
       "which part of the machine does it: the numbers show what happens, not why");
 }
+
+namespace {
 
 // The answer of rows that no model is fitted to: what they say by themselves.
 Diagnosis WithoutModel(const Observed& observed, const Facts& facts) {
@@ -496,7 +499,8 @@ Diagnosis Diagnose(const Observed& as_read, const DiagnoseOptions& asked) {
   };
   const Facts facts =
       FactsOf(as_read.table(), as_read.header(), options.levelling, options.has_places);
-  if (!options.has_places || !IsForAModel(facts, as_read.num_rows())) {
+  if (!options.has_machine || !options.has_places ||
+      !IsForAModel(facts, as_read.num_rows())) {
     return WithoutModel(as_read, facts);
   }
   options.search.far_rows = FarRows(facts, as_read.num_rows());

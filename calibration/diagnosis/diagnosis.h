@@ -142,6 +142,8 @@ struct DiagnoseOptions {
   LevellingLog levelling{};  ///< Of a console, where the rows are from one.
   /// False: positions are indices of a grid; only what rows say by themselves is told.
   bool has_places = true;
+  /// False: what is assumed of the machine does not hold of it; the same.
+  bool has_machine = true;
 };
 
 /// Diagnoses rows against a machine. Throws InputError where rows lack what they must

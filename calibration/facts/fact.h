@@ -23,6 +23,7 @@ struct Fact {
   /// repeatability drift homing_scatter jump outliers plane twist form reversal
   /// cross_reversal scale known_ratio turn skew latency levelling offset contradiction
   /// agreement temperature settings wave stretch map_change tower_heights one_size
+  /// constant ratio steps
   std::string id{};
   std::string axis{};  ///< x y z or ISO 230-1 ("C0Y"); empty where there is none.
   /// A further word: of known_ratio what it is ("microsteps"), of cross_reversal the

@@ -28,21 +28,24 @@ Fact OneSize(std::size_t axis, double size_mm, const std::vector<double>& errors
   const double error_mm = average.mean;
   const double sd_mm =
       errors_mm.size() < 2 ? kUnknown : average.sd / std::sqrt(average.num);
-  return {
-      .id = "one_size",
-      .axis = kAxisNames[axis],
-      .figures = {{"change_um", UmFromMm(error_mm), UmFromMm(sd_mm)},
-                  {"size_mm", size_mm}},
-      .sentence = fmt::format(
-          "The size of {:g} mm along {} is too {} by {} ({:.2g} %). One size does "
-          "not tell a scale from a constant (walls, a first layer pressed flat, how "
-          "the calliper sits)",
-          size_mm,
-          "XYZ"[axis],
-          error_mm > 0 ? "large" : "small",
-          Known(sd_mm) ? WithSd(std::abs(error_mm), sd_mm, "mm")
-                       : fmt::format("{:.3g} mm", std::abs(error_mm)),
-          PercentFromFraction(std::abs(error_mm) / size_mm))};
+  const std::string off = Known(sd_mm) ? WithSd(std::abs(error_mm), sd_mm, "mm")
+                                       : fmt::format("{:.3g} mm", std::abs(error_mm));
+  const std::string size =
+      fmt::format("The size of {:g} mm along {} is ", size_mm, "XYZ"[axis]);
+  return {.id = "one_size",
+          .axis = kAxisNames[axis],
+          .figures = {{"change_um", UmFromMm(error_mm), UmFromMm(sd_mm)},
+                      {"size_mm", size_mm}},
+          .sentence =
+              error_mm == 0
+                  ? size + "right"
+                  : size + fmt::format(
+                               "too {} by {} ({:.2g} %). One size does not tell a "
+                               "scale from a constant (walls, a first layer pressed "
+                               "flat, how the calliper sits)",
+                               error_mm > 0 ? "large" : "small",
+                               off,
+                               PercentFromFraction(std::abs(error_mm) / size_mm))};
 }
 
 }  // namespace

@@ -107,7 +107,8 @@ void AddTwist(const SheetFit& fit, const SpotNoise& noise, Facts* facts) {
       "Two opposite corners stand {} higher than the other two ({}): a twist, which no "
       "plane, no three screws and no tilt removes. Either the gantry is racked or "
       "bends "
-      "(its two sides are not parallel), or the bed itself is twisted{}",
+      "(its two sides are not parallel), or the bed itself is twisted; on a delta the "
+      "towers stand at other angles than the firmware has{}",
       WithSd(2 * std::abs(twist_mm), 2 * sd_mm, "mm"),
       twist_mm > 0
           ? "front left and rear right, where X and Y run to the right and to the rear"
@@ -181,7 +182,7 @@ void AddForm(const Sheet& sheet,
            is_there
                ? fmt::format("Beside its plane the surface is uneven by {} um from "
                              "lowest to highest ({} um rms), where a touch {} {} um: a "
-                             "shape that is there, for a mesh to take out",
+                             "shape that is there; a mesh takes it out of prints",
                              TwoDigits(UmFromMm(range_mm)),
                              TwoDigits(UmFromMm(rms_mm)),
                              Known(noise.sd_mm) ? "repeats to" : "scatters by",

@@ -19,6 +19,7 @@
 #include "calibration/diagnosis/errors_by_place.h"
 #include "calibration/diagnosis/extension.h"
 #include "calibration/diagnosis/kinds/diagnosed_kind.h"
+#include "calibration/diagnosis/name_by_facts.h"
 #include "calibration/diagnosis/pictures_json.h"
 #include "calibration/diagnosis/replay.h"
 #include "calibration/diagnosis/screw_table.h"
@@ -53,7 +54,8 @@ Judged Judge(const Data& data, const Believed& believed, const DiagnoseAsked& op
                 .min_effect_um = options.min_effect_um,
                 .progress = [&](const std::string& text) { progress.Show(text); },
                 .levelling = data.levelling,
-                .has_places = data.has_places});
+                .has_places = data.has_places,
+                .has_machine = data.told_kind.empty() || !believed.file.empty()});
   return judged;
 }
 
@@ -186,8 +188,36 @@ void CheckSparesOfDiagnose(const DiagnoseAsked& options, const Believed& believe
                 RowsAndHeader("--record", options.record)}));
 }
 
+// The figures of a note.
+std::optional<Fact> FactOf(const FileNote& note) {
+  if (note.fact.empty()) return std::nullopt;
+  Fact fact{.id = note.fact,
+            .axis = note.axis,
+            .word = note.word,
+            .sentence = note.sentence,
+            .is_answer = true};
+  for (const NoteFigure& figure : note.figures)
+    fact.figures.push_back({figure.key, figure.value, figure.sd});
+  fact.cause = note.cause;
+  fact.cause_axis = note.axis;
+  for (const NoteFigure& figure : note.parameters)
+    fact.parameters.push_back({figure.key, figure.value, figure.sd});
+  return fact;
+}
+
+// Of a machine that is no gantry, what is said of gantries: the file's own fact goes
+// before one of that name, and its own advice before all.
+void LeaveOutGantries(const Data& data, Facts* facts) {
+  if (data.told_kind.empty()) return;
+  std::erase_if(facts->all, [&](const Fact& fact) {
+    return std::ranges::find(data.story, fact.id, &FileNote::fact) != data.story.end();
+  });
+  if (!data.next_sentence.empty()) facts->next.clear();
+}
+
 // What a file says beyond its readings, as facts.
 void AddStory(const Data& data, Facts* facts) {
+  LeaveOutGantries(data, facts);
   std::vector<Fact> found;
   bool is_told = false;
   for (const FileNote& note : data.story) {
@@ -196,21 +226,13 @@ void AddStory(const Data& data, Facts* facts) {
       facts->cannot.push_back(note.sentence);
       continue;
     }
+    if (auto fact = FactOf(note)) found.push_back(std::move(*fact));
+    if (note.kind == FileNote::Kind::kFact) continue;
     const bool is_setting = note.kind == FileNote::Kind::kSetting;
     // What the file itself says goes before what a ratio suggests.
     if (!is_told) {
       is_told = true;
       facts->not_the_machine = {is_setting ? "settings" : note.what, note.sentence};
-    }
-    if (!note.fact.empty()) {
-      Fact fact{.id = note.fact,
-                .axis = note.axis,
-                .word = note.word,
-                .sentence = note.sentence,
-                .is_answer = true};
-      for (const NoteFigure& figure : note.figures)
-        fact.figures.push_back({figure.key, figure.value, figure.sd});
-      found.push_back(std::move(fact));
     }
     if (!is_setting) continue;
     found.push_back({.id = "settings",
@@ -223,7 +245,9 @@ void AddStory(const Data& data, Facts* facts) {
   if (!data.next_instrument.empty()) {
     facts->next.insert(
         facts->next.begin(),
-        {data.next_instrument, "measure that with a " + data.next_instrument});
+        {data.next_instrument,
+         data.next_sentence.empty() ? "measure that with a " + data.next_instrument
+                                    : data.next_sentence});
   }
 }
 
@@ -231,6 +255,9 @@ void AddStory(const Data& data, Facts* facts) {
 int TellSettings(const DiagnoseAsked& options, const Data& data) {
   Diagnosis diagnosis{.remarks = data.notes, .has_model = false};
   AddStory(data, &diagnosis.facts);
+  const bool is_named = std::ranges::any_of(
+      data.story, [](const FileNote& note) { return !note.cause.empty(); });
+  if (is_named) NameByFacts(&diagnosis);
   if (data.story.empty()) {
     throw InputError(
         {.file = options.file},
@@ -261,6 +288,7 @@ int RunDiagnose(DiagnoseAsked options) {
   CheckLoop(options.file, options.closed_loop, options.record);
   Data data;
   if (options.step_mm > 0) options.import.step_mm = options.step_mm;
+  options.import.has_machine = !options.machine.empty();
   if (!options.file.empty()) data = ReadData(options.file, options.import);
   if (!options.file.empty() && data.table.rows.empty())
     return TellSettings(options, data);

@@ -40,6 +40,8 @@ Data ImportedData(const std::string& kind,
       .story = std::move(imported.notes),
       .levelling = std::move(imported.levelling),
       .next_instrument = std::move(imported.next_instrument),
+      .next_sentence = std::move(imported.next_sentence),
+      .told_kind = std::move(imported.told_kind),
       .has_places = imported.has_places,
       .known = {.has_unit = imported.has_unit, .is_deviation = imported.is_deviation}};
   for (const std::string& found : imported.recognised) {

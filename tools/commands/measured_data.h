@@ -21,8 +21,9 @@ struct Data {
   std::string machine_yaml{};     ///< A machine's text, where the file knows one.
   std::vector<FileNote> story{};  ///< What the file says beyond its readings.
   LevellingLog levelling{};
-  std::string next_instrument{};
-  bool has_places = true;  ///< False: positions are indices.
+  std::string next_instrument{}, next_sentence{};
+  std::string told_kind{};  ///< Imported::told_kind.
+  bool has_places = true;   ///< False: positions are indices.
   KnownOfRows known{};
 };
 

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <map>
+#include <set>
 #include <vector>
 
 #include <fmt/format.h>
@@ -22,6 +23,20 @@ class Seeker {
   /// Either may be null.
   Seeker(std::string name, Faults* faults, std::vector<FileNote>* notes)
       : name_(std::move(name)), faults_(faults), notes_(notes) {}
+
+  /// Where the same measures gave sane arms elsewhere in the text, it was the software.
+  void End() {
+    if (!has_sane_arms_ || is_entered_anew_ || notes_ == nullptr) return;
+    for (const std::size_t i : runaways_) {
+      FileNote& note = (*notes_)[i];
+      note.what = "firmware";
+      note.sentence =
+          note.sentence.substr(0, note.sentence.find(" What was entered")) +
+          " The same measures gave arms that can be elsewhere in this file, "
+          "so what was entered is right: the software that fitted it here "
+          "is at fault. Use the other result, and update this one";
+    }
+  }
 
   void Look(const TextLine& line) {
     if (line.words.front().text == "DELTA_ANALYZE") LookAtLists(line);
@@ -55,6 +70,7 @@ class Seeker {
       if (equals == std::string::npos) continue;
       const std::string key = word.text.substr(0, equals);
       const std::string list = word.text.substr(equals + 1);
+      is_entered_anew_ |= !keys_.insert(key).second;
       if (list.find(',') == std::string::npos) continue;
       const auto [first, is_new] = name_of_list_.emplace(list, key);
       if (is_new || first->second == key) continue;
@@ -134,7 +150,10 @@ class Seeker {
     if (arms_mm_.size() != kTowers) return;
     const auto [least, most] = std::ranges::minmax(arms_mm_);
     arms_mm_.clear();
-    if (!(most > kMostApart * std::abs(least))) return;
+    const bool is_sane = !(most > kMostApart * std::abs(least));
+    has_sane_arms_ |= is_sane;
+    if (is_sane) return;
+    if (notes_ != nullptr) runaways_.push_back(notes_->size());
     Add(line,
         fmt::format("the arms are fitted to be {:.0f} to {:.0f} mm long", least, most),
         "no printer's arms differ so: the fit ran away, and none of its numbers is the "
@@ -166,6 +185,11 @@ class Seeker {
   std::map<std::string, std::string> name_of_list_;
   bool has_height_ = false;
   std::vector<double> arms_mm_{};
+  /// @name Several fits of one set of measures
+  std::set<std::string> keys_{};  ///< Of what was entered.
+  bool is_entered_anew_ = false;
+  bool has_sane_arms_ = false;
+  std::vector<std::size_t> runaways_{};  ///< Notes of fits that ran away.
 };
 
 }  // namespace
@@ -181,6 +205,7 @@ std::vector<FileNote> BlundersIn(const std::string& text, const std::string& nam
   std::vector<FileNote> notes;
   Seeker seeker(name, nullptr, &notes);
   for (const TextLine& line : LinesOf(text)) seeker.Look(line);
+  seeker.End();
   return notes;
 }
 

@@ -18,6 +18,7 @@
 #include "sim/measure/import/import.h"
 #include "sim/measure/import/iso230_dat.h"
 #include "sim/measure/import/kinds/klipper_delta.h"
+#include "sim/measure/import/kinds/told_delta.h"
 #include "sim/measure/import/klipper_thermal.h"
 #include "sim/measure/import/map.h"
 #include "sim/measure/import/named_heights.h"
@@ -28,6 +29,7 @@
 #include "sim/measure/import/rrf_config.h"
 #include "sim/measure/import/rrf_heightmap.h"
 #include "sim/measure/import/screw_table.h"
+#include "sim/measure/import/told_stories.h"
 
 namespace caltwin {
 namespace {
@@ -123,12 +125,15 @@ const Importer& Find(const std::string& kind) {
           fmt::format("It may be: {}", fmt::join(kinds, ", ")));
 }
 
-// Where nothing can be read, a blunder in it is an answer.
+// What a text tells that is no table of readings is told; where nothing can be read, a
+// blunder in it is an answer.
 Imported ReadOrTell(const Importer& importer,
                     const std::string& text,
                     const std::string& name,
                     const ImportOptions& options,
                     const std::vector<FileNote>& blunders) {
+  const bool asks_for_answers = options.tells_blunders && options.map.empty();
+  if (auto story = asks_for_answers ? ToldStoryIn(text) : std::nullopt) return *story;
   try {
     return importer.read(text, name, options);
   } catch (const InputError&) {
@@ -189,6 +194,7 @@ Imported ImportText(const std::string& kind,
                                              : std::vector<FileNote>();
   Imported imported = ReadOrTell(importer, text, name, options, blunders);
   imported.notes.insert(imported.notes.begin(), blunders.begin(), blunders.end());
+  if (options.tells_blunders && !options.has_machine) TellOfDelta(text, &imported);
   imported.has_unit |= importer.has_unit || !options.unit.empty();
   std::int64_t number = 0;
   for (Row& row : imported.table.rows) row.row = ++number;

@@ -36,6 +36,19 @@ bool LooksLikeRow(std::string_view text) {
          text.find('.') != std::string_view::npos;
 }
 
+// The words of a line, where all of them count up from 0 or 1.
+std::size_t NumbersCounted(std::string_view text) {
+  if (text.find_first_not_of("0123456789 \t") != std::string_view::npos) return 0;
+  std::size_t num = 0;
+  const std::vector<double> numbers = NumbersApart(text);
+  for (const double number : numbers) {
+    const double counted = numbers.front() + static_cast<double>(num);
+    if (number != counted || numbers.front() > 1) return 0;
+    ++num;
+  }
+  return num;
+}
+
 }  // namespace
 
 std::vector<double> GridHeightsIn(std::string_view text) {
@@ -71,6 +84,17 @@ std::optional<ConsoleGrid::Corners> ConsoleGrid::CornersOf(const ConsoleLine& li
   return Corners{*left, *right};
 }
 
+bool ConsoleGrid::EndsBefore(const ConsoleLine& line) const {
+  if (upper_ || rows_.size() < 2) return false;
+  const std::size_t num_columns = rows_.front().second.size();
+  if (NumbersCounted(line.text) == num_columns) return true;
+  // Row 0 once more.
+  if (!is_numbered_ || !LooksLikeRow(line.text)) return false;
+  const std::vector<double> numbers = GridHeightsIn(line.text);
+  return numbers.size() == num_columns + 1 && numbers.front() == 0 &&
+         line.text.starts_with("0 ");
+}
+
 bool ConsoleGrid::Take(const ConsoleLine& line, int number) {
   const auto corners = CornersOf(line);
   if (corners) {
@@ -98,6 +122,7 @@ bool ConsoleGrid::Take(const ConsoleLine& line, int number) {
   const bool is_numbered = !upper_ && line.text.find('|') == std::string_view::npos &&
                            heights_mm[0] == static_cast<double>(rows_.size());
   if (is_numbered) heights_mm.erase(heights_mm.begin());
+  is_numbered_ |= is_numbered && rows_.empty();
   rows_.emplace_back(number, heights_mm);
   return true;
 }

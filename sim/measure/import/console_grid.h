@@ -27,6 +27,10 @@ class ConsoleGrid {
   /// Takes the line where it belongs to a mesh.
   bool Take(const ConsoleLine& line, int number);
 
+  /// Whether the line begins another mesh: the numbers of the columns or of the rows
+  /// begin anew.
+  bool EndsBefore(const ConsoleLine& line) const;
+
   /// A mesh begins there whose heights say so by themselves.
   void Begin(int number) {
     if (lost_line_ == 0) lost_line_ = number;
@@ -48,6 +52,7 @@ class ConsoleGrid {
   std::optional<Corners> upper_{}, lower_{};
   std::vector<std::pair<int, std::vector<double>>> rows_{};  ///< Line; kUnknown: none.
   bool is_whole_ = false;
+  bool is_numbered_ = false;  ///< Rows begin with their number.
   int lost_line_ = 0;
 };
 

@@ -18,6 +18,7 @@
 #include "sim/measure/import/console_settings.h"
 #include "sim/measure/import/console_story.h"
 #include "sim/measure/import/corner_speed.h"
+#include "sim/measure/import/drive_steps.h"
 #include "sim/measure/import/fields.h"
 #include "sim/measure/import/grbl_story.h"
 #include "sim/measure/import/plain_table.h"
@@ -28,6 +29,8 @@
 #include "sim/measure/import/switch_story.h"
 #include "sim/measure/import/text_table.h"
 #include "sim/measure/import/touch_offset.h"
+#include "sim/measure/import/unmeasured_lines.h"
+#include "sim/measure/import/update_between.h"
 
 namespace caltwin {
 namespace {
@@ -131,6 +134,8 @@ class LogReader {
     offset_.Tell(&imported_);
     corner_.Tell(&imported_);
     steps_.Tell(&imported_);
+    TellUnmeasuredLines(&imported_);
+    update_.Tell(&imported_);
     reported_.Tell(&imported_);
     TellMap();
     const bool has_readings = !imported_.table.rows.empty() ||
@@ -138,6 +143,7 @@ class LogReader {
                               !imported_.levelling.differences_mm.empty();
     if (!has_readings) ReadTableBelow(options);
     if (is_table_) grbl_.TellIdle(&imported_);
+    drive_.Tell(&imported_);
     AddDifferences();
     AddCalibrations();
     if (imported_.table.rows.empty() && imported_.machine_yaml.empty() &&
@@ -162,9 +168,14 @@ class LogReader {
   void ReadTableBelow(const ImportOptions& options) {
     const std::string found = TableInText(text_);
     const bool is_marked_up = WithoutMarkup(text_) != text_;
-    if (found.empty() && !is_marked_up) return;
+    // As ReadPlainTable: where sentences say more than one thing, no table does.
+    constexpr long kFewest = 8;
+    const std::string sentences = SentencesAsTable(text_);
+    const bool are_sentences = std::ranges::count(sentences, ',') >= kFewest;
+    if (found.empty() && !is_marked_up && !are_sentences) return;
+    const bool is_of_text = is_marked_up || are_sentences;
     try {
-      Imported table = ReadPlainTable(is_marked_up ? text_ : found, name_, options);
+      Imported table = ReadPlainTable(is_of_text ? text_ : found, name_, options);
       imported_.table = std::move(table.table);
       imported_.header = std::move(table.header);
       imported_.assumed = std::move(table.assumed);
@@ -196,19 +207,24 @@ class LogReader {
     limit_.Take(said, line.line);
     offset_.Take(said, line.line);
     corner_.Take(said);
+    update_.Take(line.text, line.line);
     const std::string lower = Lowered(line.text);
     const bool is_report = lower.find("echo:") != std::string::npos ||
                            lower.find("recv:") != std::string::npos;
     steps_.Take(said, line.line, is_report);
+    drive_.Take(said, line.line);
     reported_.Take(said);
     if (grids_.contains(line.line)) {
       grid_.End();
       if (grid_.is_whole()) AddGrid();
       grid_.Begin(line.line);
     }
-    if (said.lower == "ok" || said.lower.find("leveling grid") != std::string::npos) {
+    const bool begins_anew = grid_.EndsBefore(said);
+    if (begins_anew || said.lower == "ok" ||
+        said.lower.find("leveling grid") != std::string::npos) {
       grid_.End();
       if (grid_.is_whole()) AddGrid();
+      if (begins_anew) grid_.Begin(line.line);
     }
     if (ReadState(said, Here(line)) || grid_.Take(said, line.line) ||
         ReadTouch(line, said)) {
@@ -710,6 +726,8 @@ class LogReader {
   TouchOffset offset_;
   CornerSpeed corner_;
   StepsBetween steps_;
+  DriveSteps drive_;
+  UpdateBetween update_;
   ReportedMove reported_;
   std::vector<double> heights_mm_;
   Place first_;

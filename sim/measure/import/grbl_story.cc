@@ -40,6 +40,7 @@ bool Has(const ConsoleLine& line, std::string_view word) {
 }  // namespace
 
 void GrblStory::Take(const ConsoleLine& line) {
+  if (Has(line, "g90")) is_relative_ = false;
   if (Has(line, "g91")) is_relative_ = true;
   TakeExtents(line);
   idle_ms_ = GrblSetting(line, 1).value_or(idle_ms_);
@@ -52,9 +53,9 @@ void GrblStory::Take(const ConsoleLine& line) {
     if (steps && SettingsInForce::kSteps_per_mm.Contains(*steps))
       steps_per_mm_[k] = *steps;
   }
+  if (const auto zero_mm = TripleAfter(line.lower, "[g54:")) work_zero_mm_ = *zero_mm;
   if (line.lower.find("g38.") != std::string::npos) {
-    for (std::size_t k = 0; k < 3; ++k)
-      is_probed_[k] |= WordOf(line, kAxisLetters[k]).has_value();
+    TakeProbingMove(line);
   } else if (Has(line, "g10") && Has(line, "l20")) {
     zero_mm_ = WordOf(line, 'z').value_or(kUnknown);
   } else if (Has(line, "g0") || Has(line, "g1") || Has(line, "g00") ||
@@ -65,16 +66,33 @@ void GrblStory::Take(const ConsoleLine& line) {
   } else if (line.lower.find("mpos:") != std::string::npos) {
     TakeStatus(line);
   }
-  if (Has(line, "g90")) is_relative_ = false;
+}
+
+void GrblStory::TakeProbingMove(const ConsoleLine& line) {
+  std::size_t num = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto value_mm = WordOf(line, kAxisLetters[k]);
+    if (!value_mm) continue;
+    is_probed_[k] = true;
+    to_mm_[k] = kUnknown;
+    ++num;
+    probed_axis_ = k;
+    probed_sense_ = std::copysign(1.0, *value_mm);
+    probed_to_mm_ = is_relative_ ? kUnknown : *value_mm + work_zero_mm_[k];
+  }
+  if (num != 1) probed_sense_ = 0;
+  probing_mm_min_ = WordOf(line, 'f').value_or(kUnknown);
 }
 
 void GrblStory::TakeMove(const ConsoleLine& line) {
+  probed_sense_ = 0;
   for (std::size_t k = 0; k < 3; ++k) {
     // WordOf needs a word before the letter: "g91 x1".
     const auto value_mm = WordOf(line, kAxisLetters[k]);
     if (!value_mm) continue;
     told_mm_[k] += is_relative_ ? *value_mm : kUnknown;
     since_probe_mm_[k] += is_relative_ ? *value_mm : kUnknown;
+    to_mm_[k] = is_relative_ ? kUnknown : *value_mm;
   }
 }
 
@@ -87,7 +105,12 @@ void GrblStory::TakeProbing(const ConsoleLine& line) {
     if (is_told && Known(probe_[k])) {
       probings_.push_back({k, since_probe_mm_[k], (*at)[k] - probe_[k], (*at)[k]});
     }
+    if (Known(to_mm_[k]))
+      places_.push_back({k, to_mm_[k] + work_zero_mm_[k], (*at)[k], (*at)[k]});
   }
+  // What is told in absolute places lies beyond the contact.
+  if (Known(probed_to_mm_) && probed_sense_ != 0)
+    probed_sense_ = std::copysign(1.0, probed_to_mm_ - (*at)[probed_axis_]);
   probe_ = *at;
   touch_mm_ = (*at)[2];
   since_probe_mm_ = {};
@@ -97,6 +120,7 @@ void GrblStory::TakeProbing(const ConsoleLine& line) {
 void GrblStory::TakeStatus(const ConsoleLine& line) {
   const auto at_mm = TripleAfter(line.lower, "mpos:");
   if (!at_mm) return;
+  TakeRest(*at_mm);
   for (std::size_t k = 0; k < 3; ++k) {
     const bool is_moved =
         Known(reported_mm_[k]) && Known(told_mm_[k]) && told_mm_[k] != 0;
@@ -111,6 +135,19 @@ void GrblStory::TakeStatus(const ConsoleLine& line) {
     zeros_mm_.push_back((*zero_mm)[2] + zero_mm_ - touch_mm_);
     zero_mm_ = touch_mm_ = kUnknown;
   }
+}
+
+// Where it stands, the first time after it touched.
+void GrblStory::TakeRest(const std::array<double, 3>& at_mm) {
+  constexpr double kSame_mm = 2e-3;
+  const bool was_probed = probed_sense_ != 0 && Known(probe_[probed_axis_]);
+  for (std::size_t k = 0; was_probed && k < 3; ++k) {
+    // Another zero than the report's.
+    if (k != probed_axis_ && std::abs(at_mm[k] - probe_[k]) > kSame_mm) return;
+  }
+  if (was_probed && !is_probed_[probed_axis_])
+    beyond_mm_.push_back((at_mm[probed_axis_] - probe_[probed_axis_]) * probed_sense_);
+  probed_sense_ = 0;
 }
 
 // "X 0.000 mm 91.486 mm 91.486 mm" of a sender, "probed 3/12> 2.401 0.000 0.006".
@@ -164,7 +201,9 @@ void GrblStory::Tell(Imported* imported) const {
   TellExtents(imported);
   TellUnit(imported);
   TellZero(imported);
+  TellRest(imported);
   TellSteps(imported);
+  TellPlaces(imported);
 }
 
 void GrblStory::TellIdle(Imported* imported) const {
@@ -194,40 +233,6 @@ void GrblStory::TellIdle(Imported* imported) const {
            "are not in question",
            idle_ms_,
            idle_ms_)});
-}
-
-// Positions are kept in steps and told in mm: none is off by more than half a step.
-void GrblStory::TellSteps(Imported* imported) const {
-  constexpr double kPrinted_mm = 1e-3, kSame_mm = 4e-4;
-  std::size_t num_rounded = 0;
-  const Reported* worst = nullptr;
-  for (const Reported& move : moves_) {
-    const double step_mm = 1 / steps_per_mm_[move.axis];
-    if (!Known(step_mm)) return;
-    const double off_mm = std::abs(move.moved_mm - move.told_mm);
-    const double whole_mm = std::round(move.at_mm / step_mm) * step_mm;
-    if (off_mm > step_mm + kPrinted_mm || std::abs(whole_mm - move.at_mm) > kPrinted_mm)
-      return;
-    num_rounded += off_mm > kSame_mm ? 1 : 0;
-    if (worst == nullptr || off_mm > std::abs(worst->moved_mm - worst->told_mm))
-      worst = &move;
-  }
-  if (num_rounded < 2) return;
-  const double steps = steps_per_mm_[worst->axis];
-  imported->notes.push_back(
-      {.kind = FileNote::Kind::kElsewhere,
-       .what = "settings",
-       .sentence = fmt::format(
-           "The position is a whole number of steps: at {:g} steps/mm one step is "
-           "{:.3g} "
-           "um, and a move of {:g} mm is {:g} steps. What is reported is never off by "
-           "more "
-           "than half a step and does not add up. Nothing is wrong; more steps/mm, if "
-           "that matters",
-           steps,
-           UmFromMm(1 / steps),
-           worst->told_mm,
-           worst->told_mm * steps)});
 }
 
 void GrblStory::TellUnit(Imported* imported) const {

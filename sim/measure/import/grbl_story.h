@@ -9,8 +9,8 @@
 namespace caltwin {
 
 /// What a console of grbl tells of its own arithmetic: positions rounded to whole
-/// steps, probings reported in inches, a zero set where the axis came to rest in place
-/// of where it touched. None of them is the machine's fault.
+/// steps, probings reported in inches, a rest beyond the contact, a zero set where the
+/// axis came to rest in place of where it touched. None of them is the machine's fault.
 class GrblStory {
  public:
   void Take(const ConsoleLine& line);
@@ -20,6 +20,7 @@ class GrblStory {
 
  private:
   void TakeMove(const ConsoleLine& line);
+  void TakeProbingMove(const ConsoleLine& line);
   void TakeProbing(const ConsoleLine& line);
   void TakeStatus(const ConsoleLine& line);
   void TakeExtents(const ConsoleLine& line);
@@ -27,6 +28,9 @@ class GrblStory {
   void TellSteps(Imported* imported) const;
   void TellUnit(Imported* imported) const;
   void TellZero(Imported* imported) const;
+  void TellPlaces(Imported* imported) const;
+  void TellRest(Imported* imported) const;
+  void TakeRest(const std::array<double, 3>& at_mm);
 
   /// A move between two reports of the position: told and reported [mm].
   struct Reported {
@@ -49,6 +53,15 @@ class GrblStory {
   std::vector<Reported> moves_{};
   std::vector<Reported> probings_{};  ///< `moved_mm` as reported, unit unknown.
   std::vector<double> zeros_mm_{};    ///< Zero less touch.
+  /// Where the last G0 or G1 was told to go; kUnknown: relative, or by a probing.
+  std::array<double, 3> to_mm_{kUnknown, kUnknown, kUnknown};
+  std::array<double, 3> work_zero_mm_{};  ///< G54.
+  std::vector<Reported> places_{};        ///< Told and reported places of touches.
+  std::size_t probed_axis_ = 2;
+  double probed_sense_ = 0;         ///< Of the last G38; 0: not known, or it is over.
+  double probed_to_mm_ = kUnknown;  ///< Where it was to end; kUnknown: relative.
+  double probing_mm_min_ = kUnknown;
+  std::vector<double> beyond_mm_{};  ///< Rest less contact, along the probing.
 };
 
 }  // namespace caltwin

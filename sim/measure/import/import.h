@@ -23,6 +23,7 @@ struct ImportOptions {
   std::vector<std::string> map{};  ///< `value_mm=dev[um]` (sim/measure/import/map.h).
   /// Known blunders of people and firmware become notes, and no refusal.
   bool tells_blunders = false;
+  bool has_machine = false;  ///< One is named: the text need not say what it is.
 };
 
 /// A figure of a note. The key ends in its unit: "change_um".
@@ -38,6 +39,7 @@ struct FileNote {
     kSetting,    ///< A value in a configuration that cannot be right. what: the key.
     kOpen,       ///< What these figures do not determine. what: its name.
     kElsewhere,  ///< Why it is not the machine. what: firmware, file ...
+    kFact,       ///< What its figures show.
   };
   Kind kind = Kind::kSetting;
   std::string what{};
@@ -48,6 +50,8 @@ struct FileNote {
   std::string fact{};  ///< "offset", "known_ratio"; empty: no figures.
   std::string axis{}, word{};
   std::vector<NoteFigure> figures{};
+  std::string cause{};  ///< That they amount to, as in the catalogue; empty: none.
+  std::vector<NoteFigure> parameters{};  ///< Of the cause.
 };
 
 /// One round of a levelling command: what each motor was moved by before the touches of
@@ -77,6 +81,10 @@ struct Imported {
   std::vector<FileNote> notes{};          ///< Of the configuration or story in it.
   LevellingLog levelling{};
   std::string next_instrument{};  ///< What would tell the open ones; empty: not said.
+  std::string next_sentence{};    ///< How to use it; empty: "measure that with a ...".
+  /// The kind of machine that the text speaks of without its geometry; empty: none.
+  /// What is assumed of a gantry does not hold of it.
+  std::string told_kind{};
   bool has_places =
       true;  ///< False: positions are indices, of use among themselves only.
   bool has_unit = false;  ///< The format, or a person, says the unit of the readings.

@@ -127,6 +127,9 @@ void AddToldAndRead(const std::string& line, int number, std::vector<Said>* said
   }
 }
 
+constexpr std::array<std::string_view, 8> kMovedWords = {
+    "measured", "moved", "moves", "travelled", "travels", "goes", "went", "got"};
+
 /// A move that a line of G-code tells, "g1x100" or "G0 X100 F500".
 struct Told {
   int line = 0;
@@ -151,9 +154,7 @@ std::optional<Told> MoveIn(const std::string& line, int number) {
 
 // "measured: 51.66mm": one size behind the word.
 std::optional<double> MeasuredIn(const std::string& line) {
-  constexpr std::array<std::string_view, 4> kRead = {
-      "measured", "moved", "travelled", "got"};
-  const std::size_t at = FirstOf(line, kRead);
+  const std::size_t at = FirstOf(line, kMovedWords);
   if (at == std::string::npos) return std::nullopt;
   const std::vector<Size> sizes = SizesIn(std::string_view(line).substr(at));
   if (sizes.size() != 1) return std::nullopt;
@@ -182,7 +183,12 @@ std::string SentencesAsTable(const std::string& text) {
     const auto measured_mm = MeasuredIn(lower);
     if (move && measured_mm && line.line <= move->line + kBelow)
       said.push_back({line.line, move->axis, move->told_mm, *measured_mm});
-    move = MoveIn(lower, line.line);
+    // Both on one line: "G1 Y40   moves 20".
+    move = MoveIn(lower.substr(0, FirstOf(lower, kMovedWords)), line.line);
+    if (move && measured_mm) {
+      said.push_back({line.line, move->axis, move->told_mm, *measured_mm});
+      move.reset();
+    }
     AddToldAndRead(lower, line.line, &said);
     if (const double size_mm = CubeIn(lower); size_mm > 0) cube_mm = size_mm;
     // "X 30.05", "y: 30.15 mm"
