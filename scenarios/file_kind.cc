@@ -67,7 +67,7 @@ FileKind KindOf(const fs::path& file) {
   Faults faults;
   YamlMap map = ReadYamlFile(file, &faults);
   if (map.Has("study")) return FileKind::kStudy;
-  if (map.Has("calibrate")) return FileKind::kScenario;
+  if (map.Has("calibrate") || map.Has("controller")) return FileKind::kScenario;
   const auto campaigns = map.Optional("campaigns");
   if (campaigns && campaigns->is_list()) return FileKind::kPlan;
   if (map.Has("kinematics") || map.Has("extends")) return FileKind::kMachine;

@@ -28,7 +28,9 @@ void ReadUnderKlipper(YamlMap keys, const fs::path& folder, Scenario* scenario) 
   if (const auto config = keys.Optional("config")) {
     const fs::path file = folder / config->Text();
     std::error_code error;
-    if (fs::is_regular_file(file, error)) {
+    if (fs::is_regular_file(file, error) && fs::is_empty(file, error)) {
+      config->Fail("is an empty file", "leave it away, and one is made of the machine");
+    } else if (fs::is_regular_file(file, error)) {
       scenario->klipper->config = ReadTextFile(file, kLargestFile_bytes);
       scenario->klipper->beside = fs::absolute(file).parent_path();
     } else {

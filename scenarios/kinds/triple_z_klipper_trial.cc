@@ -23,10 +23,9 @@ Vec3<double> RaisedBy(const Machine& machine, const Motors& steps) {
   const klipper::Wiring wiring = WiringOfTripleZ(machine);
   Vec3<double> at_mm;
   for (int i = 0; i < 3; ++i) {
-    const ScrewDrawing& screw = TripleZOf(machine).screws[static_cast<std::size_t>(i)];
     const klipper::Wiring::Motor& motor =
         wiring.motors[static_cast<std::size_t>(kFirstScrew + i)];
-    const double per_mm = screw.full_steps_per_rev * screw.microsteps / screw.lead_mm;
+    const double per_mm = machine.settings.steps_per_mm[2];
     at_mm[i] = -(motor.start_steps + motor.sense * steps[kFirstScrew + i]) / per_mm;
   }
   return at_mm.array() - at_mm.mean();
@@ -74,8 +73,12 @@ double TripleZKlipperTrial::Figure(const std::string& name, const RunResult& res
 std::unique_ptr<KindTrial> BeginTripleZUnderKlipper(const TripleZScenario& triple_z,
                                                     const Scenario& scenario,
                                                     const Chance& chance) {
-  const BuiltTripleZ built =
+  BuiltTripleZ built =
       DrawTripleZ(triple_z, scenario.machine.machine, chance.seed, chance.sample);
+  // The motors' own; what the firmware believes of them stands in its printer.cfg.
+  const double believed_steps_per_mm =
+      std::exchange(built.machine.settings.steps_per_mm[2],
+                    TripleZOf(built.machine).screws[0].steps_per_mm());
   auto board = std::make_unique<klipper::PlantBoard>(
       WiringOfTripleZ(built.machine),
       std::make_unique<TripleZTwinPlant>(
@@ -84,7 +87,10 @@ std::unique_ptr<KindTrial> BeginTripleZUnderKlipper(const TripleZScenario& tripl
   if (options.config.empty()) {
     Machine believed = built.machine;
     for (std::size_t i = 0; i < kNumScrews; ++i) {
-      TripleZOf(believed).screws[i].at_mm = triple_z.believed_mm[i];
+      ScrewDrawing& screw = TripleZOf(believed).screws[i];
+      screw.at_mm = triple_z.believed_mm[i];
+      screw.lead_mm =
+          screw.full_steps_per_rev * screw.microsteps / believed_steps_per_mm;
     }
     options.config = PrinterCfgOfTripleZ(believed, "-");
   }

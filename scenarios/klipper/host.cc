@@ -125,7 +125,12 @@ class Child {
     for (const std::string& word : words)
       arguments.push_back(const_cast<char*>(word.c_str()));
     arguments.push_back(nullptr);
-    for (char** one = environ; *one != nullptr; ++one) variables.push_back(*one);
+    for (char** one = environ; *one != nullptr; ++one) {
+      const std::string_view variable(*one);
+      const bool is_ours = variable.starts_with("LD_PRELOAD=") ||
+                           variable.starts_with(klipper::kHostTimeVariable);
+      if (!is_ours) variables.push_back(*one);
+    }
     for (const std::string& one : environment) {
       variables.push_back(const_cast<char*>(one.c_str()));
     }
@@ -211,6 +216,7 @@ class KlipperHost::Parts {
   }
 
   HostAnswer Say(std::string_view line);
+  void Hear(HostAnswer* answer);
   std::string Config() const {
     return WithSerial(TextOf(config()), SerialOf("\n" + options_.config));
   }
@@ -306,13 +312,17 @@ void KlipperHost::Parts::WaitUntilReady() {
   constexpr double kPatience_s = 60, kBetween_s = 0.2;
   const double until_s = printer_s() + kPatience_s;
   for (;;) {
-    const nlohmann::json info = Info()["result"];
+    const nlohmann::json answer = Info();
+    const nlohmann::json info = answer.value("result", nlohmann::json::object());
     const std::string state = info.value("state", "");
     if (state == "ready") break;
+    const std::string says = info.value("state_message", "");
+    if (state == "error" && says.find("mcu") == std::string::npos) {
+      throw InputError({.file = "printer.cfg"},
+                       "the host does not take it: " + says.substr(0, says.find('\n')));
+    }
     if (state != "startup" || printer_s() > until_s) {
-      throw HostLost(fmt::format("the host is not ready but in {}: {}",
-                                 state,
-                                 info.value("state_message", "")));
+      throw HostLost(fmt::format("the host is not ready but in {}: {}", state, says));
     }
     const double again_s = printer_s() + kBetween_s;
     Run([&] { return printer_s() >= again_s; });
@@ -325,33 +335,60 @@ void KlipperHost::Parts::WaitUntilReady() {
   });
 }
 
+// What it prints until then, and whether it begins anew.
+void KlipperHost::Parts::Hear(HostAnswer* answer) {
+  api_.Receive();
+  for (std::string& printed : api_.TakePrinted()) {
+    if (printed.find("Klipper state: Disconnect") != std::string::npos) {
+      answer->has_restarted = true;
+    }
+    const std::size_t unknown = printed.find("Unknown command:");
+    if (unknown != std::string::npos && !answer->refusal) {
+      answer->refusal = printed.substr(unknown);
+    }
+    answer->lines.push_back(std::move(printed));
+  }
+  if (!api_.is_open()) answer->has_restarted = true;
+}
+
 HostAnswer KlipperHost::Parts::Say(std::string_view line) {
   HostAnswer answer;
+  const double until_s = printer_s() + options_.longest_s;
   const int asked = api_.Ask("gcode/script", {{"script", std::string(line)}});
+  bool is_over = false;
   Run([&] {
-    api_.Receive();
-    for (std::string& printed : api_.TakePrinted())
-      answer.lines.push_back(std::move(printed));
-    if (const auto said = api_.TakeAnswer(asked)) {
-      if (said->contains("error")) {
-        answer.refusal = (*said)["error"].value("message", said->dump());
-      }
-      return true;
+    Hear(&answer);
+    const auto said = api_.TakeAnswer(asked);
+    if (said && said->contains("error")) {
+      answer.refusal = (*said)["error"].value("message", said->dump());
     }
-    answer.has_restarted = !api_.is_open();
-    return answer.has_restarted;
+    is_over = said || !api_.is_open();
+    return is_over || printer_s() > until_s;
   });
-  // A restart that it was told to do follows its answer.
-  const double again_s = printer_s() + 0.5;
-  if (line.starts_with("SAVE_CONFIG") || line.starts_with("RESTART") ||
-      line.starts_with("FIRMWARE_RESTART")) {
+  if (!is_over) {
+    throw HostLost(fmt::format("'{}' has not ended after {} s of the printer's time",
+                               line,
+                               options_.longest_s));
+  }
+  // A stop or a restart that it was told to do follows its answer; to begin anew the host
+  // may first stop the chip.
+  constexpr double kSettles_s = 0.002, kRestarts_s = 3;
+  const auto hear_for = [&](double s) {
+    const double until_s = printer_s() + s;
+    Run([&] {
+      Hear(&answer);
+      return answer.has_restarted || printer_s() >= until_s;
+    });
+  };
+  hear_for(kSettles_s);
+  if (!answer.has_restarted && lock_step_.chip().shutdown()) hear_for(kRestarts_s);
+  if (answer.has_restarted) {
     Run([&] {
       api_.Receive();
-      answer.has_restarted = answer.has_restarted || !api_.is_open();
-      return answer.has_restarted || printer_s() >= again_s;
+      return !api_.is_open();
     });
+    WaitUntilReady();
   }
-  if (answer.has_restarted) WaitUntilReady();
   if (const auto why = lock_step_.chip().shutdown())
     answer.shut_down = std::string(*why);
   return answer;

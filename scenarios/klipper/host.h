@@ -30,6 +30,7 @@ struct KlipperHostOptions {
   std::filesystem::path log{};  ///< Where its log is kept; empty: nowhere.
   /// So long it may compute without asking for time, by the computer's clock.
   std::chrono::milliseconds patience{120'000};
+  double longest_s = 7200;  ///< One line may take, by the printer's clock.
   const std::atomic<bool>* stop = nullptr;  ///< True: HostLost.
 };
 

@@ -78,7 +78,8 @@ int HostApi::Ask(std::string_view method, const nlohmann::json& parameters) {
   const int number = next_++;
   const nlohmann::json request = {
       {"id", number}, {"method", method}, {"params", parameters}};
-  const std::string text = request.dump() + kEnd;
+  const std::string text =
+      request.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + kEnd;
   const ssize_t num = send(socket_, text.data(), text.size(), MSG_NOSIGNAL);
   if (num != static_cast<ssize_t>(text.size())) Close();
   return number;

@@ -85,6 +85,8 @@ KlipperTrial::KlipperTrial(const Machine& machine,
 }
 
 void KlipperTrial::Finish(RunResult* result) {
+  // What it was told to do last it may not have done yet.
+  if (host_.MotorsNow()) MotorsAfter({"M400"});
   result->touches = host_.touches();
   result->machine_time_s = host_.machine_time_s();
 }

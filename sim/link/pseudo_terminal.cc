@@ -42,8 +42,11 @@ void MakeLink(const std::string& target,
               const fs::path& path,
               const std::string& option) {
   std::error_code error;
-  const bool is_dangling = fs::is_symlink(path, error) && !fs::exists(path, error);
-  if (is_dangling) fs::remove(path, error);
+  // Left by one that was killed: it leads nowhere, or by chance to this new terminal.
+  const bool is_left =
+      fs::is_symlink(path, error) &&
+      (!fs::exists(path, error) || fs::read_symlink(path, error) == target);
+  if (is_left) fs::remove(path, error);
   fs::create_symlink(target, path, error);
   if (error) {
     throw InputError({},

@@ -78,10 +78,11 @@ TEST(MotorStageStop, IsTimedFromWhenTheContactOpened) {
 
     const auto moved = bench.axes.MoveTogether({kX}, 100, kSpeed_mm_s);
     const auto says = bench.axes.LastStop(kX);
+    const auto stood_s = bench.watched.stood_s();
 
     ASSERT_FALSE(moved.has_value());
-    ASSERT_TRUE(says && bench.watched.stood_s());
-    EXPECT_NEAR(says->standstill_s, *bench.watched.stood_s(), 10e-6) << part;
+    ASSERT_TRUE(says && stood_s);
+    EXPECT_NEAR(says->standstill_s, *stood_s, 10e-6) << part;
   }
 }
 

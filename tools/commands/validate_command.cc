@@ -84,7 +84,8 @@ Action DeclareValidate(CLI::App* app) {
   app->add_option("FILE", options->files, "files of any kind caltwin reads")
       ->required();
   app->footer(
-      "The kind is told by the top-level key: calibrate (scenario), kinematics or "
+      "The kind is told by the top-level key: calibrate or controller (scenario), "
+      "kinematics or "
       "extends (machine), effects or settings alone (truth), campaigns, artefacts or a "
       ".csv of "
       "the same name (data header), campaigns as a list (plan), or a .csv (measured "

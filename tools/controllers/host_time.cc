@@ -45,7 +45,6 @@ constexpr int kMostChildren = 64;
 struct Waiter {
   bool is_waiting = false;
   bool is_woken = false;  // By time or by a condition: counts as working already.
-  bool is_gone = false;
   std::int64_t deadline_ns = kNever;
   pollfd polled[kMostPolled] = {};
   int num_polled = 0;
@@ -98,7 +97,8 @@ const Real& real() {
 std::atomic<bool> is_on{false};
 std::atomic<std::int64_t> now_ns{caltwin::klipper::kHostStart_ns};
 std::atomic<std::int64_t> written_bytes{0}, read_bytes{0};
-int twin = -1;  // The socket.
+int twin = -1;               // The socket.
+std::atomic<int> line = -1;  // The terminal, once the C helper has used it.
 
 // All below are guarded by `guard`.
 pthread_mutex_t guard = PTHREAD_MUTEX_INITIALIZER;
@@ -165,8 +165,13 @@ bool IsAnyNewcomer() {
 void NoteThreadEnd(void* waiter) {
   const Guarded guarded;
   auto* const ended = static_cast<Waiter*>(waiter);
-  if (ended->is_gone) return;
-  ended->is_gone = true;
+  for (Waiter** one = &waiters; *one != nullptr; one = &(*one)->next) {
+    if (*one != ended) continue;
+    *one = ended->next;
+    break;
+  }
+  close(ended->wake);
+  delete ended;
   if (--num_working == 0) real().cond_signal(&all_wait);
 }
 
@@ -201,14 +206,19 @@ bool EndToWait(Waiter* waiter) {
 
 // ---- The thread that asks for time
 
-// Whether anything is there to read for a thread that is about to wake.
+// Whether anything is there to read for a thread that is about to wake. What was sent on
+// the line may be on its way a moment longer; where nobody listens, it is lost.
 bool IsAnyReady() {
+  bool has_listener = false;
   for (Waiter* one = waiters; one != nullptr; one = one->next) {
-    if (one->is_gone || !one->is_waiting || one->num_polled == 0) continue;
-    if (real().poll(one->polled, static_cast<nfds_t>(one->num_polled), 0) > 0)
-      return true;
+    if (!one->is_waiting || one->num_polled == 0) continue;
+    const auto num = static_cast<nfds_t>(one->num_polled);
+    if (real().poll(one->polled, num, 0) > 0) return true;
+    for (nfds_t i = 0; i < num; ++i) {
+      has_listener = has_listener || one->polled[i].fd == line;
+    }
   }
-  return read_bytes != sent_bytes;
+  return has_listener && read_bytes != sent_bytes;
 }
 
 // Where nobody waits for a time, some program is waited for that the host has started.
@@ -231,7 +241,7 @@ bool IsAnyChildAtWork() {
 std::int64_t FirstDeadline() {
   std::int64_t first = kNever;
   for (const Waiter* one = waiters; one != nullptr; one = one->next) {
-    const bool counts = !one->is_gone && one->is_waiting && one->deadline_ns < first;
+    const bool counts = one->is_waiting && one->deadline_ns < first;
     if (counts) first = one->deadline_ns;
   }
   return first;
@@ -239,7 +249,7 @@ std::int64_t FirstDeadline() {
 
 void WakeThoseDue() {
   for (Waiter* one = waiters; one != nullptr; one = one->next) {
-    const bool is_due = !one->is_gone && one->is_waiting && !one->is_woken &&
+    const bool is_due = one->is_waiting && !one->is_woken &&
                         one->condition == nullptr && one->deadline_ns <= now_ns;
     if (!is_due) continue;
     one->is_woken = true;
@@ -329,7 +339,9 @@ bool IsOfHelper(void* caller) {
 
 // The line is the one terminal that the C helper reads and writes.
 bool IsLine(int descriptor, void* caller) {
-  return is_on && IsOfHelper(caller) && isatty(descriptor) != 0;
+  if (!is_on || !IsOfHelper(caller) || isatty(descriptor) == 0) return false;
+  line = descriptor;
+  return true;
 }
 
 thread_local int looks = 0;  // Of this thread, one after another, that found nothing.
@@ -345,6 +357,21 @@ int Look(pollfd* polled, nfds_t num) {
   return ready;
 }
 
+void Sleep(std::int64_t by_ns) {
+  Waiter* const waiter = Own();
+  {
+    const Guarded guarded;
+    waiter->deadline_ns = now_ns + by_ns;
+    BeginToWait(waiter);
+  }
+  pollfd wake{.fd = waiter->wake, .events = POLLIN, .revents = 0};
+  while (real().poll(&wake, 1, -1) < 0 && errno == EINTR) {
+  }
+  EndToWait(waiter);
+  std::uint64_t once = 0;
+  if (real().read(waiter->wake, &once, sizeof once) < 0) _exit(kLostTwin);
+}
+
 }  // namespace
 
 extern "C" {
@@ -358,10 +385,17 @@ int clock_gettime(clockid_t clock, timespec* time) {
   return 0;
 }
 
-// The host sleeps where its clock does not matter: before it starts anew.
+// A sleep is a wait like another, by whole milliseconds: what of the time until then
+// the computer has used up already is chance.
 int clock_nanosleep(clockid_t clock, int flags, const timespec* time, timespec* left) {
-  if (is_on) return 0;
-  return real().clock_nanosleep(clock, flags, time, left);
+  if (!is_on) return real().clock_nanosleep(clock, flags, time, left);
+  constexpr std::int64_t kNsPerS = 1'000'000'000, kNsPerMs = 1'000'000;
+  timespec now = {};
+  if ((flags & TIMER_ABSTIME) != 0) real().clock_gettime(clock, &now);
+  const std::int64_t by_ns =
+      (time->tv_sec - now.tv_sec) * kNsPerS + time->tv_nsec - now.tv_nsec;
+  if (by_ns > 0) Sleep((by_ns + kNsPerMs - 1) / kNsPerMs * kNsPerMs);
+  return 0;
 }
 
 int poll(pollfd* polled, nfds_t num, int timeout_ms) {
@@ -421,8 +455,8 @@ int pthread_cond_signal(pthread_cond_t* condition) {
   if (is_on) {
     const Guarded guarded;
     for (Waiter* one = waiters; one != nullptr; one = one->next) {
-      const bool wakes = !one->is_gone && one->is_waiting && !one->is_woken &&
-                         one->condition == condition;
+      const bool wakes =
+          one->is_waiting && !one->is_woken && one->condition == condition;
       if (!wakes) continue;
       one->is_woken = true;
       ++num_working;

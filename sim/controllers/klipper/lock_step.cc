@@ -96,7 +96,14 @@ void LockStep::AdvanceTo(std::int64_t host_ns) {
 // nothing, time goes on until it has, or until the host waits no longer.
 Grant LockStep::Pass(const HostWaits& waits) {
   AdvanceTo(waits.now_ns);
+  // A terminal may keep bytes a moment before the other side sees them.
+  constexpr int kPatience_ms = 100, kMostLooks = 50;
   ReadLine();
+  for (int i = 0; i < kMostLooks && read_bytes_ < waits.written_bytes; ++i) {
+    pollfd line{.fd = line_, .events = POLLIN, .revents = 0};
+    poll(&line, 1, kPatience_ms);
+    ReadLine();
+  }
   const bool is_heard = !received_.empty();
   if (is_heard) chip_.Receive(std::exchange(received_, {}));
   Bytes said = chip_.TakeOutput();

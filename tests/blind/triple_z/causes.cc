@@ -14,6 +14,16 @@ std::size_t Screw(const std::string& axis) {
   return static_cast<std::size_t>(axis[1] - '1');
 }
 
+// Each named screw follows the command of the one before it.
+void SwapMotors(const std::string& axis, double, double, TzTruth* truth) {
+  int before = axis[axis.size() - 1] - '1';
+  for (std::size_t at = 1; at < axis.size(); at += 2) {
+    const int screw = axis[at] - '1';
+    truth->driver[static_cast<std::size_t>(screw)] = before;
+    before = screw;
+  }
+}
+
 std::vector<TzCause> Screws() {
   return {{.name = "screw_pitch",
            .axes = kScrews,
@@ -56,16 +66,7 @@ std::vector<TzCause> Screws() {
           {.name = "motors_swapped",
            .axes = {"z1z2", "z1z3", "z2z3", "z1z2z3", "z1z3z2"},
            .typical = 1,
-           .put =
-               [](const std::string& axis, double, double, TzTruth* truth) {
-                 // Each named screw follows the command of the one before it.
-                 int before = axis[axis.size() - 1] - '1';
-                 for (std::size_t at = 1; at < axis.size(); at += 2) {
-                   const int screw = axis[at] - '1';
-                   truth->driver[static_cast<std::size_t>(screw)] = before;
-                   before = screw;
-                 }
-               },
+           .put = SwapMotors,
            .is_whole = true},
           {.name = "missed_steps",
            .axes = kScrews,
