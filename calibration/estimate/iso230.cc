@@ -46,7 +46,7 @@ std::optional<double> MeanOf(const std::vector<double>& values) {
 
 std::optional<double> SdOf(const std::vector<double>& values) {
   if (values.size() < 2) return std::nullopt;
-  const double mean = *MeanOf(values);
+  const double mean = MeanOf(values).value();
   double squares = 0;
   for (const double value : values) squares += (value - mean) * (value - mean);
   return std::sqrt(squares / static_cast<double>(values.size() - 1));
@@ -170,7 +170,7 @@ Iso230Symbols SymbolsOf(const std::vector<Iso230Position>& positions) {
     }
     symbols.*direction.a = own_accuracy.width();
     symbols.*direction.e = own_systematic.width();
-    if (own_s.greatest()) symbols.*direction.r = 4 * *own_s.greatest();
+    if (const auto most = own_s.greatest()) symbols.*direction.r = 4 * *most;
   }
   symbols.a = accuracy.width();
   symbols.e = systematic.width();

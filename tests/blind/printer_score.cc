@@ -91,7 +91,7 @@ std::vector<Judgement> ExamineAll(const PrinterKind& printer, const Options& opt
       const bool is_wrong = line.find("WRONG") != std::string::npos ||
                             line.find("not none") != std::string::npos ||
                             !judgements[i].ran;
-      if (!options.failures_only || is_wrong) std::cout << line << std::endl;
+      if (!options.failures_only || is_wrong) std::cout << line << '\n' << std::flush;
     }
   };
   std::vector<std::thread> threads;

@@ -1,4 +1,5 @@
 #include <filesystem>
+#include <stdexcept>
 #include <string>
 
 #include <gmock/gmock.h>
@@ -51,6 +52,7 @@ class Api : public testing::Test {
     address.sun_family = AF_UNIX;
     path_.string().copy(address.sun_path, sizeof address.sun_path - 1);
     listener_ = socket(AF_UNIX, SOCK_STREAM, 0);
+    if (listener_ < 0) throw std::runtime_error("there are no sockets");
     const auto* const where = reinterpret_cast<const sockaddr*>(&address);
     EXPECT_EQ(bind(listener_, where, sizeof address), 0);
     EXPECT_EQ(listen(listener_, 1), 0);

@@ -54,7 +54,7 @@ struct Waiter {
 };
 
 // The C library's own.
-struct Real {
+struct RealCalls {
   int (*poll)(pollfd*, nfds_t, int);
   int (*clock_gettime)(clockid_t, timespec*);
   int (*clock_nanosleep)(clockid_t, int, const timespec*, timespec*);
@@ -74,8 +74,8 @@ void Find(Function* function, const char* name) {
 }
 
 // Not at load time: other libraries' beginnings may already call.
-const Real& real() {
-  static Real all;
+const RealCalls& Real() {
+  static RealCalls all;
   static const bool is_found = [] {
     Find(&all.poll, "poll");
     Find(&all.clock_gettime, "clock_gettime");
@@ -122,9 +122,10 @@ thread_local Newcomer* as_newcomer = nullptr;
 pthread_key_t at_thread_end;
 thread_local Waiter* own = nullptr;
 
-std::int64_t ComputerTime_ns() {
+// [ns]
+std::int64_t ComputerTime() {
   timespec now = {};
-  real().clock_gettime(CLOCK_MONOTONIC, &now);
+  Real().clock_gettime(CLOCK_MONOTONIC, &now);
   return now.tv_sec * 1'000'000'000 + now.tv_nsec;
 }
 
@@ -154,7 +155,7 @@ void* BeginThread(void* as) {
 // So long a newcomer is waited for, by the computer's clock.
 bool IsAnyNewcomer() {
   constexpr std::int64_t kUsual_ns = 50'000'000, kLongest_ns = 2'000'000'000;
-  const std::int64_t now = ComputerTime_ns();
+  const std::int64_t now = ComputerTime();
   for (const Newcomer& one : newcomers) {
     const std::int64_t longest_ns = one.has_paused ? kUsual_ns : kLongest_ns;
     if (one.begun_ns != 0 && now < one.begun_ns + longest_ns) return true;
@@ -172,7 +173,7 @@ void NoteThreadEnd(void* waiter) {
   }
   close(ended->wake);
   delete ended;
-  if (--num_working == 0) real().cond_signal(&all_wait);
+  if (--num_working == 0) Real().cond_signal(&all_wait);
 }
 
 Waiter* Own() {
@@ -191,7 +192,7 @@ Waiter* Own() {
 void BeginToWait(Waiter* waiter) {
   waiter->is_waiting = true;
   waiter->is_woken = false;
-  if (--num_working == 0) real().cond_signal(&all_wait);
+  if (--num_working == 0) Real().cond_signal(&all_wait);
 }
 
 // Whether it was woken by time.
@@ -206,14 +207,14 @@ bool EndToWait(Waiter* waiter) {
 
 // ---- The thread that asks for time
 
-// Whether anything is there to read for a thread that is about to wake. What was sent on
-// the line may be on its way a moment longer; where nobody listens, it is lost.
+// Whether anything is there to read for a thread that is about to wake. What was sent
+// on the line may be on its way a moment longer; where nobody listens, it is lost.
 bool IsAnyReady() {
   bool has_listener = false;
   for (Waiter* one = waiters; one != nullptr; one = one->next) {
     if (!one->is_waiting || one->num_polled == 0) continue;
     const auto num = static_cast<nfds_t>(one->num_polled);
-    if (real().poll(one->polled, num, 0) > 0) return true;
+    if (Real().poll(one->polled, num, 0) > 0) return true;
     for (nfds_t i = 0; i < num; ++i) {
       has_listener = has_listener || one->polled[i].fd == line;
     }
@@ -255,7 +256,7 @@ void WakeThoseDue() {
     one->is_woken = true;
     ++num_working;
     const std::uint64_t once = 1;
-    if (real().write(one->wake, &once, sizeof once) < 0) _exit(kLostTwin);
+    if (Real().write(one->wake, &once, sizeof once) < 0) _exit(kLostTwin);
   }
 }
 
@@ -263,8 +264,9 @@ void WakeThoseDue() {
 void Exchange(void* bytes, std::size_t size, bool sends) {
   auto* at = static_cast<char*>(bytes);
   while (size > 0) {
-    const ssize_t num =
-        sends ? send(twin, at, size, MSG_NOSIGNAL) : recv(twin, at, size, 0);
+    // Guarded on purpose: no thread may go on before it is known what time it is.
+    const ssize_t num = sends ? send(twin, at, size, MSG_NOSIGNAL)
+                              : recv(twin, at, size, 0);  // NOLINT(clang-analyzer-*)
     if (num < 0 && errno == EINTR) continue;
     if (num <= 0) _exit(kLostTwin);
     at += num;
@@ -274,7 +276,7 @@ void Exchange(void* bytes, std::size_t size, bool sends) {
 
 void Pause(long pause_ns) {
   const timespec pause{.tv_sec = 0, .tv_nsec = pause_ns};
-  real().clock_nanosleep(CLOCK_MONOTONIC, 0, &pause, nullptr);
+  Real().clock_nanosleep(CLOCK_MONOTONIC, 0, &pause, nullptr);
 }
 
 // Asks once, all threads waiting; returns whether the twin has no time for now.
@@ -299,7 +301,7 @@ void* AskAlways(void* /*unused*/) {
     {
       const Guarded guarded;
       while (num_working != 0 || waiters == nullptr)
-        real().cond_wait(&all_wait, &guard);
+        Real().cond_wait(&all_wait, &guard);
       if (IsAnyReady() || IsAnyNewcomer()) {
         pause_ns = kGlance_ns;
       } else if (FirstDeadline() == kNever || IsAnyChildAtWork()) {
@@ -327,7 +329,7 @@ __attribute__((constructor)) void Begin() {
   Own();  // The first thread works from the beginning.
   is_on = true;
   pthread_t thread;
-  real().thread_create(&thread, nullptr, AskAlways, nullptr);
+  Real().thread_create(&thread, nullptr, AskAlways, nullptr);
   pthread_detach(thread);
 }
 
@@ -351,7 +353,7 @@ thread_local int looks = 0;  // Of this thread, one after another, that found no
 int Look(pollfd* polled, nfds_t num) {
   constexpr int kLooks = 40;
   constexpr std::int64_t kLook_ns = 1000;
-  const int ready = real().poll(polled, num, 0);
+  const int ready = Real().poll(polled, num, 0);
   looks = ready == 0 ? looks + 1 : 0;
   if (looks > kLooks) now_ns += kLook_ns;
   return ready;
@@ -365,11 +367,11 @@ void Sleep(std::int64_t by_ns) {
     BeginToWait(waiter);
   }
   pollfd wake{.fd = waiter->wake, .events = POLLIN, .revents = 0};
-  while (real().poll(&wake, 1, -1) < 0 && errno == EINTR) {
+  while (Real().poll(&wake, 1, -1) < 0 && errno == EINTR) {
   }
   EndToWait(waiter);
   std::uint64_t once = 0;
-  if (real().read(waiter->wake, &once, sizeof once) < 0) _exit(kLostTwin);
+  if (Real().read(waiter->wake, &once, sizeof once) < 0) _exit(kLostTwin);
 }
 
 }  // namespace
@@ -377,7 +379,7 @@ void Sleep(std::int64_t by_ns) {
 extern "C" {
 
 int clock_gettime(clockid_t clock, timespec* time) {
-  if (clock != CLOCK_MONOTONIC_RAW || !is_on) return real().clock_gettime(clock, time);
+  if (clock != CLOCK_MONOTONIC_RAW || !is_on) return Real().clock_gettime(clock, time);
   constexpr std::int64_t kNsPerS = 1'000'000'000;
   const std::int64_t now = now_ns;
   time->tv_sec = now / kNsPerS;
@@ -388,10 +390,10 @@ int clock_gettime(clockid_t clock, timespec* time) {
 // A sleep is a wait like another, by whole milliseconds: what of the time until then
 // the computer has used up already is chance.
 int clock_nanosleep(clockid_t clock, int flags, const timespec* time, timespec* left) {
-  if (!is_on) return real().clock_nanosleep(clock, flags, time, left);
+  if (!is_on) return Real().clock_nanosleep(clock, flags, time, left);
   constexpr std::int64_t kNsPerS = 1'000'000'000, kNsPerMs = 1'000'000;
   timespec now = {};
-  if ((flags & TIMER_ABSTIME) != 0) real().clock_gettime(clock, &now);
+  if ((flags & TIMER_ABSTIME) != 0) Real().clock_gettime(clock, &now);
   const std::int64_t by_ns =
       (time->tv_sec - now.tv_sec) * kNsPerS + time->tv_nsec - now.tv_nsec;
   if (by_ns > 0) Sleep((by_ns + kNsPerMs - 1) / kNsPerMs * kNsPerMs);
@@ -400,10 +402,10 @@ int clock_nanosleep(clockid_t clock, int flags, const timespec* time, timespec* 
 
 int poll(pollfd* polled, nfds_t num, int timeout_ms) {
   constexpr std::int64_t kNsPerMs = 1'000'000;
-  if (!is_on || num >= kMostPolled) return real().poll(polled, num, timeout_ms);
+  if (!is_on || num >= kMostPolled) return Real().poll(polled, num, timeout_ms);
   if (timeout_ms == 0) return Look(polled, num);
   looks = 0;
-  const int ready = real().poll(polled, num, 0);
+  const int ready = Real().poll(polled, num, 0);
   if (ready != 0) return ready;
 
   Waiter* const waiter = Own();
@@ -417,11 +419,11 @@ int poll(pollfd* polled, nfds_t num, int timeout_ms) {
     waiter->deadline_ns = timeout_ms < 0 ? kNever : now_ns + timeout_ms * kNsPerMs;
     BeginToWait(waiter);
   }
-  const int code = real().poll(all, num + 1, -1);
+  const int code = Real().poll(all, num + 1, -1);
   const int error = errno;
   if (EndToWait(waiter)) {
     std::uint64_t once = 0;
-    if (real().read(waiter->wake, &once, sizeof once) < 0) _exit(kLostTwin);
+    if (Real().read(waiter->wake, &once, sizeof once) < 0) _exit(kLostTwin);
   }
   if (code < 0) {
     errno = error;
@@ -437,7 +439,7 @@ int poll(pollfd* polled, nfds_t num, int timeout_ms) {
 
 int pthread_cond_wait(pthread_cond_t* condition, pthread_mutex_t* mutex) {
   if (!is_on || !IsOfHelper(__builtin_return_address(0))) {
-    return real().cond_wait(condition, mutex);
+    return Real().cond_wait(condition, mutex);
   }
   Waiter* const waiter = Own();
   {
@@ -446,7 +448,7 @@ int pthread_cond_wait(pthread_cond_t* condition, pthread_mutex_t* mutex) {
     waiter->deadline_ns = kNever;
     BeginToWait(waiter);
   }
-  const int code = real().cond_wait(condition, mutex);
+  const int code = Real().cond_wait(condition, mutex);
   EndToWait(waiter);
   return code;
 }
@@ -462,19 +464,19 @@ int pthread_cond_signal(pthread_cond_t* condition) {
       ++num_working;
     }
   }
-  return real().cond_signal(condition);
+  return Real().cond_signal(condition);
 }
 
 ssize_t write(int descriptor, const void* bytes, size_t size) {
   const bool is_line = IsLine(descriptor, __builtin_return_address(0));
-  const ssize_t num = real().write(descriptor, bytes, size);
+  const ssize_t num = Real().write(descriptor, bytes, size);
   if (is_line && num > 0) written_bytes += num;
   return num;
 }
 
 ssize_t read(int descriptor, void* bytes, size_t size) {
   const bool is_line = IsLine(descriptor, __builtin_return_address(0));
-  const ssize_t num = real().read(descriptor, bytes, size);
+  const ssize_t num = Real().read(descriptor, bytes, size);
   if (is_line && num > 0) read_bytes += num;
   return num;
 }
@@ -490,27 +492,27 @@ int pthread_create(pthread_t* thread,
     for (Newcomer& one : newcomers) {
       if (one.begun_ns == 0 && place == nullptr) place = &one;
     }
-    if (place != nullptr) *place = {ComputerTime_ns(), false, function, argument};
+    if (place != nullptr) *place = {ComputerTime(), false, function, argument};
   }
   if (place == nullptr)
-    return real().thread_create(thread, attributes, function, argument);
-  const int code = real().thread_create(thread, attributes, BeginThread, place);
+    return Real().thread_create(thread, attributes, function, argument);
+  const int code = Real().thread_create(thread, attributes, BeginThread, place);
   if (code != 0) place->begun_ns = 0;
   return code;
 }
 
 int sem_wait(sem_t* semaphore) {
   if (as_newcomer != nullptr) as_newcomer->has_paused = true;
-  return real().sem_wait(semaphore);
+  return Real().sem_wait(semaphore);
 }
 
 int sem_clockwait(sem_t* semaphore, clockid_t clock, const timespec* until) {
   if (as_newcomer != nullptr) as_newcomer->has_paused = true;
-  return real().sem_clockwait(semaphore, clock, until);
+  return Real().sem_clockwait(semaphore, clock, until);
 }
 
 pid_t fork() {
-  const pid_t child = real().fork();
+  const pid_t child = Real().fork();
   if (!is_on || child <= 0) return child;
   const Guarded guarded;
   for (pid_t& place : children) {

@@ -22,7 +22,7 @@ Clock ChipClock(std::int64_t host_ns) {
   return (host_ns - kChipStart_ns) / kNsPerTick;
 }
 
-std::int64_t HostTime_ns(Clock clock) {
+std::int64_t HostTimeOf(Clock clock) {
   return kChipStart_ns + clock * kNsPerTick;
 }
 
@@ -118,7 +118,7 @@ Grant LockStep::Pass(const HostWaits& waits) {
     }
     // A deadline between two ticks is kept as it is.
     const bool is_due = said.empty();
-    now_ns_ = std::max(now_ns_, is_due ? until_ns : HostTime_ns(chip_.now()));
+    now_ns_ = std::max(now_ns_, is_due ? until_ns : HostTimeOf(chip_.now()));
   }
   unsent_.insert(unsent_.end(), said.begin(), said.end());
   WriteLine();

@@ -86,7 +86,7 @@ Seen Look(const std::string& text) {
 }
 
 // What a screw should turn, of the spindle's speed.
-double Wanted_rpm(const Seen& seen) {
+double WantedSpeed(const Seen& seen) {
   if (seen.is_same) return seen.spindle_rpm;
   return seen.spindle_rpm * seen.screw_tpi / seen.box_tpi;
 }
@@ -110,7 +110,7 @@ std::string SentenceOf(const Seen& seen, double pulses_a_minute, double factor) 
       pulses_a_minute,
       seen.written_pulses,
       pulses_a_minute / seen.written_pulses,
-      Wanted_rpm(seen),
+      WantedSpeed(seen),
       1 / factor);
   for (const Speed& speed : seen.speeds) {
     if (Known(speed.pulses)) continue;
@@ -136,7 +136,7 @@ std::optional<Imported> SpeedsByPulsesIn(const std::string& text) {
   constexpr double kAlike = 0.03, kRight = 0.02;
   const Seen seen = Look(text);
   const std::vector<double> products = PulsesAMinute(seen);
-  const double wanted_rpm = Wanted_rpm(seen);
+  const double wanted_rpm = WantedSpeed(seen);
   const bool is_told = std::isfinite(wanted_rpm) && wanted_rpm > 0 &&
                        std::isfinite(seen.written_pulses) && seen.written_pulses > 0;
   if (products.size() < 2 || !is_told) return std::nullopt;
