@@ -370,8 +370,8 @@ HostAnswer KlipperHost::Parts::Say(std::string_view line) {
                                line,
                                options_.longest_s));
   }
-  // A stop or a restart that it was told to do follows its answer; to begin anew the host
-  // may first stop the chip.
+  // A stop or a restart that it was told to do follows its answer; to begin anew the
+  // host may first stop the chip.
   constexpr double kSettles_s = 0.002, kRestarts_s = 3;
   const auto hear_for = [&](double s) {
     const double until_s = printer_s() + s;
