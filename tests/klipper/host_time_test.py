@@ -117,6 +117,13 @@ print(os.waitpid(child, os.WNOHANG)[0] == child)""")
         twin.ours.close()
         self.assertEqual(twin.ends(), ([], 9))
 
+    def test_without_a_twin_it_ends_while_it_computes(self):
+        twin = Twin("""
+while True: pass""")
+        twin.ours.close()
+        self.assertEqual(twin.host.wait(timeout=10), 9)
+        twin.host.stdout.close()
+
     def test_programs_that_the_host_runs_have_the_computers_time(self):
         twin = Twin("""
 import subprocess

@@ -293,6 +293,27 @@ bool AskForTime() {
   return false;
 }
 
+// A host that computes, or waits for what will never come, asks nobody: it notices too
+// that the twin was killed.
+void EndWithoutTwin() {
+  pollfd socket{.fd = twin, .events = POLLRDHUP, .revents = 0};
+  if (Real().poll(&socket, 1, 0) > 0 && (socket.revents & (POLLRDHUP | POLLHUP)) != 0) {
+    _exit(kLostTwin);
+  }
+}
+
+// Until all wait, guarded.
+void AwaitAll() {
+  constexpr long kGlance_s = 1;
+  while (num_working != 0 || waiters == nullptr) {
+    timespec until = {};
+    Real().clock_gettime(CLOCK_REALTIME, &until);
+    until.tv_sec += kGlance_s;
+    pthread_cond_timedwait(&all_wait, &guard, &until);
+    EndWithoutTwin();
+  }
+}
+
 void* AskAlways(void* /*unused*/) {
   constexpr long kGlance_ns = 5'000, kChild_ns = 300'000;
   for (;;) {
@@ -300,8 +321,7 @@ void* AskAlways(void* /*unused*/) {
     long pause_ns = 0;
     {
       const Guarded guarded;
-      while (num_working != 0 || waiters == nullptr)
-        Real().cond_wait(&all_wait, &guard);
+      AwaitAll();
       if (IsAnyReady() || IsAnyNewcomer()) {
         pause_ns = kGlance_ns;
       } else if (FirstDeadline() == kNever || IsAnyChildAtWork()) {
@@ -310,7 +330,10 @@ void* AskAlways(void* /*unused*/) {
         is_parked = AskForTime();
       }
     }
-    if (pause_ns > 0) Pause(pause_ns);
+    if (pause_ns > 0) {
+      Pause(pause_ns);
+      EndWithoutTwin();
+    }
     if (!is_parked) continue;
     Grant go_on;
     Exchange(&go_on, sizeof go_on, false);
