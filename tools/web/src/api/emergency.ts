@@ -41,11 +41,12 @@ export async function stopNow(): Promise<void> {
   set({ at, isTaken: bench !== null, isHalted: bench?.sent_m112 === true, wasAtWork: bench?.aborted === true || isBedEnded });
 }
 
-// Once somebody has homed the machine and gone on, the stop is over.
+// Once somebody has homed the machine and gone on, the stop is over. The server tells whole seconds: as texts a job of
+// the second of the stop would be later than it.
 export async function forgetIfOver(): Promise<void> {
   const bench: Schemas["Bench"] | null = await answered(api.GET("/api/bench")).catch(() => null);
   if (!bench || bench.is_stopped || !stopped) return;
-  const since = (job: Schemas["Job"]) => (job.begun_at ?? "") > stopped!.at && !["home", "reset"].includes(job.procedure);
+  const since = (job: Schemas["Job"]) => Date.parse(job.begun_at ?? "") > Date.parse(stopped!.at) && !["home", "reset"].includes(job.procedure);
   if (bench.results.some(since) || (bench.job && since(bench.job))) forgetStop();
 }
 
