@@ -10,15 +10,13 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <poll.h>
-#include <spawn.h>
-#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include "scenarios/interrupt.h"
+#include "scenarios/spawn.h"
+#include "sim/base/descriptor.h"
 #include "sim/base/require.h"
-
-extern char** environ;
 
 namespace caltwin {
 namespace {
@@ -28,30 +26,6 @@ using Clock = std::chrono::steady_clock;
 constexpr std::size_t kLongestLine_bytes = 64 * 1024;
 constexpr std::size_t kMostUnread_bytes = 1024 * 1024;
 constexpr std::chrono::milliseconds kLook{50};  // How often the child is looked after.
-
-// A file descriptor that closes itself.
-class Descriptor {
- public:
-  Descriptor() = default;
-  explicit Descriptor(int fd) : fd_(fd) {}
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  ~Descriptor() { Close(); }
-
-  int fd() const { return fd_; }
-  bool is_open() const { return fd_ >= 0; }
-  void Set(int fd) {
-    Close();
-    fd_ = fd;
-  }
-  void Close() {
-    if (fd_ >= 0) close(fd_);
-    fd_ = -1;
-  }
-
- private:
-  int fd_ = -1;
-};
 
 struct Pipe {
   Descriptor read;
@@ -92,61 +66,6 @@ class NoBrokenPipeSignal {
   sigset_t pipe_{};
   sigset_t before_{};
 };
-
-struct Spawned {
-  pid_t pid = -1;
-  int error = 0;
-};
-
-Spawned Spawn(const ChildCommand& command,
-              const Pipe& in,
-              const Pipe& out,
-              const Pipe& err,
-              const sigset_t& mask) {
-  posix_spawn_file_actions_t actions{};
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_adddup2(&actions, in.read.fd(), STDIN_FILENO);
-  posix_spawn_file_actions_adddup2(&actions, out.write.fd(), STDOUT_FILENO);
-  posix_spawn_file_actions_adddup2(&actions, err.write.fd(), STDERR_FILENO);
-  if (!command.folder.empty()) {
-    posix_spawn_file_actions_addchdir_np(&actions, command.folder.c_str());
-  }
-  posix_spawnattr_t attributes{};
-  posix_spawnattr_init(&attributes);
-  sigset_t defaults{};
-  sigemptyset(&defaults);
-  sigaddset(&defaults, SIGPIPE);
-  sigaddset(&defaults, SIGINT);
-  posix_spawnattr_setsigdefault(&attributes, &defaults);
-  posix_spawnattr_setsigmask(&attributes, &mask);
-  posix_spawnattr_setpgroup(&attributes, 0);
-  posix_spawnattr_setflags(
-      &attributes,
-      POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETPGROUP);
-  std::vector<std::string> words = command.words;
-  std::vector<char*> arguments;
-  for (std::string& word : words) arguments.push_back(word.data());
-  arguments.push_back(nullptr);
-  std::vector<std::string> added = command.environment;
-  std::vector<char*> environment;
-  for (std::string& one : added) environment.push_back(one.data());
-  for (char** one = environ; *one != nullptr; ++one) environment.push_back(*one);
-  environment.push_back(nullptr);
-  Spawned spawned;
-  spawned.error = posix_spawnp(&spawned.pid,
-                               arguments[0],
-                               &actions,
-                               &attributes,
-                               arguments.data(),
-                               environment.data());
-  posix_spawn_file_actions_destroy(&actions);
-  posix_spawnattr_destroy(&attributes);
-  if (spawned.error == 0 && command.most_memory_bytes > 0) {
-    const rlimit most{command.most_memory_bytes, command.most_memory_bytes};
-    prlimit(spawned.pid, RLIMIT_AS, &most, nullptr);
-  }
-  return spawned;
-}
 
 // The talk with one running child.
 class Conversation {
@@ -191,9 +110,10 @@ class Conversation {
   // Moves what can be moved; false where nothing could within the time.
   bool Poll(Descriptor* in, Descriptor* out, Descriptor* err, int timeout_ms) {
     const bool is_full = unread_.size() > kMostUnread_bytes;
-    std::array<pollfd, 3> polled = {pollfd{unread_.empty() ? -1 : in->fd(), POLLOUT, 0},
-                                    pollfd{is_full ? -1 : out->fd(), POLLIN, 0},
-                                    pollfd{err->fd(), POLLIN, 0}};
+    std::array<pollfd, 3> polled = {
+        pollfd{unread_.empty() ? -1 : in->number(), POLLOUT, 0},
+        pollfd{is_full ? -1 : out->number(), POLLIN, 0},
+        pollfd{err->number(), POLLIN, 0}};
     if (poll(polled.data(), polled.size(), timeout_ms) <= 0) return false;
     if (polled[0].revents != 0) Write(in);
     if (polled[1].revents != 0) ReadLines(in, out);
@@ -202,7 +122,7 @@ class Conversation {
   }
 
   void Write(Descriptor* in) {
-    const ssize_t count = write(in->fd(), unread_.data(), unread_.size());
+    const ssize_t count = write(in->number(), unread_.data(), unread_.size());
     if (count > 0) unread_.erase(0, static_cast<std::size_t>(count));
     if (count < 0 && errno != EAGAIN && errno != EINTR) {
       in->Close();
@@ -212,7 +132,7 @@ class Conversation {
 
   void ReadLines(Descriptor* in, Descriptor* out) {
     std::array<char, 4096> buffer{};
-    const ssize_t count = read(out->fd(), buffer.data(), buffer.size());
+    const ssize_t count = read(out->number(), buffer.data(), buffer.size());
     if (count < 0 && (errno == EAGAIN || errno == EINTR)) return;
     if (count <= 0) {  // It has said its last: so have we.
       out->Close();
@@ -242,7 +162,7 @@ class Conversation {
 
   void ShowErrors(Descriptor* err) {
     std::array<char, 4096> buffer{};
-    const ssize_t count = read(err->fd(), buffer.data(), buffer.size());
+    const ssize_t count = read(err->number(), buffer.data(), buffer.size());
     if (count < 0 && (errno == EAGAIN || errno == EINTR)) return;
     if (count <= 0) {
       err->Close();
@@ -305,14 +225,22 @@ ChildEnd ConverseWith(const ChildCommand& command, const AnswerLine& answer) {
   Pipe in;
   Pipe out;
   Pipe err;
-  const Spawned spawned = Spawn(command, in, out, err, quiet.before());
+  const Spawned spawned = Spawn({.words = command.words,
+                                 .folder = command.folder,
+                                 .environment = command.environment,
+                                 .descriptors = {{in.read.number(), STDIN_FILENO},
+                                                 {out.write.number(), STDOUT_FILENO},
+                                                 {err.write.number(), STDERR_FILENO}},
+                                 .most_memory_bytes = command.most_memory_bytes,
+                                 .blocked = quiet.before()});
   if (spawned.error != 0) {
     return {.how = ChildEnd::How::kNotStarted, .code = spawned.error};
   }
   in.read.Close();
   out.write.Close();
   err.write.Close();
-  for (const int fd : {in.write.fd(), out.read.fd(), err.read.fd()}) SetNonBlocking(fd);
+  for (const int fd : {in.write.number(), out.read.number(), err.read.number()})
+    SetNonBlocking(fd);
   Conversation conversation(spawned.pid, command, answer);
   return conversation.Run(&in.write, &out.read, &err.read);
 }

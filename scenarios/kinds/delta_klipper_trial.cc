@@ -20,8 +20,7 @@ DeltaModel<double> BelievedBy(const std::string& config) {
 
 }  // namespace
 
-DeltaKlipperTrial::DeltaKlipperTrial(const DeltaScenario& /*scenario*/,
-                                     const Machine& machine,
+DeltaKlipperTrial::DeltaKlipperTrial(const Machine& machine,
                                      const BuiltDelta& built,
                                      std::unique_ptr<klipper::Board> board,
                                      KlipperHostOptions options)
@@ -29,7 +28,6 @@ DeltaKlipperTrial::DeltaKlipperTrial(const DeltaScenario& /*scenario*/,
       machine_(machine),
       built_(built),
       truth_{.machine = machine_, .built = built_} {
-  truth_.says = false;
   truth_.before = BelievedBy(config_before());
 }
 
@@ -69,7 +67,7 @@ std::unique_ptr<KindTrial> BeginDeltaUnderKlipper(const DeltaScenario& delta,
   KlipperHostOptions options = *scenario.klipper;
   if (options.config.empty()) options.config = PrinterCfgOfDelta(machine, "-");
   return std::make_unique<DeltaKlipperTrial>(
-      delta, machine, built, std::move(board), std::move(options));
+      machine, built, std::move(board), std::move(options));
 }
 
 }  // namespace caltwin

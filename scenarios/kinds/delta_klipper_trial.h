@@ -14,8 +14,7 @@ namespace caltwin {
 /// what it was.
 class DeltaKlipperTrial final : public KlipperTrial {
  public:
-  DeltaKlipperTrial(const DeltaScenario& scenario,
-                    const Machine& machine,
+  DeltaKlipperTrial(const Machine& machine,
                     const BuiltDelta& built,
                     std::unique_ptr<klipper::Board> board,
                     KlipperHostOptions options);

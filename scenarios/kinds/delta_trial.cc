@@ -37,6 +37,7 @@ DeltaTrial::DeltaTrial(const DeltaScenario& scenario,
       truth_{.machine = machine_, .built = built_} {
   twin_->SetG33(MarlinG33(G33Variant::kCorrected, DeltaOf(machine_).print_radius_mm));
   truth_.before = twin_->marlin().settings();
+  truth_.said_mm = 0;
   bench_.gauge = &gauges_;
   bench_.person = &hands_;
   bench_.machine = machine_;

@@ -211,7 +211,8 @@ TrueEnd EndOfDelta(const DeltaTruth& trial, RunResult* result) {
       UmFromMm(after.z_most_mm),
       UmFromMm(before.z_rms_mm),
       UmFromMm(after.xy_scale),
-      trial.says ? fmt::format("; the procedure says {:.4f} mm", trial.said_mm) : ""));
+      trial.said_mm ? fmt::format("; the procedure says {:.4f} mm", *trial.said_mm)
+                    : ""));
   AddTiltCommanded(trial, result);
   if (HasPlay(trial.built.play_mm)) {
     result->messages.push_back(fmt::format(
@@ -230,11 +231,12 @@ TrueEnd EndOfDelta(const DeltaTruth& trial, RunResult* result) {
 double FigureOfDelta(const DeltaTruth& trial,
                      const std::string& name,
                      const RunResult& result) {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   if (name == "height_error_mm.rms") return AccuracyAfter(trial).z_rms_mm;
   if (name == "height_reversal_mm") return DeltaReversal_mm(trial);
   if (name == "height_error_mm.most") return AccuracyAfter(trial).z_most_mm;
   if (name == "height_drift_mm") return Drift_mm(trial);
-  if (name == "said_mm") return trial.said_mm;
+  if (name == "said_mm") return trial.said_mm.value_or(kNone);
   if (name == "xy_scale_um_per_mm") return UmFromMm(AccuracyAfter(trial).xy_scale);
   return result.position_error_after_p95_mm;
 }

@@ -24,8 +24,8 @@ struct DeltaTruth {
   std::optional<DeltaJointFit> fit{};  ///< Of the last step.
   std::vector<Estimate> settings_told{};  ///< By the last step, uncertainty and all.
   std::vector<Correlations> correlations{};
-  double said_mm = 0;  ///< By the last procedure, as its own deviation.
-  bool says = true;    ///< Whether its procedures say one.
+  /// By the last procedure, as its own deviation; nullopt: none says one.
+  std::optional<double> said_mm{};
   double tilt_x = 0,
          tilt_y = 0;  ///< Of the bed, found by the last step, not commanded.
 };

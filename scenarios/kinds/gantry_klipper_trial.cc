@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <sstream>
 #include <utility>
 
 #include <fmt/format.h>
@@ -11,6 +10,8 @@
 #include "scenarios/kinds/gantry_trial.h"
 #include "sim/base/units.h"
 #include "sim/kinds/cartesian/klipper.h"
+#include "sim/measure/import/klipper_mesh.h"
+#include "sim/measure/import/printer_cfg.h"
 
 namespace caltwin {
 namespace {
@@ -18,53 +19,13 @@ namespace {
 constexpr double kRecovered = 0.1;
 constexpr double kFlat_mm = 0.01;
 
-/// A mesh in the part of a printer.cfg that SAVE_CONFIG writes.
-struct SavedMesh {
-  std::vector<std::vector<double>> heights_mm{};  ///< By row, y upwards.
-  Eigen::Vector2d least_mm{0, 0}, most_mm{0, 0};
-};
-
-std::vector<std::vector<double>> RowsOf(const std::string& points) {
-  std::vector<std::vector<double>> rows;
-  std::istringstream lines(points);
-  for (std::string line; std::getline(lines, line);) {
-    std::ranges::replace(line, ',', ' ');
-    std::istringstream numbers(line);
-    std::vector<double> row;
-    for (double number = 0; numbers >> number;) row.push_back(number);
-    if (!row.empty()) rows.push_back(row);
+// The mesh that the host has saved, the last where there are several; nullopt: none.
+std::optional<KlipperMesh> SavedMeshOf(const std::string& config) {
+  const auto saved = PrinterCfg(config, "printer.cfg").AllSaved();
+  if (std::ranges::find(saved, "points", &PrinterCfg::Saved::key) == saved.end()) {
+    return std::nullopt;
   }
-  return rows;
-}
-
-std::optional<SavedMesh> SavedMeshOf(const std::string& config) {
-  SavedMesh mesh;
-  for (const SavedSetting& one : SavedSettingsOf(config)) {
-    if (!one.section.starts_with("bed_mesh ")) continue;
-    if (one.option == "points") {
-      mesh.heights_mm = RowsOf(one.value);
-      continue;
-    }
-    const double value = std::strtod(one.value.c_str(), nullptr);
-    if (one.option == "min_x") mesh.least_mm[0] = value;
-    if (one.option == "max_x") mesh.most_mm[0] = value;
-    if (one.option == "min_y") mesh.least_mm[1] = value;
-    if (one.option == "max_y") mesh.most_mm[1] = value;
-  }
-  const std::size_t columns = mesh.heights_mm.empty() ? 0 : mesh.heights_mm[0].size();
-  const bool is_whole = mesh.heights_mm.size() >= 2 && columns >= 2 &&
-                        std::ranges::all_of(mesh.heights_mm, [&](const auto& row) {
-                          return row.size() == columns;
-                        });
-  if (!is_whole) return std::nullopt;
-  return mesh;
-}
-
-double Rms(const std::vector<double>& values) {
-  double mean = 0, squares = 0;
-  for (const double one : values) mean += one / static_cast<double>(values.size());
-  for (const double one : values) squares += (one - mean) * (one - mean);
-  return std::sqrt(squares / static_cast<double>(values.size()));
+  return ReadKlipperBed(config, "printer.cfg").meshes.back();
 }
 
 // How high a ball stands that rests on the table there.
@@ -73,27 +34,19 @@ double TableHeight_mm(const Built& built, double x_mm, double y_mm) {
   return kAbove_mm - built.Clearance(Vec3<double>(x_mm, y_mm, kAbove_mm)).distance_mm;
 }
 
-MeshAgainstTable Compared(const SavedMesh& mesh, const Built& built) {
-  std::vector<double> table, errors;
-  const auto rows = static_cast<double>(mesh.heights_mm.size() - 1);
-  const auto columns = static_cast<double>(mesh.heights_mm[0].size() - 1);
-  for (std::size_t row = 0; row < mesh.heights_mm.size(); ++row) {
-    for (std::size_t column = 0; column < mesh.heights_mm[row].size(); ++column) {
-      const Eigen::Vector2d part(static_cast<double>(column) / columns,
-                                 static_cast<double>(row) / rows);
-      const Eigen::Vector2d at_mm =
-          mesh.least_mm + part.cwiseProduct(mesh.most_mm - mesh.least_mm);
-      table.push_back(TableHeight_mm(built, at_mm[0], at_mm[1]));
-      errors.push_back(mesh.heights_mm[row][column] - table.back());
-    }
+MeshAgainstTable Compared(const KlipperMesh& mesh, const Built& built) {
+  const auto count = static_cast<Eigen::Index>(mesh.points.size());
+  Eigen::ArrayXd table(count), errors(count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const MeshPoint& point = mesh.points[static_cast<std::size_t>(i)];
+    table[i] = TableHeight_mm(built, point.x_mm, point.y_mm);
+    errors[i] = point.z_mm - table[i];
   }
-  MeshAgainstTable result{.table_rms_mm = Rms(table), .error_rms_mm = Rms(errors)};
-  double mean = 0;
-  for (const double one : errors) mean += one / static_cast<double>(errors.size());
-  for (const double one : errors) {
-    result.error_most_mm = std::max(result.error_most_mm, std::abs(one - mean));
-  }
-  return result;
+  table -= table.mean();
+  errors -= errors.mean();
+  return {.table_rms_mm = std::sqrt(table.square().mean()),
+          .error_rms_mm = std::sqrt(errors.square().mean()),
+          .error_most_mm = errors.abs().maxCoeff()};
 }
 
 }  // namespace

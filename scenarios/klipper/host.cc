@@ -1,30 +1,23 @@
 #include "scenarios/klipper/host.h"
 
 #include <algorithm>
-#include <array>
-#include <cerrno>
-#include <csignal>
-#include <cstdlib>
-#include <cstring>
 #include <fstream>
 #include <functional>
 #include <iterator>
 #include <system_error>
 #include <utility>
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <spawn.h>
-#include <sys/socket.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
+#include "scenarios/interrupt.h"
 #include "scenarios/klipper/host_api.h"
+#include "scenarios/klipper/host_process.h"
 #include "sim/base/input_error.h"
+#include "sim/base/temporary_folder.h"
+#include "sim/base/text_file.h"
 #include "sim/controllers/klipper/lock_step.h"
 #include "sim/link/pseudo_terminal.h"
-
-extern char** environ;
+#include "sim/measure/import/printer_cfg.h"
 
 namespace caltwin {
 namespace {
@@ -32,156 +25,48 @@ namespace {
 namespace fs = std::filesystem;
 using klipper::LockStep;
 
+/// The host takes a line whose path begins so as it is, without the settings of a
+/// serial port.
+constexpr std::string_view kFolders = "klipper_host_caltwin";
+
 std::string TextOf(const fs::path& file) {
   std::ifstream stream(file);
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-void Write(const fs::path& file, const std::string& text) {
-  std::ofstream(file) << text;
-}
-
-// A folder that goes with all that is in it, but for the host's log where it is wanted.
-class WorkFolder {
+// Copies the host's log at the end, also where it never became ready.
+class KeptLog {
  public:
-  explicit WorkFolder(fs::path log) : log_(std::move(log)) {
-    std::string name = (fs::temp_directory_path() / "caltwin_klipper_XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) {
-      throw InputError({}, fmt::format("{}: {}", name, SystemSays(errno)));
-    }
-    path_ = name;
-  }
-  ~WorkFolder() {
+  KeptLog(fs::path from, fs::path to) : from_(std::move(from)), to_(std::move(to)) {}
+  ~KeptLog() {
     std::error_code ignored;
     constexpr auto kOver = fs::copy_options::overwrite_existing;
-    if (!log_.empty()) fs::copy_file(path_ / "klippy.log", log_, kOver, ignored);
-    fs::remove_all(path_, ignored);
+    if (!to_.empty()) fs::copy_file(from_, to_, kOver, ignored);
   }
-  WorkFolder(const WorkFolder&) = delete;
-  WorkFolder& operator=(const WorkFolder&) = delete;
-  const fs::path& path() const { return path_; }
+  KeptLog(const KeptLog&) = delete;
+  KeptLog& operator=(const KeptLog&) = delete;
 
  private:
-  fs::path log_, path_;
+  fs::path from_, to_;
 };
 
-fs::path ProgramFolder() {
-  std::error_code error;
-  return fs::read_symlink("/proc/self/exe", error).parent_path();
-}
-
-// The library that gives the host its time: beside the program that was built (a test
-// is one folder down), or where it was installed to.
-fs::path HostTimeLibrary() {
-  const fs::path folder = ProgramFolder();
-  const std::string_view name = "libcaltwin_host_time.so";
-  for (const fs::path& place : {folder, folder / "..", folder / "../lib/caltwin"}) {
-    if (fs::exists(place / name)) return fs::canonical(place / name);
-  }
-  throw InputError({},
-                   fmt::format("{} is not beside the program", name),
-                   "build or install caltwin as a whole");
-}
-
-// The line of [mcu] that says where the chip is, with another place.
-std::string WithSerial(const std::string& config, const fs::path& serial) {
-  std::string text;
-  bool is_in_mcu = false, is_found = false;
-  std::size_t at = 0;
-  while (at < config.size()) {
-    const std::size_t end = std::min(config.find('\n', at), config.size());
-    const std::string_view line(config.data() + at, end - at);
-    if (line.starts_with("[")) is_in_mcu = line.starts_with("[mcu]");
-    const bool is_serial = is_in_mcu && line.starts_with("serial");
-    is_found = is_found || is_serial;
-    text += is_serial ? "serial: " + serial.string() : std::string(line);
-    text += '\n';
-    at = end + 1;
-  }
-  if (is_found) return text;
-  throw InputError({.file = "printer.cfg"},
+// [mcu] serial, with its place.
+const CsvField& SerialOf(const PrinterCfg& cfg) {
+  const CfgSetting* const serial = cfg.Find("mcu", "serial");
+  if (serial != nullptr) return serial->value;
+  throw InputError({.file = cfg.name()},
                    "there is no [mcu] with a `serial:`",
                    "caltwin new klipper MACHINE --out printer.cfg writes one");
 }
 
-// Where the chip is by that configuration.
-std::string SerialOf(const std::string& config) {
-  const std::string_view key = "\nserial";
-  const std::size_t at = config.find(key);
-  if (at == std::string::npos) return "";
-  const std::size_t from = config.find_first_not_of(" :=", at + key.size());
-  return config.substr(from, config.find('\n', from) - from);
-}
-
-// A program and what it was started with, ended with its group.
-class Child {
- public:
-  Child(const std::vector<std::string>& words,
-        const std::vector<std::string>& environment,
-        int descriptor,
-        int as_descriptor,
-        const fs::path& log) {
-    std::vector<char*> arguments, variables;
-    for (const std::string& word : words)
-      arguments.push_back(const_cast<char*>(word.c_str()));
-    arguments.push_back(nullptr);
-    for (char** one = environ; *one != nullptr; ++one) {
-      const std::string_view variable(*one);
-      const bool is_ours = variable.starts_with("LD_PRELOAD=") ||
-                           variable.starts_with(klipper::kHostTimeVariable);
-      if (!is_ours) variables.push_back(*one);
-    }
-    for (const std::string& one : environment) {
-      variables.push_back(const_cast<char*>(one.c_str()));
-    }
-    variables.push_back(nullptr);
-    posix_spawn_file_actions_t files;
-    posix_spawn_file_actions_init(&files);
-    posix_spawn_file_actions_addopen(&files, 0, "/dev/null", O_RDONLY, 0);
-    constexpr int kNewFile = O_WRONLY | O_CREAT | O_APPEND;
-    posix_spawn_file_actions_addopen(&files, 1, log.c_str(), kNewFile, 0600);
-    posix_spawn_file_actions_adddup2(&files, 1, 2);
-    posix_spawn_file_actions_adddup2(&files, descriptor, as_descriptor);
-    posix_spawnattr_t attributes;
-    posix_spawnattr_init(&attributes);
-    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
-    const int error = posix_spawnp(
-        &pid_, arguments[0], &files, &attributes, arguments.data(), variables.data());
-    posix_spawn_file_actions_destroy(&files);
-    posix_spawnattr_destroy(&attributes);
-    if (error != 0) {
-      throw InputError({},
-                       fmt::format("{}: {}", words[0], SystemSays(error)),
-                       "tools/setup.sh --controllers installs a host");
-    }
-  }
-  ~Child() {
-    kill(-pid_, SIGKILL);
-    waitpid(pid_, nullptr, 0);
-  }
-  Child(const Child&) = delete;
-  Child& operator=(const Child&) = delete;
-
- private:
-  pid_t pid_ = 0;
-};
-
-struct Socket {
-  Descriptor ours{-1}, theirs{-1};
-};
-
-std::array<int, 2> SocketPair() {
-  std::array<int, 2> ends{};
-  if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0) {
-    throw InputError({}, "a socket: " + SystemSays(errno));
-  }
-  return ends;
-}
-
-fs::path UniqueSerial() {
-  static std::atomic<int> number{0};
-  // The host takes what begins so as it is, without the settings of a serial port.
-  return fmt::format("/tmp/klipper_host_caltwin_{}_{}", getpid(), ++number);
+// The same with the chip elsewhere.
+std::string WithSerial(const std::string& config, const std::string& serial) {
+  const PrinterCfg cfg(config, "printer.cfg");
+  std::size_t at = 0;
+  for (int line = 1; line < SerialOf(cfg).line; ++line) at = config.find('\n', at) + 1;
+  std::string text = config;
+  return text.replace(
+      at, std::min(config.find('\n', at), config.size()) - at, "serial: " + serial);
 }
 
 // What the host includes stands beside its printer.cfg; it may read it there, and write
@@ -202,23 +87,23 @@ class KlipperHost::Parts {
  public:
   Parts(klipper::Board* board, const KlipperHostOptions& options)
       : options_(options),
-        folder_(options.log),
-        terminal_(UniqueSerial(), "the host's serial line"),
-        ends_(SocketPair()),
-        ours_(ends_[0]),
-        theirs_(ends_[1]),
+        kept_log_(folder_.path() / "klippy.log", options.log),
+        terminal_(folder_.path() / "serial", "the host's serial line"),
         api_(folder_.path() / "api"),
-        lock_step_(board, terminal_.number(), ours_.number()) {
-    Write(config(), WithSerial(options.config + "\n" + options.add, terminal_.path()));
+        lock_step_(board, terminal_.number(), process_.clock()) {
+    WriteTextFile(config(),
+                  WithSerial(options.config + "\n" + options.add, terminal_.path()));
     LinkNeighbours(options.beside, folder_.path());
-    Start();
+    const fs::path program =
+        options.program.empty() ? HostProgram("") : options.program;
+    process_.Start(program, folder_.path());
     WaitUntilReady();
   }
-
   HostAnswer Say(std::string_view line);
   void Hear(HostAnswer* answer);
   std::string Config() const {
-    return WithSerial(TextOf(config()), SerialOf("\n" + options_.config));
+    const PrinterCfg given(options_.config, "printer.cfg");
+    return WithSerial(TextOf(config()), SerialOf(given).text);
   }
   fs::path config() const { return folder_.path() / "printer.cfg"; }
   std::string LogEnd() const;
@@ -228,44 +113,18 @@ class KlipperHost::Parts {
   }
 
  private:
-  void Start();
   void WaitUntilReady();
   void Run(const std::function<bool()>& is_done);
   nlohmann::json Info();
 
   KlipperHostOptions options_;
-  WorkFolder folder_;
+  TemporaryFolder folder_{kFolders, "/tmp"};
+  KeptLog kept_log_;
   PseudoTerminal terminal_;
-  std::array<int, 2> ends_;
-  Descriptor ours_, theirs_;
   HostApi api_;
+  HostProcess process_{};
   LockStep lock_step_;
-  std::optional<Child> child_{};
 };
-
-void KlipperHost::Parts::Start() {
-  constexpr int kClock = 10;
-  const auto in_folder = [&](std::string_view name) {
-    return (folder_.path() / name).string();
-  };
-  const fs::path program =
-      options_.program.empty() ? HostProgram("") : options_.program;
-  child_.emplace(std::vector<std::string>{program.string(),
-                                          config().string(),
-                                          "-l",
-                                          in_folder("klippy.log"),
-                                          "-a",
-                                          in_folder("api"),
-                                          "-I",
-                                          in_folder("tty")},
-                 std::vector<std::string>{
-                     "LD_PRELOAD=" + HostTimeLibrary().string(),
-                     fmt::format("{}={}", klipper::kHostTimeVariable, kClock)},
-                 theirs_.number(),
-                 kClock,
-                 in_folder("host.log"));
-  close(theirs_.Release());
-}
 
 std::string KlipperHost::Parts::LogEnd() const {
   constexpr std::size_t kMost = 2000;
@@ -276,7 +135,7 @@ std::string KlipperHost::Parts::LogEnd() const {
 }
 
 void KlipperHost::Parts::Run(const std::function<bool()>& is_done) {
-  switch (lock_step_.Run(is_done, options_.patience, options_.stop)) {
+  switch (lock_step_.Run(is_done, options_.patience, &InterruptFlag())) {
     case LockStep::End::kDone:
       return;
     case LockStep::End::kStopped:
@@ -407,67 +266,12 @@ std::string KlipperHost::Config() const {
   return parts_->Config();
 }
 
-std::string KlipperHost::LogEnd() const {
-  return parts_->LogEnd();
-}
-
 Motors KlipperHost::MotorsNow() const {
   return parts_->MotorsNow();
 }
 
 double KlipperHost::printer_s() const {
   return parts_->printer_s();
-}
-
-fs::path HostProgram(const std::string& stated) {
-  const char* const variable = std::getenv("CALTWIN_KLIPPER_HOST");
-  const std::string named = !stated.empty()       ? stated
-                            : variable != nullptr ? variable
-                                                  : "";
-  if (!named.empty()) {
-    if (fs::exists(named)) return fs::absolute(named);
-    throw InputError({.file = named},
-                     "there is no such host",
-                     "tools/setup.sh --controllers installs one in build/controllers");
-  }
-  for (const char* const place :
-       {"controllers/bin/kalico", "../controllers/bin/kalico"}) {
-    if (fs::exists(ProgramFolder() / place))
-      return fs::canonical(ProgramFolder() / place);
-  }
-  return "kalico";
-}
-
-std::vector<SavedSetting> SavedSettingsOf(std::string_view config) {
-  constexpr std::string_view kMark = "#*#";
-  std::vector<SavedSetting> saved;
-  std::string section;
-  std::size_t at = 0;
-  while (at < config.size()) {
-    const std::size_t end = std::min(config.find('\n', at), config.size());
-    std::string_view line = config.substr(at, end - at);
-    at = end + 1;
-    if (!line.starts_with(kMark)) continue;
-    line.remove_prefix(kMark.size());
-    const bool goes_on = line.starts_with(" \t") || line.starts_with("  ");
-    const std::size_t first = line.find_first_not_of(" \t");
-    if (first == std::string_view::npos) continue;
-    line = line.substr(first);
-    const std::size_t equals = line.find(" = ");
-    if (line.starts_with("[") && line.ends_with("]")) {
-      section = line.substr(1, line.size() - 2);
-    } else if (goes_on && !saved.empty()) {
-      saved.back().value +=
-          (saved.back().value.empty() ? "" : "\n") + std::string(line);
-    } else if (const bool is_begun = line.ends_with(" =");
-               is_begun || equals != line.npos) {
-      const std::string_view option =
-          line.substr(0, is_begun ? line.size() - 2 : equals);
-      const std::string_view value = is_begun ? "" : line.substr(equals + 3);
-      saved.push_back({section, std::string(option), std::string(value)});
-    }
-  }
-  return saved;
 }
 
 }  // namespace caltwin

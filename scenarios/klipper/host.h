@@ -1,6 +1,5 @@
 #pragma once
 
-#include <atomic>
 #include <chrono>
 #include <filesystem>
 #include <memory>
@@ -22,7 +21,7 @@ class HostLost : public std::runtime_error {
 };
 
 struct KlipperHostOptions {
-  std::filesystem::path program{};  ///< The host: kalico, or Klipper's start script.
+  std::filesystem::path program{};  ///< Its start script; empty: HostProgram finds it.
   std::string config{};             ///< Its printer.cfg; `serial:` is exchanged.
   std::string add{};                ///< Further lines of it.
   std::filesystem::path
@@ -31,7 +30,6 @@ struct KlipperHostOptions {
   /// So long it may compute without asking for time, by the computer's clock.
   std::chrono::milliseconds patience{120'000};
   double longest_s = 7200;  ///< One line may take, by the printer's clock.
-  const std::atomic<bool>* stop = nullptr;  ///< True: HostLost.
 };
 
 /// What the host says to one line of G-code.
@@ -46,13 +44,12 @@ struct HostAnswer {
 /// its time goes on only while it is asked something. The same lines give the same
 /// answers and the same printer.cfg, however fast or busy the computer is.
 ///
-/// Works in a folder of its own under the system's temporary one, which is removed with
-/// all that stands in it. Ends the host whatever happens; a host whose caltwin was
-/// killed ends by itself.
+/// Works in a TemporaryFolder. Ends the host whatever happens; a host whose caltwin was
+/// killed ends by itself. Ctrl-C (InterruptRequested) ends it as HostLost.
 class KlipperHost {
  public:
-  /// Starts it and waits until it is ready. Throws HostLost, also where its printer.cfg
-  /// is at fault, and InputError where the program cannot be found.
+  /// Starts it and waits until it is ready. Throws HostLost; InputError where the host
+  /// does not take its printer.cfg, or the program cannot be started.
   KlipperHost(klipper::Board* board, const KlipperHostOptions& options);
   ~KlipperHost();
   KlipperHost(const KlipperHost&) = delete;
@@ -64,8 +61,6 @@ class KlipperHost {
 
   /// Its printer.cfg as it stands now.
   std::string Config() const;
-  /// The end of its log.
-  std::string LogEnd() const;
   /// Where the motors stand now, as the board counts.
   Motors MotorsNow() const;
   /// By the printer's clock, since the host was started [s].
@@ -75,20 +70,5 @@ class KlipperHost {
   class Parts;
   std::unique_ptr<Parts> parts_;
 };
-
-/// The host: `stated`, else $CALTWIN_KLIPPER_HOST, else what tools/setup.sh
-/// --controllers has installed beside the program, else kalico of the PATH. Throws
-/// InputError where there is none.
-std::filesystem::path HostProgram(const std::string& stated);
-
-/// One setting that SAVE_CONFIG has written.
-struct SavedSetting {
-  std::string section{};  ///< "stepper_a"
-  std::string option{};   ///< "position_endstop"
-  std::string value{};    ///< "300.3107"; several lines as they stand.
-};
-
-/// What stands in the part of a printer.cfg that SAVE_CONFIG writes (`#*#`), in order.
-std::vector<SavedSetting> SavedSettingsOf(std::string_view config);
 
 }  // namespace caltwin

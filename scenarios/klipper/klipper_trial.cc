@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "scenarios/interrupt.h"
+#include "sim/measure/import/fields.h"
 
 namespace caltwin {
 namespace {
@@ -31,13 +31,9 @@ MachineFault FaultOf(const std::string& refusal) {
 // person.
 void AddLines(const std::string& printed, std::vector<std::string>* lines) {
   constexpr std::string_view kMark = "// ";
-  std::size_t at = 0;
-  while (at <= printed.size()) {
-    const std::size_t end = std::min(printed.find('\n', at), printed.size());
-    const bool is_marked = printed.compare(at, kMark.size(), kMark) == 0;
-    const std::size_t from = at + (is_marked ? kMark.size() : 0);
-    if (from < end) lines->push_back(printed.substr(from, end - from));
-    at = end + 1;
+  for (const TextLine& line : LinesOf(printed)) {
+    const bool is_marked = line.text.starts_with(kMark);
+    lines->emplace_back(line.text.substr(is_marked ? kMark.size() : 0));
   }
 }
 
@@ -78,7 +74,6 @@ KlipperTrial::KlipperTrial(const Machine& machine,
     : board_(std::move(board)),
       config_before_(options.config),
       host_(board_.get(), std::move(options)) {
-  host_.StopAt(&InterruptFlag());
   bench_.gauge = &gauges_;
   bench_.person = &hands_;
   bench_.machine = machine;

@@ -24,7 +24,6 @@ class HostLink : public Link {
 
   Expected<std::vector<std::string>> Send(std::string_view line,
                                           std::chrono::milliseconds patience) override;
-  void StopAt(const std::atomic<bool>* stop) { options_.stop = stop; }
   /// Its printer.cfg: as given, until it is started.
   std::string Config() const { return host_ ? host_->Config() : options_.config; }
   /// Where its motors stand, as the board counts; nullopt: it was never started.

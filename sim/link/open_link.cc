@@ -18,6 +18,7 @@
 #include <termios.h>
 #include <unistd.h>
 
+#include "sim/base/descriptor.h"
 #include "sim/base/input_error.h"
 #include "sim/link/reply.h"
 #include "sim/link/transcript.h"
@@ -34,10 +35,6 @@ constexpr std::array<std::pair<int, speed_t>, 8> kSpeeds = {{{9600, B9600},
                                                              {230400, B230400},
                                                              {500000, B500000},
                                                              {1000000, B1000000}}};
-
-std::string SystemSays(int error) {
-  return std::generic_category().message(error);
-}
 
 std::optional<int> WholeNumber(std::string_view text) {
   int value = 0;

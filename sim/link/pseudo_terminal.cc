@@ -57,18 +57,6 @@ void MakeLink(const std::string& target,
 
 }  // namespace
 
-Descriptor::~Descriptor() {
-  if (number_ >= 0) close(number_);
-}
-
-int Descriptor::Release() {
-  return std::exchange(number_, -1);
-}
-
-std::string SystemSays(int error) {
-  return std::generic_category().message(error);
-}
-
 PseudoTerminal::PseudoTerminal(const fs::path& path, const std::string& option)
     : master_(OpenMaster(option)),
       client_side_(OpenClientSide(ptsname(master_.number()), option)),

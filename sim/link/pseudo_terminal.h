@@ -3,25 +3,9 @@
 #include <filesystem>
 #include <string>
 
+#include "sim/base/descriptor.h"
+
 namespace caltwin {
-
-/// A descriptor that is closed at the end of its scope.
-class Descriptor {
- public:
-  explicit Descriptor(int number) : number_(number) {}
-  ~Descriptor();
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  int number() const { return number_; }
-  /// Whoever takes it closes it.
-  int Release();
-
- private:
-  int number_;
-};
-
-/// What the system says of that errno.
-std::string SystemSays(int error);
 
 /// A pseudo-terminal, raw on both sides, and a symbolic link to where clients open it,
 /// which is removed at the end. A client may come and go: the terminal stays.

@@ -8,10 +8,11 @@
 #include <sys/un.h>
 #include <unistd.h>
 
-#include "scenarios/klipper/host.h"
 #include "scenarios/klipper/host_api.h"
+#include "scenarios/klipper/host_process.h"
 #include "scenarios/scenario.h"
 #include "sim/base/input_error.h"
+#include "tests/base/temp_folder.h"
 
 namespace caltwin {
 namespace {
@@ -19,35 +20,10 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-TEST(SavedSettings, AreWhatStandsInTheSavedPart) {
-  const auto saved = SavedSettingsOf(
-      "[probe]\nz_offset = 1\n#*# <---------------------- SAVE_CONFIG ------>\n"
-      "#*# DO NOT EDIT THIS BLOCK OR BELOW.\n#*#\n#*# [probe]\n#*# z_offset = -3.800\n"
-      "#*#\n#*# [bed_mesh default]\n#*# version = 1\n#*# points =\n"
-      "#*# \t0.1, 0.2\n#*# \t0.3, 0.4\n#*# min_x = 30\n");
-
-  ASSERT_EQ(saved.size(), 4U);
-  EXPECT_EQ(saved[0].section, "probe");
-  EXPECT_EQ(saved[0].option, "z_offset");
-  EXPECT_EQ(saved[0].value, "-3.800");
-  EXPECT_EQ(saved[2].option, "points");
-  EXPECT_EQ(saved[2].value, "0.1, 0.2\n0.3, 0.4");
-  EXPECT_EQ(saved[3].section, "bed_mesh default");
-  EXPECT_EQ(saved[3].value, "30");
-}
-
-TEST(SavedSettings, OfAnyTextAreNone) {
-  EXPECT_TRUE(SavedSettingsOf("").empty());
-  EXPECT_TRUE(SavedSettingsOf("#*#").empty());
-  EXPECT_TRUE(SavedSettingsOf("#*# [").empty());
-  EXPECT_TRUE(SavedSettingsOf("#*# \t1, 2").empty());
-}
-
 /// A host's API socket of which the test is the other end.
 class Api : public testing::Test {
  protected:
   Api() {
-    std::filesystem::create_directories(folder_);
     sockaddr_un address{};
     address.sun_family = AF_UNIX;
     path_.string().copy(address.sun_path, sizeof address.sun_path - 1);
@@ -62,17 +38,13 @@ class Api : public testing::Test {
   ~Api() override {
     close(host_);
     close(listener_);
-    std::filesystem::remove_all(folder_);
   }
   void Say(const std::string& text) const {
     EXPECT_EQ(write(host_, text.data(), text.size()),
               static_cast<ssize_t>(text.size()));
   }
 
-  std::filesystem::path folder_ =
-      std::filesystem::temp_directory_path() /
-      ("caltwin_api_test_" + std::to_string(getpid()) + "_" +
-       testing::UnitTest::GetInstance()->current_test_info()->name());
+  TempFolder folder_{};
   std::filesystem::path path_ = folder_ / "api";
   HostApi api_{path_};
   int listener_ = -1, host_ = -1;

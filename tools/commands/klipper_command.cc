@@ -14,8 +14,11 @@
 
 #include "scenarios/interrupt.h"
 #include "scenarios/klipper/host.h"
+#include "scenarios/klipper/host_process.h"
 #include "sim/base/text_file.h"
 #include "sim/machine/machine.h"
+#include "sim/measure/import/fields.h"
+#include "sim/measure/import/printer_cfg.h"
 #include "tools/commands/command.h"
 #include "tools/commands/kinds/served.h"
 
@@ -38,18 +41,13 @@ struct Said {
   double printer_s = 0;  ///< When it was done, by the printer's clock.
 };
 
-// Lines of a file; `;` begins a comment, and what is empty is nothing to say.
-std::vector<std::string> LinesOf(const std::string& text) {
+// Lines of a file; `;` begins a comment.
+std::vector<std::string> LinesIn(const std::string& text) {
   std::vector<std::string> lines;
-  std::size_t at = 0;
-  while (at < text.size()) {
-    const std::size_t end = std::min(text.find('\n', at), text.size());
-    std::string line = text.substr(at, std::min(text.find(';', at), end) - at);
-    while (!line.empty() && std::isspace(static_cast<unsigned char>(line.back()))) {
-      line.pop_back();
-    }
-    if (!line.empty()) lines.push_back(line);
-    at = end + 1;
+  for (const TextLine& line : LinesOf(text)) {
+    std::string_view said = line.text.substr(0, line.text.find(';'));
+    said = said.substr(0, said.find_last_not_of(" \t") + 1);
+    if (!said.empty()) lines.emplace_back(said);
   }
   return lines;
 }
@@ -57,7 +55,7 @@ std::vector<std::string> LinesOf(const std::string& text) {
 std::vector<std::string> LinesToSay(const KlipperAsked& asked) {
   std::vector<std::string> lines = asked.lines;
   if (!asked.gcode.empty()) {
-    const auto more = LinesOf(ReadTextFile(asked.gcode, kLargestFile_bytes));
+    const auto more = LinesIn(ReadTextFile(asked.gcode, kLargestFile_bytes));
     lines.insert(lines.end(), more.begin(), more.end());
   }
   if (lines.empty()) {
@@ -82,20 +80,21 @@ void Print(const Said& said) {
   std::cout.flush();
 }
 
-void PrintSaved(const std::vector<SavedSetting>& saved) {
+void PrintSaved(const std::vector<PrinterCfg::Saved>& saved) {
   if (saved.empty()) {
     std::cout << "Nothing was saved in printer.cfg.\n";
     return;
   }
   std::cout << "Saved in printer.cfg:\n";
-  for (const SavedSetting& one : saved) {
+  for (const PrinterCfg::Saved& one : saved) {
     const bool is_long = one.value.find('\n') != std::string::npos;
-    std::cout << fmt::format("  [{}] {} ={}{}\n",
-                             one.section,
-                             one.option,
-                             is_long ? "\n    " : " ",
-                             one.value);
+    std::cout << fmt::format(
+        "  [{}] {} ={}{}\n", one.section, one.key, is_long ? "\n    " : " ", one.value);
   }
+}
+
+std::vector<PrinterCfg::Saved> SavedBy(const KlipperHost& host) {
+  return PrinterCfg(host.Config(), "printer.cfg").AllSaved();
 }
 
 nlohmann::json JsonOf(const std::vector<Said>& all, const KlipperHost& host) {
@@ -110,9 +109,9 @@ nlohmann::json JsonOf(const std::vector<Said>& all, const KlipperHost& host) {
     steps.push_back(step);
   }
   nlohmann::json saved = nlohmann::json::array();
-  for (const SavedSetting& one : SavedSettingsOf(host.Config())) {
+  for (const PrinterCfg::Saved& one : SavedBy(host)) {
     saved.push_back(
-        {{"section", one.section}, {"option", one.option}, {"value", one.value}});
+        {{"section", one.section}, {"option", one.key}, {"value", one.value}});
   }
   return {{"steps", steps}, {"saved", saved}, {"printer_s", host.printer_s()}};
 }
@@ -134,7 +133,7 @@ int SayAll(KlipperHost* host, const KlipperAsked& asked) {
   }
   const double real_s = std::chrono::duration<double>(Now::now() - start).count();
   const double printer_s = host->printer_s() - before_s;
-  PrintSaved(SavedSettingsOf(host->Config()));
+  PrintSaved(SavedBy(*host));
   std::cout << fmt::format(
       "{:.1f} s of the printer's time in {:.1f} s: {:.0f} times as fast\n",
       printer_s,
@@ -152,6 +151,7 @@ int Klipper(const KlipperAsked& asked) {
       FindMachine(asked.twin.machine, "", {.file = asked.twin.machine});
   const ServedKind& kind = ServedToKlipper(file, asked.twin.machine);
   LinesToSay(asked);
+  if (!asked.log.empty()) WriteTextFile(asked.log, "");  // Refused now or never.
   const auto board = kind.board(file, asked.twin);
   const bool has_config = !asked.config.empty();
   const KlipperHostOptions options{
@@ -160,8 +160,7 @@ int Klipper(const KlipperAsked& asked) {
                            : kind.printer_cfg(ReadAnyMachineFile(file).machine, "-"),
       .beside = has_config ? fs::absolute(asked.config).parent_path() : fs::path(),
       .log = asked.log,
-      .patience = std::chrono::milliseconds(std::llround(asked.patience_s * 1e3)),
-      .stop = &InterruptFlag()};
+      .patience = std::chrono::milliseconds(std::llround(asked.patience_s * 1e3))};
   try {
     KlipperHost host(board.get(), options);
     return SayAll(&host, asked);

@@ -84,12 +84,13 @@ Action DeclareValidate(CLI::App* app) {
   app->add_option("FILE", options->files, "files of any kind caltwin reads")
       ->required();
   app->footer(
-      "The kind is told by the top-level key: calibrate or controller (scenario), "
-      "kinematics or "
-      "extends (machine), effects or settings alone (truth), campaigns, artefacts or a "
-      ".csv of "
-      "the same name (data header), campaigns as a list (plan), or a .csv (measured "
-      "rows).");
+      "A file's own keys say what it is: calibrate or controller a scenario, "
+      "kinematics "
+      "or extends a machine, effects or settings alone a truth file, campaigns as a "
+      "list "
+      "a plan, campaigns or artefacts (or a .csv of the same name) a data header, "
+      "study "
+      "a study. A .csv holds measured rows.");
   return [options] {
     return Validate(*options);
   };

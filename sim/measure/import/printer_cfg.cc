@@ -106,6 +106,20 @@ const CfgSetting* PrinterCfg::Find(std::string_view section,
   return nullptr;
 }
 
+std::vector<PrinterCfg::Saved> PrinterCfg::AllSaved() const {
+  std::vector<Saved> all;
+  for (const auto& [title, section] : saved_) {
+    for (const auto& [key, setting] : section.settings) {
+      Saved one{.section = title, .key = key, .value = setting.value.text};
+      for (const CsvField& line : setting.more) {
+        one.value += (one.value.empty() ? "" : "\n") + line.text;
+      }
+      all.push_back(one);
+    }
+  }
+  return all;
+}
+
 bool PrinterCfg::IsSaved(std::string_view section, std::string_view key) const {
   const auto found = saved_.find(section);
   return found != saved_.end() && found->second.settings.contains(key);

@@ -31,6 +31,13 @@ class PrinterCfg {
   const std::string& name() const { return name_; }
   /// The setting; null where there is none. `section` in the words of the file.
   const CfgSetting* Find(std::string_view section, std::string_view key) const;
+  /// All that SAVE_CONFIG has written, by section and key.
+  struct Saved {
+    std::string section{};  ///< "stepper_a"
+    std::string key{};      ///< "position_endstop"
+    std::string value{};    ///< "300.3107"; a mesh's points a line each.
+  };
+  std::vector<Saved> AllSaved() const;
   /// Whether the setting in force is a saved one.
   bool IsSaved(std::string_view section, std::string_view key) const;
   /// A number, in force or saved; nullopt where there is none. A setting that is no

@@ -107,19 +107,14 @@ std::optional<Imported> StalledFitIn(const std::string& text) {
   const std::string touches = Known(fit.num_touches)
                                   ? fmt::format("the {:.0f} touches", fit.num_touches)
                                   : std::string("the touches");
-  Imported imported{.recognised = {fmt::format("a firmware's own fit, {} rounds",
-                                               fit.errors_mm.size() - 1)},
-                    .next_instrument = "calliper",
-                    .next_sentence =
-                        "print an object with distances in three directions "
-                        "and measure them with a calliper: touches of a bed "
-                        "alone do not tell the values apart"};
-  imported.notes.push_back(
-      {.kind = FileNote::Kind::kOpen,
-       .what = "cause",
-       .sentence =
-           "which of the fitted values is the machine's, and why the touches do "
-           "not fit any of them"});
+  Imported imported =
+      ToldOf(fmt::format("a firmware's own fit, {} rounds", fit.errors_mm.size() - 1),
+             "which of the fitted values is the machine's, and why the touches do "
+             "not fit any of them",
+             "calliper",
+             "print an object with distances in three directions "
+             "and measure them with a calliper: touches of a bed "
+             "alone do not tell the values apart");
   imported.notes.push_back(
       {.kind = FileNote::Kind::kFact,
        .sentence = fmt::format(

@@ -163,22 +163,18 @@ std::optional<Imported> TemperatureTablesIn(const std::string& text) {
   for (std::size_t k = 0; k < tables.temp_c.size(); ++k)
     most_um = std::max(most_um, SpreadOf(AtTemperature(tables, k)));
   if (most_um < kApart_um) return std::nullopt;
-  Imported imported{
-      .recognised = {fmt::format("{} runs of a correction over temperature, {:g} to "
-                                 "{:g} C",
-                                 tables.run_um.size(),
-                                 tables.temp_c.front(),
-                                 tables.temp_c.back())},
-      .next_instrument = "probe",
-      .next_sentence =
-          "hold the reference's temperature for ten minutes and touch the "
-          "same place ten times, with homing between: that tells whether "
-          "the reference repeats"};
-  imported.notes.push_back(
-      {.kind = FileNote::Kind::kOpen,
-       .what = "cause",
-       .sentence = "how far the probe drifts with temperature, and why its reference "
-                   "does not repeat"});
+  Imported imported =
+      ToldOf(fmt::format("{} runs of a correction over temperature, {:g} to "
+                         "{:g} C",
+                         tables.run_um.size(),
+                         tables.temp_c.front(),
+                         tables.temp_c.back()),
+             "how far the probe drifts with temperature, and why its reference "
+             "does not repeat",
+             "probe",
+             "hold the reference's temperature for ten minutes and touch the "
+             "same place ten times, with homing between: that tells whether "
+             "the reference repeats");
   imported.notes.push_back({.kind = FileNote::Kind::kFact,
                             .sentence = SentenceOf(tables),
                             .fact = "contradiction",

@@ -1,8 +1,21 @@
 #include "sim/measure/import/told_stories.h"
 
 #include <array>
+#include <utility>
 
 namespace caltwin {
+
+Imported ToldOf(std::string recognised,
+                std::string open,
+                std::string instrument,
+                std::string next) {
+  Imported told{.recognised = {std::move(recognised)},
+                .next_instrument = std::move(instrument),
+                .next_sentence = std::move(next)};
+  told.notes.push_back(
+      {.kind = FileNote::Kind::kOpen, .what = "cause", .sentence = std::move(open)});
+  return told;
+}
 
 std::optional<Imported> ToldStoryIn(const std::string& text) {
   constexpr std::array kStories = {TemperatureTablesIn,

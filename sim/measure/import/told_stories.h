@@ -43,6 +43,13 @@ std::optional<Imported> FadedConstantIn(const std::string& text);
 /// the best position (the size of stars): the two leasts lie a lost motion apart.
 std::optional<Imported> LeastThereAndBackIn(const std::string& text);
 
+/// What each of them begins with: what the text was taken for, what it leaves open, and
+/// what to measure next.
+Imported ToldOf(std::string recognised,
+                std::string open,
+                std::string instrument,
+                std::string next);
+
 /// The first of them all that a text is.
 std::optional<Imported> ToldStoryIn(const std::string& text);
 

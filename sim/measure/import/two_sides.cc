@@ -99,18 +99,15 @@ std::optional<Imported> TwoSidesIn(const std::string& text) {
     return std::nullopt;
   const Side& shorter = sides[factor < 1 ? 1 : 0];
   const Side& longer = sides[factor < 1 ? 0 : 1];
-  Imported imported{.recognised = {"what two motors of one axis moved"},
-                    .next_instrument = "tape",
-                    .next_sentence =
-                        "measure both sides at a quarter, half and the "
-                        "whole way, there and back: a wrong pulley errs by "
-                        "the same share on every way, slip and lost steps "
-                        "do not"};
-  imported.notes.push_back(
-      {.kind = FileNote::Kind::kOpen,
-       .what = "cause",
-       .sentence = "why the sides differ: one way of one length does not tell a pulley "
-                   "or belt from slip or lost steps"});
+  Imported imported =
+      ToldOf("what two motors of one axis moved",
+             "why the sides differ: one way of one length does not tell a pulley "
+             "or belt from slip or lost steps",
+             "tape",
+             "measure both sides at a quarter, half and the "
+             "whole way, there and back: a wrong pulley errs by "
+             "the same share on every way, slip and lost steps "
+             "do not");
   imported.notes.push_back(
       {.kind = FileNote::Kind::kFact,
        .sentence = fmt::format(

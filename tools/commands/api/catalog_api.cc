@@ -16,6 +16,7 @@
 #include "scenarios/machine_file.h"
 #include "scenarios/scenario.h"
 #include "sim/base/input_error.h"
+#include "sim/base/temporary_folder.h"
 #include "sim/base/text_file.h"
 #include "sim/machine/machine_kind.h"
 #include "tools/commands/api/own_program.h"
@@ -63,7 +64,7 @@ HttpResponse Picture(const HttpRequest& request) {
   const std::string& name = request.places[0];
   RequireAmong(ModelNames(), name);
   const double exaggerate = ExaggerateOf(request);
-  const TemporaryFolder folder;
+  const TemporaryFolder folder("caltwin_server");
   RunOwnProgram({.words = {"render",
                            ModelFile(name).string(),
                            "--out",

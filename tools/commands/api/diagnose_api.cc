@@ -12,6 +12,7 @@
 
 #include "sim/base/text_file.h"
 #include "tools/commands/api/catalog_api.h"
+#include "tools/commands/api/own_program.h"
 #include "tools/server/problem.h"
 
 namespace caltwin {

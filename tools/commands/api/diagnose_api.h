@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/commands/api/own_program.h"
+#include "sim/base/temporary_folder.h"
 #include "tools/server/multipart.h"
 #include "tools/server/routes.h"
 
@@ -42,7 +42,7 @@ class DiagnoseApi {
   Kept Find(const std::string& id);
 
   const std::atomic<bool>* stop_;
-  TemporaryFolder folder_{};
+  TemporaryFolder folder_{"caltwin_server"};
   std::mutex mutex_{};
   int last_ = 0;
   std::deque<Kept> kept_{};

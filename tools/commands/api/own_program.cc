@@ -1,12 +1,9 @@
 #include "tools/commands/api/own_program.h"
 
-#include <cerrno>
-#include <charconv>
 #include <csignal>
 #include <string_view>
 
 #include <fmt/format.h>
-#include <stdlib.h>
 #include <sys/prctl.h>
 #include <unistd.h>
 
@@ -53,40 +50,7 @@ std::vector<std::string> MessagesOf(std::string_view text) {
   throw Problem(500, "it " + ToString(end) + "; the server's terminal says more");
 }
 
-// Removes what servers left behind that were killed.
-void SweepFolders() {
-  constexpr std::string_view kBegin = "caltwin_server_";
-  std::error_code error;
-  for (const auto& entry : fs::directory_iterator(fs::temp_directory_path(), error)) {
-    const std::string name = entry.path().filename().string();
-    if (!name.starts_with(kBegin)) continue;
-    int owner = 0;
-    const auto read =
-        std::from_chars(name.data() + kBegin.size(), name.data() + name.size(), owner);
-    const bool has_owner = read.ec == std::errc() && owner > 0;
-    if (has_owner && kill(owner, 0) != 0 && errno == ESRCH) {
-      fs::remove_all(entry.path(), error);
-    }
-  }
-}
-
 }  // namespace
-
-TemporaryFolder::TemporaryFolder() {
-  SweepFolders();
-  std::string name =
-      (fs::temp_directory_path() / fmt::format("caltwin_server_{}_XXXXXX", getpid()))
-          .string();
-  if (mkdtemp(name.data()) == nullptr) {
-    throw InputError({.file = name}, "no temporary folder can be made");
-  }
-  path_ = name;
-}
-
-TemporaryFolder::~TemporaryFolder() {
-  std::error_code ignored;
-  fs::remove_all(path_, ignored);
-}
 
 bool IsAnotherAlive(int process) {
   if (process <= 0 || process == getpid()) return false;

@@ -10,19 +10,6 @@
 
 namespace caltwin {
 
-/// A folder in the system's place for temporary files, gone with its owner.
-class TemporaryFolder {
- public:
-  TemporaryFolder();
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  ~TemporaryFolder();
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_{};
-};
-
 /// What `caltwin` itself is given to do.
 struct OwnCommand {
   std::vector<std::string> words{};  ///< "diagnose", "data.csv".

@@ -10,6 +10,7 @@
 #include "sim/base/text_file.h"
 #include "sim/machine/machine.h"
 #include "tools/commands/api/catalog_api.h"
+#include "tools/commands/api/own_program.h"
 #include "tools/server/json_keys.h"
 
 namespace caltwin {

@@ -9,7 +9,7 @@
 #include <thread>
 #include <vector>
 
-#include "tools/commands/api/own_program.h"
+#include "sim/base/temporary_folder.h"
 #include "tools/server/events.h"
 #include "tools/server/routes.h"
 
@@ -54,7 +54,7 @@ class RunsApi {
   std::shared_ptr<Run> Find(const std::string& id) const;
 
   EventTopic* events_;
-  TemporaryFolder folder_{};
+  TemporaryFolder folder_{"caltwin_server"};
   mutable std::mutex mutex_{};
   int last_ = 0;
   std::deque<std::shared_ptr<Run>> runs_{};

@@ -11,11 +11,11 @@
 #include "scenarios/kinds/kinds.h"
 #include "sim/base/input_error.h"
 #include "sim/base/sha256.h"
+#include "sim/base/temporary_folder.h"
 #include "sim/base/text_file.h"
 #include "tools/commands/api/bench_api.h"
 #include "tools/commands/api/catalog_api.h"
 #include "tools/commands/api/diagnose_api.h"
-#include "tools/commands/api/own_program.h"
 #include "tools/commands/api/runs_api.h"
 #include "tools/commands/api/scene_api.h"
 #include "tools/commands/api/studies_api.h"
@@ -116,7 +116,7 @@ struct WebService::Parts {
   OperatorSeat bench_seat{}, printer_seat{};
   DiagnoseApi diagnose;
   RunsApi runs{events.get()};
-  TemporaryFolder temporary{};  ///< Where no other is for what is kept.
+  TemporaryFolder temporary{"caltwin_server"};  ///< Where no other is for what is kept.
   std::unique_ptr<StudiesApi> studies{};
   SceneApi scenes{};
   std::unique_ptr<BenchApi> bench{};

@@ -99,19 +99,14 @@ std::optional<Imported> RodTrimsIn(const std::string& text) {
   const auto [low_mm, high_mm] = std::ranges::minmax(rods.trims_mm);
   const double apart_mm = most_mm - least_mm, trims_mm = high_mm - low_mm;
   if (trims_mm < kLeast_mm || trims_mm < kTimes * apart_mm) return std::nullopt;
-  Imported imported{
-      .recognised = {"corrections of a delta's rods, and the rods as measured"},
-      .next_instrument = "probe",
-      .next_sentence =
-          "touch the bed at many points and let a calibration free the "
-          "towers' angles and radii with the rods as measured; then print "
-          "and measure distances in every direction"};
-  imported.notes.push_back(
-      {.kind = FileNote::Kind::kOpen,
-       .what = "cause",
-       .sentence =
-           "what the corrections of the rods stand in for: widths of one object "
-           "do not tell"});
+  Imported imported =
+      ToldOf("corrections of a delta's rods, and the rods as measured",
+             "what the corrections of the rods stand in for: widths of one object "
+             "do not tell",
+             "probe",
+             "touch the bed at many points and let a calibration free the "
+             "towers' angles and radii with the rods as measured; then print "
+             "and measure distances in every direction");
   imported.notes.push_back(
       {.kind = FileNote::Kind::kFact,
        .sentence = fmt::format(
