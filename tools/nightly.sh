@@ -31,7 +31,7 @@ sanitizers() { # What CI leaves out of its sanitizer run: a quarter of an hour.
   done
   return "$code"
 }
-controllers() { # The shipped host of the Klipper family on the twin: in lock-step, and eleven minutes in real time.
+controllers() { # Klipper's shipped host and LinuxCNC on the twin: in lock-step, and twelve minutes in real time.
   ./tools/setup.sh --controllers && CALTWIN_REPEATS=20 ctest --test-dir build -L controllers --output-on-failure
 }
 mutants() { ./tools/mutants.sh; }           # Each planted mistake has to turn a test red.

@@ -3,8 +3,9 @@
 # MuJoCo in third_party/mujoco. Says nothing where there is nothing to do.
 #
 #   tools/setup.sh [PACKAGE ...]    these packages too
-#   tools/setup.sh --controllers    and the shipped program that drives the twin
-#                                   (docs/klipper.md): kalico, in build/controllers
+#   tools/setup.sh --controllers    and the shipped programs that drive the twin
+#                                   (docs/klipper.md): kalico, in build/controllers; and
+#                                   LinuxCNC (docs/linuxcnc.md), where Debian has it
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -126,6 +127,8 @@ if [[ ${1:-} == --controllers ]]; then
   install_packages "${packages[@]}" gcc libc6-dev python3-venv "${@:2}"
   install_mujoco
   install_controllers
+  install_packages linuxcnc-uspace linuxcnc-uspace-dev ||
+    echo "setup: there is no LinuxCNC for this system: its tests are skipped" >&2
 else
   install_packages "${packages[@]}" "$@"
   install_mujoco

@@ -22,7 +22,7 @@ DeltaModel<double> BelievedBy(const std::string& config) {
 
 DeltaKlipperTrial::DeltaKlipperTrial(const Machine& machine,
                                      const BuiltDelta& built,
-                                     std::unique_ptr<klipper::Board> board,
+                                     std::unique_ptr<Board> board,
                                      KlipperHostOptions options)
     : KlipperTrial(machine, std::move(board), std::move(options)),
       machine_(machine),
@@ -60,7 +60,7 @@ std::unique_ptr<KindTrial> BeginDeltaUnderKlipper(const DeltaScenario& delta,
   Machine machine = scenario.machine.machine;
   DeltaOf(machine).settings = delta.settings;
   const BuiltDelta built = DrawDelta(delta, machine, chance.seed, chance.sample);
-  auto board = std::make_unique<klipper::PlantBoard>(
+  auto board = std::make_unique<PlantBoard>(
       WiringOfDelta(machine),
       std::make_unique<SteppedDelta>(
           machine, built, chance.fidelity == Fidelity::kPhysics, chance.seed));

@@ -16,7 +16,7 @@ class DeltaKlipperTrial final : public KlipperTrial {
  public:
   DeltaKlipperTrial(const Machine& machine,
                     const BuiltDelta& built,
-                    std::unique_ptr<klipper::Board> board,
+                    std::unique_ptr<Board> board,
                     KlipperHostOptions options);
 
   void Finish(RunResult* result) override;

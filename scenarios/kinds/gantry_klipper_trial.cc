@@ -10,6 +10,7 @@
 #include "scenarios/kinds/gantry_trial.h"
 #include "sim/base/units.h"
 #include "sim/kinds/cartesian/klipper.h"
+#include "sim/kinds/cartesian/stepped.h"
 #include "sim/measure/import/klipper_mesh.h"
 #include "sim/measure/import/printer_cfg.h"
 
@@ -98,7 +99,7 @@ std::unique_ptr<KindTrial> BeginGantryUnderKlipper(const Scenario& scenario,
   built.Prepare();
   KlipperHostOptions options = *scenario.klipper;
   if (options.config.empty()) options.config = PrinterCfgOfGantry(machine, "-");
-  auto board = std::make_unique<klipper::PlantBoard>(
+  auto board = std::make_unique<PlantBoard>(
       WiringOfGantry(machine), std::make_unique<SteppedGantry>(built, config.seed));
   return std::make_unique<GantryKlipperTrial>(
       std::move(built), std::move(board), std::move(options));

@@ -23,7 +23,7 @@ struct MeshAgainstTable {
 class GantryKlipperTrial final : public KlipperTrial {
  public:
   GantryKlipperTrial(Built built,
-                     std::unique_ptr<klipper::Board> board,
+                     std::unique_ptr<Board> board,
                      KlipperHostOptions options)
       : KlipperTrial(built.machine, std::move(board), std::move(options)),
         built_(std::move(built)) {}

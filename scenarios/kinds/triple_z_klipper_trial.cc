@@ -20,10 +20,10 @@ constexpr Eigen::Index kFirstScrew = 2;
 // By how much each screw stands higher than the mean of the three, by its motor's steps
 // as the board counts them.
 Vec3<double> RaisedBy(const Machine& machine, const Motors& steps) {
-  const klipper::Wiring wiring = WiringOfTripleZ(machine);
+  const Wiring wiring = WiringOfTripleZ(machine);
   Vec3<double> at_mm;
   for (int i = 0; i < 3; ++i) {
-    const klipper::Wiring::Motor& motor =
+    const Wiring::Motor& motor =
         wiring.motors[static_cast<std::size_t>(kFirstScrew + i)];
     const double per_mm = machine.settings.steps_per_mm[2];
     at_mm[i] = -(motor.start_steps + motor.sense * steps[kFirstScrew + i]) / per_mm;
@@ -34,7 +34,7 @@ Vec3<double> RaisedBy(const Machine& machine, const Motors& steps) {
 }  // namespace
 
 TripleZKlipperTrial::TripleZKlipperTrial(const BuiltTripleZ& built,
-                                         std::unique_ptr<klipper::Board> board,
+                                         std::unique_ptr<Board> board,
                                          KlipperHostOptions options)
     : KlipperTrial(built.machine, std::move(board), std::move(options)),
       built_(built),
@@ -79,7 +79,7 @@ std::unique_ptr<KindTrial> BeginTripleZUnderKlipper(const TripleZScenario& tripl
   const double believed_steps_per_mm =
       std::exchange(built.machine.settings.steps_per_mm[2],
                     TripleZOf(built.machine).screws[0].steps_per_mm());
-  auto board = std::make_unique<klipper::PlantBoard>(
+  auto board = std::make_unique<PlantBoard>(
       WiringOfTripleZ(built.machine),
       std::make_unique<TripleZTwinPlant>(
           built, chance.fidelity == Fidelity::kPhysics, chance.seed, chance.sample));

@@ -16,7 +16,7 @@ namespace caltwin {
 class TripleZKlipperTrial final : public KlipperTrial {
  public:
   TripleZKlipperTrial(const BuiltTripleZ& built,
-                      std::unique_ptr<klipper::Board> board,
+                      std::unique_ptr<Board> board,
                       KlipperHostOptions options);
 
   void Finish(RunResult* result) override;

@@ -27,8 +27,8 @@ void ZStationKlipperTrial::Finish(RunResult* result) {
                    fmt::format("G1 X{:.3f} Y{:.3f} F3000", at_mm[0], at_mm[1]),
                    "M400"});
   if (!steps) return;
-  const klipper::Wiring wiring = WiringOfStation(machine_);
-  const klipper::Wiring::Motor& z = wiring.motors[2];
+  const Wiring wiring = WiringOfStation(machine_);
+  const Wiring::Motor& z = wiring.motors[2];
   const double carriage_mm =
       (z.start_steps + z.sense * (*steps)[2]) / machine_.axis(Axis::kZ).steps_per_mm();
   error_mm_ = twin_.Gap_mm(carriage_mm, at_mm) - kCommanded_mm;
@@ -75,7 +75,7 @@ std::unique_ptr<KindTrial> BeginStationUnderKlipper(const ZStationScenario& z,
   const bool is_physics = chance.fidelity == Fidelity::kPhysics;
   ZStation station;
   SetStation(z.station, chance.seed, chance.sample, &station);
-  auto board = std::make_unique<klipper::PlantBoard>(
+  auto board = std::make_unique<PlantBoard>(
       WiringOfStation(machine),
       std::make_unique<SteppedStation>(machine, station, is_physics, chance.seed));
   KlipperHostOptions options = *scenario.klipper;

@@ -18,7 +18,7 @@ class ZStationKlipperTrial final : public KlipperTrial {
  public:
   ZStationKlipperTrial(const Machine& machine,
                        ZStationTwin twin,
-                       std::unique_ptr<klipper::Board> board,
+                       std::unique_ptr<Board> board,
                        KlipperHostOptions options)
       : KlipperTrial(machine, std::move(board), std::move(options)),
         machine_(machine),

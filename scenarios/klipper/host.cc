@@ -85,7 +85,7 @@ void LinkNeighbours(const fs::path& from, const fs::path& to) {
 // Everything of one host, in the order in which it is needed.
 class KlipperHost::Parts {
  public:
-  Parts(klipper::Board* board, const KlipperHostOptions& options)
+  Parts(Board* board, const KlipperHostOptions& options)
       : options_(options),
         kept_log_(folder_.path() / "klippy.log", options.log),
         terminal_(folder_.path() / "serial", "the host's serial line"),
@@ -253,7 +253,7 @@ HostAnswer KlipperHost::Parts::Say(std::string_view line) {
   return answer;
 }
 
-KlipperHost::KlipperHost(klipper::Board* board, const KlipperHostOptions& options)
+KlipperHost::KlipperHost(Board* board, const KlipperHostOptions& options)
     : parts_(std::make_unique<Parts>(board, options)) {}
 
 KlipperHost::~KlipperHost() = default;

@@ -4,21 +4,14 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "sim/controllers/klipper/board.h"
+#include "scenarios/host_lost.h"
+#include "sim/controllers/board.h"
 
 namespace caltwin {
-
-/// The host has ended, does not answer or cannot be started; what() says it in words,
-/// with what it wrote last.
-class HostLost : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
 
 struct KlipperHostOptions {
   std::filesystem::path program{};  ///< Its start script; empty: HostProgram finds it.
@@ -50,7 +43,7 @@ class KlipperHost {
  public:
   /// Starts it and waits until it is ready. Throws HostLost; InputError where the host
   /// does not take its printer.cfg, or the program cannot be started.
-  KlipperHost(klipper::Board* board, const KlipperHostOptions& options);
+  KlipperHost(Board* board, const KlipperHostOptions& options);
   ~KlipperHost();
   KlipperHost(const KlipperHost&) = delete;
   KlipperHost& operator=(const KlipperHost&) = delete;

@@ -4,7 +4,6 @@
 #include <cerrno>
 #include <csignal>
 #include <cstdlib>
-#include <system_error>
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -12,6 +11,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "scenarios/beside_program.h"
 #include "scenarios/spawn.h"
 #include "sim/base/input_error.h"
 #include "sim/controllers/klipper/host_time.h"
@@ -23,24 +23,6 @@ namespace fs = std::filesystem;
 
 constexpr const char* kInstalls =
     "tools/setup.sh --controllers installs one in build/controllers";
-
-fs::path ProgramFolder() {
-  std::error_code error;
-  return fs::read_symlink("/proc/self/exe", error).parent_path();
-}
-
-// Beside the program that was built (a test is one folder down), or where it was
-// installed to.
-fs::path HostTimeLibrary() {
-  const fs::path folder = ProgramFolder();
-  const std::string_view name = "libcaltwin_host_time.so";
-  for (const fs::path& place : {folder, folder / "..", folder / "../lib/caltwin"}) {
-    if (fs::exists(place / name)) return fs::canonical(place / name);
-  }
-  throw InputError({},
-                   fmt::format("{} is not beside the program", name),
-                   "build or install caltwin as a whole");
-}
 
 }  // namespace
 
@@ -93,7 +75,8 @@ void HostProcess::Start(const fs::path& program, const fs::path& folder) {
                        in_folder("api"),
                        "-I",
                        in_folder("tty")},
-             .environment = {"LD_PRELOAD=" + HostTimeLibrary().string(),
+             .environment = {"LD_PRELOAD=" +
+                                 FileBesideProgram("libcaltwin_host_time.so").string(),
                              fmt::format("{}={}", klipper::kHostTimeVariable, kClock)},
              .descriptors = {{nothing.number(), STDIN_FILENO},
                              {log.number(), STDOUT_FILENO},

@@ -69,7 +69,7 @@ std::optional<Motors> HostLink::MotorsNow() const {
 }
 
 KlipperTrial::KlipperTrial(const Machine& machine,
-                           std::unique_ptr<klipper::Board> board,
+                           std::unique_ptr<Board> board,
                            KlipperHostOptions options)
     : board_(std::move(board)),
       config_before_(options.config),

@@ -19,7 +19,7 @@ namespace caltwin {
 class HostLink : public Link {
  public:
   /// `board` is borrowed.
-  HostLink(klipper::Board* board, KlipperHostOptions options)
+  HostLink(Board* board, KlipperHostOptions options)
       : board_(board), options_(std::move(options)) {}
 
   Expected<std::vector<std::string>> Send(std::string_view line,
@@ -32,7 +32,7 @@ class HostLink : public Link {
   double machine_time_s() const { return host_ ? host_->printer_s() - ready_s_ : 0; }
 
  private:
-  klipper::Board* board_;
+  Board* board_;
   KlipperHostOptions options_;
   std::unique_ptr<KlipperHost> host_{};
   double ready_s_ = 0;
@@ -45,7 +45,7 @@ class KlipperTrial : public KindTrial {
  public:
   /// @param config  its printer.cfg as it begins
   KlipperTrial(const Machine& machine,
-               std::unique_ptr<klipper::Board> board,
+               std::unique_ptr<Board> board,
                KlipperHostOptions options);
 
   Link* wire() override { return &host_; }
@@ -60,7 +60,7 @@ class KlipperTrial : public KindTrial {
   std::optional<Motors> MotorsAfter(const std::vector<std::string>& lines);
 
  private:
-  std::unique_ptr<klipper::Board> board_;
+  std::unique_ptr<Board> board_;
   std::string config_before_;
   HostLink host_;
   NoGauges gauges_{};

@@ -74,7 +74,7 @@ TEST(SteppedDelta, ScatterIsDrawnAnewForEachWatch) {
 
 TEST(SteppedDelta, IsWiredWithItsCarriagesBelowTheirEndstops) {
   const Machine machine = DeltaPrinter();
-  klipper::PlantBoard board(
+  PlantBoard board(
       WiringOfDelta(machine),
       std::make_unique<SteppedDelta>(
           machine, BuiltDelta{.build = DeltaOf(machine).Build()}, false, 1));

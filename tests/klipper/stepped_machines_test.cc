@@ -3,7 +3,7 @@
 
 #include "sim/effects/catalog.h"
 #include "sim/effects/drive.h"
-#include "sim/kinds/cartesian/klipper.h"
+#include "sim/kinds/cartesian/stepped.h"
 #include "sim/kinds/triple_z/klipper.h"
 #include "sim/kinds/triple_z/plant.h"
 #include "sim/kinds/z_station/klipper.h"

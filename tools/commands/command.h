@@ -50,6 +50,7 @@ Action DeclareExplain(CLI::App* app);
 Action DeclareImport(CLI::App* app);
 Action DeclareIso230(CLI::App* app);
 Action DeclareKlipper(CLI::App* app);
+Action DeclareLinuxCnc(CLI::App* app);
 Action DeclareNew(CLI::App* app);
 Action DeclarePlan(CLI::App* app);
 Action DeclareRender(CLI::App* app);

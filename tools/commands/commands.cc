@@ -24,6 +24,7 @@ constexpr std::array kCommands = {
     Command{"simulate", "the twin performs a measuring plan", DeclareSimulate},
     Command{"serve", "let real clients talk to a twin", DeclareServe},
     Command{"klipper", "Klipper's own host drives a twin", DeclareKlipper},
+    Command{"linuxcnc", "LinuxCNC drives a twin", DeclareLinuxCnc},
     Command{"import", "read somebody else's measurements", DeclareImport},
     Command{"iso230", "the ISO 230-2 sheet of measured rows", DeclareIso230},
     Command{"render", "an off-screen picture", DeclareRender},

@@ -90,6 +90,58 @@ int NewKlipper(const NewKlipperAsked& options) {
   return kPassed;
 }
 
+struct NewLinuxCncAsked {
+  std::string machine{};
+  std::string out{};
+  std::string page = "caltwin";
+};
+
+// A folder of LinuxCNC's configuration, with the component that it loads.
+int NewLinuxCnc(const NewLinuxCncAsked& options) {
+  const fs::path file = FindMachine(options.machine, "", {.file = options.machine});
+  const ServedKind& kind = ServedToLinuxCnc(file, options.machine);
+  const fs::path folder = options.out;
+  std::error_code error;
+  if (fs::exists(folder / "machine.ini", error)) {
+    throw InputError({.file = (folder / "machine.ini").string()},
+                     "this file is already there",
+                     "take another folder, or move it away");
+  }
+  const Machine machine = ReadAnyMachineFile(file).machine;
+  for (const auto& [name, text] : linuxcnc::ConfigFiles(
+           machine.name, kind.linuxcnc_joints(machine), "axis", options.page)) {
+    WriteTextFile(folder / name, text);
+  }
+  const fs::path component = ShareFolder() / "sim/controllers/linuxcnc/component";
+  for (const char* const name : {"caltwin.comp", "page.h", "COPYING"}) {
+    WriteTextFile(folder / name, ReadTextFile(component / name, kLargestFile_bytes));
+  }
+  std::cout << fmt::format(
+      "{0}/machine.ini\nOnce: cd {0} && sudo halcompile --install caltwin.comp\n"
+      "The machine: caltwin serve --machine {1} --fidelity fast --linuxcnc {2}\n"
+      "LinuxCNC: linuxcnc {0}/machine.ini\n"
+      "By itself, homed and as fast as it goes: caltwin linuxcnc {1} --ini "
+      "{0}/machine.ini -c \"G0 X10\"\n",
+      folder.string(),
+      options.machine,
+      options.page);
+  return kPassed;
+}
+
+CLI::App* DeclareNewLinuxCnc(CLI::App* app, NewLinuxCncAsked* options) {
+  CLI::App* const linuxcnc = app->add_subcommand(
+      "linuxcnc", "the INI and HAL files of a machine as drawn, for LinuxCNC");
+  linuxcnc->add_option("MACHINE", options->machine, "a name or a machine file")
+      ->required();
+  linuxcnc->add_option("--out", options->out, "the folder to write them to")
+      ->required();
+  linuxcnc
+      ->add_option(
+          "--page", options->page, "what `caltwin serve --linuxcnc` will be given")
+      ->capture_default_str();
+  return linuxcnc;
+}
+
 }  // namespace
 
 Action DeclareNew(CLI::App* app) {
@@ -113,7 +165,10 @@ Action DeclareNew(CLI::App* app) {
           "begins with /tmp/klipper_host_ as it is, any other for a serial port")
       ->capture_default_str();
   app->require_subcommand(1);
-  return [options, klipper_options, klipper] {
+  auto linuxcnc_options = std::make_shared<NewLinuxCncAsked>();
+  const CLI::App* linuxcnc = DeclareNewLinuxCnc(app, linuxcnc_options.get());
+  return [options, klipper_options, klipper, linuxcnc_options, linuxcnc] {
+    if (linuxcnc->parsed()) return NewLinuxCnc(*linuxcnc_options);
     return klipper->parsed() ? NewKlipper(*klipper_options) : NewMachine(*options);
   };
 }

@@ -14,6 +14,7 @@
 #include "tools/commands/kinds/served.h"
 #include "tools/commands/serve/serve.h"
 #include "tools/commands/serve/serve_klipper.h"
+#include "tools/commands/serve/serve_linuxcnc.h"
 #include "tools/commands/twin_options.h"
 
 namespace caltwin {
@@ -29,6 +30,7 @@ struct ServeAsked {
   WebOptions web{};
   std::string pty{};
   std::string klipper{};
+  std::string linuxcnc{};
   std::string dialect{};  ///< Empty: as the machine's controller speaks.
 };
 
@@ -108,14 +110,41 @@ int ServeWeb(const ServeAsked& asked) {
   return InterruptRequested() ? kInterrupted : kPassed;
 }
 
+// A real controller drives the machine, and nobody else.
+void RequireAlone(const ServeAsked& options,
+                  const std::string& option,
+                  std::string_view controller) {
+  const bool has_both = !options.klipper.empty() && !options.linuxcnc.empty();
+  if (!options.port && options.pty.empty() && !options.http && options.bench.empty() &&
+      options.dialect.empty() && !has_both) {
+    return;
+  }
+  throw InputError(
+      {.file = option},
+      fmt::format("{} alone drives the machine, and nobody at its bench", controller),
+      "leave --tcp, --pty, --http, --bench and --dialect away, and take one of "
+      "--klipper and --linuxcnc");
+}
+
+// The twin as the card with LinuxCNC's step generators.
+int ServeToLinuxCnc(const ServeAsked& options) {
+  RequireAlone(options, "--linuxcnc", "LinuxCNC");
+  const std::filesystem::path machine =
+      FindMachine(options.twin.machine, "", {.file = options.twin.machine});
+  const ServedKind& kind = ServedToLinuxCnc(machine, "--linuxcnc");
+  const auto board = kind.board(machine, options.twin);
+  ServeLinuxCnc(board.get(), options.linuxcnc, &InterruptFlag(), [&] {
+    Announce(fmt::format("{}, {}: for LinuxCNC, loadrt caltwin page={}; Ctrl-C ends",
+                         options.twin.machine,
+                         options.twin.fidelity,
+                         options.linuxcnc));
+  });
+  return InterruptRequested() ? kInterrupted : kPassed;
+}
+
 // The twin as a microcontroller: its host is another program.
 int ServeToKlipper(const ServeAsked& options) {
-  if (options.port || !options.pty.empty() || options.http || !options.bench.empty() ||
-      !options.dialect.empty()) {
-    throw InputError({.file = "--klipper"},
-                     "Klipper's host alone drives the machine, and nobody at its bench",
-                     "leave --tcp, --pty, --http, --bench and --dialect away");
-  }
+  RequireAlone(options, "--klipper", "Klipper's host");
   const std::filesystem::path machine =
       FindMachine(options.twin.machine, "", {.file = options.twin.machine});
   const ServedKind& kind = ServedToKlipper(machine, "--klipper");
@@ -136,11 +165,12 @@ int ServeToKlipper(const ServeAsked& options) {
 
 int Serve(ServeAsked options) {
   if (!options.klipper.empty()) return ServeToKlipper(options);
+  if (!options.linuxcnc.empty()) return ServeToLinuxCnc(options);
   if (!options.port && options.pty.empty() && !options.http) {
     throw InputError({},
                      "serve needs to know where",
                      "--http PORT (pages and REST), --tcp PORT (0: any free one), "
-                     "--pty PATH, or --klipper PATH");
+                     "--pty PATH, --klipper PATH, or --linuxcnc NAME");
   }
   if (!options.bench.empty()) ReadBenchFile(options.bench, &options.twin);
   if (options.http) return ServeWeb(options);
@@ -204,6 +234,10 @@ Action DeclareServe(CLI::App* app) {
       options->klipper,
       "be a Klipper microcontroller on a pseudo-terminal of this name, the "
       "`serial:` of its host (`caltwin new klipper` writes its printer.cfg)");
+  app->add_option("--linuxcnc",
+                  options->linuxcnc,
+                  "be the machine of a LinuxCNC whose component has this name for its "
+                  "page (`caltwin new linuxcnc` writes its configuration)");
   DeclareWeb(app, options.get());
   app->add_option("--fidelity", options->twin.fidelity, "physics or fast")
       ->check(CLI::IsMember({"physics", "fast"}))

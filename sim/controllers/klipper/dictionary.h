@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "sim/controllers/klipper/board.h"
+#include "sim/controllers/klipper/clock.h"
 #include "sim/controllers/klipper/wire.h"
 
 namespace caltwin {

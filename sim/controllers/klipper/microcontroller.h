@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "sim/controllers/klipper/board.h"
+#include "sim/controllers/board.h"
 #include "sim/controllers/klipper/dictionary.h"
 #include "sim/controllers/klipper/formats.h"
 #include "sim/controllers/klipper/objects.h"

@@ -5,7 +5,7 @@
 #include <deque>
 #include <vector>
 
-#include "sim/controllers/klipper/board.h"
+#include "sim/controllers/klipper/clock.h"
 
 namespace caltwin {
 namespace klipper {

@@ -1,50 +1,14 @@
 #pragma once
 
-#include <cstdint>
 #include <string>
 
-#include "sim/base/rng.h"
-#include "sim/controllers/klipper/plant_board.h"
-#include "sim/firmware/stepped_plant.h"
 #include "sim/machine/machine.h"
-#include "sim/twin/built.h"
 
 namespace caltwin {
 
-/// A machine of three drives with a touch probe, in closed form, whose motors are
-/// stepped one by one: a gantry, a mill, a CoreXY. As FastPlant: carriages stand where
-/// the play operator has them, the stylus is bent by as much as the ball would
-/// otherwise be inside; steps count from the home ends. Its time stands still: what
-/// comes with hours or heat does not act.
-class SteppedGantry final : public SteppedPlant {
- public:
-  SteppedGantry(Built built, std::uint64_t seed);
-
-  /// A switch is that of the axis of the motor's index.
-  bool Acts(const PinSensor& sensor, const Motors& steps) override;
-  void Follow(const Motors& steps) override;
-  void Arm(const PinSensor& sensor) override;
-
- private:
-  Vec3<double> LagAt_mm(const Vec3<double>& steps) const {
-    return built_.LagAt_mm(lag_mm_, steps_, steps);
-  }
-  double BeforeHome_mm(Axis axis, const Vec3<double>& steps) const;
-
-  Built built_;
-  Rng scatter_;
-  Vec3<double> steps_;
-  Vec3<double> lag_mm_;  ///< Carriage minus motor, by drive.
-  double late_mm_ = 0;   ///< By how much chance has the probe now armed act too deep.
-};
-
-/// How such a machine is wired to a Klipper board: motors X, Y, Z (of belts: the two
-/// and Z), each with an endstop of its name (X_STOP) at its home end, the probe on
-/// PROBE. When it is switched on it stands in the middle, well off its table.
-klipper::Wiring WiringOfGantry(const Machine& machine);
-
-/// Its printer.cfg, with what its firmware believes: steps per mm, the probe's height
-/// at its trigger as drawn, a mesh over most of the table.
+/// The printer.cfg of a machine that WiringOfGantry wires, with what its firmware
+/// believes: steps per mm, the probe's height at its trigger as drawn, a mesh over most
+/// of the table.
 std::string PrinterCfgOfGantry(const Machine& machine, const std::string& serial);
 
 }  // namespace caltwin

@@ -85,9 +85,9 @@ void SteppedDelta::Arm(const PinSensor& sensor) {
   early_mm_ = built_.scatter_mm * scatter_.Normal();
 }
 
-klipper::Wiring WiringOfDelta(const Machine& machine) {
+Wiring WiringOfDelta(const Machine& machine) {
   constexpr std::array kBelow_mm = {21.3, 33.7, 27.9};
-  klipper::Wiring wiring;
+  Wiring wiring;
   const std::array<double, 3> steps_per_mm = TowerStepsPerMm(machine);
   for (int i = 0; i < kNumTowers; ++i) {
     const auto at = static_cast<std::size_t>(i);

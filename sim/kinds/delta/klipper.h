@@ -6,7 +6,7 @@
 #include <string>
 
 #include "sim/base/rng.h"
-#include "sim/controllers/klipper/plant_board.h"
+#include "sim/controllers/plant_board.h"
 #include "sim/firmware/stepped_plant.h"
 #include "sim/kinds/delta/plant.h"
 #include "sim/kinds/delta/world.h"
@@ -46,7 +46,7 @@ class SteppedDelta final : public SteppedPlant {
 /// How a delta is wired to a Klipper board: motors A, B, C, carriages counted up, their
 /// endstops A_STOP, B_STOP, C_STOP at the top, the nozzle that feels the bed on PROBE.
 /// When it is switched on the carriages hang at different heights below their endstops.
-klipper::Wiring WiringOfDelta(const Machine& machine);
+Wiring WiringOfDelta(const Machine& machine);
 
 /// The printer.cfg of a delta, with what its firmware believes. Klipper has one radius
 /// for all towers: of several their mean.

@@ -93,7 +93,7 @@ std::string LevellingCfg(const Machine& machine) {
 
 }  // namespace
 
-klipper::Wiring WiringOfTripleZ(const Machine& machine) {
+Wiring WiringOfTripleZ(const Machine& machine) {
   constexpr std::array kFromHome_mm = {61.0, 44.0};
   constexpr std::array kRaised_mm = {30.0, 30.8, 29.4};
   const auto& steps_per_mm = machine.settings.steps_per_mm;
@@ -104,7 +104,7 @@ klipper::Wiring WiringOfTripleZ(const Machine& machine) {
     axes_mm[i] = is_up ? kFromHome_mm[at] : -kFromHome_mm[at];
   }
   const Vec3<double> drives_mm = DrivesOf(machine.kind->drive_map(), axes_mm);
-  klipper::Wiring wiring;
+  Wiring wiring;
   for (int i = 0; i < 2 + kNumScrews; ++i) {
     const auto at = static_cast<std::size_t>(i);
     const double start_steps =

@@ -98,9 +98,9 @@ void SteppedStation::Arm(const PinSensor& sensor) {
   }
 }
 
-klipper::Wiring WiringOfStation(const Machine& machine) {
+Wiring WiringOfStation(const Machine& machine) {
   constexpr double kUp_mm = 20;
-  klipper::Wiring wiring;
+  Wiring wiring;
   for (const Axis axis : kAxes) {
     const AxisDrawing& drawn = machine.axis(axis);
     const double stands_mm = axis == Axis::kZ ? kUp_mm : drawn.mid_mm();

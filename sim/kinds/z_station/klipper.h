@@ -5,7 +5,7 @@
 #include <string>
 
 #include "sim/base/rng.h"
-#include "sim/controllers/klipper/plant_board.h"
+#include "sim/controllers/plant_board.h"
 #include "sim/firmware/stepped_plant.h"
 #include "sim/kinds/z_station/station.h"
 #include "sim/machine/machine.h"
@@ -46,7 +46,7 @@ class SteppedStation final : public SteppedPlant {
 };
 
 /// Motors X, Y, Z with X_STOP, Y_STOP; Z_STOP is the endstop switch, PROBE the probe.
-klipper::Wiring WiringOfStation(const Machine& machine);
+Wiring WiringOfStation(const Machine& machine);
 
 /// The printer.cfg of such a printer, with z_calibration as drawn.
 std::string PrinterCfgOfStation(const Machine& machine, const std::string& serial);

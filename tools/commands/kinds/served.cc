@@ -8,6 +8,8 @@
 #include "scenarios/kinds/delta_g33.h"
 #include "sim/base/input_error.h"
 #include "sim/kinds/cartesian/klipper.h"
+#include "sim/kinds/cartesian/linuxcnc.h"
+#include "sim/kinds/cartesian/stepped.h"
 #include "sim/kinds/delta/klipper.h"
 #include "sim/kinds/delta/twin.h"
 #include "sim/kinds/triple_z/klipper.h"
@@ -37,12 +39,12 @@ Served Gantry(const fs::path&, const TwinOptions& options, const std::string&) {
           .link = &twin->link()};
 }
 
-std::unique_ptr<klipper::Board> GantryBoard(const fs::path&,
-                                            const TwinOptions& options) {
+std::unique_ptr<Board> GantryBoard(const fs::path&, const TwinOptions& options) {
   if (options.fidelity == "physics") {
-    throw InputError({.file = "--fidelity physics"},
-                     "under Klipper's host such a machine is simulated in closed form",
-                     "--fidelity fast");
+    throw InputError(
+        {.file = "--fidelity physics"},
+        "under a real controller such a machine is simulated in closed form",
+        "--fidelity fast");
   }
   const TwinConfig config = MakeTwinConfig(options);
   // Its table is empty: nobody tells the host of a block to keep clear of.
@@ -50,7 +52,7 @@ std::unique_ptr<klipper::Board> GantryBoard(const fs::path&,
               .effects = config.effects,
               .probe_sigma_mm = ProbeSigma_mm(options.instruments)};
   built.Prepare();
-  return std::make_unique<klipper::PlantBoard>(
+  return std::make_unique<PlantBoard>(
       WiringOfGantry(config.machine),
       std::make_unique<SteppedGantry>(std::move(built), config.seed));
 }
@@ -74,10 +76,9 @@ Served Delta(const fs::path& file,
           .link = &twin->link()};
 }
 
-std::unique_ptr<klipper::Board> DeltaBoard(const fs::path& file,
-                                           const TwinOptions& options) {
+std::unique_ptr<Board> DeltaBoard(const fs::path& file, const TwinOptions& options) {
   const DeltaTwinConfig config = MakeDeltaTwinConfig(ReadAnyMachineFile(file), options);
-  return std::make_unique<klipper::PlantBoard>(
+  return std::make_unique<PlantBoard>(
       WiringOfDelta(config.machine),
       std::make_unique<SteppedDelta>(config.machine,
                                      config.built,
@@ -99,10 +100,9 @@ Served Printer(const fs::path&, const TwinOptions& options, const std::string& b
           .link = &printer->link()};
 }
 
-std::unique_ptr<klipper::Board> PrinterBoard(const fs::path&,
-                                             const TwinOptions& options) {
+std::unique_ptr<Board> PrinterBoard(const fs::path&, const TwinOptions& options) {
   const BuiltTripleZ built = BuiltPrinter(options);
-  return std::make_unique<klipper::PlantBoard>(
+  return std::make_unique<PlantBoard>(
       WiringOfTripleZ(built.machine),
       std::make_unique<TripleZTwinPlant>(
           built, options.fidelity == "physics", options.seed, /*sample=*/0));
@@ -119,10 +119,9 @@ Served Station(const fs::path&, const TwinOptions& options, const std::string& b
       .link = &station->link()};
 }
 
-std::unique_ptr<klipper::Board> StationBoard(const fs::path& file,
-                                             const TwinOptions& options) {
+std::unique_ptr<Board> StationBoard(const fs::path& file, const TwinOptions& options) {
   const Machine machine = ReadAnyMachineFile(file).machine;
-  return std::make_unique<klipper::PlantBoard>(
+  return std::make_unique<PlantBoard>(
       WiringOfStation(machine),
       std::make_unique<SteppedStation>(
           machine, BuiltStation(options), options.fidelity == "physics", options.seed));
@@ -148,7 +147,12 @@ Served Motors(const fs::path& file,
 }
 
 constexpr std::array kKinds = {
-    ServedKind{"cartesian", "rrf", Gantry, GantryBoard, PrinterCfgOfGantry},
+    ServedKind{"cartesian",
+               "rrf",
+               Gantry,
+               GantryBoard,
+               PrinterCfgOfGantry,
+               LinuxCncJointsOfGantry},
     ServedKind{"delta", "marlin", Delta, DeltaBoard, PrinterCfgOfDelta},
     ServedKind{"triple_z", "rrf", Printer, PrinterBoard, PrinterCfgOfTripleZ},
     ServedKind{"z_station", "klipper", Station, StationBoard, PrinterCfgOfStation},
@@ -166,18 +170,41 @@ const ServedKind& ServedKindOf(const fs::path& file) {
   return kKinds[0];
 }
 
-const ServedKind& ServedToKlipper(const fs::path& machine, const std::string& place) {
+namespace {
+
+// The machine's kind where `can` says that it is able; else throws InputError with
+// those that are.
+template <typename Can>
+const ServedKind& ServedTo(std::string_view controller,
+                           const fs::path& machine,
+                           const std::string& place,
+                           const Can& can) {
   const ServedKind& kind = ServedKindOf(machine);
-  if (kind.board != nullptr) return kind;
+  if (can(kind)) return kind;
   std::string able;
   for (const ServedKind& one : kKinds) {
-    if (one.board == nullptr) continue;
+    if (!can(one)) continue;
     able += fmt::format("{}{}", able.empty() ? "" : ", ", one.kind);
   }
   throw InputError(
       {.file = place},
-      fmt::format("a machine of kind {} cannot yet be driven by Klipper", kind.kind),
+      fmt::format(
+          "a machine of kind {} cannot yet be driven by {}", kind.kind, controller),
       fmt::format("kinds that can: {}", able));
+}
+
+}  // namespace
+
+const ServedKind& ServedToKlipper(const fs::path& machine, const std::string& place) {
+  return ServedTo("Klipper", machine, place, [](const ServedKind& kind) {
+    return kind.board != nullptr;
+  });
+}
+
+const ServedKind& ServedToLinuxCnc(const fs::path& machine, const std::string& place) {
+  return ServedTo("LinuxCNC", machine, place, [](const ServedKind& kind) {
+    return kind.linuxcnc_joints != nullptr;
+  });
 }
 
 }  // namespace caltwin

@@ -4,8 +4,10 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
-#include "sim/controllers/klipper/board.h"
+#include "sim/controllers/board.h"
+#include "sim/controllers/linuxcnc/config.h"
 #include "sim/link/link.h"
 #include "sim/machine/machine.h"
 #include "tools/commands/twin_options.h"
@@ -28,13 +30,15 @@ struct ServedKind {
   Served (*make)(const std::filesystem::path& machine,
                  const TwinOptions& twin,
                  const std::string& bench);
-  /// @name Under Klipper's host; null: such a machine cannot yet be
-  /// The machine behind a microcontroller's pins, likewise.
-  std::unique_ptr<klipper::Board> (*board)(const std::filesystem::path& machine,
-                                           const TwinOptions& twin) = nullptr;
+  /// @name Under a real controller; null: such a machine cannot yet be
+  /// The machine behind a board's pins, likewise.
+  std::unique_ptr<Board> (*board)(const std::filesystem::path& machine,
+                                  const TwinOptions& twin) = nullptr;
   /// What its firmware believes, as printer.cfg; `serial`: where the board is.
   std::string (*printer_cfg)(const Machine& machine,
                              const std::string& serial) = nullptr;
+  /// The joints of LinuxCNC, with what its firmware believes.
+  std::vector<linuxcnc::JointText> (*linuxcnc_joints)(const Machine& machine) = nullptr;
 };
 const ServedKind& ServedKindOf(const std::filesystem::path& machine);
 
@@ -42,5 +46,8 @@ const ServedKind& ServedKindOf(const std::filesystem::path& machine);
 /// the kinds which can, at `place`.
 const ServedKind& ServedToKlipper(const std::filesystem::path& machine,
                                   const std::string& place);
+/// Likewise to LinuxCNC.
+const ServedKind& ServedToLinuxCnc(const std::filesystem::path& machine,
+                                   const std::string& place);
 
 }  // namespace caltwin

@@ -33,7 +33,7 @@ constexpr std::size_t kMostUnheard = 16'384;
 /// The chip on its line, the line's descriptor non-blocking.
 class Line {
  public:
-  Line(klipper::Board* board, int descriptor) : chip_(board), descriptor_(descriptor) {
+  Line(Board* board, int descriptor) : chip_(board), descriptor_(descriptor) {
     fcntl(descriptor_, F_SETFL, fcntl(descriptor_, F_GETFL) | O_NONBLOCK);
     chip_.Advance(kOnBefore);
   }
@@ -95,7 +95,7 @@ class Line {
 
 }  // namespace
 
-int ServeKlipper(klipper::Board* board,
+int ServeKlipper(Board* board,
                  const std::filesystem::path& path,
                  const std::atomic<bool>* stop,
                  const std::function<void()>& ready,

@@ -5,7 +5,7 @@
 #include <functional>
 #include <string_view>
 
-#include "sim/controllers/klipper/board.h"
+#include "sim/controllers/board.h"
 
 namespace caltwin {
 
@@ -19,7 +19,7 @@ namespace caltwin {
 /// Blocks until `*stop`, which it notices within a fifth of a second. `ready` is called
 /// once. Returns 0; throws InputError where `path` cannot be had. A reason to shut down
 /// is told to `note`, once each.
-int ServeKlipper(klipper::Board* board,
+int ServeKlipper(Board* board,
                  const std::filesystem::path& path,
                  const std::atomic<bool>* stop,
                  const std::function<void()>& ready,

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
@@ -8,13 +7,9 @@
 #include "sim/firmware/plant.h"
 
 namespace caltwin {
-namespace klipper {
 
-/// Ticks of the chip's clock since it was switched on; on the wire the lowest 32 bits.
-using Clock = std::int64_t;
-
-/// What is soldered to a microcontroller's pins. Motors are in steps as the host counts
-/// them: up where the direction pin is high, 0 where the board was switched on.
+/// What is soldered to the pins of a controller. Motors are in steps as the controller
+/// counts them: up where the direction pin is high, 0 where the board was switched on.
 class Board {
  public:
   virtual ~Board() = default;
@@ -33,5 +28,4 @@ class Board {
   virtual void Follow(const Motors& steps) = 0;
 };
 
-}  // namespace klipper
 }  // namespace caltwin

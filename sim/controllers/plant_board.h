@@ -5,11 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "sim/controllers/klipper/board.h"
+#include "sim/controllers/board.h"
 #include "sim/firmware/stepped_plant.h"
 
 namespace caltwin {
-namespace klipper {
 
 /// Which pins the parts of a machine are wired to. A motor has NAME_STEP and NAME_DIR;
 /// inputs read high while they act.
@@ -52,5 +51,4 @@ class PlantBoard : public Board {
   std::vector<std::string> pins_{};
 };
 
-}  // namespace klipper
 }  // namespace caltwin

@@ -1,9 +1,8 @@
-#include "sim/controllers/klipper/plant_board.h"
+#include "sim/controllers/plant_board.h"
 
 #include <utility>
 
 namespace caltwin {
-namespace klipper {
 namespace {
 
 constexpr int kPinsPerMotor = 2;
@@ -61,5 +60,4 @@ void PlantBoard::Follow(const Motors& steps) {
   plant_->Follow(InPlant(steps));
 }
 
-}  // namespace klipper
 }  // namespace caltwin

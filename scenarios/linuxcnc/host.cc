@@ -1,0 +1,224 @@
+#include "scenarios/linuxcnc/host.h"
+
+#include <cerrno>
+#include <fstream>
+#include <iterator>
+#include <system_error>
+#include <thread>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "scenarios/interrupt.h"
+#include "scenarios/linuxcnc/sandbox.h"
+#include "sim/base/input_error.h"
+#include "sim/base/temporary_folder.h"
+#include "sim/base/text_file.h"
+#include "sim/controllers/linuxcnc/config.h"
+#include "sim/controllers/linuxcnc/joints.h"
+#include "sim/controllers/linuxcnc/plant_page.h"
+#include "sim/measure/import/fields.h"
+
+namespace caltwin {
+namespace {
+
+namespace fs = std::filesystem;
+using std::chrono::milliseconds;
+using Now = std::chrono::steady_clock;
+
+/// A line that is not done after so many cycles is looked at again: an answer costs a
+/// call of the system.
+constexpr int kCyclesPerGlance = 16;
+/// LinuxCNC's own tasks look at the machine every real millisecond; while nothing moves
+/// the servo cycles would run far ahead of them. Beyond a quarter of a second they wait
+/// for time to go by, as in a dwell.
+constexpr int kStill_cycles = 20, kDwell_cycles = 250;
+constexpr auto kStillNap = std::chrono::microseconds(900);
+/// What moved in the last cycles of an order is seen by the machine.
+constexpr int kSettle_cycles = 3;
+
+constexpr const char* kOperator = "/tmp/component/caltwin_operator.py";
+
+std::string EndOf(const fs::path& file) {
+  constexpr std::size_t kMost = 2000;
+  std::ifstream stream(file);
+  const std::string text{std::istreambuf_iterator<char>(stream), {}};
+  return text.size() > kMost ? text.substr(text.size() - kMost) : text;
+}
+
+LinuxCncAnswer AnswerIn(const nlohmann::json& said) {
+  LinuxCncAnswer answer{
+      .done = said.at("done"),
+      .errors = said.at("errors"),
+      .messages = said.at("messages"),
+      .position_mm = said.at("position"),
+  };
+  if (said.contains("probed")) {
+    answer.probed_mm = said["probed"].get<std::array<double, 3>>();
+  }
+  for (auto* const texts : {&answer.errors, &answer.messages}) {
+    for (std::string& text : *texts) text = Printable(text);
+  }
+  return answer;
+}
+
+}  // namespace
+
+// Everything of one LinuxCNC, in the order in which it is needed.
+class LinuxCncHost::Parts {
+ public:
+  Parts(Board* board, const LinuxCncOptions& options)
+      : options_(options),
+        joints_(board),
+        page_(folder_.path() / "page", &joints_, /*patience=*/milliseconds(0)) {
+    bool is_ini = true;
+    for (const auto& [name, text] : options.files) {
+      WriteTextFile(folder_.path() / name,
+                    is_ini
+                        ? linuxcnc::WithIniValue(text, "DISPLAY", "DISPLAY", kOperator)
+                        : text);
+      is_ini = false;
+    }
+    sandbox_.Start(folder_.path(), options.files.front().first);
+    if (!Await().done) throw HostLost("LinuxCNC cannot be switched on" + Log());
+  }
+  ~Parts() {
+    std::error_code ignored;
+    constexpr auto kOver = fs::copy_options::overwrite_existing;
+    if (!options_.log.empty()) {
+      fs::copy_file(folder_.path() / "linuxcnc.log", options_.log, kOver, ignored);
+    }
+  }
+  Parts(const Parts&) = delete;
+  Parts& operator=(const Parts&) = delete;
+
+  LinuxCncAnswer Obey(const nlohmann::json& order);
+  const fs::path& folder() const { return folder_.path(); }
+  const Motors& motors() const { return joints_.steps(); }
+  double machine_s() const { return page_.time_s(); }
+
+ private:
+  LinuxCncAnswer Await();
+  std::optional<LinuxCncAnswer> Hear();
+  void Turn();
+  std::string Log() const;
+  [[noreturn]] void Ended() const;
+
+  LinuxCncOptions options_;
+  TemporaryFolder folder_{"caltwin_linuxcnc"};
+  linuxcnc::Joints joints_;
+  linuxcnc::PlantPage page_;
+  LinuxCncSandbox sandbox_{};
+  std::string heard_{};
+  Now::time_point last_cycle_ = Now::now();
+};
+
+std::string LinuxCncHost::Parts::Log() const {
+  std::string text = "; it wrote last:";
+  const std::string end = EndOf(folder_.path() / "linuxcnc.log");
+  for (const TextLine& line : LinesOf(end)) {
+    text += "\n  " + Printable(line.text);
+  }
+  return text;
+}
+
+void LinuxCncHost::Parts::Ended() const {
+  const std::string log = Log();
+  if (log.find("unshare failed") == std::string::npos) {
+    throw HostLost("LinuxCNC has ended" + log);
+  }
+  throw InputError({},
+                   "this system allows no user namespaces, which LinuxCNC is run in",
+                   "docs/linuxcnc.md says how a container allows them");
+}
+
+std::optional<LinuxCncAnswer> LinuxCncHost::Parts::Hear() {
+  std::array<char, 4096> bytes{};
+  const ssize_t num = recv(sandbox_.line(), bytes.data(), bytes.size(), MSG_DONTWAIT);
+  if (num > 0) heard_.append(bytes.data(), static_cast<std::size_t>(num));
+  const auto end = heard_.find('\n');
+  if (end == std::string::npos) {
+    if (num == 0 || sandbox_.HasEnded()) Ended();
+    return std::nullopt;
+  }
+  const auto said = nlohmann::json::parse(heard_.substr(0, end), nullptr, false);
+  heard_.erase(0, end + 1);
+  if (said.is_discarded()) throw HostLost("LinuxCNC's operator speaks no JSON" + Log());
+  return AnswerIn(said);
+}
+
+// Some cycles, or a glance without one.
+void LinuxCncHost::Parts::Turn() {
+  constexpr milliseconds kGlance(20);
+  for (int i = 0; i < kCyclesPerGlance; ++i) {
+    if (!page_.Turn(kGlance)) return;
+    last_cycle_ = Now::now();
+    const int still = page_.still_cycles();
+    if (still <= kStill_cycles || still > kDwell_cycles) continue;
+    std::this_thread::sleep_for(kStillNap);
+    return;
+  }
+}
+
+LinuxCncAnswer LinuxCncHost::Parts::Await() {
+  const double start_s = page_.time_s();
+  last_cycle_ = Now::now();
+  while (true) {
+    if (InterruptRequested()) throw HostLost("interrupted");
+    Turn();
+    if (auto answer = Hear()) {
+      for (int i = 0; i < kSettle_cycles; ++i) page_.Turn(milliseconds(100));
+      return *answer;
+    }
+    if (Now::now() - last_cycle_ > options_.patience) {
+      throw HostLost(fmt::format("LinuxCNC has made no servo cycle for {:.0f} s{}",
+                                 1e-3 * static_cast<double>(options_.patience.count()),
+                                 Log()));
+    }
+    if (page_.time_s() - start_s > options_.longest_s) {
+      throw HostLost(
+          fmt::format("a line is not done after {:.0f} s of the machine's time",
+                      options_.longest_s));
+    }
+  }
+}
+
+LinuxCncAnswer LinuxCncHost::Parts::Obey(const nlohmann::json& order) {
+  const std::string line =
+      order.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+  const ssize_t num = send(sandbox_.line(), line.data(), line.size(), MSG_NOSIGNAL);
+  if (num != static_cast<ssize_t>(line.size())) {
+    throw HostLost("LinuxCNC's operator has ended" + Log());
+  }
+  return Await();
+}
+
+LinuxCncHost::LinuxCncHost(Board* board, const LinuxCncOptions& options)
+    : parts_(std::make_unique<Parts>(board, options)) {}
+
+LinuxCncHost::~LinuxCncHost() = default;
+
+LinuxCncAnswer LinuxCncHost::Home() {
+  return parts_->Obey({{"do", "home"}});
+}
+
+LinuxCncAnswer LinuxCncHost::Mdi(std::string_view line) {
+  return parts_->Obey({{"do", "mdi"}, {"line", line}});
+}
+
+LinuxCncAnswer LinuxCncHost::Program(const std::string& text) {
+  WriteTextFile(parts_->folder() / "job.ngc", text);
+  return parts_->Obey({{"do", "program"}, {"file", "/tmp/job.ngc"}});
+}
+
+const Motors& LinuxCncHost::MotorsNow() const {
+  return parts_->motors();
+}
+
+double LinuxCncHost::machine_s() const {
+  return parts_->machine_s();
+}
+
+}  // namespace caltwin

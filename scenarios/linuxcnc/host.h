@@ -1,0 +1,72 @@
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "scenarios/host_lost.h"
+#include "sim/controllers/board.h"
+
+namespace caltwin {
+
+struct LinuxCncOptions {
+  /// Names and texts of its configuration; the first is the INI file. Its DISPLAY is
+  /// exchanged.
+  std::vector<std::pair<std::string, std::string>> files{};
+  std::filesystem::path log{};  ///< Where what it printed is kept; empty: nowhere.
+  /// So long it may compute without a servo cycle, by the computer's clock.
+  std::chrono::milliseconds patience{20'000};
+  double longest_s = 7200;  ///< One line may take, by the machine's clock.
+};
+
+/// What LinuxCNC makes of one order.
+struct LinuxCncAnswer {
+  bool done = false;  ///< To its end, without an error.
+  std::vector<std::string> errors{}, messages{};
+  /// Where the probe met something, in machine coordinates [mm]; nullopt: no G38, or it
+  /// met nothing.
+  std::optional<std::array<double, 3>> probed_mm{};
+  std::array<double, 3> position_mm{};  ///< Where LinuxCNC has the tool now.
+};
+
+/// An unmodified LinuxCNC in front of a machine, both in lock-step: its servo cycles go
+/// on only while it is asked something, as fast as both compute. Between two orders it
+/// stands still.
+///
+/// The same lines give the same coordinates. How many cycles pass while it is idle
+/// differs from run to run.
+///
+/// Works in a TemporaryFolder and ends LinuxCNC whatever happens (LinuxCncSandbox).
+/// Ctrl-C (InterruptRequested) ends it as HostLost.
+class LinuxCncHost {
+ public:
+  /// Starts it and switches it on. `board` is borrowed. Throws HostLost; InputError
+  /// where it cannot be started.
+  LinuxCncHost(Board* board, const LinuxCncOptions& options);
+  ~LinuxCncHost();
+  LinuxCncHost(const LinuxCncHost&) = delete;
+  LinuxCncHost& operator=(const LinuxCncHost&) = delete;
+
+  /// All joints, in the order of HOME_SEQUENCE.
+  LinuxCncAnswer Home();
+  LinuxCncAnswer Mdi(std::string_view line);
+  /// Runs a program to its end.
+  LinuxCncAnswer Program(const std::string& text);
+
+  /// Where the motors stand, as the board counts.
+  const Motors& MotorsNow() const;
+  /// By LinuxCNC's clock, since it was started [s].
+  double machine_s() const;
+
+ private:
+  class Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace caltwin

@@ -1,0 +1,46 @@
+/* What LinuxCNC's component and caltwin share: a page of memory in a file that both
+ * map. Plain C, since the component is. Whoever changes it raises CALTWIN_PAGE_VERSION.
+ *
+ * A cycle of LinuxCNC's servo thread: the component writes `commanded_steps` and
+ * `time_s`, raises `asked` by one and waits until `answered` is the same; the twin then
+ * has moved its motors there and written all that stands below `answered`. Both numbers
+ * are futex words; they wrap round. */
+#ifndef CALTWIN_PAGE_H
+#define CALTWIN_PAGE_H
+
+#include <stdint.h>
+
+enum {
+  CALTWIN_PAGE_MAGIC = 0x4e435443,
+  CALTWIN_PAGE_VERSION = 1,
+  CALTWIN_PAGE_JOINTS = 9,
+  CALTWIN_PAGE_BYTES = 4096
+};
+
+struct CaltwinPage {
+  /* Written by the twin, once. */
+  uint32_t magic, version;
+  uint32_t num_joints;
+  /* So long the component waits for an answer before it takes the twin for dead; 0: for
+   * ever. */
+  uint32_t patience_ms;
+  /* 1 while the twin is there, 0 after it has ended. */
+  uint32_t is_served;
+
+  /* Written by the component. */
+  uint32_t asked;
+  uint32_t period_ns;
+  uint32_t reserved;
+  double time_s; /* Cycles times period. */
+  double commanded_steps[CALTWIN_PAGE_JOINTS];
+
+  /* Written by the twin. */
+  uint32_t answered;
+  /* A bit a joint: its switch is closed. */
+  uint32_t switches;
+  uint32_t has_met; /* 1: the probe has met something. */
+  uint32_t reserved_too;
+  double feedback_steps[CALTWIN_PAGE_JOINTS];
+};
+
+#endif

@@ -1,0 +1,20 @@
+#!/bin/bash
+# Runs LinuxCNC for caltwin, as the first process of namespaces of its own (unshare): its
+# processes, shared memory, ports and /tmp are nobody else's, and all of it is gone when
+# this script ends, which it does when LinuxCNC or caltwin does, however that ends.
+#
+#   start.sh FOLDER INI      FOLDER becomes /tmp; descriptor 3: open as long as caltwin lives
+set -euo pipefail
+folder=$1 ini=$2
+mount --bind "$folder" /tmp
+cd /tmp
+# The component among those that LinuxCNC came with, for this run.
+mkdir shipped modules home
+mount --bind "$LINUXCNC_MODULES" shipped
+ln -s /tmp/shipped/* modules
+ln -sf /tmp/component/caltwin.so modules/caltwin.so
+mount --bind modules "$LINUXCNC_MODULES"
+export HOME=/tmp/home
+LD_PRELOAD=/tmp/time.so linuxcnc -r "$ini" </dev/null 3<&- &
+cat <&3 >/dev/null &
+wait -n

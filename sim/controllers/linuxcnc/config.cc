@@ -1,0 +1,170 @@
+#include "sim/controllers/linuxcnc/config.h"
+
+#include <algorithm>
+#include <sstream>
+
+#include <fmt/format.h>
+
+namespace caltwin {
+namespace linuxcnc {
+namespace {
+
+/// Off its switch, so that the end of homing is inside the travel.
+constexpr double kBesideHome_mm = 2;
+
+std::string AxesOf(const std::vector<JointText>& joints) {
+  std::string letters;
+  for (const JointText& joint : joints) letters += joint.axis;
+  return letters;
+}
+
+std::string AxisText(const JointText& joint) {
+  return fmt::format(
+      "\n[AXIS_{}]\nMIN_LIMIT = {:.9g}\nMAX_LIMIT = {:.9g}\nMAX_VELOCITY = {:.9g}\n"
+      "MAX_ACCELERATION = {:.9g}\n",
+      joint.axis,
+      joint.min_mm,
+      joint.max_mm,
+      joint.max_feed_mm_s,
+      joint.acceleration_mm_s2);
+}
+
+// The switch is met twice from the same side, the second time slowly: LinuxCNC takes
+// the joint's place in the servo cycle that sees it close.
+std::string HomingText(const JointText& joint) {
+  constexpr double kSearch_mm_s = 10, kLatch_mm_s = 0.5;
+  const double sense = joint.is_home_at_min ? -1 : 1;
+  return fmt::format(
+      "HOME_OFFSET = {:.9g}\nHOME = {:.9g}\nHOME_SEARCH_VEL = {:.9g}\n"
+      "HOME_LATCH_VEL = {:.9g}\nHOME_FINAL_VEL = {:.9g}\nHOME_SEQUENCE = {}\n",
+      joint.home_mm,
+      joint.home_mm - sense * kBesideHome_mm,
+      sense * std::min(kSearch_mm_s, joint.max_feed_mm_s),
+      sense * kLatch_mm_s,
+      std::min(kSearch_mm_s, joint.max_feed_mm_s),
+      joint.home_sequence);
+}
+
+std::string JointTextOf(std::size_t index, const JointText& joint) {
+  return fmt::format(
+             "\n[JOINT_{}]\nTYPE = LINEAR\nMIN_LIMIT = {:.9g}\nMAX_LIMIT = {:.9g}\n"
+             "MAX_VELOCITY = {:.9g}\nMAX_ACCELERATION = {:.9g}\nSCALE = {:.9g}\n"
+             "BACKLASH = {:.9g}\nFERROR = 1\nMIN_FERROR = 0.5\n",
+             index,
+             joint.min_mm,
+             joint.max_mm,
+             joint.max_feed_mm_s,
+             joint.acceleration_mm_s2,
+             joint.steps_per_mm,
+             joint.backlash_mm) +
+         HomingText(joint);
+}
+
+std::string Trimmed(std::string_view text) {
+  const auto first = text.find_first_not_of(" \t\r");
+  if (first == std::string_view::npos) return "";
+  return std::string(text.substr(first, text.find_last_not_of(" \t\r") - first + 1));
+}
+
+}  // namespace
+
+std::string IniText(std::string_view machine,
+                    const std::vector<JointText>& joints,
+                    std::string_view display) {
+  const std::string axes = AxesOf(joints);
+  double feed_mm_s = 0, acceleration_mm_s2 = 0;
+  for (const JointText& joint : joints) {
+    feed_mm_s = std::max(feed_mm_s, joint.max_feed_mm_s);
+    acceleration_mm_s2 = std::max(acceleration_mm_s2, joint.acceleration_mm_s2);
+  }
+  std::string text = fmt::format(
+      "# {0}, as its firmware believes it to be. Made by `caltwin new linuxcnc`.\n"
+      "[EMC]\nMACHINE = {0}\nVERSION = 1.1\n"
+      "\n[DISPLAY]\nDISPLAY = {1}\nMAX_LINEAR_VELOCITY = {2:.9g}\nPROGRAM_PREFIX = .\n"
+      "\n[TASK]\nTASK = milltask\nCYCLE_TIME = 0.001\n"
+      "\n[RS274NGC]\nPARAMETER_FILE = machine.var\n"
+      "\n[EMCIO]\nEMCIO = io\nCYCLE_TIME = 0.01\nTOOL_TABLE = tool.tbl\n"
+      "\n[EMCMOT]\nEMCMOT = motmod\nCOMM_TIMEOUT = 4\nSERVO_PERIOD = 1000000\n"
+      "\n[HAL]\nHALFILE = machine.hal\n"
+      "\n[KINS]\nJOINTS = {3}\nKINEMATICS = trivkins coordinates={4}\n"
+      "\n[TRAJ]\nCOORDINATES = {4}\nLINEAR_UNITS = mm\nANGULAR_UNITS = degree\n"
+      "MAX_LINEAR_VELOCITY = {2:.9g}\nMAX_LINEAR_ACCELERATION = {5:.9g}\n",
+      machine,
+      display,
+      feed_mm_s,
+      joints.size(),
+      axes,
+      acceleration_mm_s2);
+  for (const JointText& joint : joints) text += AxisText(joint);
+  for (std::size_t i = 0; i < joints.size(); ++i) text += JointTextOf(i, joints[i]);
+  return text;
+}
+
+std::string HalText(std::string_view machine,
+                    std::size_t num_joints,
+                    std::string_view page) {
+  std::string text = fmt::format(
+      "# {}, simulated by caltwin. Made by `caltwin new linuxcnc`.\n"
+      "loadrt [KINS]KINEMATICS\n"
+      "loadrt [EMCMOT]EMCMOT servo_period_nsec=[EMCMOT]SERVO_PERIOD "
+      "num_joints=[KINS]JOINTS\n"
+      "loadrt caltwin page={}\n\n"
+      "# The machine first: what motion reads is then of this cycle.\n"
+      "addf caltwin.cycle servo-thread\n"
+      "addf motion-command-handler servo-thread\n"
+      "addf motion-controller servo-thread\n\n"
+      "net estop-out iocontrol.0.user-enable-out => caltwin.enable\n"
+      "net estop-in caltwin.enabled => iocontrol.0.emc-enable-in\n"
+      "net tool-prepare iocontrol.0.tool-prepare => iocontrol.0.tool-prepared\n"
+      "net tool-change iocontrol.0.tool-change => iocontrol.0.tool-changed\n"
+      "net probe caltwin.probe => motion.probe-input\n",
+      machine,
+      page);
+  for (std::size_t i = 0; i < num_joints; ++i) {
+    text += fmt::format(
+        "\nsetp caltwin.scale-{0} [JOINT_{0}]SCALE\n"
+        "net command-{0} joint.{0}.motor-pos-cmd => caltwin.position-cmd-{0}\n"
+        "net feedback-{0} caltwin.position-fb-{0} => joint.{0}.motor-pos-fb\n"
+        "net switch-{0} caltwin.home-sw-{0} => joint.{0}.home-sw-in\n",
+        i);
+  }
+  return text;
+}
+
+std::vector<std::pair<std::string, std::string>> ConfigFiles(
+    std::string_view machine,
+    const std::vector<JointText>& joints,
+    std::string_view display,
+    std::string_view page) {
+  return {{"machine.ini", IniText(machine, joints, display)},
+          {"machine.hal", HalText(machine, joints.size(), page)},
+          {"tool.tbl", "T1 P1\n"}};
+}
+
+std::string WithIniValue(const std::string& ini,
+                         std::string_view section,
+                         std::string_view key,
+                         std::string_view value) {
+  const std::string wanted = fmt::format("{} = {}\n", key, value);
+  const std::string header = fmt::format("[{}]", section);
+  std::istringstream lines(ini);
+  std::string text, line;
+  bool is_inside = false, is_written = false;
+  while (std::getline(lines, line)) {
+    const std::string trimmed = Trimmed(line);
+    const bool is_header = !trimmed.empty() && trimmed.front() == '[';
+    if (is_header) is_inside = trimmed.starts_with(header);
+    const bool is_it =
+        is_inside && !is_header &&
+        Trimmed(std::string_view(trimmed).substr(0, trimmed.find('='))) == key;
+    if (is_it) continue;
+    text += line + "\n";
+    if (!is_inside || !is_header || is_written) continue;
+    text += wanted;
+    is_written = true;
+  }
+  return is_written ? text : text + "\n" + header + "\n" + wanted;
+}
+
+}  // namespace linuxcnc
+}  // namespace caltwin

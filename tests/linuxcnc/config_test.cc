@@ -1,0 +1,55 @@
+#include "sim/controllers/linuxcnc/config.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace caltwin {
+namespace linuxcnc {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+TEST(LinuxCncIni, AValueTakesThePlaceOfTheOneThatWasThere) {
+  EXPECT_EQ(WithIniValue("[A]\nK = 1\nL = 2\n[B]\nK = 3\n", "A", "K", "9"),
+            "[A]\nK = 9\nL = 2\n[B]\nK = 3\n");
+}
+
+TEST(LinuxCncIni, AMissingKeyIsAddedToItsSection) {
+  EXPECT_EQ(WithIniValue("[A]\n[B]\nK = 3\n", "A", "K", "9"),
+            "[A]\nK = 9\n[B]\nK = 3\n");
+}
+
+TEST(LinuxCncIni, AMissingSectionIsAddedAtTheEnd) {
+  EXPECT_EQ(WithIniValue("[B]\nK = 3\n", "A", "K", "9"), "[B]\nK = 3\n\n[A]\nK = 9\n");
+}
+
+// LinuxCNC takes the first of a section that stands twice.
+TEST(LinuxCncIni, OfValuesThatStandTwiceOneIsLeft) {
+  EXPECT_EQ(WithIniValue("[A]\nK = 1\nK=2\n[A]\n  K  =  3\n", "A", "K", "9"),
+            "[A]\nK = 9\n[A]\n");
+}
+
+TEST(LinuxCncIni, AKeyOfALongerNameIsAnother) {
+  const std::string ini =
+      WithIniValue("[A]\nHOME = 1\nHOME_OFFSET = 2\n", "A", "HOME", "9");
+  EXPECT_THAT(ini, HasSubstr("HOME_OFFSET = 2"));
+  EXPECT_THAT(ini, Not(HasSubstr("HOME = 1")));
+}
+
+TEST(LinuxCncIni, AnAxisThatHomesAtItsTopMeetsItsSwitchUpwards) {
+  const std::string ini = IniText("m",
+                                  {{.axis = 'Z',
+                                    .min_mm = 0,
+                                    .max_mm = 100,
+                                    .home_mm = 100,
+                                    .is_home_at_min = false}},
+                                  "axis");
+  EXPECT_THAT(ini,
+              HasSubstr("HOME_OFFSET = 100\nHOME = 98\nHOME_SEARCH_VEL = 10\n"
+                        "HOME_LATCH_VEL = 0.5\n"));
+}
+
+}  // namespace
+}  // namespace linuxcnc
+}  // namespace caltwin

@@ -1,0 +1,229 @@
+#include <chrono>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "scenarios/interrupt.h"
+#include "scenarios/linuxcnc/host.h"
+#include "sim/base/text_file.h"
+#include "sim/controllers/linuxcnc/config.h"
+#include "sim/machine/machine.h"
+#include "tools/commands/command.h"
+#include "tools/commands/kinds/served.h"
+
+namespace caltwin {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct LinuxCncAsked {
+  TwinOptions twin{};
+  std::vector<std::string> lines{}, set{};
+  std::string program{}, ini{}, json{}, log{};
+  bool is_unhomed = false;
+  double patience_s = 20;
+};
+
+/// What was asked, and what came of it.
+struct Done {
+  std::string what{};
+  LinuxCncAnswer answer{};
+  double machine_s = 0;  ///< When it was done, by LinuxCNC's clock.
+};
+
+// The files beside a user's INI file, which it may name: plain ones of a sensible size.
+std::vector<std::pair<std::string, std::string>> FilesBeside(const fs::path& ini) {
+  std::vector<std::pair<std::string, std::string>> files = {
+      {ini.filename().string(), ReadTextFile(ini, kLargestFile_bytes)}};
+  const fs::path folder = fs::absolute(ini).parent_path();
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    const bool is_one = entry.is_regular_file() &&
+                        entry.file_size() <= kLargestFile_bytes &&
+                        entry.path().filename() != ini.filename();
+    if (!is_one) continue;
+    files.emplace_back(entry.path().filename().string(),
+                       ReadTextFile(entry.path(), kLargestFile_bytes));
+  }
+  return files;
+}
+
+// SECTION.KEY=VALUE
+std::string WithSetting(const std::string& ini, const std::string& setting) {
+  const auto point = setting.find('.'), equals = setting.find('=');
+  if (equals == std::string::npos || point > equals) {
+    throw InputError({.file = "--set " + setting},
+                     "a section, a key and a value are wanted",
+                     "--set JOINT_0.BACKLASH=0.05");
+  }
+  return linuxcnc::WithIniValue(ini,
+                                setting.substr(0, point),
+                                setting.substr(point + 1, equals - point - 1),
+                                setting.substr(equals + 1));
+}
+
+std::vector<std::pair<std::string, std::string>> FilesOf(const LinuxCncAsked& asked,
+                                                         const ServedKind& kind,
+                                                         const fs::path& machine) {
+  const Machine read = ReadAnyMachineFile(machine).machine;
+  auto files = asked.ini.empty()
+                   ? linuxcnc::ConfigFiles(
+                         read.name, kind.linuxcnc_joints(read), "dummy", "caltwin")
+                   : FilesBeside(asked.ini);
+  for (const std::string& setting : asked.set) {
+    files.front().second = WithSetting(files.front().second, setting);
+  }
+  return files;
+}
+
+std::string Placed(const std::array<double, 3>& at_mm) {
+  return fmt::format("X{:.4f} Y{:.4f} Z{:.4f}", at_mm[0], at_mm[1], at_mm[2]);
+}
+
+void Print(const Done& done) {
+  std::cout << "> " << done.what << '\n';
+  for (const std::string& text : done.answer.messages) std::cout << text << '\n';
+  if (done.answer.probed_mm) {
+    std::cout << "probed at " << Placed(*done.answer.probed_mm) << '\n';
+  }
+  for (const std::string& text : done.answer.errors) {
+    std::cout << "LinuxCNC refused: " << text << '\n';
+  }
+  if (!done.answer.done && done.answer.errors.empty()) {
+    std::cout << "LinuxCNC did not do it.\n";
+  }
+  std::cout.flush();
+}
+
+nlohmann::json JsonOf(const std::vector<Done>& all) {
+  nlohmann::json steps = nlohmann::json::array();
+  for (const Done& one : all) {
+    nlohmann::json step = {{"line", one.what},
+                           {"done", one.answer.done},
+                           {"errors", one.answer.errors},
+                           {"messages", one.answer.messages},
+                           {"position_mm", one.answer.position_mm},
+                           {"machine_s", one.machine_s}};
+    if (one.answer.probed_mm) step["probed_mm"] = *one.answer.probed_mm;
+    steps.push_back(step);
+  }
+  return {{"steps", steps}};
+}
+
+// Everything in turn, up to what is not done.
+std::vector<Done> DoAll(LinuxCncHost* host, const LinuxCncAsked& asked) {
+  std::vector<Done> all;
+  const auto add = [&](const std::string& what, LinuxCncAnswer answer) {
+    all.push_back({what, std::move(answer), host->machine_s()});
+    Print(all.back());
+    return all.back().answer.done;
+  };
+  if (!asked.is_unhomed && !add("home", host->Home())) return all;
+  for (const std::string& line : asked.lines) {
+    if (!add(line, host->Mdi(line))) return all;
+  }
+  if (!asked.program.empty()) {
+    add(asked.program, host->Program(ReadTextFile(asked.program, kLargestData_bytes)));
+  }
+  return all;
+}
+
+int Drive(LinuxCncHost* host, const LinuxCncAsked& asked) {
+  using Now = std::chrono::steady_clock;
+  const auto start = Now::now();
+  const double before_s = host->machine_s();
+  const std::vector<Done> all = DoAll(host, asked);
+  const double real_s = std::chrono::duration<double>(Now::now() - start).count();
+  const double machine_s = host->machine_s() - before_s;
+  std::cout << fmt::format(
+      "{:.1f} s of the machine's time in {:.1f} s: {:.0f} times as fast\n",
+      machine_s,
+      real_s,
+      machine_s / real_s);
+  if (!asked.json.empty()) {
+    WriteTextFile(asked.json, JsonOf(all).dump(kJsonIndent) + "\n");
+  }
+  return all.back().answer.done ? kPassed : kCheckFailed;
+}
+
+int LinuxCnc(const LinuxCncAsked& asked) {
+  if (asked.lines.empty() && asked.program.empty() && asked.is_unhomed) {
+    throw InputError({},
+                     "there is nothing for LinuxCNC to do",
+                     "-c \"G38.2 Z-5 F60\", or --program FILE");
+  }
+  const fs::path file =
+      FindMachine(asked.twin.machine, "", {.file = asked.twin.machine});
+  const ServedKind& kind = ServedToLinuxCnc(file, asked.twin.machine);
+  if (!asked.program.empty()) ReadTextFile(asked.program, kLargestData_bytes);
+  if (!asked.log.empty()) WriteTextFile(asked.log, "");  // Refused now or never.
+  const auto board = kind.board(file, asked.twin);
+  const LinuxCncOptions options{
+      .files = FilesOf(asked, kind, file),
+      .log = asked.log,
+      .patience = std::chrono::milliseconds(std::llround(asked.patience_s * 1e3))};
+  try {
+    LinuxCncHost host(board.get(), options);
+    return Drive(&host, asked);
+  } catch (const HostLost& lost) {
+    if (InterruptRequested()) return kInterrupted;
+    std::cerr << "caltwin: " << lost.what() << '\n';
+    return kLost;
+  }
+}
+
+}  // namespace
+
+Action DeclareLinuxCnc(CLI::App* app) {
+  auto options = std::make_shared<LinuxCncAsked>();
+  options->twin.fidelity = "fast";
+  app->add_option("MACHINE", options->twin.machine, "a name or a machine file")
+      ->required();
+  app->add_option("-c,--mdi",
+                  options->lines,
+                  "a line of G-code, as typed at MDI; in order, as often as wanted")
+      ->allow_extra_args(false);
+  app->add_option("--program", options->program, "a .ngc file, run after those");
+  app->add_option("--truth",
+                  options->twin.truth,
+                  "how the machine differs from its drawing and settings");
+  app->add_option(
+      "--ini",
+      options->ini,
+      "your INI file, and what lies beside it (they stay as they are); "
+      "without it the machine as drawn, as `caltwin new linuxcnc` writes it");
+  app->add_option("--set",
+                  options->set,
+                  "a value of the INI file for this run, SECTION.KEY=VALUE: "
+                  "JOINT_0.BACKLASH=0.05")
+      ->allow_extra_args(false);
+  app->add_flag("--unhomed", options->is_unhomed, "do not home first");
+  app->add_option("--json", options->json, "write all answers here");
+  app->add_option("--log", options->log, "keep what LinuxCNC prints here");
+  app->add_option("--fidelity", options->twin.fidelity, "physics or fast")
+      ->check(CLI::IsMember({"physics", "fast"}))
+      ->capture_default_str();
+  app->add_option("--seed", options->twin.seed, "of all chance")->capture_default_str();
+  app->add_option("--patience",
+                  options->patience_s,
+                  "so many seconds LinuxCNC may compute without a servo cycle")
+      ->check(CLI::Range(1.0, 86400.0))
+      ->capture_default_str();
+  app->footer(
+      "The unmodified LinuxCNC homes and probes a machine whose errors it cannot see, "
+      "servo cycle by servo cycle, as fast as both compute.\n"
+      "Example: caltwin linuxcnc gantry_router --truth hidden.yaml -c \"G0 X100 Y100\" "
+      "-c \"G38.2 Z-5 F60\"\n"
+      "Exit codes: 1 LinuxCNC refused a line, 3 it was lost.");
+  return [options] {
+    return LinuxCnc(*options);
+  };
+}
+
+}  // namespace caltwin
