@@ -42,7 +42,10 @@ constexpr std::array kKeys = {
          "In place of calibrate: {klipper: {gcode: [G28, DELTA_CALIBRATE, "
          "SAVE_CONFIG]}}: "
          "Klipper's own host drives the machine and says those lines. `config`: its "
-         "printer.cfg, else one is made of the machine; `add`: further lines of it."},
+         "printer.cfg, else one is made of the machine; `add`: further lines of it. Or "
+         "{linuxcnc: {mdi: [G38.2 Z-5 F60]}}: LinuxCNC does; `program`: a .ngc file, "
+         "`ini`: its configuration, `set`: values of it (JOINT_0.BACKLASH: 0.05), "
+         "`files`: tables that it names, `home: false`: not homed first."},
     Word{"external",
          "A step of calibrate: somebody else's program, {command: [python3, mine.py], "
          "timeout_s: 600}, with the machine on its standard input and output."},

@@ -80,6 +80,11 @@ std::unique_ptr<KindTrial> KindScenario::BeginUnderKlipper(
   throw std::logic_error("no such machine is driven by Klipper's host");
 }
 
+std::unique_ptr<KindTrial> KindScenario::BeginUnderLinuxCnc(
+    const Scenario& /*scenario*/, const Chance& /*chance*/) const {
+  throw std::logic_error("no such machine is driven by LinuxCNC");
+}
+
 void KindScenario::RefuseStep(const std::string& name, const YamlValue& options) const {
   std::vector<std::string> names = StepNames();
   names.insert(names.end(), {"gcode", "external"});

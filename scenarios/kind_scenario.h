@@ -99,6 +99,10 @@ class KindScenario {
   virtual bool CanBeUnderKlipper() const { return false; }
   virtual std::unique_ptr<KindTrial> BeginUnderKlipper(const Scenario& scenario,
                                                        const Chance& chance) const;
+  /// Likewise LinuxCNC.
+  virtual bool CanBeUnderLinuxCnc() const { return false; }
+  virtual std::unique_ptr<KindTrial> BeginUnderLinuxCnc(const Scenario& scenario,
+                                                        const Chance& chance) const;
   /// Whether trials of it have rows to record.
   virtual bool HasRows() const { return true; }
 };

@@ -107,7 +107,7 @@ void Collect(const std::vector<ProcedureResult>& results, RunResult* result) {
 // Whether any step is one that tells or sets something: lines of G-code alone, and what
 // an operator does, calibrate nothing.
 bool Calibrates(const Scenario& scenario) {
-  if (scenario.klipper) return true;
+  if (scenario.klipper || scenario.linuxcnc) return true;
   const Procedures known = scenario.kind->KnownProcedures();
   return std::ranges::any_of(scenario.calibrate, [&](const CalibrationStep& step) {
     return step.external || FindProcedure(step.name, known) != nullptr;
@@ -143,6 +143,12 @@ void Judge(const Scenario& scenario,
   result->passed = AllPassed(*result);
 }
 
+std::unique_ptr<KindTrial> Begin(const Scenario& scenario, const Chance& chance) {
+  if (scenario.klipper) return scenario.kind->BeginUnderKlipper(scenario, chance);
+  if (scenario.linuxcnc) return scenario.kind->BeginUnderLinuxCnc(scenario, chance);
+  return scenario.kind->Begin(scenario, chance);
+}
+
 }  // namespace
 
 Chance ChanceOf(const Scenario& scenario, const RunOptions& options) {
@@ -154,9 +160,7 @@ Chance ChanceOf(const Scenario& scenario, const RunOptions& options) {
 RunResult RunScenario(const Scenario& scenario, const RunOptions& options) {
   const std::clock_t start = std::clock();
   const Chance chance = ChanceOf(scenario, options);
-  const std::unique_ptr<KindTrial> trial =
-      scenario.klipper ? scenario.kind->BeginUnderKlipper(scenario, chance)
-                       : scenario.kind->Begin(scenario, chance);
+  const std::unique_ptr<KindTrial> trial = Begin(scenario, chance);
   RunResult result{
       .scenario = scenario.file.string(),
       .about = scenario.about,

@@ -1,6 +1,6 @@
 #include "scenarios/scenario.h"
 
-#include "scenarios/gcode_step.h"
+#include "scenarios/controller.h"
 #include "scenarios/kinds/kinds.h"
 #include "sim/base/text_file.h"
 
@@ -20,51 +20,6 @@ void ReadMachineKey(YamlMap* map, const fs::path& folder, Scenario* scenario) {
       name.empty() ? fs::path{} : FindMachine(name, folder, machine->place());
   scenario->kind = AnyKindScenario(ReadKind(file, map, &scenario->machine));
   scenario->effects = scenario->machine.effects;
-}
-
-// Lines for Klipper's own host, in place of `calibrate`.
-void ReadUnderKlipper(YamlMap keys, const fs::path& folder, Scenario* scenario) {
-  scenario->klipper.emplace();
-  if (const auto config = keys.Optional("config")) {
-    const fs::path file = folder / config->Text();
-    std::error_code error;
-    if (fs::is_regular_file(file, error) && fs::is_empty(file, error)) {
-      config->Fail("is an empty file", "leave it away, and one is made of the machine");
-    } else if (fs::is_regular_file(file, error)) {
-      scenario->klipper->config = ReadTextFile(file, kLargestFile_bytes);
-      scenario->klipper->beside = fs::absolute(file).parent_path();
-    } else {
-      config->Fail(
-          "there is no file " + file.string(),
-          "a printer.cfg, relative to this file; without it one is made of the "
-          "machine");
-    }
-  }
-  scenario->klipper->add = keys.TextOr("add", "");
-  std::vector<std::string> lines;
-  if (const auto gcode = keys.Required("gcode")) {
-    for (const YamlValue& line : gcode->List()) lines.push_back(line.Text());
-    if (gcode->is_list() && lines.empty()) {
-      gcode->Fail("says nothing", "as in `gcode: [G28, DELTA_CALIBRATE, SAVE_CONFIG]`");
-    }
-  }
-  keys.NoMoreKeys();
-  scenario->calibrate = {{.name = "klipper", .procedure = GcodeStep(lines)}};
-}
-
-void ReadController(const YamlValue& value,
-                    const fs::path& folder,
-                    Scenario* scenario) {
-  YamlMap keys = value.Map();
-  if (const auto klipper = keys.Required("klipper")) {
-    ReadUnderKlipper(klipper->Map(), folder, scenario);
-    if (!scenario->kind->CanBeUnderKlipper()) {
-      klipper->Fail(
-          "such a machine cannot yet be driven by Klipper's host in a scenario",
-          "single motors speak another language");
-    }
-  }
-  keys.NoMoreKeys();
 }
 
 // What is done: by the engine, step by step, or by a real controller.

@@ -9,6 +9,7 @@
 #include "scenarios/expectation.h"
 #include "scenarios/kind_scenario.h"
 #include "scenarios/klipper/host.h"
+#include "scenarios/linuxcnc/under_linuxcnc.h"
 #include "scenarios/machine_file.h"
 #include "scenarios/varied.h"
 #include "sim/machine/artefact.h"
@@ -37,6 +38,8 @@ struct Scenario {
   /// `controller: {klipper: ...}`: Klipper's own host drives the machine. An empty
   /// config: made of the machine.
   std::optional<KlipperHostOptions> klipper{};
+  /// `controller: {linuxcnc: ...}`
+  std::optional<UnderLinuxCnc> linuxcnc{};
   std::vector<CalibrationStep> calibrate{};
   Expectation expect{};
   std::vector<std::string> notes{};  ///< Of distributions (Faults::Note).

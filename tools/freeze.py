@@ -212,7 +212,7 @@ def jobs_of(freezer):
     studies = [f for f in tracked("scenarios/studies/*.yaml") if "\nstudy:" in "\n" + (ROOT / f).read_text()]
     # Those under a real controller need it: tests/controllers runs them.
     scenarios = [f for f in tracked("scenarios/*.yaml")
-                 if f not in studies and not f.startswith("scenarios/klipper/")]
+                 if f not in studies and not f.startswith(("scenarios/klipper/", "scenarios/linuxcnc/"))]
     for file in scenarios:
         for fidelity in FIDELITIES:
             yield "scenarios", freezer.scenario, (file, fidelity)

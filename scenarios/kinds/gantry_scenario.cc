@@ -6,6 +6,7 @@
 #include <fmt/ranges.h>
 
 #include "scenarios/kinds/gantry_klipper_trial.h"
+#include "scenarios/kinds/gantry_linuxcnc_trial.h"
 #include "scenarios/kinds/gantry_trial.h"
 #include "scenarios/parameter_name.h"
 #include "sim/effects/catalog.h"
@@ -37,6 +38,13 @@ FirmwareOptions ReadFirmware(YamlMap map) {
   }
   map.NoMoreKeys();
   return options;
+}
+
+void RequireClosedForm(const Scenario& scenario, const Chance& chance) {
+  if (chance.fidelity == Fidelity::kFast) return;
+  throw InputError({.file = scenario.file.string()},
+                   "under a real controller such a machine is simulated in closed form",
+                   "fidelity: fast");
 }
 
 }  // namespace
@@ -77,9 +85,13 @@ Procedures GantryScenario::KnownProcedures() const {
 }
 
 Expectable GantryScenario::CanExpect() const {
-  return {
-      .parameters = AllParameterNames(machine_kind_),
-      .figures = {"position_error_mm.p95", "mesh_error_mm.rms", "mesh_error_mm.most"}};
+  return {.parameters = AllParameterNames(machine_kind_),
+          .figures = {"position_error_mm.p95",
+                      "position_error_mm.rms",
+                      "position_error_mm.most",
+                      "zero_shift_mm",
+                      "mesh_error_mm.rms",
+                      "mesh_error_mm.most"}};
 }
 
 std::vector<std::string> GantryScenario::EffectNames() const {
@@ -105,7 +117,14 @@ void GantryScenario::CheckVaried(const Scenario& scenario, Faults* faults) const
 
 std::unique_ptr<KindTrial> GantryScenario::BeginUnderKlipper(
     const Scenario& scenario, const Chance& chance) const {
+  RequireClosedForm(scenario, chance);
   return BeginGantryUnderKlipper(scenario, chance);
+}
+
+std::unique_ptr<KindTrial> GantryScenario::BeginUnderLinuxCnc(
+    const Scenario& scenario, const Chance& chance) const {
+  RequireClosedForm(scenario, chance);
+  return BeginGantryUnderLinuxCnc(scenario, chance);
 }
 
 std::unique_ptr<KindTrial> GantryScenario::Begin(const Scenario& scenario,

@@ -33,6 +33,9 @@ class GantryScenario : public KindScenario {
   bool CanBeUnderKlipper() const override { return true; }
   std::unique_ptr<KindTrial> BeginUnderKlipper(const Scenario& scenario,
                                                const Chance& chance) const override;
+  bool CanBeUnderLinuxCnc() const override { return machine_kind_->axes_are_drives(); }
+  std::unique_ptr<KindTrial> BeginUnderLinuxCnc(const Scenario& scenario,
+                                                const Chance& chance) const override;
 
  private:
   const MachineKind* machine_kind_;  ///< As ReadKeys finds it.

@@ -73,14 +73,11 @@ class LinuxCncHost::Parts {
       : options_(options),
         joints_(board),
         page_(folder_.path() / "page", &joints_, /*patience=*/milliseconds(0)) {
-    bool is_ini = true;
-    for (const auto& [name, text] : options.files) {
-      WriteTextFile(folder_.path() / name,
-                    is_ini
-                        ? linuxcnc::WithIniValue(text, "DISPLAY", "DISPLAY", kOperator)
-                        : text);
-      is_ini = false;
-    }
+    LinuxCncFiles files = options.files;
+    std::string& ini = files.front().second;
+    ini = linuxcnc::WithIniValue(ini, "DISPLAY", "DISPLAY", kOperator);
+    for (const std::string& one : options.set) ini = WithIniSetting(ini, one, one);
+    for (const auto& [name, text] : files) WriteTextFile(folder_.path() / name, text);
     sandbox_.Start(folder_.path(), options.files.front().first);
     if (!Await().done) throw HostLost("LinuxCNC cannot be switched on" + Log());
   }

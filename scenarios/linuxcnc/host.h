@@ -7,19 +7,18 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include "scenarios/host_lost.h"
+#include "scenarios/linuxcnc/config_files.h"
 #include "sim/controllers/board.h"
 
 namespace caltwin {
 
 struct LinuxCncOptions {
-  /// Names and texts of its configuration; the first is the INI file. Its DISPLAY is
-  /// exchanged.
-  std::vector<std::pair<std::string, std::string>> files{};
-  std::filesystem::path log{};  ///< Where what it printed is kept; empty: nowhere.
+  LinuxCncFiles files{};           ///< The DISPLAY of its INI file is exchanged.
+  std::vector<std::string> set{};  ///< In that file: SECTION.KEY=VALUE.
+  std::filesystem::path log{};     ///< Where what it printed is kept; empty: nowhere.
   /// So long it may compute without a servo cycle, by the computer's clock.
   std::chrono::milliseconds patience{20'000};
   double longest_s = 7200;  ///< One line may take, by the machine's clock.

@@ -28,7 +28,7 @@ std::vector<CampaignRequest> DenseLine(const std::string& axis) {
 }
 
 template <typename Shape>
-Defect OnAxis(const std::string& cause, const std::string& axis, Shape shape) {
+Defect OnAxis(const std::string& cause, const std::string& axis, const Shape& shape) {
   const int a = AxisIndex(axis);
   Defect defect{.cause = cause, .axis = axis};
   defect.motion = [=](const Instant& now) {

@@ -8,6 +8,7 @@ What is expected stands in closed form. The ball (radius 1 mm) triggers with its
 late (60 mm/min, 1 ms: 1 um), and its home likewise (0.5 mm/s: 0.5 um).
 """
 
+import concurrent.futures
 import contextlib
 import json
 import os
@@ -20,6 +21,7 @@ import time
 import unittest
 
 CALTWIN = sys.argv.pop(1)
+ROOT = pathlib.Path(__file__).resolve().parents[2]
 TRIGGER_MM = 1.0 - 0.02
 CYCLE_MM = 0.0015
 HOME_Z_MM = 120
@@ -145,6 +147,19 @@ class Refusals(Base):
 
     def test_a_setting_without_a_section(self):
         self.drive("--set", "BACKLASH=1", code=2)
+
+
+class Scenarios(unittest.TestCase):
+    def test_each_meets_what_it_expects(self):
+        files = sorted(pathlib.Path(ROOT, "scenarios/linuxcnc").glob("*.yaml"))
+        self.assertGreater(len(files), 20)
+        with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+            runs = pool.map(
+                lambda file: subprocess.run([CALTWIN, "run", file], capture_output=True, text=True,
+                                            timeout=120, check=False), files)
+        for file, run in zip(files, runs):
+            with self.subTest(file.stem):
+                self.assertEqual(run.returncode, 0, run.stdout + run.stderr)
 
 
 class NothingIsLeft(Base):

@@ -27,15 +27,11 @@ class Component {
  public:
   explicit Component(const std::filesystem::path& file) {
     const int descriptor = open(file.c_str(), O_RDWR | O_CLOEXEC);
-    page_ = static_cast<CaltwinPage*>(mmap(nullptr,
-                                           CALTWIN_PAGE_BYTES,
-                                           PROT_READ | PROT_WRITE,
-                                           MAP_SHARED,
-                                           descriptor,
-                                           0));
+    page_ = static_cast<CaltwinPage*>(mmap(
+        nullptr, kCaltwinPageBytes, PROT_READ | PROT_WRITE, MAP_SHARED, descriptor, 0));
     close(descriptor);
   }
-  ~Component() { munmap(page_, CALTWIN_PAGE_BYTES); }
+  ~Component() { munmap(page_, kCaltwinPageBytes); }
   Component(const Component&) = delete;
   Component& operator=(const Component&) = delete;
 
@@ -132,7 +128,7 @@ TEST_F(LinuxCncPage, AnOtherFileIsNoPageAndBecomesOne) {
   const auto twin = Twin();
   Component component(file_);
   EXPECT_EQ(component.page()->asked, 0U);
-  EXPECT_EQ(component.page()->magic, static_cast<std::uint32_t>(CALTWIN_PAGE_MAGIC));
+  EXPECT_EQ(component.page()->magic, static_cast<std::uint32_t>(kCaltwinPageMagic));
 }
 
 }  // namespace

@@ -32,7 +32,7 @@ TEST(LinuxCncCommand, NewWritesAConfigurationAndNoSecondOverIt) {
   EXPECT_THAT(text("machine.ini"), HasSubstr("SCALE = 800\n"));
   EXPECT_THAT(text("machine.hal"), HasSubstr("loadrt caltwin page=mill\n"));
   EXPECT_THAT(text("caltwin.comp"), HasSubstr("component caltwin"));
-  EXPECT_THAT(text("page.h"), HasSubstr("CALTWIN_PAGE_VERSION"));
+  EXPECT_THAT(text("page.h"), HasSubstr("kCaltwinPageVersion"));
   ExpectRefused(words, "this file is already there");
 }
 

@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "scenarios/interrupt.h"
+#include "scenarios/linuxcnc/config_files.h"
 #include "scenarios/linuxcnc/host.h"
 #include "sim/base/text_file.h"
 #include "sim/controllers/linuxcnc/config.h"
@@ -38,46 +39,17 @@ struct Done {
   double machine_s = 0;  ///< When it was done, by LinuxCNC's clock.
 };
 
-// The files beside a user's INI file, which it may name: plain ones of a sensible size.
-std::vector<std::pair<std::string, std::string>> FilesBeside(const fs::path& ini) {
-  std::vector<std::pair<std::string, std::string>> files = {
-      {ini.filename().string(), ReadTextFile(ini, kLargestFile_bytes)}};
-  const fs::path folder = fs::absolute(ini).parent_path();
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-    const bool is_one = entry.is_regular_file() &&
-                        entry.file_size() <= kLargestFile_bytes &&
-                        entry.path().filename() != ini.filename();
-    if (!is_one) continue;
-    files.emplace_back(entry.path().filename().string(),
-                       ReadTextFile(entry.path(), kLargestFile_bytes));
-  }
-  return files;
-}
-
-// SECTION.KEY=VALUE
-std::string WithSetting(const std::string& ini, const std::string& setting) {
-  const auto point = setting.find('.'), equals = setting.find('=');
-  if (equals == std::string::npos || point > equals) {
-    throw InputError({.file = "--set " + setting},
-                     "a section, a key and a value are wanted",
-                     "--set JOINT_0.BACKLASH=0.05");
-  }
-  return linuxcnc::WithIniValue(ini,
-                                setting.substr(0, point),
-                                setting.substr(point + 1, equals - point - 1),
-                                setting.substr(equals + 1));
-}
-
-std::vector<std::pair<std::string, std::string>> FilesOf(const LinuxCncAsked& asked,
-                                                         const ServedKind& kind,
-                                                         const fs::path& machine) {
+LinuxCncFiles FilesOf(const LinuxCncAsked& asked,
+                      const ServedKind& kind,
+                      const fs::path& machine) {
   const Machine read = ReadAnyMachineFile(machine).machine;
+  // Also with an INI file of one's own: whether LinuxCNC can drive such a machine.
+  const auto joints = kind.linuxcnc_joints(read);
   auto files = asked.ini.empty()
-                   ? linuxcnc::ConfigFiles(
-                         read.name, kind.linuxcnc_joints(read), "dummy", "caltwin")
-                   : FilesBeside(asked.ini);
-  for (const std::string& setting : asked.set) {
-    files.front().second = WithSetting(files.front().second, setting);
+                   ? linuxcnc::ConfigFiles(read.name, joints, "dummy", "caltwin")
+                   : FilesBesideIni(asked.ini);
+  for (const std::string& one : asked.set) {
+    WithIniSetting(files.front().second, one, "--set " + one);  // Refused now.
   }
   return files;
 }
@@ -166,6 +138,7 @@ int LinuxCnc(const LinuxCncAsked& asked) {
   const auto board = kind.board(file, asked.twin);
   const LinuxCncOptions options{
       .files = FilesOf(asked, kind, file),
+      .set = asked.set,
       .log = asked.log,
       .patience = std::chrono::milliseconds(std::llround(asked.patience_s * 1e3))};
   try {

@@ -29,7 +29,7 @@ const CaltwinPage* Mapped() {
   if (path == nullptr) return nullptr;
   const int file = open(path, O_RDONLY | O_CLOEXEC);
   if (file < 0) return nullptr;
-  void* const at = mmap(nullptr, CALTWIN_PAGE_BYTES, PROT_READ, MAP_SHARED, file, 0);
+  void* const at = mmap(nullptr, kCaltwinPageBytes, PROT_READ, MAP_SHARED, file, 0);
   close(file);
   return at == MAP_FAILED ? nullptr : static_cast<const CaltwinPage*>(at);
 }

@@ -44,10 +44,10 @@ PlantPage::PlantPage(const std::filesystem::path& file,
                      Joints* joints,
                      milliseconds patience)
     : file_(file), joints_(joints), asked_(Motors::Zero(joints->size())) {
-  if (joints->size() > CALTWIN_PAGE_JOINTS) {
+  if (joints->size() > kCaltwinPageJoints) {
     throw InputError({},
                      fmt::format("LinuxCNC has no more than {} joints, this machine {}",
-                                 static_cast<int>(CALTWIN_PAGE_JOINTS),
+                                 static_cast<int>(kCaltwinPageJoints),
                                  joints->size()));
   }
   // LinuxCNC runs as whoever started it.
@@ -60,9 +60,9 @@ PlantPage::PlantPage(const std::filesystem::path& file,
                      "another caltwin serves a machine there",
                      "take another name, or end it");
   }
-  if (ftruncate(descriptor_.number(), CALTWIN_PAGE_BYTES) != 0) Refuse(file, errno);
+  if (ftruncate(descriptor_.number(), kCaltwinPageBytes) != 0) Refuse(file, errno);
   void* const at = mmap(nullptr,
-                        CALTWIN_PAGE_BYTES,
+                        kCaltwinPageBytes,
                         PROT_READ | PROT_WRITE,
                         MAP_SHARED,
                         descriptor_.number(),
@@ -71,19 +71,19 @@ PlantPage::PlantPage(const std::filesystem::path& file,
   page_ = static_cast<CaltwinPage*>(at);
   // A LinuxCNC may still be there that a killed twin left behind.
   const bool is_taken_over =
-      page_->magic == CALTWIN_PAGE_MAGIC && page_->version == CALTWIN_PAGE_VERSION;
+      page_->magic == kCaltwinPageMagic && page_->version == kCaltwinPageVersion;
   if (!is_taken_over) *page_ = CaltwinPage{};
-  page_->version = CALTWIN_PAGE_VERSION;
+  page_->version = kCaltwinPageVersion;
   page_->num_joints = static_cast<std::uint32_t>(joints->size());
   page_->patience_ms = static_cast<std::uint32_t>(patience.count());
-  page_->magic = CALTWIN_PAGE_MAGIC;
+  page_->magic = kCaltwinPageMagic;
   __atomic_store_n(&page_->is_served, 1, __ATOMIC_RELEASE);
 }
 
 PlantPage::~PlantPage() {
   __atomic_store_n(&page_->is_served, 0, __ATOMIC_RELEASE);
   Wake(&page_->answered);
-  munmap(page_, CALTWIN_PAGE_BYTES);
+  munmap(page_, kCaltwinPageBytes);
   unlink(file_.c_str());
 }
 

@@ -23,6 +23,8 @@ class SteppedGantry final : public SteppedPlant {
   bool Acts(const PinSensor& sensor, const Motors& steps) override;
   void Follow(const Motors& steps) override;
   void Arm(const PinSensor& sensor) override;
+  /// Where the ball's centre truly is, the stylus not bent.
+  Vec3<double> Tip_mm() const { return built_.Tip_mm(steps_, lag_mm_); }
 
  private:
   Vec3<double> LagAt_mm(const Vec3<double>& steps) const {

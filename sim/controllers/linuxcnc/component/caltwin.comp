@@ -61,15 +61,15 @@ EXTRA_SETUP() {
   fd = open(page_path, O_RDWR | O_CLOEXEC);
   if (fd < 0 && errno != ENOENT) return refuse("cannot be opened");
   if (fd < 0) return refuse("no machine is served there; start caltwin serve --linuxcnc first");
-  if (fstat(fd, &file) != 0 || file.st_size < (off_t)CALTWIN_PAGE_BYTES) {
+  if (fstat(fd, &file) != 0 || file.st_size < (off_t)kCaltwinPageBytes) {
     close(fd);
     return refuse("this is no page of caltwin's");
   }
-  shared = mmap(NULL, CALTWIN_PAGE_BYTES, PROT_READ | PROT_WRITE, MAP_SHARED, fd, 0);
+  shared = mmap(NULL, kCaltwinPageBytes, PROT_READ | PROT_WRITE, MAP_SHARED, fd, 0);
   close(fd);
   if (shared == MAP_FAILED) return refuse("cannot be mapped");
-  if (shared->magic != CALTWIN_PAGE_MAGIC) return refuse("this is no page of caltwin's");
-  if (shared->version != CALTWIN_PAGE_VERSION)
+  if (shared->magic != kCaltwinPageMagic) return refuse("this is no page of caltwin's");
+  if (shared->version != kCaltwinPageVersion)
     return refuse("caltwin is of another version: compile the component again with halcompile");
   /* What an earlier LinuxCNC asked and never heard is not ours. */
   __atomic_store_n(&shared->asked, __atomic_load_n(&shared->answered, __ATOMIC_ACQUIRE),
@@ -81,7 +81,7 @@ EXTRA_CLEANUP() {
   if (shared == NULL || shared == MAP_FAILED) return;
   /* A twin that was killed leaves its page behind. */
   if (is_lost && !getenv("CALTWIN_LINUXCNC_PAGE")) unlink(page_path);
-  munmap(shared, CALTWIN_PAGE_BYTES);
+  munmap(shared, kCaltwinPageBytes);
 }
 
 static int is_answered(void) {
@@ -126,7 +126,7 @@ FUNCTION(cycle) {
     return;
   }
   now_s += 1e-9 * (double)period;
-  for (i = 0; i < CALTWIN_PAGE_JOINTS; ++i)
+  for (i = 0; i < kCaltwinPageJoints; ++i)
     shared->commanded_steps[i] = position_cmd(i) * scale(i);
   shared->period_ns = (uint32_t)period;
   shared->time_s = now_s;
@@ -138,7 +138,7 @@ FUNCTION(cycle) {
     rtapi_print_msg(RTAPI_MSG_ERR, "caltwin: the simulated machine does not answer\n");
     return;
   }
-  for (i = 0; i < CALTWIN_PAGE_JOINTS; ++i) {
+  for (i = 0; i < kCaltwinPageJoints; ++i) {
     position_fb(i) = scale(i) != 0 ? shared->feedback_steps[i] / scale(i) : 0;
     home_sw(i) = shared->switches >> i & 1;
   }

@@ -1,5 +1,5 @@
 /* What LinuxCNC's component and caltwin share: a page of memory in a file that both
- * map. Plain C, since the component is. Whoever changes it raises CALTWIN_PAGE_VERSION.
+ * map. Plain C, since the component is. Whoever changes it raises kCaltwinPageVersion.
  *
  * A cycle of LinuxCNC's servo thread: the component writes `commanded_steps` and
  * `time_s`, raises `asked` by one and waits until `answered` is the same; the twin then
@@ -11,10 +11,10 @@
 #include <stdint.h>
 
 enum {
-  CALTWIN_PAGE_MAGIC = 0x4e435443,
-  CALTWIN_PAGE_VERSION = 1,
-  CALTWIN_PAGE_JOINTS = 9,
-  CALTWIN_PAGE_BYTES = 4096
+  kCaltwinPageMagic = 0x4e435443,
+  kCaltwinPageVersion = 1,
+  kCaltwinPageJoints = 9,
+  kCaltwinPageBytes = 4096
 };
 
 struct CaltwinPage {
@@ -32,7 +32,7 @@ struct CaltwinPage {
   uint32_t period_ns;
   uint32_t reserved;
   double time_s; /* Cycles times period. */
-  double commanded_steps[CALTWIN_PAGE_JOINTS];
+  double commanded_steps[kCaltwinPageJoints];
 
   /* Written by the twin. */
   uint32_t answered;
@@ -40,7 +40,7 @@ struct CaltwinPage {
   uint32_t switches;
   uint32_t has_met; /* 1: the probe has met something. */
   uint32_t reserved_too;
-  double feedback_steps[CALTWIN_PAGE_JOINTS];
+  double feedback_steps[kCaltwinPageJoints];
 };
 
 #endif

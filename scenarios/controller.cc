@@ -1,0 +1,127 @@
+#include "scenarios/controller.h"
+
+#include <string>
+#include <vector>
+
+#include "scenarios/gcode_step.h"
+#include "scenarios/linuxcnc/config_files.h"
+#include "sim/base/text_file.h"
+
+namespace caltwin {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+std::vector<std::string> LinesIn(const YamlValue& value, const std::string& hint) {
+  std::vector<std::string> lines;
+  for (const YamlValue& line : value.List()) lines.push_back(line.Text());
+  if (value.is_list() && lines.empty()) value.Fail("says nothing", hint);
+  return lines;
+}
+
+// Lines for Klipper's own host, in place of `calibrate`.
+void ReadUnderKlipper(YamlMap keys, const fs::path& folder, Scenario* scenario) {
+  scenario->klipper.emplace();
+  if (const auto config = keys.Optional("config")) {
+    const fs::path file = folder / config->Text();
+    std::error_code error;
+    if (fs::is_regular_file(file, error) && fs::is_empty(file, error)) {
+      config->Fail("is an empty file", "leave it away, and one is made of the machine");
+    } else if (fs::is_regular_file(file, error)) {
+      scenario->klipper->config = ReadTextFile(file, kLargestFile_bytes);
+      scenario->klipper->beside = fs::absolute(file).parent_path();
+    } else {
+      config->Fail(
+          "there is no file " + file.string(),
+          "a printer.cfg, relative to this file; without it one is made of the "
+          "machine");
+    }
+  }
+  scenario->klipper->add = keys.TextOr("add", "");
+  std::vector<std::string> lines;
+  if (const auto gcode = keys.Required("gcode")) {
+    lines = LinesIn(*gcode, "as in `gcode: [G28, DELTA_CALIBRATE, SAVE_CONFIG]`");
+  }
+  keys.NoMoreKeys();
+  scenario->calibrate = {{.name = "klipper", .procedure = GcodeStep(lines)}};
+}
+
+// Whether that file is there; else the fault is added.
+bool IsThere(const YamlValue& name, const fs::path& file) {
+  std::error_code error;
+  if (fs::is_regular_file(file, error)) return true;
+  name.Fail("there is no file " + file.string(), "its place is relative to this file");
+  return false;
+}
+
+// What LinuxCNC's configuration is, or is made different in.
+void ReadConfiguration(YamlMap* keys, const fs::path& folder, UnderLinuxCnc* asked) {
+  if (const auto ini = keys->Optional("ini")) {
+    const fs::path file = folder / ini->Text();
+    if (IsThere(*ini, file)) asked->options.files = FilesBesideIni(file);
+  }
+  if (const auto files = keys->Optional("files")) {
+    for (const YamlValue& name : files->List()) {
+      const fs::path file = folder / name.Text();
+      if (!IsThere(name, file)) continue;
+      asked->more_files.emplace_back(file.filename().string(),
+                                     ReadTextFile(file, kLargestFile_bytes));
+    }
+  }
+  const auto set = keys->Optional("set");
+  if (!set) return;
+  for (const auto& [name, value] : set->Map().Entries()) {
+    const std::string setting = name + "=" + value.Text();
+    try {
+      WithIniSetting("", setting, "");
+      asked->options.set.push_back(setting);
+    } catch (const InputError&) {
+      value.Fail("is set at no section and key", "as in `JOINT_0.BACKLASH: 0.05`");
+    }
+  }
+}
+
+// Blocks for LinuxCNC, and a program after them, in place of `calibrate`.
+void ReadUnderLinuxCnc(YamlMap keys, const fs::path& folder, Scenario* scenario) {
+  UnderLinuxCnc& asked = scenario->linuxcnc.emplace();
+  ReadConfiguration(&keys, folder, &asked);
+  asked.is_homed_first = keys.FlagOr("home", true);
+  std::vector<std::string> lines;
+  const auto mdi = keys.Optional("mdi");
+  if (mdi) lines = LinesIn(*mdi, "as in `mdi: [G0 X100, G38.2 Z-5 F60]`");
+  if (const auto program = keys.Optional("program")) {
+    const fs::path file = folder / program->Text();
+    if (IsThere(*program, file)) asked.program = ReadTextFile(file, kLargestData_bytes);
+    lines.emplace_back(kRunProgram);
+  }
+  keys.NoMoreKeys();
+  scenario->calibrate = {{.name = "linuxcnc", .procedure = GcodeStep(lines)}};
+}
+
+}  // namespace
+
+void ReadController(const YamlValue& value,
+                    const fs::path& folder,
+                    Scenario* scenario) {
+  YamlMap keys = value.Map();
+  const auto klipper = keys.Optional("klipper"), linuxcnc = keys.Optional("linuxcnc");
+  keys.NoMoreKeys();
+  if (klipper.has_value() == linuxcnc.has_value()) {
+    value.Fail("names one real controller", "klipper or linuxcnc");
+    return;
+  }
+  if (klipper) {
+    ReadUnderKlipper(klipper->Map(), folder, scenario);
+    if (scenario->kind->CanBeUnderKlipper()) return;
+    klipper->Fail("such a machine cannot yet be driven by Klipper's host in a scenario",
+                  "single motors speak another language");
+    return;
+  }
+  ReadUnderLinuxCnc(linuxcnc->Map(), folder, scenario);
+  if (scenario->kind->CanBeUnderLinuxCnc()) return;
+  linuxcnc->Fail("such a machine cannot yet be driven by LinuxCNC",
+                 "machines with one motor each for X, Y and Z can");
+}
+
+}  // namespace caltwin
