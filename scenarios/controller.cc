@@ -121,7 +121,7 @@ void ReadController(const YamlValue& value,
   ReadUnderLinuxCnc(linuxcnc->Map(), folder, scenario);
   if (scenario->kind->CanBeUnderLinuxCnc()) return;
   linuxcnc->Fail("such a machine cannot yet be driven by LinuxCNC",
-                 "machines with one motor each for X, Y and Z can");
+                 "deltas can, and machines with one motor each for X, Y and Z");
 }
 
 }  // namespace caltwin

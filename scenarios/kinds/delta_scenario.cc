@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "scenarios/kinds/delta_klipper_trial.h"
+#include "scenarios/kinds/delta_linuxcnc_trial.h"
 #include "scenarios/kinds/delta_trial.h"
 #include "scenarios/kinds/gantry_scenario.h"
 #include "sim/effects/catalog.h"
@@ -23,6 +24,9 @@ constexpr std::array kFigures = {"height_error_mm.rms",
                                  "height_drift_mm",
                                  "height_reversal_mm",
                                  "position_error_mm.p95",
+                                 "position_error_mm.rms",
+                                 "position_error_mm.most",
+                                 "zero_shift_mm",
                                  "xy_scale_um_per_mm",
                                  "said_mm"};
 
@@ -120,6 +124,11 @@ void DeltaScenario::Vary(const std::string& effect,
 std::unique_ptr<KindTrial> DeltaScenario::BeginUnderKlipper(
     const Scenario& scenario, const Chance& chance) const {
   return BeginDeltaUnderKlipper(*this, scenario, chance);
+}
+
+std::unique_ptr<KindTrial> DeltaScenario::BeginUnderLinuxCnc(
+    const Scenario& scenario, const Chance& chance) const {
+  return BeginDeltaUnderLinuxCnc(*this, scenario, chance);
 }
 
 std::unique_ptr<KindTrial> DeltaScenario::Begin(const Scenario& scenario,

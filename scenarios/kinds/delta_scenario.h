@@ -43,6 +43,9 @@ class DeltaScenario : public KindScenario {
   bool CanBeUnderKlipper() const override { return true; }
   std::unique_ptr<KindTrial> BeginUnderKlipper(const Scenario& scenario,
                                                const Chance& chance) const override;
+  bool CanBeUnderLinuxCnc() const override { return true; }
+  std::unique_ptr<KindTrial> BeginUnderLinuxCnc(const Scenario& scenario,
+                                                const Chance& chance) const override;
 };
 
 /// What is no part of the twin that firmware drives, as faults.

@@ -1,8 +1,9 @@
 #pragma once
 
+#include <algorithm>
+#include <cstdint>
 #include <memory>
-#include <optional>
-#include <string>
+#include <utility>
 #include <vector>
 
 #include "scenarios/kinds/gantry_scenario.h"
@@ -12,17 +13,7 @@
 
 namespace caltwin {
 
-/// How far the tip truly is from where it was sent, at places all along each axis, come
-/// to from both sides, about the mean of all. That mean is where the part's zero goes.
-struct PlacesReached {
-  double zero_shift_mm = 0;
-  double rms_mm = 0, p95_mm = 0, most_mm = 0;
-};
-
-/// A gantry under LinuxCNC. The figure is the p95 of how far its tip is from where
-/// LinuxCNC, with all that it corrects, sends it; before: where a controller would
-/// bring it that knows steps/mm alone, as `settings` has them. It has to fall to a
-/// tenth, or to 2 um: whole steps, and switches seen once a servo cycle.
+/// A gantry under LinuxCNC: nine places along each axis, from either side.
 class GantryLinuxCncTrial final : public LinuxCncTrial {
  public:
   /// `plant` belongs to `board`.
@@ -30,23 +21,28 @@ class GantryLinuxCncTrial final : public LinuxCncTrial {
                       std::uint64_t seed,
                       std::unique_ptr<Board> board,
                       const SteppedGantry* plant,
-                      UnderLinuxCnc asked);
+                      UnderLinuxCnc asked)
+      : LinuxCncTrial(built.machine, std::move(board), std::move(asked)),
+        built_(std::move(built)),
+        seed_(seed),
+        plant_(plant) {}
 
-  void Finish(RunResult* result) override;
-  void AddParameters(const Expectation& /*expect*/,
-                     const std::vector<ProcedureResult>& /*results*/,
-                     RunResult* /*result*/) override {}
-  TrueEnd End(const std::vector<ProcedureResult>& results, RunResult* result) override;
-  double Figure(const std::string& name, const RunResult& result) override;
+ protected:
+  double Step_mm() const override {
+    return 1 / std::ranges::min(built_.machine.settings.steps_per_mm);
+  }
+  std::vector<Stop> Stops() const override;
+  /// With its play, which is where it has come to.
+  Vec3<double> Tip_mm(const Motors& /*steps*/) const override {
+    return plant_->Tip_mm();
+  }
+  std::vector<Vec3<double>> Uncorrected_mm(
+      const std::vector<Stop>& stops) const override;
 
  private:
-  PlacesReached ReachedBefore() const;
-  std::optional<PlacesReached> ReachedAfter();
-
   Built built_;
   std::uint64_t seed_;
   const SteppedGantry* plant_;
-  std::optional<PlacesReached> before_{}, after_{};
 };
 
 std::unique_ptr<KindTrial> BeginGantryUnderLinuxCnc(const Scenario& scenario,

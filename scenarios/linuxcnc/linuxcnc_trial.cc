@@ -1,8 +1,14 @@
 #include "scenarios/linuxcnc/linuxcnc_trial.h"
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
+
+#include "scenarios/position_error.h"
+#include "sim/base/units.h"
 
 namespace caltwin {
 namespace {
@@ -61,6 +67,29 @@ Expected<std::vector<std::string>> LinuxCncLink::Send(
   }
 }
 
+UnderLinuxCnc Completed(UnderLinuxCnc asked, const linuxcnc::MachineText& machine) {
+  LinuxCncFiles& files = asked.options.files;
+  if (files.empty()) files = linuxcnc::ConfigFiles(machine, "dummy", "caltwin");
+  files.insert(files.end(), asked.more_files.begin(), asked.more_files.end());
+  return asked;
+}
+
+PlacesReached ReachedBy(const std::vector<Vec3<double>>& errors_mm) {
+  Vec3<double> mean_mm = Vec3<double>::Zero();
+  for (const Vec3<double>& error_mm : errors_mm) mean_mm += error_mm;
+  mean_mm /= static_cast<double>(errors_mm.size());
+  double squares = 0, most_mm = 0;
+  for (const Vec3<double>& error_mm : errors_mm) {
+    const double off_mm = (error_mm - mean_mm).norm();
+    squares += off_mm * off_mm;
+    most_mm = std::max(most_mm, off_mm);
+  }
+  return {.zero_shift_mm = mean_mm.norm(),
+          .rms_mm = std::sqrt(squares / static_cast<double>(errors_mm.size())),
+          .p95_mm = P95AboutMean_mm(errors_mm),
+          .most_mm = most_mm};
+}
+
 LinuxCncTrial::LinuxCncTrial(const Machine& machine,
                              std::unique_ptr<Board> board,
                              UnderLinuxCnc asked)
@@ -70,9 +99,60 @@ LinuxCncTrial::LinuxCncTrial(const Machine& machine,
   bench_.machine = machine;
 }
 
+std::optional<PlacesReached> LinuxCncTrial::Reached() {
+  constexpr std::chrono::minutes kPatience{10};
+  // Whatever the lines before have left in force.
+  if (!link_.Send("G21 G90 G40 G49 G80 G94", kPatience)) return std::nullopt;
+  std::vector<Vec3<double>> errors_mm;
+  for (const Stop& stop : Stops()) {
+    const std::string line = fmt::format(
+        "G53 G0 X{:.6f} Y{:.6f} Z{:.6f}", stop.at_mm[0], stop.at_mm[1], stop.at_mm[2]);
+    if (!link_.Send(line, kPatience)) return std::nullopt;
+    if (stop.is_looked_at) errors_mm.push_back(Tip_mm(link_.MotorsNow()) - stop.at_mm);
+  }
+  return ReachedBy(errors_mm);
+}
+
 void LinuxCncTrial::Finish(RunResult* result) {
   result->touches = link_.touches();
   result->machine_time_s = link_.machine_time_s();
+  before_ = ReachedBy(Uncorrected_mm(Stops()));
+  if (!link_.has_failed()) after_ = Reached();
+}
+
+TrueEnd LinuxCncTrial::End(const std::vector<ProcedureResult>& /*results*/,
+                           RunResult* result) {
+  if (!after_) {
+    result->messages.emplace_back(
+        "LinuxCNC could not be sent anywhere at the end: how true its places are is "
+        "not known");
+    return {.told_wrong = true};
+  }
+  result->messages.push_back(fmt::format(
+      "the tip is {:.1f} um (p95) from where LinuxCNC sends it, {:.1f} at most, but "
+      "for a "
+      "shift of the zero by {:.1f} um; without corrections it would be {:.1f} um",
+      UmFromMm(after_->p95_mm),
+      UmFromMm(after_->most_mm),
+      UmFromMm(after_->zero_shift_mm),
+      UmFromMm(before_->p95_mm)));
+  constexpr double kRecovered = 0.1, kSeen_mm = 0.002;
+  const double fine_mm = std::max(kSeen_mm, Step_mm());
+  return {.figure =
+              TrueFigure{.before = before_->p95_mm,
+                         .after = after_->p95_mm,
+                         .noise = fine_mm,
+                         .is_met = after_->p95_mm <=
+                                   std::max(kRecovered * before_->p95_mm, fine_mm)}};
+}
+
+double LinuxCncTrial::Figure(const std::string& name, const RunResult& /*result*/) {
+  if (!after_) return std::numeric_limits<double>::quiet_NaN();
+  if (name == "position_error_mm.p95") return after_->p95_mm;
+  if (name == "position_error_mm.rms") return after_->rms_mm;
+  if (name == "position_error_mm.most") return after_->most_mm;
+  if (name == "zero_shift_mm") return after_->zero_shift_mm;
+  return std::numeric_limits<double>::quiet_NaN();
 }
 
 }  // namespace caltwin

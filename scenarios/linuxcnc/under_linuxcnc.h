@@ -2,9 +2,9 @@
 
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "scenarios/linuxcnc/host.h"
+#include "sim/controllers/linuxcnc/config.h"
 
 namespace caltwin {
 
@@ -19,5 +19,8 @@ struct UnderLinuxCnc {
   std::string program{};       ///< The text of a .ngc file.
   bool is_homed_first = true;
 };
+
+/// The same with all files: without an INI file of one's own, those of `machine`.
+UnderLinuxCnc Completed(UnderLinuxCnc asked, const linuxcnc::MachineText& machine);
 
 }  // namespace caltwin

@@ -38,16 +38,25 @@ TEST(LinuxCncIni, AKeyOfALongerNameIsAnother) {
 }
 
 TEST(LinuxCncIni, AnAxisThatHomesAtItsTopMeetsItsSwitchUpwards) {
-  const std::string ini = IniText("m",
-                                  {{.axis = 'Z',
-                                    .min_mm = 0,
-                                    .max_mm = 100,
-                                    .home_mm = 100,
-                                    .is_home_at_min = false}},
-                                  "axis");
+  const std::string ini = IniText(
+      {.name = "m",
+       .joints =
+           {{.min_mm = 0, .max_mm = 100, .home_mm = 100, .is_home_at_min = false}}},
+      "axis");
   EXPECT_THAT(ini,
               HasSubstr("HOME_OFFSET = 100\nHOME = 98\nHOME_SEARCH_VEL = 10\n"
                         "HOME_LATCH_VEL = 0.5\n"));
+}
+
+TEST(LinuxCncHal, AJointHasThePinsOfItsMotor) {
+  const std::string hal = HalText({.kinematics = "lineardeltakins",
+                                   .joints = {{.motor = 2}, {.motor = 0}},
+                                   .sizes = {{"R", 130}}},
+                                  "mill");
+  EXPECT_THAT(hal, HasSubstr("joint.0.motor-pos-cmd => caltwin.position-cmd-2\n"));
+  EXPECT_THAT(hal, HasSubstr("setp caltwin.scale-0 [JOINT_1]SCALE\n"));
+  EXPECT_THAT(hal, HasSubstr("setp lineardeltakins.R [KINS]R\n"));
+  EXPECT_THAT(hal, HasSubstr("loadrt caltwin page=mill\n"));
 }
 
 }  // namespace

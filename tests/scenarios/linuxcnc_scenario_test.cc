@@ -52,11 +52,11 @@ TEST(LinuxCncScenario, OneControllerDrivesAMachine) {
               HasSubstr("klipper or linuxcnc"));
 }
 
-TEST(LinuxCncScenario, AMachineOnBeltsIsRefusedWhereItIsNamed) {
+TEST(LinuxCncScenario, AMachineThatItCannotDriveIsRefused) {
   EXPECT_THAT(MessageOf("machine: corexy_printer\nfidelity: fast\n"
                         "controller: {linuxcnc: {mdi: [G0]}}\n"),
               HasSubstr("cannot yet be driven by LinuxCNC"));
-  EXPECT_THAT(MessageOf("machine: delta_printer\nfidelity: fast\n"
+  EXPECT_THAT(MessageOf("machine: triple_z_printer\nfidelity: fast\n"
                         "controller: {linuxcnc: {mdi: [G0]}}\n"),
               HasSubstr("cannot yet be driven by LinuxCNC"));
 }

@@ -44,10 +44,9 @@ LinuxCncFiles FilesOf(const LinuxCncAsked& asked,
                       const fs::path& machine) {
   const Machine read = ReadAnyMachineFile(machine).machine;
   // Also with an INI file of one's own: whether LinuxCNC can drive such a machine.
-  const auto joints = kind.linuxcnc_joints(read);
-  auto files = asked.ini.empty()
-                   ? linuxcnc::ConfigFiles(read.name, joints, "dummy", "caltwin")
-                   : FilesBesideIni(asked.ini);
+  const linuxcnc::MachineText text = kind.linuxcnc(read);
+  auto files = asked.ini.empty() ? linuxcnc::ConfigFiles(text, "dummy", "caltwin")
+                                 : FilesBesideIni(asked.ini);
   for (const std::string& one : asked.set) {
     WithIniSetting(files.front().second, one, "--set " + one);  // Refused now.
   }

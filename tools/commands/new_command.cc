@@ -108,8 +108,8 @@ int NewLinuxCnc(const NewLinuxCncAsked& options) {
                      "take another folder, or move it away");
   }
   const Machine machine = ReadAnyMachineFile(file).machine;
-  for (const auto& [name, text] : linuxcnc::ConfigFiles(
-           machine.name, kind.linuxcnc_joints(machine), "axis", options.page)) {
+  for (const auto& [name, text] :
+       linuxcnc::ConfigFiles(kind.linuxcnc(machine), "axis", options.page)) {
     WriteTextFile(folder / name, text);
   }
   const fs::path component = ShareFolder() / "sim/controllers/linuxcnc/component";

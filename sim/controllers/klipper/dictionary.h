@@ -4,6 +4,7 @@
 #include <string>
 #include <string_view>
 
+#include "sim/controllers/board.h"
 #include "sim/controllers/klipper/clock.h"
 #include "sim/controllers/klipper/wire.h"
 

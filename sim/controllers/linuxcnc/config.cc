@@ -12,21 +12,21 @@ namespace {
 /// Off its switch, so that the end of homing is inside the travel.
 constexpr double kBesideHome_mm = 2;
 
-std::string AxesOf(const std::vector<JointText>& joints) {
+std::string LettersOf(const MachineText& machine) {
   std::string letters;
-  for (const JointText& joint : joints) letters += joint.axis;
+  for (const AxisText& axis : machine.axes) letters += axis.letter;
   return letters;
 }
 
-std::string AxisText(const JointText& joint) {
+std::string AxisSection(const AxisText& axis) {
   return fmt::format(
       "\n[AXIS_{}]\nMIN_LIMIT = {:.9g}\nMAX_LIMIT = {:.9g}\nMAX_VELOCITY = {:.9g}\n"
       "MAX_ACCELERATION = {:.9g}\n",
-      joint.axis,
-      joint.min_mm,
-      joint.max_mm,
-      joint.max_feed_mm_s,
-      joint.acceleration_mm_s2);
+      axis.letter,
+      axis.min_mm,
+      axis.max_mm,
+      axis.max_feed_mm_s,
+      axis.acceleration_mm_s2);
 }
 
 // The switch is met twice from the same side, the second time slowly: LinuxCNC takes
@@ -68,14 +68,15 @@ std::string Trimmed(std::string_view text) {
 
 }  // namespace
 
-std::string IniText(std::string_view machine,
-                    const std::vector<JointText>& joints,
-                    std::string_view display) {
-  const std::string axes = AxesOf(joints);
+std::string IniText(const MachineText& machine, std::string_view display) {
   double feed_mm_s = 0, acceleration_mm_s2 = 0;
-  for (const JointText& joint : joints) {
-    feed_mm_s = std::max(feed_mm_s, joint.max_feed_mm_s);
-    acceleration_mm_s2 = std::max(acceleration_mm_s2, joint.acceleration_mm_s2);
+  for (const AxisText& axis : machine.axes) {
+    feed_mm_s = std::max(feed_mm_s, axis.max_feed_mm_s);
+    acceleration_mm_s2 = std::max(acceleration_mm_s2, axis.acceleration_mm_s2);
+  }
+  std::string sizes;
+  for (const auto& [name, value] : machine.sizes) {
+    sizes += fmt::format("{} = {:.9g}\n", name, value);
   }
   std::string text = fmt::format(
       "# {0}, as its firmware believes it to be. Made by `caltwin new linuxcnc`.\n"
@@ -86,23 +87,26 @@ std::string IniText(std::string_view machine,
       "\n[EMCIO]\nEMCIO = io\nCYCLE_TIME = 0.01\nTOOL_TABLE = tool.tbl\n"
       "\n[EMCMOT]\nEMCMOT = motmod\nCOMM_TIMEOUT = 4\nSERVO_PERIOD = 1000000\n"
       "\n[HAL]\nHALFILE = machine.hal\n"
-      "\n[KINS]\nJOINTS = {3}\nKINEMATICS = trivkins coordinates={4}\n"
-      "\n[TRAJ]\nCOORDINATES = {4}\nLINEAR_UNITS = mm\nANGULAR_UNITS = degree\n"
-      "MAX_LINEAR_VELOCITY = {2:.9g}\nMAX_LINEAR_ACCELERATION = {5:.9g}\n",
-      machine,
+      "\n[KINS]\nJOINTS = {3}\nKINEMATICS = {4}\n{5}"
+      "\n[TRAJ]\nCOORDINATES = {6}\nLINEAR_UNITS = mm\nANGULAR_UNITS = degree\n"
+      "MAX_LINEAR_VELOCITY = {2:.9g}\nMAX_LINEAR_ACCELERATION = {7:.9g}\n",
+      machine.name,
       display,
       feed_mm_s,
-      joints.size(),
-      axes,
+      machine.joints.size(),
+      machine.kinematics,
+      sizes,
+      LettersOf(machine),
       acceleration_mm_s2);
-  for (const JointText& joint : joints) text += AxisText(joint);
-  for (std::size_t i = 0; i < joints.size(); ++i) text += JointTextOf(i, joints[i]);
+  for (const AxisText& axis : machine.axes) text += AxisSection(axis);
+  for (std::size_t i = 0; i < machine.joints.size(); ++i) {
+    text += JointTextOf(i, machine.joints[i]);
+  }
   return text;
 }
 
-std::string HalText(std::string_view machine,
-                    std::size_t num_joints,
-                    std::string_view page) {
+std::string HalText(const MachineText& machine, std::string_view page) {
+  const std::string module = machine.kinematics.substr(0, machine.kinematics.find(' '));
   std::string text = fmt::format(
       "# {}, simulated by caltwin. Made by `caltwin new linuxcnc`.\n"
       "loadrt [KINS]KINEMATICS\n"
@@ -118,26 +122,28 @@ std::string HalText(std::string_view machine,
       "net tool-prepare iocontrol.0.tool-prepare => iocontrol.0.tool-prepared\n"
       "net tool-change iocontrol.0.tool-change => iocontrol.0.tool-changed\n"
       "net probe caltwin.probe => motion.probe-input\n",
-      machine,
+      machine.name,
       page);
-  for (std::size_t i = 0; i < num_joints; ++i) {
+  for (const auto& [name, value] : machine.sizes) {
+    text += fmt::format("setp {0}.{1} [KINS]{1}\n", module, name);
+  }
+  for (std::size_t i = 0; i < machine.joints.size(); ++i) {
     text += fmt::format(
-        "\nsetp caltwin.scale-{0} [JOINT_{0}]SCALE\n"
-        "net command-{0} joint.{0}.motor-pos-cmd => caltwin.position-cmd-{0}\n"
-        "net feedback-{0} caltwin.position-fb-{0} => joint.{0}.motor-pos-fb\n"
-        "net switch-{0} caltwin.home-sw-{0} => joint.{0}.home-sw-in\n",
-        i);
+        "\nsetp caltwin.scale-{1} [JOINT_{0}]SCALE\n"
+        "net command-{0} joint.{0}.motor-pos-cmd => caltwin.position-cmd-{1}\n"
+        "net feedback-{0} caltwin.position-fb-{1} => joint.{0}.motor-pos-fb\n"
+        "net switch-{0} caltwin.home-sw-{1} => joint.{0}.home-sw-in\n",
+        i,
+        machine.joints[i].motor);
   }
   return text;
 }
 
-std::vector<std::pair<std::string, std::string>> ConfigFiles(
-    std::string_view machine,
-    const std::vector<JointText>& joints,
-    std::string_view display,
-    std::string_view page) {
-  return {{"machine.ini", IniText(machine, joints, display)},
-          {"machine.hal", HalText(machine, joints.size(), page)},
+std::vector<std::pair<std::string, std::string>> ConfigFiles(const MachineText& machine,
+                                                             std::string_view display,
+                                                             std::string_view page) {
+  return {{"machine.ini", IniText(machine, display)},
+          {"machine.hal", HalText(machine, page)},
           {"tool.tbl", "T1 P1\n"}};
 }
 

@@ -8,9 +8,16 @@
 namespace caltwin {
 namespace linuxcnc {
 
-/// One joint of a machine whose joints are its axes, in mm.
+/// Where the tool may be sent along X, Y or Z.
+struct AxisText {
+  char letter = 'X';
+  double min_mm = 0, max_mm = 0;
+  double max_feed_mm_s = 10, acceleration_mm_s2 = 100;
+};
+
+/// One joint, in mm.
 struct JointText {
-  char axis = 'X';
+  int motor = 0;  ///< Of the board: the component's pins of that number.
   double min_mm = 0, max_mm = 0;  ///< Where it may be sent.
   double home_mm = 0;             ///< Where its switch closes.
   bool is_home_at_min = true;
@@ -20,24 +27,28 @@ struct JointText {
   double backlash_mm = 0;   ///< `BACKLASH`: what its firmware takes for the play.
 };
 
-/// The text of the INI file of a machine whose joints are its axes (`trivkins`).
-/// `display`: the program that its operator sits at.
-std::string IniText(std::string_view machine,
-                    const std::vector<JointText>& joints,
-                    std::string_view display);
+/// A machine as LinuxCNC is told of it.
+struct MachineText {
+  std::string name{};
+  std::string kinematics = "trivkins coordinates=XYZ";  ///< The module, its parameters.
+  std::vector<AxisText> axes{};
+  std::vector<JointText> joints{};
+  /// Sizes of those kinematics, `R = 130`: [KINS] has them, and its pins of that name
+  /// are set to them.
+  std::vector<std::pair<std::string, double>> sizes{};
+};
+
+/// The text of its INI file. `display`: the program that its operator sits at.
+std::string IniText(const MachineText& machine, std::string_view display);
 
 /// machine.hal, which that file names: caltwin's component in place of a card.
 /// @param page  as `caltwin serve --linuxcnc` was given
-std::string HalText(std::string_view machine,
-                    std::size_t num_joints,
-                    std::string_view page);
+std::string HalText(const MachineText& machine, std::string_view page);
 
 /// All files of such a configuration, names and texts, the INI file first.
-std::vector<std::pair<std::string, std::string>> ConfigFiles(
-    std::string_view machine,
-    const std::vector<JointText>& joints,
-    std::string_view display,
-    std::string_view page);
+std::vector<std::pair<std::string, std::string>> ConfigFiles(const MachineText& machine,
+                                                             std::string_view display,
+                                                             std::string_view page);
 
 /// `ini` with that value in that section, in place of every one that was there; a
 /// section or a key that is missing is added.

@@ -11,6 +11,7 @@
 #include "sim/kinds/cartesian/linuxcnc.h"
 #include "sim/kinds/cartesian/stepped.h"
 #include "sim/kinds/delta/klipper.h"
+#include "sim/kinds/delta/linuxcnc.h"
 #include "sim/kinds/delta/twin.h"
 #include "sim/kinds/triple_z/klipper.h"
 #include "sim/kinds/z_station/klipper.h"
@@ -147,13 +148,10 @@ Served Motors(const fs::path& file,
 }
 
 constexpr std::array kKinds = {
-    ServedKind{"cartesian",
-               "rrf",
-               Gantry,
-               GantryBoard,
-               PrinterCfgOfGantry,
-               LinuxCncJointsOfGantry},
-    ServedKind{"delta", "marlin", Delta, DeltaBoard, PrinterCfgOfDelta},
+    ServedKind{
+        "cartesian", "rrf", Gantry, GantryBoard, PrinterCfgOfGantry, LinuxCncOfGantry},
+    ServedKind{
+        "delta", "marlin", Delta, DeltaBoard, PrinterCfgOfDelta, LinuxCncOfDelta},
     ServedKind{"triple_z", "rrf", Printer, PrinterBoard, PrinterCfgOfTripleZ},
     ServedKind{"z_station", "klipper", Station, StationBoard, PrinterCfgOfStation},
     ServedKind{"motor_stage", "motor", Motors}};
@@ -203,7 +201,7 @@ const ServedKind& ServedToKlipper(const fs::path& machine, const std::string& pl
 
 const ServedKind& ServedToLinuxCnc(const fs::path& machine, const std::string& place) {
   return ServedTo("LinuxCNC", machine, place, [](const ServedKind& kind) {
-    return kind.linuxcnc_joints != nullptr;
+    return kind.linuxcnc != nullptr;
   });
 }
 

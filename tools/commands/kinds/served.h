@@ -4,7 +4,6 @@
 #include <memory>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "sim/controllers/board.h"
 #include "sim/controllers/linuxcnc/config.h"
@@ -37,8 +36,8 @@ struct ServedKind {
   /// What its firmware believes, as printer.cfg; `serial`: where the board is.
   std::string (*printer_cfg)(const Machine& machine,
                              const std::string& serial) = nullptr;
-  /// The joints of LinuxCNC, with what its firmware believes.
-  std::vector<linuxcnc::JointText> (*linuxcnc_joints)(const Machine& machine) = nullptr;
+  /// As LinuxCNC is told of it, with what its firmware believes.
+  linuxcnc::MachineText (*linuxcnc)(const Machine& machine) = nullptr;
 };
 const ServedKind& ServedKindOf(const std::filesystem::path& machine);
 
