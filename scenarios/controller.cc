@@ -51,7 +51,8 @@ void ReadUnderKlipper(YamlMap keys, const fs::path& folder, Scenario* scenario) 
 bool IsThere(const YamlValue& name, const fs::path& file) {
   std::error_code error;
   if (fs::is_regular_file(file, error)) return true;
-  name.Fail("there is no file " + file.string(), "its place is relative to this file");
+  name.Fail("names a file that is not there: " + file.string(),
+            "its place is relative to this file");
   return false;
 }
 
@@ -72,13 +73,12 @@ void ReadConfiguration(YamlMap* keys, const fs::path& folder, UnderLinuxCnc* ask
   const auto set = keys->Optional("set");
   if (!set) return;
   for (const auto& [name, value] : set->Map().Entries()) {
-    const std::string setting = name + "=" + value.Text();
-    try {
-      WithIniSetting("", setting, "");
-      asked->options.set.push_back(setting);
-    } catch (const InputError&) {
+    const auto point = name.find('.');
+    if (point == std::string::npos || point == 0 || point + 1 == name.size()) {
       value.Fail("is set at no section and key", "as in `JOINT_0.BACKLASH: 0.05`");
+      continue;
     }
+    asked->options.set.push_back(name + "=" + value.Text());
   }
 }
 
@@ -92,8 +92,15 @@ void ReadUnderLinuxCnc(YamlMap keys, const fs::path& folder, Scenario* scenario)
   if (mdi) lines = LinesIn(*mdi, "as in `mdi: [G0 X100, G38.2 Z-5 F60]`");
   if (const auto program = keys.Optional("program")) {
     const fs::path file = folder / program->Text();
-    if (IsThere(*program, file)) asked.program = ReadTextFile(file, kLargestData_bytes);
+    if (IsThere(*program, file)) {
+      asked.program_name = file.filename().string();
+      asked.program = ReadTextFile(file, kLargestData_bytes);
+      const LinuxCncFiles beside = SubroutinesBeside(file);
+      asked.more_files.insert(asked.more_files.end(), beside.begin(), beside.end());
+    }
     lines.emplace_back(kRunProgram);
+  } else if (!mdi) {
+    keys.Required("mdi");
   }
   keys.NoMoreKeys();
   scenario->calibrate = {{.name = "linuxcnc", .procedure = GcodeStep(lines)}};

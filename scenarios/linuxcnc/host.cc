@@ -1,5 +1,7 @@
 #include "scenarios/linuxcnc/host.h"
 
+#include <algorithm>
+#include <array>
 #include <cerrno>
 #include <fstream>
 #include <iterator>
@@ -48,16 +50,29 @@ std::string EndOf(const fs::path& file) {
   return text.size() > kMost ? text.substr(text.size() - kMost) : text;
 }
 
+// Lines that LinuxCNC always writes, and those that point to files inside its /tmp.
+bool TellsSomething(std::string_view line) {
+  constexpr std::array kAlways = {"task: main loop took",
+                                  "LinuxCNC terminated with an error",
+                                  "/tmp/home/",
+                                  "as well as in the output of the shell",
+                                  "Note: Using POSIX non-realtime",
+                                  "link (updating variable file)"};
+  const auto first = line.find_first_not_of(" \t");
+  if (first == std::string_view::npos || line.substr(first) == "and") return false;
+  return std::ranges::none_of(kAlways, [&](std::string_view words) {
+    return line.substr(first).starts_with(words);
+  });
+}
+
 LinuxCncAnswer AnswerIn(const nlohmann::json& said) {
   LinuxCncAnswer answer{
       .done = said.at("done"),
       .errors = said.at("errors"),
       .messages = said.at("messages"),
+      .probed_mm = said.at("probed"),
       .position_mm = said.at("position"),
   };
-  if (said.contains("probed")) {
-    answer.probed_mm = said["probed"].get<std::array<double, 3>>();
-  }
   for (auto* const texts : {&answer.errors, &answer.messages}) {
     for (std::string& text : *texts) text = Printable(text);
   }
@@ -75,11 +90,11 @@ class LinuxCncHost::Parts {
         page_(folder_.path() / "page", &joints_, /*patience=*/milliseconds(0)) {
     LinuxCncFiles files = options.files;
     std::string& ini = files.front().second;
-    ini = linuxcnc::WithIniValue(ini, "DISPLAY", "DISPLAY", kOperator);
     for (const std::string& one : options.set) ini = WithIniSetting(ini, one, one);
-    for (const auto& [name, text] : files) WriteTextFile(folder_.path() / name, text);
+    ini = linuxcnc::WithIniValue(ini, "DISPLAY", "DISPLAY", kOperator);
+    for (const auto& [name, text] : files) WriteTextFile(config() / name, text);
     sandbox_.Start(folder_.path(), options.files.front().first);
-    if (!Await().done) throw HostLost("LinuxCNC cannot be switched on" + Log());
+    if (!Await("start").done) throw HostLost("LinuxCNC cannot be switched on" + Log());
   }
   ~Parts() {
     std::error_code ignored;
@@ -92,19 +107,20 @@ class LinuxCncHost::Parts {
   Parts& operator=(const Parts&) = delete;
 
   LinuxCncAnswer Obey(const nlohmann::json& order);
-  const fs::path& folder() const { return folder_.path(); }
+  fs::path config() const { return folder_.path() / "config"; }
   const Motors& motors() const { return joints_.steps(); }
   double machine_s() const { return page_.time_s(); }
 
  private:
-  LinuxCncAnswer Await();
+  LinuxCncAnswer Await(const std::string& what);
   std::optional<LinuxCncAnswer> Hear();
   void Turn();
   std::string Log() const;
   [[noreturn]] void Ended() const;
 
   LinuxCncOptions options_;
-  TemporaryFolder folder_{"caltwin_linuxcnc"};
+  /// Short, and without spaces, which halcompile cannot take.
+  TemporaryFolder folder_{"caltwin_linuxcnc", "/tmp"};
   linuxcnc::Joints joints_;
   linuxcnc::PlantPage page_;
   LinuxCncSandbox sandbox_{};
@@ -116,7 +132,7 @@ std::string LinuxCncHost::Parts::Log() const {
   std::string text = "; it wrote last:";
   const std::string end = EndOf(folder_.path() / "linuxcnc.log");
   for (const TextLine& line : LinesOf(end)) {
-    text += "\n  " + Printable(line.text);
+    if (TellsSomething(line.text)) text += "\n  " + Printable(line.text);
   }
   return text;
 }
@@ -159,7 +175,7 @@ void LinuxCncHost::Parts::Turn() {
   }
 }
 
-LinuxCncAnswer LinuxCncHost::Parts::Await() {
+LinuxCncAnswer LinuxCncHost::Parts::Await(const std::string& what) {
   const double start_s = page_.time_s();
   last_cycle_ = Now::now();
   while (true) {
@@ -176,7 +192,8 @@ LinuxCncAnswer LinuxCncHost::Parts::Await() {
     }
     if (page_.time_s() - start_s > options_.longest_s) {
       throw HostLost(
-          fmt::format("a line is not done after {:.0f} s of the machine's time",
+          fmt::format("'{}' is not done after {:.0f} s of the machine's time",
+                      what,
                       options_.longest_s));
     }
   }
@@ -189,7 +206,7 @@ LinuxCncAnswer LinuxCncHost::Parts::Obey(const nlohmann::json& order) {
   if (num != static_cast<ssize_t>(line.size())) {
     throw HostLost("LinuxCNC's operator has ended" + Log());
   }
-  return Await();
+  return Await(order.value("line", order.value("file", std::string("homing"))));
 }
 
 LinuxCncHost::LinuxCncHost(Board* board, const LinuxCncOptions& options)
@@ -202,12 +219,14 @@ LinuxCncAnswer LinuxCncHost::Home() {
 }
 
 LinuxCncAnswer LinuxCncHost::Mdi(std::string_view line) {
+  RequireMdiLine(line, std::string(line.substr(0, 40)));
   return parts_->Obey({{"do", "mdi"}, {"line", line}});
 }
 
-LinuxCncAnswer LinuxCncHost::Program(const std::string& text) {
-  WriteTextFile(parts_->folder() / "job.ngc", text);
-  return parts_->Obey({{"do", "program"}, {"file", "/tmp/job.ngc"}});
+LinuxCncAnswer LinuxCncHost::Program(const std::string& name, const std::string& text) {
+  RequireText(text, name);
+  WriteTextFile(parts_->config() / name, text);
+  return parts_->Obey({{"do", "program"}, {"file", name}});
 }
 
 const Motors& LinuxCncHost::MotorsNow() const {

@@ -4,7 +4,6 @@
 #include <chrono>
 #include <filesystem>
 #include <memory>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -21,16 +20,16 @@ struct LinuxCncOptions {
   std::filesystem::path log{};     ///< Where what it printed is kept; empty: nowhere.
   /// So long it may compute without a servo cycle, by the computer's clock.
   std::chrono::milliseconds patience{20'000};
-  double longest_s = 7200;  ///< One line may take, by the machine's clock.
+  double longest_s = 7200;  ///< One line or program, by the machine's clock.
 };
 
 /// What LinuxCNC makes of one order.
 struct LinuxCncAnswer {
   bool done = false;  ///< To its end, without an error.
   std::vector<std::string> errors{}, messages{};
-  /// Where the probe met something, in machine coordinates [mm]; nullopt: no G38, or it
-  /// met nothing.
-  std::optional<std::array<double, 3>> probed_mm{};
+  /// Where the probe met something, in machine coordinates, in order [mm]. A program's
+  /// touch at exactly the place of the one before it is not among them.
+  std::vector<std::array<double, 3>> probed_mm{};
   std::array<double, 3> position_mm{};  ///< Where LinuxCNC has the tool now.
 };
 
@@ -54,9 +53,11 @@ class LinuxCncHost {
 
   /// All joints, in the order of HOME_SEQUENCE.
   LinuxCncAnswer Home();
+  /// Throws InputError where the line is longer than LinuxCNC takes (RequireMdiLine).
   LinuxCncAnswer Mdi(std::string_view line);
-  /// Runs a program to its end.
-  LinuxCncAnswer Program(const std::string& text);
+  /// Runs a program to its end. `name`: as the file is called. Throws InputError where
+  /// it is not UTF-8, which LinuxCNC's operator cannot take.
+  LinuxCncAnswer Program(const std::string& name, const std::string& text);
 
   /// Where the motors stand, as the board counts.
   const Motors& MotorsNow() const;

@@ -36,9 +36,8 @@ Expected<std::vector<std::string>> LinuxCncLink::Lines(const LinuxCncAnswer& ans
     return tl::unexpected(FaultOf(answer));
   }
   std::vector<std::string> lines = answer.messages;
-  if (answer.probed_mm) {
+  for (const auto& at_mm : answer.probed_mm) {
     ++touches_;
-    const auto& at_mm = *answer.probed_mm;
     lines.push_back(
         fmt::format("probed at X{:.4f} Y{:.4f} Z{:.4f}", at_mm[0], at_mm[1], at_mm[2]));
   }
@@ -59,8 +58,9 @@ Expected<std::vector<std::string>> LinuxCncLink::Send(
       const auto begun = Begin();
       if (!begun) return begun;
     }
-    return Lines(line == kRunProgram ? host_->Program(asked_.program)
-                                     : host_->Mdi(line));
+    return Lines(line == kRunProgram
+                     ? host_->Program(asked_.program_name, asked_.program)
+                     : host_->Mdi(line));
   } catch (const HostLost& lost) {
     has_failed_ = true;
     return tl::unexpected(MachineFault{Kind::kLinkLost, lost.what()});
@@ -101,13 +101,18 @@ LinuxCncTrial::LinuxCncTrial(const Machine& machine,
 
 std::optional<PlacesReached> LinuxCncTrial::Reached() {
   constexpr std::chrono::minutes kPatience{10};
+  const auto is_done = [&](const std::string& line) {
+    const auto said = link_.Send(line, kPatience);
+    if (!said) refusal_ = line + ": " + said.error().reply;
+    return said.has_value();
+  };
   // Whatever the lines before have left in force.
-  if (!link_.Send("G21 G90 G40 G49 G80 G94", kPatience)) return std::nullopt;
+  if (!is_done("G21 G90 G40 G49 G80 G94")) return std::nullopt;
   std::vector<Vec3<double>> errors_mm;
   for (const Stop& stop : Stops()) {
     const std::string line = fmt::format(
         "G53 G0 X{:.6f} Y{:.6f} Z{:.6f}", stop.at_mm[0], stop.at_mm[1], stop.at_mm[2]);
-    if (!link_.Send(line, kPatience)) return std::nullopt;
+    if (!is_done(line)) return std::nullopt;
     if (stop.is_looked_at) errors_mm.push_back(Tip_mm(link_.MotorsNow()) - stop.at_mm);
   }
   return ReachedBy(errors_mm);
@@ -123,9 +128,10 @@ void LinuxCncTrial::Finish(RunResult* result) {
 TrueEnd LinuxCncTrial::End(const std::vector<ProcedureResult>& /*results*/,
                            RunResult* result) {
   if (!after_) {
-    result->messages.emplace_back(
-        "LinuxCNC could not be sent anywhere at the end: how true its places are is "
-        "not known");
+    result->messages.push_back(
+        "LinuxCNC could not be sent to all places at the end: how true they are is not "
+        "known" +
+        (refusal_.empty() ? "" : " (" + refusal_ + ")"));
     return {.told_wrong = true};
   }
   result->messages.push_back(fmt::format(

@@ -97,6 +97,7 @@ class LinuxCncTrial : public KindTrial {
   std::unique_ptr<Board> board_;
   LinuxCncLink link_;
   std::optional<PlacesReached> before_{}, after_{};
+  std::string refusal_{};  ///< Why it was not sent to all places.
   NoGauges gauges_{};
   NoHands hands_{};
   Bench bench_{};

@@ -128,6 +128,9 @@ void LinuxCncSandbox::Start(const fs::path& folder, const std::string& ini) {
                         ini},
               .environment = {std::string("LINUXCNC_MODULES=") + kModules,
                               "CALTWIN_LINUXCNC_PAGE=/tmp/page",
+                              // What it refuses is read in English.
+                              "LC_ALL=C.UTF-8",
+                              "LANGUAGE=",
                               fmt::format("CALTWIN_OPERATOR={}", kLine)},
               .descriptors = {{nothing.number(), STDIN_FILENO},
                               {log.number(), STDOUT_FILENO},

@@ -21,8 +21,9 @@ class LinuxCncSandbox {
   LinuxCncSandbox& operator=(const LinuxCncSandbox&) = delete;
 
   /// Compiles the component for it and starts it. `folder` becomes its /tmp and holds
-  /// `ini`, a name in it, and `page`. What it prints is in `linuxcnc.log` there. Throws
-  /// InputError where it is not installed or cannot be started.
+  /// `page`, and in `config` the file `ini` and what it names. What it prints is in
+  /// `linuxcnc.log` there. Throws InputError where it is not installed or cannot be
+  /// started.
   void Start(const std::filesystem::path& folder, const std::string& ini);
   /// Our end of the line to whoever sits at it (component/caltwin_operator.py).
   int line() const { return ours_.number(); }

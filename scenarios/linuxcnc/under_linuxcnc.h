@@ -15,8 +15,8 @@ inline constexpr std::string_view kRunProgram = "run the program";
 struct UnderLinuxCnc {
   /// Without files: made of the machine, with what `settings` has its firmware believe.
   LinuxCncOptions options{};
-  LinuxCncFiles more_files{};  ///< Tables, subroutines.
-  std::string program{};       ///< The text of a .ngc file.
+  LinuxCncFiles more_files{};             ///< Tables, subroutines.
+  std::string program_name{}, program{};  ///< A .ngc file, and its text.
   bool is_homed_first = true;
 };
 

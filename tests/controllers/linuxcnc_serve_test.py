@@ -99,7 +99,7 @@ class Serving(unittest.TestCase):
         self.assertGreater(time.monotonic() - start, 3)
         self.order(do="mdi", line="G0 X100 Y100")
         self.order(do="mdi", line="G0 Z5")
-        at = self.order(do="mdi", line="G38.2 Z-5 F60")["probed"]
+        at = self.order(do="mdi", line="G38.2 Z-5 F60")["probed"][0]
         self.assertAlmostEqual(at[2], 0.98, delta=0.0015)
         self.line.write('{"do": "end"}\n')
         self.line.flush()

@@ -54,7 +54,7 @@ class Base(unittest.TestCase):
         return json.loads(pathlib.Path(out).read_text())["steps"] if code < 2 else []
 
     def probed(self, *words):
-        return [s["probed_mm"] for s in self.drive(*words) if "probed_mm" in s]
+        return [at for step in self.drive(*words) for at in step["probed_mm"]]
 
     def assert_z(self, at, wanted):
         self.assertLessEqual(at[2], wanted + CYCLE_MM)
@@ -119,6 +119,43 @@ class Probing(Base):
         self.assert_z([0, 0, float(said.split()[-1])], TRIGGER_MM)
 
 
+    def test_what_a_program_and_a_subroutine_touch_is_told(self):
+        self.write("touch.ngc", "o<touch> sub\nG0 Z5\nG38.2 Z-5 F#1\nG0 Z5\no<touch> endsub\nM2\n")
+        job = self.write(
+            "job.ngc", "G0 X50 Y50\no<touch> call [120]\nM0\no<touch> call [60]\nM2\n")
+        steps = self.drive("--program", job)
+        self.assertEqual(len(steps[-1]["probed_mm"]), 2)
+        self.assertIn("the program paused, and went on by itself", steps[-1]["messages"])
+        self.assert_z(steps[-1]["probed_mm"][1], TRIGGER_MM)
+
+    def test_a_probing_move_is_known_however_it_is_written(self):
+        steps = self.drive("-c", "G0 X100 Y100 Z5 (is G38.2 old)", "-c", "n10g91g38.2z-8f60",
+                           "-c", "M2", "-c", "G90 G0 Z5")
+        self.assertEqual([len(s["probed_mm"]) for s in steps], [0, 0, 1, 0, 0])
+
+    def test_an_inch_machine_is_told_in_mm(self):
+        made = subprocess.run(
+            [CALTWIN, "new", "linuxcnc", "gantry_router", "--out", self.path("config")],
+            capture_output=True, text=True, check=False)
+        self.assertEqual(made.returncode, 0, made.stderr)
+        ini = pathlib.Path(self.path("config/machine.ini"))
+        inches = ("MIN_LIMIT", "MAX_LIMIT", "MAX_VELOCITY", "MAX_ACCELERATION", "HOME", "HOME_OFFSET",
+                  "HOME_SEARCH_VEL", "HOME_LATCH_VEL", "HOME_FINAL_VEL", "MAX_LINEAR_VELOCITY",
+                  "MAX_LINEAR_ACCELERATION", "FERROR", "MIN_FERROR")
+        lines = []
+        for line in ini.read_text().replace("LINEAR_UNITS = mm", "LINEAR_UNITS = inch").splitlines():
+            key, _, value = line.partition(" = ")
+            if key in inches:
+                line = f"{key} = {float(value) / 25.4:.9g}"
+            elif key == "SCALE":
+                line = f"SCALE = {float(value) * 25.4:.9g}"
+            lines.append(line)
+        ini.write_text("\n".join(lines) + "\n")
+        (at,) = self.probed("--ini", str(ini), "-c", "G21 G0 X100 Y100 Z5", "-c", "G38.2 Z-5 F60")
+        self.assert_z(at, TRIGGER_MM)
+        self.assertAlmostEqual(at[0], 100, places=4)
+
+
 class Refusals(Base):
     def refused(self, *words):
         steps = self.drive(*words, code=1)
@@ -145,8 +182,33 @@ class Refusals(Base):
         self.drive("--set", "KINS.KINEMATICS=nokins", code=3)
         self.assertIn("nokins", self.printed)
 
-    def test_a_setting_without_a_section(self):
-        self.drive("--set", "BACKLASH=1", code=2)
+    def test_settings_that_nobody_can_mean(self):
+        for setting, said in (("BACKLASH=1", "a section, a key and a value"),
+                              (".X=5", "a section, a key and a value"),
+                              ("JOINT_O.BACKLASH=0.1", "did you mean 'JOINT_0'"),
+                              ("JOINT_0.BAKLASH=0.1", "did you mean 'BACKLASH'")):
+            self.drive("--set", setting, code=2)
+            self.assertIn(said, self.printed)
+
+    def test_what_linuxcnc_cannot_take_is_refused_before_it_is_started(self):
+        self.drive("-c", "(" + "x" * 300 + ")", code=2)
+        self.assertIn("302 bytes", self.printed)
+        job = pathlib.Path(self.path("job.ngc"))
+        job.write_bytes(b"(gr\xfcn)\nM2\n")
+        self.drive("--program", str(job), code=2)
+        self.drive("--ini", self.write("my.ini", "SCALE = 1\n"), code=2)
+        self.assertIn("no section [EMC]", self.printed)
+
+    def test_a_program_that_never_ends(self):
+        job = self.write("job.ngc", "o1 while [1]\nG4 P1\no1 endwhile\nM2\n")
+        self.drive("--program", job, "--longest", "30", code=3)
+        self.assertIn("is not done after 30 s", self.printed)
+
+    def test_the_language_of_the_user_changes_no_outcome(self):
+        run = subprocess.run([CALTWIN, "run", ROOT / "scenarios/linuxcnc/no_contact.yaml"],
+                             capture_output=True, text=True, check=False, timeout=120,
+                             env={**os.environ, "LANGUAGE": "de", "LC_ALL": "C.UTF-8"})
+        self.assertEqual(run.returncode, 0, run.stdout)
 
 
 class Scenarios(unittest.TestCase):

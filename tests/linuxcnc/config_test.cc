@@ -48,6 +48,13 @@ TEST(LinuxCncIni, AnAxisThatHomesAtItsTopMeetsItsSwitchUpwards) {
                         "HOME_LATCH_VEL = 0.5\n"));
 }
 
+TEST(LinuxCncIni, SaysWhatItHas) {
+  const std::string ini = "[A]\nK = 1\n# L = 2\n[B]\n  M=3\n[A]\nK = 4\nN = 5\n";
+  EXPECT_THAT(IniSections(ini), testing::ElementsAre("A", "B"));
+  EXPECT_THAT(IniKeys(ini, "A"), testing::ElementsAre("K", "N"));
+  EXPECT_THAT(IniKeys(ini, "C"), testing::IsEmpty());
+}
+
 TEST(LinuxCncHal, AJointHasThePinsOfItsMotor) {
   const std::string hal = HalText({.kinematics = "lineardeltakins",
                                    .joints = {{.motor = 2}, {.motor = 0}},

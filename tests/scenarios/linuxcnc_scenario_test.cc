@@ -40,6 +40,7 @@ TEST(LinuxCncScenario, KnowsLinesSettingsFilesAndAProgram) {
   EXPECT_FALSE(scenario.linuxcnc->is_homed_first);
   EXPECT_EQ(scenario.linuxcnc->program, "M2\n");
   EXPECT_THAT(scenario.linuxcnc->options.set, ElementsAre("JOINT_0.BACKLASH=0.05"));
+  EXPECT_EQ(scenario.linuxcnc->program_name, "job.ngc");
   ASSERT_EQ(scenario.linuxcnc->more_files.size(), 1U);
   EXPECT_EQ(scenario.linuxcnc->more_files[0].first, "x.comp");
 }
@@ -66,11 +67,15 @@ TEST(LinuxCncScenario, WhatCannotBeMeantIsRefusedWithItsPlace) {
     return MessageOf(kMachine + "controller: {linuxcnc: {" + keys + "}}\n");
   };
   EXPECT_THAT(message("mdi: []"), HasSubstr("test.yaml:3:30"));
-  EXPECT_THAT(message("program: no.ngc"), HasSubstr("there is no file no.ngc"));
-  EXPECT_THAT(message("ini: no.ini"), HasSubstr("there is no file no.ini"));
-  EXPECT_THAT(message("files: [no.comp]"), HasSubstr("there is no file no.comp"));
+  EXPECT_THAT(message("program: no.ngc"),
+              HasSubstr("names a file that is not there: no.ngc"));
+  EXPECT_THAT(message("ini: no.ini"),
+              HasSubstr("names a file that is not there: no.ini"));
+  EXPECT_THAT(message("files: [no.comp]"),
+              HasSubstr("names a file that is not there: no.comp"));
   EXPECT_THAT(message("set: {BACKLASH: 1}"), HasSubstr("no section and key"));
   EXPECT_THAT(message("gcode: [G0]"), HasSubstr("gcode"));
+  EXPECT_THAT(message("home: false"), HasSubstr("mdi"));
 }
 
 // Under a real controller nothing is simulated by MuJoCo: a run may not say it was.

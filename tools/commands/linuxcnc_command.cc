@@ -29,7 +29,7 @@ struct LinuxCncAsked {
   std::vector<std::string> lines{}, set{};
   std::string program{}, ini{}, json{}, log{};
   bool is_unhomed = false;
-  double patience_s = 20;
+  double patience_s = 20, longest_s = 7200;
 };
 
 /// What was asked, and what came of it.
@@ -50,6 +50,10 @@ LinuxCncFiles FilesOf(const LinuxCncAsked& asked,
   for (const std::string& one : asked.set) {
     WithIniSetting(files.front().second, one, "--set " + one);  // Refused now.
   }
+  if (!asked.program.empty()) {
+    const LinuxCncFiles beside = SubroutinesBeside(asked.program);
+    files.insert(files.end(), beside.begin(), beside.end());
+  }
   return files;
 }
 
@@ -58,10 +62,9 @@ std::string Placed(const std::array<double, 3>& at_mm) {
 }
 
 void Print(const Done& done) {
-  std::cout << "> " << done.what << '\n';
   for (const std::string& text : done.answer.messages) std::cout << text << '\n';
-  if (done.answer.probed_mm) {
-    std::cout << "probed at " << Placed(*done.answer.probed_mm) << '\n';
+  for (const auto& at_mm : done.answer.probed_mm) {
+    std::cout << "probed at " << Placed(at_mm) << '\n';
   }
   for (const std::string& text : done.answer.errors) {
     std::cout << "LinuxCNC refused: " << text << '\n';
@@ -79,48 +82,65 @@ nlohmann::json JsonOf(const std::vector<Done>& all) {
                            {"done", one.answer.done},
                            {"errors", one.answer.errors},
                            {"messages", one.answer.messages},
+                           {"probed_mm", one.answer.probed_mm},
                            {"position_mm", one.answer.position_mm},
                            {"machine_s", one.machine_s}};
-    if (one.answer.probed_mm) step["probed_mm"] = *one.answer.probed_mm;
     steps.push_back(step);
   }
   return {{"steps", steps}};
 }
 
-// Everything in turn, up to what is not done.
-std::vector<Done> DoAll(LinuxCncHost* host, const LinuxCncAsked& asked) {
-  std::vector<Done> all;
-  const auto add = [&](const std::string& what, LinuxCncAnswer answer) {
-    all.push_back({what, std::move(answer), host->machine_s()});
-    Print(all.back());
-    return all.back().answer.done;
+// Everything in turn, up to what is not done; what is done is added to `all`.
+void DoAll(LinuxCncHost* host, const LinuxCncAsked& asked, std::vector<Done>* all) {
+  const auto is_done = [&](const std::string& what, const auto& act) {
+    std::cout << "> " << what << std::endl;  // Before it: it may take long.
+    LinuxCncAnswer answer = act();
+    all->push_back({what, std::move(answer), host->machine_s()});
+    Print(all->back());
+    return all->back().answer.done;
   };
-  if (!asked.is_unhomed && !add("home", host->Home())) return all;
+  if (!asked.is_unhomed && !is_done("home", [&] { return host->Home(); })) return;
   for (const std::string& line : asked.lines) {
-    if (!add(line, host->Mdi(line))) return all;
+    if (!is_done(line, [&] { return host->Mdi(line); })) return;
   }
-  if (!asked.program.empty()) {
-    add(asked.program, host->Program(ReadTextFile(asked.program, kLargestData_bytes)));
-  }
-  return all;
+  if (asked.program.empty()) return;
+  is_done(asked.program, [&] {
+    return host->Program(fs::path(asked.program).filename().string(),
+                         ReadTextFile(asked.program, kLargestData_bytes));
+  });
 }
 
-int Drive(LinuxCncHost* host, const LinuxCncAsked& asked) {
-  using Now = std::chrono::steady_clock;
-  const auto start = Now::now();
-  const double before_s = host->machine_s();
-  const std::vector<Done> all = DoAll(host, asked);
-  const double real_s = std::chrono::duration<double>(Now::now() - start).count();
-  const double machine_s = host->machine_s() - before_s;
+void PrintSpeed(double machine_s, double real_s) {
   std::cout << fmt::format(
       "{:.1f} s of the machine's time in {:.1f} s: {:.0f} times as fast\n",
       machine_s,
       real_s,
       machine_s / real_s);
+}
+
+int Drive(Board* board, const LinuxCncOptions& options, const LinuxCncAsked& asked) {
+  using Now = std::chrono::steady_clock;
+  std::vector<Done> all;
+  int code = kLost;
+  try {
+    LinuxCncHost host(board, options);
+    const auto start = Now::now();
+    const double before_s = host.machine_s();
+    DoAll(&host, asked, &all);
+    PrintSpeed(host.machine_s() - before_s,
+               std::chrono::duration<double>(Now::now() - start).count());
+    code = all.back().answer.done ? kPassed : kCheckFailed;
+  } catch (const HostLost& lost) {
+    if (InterruptRequested()) {
+      code = kInterrupted;
+    } else {
+      std::cerr << "caltwin: " << lost.what() << '\n';
+    }
+  }
   if (!asked.json.empty()) {
     WriteTextFile(asked.json, JsonOf(all).dump(kJsonIndent) + "\n");
   }
-  return all.back().answer.done ? kPassed : kCheckFailed;
+  return code;
 }
 
 int LinuxCnc(const LinuxCncAsked& asked) {
@@ -132,22 +152,22 @@ int LinuxCnc(const LinuxCncAsked& asked) {
   const fs::path file =
       FindMachine(asked.twin.machine, "", {.file = asked.twin.machine});
   const ServedKind& kind = ServedToLinuxCnc(file, asked.twin.machine);
-  if (!asked.program.empty()) ReadTextFile(asked.program, kLargestData_bytes);
-  if (!asked.log.empty()) WriteTextFile(asked.log, "");  // Refused now or never.
+  for (const std::string& line : asked.lines) RequireMdiLine(line, "-c");
+  if (!asked.program.empty()) {
+    RequireText(ReadTextFile(asked.program, kLargestData_bytes), asked.program);
+  }
+  // Refused now or never.
+  for (const std::string& kept : {asked.log, asked.json}) {
+    if (!kept.empty()) WriteTextFile(kept, "");
+  }
   const auto board = kind.board(file, asked.twin);
   const LinuxCncOptions options{
       .files = FilesOf(asked, kind, file),
       .set = asked.set,
       .log = asked.log,
-      .patience = std::chrono::milliseconds(std::llround(asked.patience_s * 1e3))};
-  try {
-    LinuxCncHost host(board.get(), options);
-    return Drive(&host, asked);
-  } catch (const HostLost& lost) {
-    if (InterruptRequested()) return kInterrupted;
-    std::cerr << "caltwin: " << lost.what() << '\n';
-    return kLost;
-  }
+      .patience = std::chrono::milliseconds(std::llround(asked.patience_s * 1e3)),
+      .longest_s = asked.longest_s};
+  return Drive(board.get(), options, asked);
 }
 
 }  // namespace
@@ -186,6 +206,12 @@ Action DeclareLinuxCnc(CLI::App* app) {
                   options->patience_s,
                   "so many seconds LinuxCNC may compute without a servo cycle")
       ->check(CLI::Range(1.0, 86400.0))
+      ->capture_default_str();
+  app->add_option("--longest",
+                  options->longest_s,
+                  "so many seconds one line or the program may take, by the machine's "
+                  "clock")
+      ->check(CLI::Range(1.0, 1e7))
       ->capture_default_str();
   app->footer(
       "The unmodified LinuxCNC homes and probes a machine whose errors it cannot see, "

@@ -66,6 +66,14 @@ std::string Trimmed(std::string_view text) {
   return std::string(text.substr(first, text.find_last_not_of(" \t\r") - first + 1));
 }
 
+// "KINS" of "[KINS]"; empty: the line begins none.
+std::string SectionOf(std::string_view line) {
+  const std::string trimmed = Trimmed(line);
+  const auto end = trimmed.find(']');
+  if (trimmed.empty() || trimmed.front() != '[' || end == std::string::npos) return "";
+  return trimmed.substr(1, end - 1);
+}
+
 }  // namespace
 
 std::string IniText(const MachineText& machine, std::string_view display) {
@@ -145,6 +153,35 @@ std::vector<std::pair<std::string, std::string>> ConfigFiles(const MachineText& 
   return {{"machine.ini", IniText(machine, display)},
           {"machine.hal", HalText(machine, page)},
           {"tool.tbl", "T1 P1\n"}};
+}
+
+std::vector<std::string> IniSections(std::string_view ini) {
+  std::istringstream lines{std::string(ini)};
+  std::vector<std::string> sections;
+  for (std::string line; std::getline(lines, line);) {
+    const std::string section = SectionOf(line);
+    if (section.empty() || std::ranges::find(sections, section) != sections.end()) {
+      continue;
+    }
+    sections.push_back(section);
+  }
+  return sections;
+}
+
+std::vector<std::string> IniKeys(std::string_view ini, std::string_view section) {
+  std::istringstream lines{std::string(ini)};
+  std::vector<std::string> keys;
+  bool is_inside = false;
+  for (std::string line; std::getline(lines, line);) {
+    const std::string begun = SectionOf(line);
+    if (!begun.empty()) is_inside = begun == section;
+    const auto equals = line.find('=');
+    const std::string key = Trimmed(std::string_view(line).substr(0, equals));
+    const bool is_key = is_inside && begun.empty() && equals != std::string::npos &&
+                        !key.empty() && key.front() != '#' && key.front() != ';';
+    if (is_key && std::ranges::find(keys, key) == keys.end()) keys.push_back(key);
+  }
+  return keys;
 }
 
 std::string WithIniValue(const std::string& ini,

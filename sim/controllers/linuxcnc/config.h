@@ -50,6 +50,10 @@ std::vector<std::pair<std::string, std::string>> ConfigFiles(const MachineText& 
                                                              std::string_view display,
                                                              std::string_view page);
 
+/// @name What an INI file has; each once, in its order
+std::vector<std::string> IniSections(std::string_view ini);
+std::vector<std::string> IniKeys(std::string_view ini, std::string_view section);
+
 /// `ini` with that value in that section, in place of every one that was there; a
 /// section or a key that is missing is added.
 std::string WithIniValue(const std::string& ini,

@@ -3,15 +3,15 @@
 
 Reads orders, a JSON object a line, from the descriptor that CALTWIN_OPERATOR names, and
 answers each with one. Orders: {"do": "on"}, {"do": "home"}, {"do": "mdi", "line": "G38.2 Z-20 F60"},
-{"do": "program", "file": "/tmp/job.ngc"}, {"do": "end"}. An answer:
+{"do": "program", "file": "job.ngc"}, {"do": "end"}. An answer:
 
     done      whether LinuxCNC did it to its end
     errors    what it printed as errors
     messages  what else it printed: (DEBUG, ...), (MSG, ...)
-    probed    where the probe met something, machine coordinates; missing: no probing
-    position  where LinuxCNC has the tool now
+    probed    where the probe met something, in order, machine coordinates in mm
+    position  where LinuxCNC has the tool now, likewise
 
-The first answer comes unasked: LinuxCNC is on.
+A program that pauses (M0, M1) goes on: nobody is there to press a button. The first answer comes unasked: LinuxCNC is on.
 """
 
 import contextlib
@@ -25,15 +25,22 @@ import time
 import linuxcnc
 
 GLANCE_s = 0.002
-PROBING = re.compile(r"\bG\s*38\s*\.\s*[2-5]", re.IGNORECASE)
+PATIENCE_s = 10
+COMMENT = re.compile(r"\([^)]*\)|;.*")
+PROBING = re.compile(r"(?<![A-Z#<_])G\s*0*38\s*\.\s*[2-5]", re.IGNORECASE)
+END = re.compile(r"(?<![A-Z#<_])M\s*0*(2|30)(?!\s*[0-9.])", re.IGNORECASE)
 
 
 def task():
-    """The process of LinuxCNC that obeys; it lives as long as its INI file is run."""
-    for pid in filter(str.isdigit, os.listdir("/proc")):
-        with contextlib.suppress(OSError), open(f"/proc/{pid}/comm") as name:
-            if name.read().strip() == "milltask":
-                return pid
+    """The process of LinuxCNC that obeys; it lives as long as its INI file is run. It is
+    started beside us, and may come later."""
+    until = time.monotonic() + PATIENCE_s
+    while time.monotonic() < until:
+        for pid in filter(str.isdigit, os.listdir("/proc")):
+            with contextlib.suppress(OSError), open(f"/proc/{pid}/comm") as name:
+                if name.read().strip() == "milltask":
+                    return pid
+        time.sleep(0.05)
     sys.exit("caltwin_operator: LinuxCNC's milltask is not there")
 
 
@@ -44,6 +51,7 @@ class Operator:
         self.command, self.stat = linuxcnc.command(), linuxcnc.stat()
         self.channel = linuxcnc.error_channel()
         self.errors, self.messages = [], []
+        self.probed, self.probed_last = [], None
 
     def require_task(self):
         """Ends all where nobody obeys any more: no message would ever say so."""
@@ -60,21 +68,43 @@ class Operator:
             is_error = kind in (linuxcnc.NML_ERROR, linuxcnc.OPERATOR_ERROR)
             (self.errors if is_error else self.messages).append(text)
 
+    def in_mm(self, position):
+        return [value / self.stat.linear_units for value in position[:3]]
+
+    def look(self):
+        """What the probe has met since the last look, if it is elsewhere."""
+        self.stat.poll()
+        at = tuple(self.stat.probed_position[:3])
+        if self.stat.probe_tripped and at != self.probed_last:
+            self.probed.append(self.in_mm(at))
+            self.probed_last = at
+
+    def go_on(self):
+        """Presses the button that a program waits for."""
+        if self.stat.interp_state == linuxcnc.INTERP_PAUSED:
+            self.messages.append("the program paused, and went on by itself")
+            self.command.auto(linuxcnc.AUTO_RESUME)
+
     def wait(self):
-        """Until the last command is done; whether it was done without an error."""
-        while (state := self.command.wait_complete(1)) == -1:
+        """Until the last command is done: what LinuxCNC says of it."""
+        while (state := self.command.wait_complete(0.02)) == -1:
+            self.look()
+            self.go_on()
             self.hear()
         # An error may come a moment after the end that it made.
-        self.stat.poll()
+        self.look()
         self.hear()
-        return state == linuxcnc.RCS_DONE and not self.errors
+        return state
+
+    def is_done(self):
+        return self.wait() == linuxcnc.RCS_DONE and not self.errors
 
     def mode(self, mode):
         self.stat.poll()
         if self.stat.task_mode == mode:
             return True
         self.command.mode(mode)
-        return self.wait()
+        return self.is_done()
 
     def switch_on(self):
         for state in (linuxcnc.STATE_ESTOP_RESET, linuxcnc.STATE_ON):
@@ -105,19 +135,27 @@ class Operator:
     def mdi(self, line):
         if not self.mode(linuxcnc.MODE_MDI):
             return False
+        code = COMMENT.sub(" ", line)
+        before = len(self.probed)
         self.command.mdi(line)
-        return self.wait()
+        state = self.wait()
+        is_same_place = PROBING.search(code) and self.stat.probe_tripped
+        if is_same_place and len(self.probed) == before:
+            self.probed.append(self.in_mm(self.probed_last))
+        # The end of a program is no fault, though LinuxCNC reports one.
+        return not self.errors and (state == linuxcnc.RCS_DONE or bool(END.search(code)))
 
     def program(self, file):
         if not self.mode(linuxcnc.MODE_AUTO):
             return False
-        self.command.program_open(file)
-        if not self.wait():
+        self.command.program_open(os.path.abspath(file))
+        if not self.is_done():
             return False
         self.command.auto(linuxcnc.AUTO_RUN, 0)
         self.wait()
         while True:
-            self.stat.poll()
+            self.look()
+            self.go_on()
             self.hear()
             if self.errors:
                 self.command.abort()
@@ -137,28 +175,31 @@ class Operator:
             return self.mdi(order["line"])
         return self.program(order["file"])
 
-    def answer(self, done, order):
+    def answer(self, done):
         self.hear()
         self.stat.poll()
         answer = {
             "done": done,
             "errors": self.errors,
             "messages": self.messages,
-            "position": list(self.stat.position[:3]),
+            "probed": self.probed,
+            "position": self.in_mm(self.stat.position),
         }
-        if PROBING.search(order.get("line", "")) and self.stat.probe_tripped:
-            answer["probed"] = list(self.stat.probed_position[:3])
-        self.errors, self.messages = [], []
+        self.errors, self.messages, self.probed = [], [], []
         self.line.write((json.dumps(answer) + "\n").encode())
         self.line.flush()
 
     def serve(self):
-        self.answer(self.switch_on(), {})
+        self.answer(self.switch_on())
         for text in self.line:
             order = json.loads(text)
             if order["do"] == "end":
                 return
-            self.answer(self.obey(order), order)
+            try:
+                self.answer(self.obey(order))
+            except (linuxcnc.error, ValueError) as fault:
+                self.errors.append(str(fault))
+                self.answer(False)
 
 
 if __name__ == "__main__":

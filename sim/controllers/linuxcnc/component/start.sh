@@ -3,7 +3,8 @@
 # processes, shared memory, ports and /tmp are nobody else's, and all of it is gone when
 # this script ends, which it does when LinuxCNC or caltwin does, however that ends.
 #
-#   start.sh FOLDER INI      FOLDER becomes /tmp; descriptor 3: open as long as caltwin lives
+#   start.sh FOLDER INI      FOLDER becomes /tmp, INI is in its config; descriptor 3: open as
+#                            long as caltwin lives
 set -euo pipefail
 folder=$1 ini=$2
 mount --bind "$folder" /tmp
@@ -15,6 +16,7 @@ ln -s /tmp/shipped/* modules
 ln -sf /tmp/component/caltwin.so modules/caltwin.so
 mount --bind modules "$LINUXCNC_MODULES"
 export HOME=/tmp/home
-LD_PRELOAD=/tmp/time.so linuxcnc -r "$ini" </dev/null 3<&- &
+cd config
+LD_PRELOAD=/tmp/time.so linuxcnc -r "./$ini" </dev/null 3<&- &
 cat <&3 >/dev/null &
 wait -n
