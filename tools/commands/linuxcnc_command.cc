@@ -93,7 +93,7 @@ nlohmann::json JsonOf(const std::vector<Done>& all) {
 // Everything in turn, up to what is not done; what is done is added to `all`.
 void DoAll(LinuxCncHost* host, const LinuxCncAsked& asked, std::vector<Done>* all) {
   const auto is_done = [&](const std::string& what, const auto& act) {
-    std::cout << "> " << what << std::endl;  // Before it: it may take long.
+    std::cout << "> " << what << '\n' << std::flush;  // Before it: it may take long.
     LinuxCncAnswer answer = act();
     all->push_back({what, std::move(answer), host->machine_s()});
     Print(all->back());
