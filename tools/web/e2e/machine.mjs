@@ -171,7 +171,12 @@ async function enlargesTheBench(page, check) {
   await page.getByLabel(/Errors drawn/).fill("0");
   await page.getByText("Errors drawn as they are (1×)").waitFor();
   await anew;
-  const moved = await share(page, plain, await looksAtLast(page));
+  // On a busy computer the tip may still be on its way.
+  let moved = 1;
+  for (let looked = 0; looked < 20 && moved >= 0.002; looked += 1) {
+    if (looked > 0) await page.waitForTimeout(250);
+    moved = await share(page, plain, await looksAtLast(page));
+  }
   check(moved < 0.002, `drawn as they are again, tip and dots stand where they stood (${moved})`);
 }
 
