@@ -25,7 +25,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 TRIGGER_MM = 1.0 - 0.02
 CYCLE_MM = 0.0015
 HOME_Z_MM = 120
-DOWN = ["-c", "G0 X100 Y100", "-c", "G38.2 Z-5 F60"]
+DOWN = ["-c", "G0 X100 Y100", "-c", "G0 Z5", "-c", "G38.2 Z-5 F60"]
 
 
 class Base(unittest.TestCase):
