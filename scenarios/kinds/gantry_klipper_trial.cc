@@ -89,14 +89,8 @@ std::unique_ptr<KindTrial> BeginGantryUnderKlipper(const Scenario& scenario,
   const TwinConfig config = MakeTwinConfig(
       scenario,
       {.fidelity = chance.fidelity, .seed = chance.seed, .sample = chance.sample});
-  const auto probe = config.instruments.find("probe");
-  const double sigma_mm =
-      probe == config.instruments.end() ? 0 : MmFromUm(probe->second.sigma_um);
-  Machine machine = config.machine;
-  machine.settings = config.settings;
-  Built built{
-      .machine = machine, .effects = config.effects, .probe_sigma_mm = sigma_mm};
-  built.Prepare();
+  Built built = BuiltUnderController(config);
+  const Machine& machine = built.machine;
   KlipperHostOptions options = *scenario.klipper;
   if (options.config.empty()) options.config = PrinterCfgOfGantry(machine, "-");
   auto board = std::make_unique<PlantBoard>(

@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "scenarios/kinds/gantry_trial.h"
-#include "sim/base/units.h"
 #include "sim/kinds/cartesian/linuxcnc.h"
 
 namespace caltwin {
@@ -77,24 +76,14 @@ std::unique_ptr<KindTrial> BeginGantryUnderLinuxCnc(const Scenario& scenario,
   const TwinConfig config = MakeTwinConfig(
       scenario,
       {.fidelity = chance.fidelity, .seed = chance.seed, .sample = chance.sample});
-  const auto probe = config.instruments.find("probe");
-  Machine machine = config.machine;
-  machine.settings = config.settings;
-  Built built{.machine = machine,
-              .effects = config.effects,
-              .probe_sigma_mm = probe == config.instruments.end()
-                                    ? 0
-                                    : MmFromUm(probe->second.sigma_um)};
-  built.Prepare();
+  Built built = BuiltUnderController(config);
+  const Machine& machine = built.machine;
+  UnderLinuxCnc asked = Completed(*scenario.linuxcnc, LinuxCncOfGantry(machine));
   auto plant = std::make_unique<SteppedGantry>(built, config.seed);
   const SteppedGantry* const seen = plant.get();
   auto board = std::make_unique<PlantBoard>(WiringOfGantry(machine), std::move(plant));
   return std::make_unique<GantryLinuxCncTrial>(
-      std::move(built),
-      config.seed,
-      std::move(board),
-      seen,
-      Completed(*scenario.linuxcnc, LinuxCncOfGantry(machine)));
+      std::move(built), config.seed, std::move(board), seen, std::move(asked));
 }
 
 }  // namespace caltwin

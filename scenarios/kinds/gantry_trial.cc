@@ -6,6 +6,7 @@
 #include "scenarios/position_error.h"
 #include "scenarios/record.h"
 #include "sim/base/rng.h"
+#include "sim/base/units.h"
 
 namespace caltwin {
 namespace {
@@ -48,6 +49,18 @@ TwinConfig MakeTwinConfig(const Scenario& scenario, const RunOptions& options) {
           .firmware = scenario.firmware,
           .seed = chance.seed,
           .sample = chance.sample};
+}
+
+Built BuiltUnderController(const TwinConfig& config) {
+  const auto probe = config.instruments.find("probe");
+  Built built{.machine = config.machine,
+              .effects = config.effects,
+              .probe_sigma_mm = probe == config.instruments.end()
+                                    ? 0
+                                    : MmFromUm(probe->second.sigma_um)};
+  built.machine.settings = config.settings;
+  built.Prepare();
+  return built;
 }
 
 double PositionErrorP95_mm(const Twin& twin) {

@@ -5,6 +5,7 @@
 
 #include "scenarios/kinds/gantry_verdict.h"
 #include "scenarios/runner.h"
+#include "sim/twin/built.h"
 #include "sim/twin/twin.h"
 
 namespace caltwin {
@@ -12,6 +13,10 @@ namespace caltwin {
 /// The twin of a gantry's scenario before anything is calibrated: its numbers drawn,
 /// the machine file's effects included. The same for the same seed and sample.
 TwinConfig MakeTwinConfig(const Scenario& scenario, const RunOptions& options = {});
+
+/// The machine as built, for a real controller: what its firmware believes is in its
+/// `settings`, its table is empty.
+Built BuiltUnderController(const TwinConfig& config);
 
 /// 95 % quantile of the tip's position error [mm] at 1000 seeded poses within the
 /// travel, each reached in the sense + + + and in - - -, the mean offset over all of

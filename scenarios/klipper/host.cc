@@ -1,14 +1,13 @@
 #include "scenarios/klipper/host.h"
 
 #include <algorithm>
-#include <fstream>
 #include <functional>
-#include <iterator>
 #include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "scenarios/host_log.h"
 #include "scenarios/interrupt.h"
 #include "scenarios/klipper/host_api.h"
 #include "scenarios/klipper/host_process.h"
@@ -28,27 +27,6 @@ using klipper::LockStep;
 /// The host takes a line whose path begins so as it is, without the settings of a
 /// serial port.
 constexpr std::string_view kFolders = "klipper_host_caltwin";
-
-std::string TextOf(const fs::path& file) {
-  std::ifstream stream(file);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
-
-// Copies the host's log at the end, also where it never became ready.
-class KeptLog {
- public:
-  KeptLog(fs::path from, fs::path to) : from_(std::move(from)), to_(std::move(to)) {}
-  ~KeptLog() {
-    std::error_code ignored;
-    constexpr auto kOver = fs::copy_options::overwrite_existing;
-    if (!to_.empty()) fs::copy_file(from_, to_, kOver, ignored);
-  }
-  KeptLog(const KeptLog&) = delete;
-  KeptLog& operator=(const KeptLog&) = delete;
-
- private:
-  fs::path from_, to_;
-};
 
 // [mcu] serial, with its place.
 const CsvField& SerialOf(const PrinterCfg& cfg) {
@@ -103,7 +81,7 @@ class KlipperHost::Parts {
   void Hear(HostAnswer* answer);
   std::string Config() const {
     const PrinterCfg given(options_.config, "printer.cfg");
-    return WithSerial(TextOf(config()), SerialOf(given).text);
+    return WithSerial(WrittenIn(config()), SerialOf(given).text);
   }
   fs::path config() const { return folder_.path() / "printer.cfg"; }
   std::string LogEnd() const;
@@ -127,11 +105,8 @@ class KlipperHost::Parts {
 };
 
 std::string KlipperHost::Parts::LogEnd() const {
-  constexpr std::size_t kMost = 2000;
-  const std::string printed = TextOf(folder_.path() / "host.log");
-  const std::string text =
-      printed.empty() ? TextOf(folder_.path() / "klippy.log") : printed;
-  return text.size() > kMost ? text.substr(text.size() - kMost) : text;
+  const std::string printed = EndOfWritten(folder_.path() / "host.log");
+  return printed.empty() ? EndOfWritten(folder_.path() / "klippy.log") : printed;
 }
 
 void KlipperHost::Parts::Run(const std::function<bool()>& is_done) {

@@ -14,8 +14,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::string_view kIncludes = "#INCLUDE";
-
 [[noreturn]] void RefuseName(const std::string& place,
                              const std::string& what,
                              const std::string& name,
@@ -30,7 +28,7 @@ void RequireKnown(const std::string& ini,
                   const std::string& section,
                   const std::string& key,
                   const std::string& place) {
-  if (ini.find("\n" + std::string(kIncludes)) != std::string::npos) {
+  if (linuxcnc::IniIncludes(ini)) {
     throw InputError({.file = place},
                      "the INI file includes others, in which that value may stand",
                      "set it in the file itself");

@@ -3,9 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <fstream>
-#include <iterator>
-#include <system_error>
 #include <thread>
 
 #include <fmt/format.h>
@@ -13,6 +10,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "scenarios/host_log.h"
 #include "scenarios/interrupt.h"
 #include "scenarios/linuxcnc/sandbox.h"
 #include "sim/base/input_error.h"
@@ -42,13 +40,6 @@ constexpr auto kStillNap = std::chrono::microseconds(900);
 constexpr int kSettle_cycles = 3;
 
 constexpr const char* kOperator = "/tmp/component/caltwin_operator.py";
-
-std::string EndOf(const fs::path& file) {
-  constexpr std::size_t kMost = 2000;
-  std::ifstream stream(file);
-  const std::string text{std::istreambuf_iterator<char>(stream), {}};
-  return text.size() > kMost ? text.substr(text.size() - kMost) : text;
-}
 
 // Lines that LinuxCNC always writes, and those that point to files inside its /tmp.
 bool TellsSomething(std::string_view line) {
@@ -86,6 +77,7 @@ class LinuxCncHost::Parts {
  public:
   Parts(Board* board, const LinuxCncOptions& options)
       : options_(options),
+        kept_log_(folder_.path() / "linuxcnc.log", options.log),
         joints_(board),
         page_(folder_.path() / "page", &joints_, /*patience=*/milliseconds(0)) {
     LinuxCncFiles files = options.files;
@@ -96,16 +88,6 @@ class LinuxCncHost::Parts {
     sandbox_.Start(folder_.path(), options.files.front().first);
     if (!Await("start").done) throw HostLost("LinuxCNC cannot be switched on" + Log());
   }
-  ~Parts() {
-    std::error_code ignored;
-    constexpr auto kOver = fs::copy_options::overwrite_existing;
-    if (!options_.log.empty()) {
-      fs::copy_file(folder_.path() / "linuxcnc.log", options_.log, kOver, ignored);
-    }
-  }
-  Parts(const Parts&) = delete;
-  Parts& operator=(const Parts&) = delete;
-
   LinuxCncAnswer Obey(const nlohmann::json& order);
   fs::path config() const { return folder_.path() / "config"; }
   const Motors& motors() const { return joints_.steps(); }
@@ -121,6 +103,7 @@ class LinuxCncHost::Parts {
   LinuxCncOptions options_;
   /// Short, and without spaces, which halcompile cannot take.
   TemporaryFolder folder_{"caltwin_linuxcnc", "/tmp"};
+  KeptLog kept_log_;
   linuxcnc::Joints joints_;
   linuxcnc::PlantPage page_;
   LinuxCncSandbox sandbox_{};
@@ -130,7 +113,7 @@ class LinuxCncHost::Parts {
 
 std::string LinuxCncHost::Parts::Log() const {
   std::string text = "; it wrote last:";
-  const std::string end = EndOf(folder_.path() / "linuxcnc.log");
+  const std::string end = EndOfWritten(folder_.path() / "linuxcnc.log");
   for (const TextLine& line : LinesOf(end)) {
     if (TellsSomething(line.text)) text += "\n  " + Printable(line.text);
   }

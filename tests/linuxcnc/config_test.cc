@@ -53,6 +53,8 @@ TEST(LinuxCncIni, SaysWhatItHas) {
   EXPECT_THAT(IniSections(ini), testing::ElementsAre("A", "B"));
   EXPECT_THAT(IniKeys(ini, "A"), testing::ElementsAre("K", "N"));
   EXPECT_THAT(IniKeys(ini, "C"), testing::IsEmpty());
+  EXPECT_FALSE(IniIncludes(ini));
+  EXPECT_TRUE(IniIncludes("#INCLUDE axes.inc\n" + ini));
 }
 
 TEST(LinuxCncHal, AJointHasThePinsOfItsMotor) {

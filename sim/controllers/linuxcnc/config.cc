@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <sstream>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -66,12 +67,32 @@ std::string Trimmed(std::string_view text) {
   return std::string(text.substr(first, text.find_last_not_of(" \t\r") - first + 1));
 }
 
-// "KINS" of "[KINS]"; empty: the line begins none.
-std::string SectionOf(std::string_view line) {
-  const std::string trimmed = Trimmed(line);
-  const auto end = trimmed.find(']');
-  if (trimmed.empty() || trimmed.front() != '[' || end == std::string::npos) return "";
-  return trimmed.substr(1, end - 1);
+/// A line of an INI file.
+struct IniLine {
+  std::string text{};     ///< As it stands.
+  std::string section{};  ///< That it begins or stands in.
+  std::string key{};      ///< Empty: it sets nothing.
+  bool is_header = false;
+};
+
+std::vector<IniLine> IniLines(std::string_view ini) {
+  std::istringstream stream{std::string(ini)};
+  std::vector<IniLine> lines;
+  std::string section;
+  for (std::string text; std::getline(stream, text);) {
+    const std::string trimmed = Trimmed(text);
+    const auto end = trimmed.find(']'), equals = trimmed.find('=');
+    IniLine line{.text = text};
+    line.is_header = trimmed.starts_with('[') && end != std::string::npos;
+    if (line.is_header) section = trimmed.substr(1, end - 1);
+    const bool is_comment = trimmed.starts_with('#') || trimmed.starts_with(';');
+    if (!line.is_header && !is_comment && equals != std::string::npos) {
+      line.key = Trimmed(trimmed.substr(0, equals));
+    }
+    line.section = section;
+    lines.push_back(std::move(line));
+  }
+  return lines;
 }
 
 }  // namespace
@@ -156,32 +177,29 @@ std::vector<std::pair<std::string, std::string>> ConfigFiles(const MachineText& 
 }
 
 std::vector<std::string> IniSections(std::string_view ini) {
-  std::istringstream lines{std::string(ini)};
   std::vector<std::string> sections;
-  for (std::string line; std::getline(lines, line);) {
-    const std::string section = SectionOf(line);
-    if (section.empty() || std::ranges::find(sections, section) != sections.end()) {
-      continue;
-    }
-    sections.push_back(section);
+  for (const IniLine& line : IniLines(ini)) {
+    const bool is_new = std::ranges::find(sections, line.section) == sections.end();
+    if (line.is_header && is_new) sections.push_back(line.section);
   }
   return sections;
 }
 
 std::vector<std::string> IniKeys(std::string_view ini, std::string_view section) {
-  std::istringstream lines{std::string(ini)};
   std::vector<std::string> keys;
-  bool is_inside = false;
-  for (std::string line; std::getline(lines, line);) {
-    const std::string begun = SectionOf(line);
-    if (!begun.empty()) is_inside = begun == section;
-    const auto equals = line.find('=');
-    const std::string key = Trimmed(std::string_view(line).substr(0, equals));
-    const bool is_key = is_inside && begun.empty() && equals != std::string::npos &&
-                        !key.empty() && key.front() != '#' && key.front() != ';';
-    if (is_key && std::ranges::find(keys, key) == keys.end()) keys.push_back(key);
+  for (const IniLine& line : IniLines(ini)) {
+    const bool is_new = std::ranges::find(keys, line.key) == keys.end();
+    if (line.section == section && !line.key.empty() && is_new) {
+      keys.push_back(line.key);
+    }
   }
   return keys;
+}
+
+bool IniIncludes(std::string_view ini) {
+  return std::ranges::any_of(IniLines(ini), [](const IniLine& line) {
+    return Trimmed(line.text).starts_with("#INCLUDE");
+  });
 }
 
 std::string WithIniValue(const std::string& ini,
@@ -189,24 +207,17 @@ std::string WithIniValue(const std::string& ini,
                          std::string_view key,
                          std::string_view value) {
   const std::string wanted = fmt::format("{} = {}\n", key, value);
-  const std::string header = fmt::format("[{}]", section);
-  std::istringstream lines(ini);
-  std::string text, line;
-  bool is_inside = false, is_written = false;
-  while (std::getline(lines, line)) {
-    const std::string trimmed = Trimmed(line);
-    const bool is_header = !trimmed.empty() && trimmed.front() == '[';
-    if (is_header) is_inside = trimmed.starts_with(header);
-    const bool is_it =
-        is_inside && !is_header &&
-        Trimmed(std::string_view(trimmed).substr(0, trimmed.find('='))) == key;
-    if (is_it) continue;
-    text += line + "\n";
-    if (!is_inside || !is_header || is_written) continue;
+  std::string text;
+  bool is_written = false;
+  for (const IniLine& line : IniLines(ini)) {
+    const bool is_inside = line.section == section;
+    if (is_inside && line.key == key) continue;
+    text += line.text + "\n";
+    if (!is_inside || !line.is_header || is_written) continue;
     text += wanted;
     is_written = true;
   }
-  return is_written ? text : text + "\n" + header + "\n" + wanted;
+  return is_written ? text : fmt::format("{}\n[{}]\n{}", text, section, wanted);
 }
 
 }  // namespace linuxcnc

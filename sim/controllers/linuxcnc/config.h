@@ -53,6 +53,8 @@ std::vector<std::pair<std::string, std::string>> ConfigFiles(const MachineText& 
 /// @name What an INI file has; each once, in its order
 std::vector<std::string> IniSections(std::string_view ini);
 std::vector<std::string> IniKeys(std::string_view ini, std::string_view section);
+/// Whether it takes in other files.
+bool IniIncludes(std::string_view ini);
 
 /// `ini` with that value in that section, in place of every one that was there; a
 /// section or a key that is missing is added.

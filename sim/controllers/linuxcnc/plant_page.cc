@@ -74,7 +74,6 @@ PlantPage::PlantPage(const std::filesystem::path& file,
       page_->magic == kCaltwinPageMagic && page_->version == kCaltwinPageVersion;
   if (!is_taken_over) *page_ = CaltwinPage{};
   page_->version = kCaltwinPageVersion;
-  page_->num_joints = static_cast<std::uint32_t>(joints->size());
   page_->patience_ms = static_cast<std::uint32_t>(patience.count());
   page_->magic = kCaltwinPageMagic;
   __atomic_store_n(&page_->is_served, 1, __ATOMIC_RELEASE);

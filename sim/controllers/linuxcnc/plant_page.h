@@ -32,7 +32,6 @@ class PlantPage {
 
   /// LinuxCNC's time: its cycles times their period [s].
   double time_s() const { return page_->time_s; }
-  double period_s() const { return 1e-9 * page_->period_ns; }
   /// For how many cycles nothing has moved.
   int still_cycles() const { return still_cycles_; }
 

@@ -128,7 +128,6 @@ FUNCTION(cycle) {
   now_s += 1e-9 * (double)period;
   for (i = 0; i < kCaltwinPageJoints; ++i)
     shared->commanded_steps[i] = position_cmd(i) * scale(i);
-  shared->period_ns = (uint32_t)period;
   shared->time_s = now_s;
   ask();
   is_lost = !await();

@@ -20,7 +20,6 @@ enum {
 struct CaltwinPage {
   /* Written by the twin, once. */
   uint32_t magic, version;
-  uint32_t num_joints;
   /* So long the component waits for an answer before it takes the twin for dead; 0: for
    * ever. */
   uint32_t patience_ms;
@@ -29,8 +28,6 @@ struct CaltwinPage {
 
   /* Written by the component. */
   uint32_t asked;
-  uint32_t period_ns;
-  uint32_t reserved;
   double time_s; /* Cycles times period. */
   double commanded_steps[kCaltwinPageJoints];
 
@@ -39,7 +36,6 @@ struct CaltwinPage {
   /* A bit a joint: its switch is closed. */
   uint32_t switches;
   uint32_t has_met; /* 1: the probe has met something. */
-  uint32_t reserved_too;
   double feedback_steps[kCaltwinPageJoints];
 };
 
