@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "scenarios/gcode_step.h"
+#include "scenarios/klipper/klipper_trial.h"
 #include "scenarios/linuxcnc/config_files.h"
 #include "sim/base/text_file.h"
 
@@ -13,14 +14,42 @@ namespace fs = std::filesystem;
 
 namespace {
 
-std::vector<std::string> LinesIn(const YamlValue& value, const std::string& hint) {
+std::vector<std::string> Blocks(const YamlValue& value) {
   std::vector<std::string> lines;
   for (const YamlValue& line : value.List()) lines.push_back(line.Text());
-  if (value.is_list() && lines.empty()) value.Fail("says nothing", hint);
+  if (value.is_list() && lines.empty()) {
+    value.Fail("says nothing", "as in `mdi: [G0 X100, G38.2 Z-5 F60]`");
+  }
   return lines;
 }
 
-// Lines for Klipper's own host, in place of `calibrate`.
+// Lines for Klipper's own host, and among them what a person does there.
+std::vector<std::string> LinesAndActs(const YamlValue& value,
+                                      const Scenario& scenario) {
+  std::vector<std::string> lines;
+  for (const YamlValue& line : value.List()) {
+    if (!line.is_map()) {
+      lines.push_back(line.Text());
+      continue;
+    }
+    YamlMap by = line.Map();
+    const auto act = by.Required("person");
+    by.NoMoreKeys();
+    const auto known = scenario.kind->PersonsActs();
+    if (act && known.empty()) {
+      act->Fail("is nothing that a person does at such a machine",
+                "only a delta has somebody beside it under Klipper's host");
+    } else if (act) {
+      lines.push_back(kPersonDoes + act->Word({known.begin(), known.end()}));
+    }
+  }
+  if (value.is_list() && lines.empty()) {
+    value.Fail("says nothing", "as in `gcode: [G28, DELTA_CALIBRATE, SAVE_CONFIG]`");
+  }
+  return lines;
+}
+
+// The same in place of `calibrate`.
 void ReadUnderKlipper(YamlMap keys, const fs::path& folder, Scenario* scenario) {
   scenario->klipper.emplace();
   if (const auto config = keys.Optional("config")) {
@@ -41,7 +70,7 @@ void ReadUnderKlipper(YamlMap keys, const fs::path& folder, Scenario* scenario) 
   scenario->klipper->add = keys.TextOr("add", "");
   std::vector<std::string> lines;
   if (const auto gcode = keys.Required("gcode")) {
-    lines = LinesIn(*gcode, "as in `gcode: [G28, DELTA_CALIBRATE, SAVE_CONFIG]`");
+    lines = LinesAndActs(*gcode, *scenario);
   }
   keys.NoMoreKeys();
   scenario->calibrate = {{.name = "klipper", .procedure = GcodeStep(lines)}};
@@ -87,9 +116,17 @@ void ReadUnderLinuxCnc(YamlMap keys, const fs::path& folder, Scenario* scenario)
   UnderLinuxCnc& asked = scenario->linuxcnc.emplace();
   ReadConfiguration(&keys, folder, &asked);
   asked.is_homed_first = keys.FlagOr("home", true);
+  if (const auto probe = keys.Optional("probe")) {
+    YamlMap input = probe->Map();
+    constexpr double kMs_per_s = 1000, kLongest_ms = 1000;
+    asked.options.probe = {
+        .is_latched = input.FlagOr("latch", false),
+        .bounce_s = input.NumberOr("bounce_ms", 0, {0, kLongest_ms}) / kMs_per_s};
+    input.NoMoreKeys();
+  }
   std::vector<std::string> lines;
   const auto mdi = keys.Optional("mdi");
-  if (mdi) lines = LinesIn(*mdi, "as in `mdi: [G0 X100, G38.2 Z-5 F60]`");
+  if (mdi) lines = Blocks(*mdi);
   if (const auto program = keys.Optional("program")) {
     const fs::path file = folder / program->Text();
     if (IsThere(*program, file)) {

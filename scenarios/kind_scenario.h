@@ -99,6 +99,8 @@ class KindScenario {
   virtual bool CanBeUnderKlipper() const { return false; }
   virtual std::unique_ptr<KindTrial> BeginUnderKlipper(const Scenario& scenario,
                                                        const Chance& chance) const;
+  /// What a person can do beside it then, among the lines for the host.
+  virtual std::vector<std::string> PersonsActs() const { return {}; }
   /// Likewise LinuxCNC.
   virtual bool CanBeUnderLinuxCnc() const { return false; }
   virtual std::unique_ptr<KindTrial> BeginUnderLinuxCnc(const Scenario& scenario,

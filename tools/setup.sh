@@ -4,8 +4,9 @@
 #
 #   tools/setup.sh [PACKAGE ...]    these packages too
 #   tools/setup.sh --controllers    and the shipped programs that drive the twin
-#                                   (docs/klipper.md): kalico, in build/controllers; and
-#                                   LinuxCNC (docs/linuxcnc.md), where Debian has it
+#                                   (docs/klipper.md): kalico, in build/controllers, and
+#                                   Moonraker, in build/moonraker; and LinuxCNC
+#                                   (docs/linuxcnc.md), where Debian has it
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -100,33 +101,54 @@ install_mujoco() {
   rm -rf "$work"
 }
 
-# A Python of its own with the programs that drive the twin, each file by its hash.
-install_controllers() {
-  local folder=build/controllers wanted=tools/controllers/requirements.txt
+# A Python of its own in a folder, with the files that a list names, each by its hash. Says
+# nothing where it is there as the list has it. What `ready` names is called with the folder
+# before that counts; where anything fails the folder is gone.
+install_python() {
+  local folder=$1 wanted=$2 ready=$3
   cmp -s "$wanted" "$folder/installed.txt" && return 0
-  echo "setup: installing controllers in $folder"
+  echo "setup: installing $folder"
   rm -rf "$folder"
   /usr/bin/python3 -m venv "$folder"
   if ! "$folder/bin/pip" install --quiet --disable-pip-version-check --no-deps \
     --only-binary=:all: --require-hashes -r "$wanted"; then
     rm -rf "$folder"
-    echo "setup: the controllers could not be fetched (Python 3.11 on x86_64 is what" \
+    echo "setup: $folder could not be fetched (Python 3.11 on x86_64 is what" \
       "$wanted is for)" >&2
     return 1
   fi
-  # At its first start it compiles a helper into its own folder: now, not in a test.
-  if ! "$folder/bin/python" -c 'from klippy import chelper; chelper.get_ffi()'; then
+  if ! "$ready" "$folder"; then
     rm -rf "$folder"
-    echo "setup: kalico does not compile its helper" >&2
+    echo "setup: $folder does not run" >&2
     return 1
   fi
   cp "$wanted" "$folder/installed.txt"
+}
+
+# At its first start kalico compiles a helper into its own folder: now, not in a test.
+compile_helper() {
+  "$1/bin/python" -c 'from klippy import chelper; chelper.get_ffi()'
+}
+
+# The programs that drive the twin.
+install_controllers() {
+  install_python build/controllers tools/controllers/requirements.txt compile_helper
+}
+
+has_moonraker() {
+  "$1/bin/moonraker" --help >/dev/null
+}
+
+# The server of Klipper's web pages. Its packages are not kalico's: a Python of its own.
+install_moonraker() {
+  install_python build/moonraker tools/controllers/moonraker_requirements.txt has_moonraker
 }
 
 if [[ ${1:-} == --controllers ]]; then
   install_packages "${packages[@]}" gcc libc6-dev python3-venv "${@:2}"
   install_mujoco
   install_controllers
+  install_moonraker
   install_packages linuxcnc-uspace linuxcnc-uspace-dev ||
     echo "setup: there is no LinuxCNC for this system: its tests are skipped" >&2
 else

@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+#include <sys/resource.h>
 
 #include "calibration/kinds/delta/foretold_mesh.h"
 #include "calibration/kinds/delta/g33.h"
@@ -17,7 +18,9 @@
 #include "calibration/kinds/delta/rrf_least_squares.h"
 #include "calibration/kinds/delta/settings.h"
 #include "scenarios/interrupt.h"
+#include "scenarios/kinds/delta_shipped.h"
 #include "scenarios/study/summary.h"
+#include "sim/base/input_error.h"
 #include "sim/base/require.h"
 #include "sim/base/units.h"
 #include "sim/machine/kinds/delta/model.h"
@@ -86,6 +89,15 @@ DeltaOutcome Joint(const DeltaProbe& probe, const DeltaModel<double>& start) {
   return outcome;
 }
 
+DeltaOutcome Kalico(const DeltaCase& machine, std::uint64_t seed) {
+  return CalibrateByKalico(
+      {.build = machine.build, .bed = machine.bed, .scatter_mm = kCompareTouchSigma_mm},
+      kCompareRadius_mm,
+      seed);
+}
+
+// Shipped programs last.
+constexpr std::size_t kNumShipped = 1;
 constexpr std::array kRivals = {
     DeltaRival{"g33", "Marlin's G33 P4, as published", G33<4>},
     DeltaRival{"g33_p10", "Marlin's G33 P10, as published", G33<10>},
@@ -99,7 +111,41 @@ constexpr std::array kRivals = {
         "delta_joint_tilt", "the same with the bed's tilt", Joint<Beside::kTilt>},
     DeltaRival{"delta_joint_mesh",
                "the same with a mesh of heights, foretold",
-               Joint<Beside::kMesh>}};
+               Joint<Beside::kMesh>},
+    DeltaRival{.name = "kalico",
+               .about = "Klipper's own host, as shipped, over steps of 12.5 um",
+               .calibrate_shipped = Kalico}};
+
+std::vector<const DeltaRival*> RivalsNamed(const std::vector<std::string>& names) {
+  std::vector<const DeltaRival*> rivals;
+  if (names.empty()) {
+    for (const DeltaRival& rival : DeltaRivals()) rivals.push_back(&rival);
+  }
+  for (const std::string& name : names) {
+    const auto* const found = std::ranges::find(kRivals, name, &DeltaRival::name);
+    if (found == kRivals.end()) {
+      std::string all;
+      for (const DeltaRival& rival : kRivals) {
+        all += (all.empty() ? "" : ", ") + std::string(rival.name);
+      }
+      throw InputError({.file = "--engines"}, "there is no engine '" + name + "'", all);
+    }
+    if (std::ranges::find(rivals, found) == rivals.end()) rivals.push_back(found);
+  }
+  return rivals;
+}
+
+// Of the processor, programs that it has started and that have ended included [s].
+double Spent_s() {
+  double spent_s = static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
+  rusage of{};
+  getrusage(RUSAGE_CHILDREN, &of);
+  for (const timeval& part : {of.ru_utime, of.ru_stime}) {
+    spent_s +=
+        static_cast<double>(part.tv_sec) + 1e-6 * static_cast<double>(part.tv_usec);
+  }
+  return spent_s;
+}
 
 struct Trial {
   int touches = 0;
@@ -115,10 +161,12 @@ Trial Try(const DeltaRival& rival, const DeltaCase& machine, std::uint64_t seed)
       [&](const DeltaModel<double>& settings, double x_mm, double y_mm) {
         return touched.Touch(settings, x_mm, y_mm);
       };
-  const std::clock_t start = std::clock();
-  const DeltaOutcome outcome = rival.calibrate(probe, drawn);
+  const double start_s = Spent_s();
+  const DeltaOutcome outcome = rival.calibrate != nullptr
+                                   ? rival.calibrate(probe, drawn)
+                                   : rival.calibrate_shipped(machine, seed);
   Trial trial{.touches = outcome.touches};
-  trial.time_s = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+  trial.time_s = Spent_s() - start_s;
   // A tilt that the firmware knows of is commanded too.
   DeltaBed<double> bed = machine.bed;
   bed.slope_x -= outcome.tilt_x;
@@ -159,6 +207,10 @@ nlohmann::ordered_json SpreadJson(const Spread& spread) {
 }  // namespace
 
 std::span<const DeltaRival> DeltaRivals() {
+  return AllDeltaRivals().first(kRivals.size() - kNumShipped);
+}
+
+std::span<const DeltaRival> AllDeltaRivals() {
   return kRivals;
 }
 
@@ -180,30 +232,32 @@ DeltaCase RandomDelta(std::uint64_t seed, int machine) {
 
 DeltaComparison CompareDelta(int machines,
                              std::uint64_t seed,
-                             const std::function<void(int)>& progress) {
+                             const std::function<void(int)>& progress,
+                             const std::vector<std::string>& engines) {
   Require(machines > 0, "machines to compare on");
-  std::vector<std::vector<Trial>> trials(kRivals.size());
+  const std::vector<const DeltaRival*> rivals = RivalsNamed(engines);
+  std::vector<std::vector<Trial>> trials(rivals.size());
   DeltaComparison comparison{.seed = seed};
   for (int i = 0; i < machines && !InterruptRequested(); ++i) {
     progress(i);
     const DeltaCase machine = RandomDelta(seed, i);
     const std::uint64_t touch_seed =
         Rng(seed, static_cast<std::uint64_t>(i), "compare.delta.touch").Next();
-    for (std::size_t k = 0; k < kRivals.size(); ++k) {
-      trials[k].push_back(Try(kRivals[k], machine, touch_seed));
+    for (std::size_t k = 0; k < rivals.size(); ++k) {
+      trials[k].push_back(Try(*rivals[k], machine, touch_seed));
     }
     ++comparison.machines;
   }
   comparison.is_interrupted = comparison.machines < machines;
   if (comparison.machines == 0) return comparison;
-  for (std::size_t k = 0; k < kRivals.size(); ++k) {
-    comparison.engines.push_back(StandingOf(kRivals[k], trials[k]));
+  for (std::size_t k = 0; k < rivals.size(); ++k) {
+    comparison.engines.push_back(StandingOf(*rivals[k], trials[k]));
   }
   return comparison;
 }
 
 std::vector<Contender> ContendersOf(const DeltaComparison& comparison) {
-  return Contenders(comparison, DeltaRivals(), &DeltaStanding::z_rms_um);
+  return Contenders(comparison, AllDeltaRivals(), &DeltaStanding::z_rms_um);
 }
 
 std::string DeltaComparisonText(const DeltaComparison& comparison) {

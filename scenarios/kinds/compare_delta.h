@@ -16,21 +16,27 @@
 
 namespace caltwin {
 
-/// One engine that calibrates a delta by touches. A rival more is one line more in
+/// A delta to calibrate; its drawing is that of SymmetricDelta(300, 130, 250).
+struct DeltaCase {
+  DeltaBuild<double> build{};
+  DeltaBed<double> bed{};
+};
+
+/// One engine that calibrates a delta by touches: a re-implementation by a function, a
+/// shipped program by a machine of its own. A rival more is one line more in
 /// DeltaRivals().
 struct DeltaRival {
   std::string_view name{};
   std::string_view about{};
   DeltaOutcome (*calibrate)(const DeltaProbe& probe,
                             const DeltaModel<double>& start) = nullptr;
+  /// In place of that. Throws HostLost; InputError where the program is not installed.
+  DeltaOutcome (*calibrate_shipped)(const DeltaCase& machine,
+                                    std::uint64_t seed) = nullptr;
 };
+/// Without those that only run where they are installed, or with them.
 std::span<const DeltaRival> DeltaRivals();
-
-/// A delta to calibrate; its drawing is that of SymmetricDelta(300, 130, 250).
-struct DeltaCase {
-  DeltaBuild<double> build{};
-  DeltaBed<double> bed{};
-};
+std::span<const DeltaRival> AllDeltaRivals();
 
 /// How the trigger scatters on all of them.
 inline constexpr double kCompareTouchSigma_mm = 0.01;
@@ -60,11 +66,13 @@ struct DeltaComparison {
   std::vector<DeltaStanding> engines{};
 };
 
-/// Runs every rival on every machine. `progress` hears how many machines are done. Ends
-/// early where InterruptRequested().
+/// Runs the rivals of those names, none: DeltaRivals(), on every machine. `progress`
+/// hears how many machines are done. Ends early where InterruptRequested(). Throws
+/// InputError at a name that none has.
 DeltaComparison CompareDelta(int machines,
                              std::uint64_t seed,
-                             const std::function<void(int)>& progress);
+                             const std::function<void(int)>& progress,
+                             const std::vector<std::string>& engines = {});
 
 /// By the nozzle's height over the bed at unseen points.
 std::vector<Contender> ContendersOf(const DeltaComparison& comparison);

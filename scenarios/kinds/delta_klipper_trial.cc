@@ -1,39 +1,137 @@
 #include "scenarios/kinds/delta_klipper_trial.h"
 
+#include <cmath>
+#include <span>
 #include <utility>
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "calibration/kinds/delta/klipper_descent.h"
+#include "scenarios/kinds/delta_shipped.h"
 #include "sim/kinds/delta/klipper.h"
 #include "sim/machine/kinds/delta/drawing.h"
-#include "sim/measure/import/klipper_geometry.h"
 
 namespace caltwin {
 namespace {
 
-// What a host with that printer.cfg believes of the machine.
-DeltaModel<double> BelievedBy(const std::string& config) {
-  Faults faults;
-  const PrinterCfg cfg(config, "printer.cfg");
-  const auto geometry = ReadKlipperGeometry(cfg, std::nullopt, &faults);
-  faults.ThrowIfAny();
-  return geometry->model;
-}
+constexpr std::string_view kFeelerGauge = "feeler_gauge", kPaperTest = "paper_test",
+                           kMeasuredPrint = "measured_print";
 
 }  // namespace
 
+std::vector<std::string> DeltaScenario::PersonsActs() const {
+  return {
+      std::string(kFeelerGauge), std::string(kPaperTest), std::string(kMeasuredPrint)};
+}
 DeltaKlipperTrial::DeltaKlipperTrial(const Machine& machine,
                                      const BuiltDelta& built,
                                      std::unique_ptr<Board> board,
-                                     KlipperHostOptions options)
+                                     KlipperHostOptions options,
+                                     const Chance& chance,
+                                     double calliper_sigma_mm)
     : KlipperTrial(machine, std::move(board), std::move(options)),
       machine_(machine),
       built_(built),
-      truth_{.machine = machine_, .built = built_} {
-  truth_.before = BelievedBy(config_before());
+      truth_{.machine = machine_, .built = built_},
+      calliper_(built.build, calliper_sigma_mm, chance.seed, chance.sample),
+      calliper_sigma_mm_(calliper_sigma_mm),
+      felt_(chance.seed, chance.sample, "feeler_gauge") {
+  truth_.before = DeltaBelievedBy(config_before());
+}
+
+Expected<std::vector<std::string>> DeltaKlipperTrial::PersonDoes(std::string_view act) {
+  if (act == kMeasuredPrint) return Typed(PrintAsMeasured());
+  if (act == kFeelerGauge) return GaugeUnderNozzle(/*is_taken_off=*/true);
+  if (act == kPaperTest) return GaugeUnderNozzle(/*is_taken_off=*/false);
+  return KlipperTrial::PersonDoes(act);
+}
+
+std::optional<double> DeltaKlipperTrial::NozzleOverBed_mm() {
+  const auto steps = MotorsAfter({"M400"});
+  if (!steps) return std::nullopt;
+  const Wiring wiring = WiringOfDelta(machine_);
+  const auto steps_per_mm = TowerStepsPerMm(machine_);
+  Vec3<double> motors_mm;
+  for (int i = 0; i < kNumTowers; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    const Wiring::Motor& motor = wiring.motors[at];
+    motors_mm[i] = (motor.start_steps + motor.sense * (*steps)[i]) / steps_per_mm[at];
+  }
+  const auto nozzle_mm =
+      NozzleOfDelta(machine_, built_, motors_mm, /*motor_dir=*/Vec3<double>::Ones());
+  if (!nozzle_mm) return std::nullopt;
+  return (*nozzle_mm)[2] - built_.bed.Height_mm((*nozzle_mm)[0], (*nozzle_mm)[1]);
+}
+
+Expected<std::vector<std::string>> DeltaKlipperTrial::GaugeUnderNozzle(
+    bool is_taken_off) {
+  constexpr double kGauge_mm = 0.1, kFelt_mm = 0.01, kTypes_mm = 0.001;
+  constexpr int kMostLooks = 5;
+  const double stops_at_mm = kGauge_mm + kFelt_mm * felt_.Normal();
+  std::vector<std::string> all;
+  const auto type = [&](double by_mm) {
+    const auto said = Typed({fmt::format("TESTZ Z={:.3f}", by_mm)});
+    if (said) all.insert(all.end(), said->begin(), said->end());
+    return said;
+  };
+  for (int i = 0; i < kMostLooks; ++i) {
+    const auto over_mm = NozzleOverBed_mm();
+    if (!over_mm) break;
+    const double by_mm = stops_at_mm - *over_mm;
+    if (std::abs(by_mm) < kTypes_mm) break;
+    if (const auto said = type(by_mm); !said) return said;
+  }
+  if (is_taken_off) {
+    if (const auto said = type(-kGauge_mm); !said) return said;
+  }
+  return all;
+}
+
+// A pillar's width is read like any distance, and taken off again by the host.
+std::vector<std::string> DeltaKlipperTrial::PrintAsMeasured() {
+  constexpr double kPillar_mm = 9;
+  constexpr std::size_t kSpokes = 6, kCentreWidths = 3;
+  const DeltaModel<double> believed = DeltaBelievedBy(host()->Config());
+  const auto steps_per_mm = TowerStepsPerMm(machine_);
+  // Drawn by whole steps.
+  const auto motors_at = [&](const Eigen::Vector2d& at_mm) {
+    Vec3<double> motors_mm = DeltaMotors_mm(believed, {at_mm[0], at_mm[1], 0});
+    for (int i = 0; i < kNumTowers; ++i) {
+      const double per_mm = steps_per_mm[static_cast<std::size_t>(i)];
+      motors_mm[i] = std::round(motors_mm[i] * per_mm) / per_mm;
+    }
+    return motors_mm;
+  };
+  const auto read = [](double mm) {
+    return fmt::format("{:.2f}", mm);
+  };
+  std::vector<std::string> dists;
+  for (const KlipperRidge& ridge : KlipperPrint()) {
+    const auto mm =
+        calliper_.Between_mm(motors_at(ridge.first_mm), motors_at(ridge.second_mm));
+    dists.push_back(read(mm.value_or(0) + kPillar_mm));
+  }
+  const auto widths = [&](std::size_t num) {
+    std::vector<std::string> texts;
+    for (std::size_t i = 0; i < num; ++i) {
+      texts.push_back(read(kPillar_mm + calliper_sigma_mm_ * felt_.Normal()));
+    }
+    return texts;
+  };
+  const std::span<const std::string> all(dists);
+  return {
+      fmt::format("DELTA_ANALYZE CENTER_DISTS={}", fmt::join(all.first(kSpokes), ",")),
+      fmt::format("DELTA_ANALYZE CENTER_PILLAR_WIDTHS={}",
+                  fmt::join(widths(kCentreWidths), ",")),
+      fmt::format("DELTA_ANALYZE OUTER_DISTS={}", fmt::join(all.subspan(kSpokes), ",")),
+      fmt::format("DELTA_ANALYZE OUTER_PILLAR_WIDTHS={}",
+                  fmt::join(widths(kSpokes), ","))};
 }
 
 void DeltaKlipperTrial::Finish(RunResult* result) {
   KlipperTrial::Finish(result);
-  truth_.after = BelievedBy(host()->Config());
+  truth_.after = DeltaBelievedBy(host()->Config());
   truth_.after_first = truth_.after;
   result->position_error_before_p95_mm = DeltaPositionP95_mm(truth_, truth_.before, {});
   result->position_error_after_p95_mm = DeltaPositionP95_mm(truth_, truth_.after, {});
@@ -66,8 +164,12 @@ std::unique_ptr<KindTrial> BeginDeltaUnderKlipper(const DeltaScenario& delta,
           machine, built, chance.fidelity == Fidelity::kPhysics, chance.seed));
   KlipperHostOptions options = *scenario.klipper;
   if (options.config.empty()) options.config = PrinterCfgOfDelta(machine, "-");
-  return std::make_unique<DeltaKlipperTrial>(
-      machine, built, std::move(board), std::move(options));
+  return std::make_unique<DeltaKlipperTrial>(machine,
+                                             built,
+                                             std::move(board),
+                                             std::move(options),
+                                             chance,
+                                             delta.calliper_sigma_mm);
 }
 
 }  // namespace caltwin

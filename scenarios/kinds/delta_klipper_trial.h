@@ -1,11 +1,14 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "scenarios/kinds/delta_scenario.h"
 #include "scenarios/kinds/delta_verdict.h"
 #include "scenarios/klipper/klipper_trial.h"
+#include "sim/base/rng.h"
+#include "sim/kinds/delta/calliper.h"
 
 namespace caltwin {
 
@@ -17,7 +20,9 @@ class DeltaKlipperTrial final : public KlipperTrial {
   DeltaKlipperTrial(const Machine& machine,
                     const BuiltDelta& built,
                     std::unique_ptr<Board> board,
-                    KlipperHostOptions options);
+                    KlipperHostOptions options,
+                    const Chance& chance,
+                    double calliper_sigma_mm);
 
   void Finish(RunResult* result) override;
   void AddParameters(const Expectation& expect,
@@ -26,10 +31,26 @@ class DeltaKlipperTrial final : public KlipperTrial {
   TrueEnd End(const std::vector<ProcedureResult>& results, RunResult* result) override;
   double Figure(const std::string& name, const RunResult& result) override;
 
+ protected:
+  /// `feeler_gauge`: answers the dialogue for the height of the nozzle by TESTZ, until
+  /// a gauge of 0.1 mm fits under it, felt to 10 um (standard deviation), then takes
+  /// its thickness off. `paper_test`: leaves it, as most do with a sheet of paper.
+  /// `measured_print`: prints Klipper's calibration object as the host now believes,
+  /// measures it with a calliper and types what it reads (DELTA_ANALYZE).
+  Expected<std::vector<std::string>> PersonDoes(std::string_view act) override;
+
  private:
+  Expected<std::vector<std::string>> GaugeUnderNozzle(bool is_taken_off);
+  /// The nozzle's height over the bed; nullopt: the host is not there, or lost.
+  std::optional<double> NozzleOverBed_mm();
+  std::vector<std::string> PrintAsMeasured();
+
   Machine machine_;
   BuiltDelta built_;
   DeltaTruth truth_;
+  SimulatedDeltaCalliper calliper_;
+  double calliper_sigma_mm_;
+  Rng felt_;
 };
 
 /// The machine that the scenario says, its numbers drawn, on a Klipper board.

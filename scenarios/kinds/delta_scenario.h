@@ -43,6 +43,7 @@ class DeltaScenario : public KindScenario {
   bool CanBeUnderKlipper() const override { return true; }
   std::unique_ptr<KindTrial> BeginUnderKlipper(const Scenario& scenario,
                                                const Chance& chance) const override;
+  std::vector<std::string> PersonsActs() const override;
   bool CanBeUnderLinuxCnc() const override { return true; }
   std::unique_ptr<KindTrial> BeginUnderLinuxCnc(const Scenario& scenario,
                                                 const Chance& chance) const override;

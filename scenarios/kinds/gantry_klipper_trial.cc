@@ -7,10 +7,11 @@
 
 #include <fmt/format.h>
 
+#include "scenarios/kinds/corners_klipper_trial.h"
 #include "scenarios/kinds/gantry_trial.h"
 #include "sim/base/units.h"
+#include "sim/kinds/cartesian/corners.h"
 #include "sim/kinds/cartesian/klipper.h"
-#include "sim/kinds/cartesian/stepped.h"
 #include "sim/measure/import/klipper_mesh.h"
 #include "sim/measure/import/printer_cfg.h"
 
@@ -93,8 +94,11 @@ std::unique_ptr<KindTrial> BeginGantryUnderKlipper(const Scenario& scenario,
   const Machine& machine = built.machine;
   KlipperHostOptions options = *scenario.klipper;
   if (options.config.empty()) options.config = PrinterCfgOfGantry(machine, "-");
-  auto board = std::make_unique<PlantBoard>(
-      WiringOfGantry(machine), std::make_unique<SteppedGantry>(built, config.seed));
+  auto board = BoardOfGantry(built, config.seed);
+  if (machine.Own<CornersDrawing>() != nullptr) {
+    return std::make_unique<CornersKlipperTrial>(
+        std::move(built), std::move(board), std::move(options));
+  }
   return std::make_unique<GantryKlipperTrial>(
       std::move(built), std::move(board), std::move(options));
 }

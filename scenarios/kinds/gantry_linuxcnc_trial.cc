@@ -58,14 +58,14 @@ std::vector<Vec3<double>> GantryLinuxCncTrial::Uncorrected_mm(
   SteppedGantry machine(built_, seed_);
   std::vector<Vec3<double>> errors_mm;
   for (const Stop& stop : stops) {
-    Motors steps(3);
+    Vec3<double> steps;
     for (const Axis axis : kAxes) {
       const auto i = static_cast<std::size_t>(Index(axis));
       steps[Index(axis)] =
           std::round((stop.at_mm[Index(axis)] - built_.machine.axis(axis).home_mm()) *
                      built_.machine.settings.steps_per_mm[i]);
     }
-    machine.Follow(steps);
+    machine.Follow(machine.TurnedOn(steps));
     if (stop.is_looked_at) errors_mm.push_back(machine.Tip_mm() - stop.at_mm);
   }
   return errors_mm;

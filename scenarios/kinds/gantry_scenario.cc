@@ -90,6 +90,7 @@ Expectable GantryScenario::CanExpect() const {
                       "position_error_mm.rms",
                       "position_error_mm.most",
                       "zero_shift_mm",
+                      "flatness_mm.rms",
                       "mesh_error_mm.rms",
                       "mesh_error_mm.most"}};
 }

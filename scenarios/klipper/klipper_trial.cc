@@ -41,6 +41,7 @@ void AddLines(const std::string& printed, std::vector<std::string>* lines) {
 
 Expected<std::vector<std::string>> HostLink::Send(
     std::string_view line, std::chrono::milliseconds /*patience*/) {
+  if (line.starts_with(kPersonDoes)) return person_(line.substr(kPersonDoes.size()));
   try {
     if (!host_) {
       host_ = std::make_unique<KlipperHost>(board_, options_);
@@ -77,6 +78,25 @@ KlipperTrial::KlipperTrial(const Machine& machine,
   bench_.gauge = &gauges_;
   bench_.person = &hands_;
   bench_.machine = machine;
+  host_.Beside([this](std::string_view act) { return PersonDoes(act); });
+}
+
+Expected<std::vector<std::string>> KlipperTrial::PersonDoes(std::string_view act) {
+  return tl::unexpected(MachineFault{
+      Kind::kRefused, "nobody is there who does that: " + std::string(act)});
+}
+
+Expected<std::vector<std::string>> KlipperTrial::Typed(
+    const std::vector<std::string>& lines) {
+  constexpr std::chrono::minutes kPatience{10};
+  std::vector<std::string> all;
+  for (const std::string& line : lines) {
+    auto said = host_.Send(line, kPatience);
+    if (!said) return said;
+    all.push_back("typed: " + line);
+    all.insert(all.end(), said->begin(), said->end());
+  }
+  return all;
 }
 
 void KlipperTrial::Finish(RunResult* result) {

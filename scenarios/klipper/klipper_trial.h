@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -13,6 +14,9 @@
 #include "sim/machine/machine.h"
 
 namespace caltwin {
+
+/// What stands before what a person does, among the lines for the host.
+inline const std::string kPersonDoes = "person: ";
 
 /// A line to Klipper's own host: what it prints is the answer. The host is started with
 /// the first line.
@@ -29,12 +33,17 @@ class HostLink : public Link {
   /// Where its motors stand, as the board counts; nullopt: it was never started.
   std::optional<Motors> MotorsNow() const;
   int touches() const { return touches_; }  ///< That the host has told of.
+  /// What a person does who is asked to: the lines that come of it.
+  using Person =
+      std::function<Expected<std::vector<std::string>>(std::string_view act)>;
+  void Beside(Person person) { person_ = std::move(person); }
   double machine_time_s() const { return host_ ? host_->printer_s() - ready_s_ : 0; }
 
  private:
   Board* board_;
   KlipperHostOptions options_;
   std::unique_ptr<KlipperHost> host_{};
+  Person person_{};
   double ready_s_ = 0;
   int touches_ = 0;
 };
@@ -56,6 +65,10 @@ class KlipperTrial : public KindTrial {
  protected:
   HostLink* host() { return &host_; }
   const std::string& config_before() const { return config_before_; }
+  /// What a person does beside it who sees the truth: a word of PersonsActs().
+  virtual Expected<std::vector<std::string>> PersonDoes(std::string_view act);
+  /// Types lines; what all of them are answered, or the first refusal.
+  Expected<std::vector<std::string>> Typed(const std::vector<std::string>& lines);
   /// Where the motors stand once the host has gone there; nullopt where it refuses.
   std::optional<Motors> MotorsAfter(const std::vector<std::string>& lines);
 

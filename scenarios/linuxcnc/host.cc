@@ -78,7 +78,7 @@ class LinuxCncHost::Parts {
   Parts(Board* board, const LinuxCncOptions& options)
       : options_(options),
         kept_log_(folder_.path() / "linuxcnc.log", options.log),
-        joints_(board),
+        joints_(board, options.probe),
         page_(folder_.path() / "page", &joints_, /*patience=*/milliseconds(0)) {
     LinuxCncFiles files = options.files;
     std::string& ini = files.front().second;

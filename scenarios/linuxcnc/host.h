@@ -11,15 +11,17 @@
 #include "scenarios/host_lost.h"
 #include "scenarios/linuxcnc/config_files.h"
 #include "sim/controllers/board.h"
+#include "sim/controllers/linuxcnc/joints.h"
 
 namespace caltwin {
 
 struct LinuxCncOptions {
   LinuxCncFiles files{};           ///< The DISPLAY of its INI file is exchanged.
   std::vector<std::string> set{};  ///< In that file: SECTION.KEY=VALUE.
-  std::filesystem::path log{};     ///< Where what it printed is kept; empty: nowhere.
+  linuxcnc::ProbeInput probe{};
+  std::filesystem::path log{};  ///< Where what it printed is kept; empty: nowhere.
   /// So long it may compute without a servo cycle, by the computer's clock.
-  std::chrono::milliseconds patience{20'000};
+  std::chrono::milliseconds patience{10'000};
   double longest_s = 7200;  ///< One line or program, by the machine's clock.
 };
 

@@ -7,8 +7,8 @@
 
 namespace caltwin {
 
-/// The beam of a CoreXY does not stand square to its rails: two belts of unlike tension
-/// pull one end ahead of the other.
+/// The beam of a CoreXY, or of a gantry with a motor at each end of it, does not stand
+/// square to its rails: one end is ahead of the other.
 ///
 ///   dx = (cos(a) - 1) u,  dy = sin(a) u,  u = x - mid travel   [mm]
 ///
@@ -28,7 +28,9 @@ struct Racking {
   static Shown In(std::string_view) { return {.channel = "y", .covariates = {"x"}}; }
   static constexpr Effect kDeclaration = {
       .name = "racking",
-      .about = "The beam of a CoreXY does not stand square to its rails.",
+      .about =
+          "The beam of a CoreXY, or of a gantry with two motors, does not stand "
+          "square to its rails.",
       .bucket = Bucket::kMotion,
       .stage = Stage::kFrame,
       .parameters = kParameters,
@@ -42,11 +44,14 @@ struct Racking {
           "of parts tells a belt's pitch.",
       .words = {.plot = "y against x, of a straight line along x: a slope.",
                 .values = "0.5 to 3 mrad; 1 mrad is 0.3 mm over a beam of 300 mm.",
-                .cause = "Belts of unlike tension or length, a beam clamped askew.",
+                .cause =
+                    "Belts of unlike tension or length, a beam clamped askew; of two "
+                    "motors, home switches that stand unevenly.",
                 .effect = "Squares become parallelograms; diagonals differ.",
                 .action =
                     "Loosen the beam, square it against the front, tension both belts "
-                    "to the same tone, tighten; what is left: skew correction."},
+                    "to the same tone, tighten; of two motors set the second one's "
+                    "home offset; what is left: skew correction."},
       .neutral = Neutral,
       .sight = Sight{.shown = In}};
 

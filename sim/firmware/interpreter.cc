@@ -68,6 +68,10 @@ constexpr std::array<std::pair<char, int>, 18> kAccepted = {{{'G', 17},
                                                              {'M', 453},
                                                              {'M', 555}}};
 
+/// The real controller has them, this machine has not. What follows would go
+/// elsewhere, so a warning is not enough: arcs, inches, rotation.
+constexpr std::array kMissing = {2, 3, 20, 68};
+
 /// The keyword of a meta command and what stands behind it.
 std::pair<std::string, std::string_view> SplitKeyword(std::string_view text) {
   std::size_t end = 0;
@@ -156,6 +160,12 @@ Reply Firmware::Parts::ExecuteCommand(const GcodeCommand& command, Frame* frame)
       params[std::string(1, letter)] = value;
     }
     return RunFile(macro, params);
+  }
+  const bool is_missing =
+      command.letter == 'G' &&
+      std::ranges::any_of(kMissing, [&](int code) { return command.code == code; });
+  if (is_missing) {
+    return Refuse(command.Name() + ": not part of this machine");
   }
   return {
       .lines = {fmt::format("Warning: {}: Command is not supported", command.Name())}};

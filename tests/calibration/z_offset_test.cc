@@ -26,6 +26,20 @@ TEST(ZCalibrationReading, OfThePublishedExamplesTellsTheirSwitchOffset) {
   EXPECT_FALSE(ReadZCalibration({"Z-CALIBRATION: ENDSTOP=-0.300"}));
 }
 
+// As Kalico prints it today, with its hint below.
+TEST(ZCalibrationReading, OfTheFormulaTellsItsSwitchOffset) {
+  const auto reading = ReadZCalibration(
+      {"probe at 117.500,92.500 is z=7.080000",
+       "Z-CALIBRATION: probe=7.080 - (switch=8.000 - nozzle=1.500 + "
+       "switch_offset=0.500) --> new offset=0.080000",
+       "HINT: z position_endstop=1.500 - offset=0.080000 --> possible z "
+       "position_endstop=1.420"});
+
+  ASSERT_TRUE(reading);
+  EXPECT_NEAR(reading->offset_mm, 0.08, 1e-9);
+  EXPECT_NEAR(reading->SwitchOffset_mm(), 0.5, 1e-9);
+}
+
 using Answers = std::vector<std::pair<std::string, std::string>>;
 
 /// A wire that answers by what a line begins with.

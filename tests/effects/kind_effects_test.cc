@@ -10,7 +10,9 @@ namespace {
 // A word misspelt in a kind's list would be an effect that it silently lacks.
 TEST(EveryMachineKind, NamesEffectsThatThereAre) {
   auto kinds = AllMachineKinds();
-  kinds.push_back(CoreXyOnScrewsKind());  // Of the same word as another.
+  // Of the same words as others.
+  kinds.push_back(CoreXyOnScrewsKind());
+  kinds.push_back(GantryOfTwoMotorsKind());
   for (const MachineKind* kind : kinds) {
     for (const KindEffect& one : kind->effects()) {
       EXPECT_TRUE(FindEffect(one.effect)) << kind->name() << ": " << one.effect;

@@ -265,6 +265,15 @@ TEST(Firmware, NoiseIsAnsweredNotObeyed) {
               ElementsAre(HasSubstr("nested too deeply")));
 }
 
+// After a warning alone `G20`, `G0 X1` would go to 1 mm.
+TEST(Firmware, RefusesWhatWouldSendLaterMovesElsewhere) {
+  FirmwareBench bench;
+
+  EXPECT_THAT(bench.Say({"G20"}), ElementsAre("Error: G20: not part of this machine"));
+  EXPECT_THAT(bench.Say({"G2 X10 I5 J0"}),
+              ElementsAre("Error: G2: not part of this machine"));
+}
+
 TEST(Firmware, SpeaksThroughM118) {
   FirmwareBench bench;
 

@@ -90,6 +90,46 @@ TEST_F(KlipperZTest, ReadsWordsAsKlipperDoes) {
   }
 }
 
+TEST_F(KlipperZTest, MovesByAsMuchAfterG91) {
+  KlipperZ klipper(Config(), &heights_);
+  klipper.Execute("G28");
+  klipper.Execute("SET_GCODE_OFFSET Z=0.5");
+  klipper.Execute("G1 X50 Y60 Z10");
+  klipper.Execute("G91");
+  klipper.Execute("G1X5Z-2F600");
+  klipper.Execute("G90");
+
+  EXPECT_THAT(klipper.Execute("M114").lines,
+              ElementsAre("X:55.000 Y:60.000 Z:8.000 E:0.000"));
+}
+
+// A macro that probes twice has to lift in between, as at a printer.
+TEST_F(KlipperZTest, PROBEEndsOnTheBed) {
+  KlipperZ klipper(Config(), &heights_);
+  klipper.Execute("G28");
+  klipper.Execute("ATTACH_PROBE");
+  EXPECT_THAT(klipper.Execute("PROBE").lines, ElementsAre("Result is z=6.900000"));
+  EXPECT_THAT(klipper.Execute("GET_POSITION").lines[1], HasSubstr("Z:6.900000"));
+
+  for (const char* line : {"PROBE", "PROBE_ACCURACY", "BED_MESH_CALIBRATE"}) {
+    EXPECT_TRUE(klipper.Execute(line).error) << line;
+  }
+  klipper.Execute("G1 Z15");
+  EXPECT_FALSE(klipper.Execute("PROBE").error);
+}
+
+TEST_F(KlipperZTest, RefusesWhatKlipperRefuses) {
+  KlipperZ klipper(Config(), &heights_);
+  EXPECT_TRUE(klipper.Execute("SET_GCODE_OFFSET Z=0.1 MOVE=1").error);
+  klipper.Execute("G28");
+
+  EXPECT_THAT(klipper.Execute("G1 X50 F0").lines,
+              ElementsAre("!! Invalid speed in 'G1 X50 F0'"));
+  EXPECT_TRUE(klipper.Execute("SET_GCODE_OFFSET X=1").error);
+  klipper.Execute("G1 Z20 Z30");
+  EXPECT_THAT(klipper.Execute("M114").lines[0], HasSubstr("Z:30.000"));
+}
+
 // Samples as [z_calibration] has them, where the command does not say.
 // The endstop is elsewhere now: only what homes Z sees that.
 TEST_F(KlipperZTest, HomingOtherAxesLeavesZ) {

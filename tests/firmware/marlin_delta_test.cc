@@ -96,6 +96,23 @@ TEST_F(MarlinDeltaTest, RefusesRodsThatDoNotReach) {
   EXPECT_DOUBLE_EQ(marlin_.settings().arm_mm[0], 250);
   Lines("G28");
   EXPECT_TRUE(marlin_.Execute("G1 X400").error);
+  EXPECT_TRUE(marlin_.Execute("G1 Z320").error);  // Above the endstops.
+}
+
+TEST_F(MarlinDeltaTest, MovesByAsMuchAfterG91) {
+  Lines("G28");
+  Lines("G1 X10 Y-5 Z20");
+  Lines("G91");
+  Lines("G1 X5 Z2");
+  EXPECT_THAT(Lines("M114")[0], HasSubstr("X:15.00 Y:-5.00 Z:22.00"));
+  Lines("G90");
+  Lines("G1 X5");
+  EXPECT_THAT(Lines("M114")[0], HasSubstr("X:5.00 Y:-5.00 Z:22.00"));
+}
+
+TEST_F(MarlinDeltaTest, RefusesWhatWouldSendLaterMovesElsewhere) {
+  EXPECT_THAT(Lines("G92 X0"), ElementsAre("Error:G92 is not part of this machine"));
+  EXPECT_TRUE(marlin_.Execute("G20").error);
 }
 
 TEST_F(MarlinDeltaTest, AnswersWhatItDoesNotKnowAsMarlinDoes) {

@@ -1,8 +1,12 @@
+#include <cmath>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "sim/effects/catalog.h"
 #include "sim/effects/drive.h"
+#include "sim/effects/racking.h"
+#include "sim/kinds/cartesian/corners.h"
 #include "sim/kinds/cartesian/stepped.h"
 #include "sim/kinds/triple_z/klipper.h"
 #include "sim/kinds/triple_z/plant.h"
@@ -44,6 +48,109 @@ TEST(SteppedGantry, PlayIsOnTheSideThatItsDriveCameFrom) {
   EXPECT_TRUE(gantry.Acts(kProbe, at(touch_mm - kHair_mm)));
   EXPECT_FALSE(gantry.Acts(Switch(2), at(home_mm - kHair_mm)));
   EXPECT_TRUE(gantry.Acts(Switch(2), at(home_mm + kHair_mm)));
+}
+
+/// 350 mm between its motors, of which the first is 25 mm beside x = 0.
+class Beam : public testing::Test {
+ protected:
+  Beam() {
+    built_.effects = {{.effect = EffectIndex<Racking>(), .values = {kRacking_mrad}}};
+    built_.Prepare();
+  }
+  Motors At(double x_mm, double y_mm, double y1_mm) const {
+    Motors steps(4);
+    steps << x_mm, y_mm, 100 - machine_.axis(Axis::kZ).max_mm, y1_mm;
+    return steps * 800;
+  }
+
+  static constexpr double kRacking_mrad = 2;
+  /// By so much the second switch stands further up Y: 350 mm sin(0.002).
+  const double apart_mm_ = 350 * std::sin(0.002);
+  Machine machine_ = ReadMachine("models/two_motor_router/machine.yaml");
+  Built built_{.machine = machine_};
+};
+
+TEST_F(Beam, EachMotorHasASwitchAndTheyStandApart) {
+  SteppedGantry gantry(built_, /*seed=*/1);
+  EXPECT_TRUE(gantry.Acts(Switch(1), At(0, 0, 50)));
+  EXPECT_FALSE(gantry.Acts(Switch(1), At(0, kHair_mm, -50)));
+  EXPECT_TRUE(gantry.Acts(Switch(3), At(0, 50, apart_mm_ - kHair_mm)));
+  EXPECT_FALSE(gantry.Acts(Switch(3), At(0, -50, apart_mm_ + kHair_mm)));
+}
+
+TEST_F(Beam, TurnsAsItsMotorsComeApart) {
+  SteppedGantry gantry(built_, /*seed=*/1);
+  gantry.Follow(At(150, 100, 100));
+  const Vec3<double> middle_mm = gantry.Tip_mm();
+  EXPECT_NEAR(middle_mm[1], 100, 1e-9);
+  gantry.Follow(At(250, 100, 100.35));
+  // At x = 250 the beam is 275 of 350 mm along.
+  EXPECT_NEAR(gantry.Tip_mm()[1], 100 + 0.35 * 275 / 350, 1e-9);
+  EXPECT_NEAR(gantry.Tip_mm()[0], 250 - 100 * (1 - std::cos(0.001)), 1e-6);
+}
+
+// What a firmware that homes each on its own switch leaves is the racking of the
+// effect.
+TEST_F(Beam, HomedOnItsSwitchesItIsRackedAsTheEffectSays) {
+  SteppedGantry gantry(built_, /*seed=*/1);
+  const Vec3<double> axes =
+      Vec3<double>(250, 100, 100 - machine_.axis(Axis::kZ).max_mm);
+  gantry.Follow(gantry.TurnedOn(axes * 800));
+  const Vec3<double> tip_mm = gantry.Tip_mm();
+  gantry.Follow(gantry.TurnedOn((axes - Vec3<double>(100, 0, 0)) * 800));
+  EXPECT_NEAR(tip_mm[1] - gantry.Tip_mm()[1], 100 * std::sin(0.002), 1e-9);
+}
+
+/// Corners at (-60, -10) and (360, 370); the board counts from where it was switched
+/// on.
+TEST(SteppedCorners, TheGantryIsAsHighAsItsCornersBetweenThem) {
+  const Machine machine = ReadMachine("models/quad_gantry_printer/machine.yaml");
+  Built built{.machine = machine};
+  built.Prepare();
+  SteppedCorners gantry(built, /*seed=*/1);
+  const AxisDrawing& z = machine.axis(Axis::kZ);
+  // A ball of 1 mm, pushed in by its pre-travel.
+  const double touch_mm = machine.probe.tip_radius_mm - machine.probe.pretravel_mm;
+  const auto at = [&](double x_mm, double y_mm, const Eigen::Vector4d& corners_mm) {
+    Motors steps(6);
+    steps.head<2>() << (x_mm + y_mm) * 320, (x_mm - y_mm) * 320;
+    steps.tail<4>() = (corners_mm.array() - z.max_mm) * z.steps_per_mm();
+    return steps;
+  };
+  // Over (150, 180) each corner counts a quarter; a twist counts nothing there.
+  const Eigen::Vector4d twisted_mm(3, -3, 3, -3);
+  const Eigen::Vector4d touching_mm = Eigen::Vector4d::Constant(touch_mm);
+  for (const auto& corners_mm :
+       {touching_mm, Eigen::Vector4d(touching_mm + twisted_mm)}) {
+    gantry.Follow(at(150, 180, corners_mm.array() + 1));
+    EXPECT_FALSE(gantry.Acts(kProbe, at(150, 180, corners_mm.array() + 2 * kHair_mm)));
+    EXPECT_TRUE(gantry.Acts(kProbe, at(150, 180, corners_mm.array() - 2 * kHair_mm)));
+  }
+  // At (45, 85) u = v = 1/4: 9/16, 3/16, 1/16, 3/16.
+  const double by_mm = 3 * (9 - 3 + 1 - 3) / 16.0;
+  const Eigen::Vector4d there_mm = touching_mm + twisted_mm;
+  EXPECT_FALSE(
+      gantry.Acts(kProbe, at(45, 85, there_mm.array() - by_mm + 2 * kHair_mm)));
+  EXPECT_TRUE(gantry.Acts(kProbe, at(45, 85, there_mm.array() - by_mm - 2 * kHair_mm)));
+  EXPECT_NEAR(FlatnessOfCorners_mm(built, at(0, 0, touching_mm)), 0, 1e-9);
+  EXPECT_GT(FlatnessOfCorners_mm(built, at(0, 0, there_mm)), 0.3);
+}
+
+TEST(SteppedCorners, OneOfFourMotorsHasASwitch) {
+  const Machine machine = ReadMachine("models/quad_gantry_printer/machine.yaml");
+  const Wiring wiring = WiringOfCorners(machine);
+  ASSERT_EQ(wiring.motors.size(), 6U);
+  EXPECT_EQ(wiring.motors[5].name, "Z3");
+  for (const Wiring::Input& input : wiring.inputs) EXPECT_NE(input.pin, "Z1_STOP");
+  EXPECT_THAT(CornersCfg(machine), testing::Not(testing::HasSubstr("endstop_pin")));
+}
+
+TEST(TwoMotorRouter, OneMotorMoreIsWired) {
+  const Wiring wiring =
+      WiringOfGantry(ReadMachine("models/two_motor_router/machine.yaml"));
+  ASSERT_EQ(wiring.motors.size(), 4U);
+  EXPECT_EQ(wiring.motors[3].name, "Y1");
+  EXPECT_EQ(wiring.motors[3].start_steps, wiring.motors[1].start_steps);
 }
 
 TEST(SteppedTripleZ, EachScrewHasASwitchAndTheBedMeetsTheNozzle) {

@@ -48,6 +48,23 @@ TEST(LinuxCncIni, AnAxisThatHomesAtItsTopMeetsItsSwitchUpwards) {
                         "HOME_LATCH_VEL = 0.5\n"));
 }
 
+TEST(LinuxCncIni, TwoJointsOfOneAxisHomeTogether) {
+  const std::string ini =
+      IniText({.name = "m",
+               .kinematics = "trivkins coordinates=XYY kinstype=BOTH",
+               .coordinates = "XYY",
+               .axes = {{.letter = 'X'}, {.letter = 'Y'}},
+               .joints = {{},
+                          {.motor = 1, .home_sequence = -2},
+                          {.motor = 2, .home_sequence = -2}}},
+              "axis");
+  EXPECT_THAT(
+      ini,
+      HasSubstr("JOINTS = 3\nKINEMATICS = trivkins coordinates=XYY kinstype=BOTH"));
+  EXPECT_THAT(ini, HasSubstr("COORDINATES = XYY\n"));
+  EXPECT_THAT(ini, HasSubstr("HOME_SEQUENCE = -2\n"));
+}
+
 TEST(LinuxCncIni, SaysWhatItHas) {
   const std::string ini = "[A]\nK = 1\n# L = 2\n[B]\n  M=3\n[A]\nK = 4\nN = 5\n";
   EXPECT_THAT(IniSections(ini), testing::ElementsAre("A", "B"));

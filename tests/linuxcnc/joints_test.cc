@@ -1,5 +1,7 @@
 #include "sim/controllers/linuxcnc/joints.h"
 
+#include <vector>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -35,6 +37,39 @@ TEST(LinuxCncJoints, TheProbeIsSeenInTheCycleThatReachesIt) {
   EXPECT_TRUE(joints.Cycle(Both(49.5, 0)).probe);
   EXPECT_TRUE(joints.Cycle(Both(49.5, 0)).probe);
   EXPECT_FALSE(joints.Cycle(Both(20, 0)).probe);
+}
+
+// The probe acts from 50 steps on: on the way from 40.2 to 60.2 from half a step
+// before.
+TEST(LinuxCncJoints, ALatchReportsWhereTheProbeClosed) {
+  FakeBoard board;
+  Joints joints(&board, {.is_latched = true});
+  joints.Cycle(Both(40.2, 5));
+  const Joints::Inputs seen = joints.Cycle(Both(60.2, 7));
+  EXPECT_TRUE(seen.probe);
+  EXPECT_NEAR(seen.reported_steps[0], 49.5, 0.03);
+  EXPECT_NEAR(seen.reported_steps[1], 5 + 2 * (49.5 - 40.2) / 20, 0.003);
+  EXPECT_EQ(joints.steps(), Both(60, 7));
+  EXPECT_EQ(joints.Cycle(Both(62.2, 7)).reported_steps, Both(62.2, 7));
+}
+
+TEST(LinuxCncJoints, WithoutALatchTheyReportWhereTheyWereSent) {
+  FakeBoard board;
+  Joints joints(&board);
+  joints.Cycle(Both(40.2, 0));
+  EXPECT_EQ(joints.Cycle(Both(60.2, 0)).reported_steps, Both(60.2, 0));
+}
+
+TEST(LinuxCncJoints, AContactThatBouncesOpensAndClosesInTurns) {
+  FakeBoard board;
+  Joints joints(&board, {.bounce_s = 0.004});
+  std::vector<bool> shown;
+  for (int cycle = 0; cycle < 8; ++cycle) {
+    shown.push_back(joints.Cycle(Both(60 + cycle, 0), 0.001 * cycle).probe);
+  }
+  EXPECT_THAT(shown,
+              testing::ElementsAre(true, false, true, false, true, true, true, true));
+  EXPECT_FALSE(joints.Cycle(Both(20, 0), 0.009).probe);
 }
 
 // While it still leaves the surface a new chance could close it again, and LinuxCNC

@@ -106,6 +106,19 @@ TEST(ControllerKey, StandsInPlaceOfCalibrate) {
       HasSubstr("cannot yet be driven by Klipper's host"));
 }
 
+TEST(ControllerKey, APersonStandsAmongTheLines) {
+  const std::string machine = "machine: delta_printer\nfidelity: fast\n";
+  EXPECT_EQ(MessageOf(machine + "controller: {klipper: {gcode: [G28, {person: "
+                                "feeler_gauge}]}}\n"),
+            "");
+  EXPECT_THAT(
+      MessageOf(machine + "controller: {klipper: {gcode: [{person: juggles}]}}\n"),
+      testing::AllOf(HasSubstr("juggles"), HasSubstr("paper_test")));
+  EXPECT_THAT(MessageOf("machine: gantry_router\nfidelity: fast\ncontroller: {klipper: "
+                        "{gcode: [{person: feeler_gauge}]}}\n"),
+              HasSubstr("is nothing that a person does at such a machine"));
+}
+
 TEST(HostProgram, ThatIsNotThereIsSaidSo) {
   EXPECT_THROW(HostProgram("/no/such/host"), InputError);
 }

@@ -45,6 +45,21 @@ TEST(LinuxCncScenario, KnowsLinesSettingsFilesAndAProgram) {
   EXPECT_EQ(scenario.linuxcnc->more_files[0].first, "x.comp");
 }
 
+TEST(LinuxCncScenario, AProbeMayBeLatchedOrBounce) {
+  const auto probe_of = [](const std::string& keys) {
+    return ReadScenarioText(
+               kMachine + "controller: {linuxcnc: {mdi: [G0]" + keys + "}}\n", "t.yaml")
+        .linuxcnc->options.probe;
+  };
+  EXPECT_FALSE(probe_of("").is_latched);
+  EXPECT_EQ(probe_of("").bounce_s, 0);
+  EXPECT_TRUE(probe_of(", probe: {latch: true}").is_latched);
+  EXPECT_DOUBLE_EQ(probe_of(", probe: {bounce_ms: 4}").bounce_s, 0.004);
+  EXPECT_THAT(MessageOf(kMachine + "controller: {linuxcnc: {mdi: [G0], probe: {bounce: "
+                                   "4}}}\n"),
+              HasSubstr("has no key 'bounce'"));
+}
+
 TEST(LinuxCncScenario, OneControllerDrivesAMachine) {
   EXPECT_THAT(MessageOf(kMachine + "controller: {}\n"),
               HasSubstr("test.yaml:3:13: controller names one real controller"));

@@ -3,15 +3,18 @@
 #include <iostream>
 #include <memory>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include "renders/compare_report.h"
 #include "renders/document.h"
 #include "scenarios/compare_backlash.h"
+#include "scenarios/host_lost.h"
 #include "scenarios/interrupt.h"
 #include "scenarios/kinds/compare_delta.h"
 #include "scenarios/kinds/compare_levelling.h"
@@ -33,6 +36,7 @@ struct CompareAsked {
   bool has_machines = false;  ///< Given, not by default.
   int draws = 200;
   std::uint64_t seed = 1;
+  std::vector<std::string> engines{};
   std::string json{};
   std::string report{};
 };
@@ -55,15 +59,19 @@ void WriteReportOf(const CompareAsked& options,
                    const std::string& text) {
   if (options.report.empty()) return;
   WriteDocument(
-      CompareDocument(contenders,
-                      {.kind = options.kind,
-                       .text = text,
-                       .command = fmt::format(
-                           "caltwin compare {} --machines {} --seed {} --report {}",
-                           options.kind,
-                           options.machines,
-                           options.seed,
-                           options.report)}),
+      CompareDocument(
+          contenders,
+          {.kind = options.kind,
+           .text = text,
+           .command = fmt::format(
+               "caltwin compare {} --machines {} --seed {}{} --report {}",
+               options.kind,
+               options.machines,
+               options.seed,
+               options.engines.empty()
+                   ? ""
+                   : fmt::format(" --engines {}", fmt::join(options.engines, ",")),
+               options.report)}),
       options.report);
   if (options.json != "-") {
     std::cout << "\nreport: " << options.report << "/index.html\n";
@@ -75,6 +83,12 @@ int RunMeasured(const CompareAsked& options) {
     throw InputError({.file = "--report"},
                      "is of random machines",
                      "--json - has every figure of the measured one");
+  }
+  if (!options.engines.empty()) {
+    throw InputError({.file = "--engines"},
+                     "chooses among random machines' engines; on the measured one all "
+                     "are held against what was measured",
+                     "leave --machine or --engines away");
   }
   if (options.has_machines) {
     throw InputError({.file = "--machines"},
@@ -89,13 +103,30 @@ int RunMeasured(const CompareAsked& options) {
   return InterruptRequested() ? kInterrupted : kPassed;
 }
 
-// `compare(machines, seed, progress)`, and its result as text and as JSON.
+// `compare(machines, seed, progress)`, with `engines` where their names may be given,
+// and its result as text and as JSON.
 template <auto compare, auto text, auto json>
 int RunRandom(const CompareAsked& options) {
   ProgressLine line;
-  const auto comparison = compare(options.machines, options.seed, [&](int done) {
+  const auto progress = [&](int done) {
     line.Show(fmt::format("machine {} of {}", done + 1, options.machines));
-  });
+  };
+  const auto comparison = [&] {
+    if constexpr (std::is_invocable_v<decltype(compare),
+                                      int,
+                                      std::uint64_t,
+                                      decltype(progress),
+                                      std::vector<std::string>>) {
+      return compare(options.machines, options.seed, progress, options.engines);
+    } else {
+      if (!options.engines.empty()) {
+        throw InputError({.file = "--engines"},
+                         "only engines of a delta are chosen by name",
+                         "without it all of them are compared");
+      }
+      return compare(options.machines, options.seed, progress);
+    }
+  }();
   line.Clear();
   const std::string table = text(comparison);
   Write(options, table, json(comparison));
@@ -152,6 +183,16 @@ Action DeclareCompare(CLI::App* app) {
          "--draws", options->draws, "of each noisy row of the measured machine")
       ->capture_default_str()
       ->check(CLI::Range(1, kMostMachines));
+  std::string names;
+  for (const DeltaRival& rival : AllDeltaRivals()) {
+    names += (names.empty() ? "" : ", ") + std::string(rival.name);
+  }
+  app->add_option("--engines",
+                  options->engines,
+                  "of a delta these alone, with commas between them: " + names +
+                      ". kalico is the program that `tools/setup.sh --controllers` "
+                      "installs")
+      ->delimiter(',');
   app->add_option("--seed", options->seed, "of the machines and their touches")
       ->capture_default_str();
   app->add_option(
@@ -159,7 +200,13 @@ Action DeclareCompare(CLI::App* app) {
   app->add_option("--report", options->report, "write an HTML report to this folder");
   return [options, machines] {
     options->has_machines = machines->count() > 0;
-    return RunCompare(*options);
+    try {
+      return RunCompare(*options);
+    } catch (const HostLost& lost) {
+      if (InterruptRequested()) return kInterrupted;
+      std::cerr << "caltwin: " << lost.what() << "\n";
+      return kLost;
+    }
   };
 }
 

@@ -29,7 +29,9 @@ struct LinuxCncAsked {
   std::vector<std::string> lines{}, set{};
   std::string program{}, ini{}, json{}, log{};
   bool is_unhomed = false;
-  double patience_s = 20, longest_s = 7200;
+  bool is_latched = false;
+  double bounce_ms = 0;
+  double patience_s = 10, longest_s = 7200;
 };
 
 /// What was asked, and what came of it.
@@ -164,6 +166,7 @@ int LinuxCnc(const LinuxCncAsked& asked) {
   const LinuxCncOptions options{
       .files = FilesOf(asked, kind, file),
       .set = asked.set,
+      .probe = {.is_latched = asked.is_latched, .bounce_s = asked.bounce_ms * 1e-3},
       .log = asked.log,
       .patience = std::chrono::milliseconds(std::llround(asked.patience_s * 1e3)),
       .longest_s = asked.longest_s};
@@ -196,6 +199,14 @@ Action DeclareLinuxCnc(CLI::App* app) {
                   "JOINT_0.BACKLASH=0.05")
       ->allow_extra_args(false);
   app->add_flag("--unhomed", options->is_unhomed, "do not home first");
+  app->add_flag("--latch",
+                options->is_latched,
+                "the card holds where the joints stood when the probe closed");
+  app->add_option("--bounce",
+                  options->bounce_ms,
+                  "so many milliseconds the probe's contact bounces once it has closed")
+      ->check(CLI::Range(0.0, 1000.0))
+      ->capture_default_str();
   app->add_option("--json", options->json, "write all answers here");
   app->add_option("--log", options->log, "keep what LinuxCNC prints here");
   app->add_option("--fidelity", options->twin.fidelity, "physics or fast")

@@ -81,14 +81,19 @@ void FailZStation(const MachineFault& fault, ProcedureResult* result) {
 
 std::optional<ZCalibrationReading> ReadZCalibration(
     const std::vector<std::string>& lines) {
-  constexpr const char* kStart = "Z-CALIBRATION:";
-  const auto endstop = After(lines, kStart, "ENDSTOP=");
-  const auto nozzle = After(lines, kStart, "NOZZLE=");
-  const auto on_switch = After(lines, kStart, "SWITCH=");
-  const auto probe = After(lines, kStart, "PROBE=");
-  const auto offset = After(lines, kStart, "OFFSET=");
-  if (!endstop || !nozzle || !on_switch || !probe || !offset) return std::nullopt;
-  return ZCalibrationReading{*endstop, *nozzle, *on_switch, *probe, *offset};
+  // As first published in capitals; the extension of today, and Kalico's, print their
+  // formula, whose `switch_offset=` is not the result.
+  const auto told = [&](const char* capitals, const char* formula) {
+    constexpr const char* kStart = "Z-CALIBRATION:";
+    const auto value = After(lines, kStart, capitals);
+    return value ? value : After(lines, kStart, formula);
+  };
+  const auto nozzle = told("NOZZLE=", "nozzle=");
+  const auto on_switch = told("SWITCH=", "switch=");
+  const auto probe = told("PROBE=", "probe=");
+  const auto offset = told("OFFSET=", "new offset=");
+  if (!nozzle || !on_switch || !probe || !offset) return std::nullopt;
+  return ZCalibrationReading{*nozzle, *on_switch, *probe, *offset};
 }
 
 Expected<std::vector<std::string>> ZStationClient::Say(const std::string& line) {

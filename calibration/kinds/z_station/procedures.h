@@ -16,14 +16,15 @@ inline constexpr double kPrintedHeights_mm = 0.0011;
 
 /// The heights of one CALIBRATE_Z, as its last line states them [mm].
 struct ZCalibrationReading {
-  double endstop_mm = 0, nozzle_mm = 0, switch_mm = 0, probe_mm = 0, offset_mm = 0;
+  double nozzle_mm = 0, switch_mm = 0, probe_mm = 0, offset_mm = 0;
   /// The switch_offset that this offset was made with.
   double SwitchOffset_mm() const {
     return probe_mm - offset_mm - (switch_mm - nozzle_mm);
   }
 };
-/// Of "Z-CALIBRATION: ENDSTOP=.. NOZZLE=.. SWITCH=.. PROBE=.. --> OFFSET=.."; nullopt
-/// where no line is one.
+/// Of "Z-CALIBRATION: ENDSTOP=.. NOZZLE=.. SWITCH=.. PROBE=.. --> OFFSET=..", or of
+/// "Z-CALIBRATION: probe=.. - (switch=.. - nozzle=.. + switch_offset=..) --> new
+/// offset=.."; nullopt where no line is one.
 std::optional<ZCalibrationReading> ReadZCalibration(
     const std::vector<std::string>& lines);
 

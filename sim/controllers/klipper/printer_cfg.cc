@@ -30,19 +30,19 @@ std::string PrinterCfg(const PrinterText& printer) {
 }
 
 std::string StepperCfg(const StepperText& stepper) {
-  const std::string text = fmt::format(
+  std::string text = fmt::format(
       "\n[{0}]\n"
       "step_pin: {1}_STEP\n"
       "dir_pin: {1}_DIR\n"
       "full_steps_per_rotation: {2}\n"
       "microsteps: {3}\n"
-      "rotation_distance: {4}\n"
-      "endstop_pin: {1}_STOP\n",
+      "rotation_distance: {4}\n",
       stepper.section,
       stepper.pin,
       CfgNumber(stepper.full_steps_per_rev),
       CfgNumber(stepper.microsteps),
       CfgNumber(stepper.mm_per_rev));
+  if (stepper.has_endstop) text += fmt::format("endstop_pin: {}_STOP\n", stepper.pin);
   if (!stepper.rail) return text;
   return text + fmt::format(
                     "position_min: {}\nposition_max: {}\nposition_endstop: {}\n"

@@ -13,6 +13,7 @@ struct StepperText {
   double full_steps_per_rev = 200;
   double microsteps = 16;
   double mm_per_rev = 4;
+  bool has_endstop = true;  ///< Of its own; else it stops with the first of its rail.
   /// Where the carriage may go and homes; nullopt: what follows another motor.
   struct Rail {
     double min_mm = 0, max_mm = 0, endstop_mm = 0;

@@ -14,7 +14,8 @@ namespace {
 constexpr double kBesideHome_mm = 2;
 
 std::string LettersOf(const MachineText& machine) {
-  std::string letters;
+  std::string letters = machine.coordinates;
+  if (!letters.empty()) return letters;
   for (const AxisText& axis : machine.axes) letters += axis.letter;
   return letters;
 }

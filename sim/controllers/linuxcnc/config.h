@@ -21,7 +21,9 @@ struct JointText {
   double min_mm = 0, max_mm = 0;  ///< Where it may be sent.
   double home_mm = 0;             ///< Where its switch closes.
   bool is_home_at_min = true;
-  int home_sequence = 0;  ///< The lowest is homed first.
+  /// The lowest is homed first; joints of the same negative one move to their homes
+  /// together.
+  int home_sequence = 0;
   double max_feed_mm_s = 10, acceleration_mm_s2 = 100;
   double steps_per_mm = 1;  ///< `SCALE`
   double backlash_mm = 0;   ///< `BACKLASH`: what its firmware takes for the play.
@@ -31,6 +33,7 @@ struct JointText {
 struct MachineText {
   std::string name{};
   std::string kinematics = "trivkins coordinates=XYZ";  ///< The module, its parameters.
+  std::string coordinates{};  ///< The axis of each joint; empty: the axes' letters.
   std::vector<AxisText> axes{};
   std::vector<JointText> joints{};
   /// Sizes of those kinematics, `R = 130`: [KINS] has them, and its pins of that name

@@ -21,11 +21,13 @@ std::optional<int> PinOf(const Board& board, std::string_view name) {
 
 }  // namespace
 
-Joints::Joints(Board* board)
+Joints::Joints(Board* board, const ProbeInput& probe)
     : board_(board),
       switches_(static_cast<std::size_t>(board->num_motors())),
       probe_(PinOf(*board, "PROBE")),
-      steps_(Motors::Zero(board->num_motors())) {
+      steps_(Motors::Zero(board->num_motors())),
+      input_(probe),
+      commanded_(steps_) {
   const auto pins = board->pins();
   for (std::size_t pin = 0; pin < pins.size(); ++pin) {
     const auto motor = board->MotorAt(static_cast<int>(pin));
@@ -52,18 +54,49 @@ void Joints::DrawChance() {
   is_drawn_ = true;
 }
 
-Joints::Inputs Joints::Cycle(const Motors& commanded_steps) {
+Motors Joints::Tripped(const Motors& from, const Motors& to) {
+  constexpr int kHalvings = 10;
+  double before = 0, after = 1;
+  for (int i = 0; i < kHalvings; ++i) {
+    const double middle = (before + after) / 2;
+    Motors at = from + middle * (to - from);
+    for (double& steps : at) steps = std::round(steps);
+    (board_->IsHigh(*probe_, at) ? after : before) = middle;
+  }
+  return from + after * (to - from);
+}
+
+bool Joints::Bounced(bool has_met, double now_s) {
+  if (has_met && !has_met_) met_s_ = now_s;
+  const bool is_new = has_met && !has_met_;
+  has_met_ = has_met;
+  const bool bounces = has_met && !is_new && now_s - met_s_ <= input_.bounce_s;
+  is_shown_ = bounces ? !is_shown_ : has_met;
+  return is_shown_;
+}
+
+Joints::Inputs Joints::Cycle(const Motors& commanded_steps, double now_s) {
   Motors to = commanded_steps;
   for (double& steps : to) steps = std::round(steps);
+  const bool was_open = !inputs_.probe;
+  Motors reported = commanded_steps;
   if (to != steps_) {
+    // Asked before they are followed to: on the way chance and play are as they were.
+    if (input_.is_latched && was_open && probe_ && board_->IsHigh(*probe_, to)) {
+      reported = Tripped(commanded_, commanded_steps);
+    }
     board_->Follow(to);
     steps_ = to;
     inputs_ = Read();
   }
+  commanded_ = commanded_steps;
   open_cycles_ = inputs_.probe ? 0 : open_cycles_ + 1;
   if (inputs_.probe) is_drawn_ = false;
   if (!is_drawn_ && open_cycles_ >= kSettledCycles) DrawChance();
-  return inputs_;
+  Inputs shown = inputs_;
+  shown.reported_steps = reported;
+  if (input_.bounce_s > 0) shown.probe = Bounced(inputs_.probe, now_s);
+  return shown;
 }
 
 }  // namespace linuxcnc

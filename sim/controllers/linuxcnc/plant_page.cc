@@ -115,11 +115,11 @@ void PlantPage::Answer() {
   }
   still_cycles_ = to == asked_ ? std::min(still_cycles_ + 1, INT_MAX - 1) : 0;
   asked_ = to;
-  const Joints::Inputs inputs = joints_->Cycle(to);
+  const Joints::Inputs inputs = joints_->Cycle(to, page_->time_s);
   page_->switches = inputs.switches;
   page_->has_met = inputs.probe ? 1 : 0;
-  // As a step generator reports it: with the fraction that is not stepped yet.
-  std::copy(to.begin(), to.end(), page_->feedback_steps);
+  const Motors& reported = inputs.reported_steps;
+  std::copy(reported.begin(), reported.end(), page_->feedback_steps);
   __atomic_store_n(&page_->answered, Read(&page_->asked), __ATOMIC_RELEASE);
   Wake(&page_->answered);
 }

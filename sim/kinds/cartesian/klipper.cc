@@ -6,6 +6,8 @@
 #include <fmt/format.h>
 
 #include "sim/controllers/klipper/printer_cfg.h"
+#include "sim/kinds/cartesian/corners.h"
+#include "sim/machine/kinds/cartesian/drawing.h"
 #include "sim/machine/machine_kind.h"
 
 namespace caltwin {
@@ -33,6 +35,18 @@ std::string AxisCfg(const Machine& machine, Axis axis) {
                  .homing_mm_s = std::min(is_z ? 10.0 : 50.0, drawn.max_feed_mm_s)}}});
 }
 
+// A second motor of Y, with an endstop of its own.
+std::string SecondMotorCfg(const Machine& machine) {
+  const AxisDrawing& drawn = machine.axis(Axis::kY);
+  const double steps_per_rev = drawn.full_steps_per_rev * drawn.microsteps;
+  return klipper::StepperCfg(
+      {.section = "stepper_y1",
+       .pin = "Y1",
+       .full_steps_per_rev = drawn.full_steps_per_rev,
+       .microsteps = drawn.microsteps,
+       .mm_per_rev = steps_per_rev / machine.settings.steps_per_mm[1]});
+}
+
 }  // namespace
 
 std::string PrinterCfgOfGantry(const Machine& machine, const std::string& serial) {
@@ -48,6 +62,8 @@ std::string PrinterCfgOfGantry(const Machine& machine, const std::string& serial
            .max_z_velocity_mm_s = z.max_feed_mm_s,
            .max_z_accel_mm_s2 = z.acceleration_mm_s2});
   for (const Axis axis : kAxes) text += AxisCfg(machine, axis);
+  if (machine.Own<BeamDrawing>() != nullptr) text += SecondMotorCfg(machine);
+  if (machine.Own<CornersDrawing>() != nullptr) text += CornersCfg(machine);
   const auto at = [](const AxisDrawing& axis, double share) {
     return CfgNumber(axis.min_mm + share * axis.travel_mm());
   };

@@ -1,17 +1,21 @@
 #include "sim/kinds/cartesian/stepped.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <string>
 #include <utility>
 
+#include "sim/base/units.h"
+#include "sim/effects/catalog.h"
 #include "sim/machine/drive_map.h"
 #include "sim/machine/machine_kind.h"
 
 namespace caltwin {
 namespace {
 
-constexpr std::array kNames = {"X", "Y", "Z"};
+constexpr std::array kNames = {"X", "Y", "Z", "Y1"};
+constexpr int kY = Index(Axis::kY), kY1 = 3;
 
 }  // namespace
 
@@ -19,7 +23,37 @@ SteppedGantry::SteppedGantry(Built built, std::uint64_t seed)
     : built_(std::move(built)),
       scatter_(seed, /*sample=*/0, "trigger_scatter"),
       steps_(Vec3<double>::Zero()),
-      lag_mm_(built_.lag_center_mm) {}
+      lag_mm_(built_.lag_center_mm),
+      beam_(built_.machine.Own<BeamDrawing>()) {
+  if (beam_ == nullptr) return;
+  const int racking = *FindEffect("racking");
+  auto& frame = built_.frame_effects;
+  auto found = std::ranges::find(frame, racking, &Injected::effect);
+  if (found == frame.end()) {
+    frame.push_back({.effect = racking, .values = {0}});
+    found = frame.end() - 1;
+  }
+  racking_ = static_cast<std::size_t>(found - frame.begin());
+  apart_mm_ = beam_->apart_mm() * std::sin(RadFromMrad(found->values[0]));
+}
+
+Motors SteppedGantry::TurnedOn(const Vec3<double>& steps) const {
+  if (beam_ == nullptr) return steps;
+  Motors all(4);
+  all << steps, steps[kY] + apart_mm_ * built_.steps_per_mm[kY];
+  return all;
+}
+
+Vec3<double> SteppedGantry::Axes(const Motors& steps) {
+  if (beam_ == nullptr) return steps;
+  const double by_steps = steps[kY1] - steps[kY];
+  const double sine = by_steps / built_.steps_per_mm[kY] / beam_->apart_mm();
+  built_.frame_effects[racking_].values[0] =
+      MradFromRad(std::asin(std::clamp(sine, -1.0, 1.0)));
+  Vec3<double> axes = steps.head<3>();
+  axes[kY] += beam_->Share(built_.machine.axis(Axis::kX).mid_mm()) * by_steps;
+  return axes;
+}
 
 double SteppedGantry::BeforeHome_mm(Axis axis, const Vec3<double>& steps) const {
   const Vec3<double> carriages_mm =
@@ -29,17 +63,26 @@ double SteppedGantry::BeforeHome_mm(Axis axis, const Vec3<double>& steps) const 
   return drawn.home == HomeEnd::kMin ? off_mm : -off_mm;
 }
 
-bool SteppedGantry::Acts(const PinSensor& sensor, const Motors& steps) {
-  const Vec3<double> to = steps;
-  if (sensor.kind == PinSensor::Kind::kSwitch) {
-    return BeforeHome_mm(kAxes[static_cast<std::size_t>(sensor.motor)], to) <= 0;
+bool SteppedGantry::SwitchActs(int motor, const Motors& steps) const {
+  if (motor != kY1) {
+    const Vec3<double> axes = steps.head<3>();
+    return BeforeHome_mm(kAxes[static_cast<std::size_t>(motor)], axes) <= 0;
   }
+  Vec3<double> axes = steps.head<3>();
+  axes[kY] = steps[kY1];
+  const bool is_at_min = built_.machine.axis(Axis::kY).home == HomeEnd::kMin;
+  return BeforeHome_mm(Axis::kY, axes) <= (is_at_min ? apart_mm_ : -apart_mm_);
+}
+
+bool SteppedGantry::Acts(const PinSensor& sensor, const Motors& steps) {
+  if (sensor.kind == PinSensor::Kind::kSwitch) return SwitchActs(sensor.motor, steps);
+  const Vec3<double> to = Axes(steps);
   const SurfaceDistance clearance = built_.Clearance(built_.Tip_mm(to, LagAt_mm(to)));
   return clearance.distance_mm + built_.Pretravel_mm(clearance.normal) + late_mm_ <= 0;
 }
 
 void SteppedGantry::Follow(const Motors& steps) {
-  const Vec3<double> to = steps;
+  const Vec3<double> to = Axes(steps);
   const Vec3<double> by_mm = built_.Drawn_mm(to) - built_.Drawn_mm(steps_);
   for (int i = 0; i < 3; ++i) {
     const double sense = by_mm[i] > 0 ? 1 : -1;
@@ -74,14 +117,17 @@ Wiring WiringOfGantry(const Machine& machine) {
   }
   const Vec3<double> drives_mm = DrivesOf(machine.kind->drive_map(), axes_mm);
   Wiring wiring;
-  for (int i = 0; i < 3; ++i) {
-    const auto at = static_cast<std::size_t>(i);
-    wiring.motors.push_back(
-        {.name = kNames[at],
-         .start_steps = std::round(drives_mm[i] * machine.axes[at].steps_per_mm())});
-    wiring.inputs.push_back({std::string(kNames[at]) + "_STOP",
-                             {.kind = PinSensor::Kind::kSwitch, .motor = i}});
-  }
+  const auto add = [&](int motor, int drive) {
+    const auto at = static_cast<std::size_t>(drive);
+    const std::string name = kNames[static_cast<std::size_t>(motor)];
+    wiring.motors.push_back({.name = name,
+                             .start_steps = std::round(
+                                 drives_mm[drive] * machine.axes[at].steps_per_mm())});
+    wiring.inputs.push_back(
+        {name + "_STOP", {.kind = PinSensor::Kind::kSwitch, .motor = motor}});
+  };
+  for (int i = 0; i < 3; ++i) add(i, i);
+  if (machine.Own<BeamDrawing>() != nullptr) add(kY1, kY);
   wiring.inputs.push_back({"PROBE", {.kind = PinSensor::Kind::kProbe}});
   return wiring;
 }

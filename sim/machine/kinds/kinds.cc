@@ -7,29 +7,10 @@
 namespace caltwin {
 namespace {
 
-class Cartesian final : public MachineKind {
- public:
-  std::string_view name() const override { return "cartesian"; }
-  std::string_view about() const override {
-    return "Three axes at right angles, each with a drive of its own, and a probe: a "
-           "mill, a"
-           " router. `caltwin run` and `calibrate` calibrate one by G-code, `serve` is "
-           "one, "
-           "`simulate`, `diagnose` and `plan` measure one, `import` reads real ones.";
-  }
-  bool axes_are_drives() const override { return true; }
-  bool touches_with_nozzle() const override { return false; }
-};
-
 const std::array kKinds = {
     CartesianKind, DeltaKind, TripleZKind, ZStationKind, MotorStageKind, CoreXyKind};
 
 }  // namespace
-
-const MachineKind* CartesianKind() {
-  static const Cartesian kind;
-  return &kind;
-}
 
 std::vector<const MachineKind*> AllMachineKinds() {
   std::vector<const MachineKind*> kinds;

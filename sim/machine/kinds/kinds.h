@@ -10,6 +10,8 @@ class MachineKind;
 
 /// @name Every kind there is
 const MachineKind* CartesianKind();
+/// `kinematics: cartesian` with `beam:`.
+const MachineKind* GantryOfTwoMotorsKind();
 const MachineKind* DeltaKind();
 const MachineKind* TripleZKind();
 const MachineKind* ZStationKind();

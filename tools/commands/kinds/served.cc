@@ -7,9 +7,9 @@
 
 #include "scenarios/kinds/delta_g33.h"
 #include "sim/base/input_error.h"
+#include "sim/kinds/cartesian/corners.h"
 #include "sim/kinds/cartesian/klipper.h"
 #include "sim/kinds/cartesian/linuxcnc.h"
-#include "sim/kinds/cartesian/stepped.h"
 #include "sim/kinds/delta/klipper.h"
 #include "sim/kinds/delta/linuxcnc.h"
 #include "sim/kinds/delta/twin.h"
@@ -53,9 +53,7 @@ std::unique_ptr<Board> GantryBoard(const fs::path&, const TwinOptions& options) 
               .effects = config.effects,
               .probe_sigma_mm = ProbeSigma_mm(options.instruments)};
   built.Prepare();
-  return std::make_unique<PlantBoard>(
-      WiringOfGantry(config.machine),
-      std::make_unique<SteppedGantry>(std::move(built), config.seed));
+  return BoardOfGantry(built, config.seed);
 }
 
 Served Delta(const fs::path& file,

@@ -25,7 +25,7 @@ import time
 import linuxcnc
 
 GLANCE_s = 0.002
-PATIENCE_s = 10
+PATIENCE_s = 7
 COMMENT = re.compile(r"\([^)]*\)|;.*")
 PROBING = re.compile(r"(?<![A-Z#<_])G\s*0*38\s*\.\s*[2-5]", re.IGNORECASE)
 END = re.compile(r"(?<![A-Z#<_])M\s*0*(2|30)(?!\s*[0-9.])", re.IGNORECASE)

@@ -152,7 +152,15 @@ Reply MarlinDelta::Obey(const GcodeCommand& command) {
                                   steps_per_mm_[1],
                                   steps_per_mm_[2])}};
   }
-  if (command.Is('M', 400) || command.Is('G', 90) || command.Is('G', 21)) return {};
+  if (command.Is('G', 90) || command.Is('G', 91)) {
+    is_relative_ = command.code == 91;
+    return {};
+  }
+  // The moves behind it would go elsewhere: not known is not enough.
+  if (command.Is('G', 92) || command.Is('G', 20)) {
+    return Refusal(command.Name() + " is not part of this machine");
+  }
+  if (command.Is('M', 400) || command.Is('G', 21)) return {};
   return {.lines = {fmt::format("echo:Unknown command: \"{}\"", command.Name())}};
 }
 
@@ -253,10 +261,13 @@ Reply MarlinDelta::Move(const GcodeCommand& command) {
   Vec3<double> to = at_mm_;
   constexpr std::string_view kLetters = "XYZ";
   for (int i = 0; i < 3; ++i) {
-    to[i] = command.Number(kLetters[static_cast<std::size_t>(i)]).value_or(to[i]);
+    const auto word_mm = command.Number(kLetters[static_cast<std::size_t>(i)]);
+    if (word_mm) to[i] = is_relative_ ? to[i] + *word_mm : *word_mm;
   }
-  if (!DeltaMotors_mm(settings_, to).allFinite())
-    return Refusal("Destination out of reach");
+  const Vec3<double> travel_mm = DeltaMotors_mm(settings_, to);
+  if (!travel_mm.allFinite() || travel_mm.minCoeff() < -kAtEnd_mm) {
+    return Refusal("Destination out of reach");  // Of the rods, or above the endstops.
+  }
   Go(settings_, at_mm_, to, kTravel_mm_s);
   time_s_ += (to - at_mm_).norm() / kTravel_mm_s;
   at_mm_ = to;

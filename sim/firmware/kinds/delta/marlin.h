@@ -23,8 +23,9 @@ namespace caltwin {
 DeltaModel<double> AsMarlinHasIt(const DeltaModel<double>& settings);
 
 /// A controller that understands Marlin's dialect as far as a delta's calibration needs
-/// it: G0 G1 G28 G30 G33 M92 M114 M115 M119 M400 M420 M421 M500-M503 M665 M666 M851.
-/// Anything else is answered as Marlin does, `echo:Unknown command: "..."`. Touches are
+/// it: G0 G1 G28 G30 G33 G90 G91 M92 M114 M115 M119 M400 M420 M421 M500-M503 M665 M666
+/// M851. Anything else is answered as Marlin does, `echo:Unknown command: "..."`, but
+/// G20 and G92, without which later moves would go elsewhere, are refused. Touches are
 /// not lifted by the mesh.
 class MarlinDelta final : public EmulatedController {
  public:
@@ -100,6 +101,7 @@ class MarlinDelta final : public EmulatedController {
   Witness witness_{};
   Motors steps_ = Motors::Zero(kNumTowers);  ///< Where the motors were told to be.
   bool is_homed_ = false;
+  bool is_relative_ = false;  ///< G91.
   Vec3<double> at_mm_ = Vec3<double>::Zero();
   Vec3<double> probe_offset_mm_ = Vec3<double>::Zero();
   static constexpr int kMeshNodes = 7;

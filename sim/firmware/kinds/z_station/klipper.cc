@@ -61,6 +61,24 @@ constexpr std::array kNumbers = {"X",
                                  "SAMPLE_RETRACT_DIST",
                                  "SAMPLES"};
 
+// "G1X5Y5" is three words to Klipper; names such as GET_POSITION are one.
+std::string Spaced(std::string_view line) {
+  const std::size_t start = line.find_first_not_of(" \t");
+  const auto is_alpha = [](char c) {
+    return std::isalpha(static_cast<unsigned char>(c)) != 0;
+  };
+  if (start == std::string_view::npos || start + 1 >= line.size() ||
+      !is_alpha(line[start]) || is_alpha(line[start + 1]) || line[start + 1] == '_') {
+    return std::string(line);
+  }
+  std::string spaced;
+  for (const char c : line) {
+    if (is_alpha(c)) spaced += ' ';
+    spaced += c;
+  }
+  return spaced;
+}
+
 double Average(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0) /
          static_cast<double>(values.size());
@@ -87,12 +105,15 @@ Reply KlipperRefusal(const std::string& text) {
 }
 
 Reply KlipperZ::Execute(std::string_view line) {
-  std::istringstream text{std::string(line.substr(0, line.find(';')))};
+  std::istringstream text{Spaced(line.substr(0, line.find(';')))};
   std::string command;
   if (!(text >> command)) return {};
   command = Upper(command);
   Words words;
-  for (std::string word; text >> word;) words.insert(WordOf(word));
+  for (std::string word; text >> word;) {
+    auto [key, value] = WordOf(word);
+    words.insert_or_assign(std::move(key), std::move(value));  // The last one counts.
+  }
   for (const char* key : kNumbers) {
     const auto word = words.find(key);
     // G28 Z names an axis.
@@ -101,6 +122,10 @@ Reply KlipperZ::Execute(std::string_view line) {
       return KlipperRefusal(fmt::format(
           "Error on '{}': unable to parse {}", std::string(line), word->second));
     }
+  }
+  const bool moves = command == "G0" || command == "G1";
+  if (moves && NumberOf(words, "F").value_or(1) <= 0) {
+    return KlipperRefusal(fmt::format("Invalid speed in '{}'", line));
   }
   return Obey(command, words);
 }
@@ -130,7 +155,12 @@ Reply KlipperZ::Obey(const std::string& command, const Words& words) {
   if (command == "M104" || command == "M140" || command == "M141") {
     return Heat(command, words);
   }
-  if (command == "G90" || command == "M400") return {};
+  if (command == "G90" || command == "G91") {
+    is_relative_ = command == "G91";
+    return {};
+  }
+  if (command == "M114") return GcodePosition();
+  if (command == "G21" || command == "M400") return {};
   return KlipperRefusal(fmt::format("Unknown command:\"{}\"", command));
 }
 
@@ -163,6 +193,9 @@ std::optional<std::string> KlipperZ::Lacks(ZTouch touch) const {
   if (touch != ZTouch::kNozzleOnSwitch && !is_attached_) {
     return "Probe is not attached: call ATTACH_PROBE";
   }
+  if (touch == ZTouch::kProbeOnBed && rests_at_mm_ && z_mm_ <= *rests_at_mm_) {
+    return "Probe triggered prior to movement";
+  }
   return std::nullopt;
 }
 
@@ -170,6 +203,7 @@ Reply KlipperZ::Home() {
   const auto trigger = plant_->Touch(ZTouch::kNozzleOnSwitch, at_mm_);
   if (!trigger) return KlipperRefusal("No trigger on z after full movement");
   is_homed_ = true;
+  rests_at_mm_.reset();
   zero_mm_ = *trigger - config_.position_endstop_mm;
   z_mm_ = config_.position_endstop_mm + kClear_mm;
   now_.at_s += kHoming_s;
@@ -185,11 +219,14 @@ bool KlipperZ::IsInRange(const Eigen::Vector2d& place_mm, double z_mm) const {
 
 Reply KlipperZ::Move(const Words& words) {
   if (!is_homed_) return KlipperRefusal("Must home axis first");
-  const double gcode_mm = z_mm_ - offset_mm_ - Mesh_mm(at_mm_);
-  const Eigen::Vector2d to_place_mm(NumberOf(words, "X").value_or(at_mm_[0]),
-                                    NumberOf(words, "Y").value_or(at_mm_[1]));
-  const double to_mm =
-      NumberOf(words, "Z").value_or(gcode_mm) + offset_mm_ + Mesh_mm(to_place_mm);
+  const auto target_mm = [&](const char* letter, double here_mm) {
+    const auto word_mm = NumberOf(words, letter);
+    if (!word_mm) return here_mm;
+    return is_relative_ ? here_mm + *word_mm : *word_mm;
+  };
+  const Eigen::Vector2d to_place_mm(target_mm("X", at_mm_[0]),
+                                    target_mm("Y", at_mm_[1]));
+  const double to_mm = target_mm("Z", GcodeZ_mm()) + offset_mm_ + Mesh_mm(to_place_mm);
   if (!IsInRange(to_place_mm, to_mm)) return OutOfRange(to_place_mm, to_mm);
   Travel(to_place_mm);
   now_.at_s += std::abs(to_mm - z_mm_) / kTravel_mm_s;
@@ -201,6 +238,7 @@ std::optional<double> KlipperZ::TouchOnce(ZTouch touch, const Way& way) {
   const auto trigger = plant_->Touch(touch, at_mm_);
   if (!trigger) return std::nullopt;
   const double at_mm = *trigger - zero_mm_;
+  rests_at_mm_.reset();
   now_.at_s += std::abs(z_mm_ - at_mm) / way.down_mm_s + way.up_mm / way.up_mm_s;
   z_mm_ = at_mm + way.up_mm;
   touched_.push_back({.touch = touch,
@@ -283,17 +321,26 @@ Reply KlipperZ::ProbeBed() {
   std::string error;
   const auto at = Touch(ZTouch::kProbeOnBed, &error);
   if (!at) return KlipperRefusal(error);
+  z_mm_ = touched_.back().height_mm;  // Nobody lifts it after the last sample.
+  rests_at_mm_ = z_mm_;
   return {.lines = {fmt::format("Result is z={:.6f}", *at)}};
 }
 
 Reply KlipperZ::SetOffset(const Words& words) {
   double offset_mm = offset_mm_;
+  for (const char* word : {"X", "Y", "X_ADJUST", "Y_ADJUST"}) {
+    if (words.contains(word)) {
+      return KlipperRefusal(
+          fmt::format("SET_GCODE_OFFSET {} is not part of this station", word));
+    }
+  }
   if (const auto z = NumberOf(words, "Z")) {
     offset_mm = *z;  // Klipper does not look at Z_ADJUST beside it.
   } else if (const auto by = NumberOf(words, "Z_ADJUST")) {
     offset_mm += *by;
   }
   if (NumberOf(words, "MOVE").value_or(0) == 1) {
+    if (!is_homed_) return KlipperRefusal("Must home axis first");
     const double to_mm = z_mm_ + offset_mm - offset_mm_;
     if (!IsInRange(at_mm_, to_mm)) return OutOfRange(at_mm_, to_mm);
     z_mm_ = to_mm;
@@ -317,6 +364,16 @@ Reply KlipperZ::Dock(bool attaches) {
   now_.at_s += kDock_s;
   is_attached_ = attaches;
   return {};
+}
+
+double KlipperZ::GcodeZ_mm() const {
+  return z_mm_ - offset_mm_ - Mesh_mm(at_mm_);
+}
+
+Reply KlipperZ::GcodePosition() const {
+  return {
+      .lines = {fmt::format(
+          "X:{:.3f} Y:{:.3f} Z:{:.3f} E:0.000", at_mm_[0], at_mm_[1], GcodeZ_mm())}};
 }
 
 Reply KlipperZ::GetPosition() const {

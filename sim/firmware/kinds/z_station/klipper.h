@@ -82,12 +82,12 @@ struct ZTouched {
 };
 
 /// The dozen commands of Klipper, with its z_calibration extension, that set a nozzle's
-/// height: G28 G0 G1 G90 M400 M104 M140 M141 GET_POSITION SET_GCODE_OFFSET PROBE
-/// PROBE_ACCURACY CALIBRATE_Z PROBE_Z_ACCURACY ATTACH_PROBE DETACH_PROBE
-/// BED_MESH_CALIBRATE BED_MESH_CLEAR. Refuses what the extension refuses: a negative
-/// switch_offset, a virtual endstop, a mesh without a point of reference, an endstop or
-/// bed probed without what it needs. Places are those of the probe: its offset from the
-/// nozzle in x and y is the firmware's own affair.
+/// height: G28 G0 G1 G21 G90 G91 M114 M400 M104 M140 M141 GET_POSITION
+/// SET_GCODE_OFFSET PROBE PROBE_ACCURACY CALIBRATE_Z PROBE_Z_ACCURACY ATTACH_PROBE
+/// DETACH_PROBE BED_MESH_CALIBRATE BED_MESH_CLEAR. Refuses what the extension refuses:
+/// a negative switch_offset, a virtual endstop, a mesh without a point of reference, an
+/// endstop or bed probed without what it needs. Places are those of the probe: its
+/// offset from the nozzle in x and y is the firmware's own affair.
 class KlipperZ final : public EmulatedController {
  public:
   KlipperZ(const ZCalibrationConfig& config, ZStationPlant* plant)
@@ -128,6 +128,8 @@ class KlipperZ final : public EmulatedController {
   Reply Accuracy(ZTouch touch, const Words& words);
   Reply SetOffset(const Words& words);
   Reply GetPosition() const;
+  Reply GcodePosition() const;
+  double GcodeZ_mm() const;  ///< As G-code has it: without offset and mesh.
   Reply ProbeBed();
   Reply CalibrateMesh();
   Reply Dock(bool attaches);
@@ -142,8 +144,10 @@ class KlipperZ final : public EmulatedController {
   ZCalibrationConfig config_;
   ZStationPlant* plant_;
   bool is_homed_ = false, is_attached_ = false, is_calibrating_ = false;
-  double zero_mm_ = 0;  ///< Carriage less kinematic height, by homing.
-  double z_mm_ = 0;     ///< Kinematic.
+  bool is_relative_ = false;
+  double zero_mm_ = 0;                   ///< Carriage less kinematic height, by homing.
+  double z_mm_ = 0;                      ///< Kinematic.
+  std::optional<double> rests_at_mm_{};  ///< Where PROBE left the knob on the bed.
   double offset_mm_ = 0;
   Eigen::Vector2d at_mm_;
   std::vector<double> mesh_mm_{};  ///< By point; empty: none in force.

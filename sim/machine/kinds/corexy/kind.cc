@@ -1,5 +1,6 @@
 #include <array>
 
+#include "sim/machine/kinds/corexy/drawing.h"
 #include "sim/machine/kinds/kinds.h"
 #include "sim/machine/machine_kind.h"
 
@@ -60,6 +61,27 @@ void ReadBelt(YamlMap map, AxisDrawing* drive) {
   map.NoMoreKeys();
 }
 
+// A gantry that hangs on a motor of Z at each corner.
+void ReadCorners(YamlMap gantry, Machine* machine) {
+  const auto corners = gantry.Required("corners_mm");
+  gantry.NoMoreKeys();
+  if (!corners) return;
+  constexpr double kFar_mm = 1e5;
+  const auto list = corners->List();
+  if (list.size() != 2) {
+    corners->Fail("are not two places", "as in `corners_mm: [[-60, -10], [360, 370]]`");
+    return;
+  }
+  const auto low = list[0].Numbers(2, {-kFar_mm, kFar_mm});
+  const auto high = list[1].Numbers(2, {-kFar_mm, kFar_mm});
+  if (low[0] >= high[0] || low[1] >= high[1]) {
+    corners->Fail("have the second not behind and right of the first",
+                  "the corner of the motor `stepper_z` first");
+    return;
+  }
+  machine->own = CornersDrawing{{low[0], low[1]}, {high[0], high[1]}};
+}
+
 // Two belts, A and B, move the head: A alone along one diagonal, B alone along the
 // other. What `axes.x` says of pulley and motor is A's, `axes.y` B's, as in Klipper's
 // [stepper_x] and [stepper_y]; `axes.a` and `axes.b` may say so too.
@@ -82,9 +104,12 @@ class CoreXy : public MachineKind {
   bool has_other_effects() const override { return true; }
 
   void ReadDrawing(YamlMap* map, Machine* machine) const override {
-    if (!map->Has("screws")) return;
-    machine->kind = CoreXyOnScrewsKind();
-    machine->kind->ReadDrawing(map, machine);
+    if (map->Has("screws")) {
+      machine->kind = CoreXyOnScrewsKind();
+      machine->kind->ReadDrawing(map, machine);
+    } else if (const auto gantry = map->Optional("gantry")) {
+      ReadCorners(gantry->Map(), machine);
+    }
   }
   void ReadAxes(YamlMap* map, Machine* machine) const override {
     const auto axes = map->Required("axes");

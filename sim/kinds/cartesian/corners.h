@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "sim/kinds/cartesian/stepped.h"
+#include "sim/machine/kinds/corexy/drawing.h"
+
+namespace caltwin {
+
+/// A CoreXY whose gantry hangs on four motors of Z, in closed form, its motors stepped
+/// one by one: X, Y, Z, Z1, Z2, Z3. The first of Z has a switch; the others follow from
+/// where they stand.
+class SteppedCorners final : public SteppedPlant {
+ public:
+  /// The machine has a CornersDrawing.
+  SteppedCorners(Built built, std::uint64_t seed);
+
+  bool Acts(const PinSensor& sensor, const Motors& steps) override;
+  void Follow(const Motors& steps) override { gantry_.Follow(AsOne(steps)); }
+  void Arm(const PinSensor& sensor) override { gantry_.Arm(sensor); }
+
+ private:
+  /// The same with one motor of Z, that has the head as high where it is.
+  Motors AsOne(const Motors& steps) const;
+
+  Machine machine_;
+  SteppedGantry gantry_;
+};
+
+/// How it is wired: as WiringOfGantry, and Z1 to Z3. When it is switched on its corners
+/// stand up to 2 mm apart.
+Wiring WiringOfCorners(const Machine& machine);
+
+/// A board with such a machine on it, or with a gantry that has one motor of Z.
+std::unique_ptr<PlantBoard> BoardOfGantry(const Built& built, std::uint64_t seed);
+
+/// Three motors more of Z, and [quad_gantry_level].
+std::string CornersCfg(const Machine& machine);
+
+/// How uneven the ball stands over the table with the motors there, as the plant counts
+/// them: rms about the mean of 49 places, nine tenths of the travel wide [mm].
+double FlatnessOfCorners_mm(const Built& built, const Motors& steps);
+
+}  // namespace caltwin
