@@ -148,7 +148,7 @@ if [[ ${1:-} == --controllers ]]; then
   install_packages "${packages[@]}" gcc libc6-dev python3-venv "${@:2}"
   install_mujoco
   install_controllers
-  install_moonraker
+  install_moonraker || echo "setup: without Moonraker its test is skipped" >&2
   install_packages linuxcnc-uspace linuxcnc-uspace-dev ||
     echo "setup: there is no LinuxCNC for this system: its tests are skipped" >&2
 else

@@ -68,6 +68,23 @@ def repeats(caltwin, folder):
     claim(all(one == first for one in busy), f"{REPEATS} on a busy computer too")
 
 
+def killed_study(caltwin, folder):
+    """A study by the shipped engine that was killed goes on, and ends as one that was not."""
+    study = folder / "study.yaml"
+    text = (ROOT / "scenarios/studies/delta_by_kalico.yaml").read_text()
+    study.write_text(text.replace("trials: 200", "trials: 8").replace("..", str(ROOT / "scenarios")))
+    whole = [caltwin, "study", study, "--out", folder / "whole"]
+    subprocess.run(whole, check=True, stdout=subprocess.DEVNULL, timeout=200)
+    parts = [caltwin, "study", study, "--out", folder / "parts", "--resume"]
+    child = subprocess.Popen(parts, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    time.sleep(4)
+    child.kill()
+    child.wait()
+    subprocess.run(parts, check=True, stdout=subprocess.DEVNULL, timeout=200)
+    same = (folder / "whole/trials.csv").read_bytes() == (folder / "parts/trials.csv").read_bytes()
+    claim(same, "a killed study of 8 machines goes on and ends as one that was not killed")
+
+
 def hosts_of(caltwin_pid):
     """The hosts that it has started."""
     found = subprocess.run(["ps", "--ppid", str(caltwin_pid), "-o", "pid="], capture_output=True, text=True, check=False)
@@ -149,6 +166,7 @@ def main(caltwin, host):
     with tempfile.TemporaryDirectory() as name:
         run_all(caltwin)
         repeats(caltwin, Path(name))
+        killed_study(caltwin, Path(name))
         killings(caltwin)
         broken_plugin(caltwin, host, Path(name))
     return 1 if faults else 0
