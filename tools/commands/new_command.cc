@@ -48,7 +48,7 @@ int NewMachine(const NewAsked& options) {
   const Machine machine = ReadMachine(like);
   WriteTextFile(
       file,
-      machine.kind->axes_are_drives()
+      machine.kind->axes_are_drives() && !machine.own.has_value()
           ? StarterText(machine, options.name)
           : StarterLike(ReadTextFile(like, kLargestFile_bytes), options.name));
   std::cout << fmt::format(

@@ -116,36 +116,15 @@ Reply MarlinDelta::Obey(const GcodeCommand& command) {
   if (command.Is('M', 851)) return SetProbeOffset(command);
   if (command.Is('M', 420)) return SwitchMesh(command);
   if (command.Is('M', 421)) return SetMeshPoint(command);
-  if (command.Is('M', 500)) {
-    stored_ = settings_;
-    return {.lines = {"echo:Settings Stored (614 bytes; crc 0)"}};
-  }
-  if (command.Is('M', 501)) {
-    Take(stored_);
-    return {.lines = {"echo:V83 stored settings retrieved (614 bytes; crc 0)"}};
-  }
-  if (command.Is('M', 502)) {
-    Take(drawn_);
-    return {.lines = {"echo:Hardcoded Default Settings Loaded"}};
+  if (command.code >= 500 && command.code <= 502 && command.letter == 'M') {
+    return Keep(command.code);
   }
   if (command.Is('M', 503)) return Report();
   if (command.Is('M', 115)) {
     return {.lines = {"FIRMWARE_NAME:Marlin (caltwin) PROTOCOL_VERSION:1.0 "
                       "MACHINE_TYPE:Delta EXTRUDER_COUNT:1"}};
   }
-  if (command.Is('M', 119)) {
-    // Backed off, a switch is open again.
-    const auto end = [&](std::size_t i) {
-      const bool is_home = is_homed_ && at_mm_[2] >= height_mm_ - kAtEnd_mm;
-      const bool is_at_end = settings_.endstop_mm[i] - height_mm_ < kAtEnd_mm;
-      return is_home && is_at_end ? "TRIGGERED" : "open";
-    };
-    return {.lines = {"Reporting endstop status",
-                      fmt::format("x_max: {}", end(0)),
-                      fmt::format("y_max: {}", end(1)),
-                      fmt::format("z_max: {}", end(2)),
-                      "z_probe: open"}};
-  }
+  if (command.Is('M', 119)) return Switches();
   if (command.Is('M', 92)) {
     return {.lines = {fmt::format("echo: M92 X{:.2f} Y{:.2f} Z{:.2f}",
                                   steps_per_mm_[0],
@@ -162,6 +141,31 @@ Reply MarlinDelta::Obey(const GcodeCommand& command) {
   }
   if (command.Is('M', 400) || command.Is('G', 21)) return {};
   return {.lines = {fmt::format("echo:Unknown command: \"{}\"", command.Name())}};
+}
+
+Reply MarlinDelta::Keep(int code) {
+  if (code == 500) {
+    stored_ = settings_;
+    return {.lines = {"echo:Settings Stored (614 bytes; crc 0)"}};
+  }
+  Take(code == 501 ? stored_ : drawn_);
+  return {.lines = {code == 501
+                        ? "echo:V83 stored settings retrieved (614 bytes; crc 0)"
+                        : "echo:Hardcoded Default Settings Loaded"}};
+}
+
+Reply MarlinDelta::Switches() const {
+  // Backed off, a switch is open again.
+  const auto end = [&](std::size_t i) {
+    const bool is_home = is_homed_ && at_mm_[2] >= height_mm_ - kAtEnd_mm;
+    const bool is_at_end = settings_.endstop_mm[i] - height_mm_ < kAtEnd_mm;
+    return is_home && is_at_end ? "TRIGGERED" : "open";
+  };
+  return {.lines = {"Reporting endstop status",
+                    fmt::format("x_max: {}", end(0)),
+                    fmt::format("y_max: {}", end(1)),
+                    fmt::format("z_max: {}", end(2)),
+                    "z_probe: open"}};
 }
 
 void MarlinDelta::Take(const DeltaModel<double>& settings) {

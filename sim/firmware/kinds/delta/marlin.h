@@ -69,6 +69,8 @@ class MarlinDelta final : public EmulatedController {
  private:
   void Take(const DeltaModel<double>& settings);
   Reply Obey(const GcodeCommand& command);
+  Reply Keep(int code);    ///< M500 to M502.
+  Reply Switches() const;  ///< M119.
   /// The motors for a place of the nozzle, in steps.
   Motors StepsAt(const DeltaModel<double>& settings,
                  const Vec3<double>& nozzle_mm) const;
