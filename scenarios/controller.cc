@@ -30,6 +30,9 @@ std::vector<std::string> LinesAndActs(const YamlValue& value,
   for (const YamlValue& line : value.List()) {
     if (!line.is_map()) {
       lines.push_back(line.Text());
+      if (lines.back().starts_with(kPersonDoes)) {
+        line.Fail("is no line for the host", "`- person: ...` without quotes");
+      }
       continue;
     }
     YamlMap by = line.Map();

@@ -17,6 +17,7 @@
 #include "calibration/kinds/delta/klipper_descent.h"
 #include "calibration/kinds/delta/rrf_least_squares.h"
 #include "calibration/kinds/delta/settings.h"
+#include "scenarios/host_lost.h"
 #include "scenarios/interrupt.h"
 #include "scenarios/kinds/delta_shipped.h"
 #include "scenarios/study/summary.h"
@@ -243,9 +244,16 @@ DeltaComparison CompareDelta(int machines,
     const DeltaCase machine = RandomDelta(seed, i);
     const std::uint64_t touch_seed =
         Rng(seed, static_cast<std::uint64_t>(i), "compare.delta.touch").Next();
-    for (std::size_t k = 0; k < rivals.size(); ++k) {
-      trials[k].push_back(Try(*rivals[k], machine, touch_seed));
+    std::vector<Trial> here;
+    try {
+      for (const DeltaRival* rival : rivals) {
+        here.push_back(Try(*rival, machine, touch_seed));
+      }
+    } catch (const HostLost&) {
+      if (!InterruptRequested()) throw;
+      break;  // Machines that all engines have done stay.
     }
+    for (std::size_t k = 0; k < rivals.size(); ++k) trials[k].push_back(here[k]);
     ++comparison.machines;
   }
   comparison.is_interrupted = comparison.machines < machines;

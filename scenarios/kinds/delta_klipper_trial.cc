@@ -41,7 +41,14 @@ DeltaKlipperTrial::DeltaKlipperTrial(const Machine& machine,
 }
 
 Expected<std::vector<std::string>> DeltaKlipperTrial::PersonDoes(std::string_view act) {
-  if (act == kMeasuredPrint) return Typed(PrintAsMeasured());
+  if (act == kMeasuredPrint) {
+    // What is not homed cannot print.
+    if (const auto refusal = Typed({"G1 X0 Y0 Z10 F3000"}); !refusal) return refusal;
+    const auto lines = PrintAsMeasured();
+    if (lines) return Typed(*lines);
+    return tl::unexpected(MachineFault{MachineFault::Kind::kRefused,
+                                       "it does not reach where the print would be"});
+  }
   if (act == kFeelerGauge) return GaugeUnderNozzle(/*is_taken_off=*/true);
   if (act == kPaperTest) return GaugeUnderNozzle(/*is_taken_off=*/false);
   return KlipperTrial::PersonDoes(act);
@@ -75,12 +82,19 @@ Expected<std::vector<std::string>> DeltaKlipperTrial::GaugeUnderNozzle(
     if (said) all.insert(all.end(), said->begin(), said->end());
     return said;
   };
-  for (int i = 0; i < kMostLooks; ++i) {
+  bool is_felt = false;
+  for (int i = 0; i < kMostLooks && !is_felt; ++i) {
     const auto over_mm = NozzleOverBed_mm();
     if (!over_mm) break;
     const double by_mm = stops_at_mm - *over_mm;
+    is_felt = std::abs(by_mm) < kFelt_mm;
     if (std::abs(by_mm) < kTypes_mm) break;
     if (const auto said = type(by_mm); !said) return said;
+  }
+  if (!is_felt) {
+    return tl::unexpected(
+        MachineFault{MachineFault::Kind::kRefused,
+                     "the gauge does not come to fit under the nozzle"});
   }
   if (is_taken_off) {
     if (const auto said = type(-kGauge_mm); !said) return said;
@@ -89,7 +103,7 @@ Expected<std::vector<std::string>> DeltaKlipperTrial::GaugeUnderNozzle(
 }
 
 // A pillar's width is read like any distance, and taken off again by the host.
-std::vector<std::string> DeltaKlipperTrial::PrintAsMeasured() {
+std::optional<std::vector<std::string>> DeltaKlipperTrial::PrintAsMeasured() {
   constexpr double kPillar_mm = 9;
   constexpr std::size_t kSpokes = 6, kCentreWidths = 3;
   const DeltaModel<double> believed = DeltaBelievedBy(host()->Config());
@@ -110,7 +124,8 @@ std::vector<std::string> DeltaKlipperTrial::PrintAsMeasured() {
   for (const KlipperRidge& ridge : KlipperPrint()) {
     const auto mm =
         calliper_.Between_mm(motors_at(ridge.first_mm), motors_at(ridge.second_mm));
-    dists.push_back(read(mm.value_or(0) + kPillar_mm));
+    if (!mm) return std::nullopt;
+    dists.push_back(read(*mm + kPillar_mm));
   }
   const auto widths = [&](std::size_t num) {
     std::vector<std::string> texts;
@@ -120,7 +135,7 @@ std::vector<std::string> DeltaKlipperTrial::PrintAsMeasured() {
     return texts;
   };
   const std::span<const std::string> all(dists);
-  return {
+  return std::vector{
       fmt::format("DELTA_ANALYZE CENTER_DISTS={}", fmt::join(all.first(kSpokes), ",")),
       fmt::format("DELTA_ANALYZE CENTER_PILLAR_WIDTHS={}",
                   fmt::join(widths(kCentreWidths), ",")),

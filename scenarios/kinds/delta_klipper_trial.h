@@ -43,7 +43,8 @@ class DeltaKlipperTrial final : public KlipperTrial {
   Expected<std::vector<std::string>> GaugeUnderNozzle(bool is_taken_off);
   /// The nozzle's height over the bed; nullopt: the host is not there, or lost.
   std::optional<double> NozzleOverBed_mm();
-  std::vector<std::string> PrintAsMeasured();
+  /// What is typed of it; nullopt: the machine does not reach there.
+  std::optional<std::vector<std::string>> PrintAsMeasured();
 
   Machine machine_;
   BuiltDelta built_;

@@ -23,7 +23,8 @@ DeltaModel<double> DeltaBelievedBy(const std::string& printer_cfg) {
 DeltaOutcome CalibrateByKalico(const BuiltDelta& built,
                                double radius_mm,
                                std::uint64_t seed) {
-  const Machine machine = ReadMachine(FindMachine("delta_printer", ".", {}));
+  const Machine machine =
+      ReadMachine(ShareFolder() / "models/delta_printer/machine.yaml");
   PlantBoard board(
       WiringOfDelta(machine),
       std::make_unique<SteppedDelta>(machine, built, /*is_physics=*/false, seed));

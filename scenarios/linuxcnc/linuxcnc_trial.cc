@@ -9,6 +9,7 @@
 
 #include "scenarios/position_error.h"
 #include "sim/base/units.h"
+#include "sim/firmware/stepped_plant.h"
 
 namespace caltwin {
 namespace {
@@ -61,6 +62,9 @@ Expected<std::vector<std::string>> LinuxCncLink::Send(
     return Lines(line == kRunProgram
                      ? host_->Program(asked_.program_name, asked_.program)
                      : host_->Mdi(line));
+  } catch (const Jammed& jammed) {
+    has_failed_ = true;
+    return tl::unexpected(MachineFault{Kind::kAlarm, jammed.what()});
   } catch (const HostLost& lost) {
     has_failed_ = true;
     return tl::unexpected(MachineFault{Kind::kLinkLost, lost.what()});

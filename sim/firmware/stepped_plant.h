@@ -1,8 +1,16 @@
 #pragma once
 
+#include <stdexcept>
+
 #include "sim/firmware/plant.h"
 
 namespace caltwin {
+
+/// The motors were sent where no such machine can be; `what()` says so.
+class Jammed : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
 
 /// What a controller's pin can be wired to.
 struct PinSensor {
@@ -20,7 +28,7 @@ class SteppedPlant {
   /// Whether the sensor acts, the motors having come to `steps` straight from where
   /// they were last followed to. Changes nothing that a later answer depends on.
   virtual bool Acts(const PinSensor& sensor, const Motors& steps) = 0;
-  /// The motors have come straight to there.
+  /// The motors have come straight to there. May throw Jammed.
   virtual void Follow(const Motors& steps) = 0;
   /// A watch on it begins: chance is drawn for its next trigger.
   virtual void Arm(const PinSensor& sensor) = 0;

@@ -4,10 +4,12 @@ Every scenario of scenarios/klipper meets what it expects; the same run gives th
 an idle computer and on a busy one; whoever is killed, nothing of the other is left. Ends with 77 where there is no host.
 """
 
+import contextlib
 import json
 import os
 import shutil
 import signal
+import sqlite3
 import subprocess
 import sys
 import tempfile
@@ -68,6 +70,14 @@ def repeats(caltwin, folder):
     claim(all(one == first for one in busy), f"{REPEATS} on a busy computer too")
 
 
+def trials_in(study):
+    try:
+        with contextlib.closing(sqlite3.connect(f"file:{study}?mode=ro", uri=True)) as kept:
+            return kept.execute("select count(*) from trials").fetchone()[0]
+    except sqlite3.Error:
+        return 0  # Not there yet, or just being written.
+
+
 def killed_study(caltwin, folder):
     """A study by the shipped engine that was killed goes on, and ends as one that was not."""
     study = folder / "study.yaml"
@@ -77,9 +87,13 @@ def killed_study(caltwin, folder):
     subprocess.run(whole, check=True, stdout=subprocess.DEVNULL, timeout=200)
     parts = [caltwin, "study", study, "--out", folder / "parts", "--resume"]
     child = subprocess.Popen(parts, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    time.sleep(4)
+    until = time.monotonic() + 100
+    while not 0 < trials_in(folder / "parts/study.sqlite") < 8 and time.monotonic() < until:
+        time.sleep(0.02)
     child.kill()
     child.wait()
+    done = trials_in(folder / "parts/study.sqlite")
+    claim(0 < done < 8, f"killed after {done} of 8 machines")
     subprocess.run(parts, check=True, stdout=subprocess.DEVNULL, timeout=200)
     same = (folder / "whole/trials.csv").read_bytes() == (folder / "parts/trials.csv").read_bytes()
     claim(same, "a killed study of 8 machines goes on and ends as one that was not killed")

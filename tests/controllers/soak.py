@@ -63,6 +63,7 @@ class Soak:
         print(f"{self.name}: NOT {text}", flush=True)
 
     def begin(self):
+        self.out.unlink(missing_ok=True)
         return subprocess.Popen([str(word) for word in self.words], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
                                 text=True, env={**os.environ, "TMPDIR": str(self.temporary)})
 
@@ -80,6 +81,7 @@ class Soak:
     def whole(self):
         run = self.begin()
         said = self.end(run, "whole")
+        self.counts["whole"] += 1
         if run.returncode != 0:
             self.fault(f"a whole run ends with {run.returncode}: {said[-2000:]}")
             return
@@ -109,6 +111,7 @@ class Soak:
         # One that was not there yet, or no more, leaves a whole run to be waited for.
         if is_hit and time.monotonic() - start > LEFT_S:
             self.fault(f"a run ends {time.monotonic() - start:.1f} s after a kill of {victim}: {said[-2000:]}")
+        self.counts[victim if is_hit else "nobody there"] += 1
         wanted = {"caltwin": (0, -9), "Ctrl-C": (0, 130, -2)}.get(victim, (0, 3))
         if run.returncode not in wanted:
             self.fault(f"after a kill of {victim}: exit {run.returncode}: {said[-2000:]}")
@@ -124,11 +127,18 @@ class Soak:
                     os.kill(pid, signal.SIGKILL)
 
     def go_on(self, until):
+        try:
+            self.round_after_round(until)
+        except Exception as error:  # It would end this thread alone, and pass.
+            self.fault(repr(error))
+        for victim in {"caltwin", "Ctrl-C", *self.victims} - set(self.counts):
+            print(f"{self.name}: {victim} was never hit", flush=True)
+
+    def round_after_round(self, until):
         while time.monotonic() < until:
             how = self.random.choice(["whole", "whole", "caltwin", "Ctrl-C", *self.victims])
             self.whole() if how == "whole" else self.killed(how)
             self.nothing_left(how)
-            self.counts[how] += 1
         # What a killed run leaves in its folder the next one sweeps; the last may have been a killed one.
         self.whole()
         if litter := sorted(path.name for path in self.temporary.iterdir()):

@@ -113,6 +113,8 @@ TEST_F(MarlinDeltaTest, MovesByAsMuchAfterG91) {
 TEST_F(MarlinDeltaTest, RefusesWhatWouldSendLaterMovesElsewhere) {
   EXPECT_THAT(Lines("G92 X0"), ElementsAre("Error:G92 is not part of this machine"));
   EXPECT_TRUE(marlin_.Execute("G20").error);
+  EXPECT_TRUE(marlin_.Execute("G2 X10 I5").error);
+  EXPECT_FALSE(marlin_.Execute("G92 E0").error);
 }
 
 TEST_F(MarlinDeltaTest, AnswersWhatItDoesNotKnowAsMarlinDoes) {

@@ -78,6 +78,27 @@ TEST_F(Beam, EachMotorHasASwitchAndTheyStandApart) {
   EXPECT_FALSE(gantry.Acts(Switch(3), At(0, -50, apart_mm_ + kHair_mm)));
 }
 
+// Both come down from far above, one 0.7 mm ahead of the other; a gap of 0.1 mm lags.
+TEST_F(Beam, PlayShowsAtBothSwitchesAlike) {
+  built_.effects.push_back(
+      {.effect = EffectIndex<Backlash>(), .axis = "y", .values = {0.1}});
+  built_.Prepare();
+  SteppedGantry gantry(built_, /*seed=*/1);
+  gantry.Follow(At(0, 50, 50 + apart_mm_));
+  gantry.Follow(At(0, 5, 5 + apart_mm_));
+  // Coming down the carriage is half the gap above its motor.
+  EXPECT_FALSE(gantry.Acts(Switch(1), At(0, -0.05 + kHair_mm, apart_mm_)));
+  EXPECT_TRUE(gantry.Acts(Switch(1), At(0, -0.05 - kHair_mm, apart_mm_)));
+  EXPECT_FALSE(gantry.Acts(Switch(3), At(0, 0, apart_mm_ - 0.05 + kHair_mm)));
+  EXPECT_TRUE(gantry.Acts(Switch(3), At(0, 0, apart_mm_ - 0.05 - kHair_mm)));
+}
+
+TEST_F(Beam, JamsWhenItsEndsAreFarApart) {
+  SteppedGantry gantry(built_, /*seed=*/1);
+  gantry.Follow(At(0, 100, 117));
+  EXPECT_THROW(gantry.Follow(At(0, 100, 118)), Jammed);
+}
+
 TEST_F(Beam, TurnsAsItsMotorsComeApart) {
   SteppedGantry gantry(built_, /*seed=*/1);
   gantry.Follow(At(150, 100, 100));

@@ -15,6 +15,7 @@
 #include "scenarios/linuxcnc/host.h"
 #include "sim/base/text_file.h"
 #include "sim/controllers/linuxcnc/config.h"
+#include "sim/firmware/stepped_plant.h"
 #include "sim/machine/machine.h"
 #include "tools/commands/command.h"
 #include "tools/commands/kinds/served.h"
@@ -132,6 +133,9 @@ int Drive(Board* board, const LinuxCncOptions& options, const LinuxCncAsked& ask
     PrintSpeed(host.machine_s() - before_s,
                std::chrono::duration<double>(Now::now() - start).count());
     code = all.back().answer.done ? kPassed : kCheckFailed;
+  } catch (const Jammed& jammed) {
+    std::cerr << "caltwin: " << jammed.what() << '\n';
+    code = kCheckFailed;
   } catch (const HostLost& lost) {
     if (InterruptRequested()) {
       code = kInterrupted;
@@ -202,9 +206,11 @@ Action DeclareLinuxCnc(CLI::App* app) {
   app->add_flag("--latch",
                 options->is_latched,
                 "the card holds where the joints stood when the probe closed");
-  app->add_option("--bounce",
-                  options->bounce_ms,
-                  "so many milliseconds the probe's contact bounces once it has closed")
+  app->add_option(
+         "--bounce",
+         options->bounce_ms,
+         "so many milliseconds the probe's contact bounces once it has closed; "
+         "below a servo period nobody sees it")
       ->check(CLI::Range(0.0, 1000.0))
       ->capture_default_str();
   app->add_option("--json", options->json, "write all answers here");

@@ -6,6 +6,8 @@
 #include <string>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "sim/base/units.h"
 #include "sim/effects/catalog.h"
 #include "sim/machine/drive_map.h"
@@ -55,23 +57,26 @@ Vec3<double> SteppedGantry::Axes(const Motors& steps) {
   return axes;
 }
 
-double SteppedGantry::BeforeHome_mm(Axis axis, const Vec3<double>& steps) const {
+double SteppedGantry::BeforeHome_mm(Axis axis,
+                                    const Vec3<double>& steps,
+                                    const Vec3<double>& lag_mm) const {
   const Vec3<double> carriages_mm =
-      AxesOf(built_.drives(), built_.Motors_mm(steps) + LagAt_mm(steps));
+      AxesOf(built_.drives(), built_.Motors_mm(steps) + lag_mm);
   const AxisDrawing& drawn = built_.machine.axis(axis);
   const double off_mm = carriages_mm[Index(axis)] - drawn.home_mm();
   return drawn.home == HomeEnd::kMin ? off_mm : -off_mm;
 }
 
-bool SteppedGantry::SwitchActs(int motor, const Motors& steps) const {
+// Both ends of a beam have come the way that its middle has, so lag alike.
+bool SteppedGantry::SwitchActs(int motor, const Motors& steps) {
+  const Vec3<double> lag_mm = LagAt_mm(Axes(steps));
+  Vec3<double> ends = steps.head<3>();
   if (motor != kY1) {
-    const Vec3<double> axes = steps.head<3>();
-    return BeforeHome_mm(kAxes[static_cast<std::size_t>(motor)], axes) <= 0;
+    return BeforeHome_mm(kAxes[static_cast<std::size_t>(motor)], ends, lag_mm) <= 0;
   }
-  Vec3<double> axes = steps.head<3>();
-  axes[kY] = steps[kY1];
+  ends[kY] = steps[kY1];
   const bool is_at_min = built_.machine.axis(Axis::kY).home == HomeEnd::kMin;
-  return BeforeHome_mm(Axis::kY, axes) <= (is_at_min ? apart_mm_ : -apart_mm_);
+  return BeforeHome_mm(Axis::kY, ends, lag_mm) <= (is_at_min ? apart_mm_ : -apart_mm_);
 }
 
 bool SteppedGantry::Acts(const PinSensor& sensor, const Motors& steps) {
@@ -81,7 +86,17 @@ bool SteppedGantry::Acts(const PinSensor& sensor, const Motors& steps) {
   return clearance.distance_mm + built_.Pretravel_mm(clearance.normal) + late_mm_ <= 0;
 }
 
+void SteppedGantry::RequireUnjammed(const Motors& steps) const {
+  constexpr double kMost_rad = 0.05;
+  if (beam_ == nullptr) return;
+  const double by_mm = (steps[kY1] - steps[kY]) / built_.steps_per_mm[kY];
+  if (std::abs(by_mm) <= kMost_rad * beam_->apart_mm()) return;
+  throw Jammed(fmt::format(
+      "the beam is jammed: the motors of its ends are {:.1f} mm apart along Y", by_mm));
+}
+
 void SteppedGantry::Follow(const Motors& steps) {
+  RequireUnjammed(steps);
   const Vec3<double> to = Axes(steps);
   const Vec3<double> by_mm = built_.Drawn_mm(to) - built_.Drawn_mm(steps_);
   for (int i = 0; i < 3; ++i) {

@@ -34,11 +34,16 @@ class SteppedGantry final : public SteppedPlant {
  private:
   /// The axes' steps where the motors stand so; turns the beam with them.
   Vec3<double> Axes(const Motors& steps);
-  bool SwitchActs(int motor, const Motors& steps) const;
+  /// A beam that is turned by more than 50 mrad is jammed.
+  void RequireUnjammed(const Motors& steps) const;
+  bool SwitchActs(int motor, const Motors& steps);
   Vec3<double> LagAt_mm(const Vec3<double>& steps) const {
     return built_.LagAt_mm(lag_mm_, steps_, steps);
   }
-  double BeforeHome_mm(Axis axis, const Vec3<double>& steps) const;
+  /// `steps` of the drives, whose carriages lag so.
+  double BeforeHome_mm(Axis axis,
+                       const Vec3<double>& steps,
+                       const Vec3<double>& lag_mm) const;
 
   Built built_;
   Rng scatter_;

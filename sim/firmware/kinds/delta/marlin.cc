@@ -136,10 +136,13 @@ Reply MarlinDelta::Obey(const GcodeCommand& command) {
     return {};
   }
   // The moves behind it would go elsewhere: not known is not enough.
-  if (command.Is('G', 92) || command.Is('G', 20)) {
+  const bool shifts =
+      command.Is('G', 92) &&
+      (command.Number('X') || command.Number('Y') || command.Number('Z'));
+  if (shifts || command.Is('G', 20) || command.Is('G', 2) || command.Is('G', 3)) {
     return Refusal(command.Name() + " is not part of this machine");
   }
-  if (command.Is('M', 400) || command.Is('G', 21)) return {};
+  if (command.Is('M', 400) || command.Is('G', 21) || command.Is('G', 92)) return {};
   return {.lines = {fmt::format("echo:Unknown command: \"{}\"", command.Name())}};
 }
 

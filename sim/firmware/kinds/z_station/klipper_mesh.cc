@@ -24,6 +24,7 @@ std::optional<Eigen::Vector2d> KlipperZ::BedPoint_mm() const {
 Reply KlipperZ::CalibrateMesh() {
   if (!config_.bed_mesh)
     return KlipperRefusal("Unknown command:\"BED_MESH_CALIBRATE\"");
+  rests_at_mm_.reset();  // It lifts before its first point.
   if (const auto lacks = Lacks(ZTouch::kProbeOnBed)) return KlipperRefusal(*lacks);
   const BedMeshConfig& mesh = *config_.bed_mesh;
   mesh_mm_.clear();

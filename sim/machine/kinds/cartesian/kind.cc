@@ -29,10 +29,13 @@ class Cartesian : public MachineKind {
     const auto at = beam.Required("motors_at_x_mm");
     beam.NoMoreKeys();
     if (!at) return;
-    constexpr double kFar_mm = 1e5;
+    constexpr double kFar_mm = 1e5, kLeast_mm = 10;
+    const std::size_t faults = at->faults()->size();
     const auto places = at->Numbers(2, {-kFar_mm, kFar_mm});
-    if (places[0] >= places[1]) {
-      at->Fail("are not in ascending order", "the motor that is `y` first");
+    if (at->faults()->size() != faults) return;
+    if (places[1] - places[0] < kLeast_mm) {
+      at->Fail("are not in ascending order, 10 mm or more apart",
+               "the motor that is `y` first");
       return;
     }
     machine->kind = GantryOfTwoMotorsKind();

@@ -66,16 +66,19 @@ void ReadCorners(YamlMap gantry, Machine* machine) {
   const auto corners = gantry.Required("corners_mm");
   gantry.NoMoreKeys();
   if (!corners) return;
-  constexpr double kFar_mm = 1e5;
+  constexpr double kFar_mm = 1e5, kLeast_mm = 10;
+  const std::size_t faults = corners->faults()->size();
   const auto list = corners->List();
+  if (corners->faults()->size() != faults) return;
   if (list.size() != 2) {
     corners->Fail("are not two places", "as in `corners_mm: [[-60, -10], [360, 370]]`");
     return;
   }
   const auto low = list[0].Numbers(2, {-kFar_mm, kFar_mm});
   const auto high = list[1].Numbers(2, {-kFar_mm, kFar_mm});
-  if (low[0] >= high[0] || low[1] >= high[1]) {
-    corners->Fail("have the second not behind and right of the first",
+  if (corners->faults()->size() != faults) return;
+  if (high[0] - low[0] < kLeast_mm || high[1] - low[1] < kLeast_mm) {
+    corners->Fail("have the second not 10 mm or more behind and right of the first",
                   "the corner of the motor `stepper_z` first");
     return;
   }
