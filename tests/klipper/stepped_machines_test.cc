@@ -105,6 +105,8 @@ TEST_F(Beam, TurnsAsItsMotorsComeApart) {
   const Vec3<double> middle_mm = gantry.Tip_mm();
   EXPECT_NEAR(middle_mm[1], 100, 1e-9);
   gantry.Follow(At(250, 100, 100.35));
+  // To ask what a pin would show elsewhere turns nothing.
+  gantry.Acts(kProbe, At(250, 100, 100));
   // At x = 250 the beam is 275 of 350 mm along.
   EXPECT_NEAR(gantry.Tip_mm()[1], 100 + 0.35 * 275 / 350, 1e-9);
   EXPECT_NEAR(gantry.Tip_mm()[0], 250 - 100 * (1 - std::cos(0.001)), 1e-6);

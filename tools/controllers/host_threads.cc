@@ -52,13 +52,16 @@ void Arrive() {
   as_newcomer = nullptr;
 }
 
-// So long a newcomer is waited for, by the computer's clock.
+// Whether a newcomer is waited for: while it runs, however busy the computer is, and a
+// moment of a pause, which may be no more than a lock.
 bool IsAnyNewcomer() {
-  constexpr std::int64_t kUsual_ns = 50'000'000, kLongest_ns = 2'000'000'000;
+  constexpr std::int64_t kPause_ns = 50'000'000, kLongest_ns = 2'000'000'000;
   const std::int64_t now = ComputerTime();
-  for (const Newcomer& one : newcomers) {
-    const std::int64_t longest_ns = one.has_paused ? kUsual_ns : kLongest_ns;
-    if (one.begun_ns != 0 && now < one.begun_ns + longest_ns) return true;
+  for (Newcomer& one : newcomers) {
+    if (one.begun_ns == 0 || one.is_unseen) continue;
+    const std::int64_t longest_ns = one.is_paused ? kPause_ns : kLongest_ns;
+    if (now < one.begun_ns + longest_ns) return true;
+    one.is_unseen = true;
   }
   return false;
 }
@@ -128,7 +131,7 @@ Newcomer* ComeIn(void* (*function)(void*), void* argument) {
   const Guarded guarded;
   for (Newcomer& one : newcomers) {
     if (one.begun_ns != 0) continue;
-    one = {ComputerTime(), false, function, argument};
+    one = {.begun_ns = ComputerTime(), .function = function, .argument = argument};
     return &one;
   }
   return nullptr;
@@ -139,6 +142,13 @@ void* BeginThread(void* as) {
   void* const result = as_newcomer->function(as_newcomer->argument);
   Arrive();
   return result;
+}
+
+void Pausing::Note(bool is_paused) {
+  if (as_newcomer == nullptr) return;
+  const Guarded guarded;
+  as_newcomer->is_paused = is_paused;
+  as_newcomer->begun_ns = ComputerTime();
 }
 
 void NoteChild(pid_t child) {

@@ -31,8 +31,9 @@ struct Waiter {
 
 // A thread that has begun and has not yet waited where it is seen: it may be about to.
 struct Newcomer {
-  std::int64_t begun_ns = 0;  // By the computer's clock; 0: nobody.
-  bool has_paused = false;    // For another thread of the host: it may stay unseen.
+  std::int64_t begun_ns = 0;  // Or last went on; by the computer's clock; 0: nobody.
+  bool is_paused = false;     // For another thread of the host: it may stay unseen.
+  bool is_unseen = false;     // It has stayed so, and is nobody's concern.
   void* (*function)(void*) = nullptr;
   void* argument = nullptr;
 };
@@ -57,6 +58,17 @@ void WakeThoseAt(pthread_cond_t* condition);
 // none left.
 Newcomer* ComeIn(void* (*function)(void*), void* argument);
 void* BeginThread(void* newcomer);
+// While it lives a newcomer waits for another thread of the host.
+class Pausing {
+ public:
+  Pausing() { Note(true); }
+  ~Pausing() { Note(false); }
+  Pausing(const Pausing&) = delete;
+  Pausing& operator=(const Pausing&) = delete;
+
+ private:
+  static void Note(bool is_paused);
+};
 // A process that the host has forked.
 void NoteChild(pid_t child);
 

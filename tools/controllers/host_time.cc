@@ -167,12 +167,12 @@ int pthread_create(pthread_t* thread,
 }
 
 int sem_wait(sem_t* semaphore) {
-  if (as_newcomer != nullptr) as_newcomer->has_paused = true;
+  const Pausing pausing;
   return Real().sem_wait(semaphore);
 }
 
 int sem_clockwait(sem_t* semaphore, clockid_t clock, const timespec* until) {
-  if (as_newcomer != nullptr) as_newcomer->has_paused = true;
+  const Pausing pausing;
   return Real().sem_clockwait(semaphore, clock, until);
 }
 

@@ -37,6 +37,7 @@ SteppedGantry::SteppedGantry(Built built, std::uint64_t seed)
   }
   racking_ = static_cast<std::size_t>(found - frame.begin());
   apart_mm_ = beam_->apart_mm() * std::sin(RadFromMrad(found->values[0]));
+  found->values[0] = turned_mrad_;  // Its motors stand alike.
 }
 
 Motors SteppedGantry::TurnedOn(const Vec3<double>& steps) const {
@@ -80,7 +81,13 @@ bool SteppedGantry::SwitchActs(int motor, const Motors& steps) {
 }
 
 bool SteppedGantry::Acts(const PinSensor& sensor, const Motors& steps) {
-  if (sensor.kind == PinSensor::Kind::kSwitch) return SwitchActs(sensor.motor, steps);
+  const bool is_switch = sensor.kind == PinSensor::Kind::kSwitch;
+  const bool acts = is_switch ? SwitchActs(sensor.motor, steps) : ProbeActs(steps);
+  if (beam_ != nullptr) built_.frame_effects[racking_].values[0] = turned_mrad_;
+  return acts;
+}
+
+bool SteppedGantry::ProbeActs(const Motors& steps) {
   const Vec3<double> to = Axes(steps);
   const SurfaceDistance clearance = built_.Clearance(built_.Tip_mm(to, LagAt_mm(to)));
   return clearance.distance_mm + built_.Pretravel_mm(clearance.normal) + late_mm_ <= 0;
@@ -98,6 +105,7 @@ void SteppedGantry::RequireUnjammed(const Motors& steps) const {
 void SteppedGantry::Follow(const Motors& steps) {
   RequireUnjammed(steps);
   const Vec3<double> to = Axes(steps);
+  if (beam_ != nullptr) turned_mrad_ = built_.frame_effects[racking_].values[0];
   const Vec3<double> by_mm = built_.Drawn_mm(to) - built_.Drawn_mm(steps_);
   for (int i = 0; i < 3; ++i) {
     const double sense = by_mm[i] > 0 ? 1 : -1;

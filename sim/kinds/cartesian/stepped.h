@@ -37,6 +37,7 @@ class SteppedGantry final : public SteppedPlant {
   /// A beam that is turned by more than 50 mrad is jammed.
   void RequireUnjammed(const Motors& steps) const;
   bool SwitchActs(int motor, const Motors& steps);
+  bool ProbeActs(const Motors& steps);
   Vec3<double> LagAt_mm(const Vec3<double>& steps) const {
     return built_.LagAt_mm(lag_mm_, steps_, steps);
   }
@@ -52,6 +53,7 @@ class SteppedGantry final : public SteppedPlant {
   double late_mm_ = 0;   ///< By how much chance has the probe now armed act too deep.
   const BeamDrawing* beam_;  ///< Null: Y has one motor.
   std::size_t racking_ = 0;  ///< Of a beam: which of the frame's effects turns it.
+  double turned_mrad_ = 0;   ///< By where the motors were last followed to.
   double apart_mm_ = 0;      ///< By how much its second switch stands further up Y.
 };
 
