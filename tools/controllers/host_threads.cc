@@ -44,10 +44,9 @@ std::int64_t ComputerTime() {
   return now.tv_sec * 1'000'000'000 + now.tv_nsec;
 }
 
-// The thread is a newcomer no more.
+// The thread is a newcomer no more; guarded.
 void Arrive() {
   if (as_newcomer == nullptr) return;
-  const Guarded guarded;
   as_newcomer->begun_ns = 0;
   as_newcomer = nullptr;
 }
@@ -91,11 +90,12 @@ Guarded::~Guarded() {
 
 Waiter* Own() {
   if (own != nullptr) return own;
-  Arrive();
   own = new Waiter;
   own->wake = eventfd(0, EFD_CLOEXEC);
   pthread_setspecific(at_thread_end, own);
+  // At once: in between nobody would know of it, and time would go on without it.
   const Guarded guarded;
+  Arrive();
   own->next = waiters;
   waiters = own;
   ++num_working;
@@ -140,6 +140,7 @@ Newcomer* ComeIn(void* (*function)(void*), void* argument) {
 void* BeginThread(void* as) {
   as_newcomer = static_cast<Newcomer*>(as);
   void* const result = as_newcomer->function(as_newcomer->argument);
+  const Guarded guarded;
   Arrive();
   return result;
 }
