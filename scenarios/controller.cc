@@ -43,7 +43,7 @@ std::vector<std::string> LinesAndActs(const YamlValue& value,
       act->Fail("is nothing that a person does at such a machine",
                 "only a delta has somebody beside it under Klipper's host");
     } else if (act) {
-      lines.push_back(kPersonDoes + act->Word({known.begin(), known.end()}));
+      lines.push_back(kPersonDoes + act->Word(known));
     }
   }
   if (value.is_list() && lines.empty()) {

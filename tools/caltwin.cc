@@ -6,6 +6,7 @@
 
 #include "scenarios/interrupt.h"
 #include "sim/base/input_error.h"
+#include "sim/firmware/stepped_plant.h"
 #include "tools/commands/api/own_program.h"
 #include "tools/commands/command.h"
 
@@ -28,6 +29,9 @@ int main(int argc, char** argv) {
   } catch (const caltwin::InputError& error) {
     std::cerr << caltwin::FaultsText(error);
     return caltwin::kBadInput;
+  } catch (const caltwin::Jammed& jammed) {  // Served to a real controller.
+    std::cerr << "caltwin: " << jammed.what() << "\n";
+    return caltwin::kLost;
   } catch (const std::exception& error) {
     std::cerr << "caltwin: this is a mistake of caltwin's own: " << error.what()
               << "\n";

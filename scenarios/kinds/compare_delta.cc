@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <ctime>
 #include <limits>
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 #include <sys/resource.h>
 
@@ -97,8 +97,6 @@ DeltaOutcome Kalico(const DeltaCase& machine, std::uint64_t seed) {
       seed);
 }
 
-// Shipped programs last.
-constexpr std::size_t kNumShipped = 1;
 constexpr std::array kRivals = {
     DeltaRival{"g33", "Marlin's G33 P4, as published", G33<4>},
     DeltaRival{"g33_p10", "Marlin's G33 P10, as published", G33<10>},
@@ -119,17 +117,15 @@ constexpr std::array kRivals = {
 
 std::vector<const DeltaRival*> RivalsNamed(const std::vector<std::string>& names) {
   std::vector<const DeltaRival*> rivals;
-  if (names.empty()) {
-    for (const DeltaRival& rival : DeltaRivals()) rivals.push_back(&rival);
+  for (const DeltaRival& rival : kRivals) {
+    if (names.empty() && rival.calibrate != nullptr) rivals.push_back(&rival);
   }
   for (const std::string& name : names) {
     const auto* const found = std::ranges::find(kRivals, name, &DeltaRival::name);
     if (found == kRivals.end()) {
-      std::string all;
-      for (const DeltaRival& rival : kRivals) {
-        all += (all.empty() ? "" : ", ") + std::string(rival.name);
-      }
-      throw InputError({.file = "--engines"}, "there is no engine '" + name + "'", all);
+      throw InputError({.file = "--engines"},
+                       "there is no engine '" + name + "'",
+                       DeltaRivalNames());
     }
     if (std::ranges::find(rivals, found) == rivals.end()) rivals.push_back(found);
   }
@@ -138,12 +134,14 @@ std::vector<const DeltaRival*> RivalsNamed(const std::vector<std::string>& names
 
 // Of the processor, programs that it has started and that have ended included [s].
 double Spent_s() {
-  double spent_s = static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
-  rusage of{};
-  getrusage(RUSAGE_CHILDREN, &of);
-  for (const timeval& part : {of.ru_utime, of.ru_stime}) {
-    spent_s +=
-        static_cast<double>(part.tv_sec) + 1e-6 * static_cast<double>(part.tv_usec);
+  double spent_s = 0;
+  for (const auto who : {RUSAGE_SELF, RUSAGE_CHILDREN}) {
+    rusage of{};
+    getrusage(who, &of);
+    for (const timeval& part : {of.ru_utime, of.ru_stime}) {
+      spent_s +=
+          static_cast<double>(part.tv_sec) + 1e-6 * static_cast<double>(part.tv_usec);
+    }
   }
   return spent_s;
 }
@@ -208,11 +206,13 @@ nlohmann::ordered_json SpreadJson(const Spread& spread) {
 }  // namespace
 
 std::span<const DeltaRival> DeltaRivals() {
-  return AllDeltaRivals().first(kRivals.size() - kNumShipped);
+  return kRivals;
 }
 
-std::span<const DeltaRival> AllDeltaRivals() {
-  return kRivals;
+std::string DeltaRivalNames() {
+  std::vector<std::string_view> names;
+  for (const DeltaRival& rival : kRivals) names.push_back(rival.name);
+  return fmt::format("{}", fmt::join(names, ", "));
 }
 
 DeltaCase RandomDelta(std::uint64_t seed, int machine) {
@@ -265,7 +265,7 @@ DeltaComparison CompareDelta(int machines,
 }
 
 std::vector<Contender> ContendersOf(const DeltaComparison& comparison) {
-  return Contenders(comparison, AllDeltaRivals(), &DeltaStanding::z_rms_um);
+  return Contenders(comparison, DeltaRivals(), &DeltaStanding::z_rms_um);
 }
 
 std::string DeltaComparisonText(const DeltaComparison& comparison) {

@@ -34,9 +34,9 @@ struct DeltaRival {
   DeltaOutcome (*calibrate_shipped)(const DeltaCase& machine,
                                     std::uint64_t seed) = nullptr;
 };
-/// Without those that only run where they are installed, or with them.
 std::span<const DeltaRival> DeltaRivals();
-std::span<const DeltaRival> AllDeltaRivals();
+/// Their names, with commas between them.
+std::string DeltaRivalNames();
 
 /// How the trigger scatters on all of them.
 inline constexpr double kCompareTouchSigma_mm = 0.01;
@@ -66,9 +66,9 @@ struct DeltaComparison {
   std::vector<DeltaStanding> engines{};
 };
 
-/// Runs the rivals of those names, none: DeltaRivals(), on every machine. `progress`
-/// hears how many machines are done. Ends early where InterruptRequested(). Throws
-/// InputError at a name that none has.
+/// Runs the rivals of those names, none: all but shipped programs, on every machine.
+/// `progress` hears how many machines are done. Ends early where InterruptRequested().
+/// Throws InputError at a name that none has.
 DeltaComparison CompareDelta(int machines,
                              std::uint64_t seed,
                              const std::function<void(int)>& progress,

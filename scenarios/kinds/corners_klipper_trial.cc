@@ -10,22 +10,15 @@
 
 namespace caltwin {
 
-double CornersKlipperTrial::Flatness_mm(const Motors& by_steps) const {
-  const Wiring wiring = WiringOfCorners(built_.machine);
-  Motors steps = by_steps;
-  for (Eigen::Index i = 0; i < steps.size(); ++i) {
-    const Wiring::Motor& motor = wiring.motors[static_cast<std::size_t>(i)];
-    steps[i] = motor.start_steps + motor.sense * by_steps[i];
-  }
-  return FlatnessOfCorners_mm(built_, steps);
-}
-
 void CornersKlipperTrial::Finish(RunResult* result) {
   KlipperTrial::Finish(result);
-  const auto num =
-      static_cast<Eigen::Index>(WiringOfCorners(built_.machine).motors.size());
-  before_mm_ = after_mm_ = Flatness_mm(Motors::Zero(num));
-  if (const auto steps = host()->MotorsNow()) after_mm_ = Flatness_mm(*steps);
+  const Wiring wiring = WiringOfCorners(built_.machine);
+  const auto flatness_mm = [&](const Motors& steps) {
+    return FlatnessOfCorners_mm(built_, InPlant(wiring, steps));
+  };
+  const auto num = static_cast<Eigen::Index>(wiring.motors.size());
+  before_mm_ = after_mm_ = flatness_mm(Motors::Zero(num));
+  if (const auto steps = host()->MotorsNow()) after_mm_ = flatness_mm(*steps);
 }
 
 TrueEnd CornersKlipperTrial::End(const std::vector<ProcedureResult>& /*results*/,

@@ -22,16 +22,10 @@ class CornersKlipperTrial final : public KlipperTrial {
         built_(std::move(built)) {}
 
   void Finish(RunResult* result) override;
-  void AddParameters(const Expectation& /*expect*/,
-                     const std::vector<ProcedureResult>& /*results*/,
-                     RunResult* /*result*/) override {}
   TrueEnd End(const std::vector<ProcedureResult>& results, RunResult* result) override;
   double Figure(const std::string& name, const RunResult& result) override;
 
  private:
-  /// The motors having gone so far since they were switched on, as the board counts.
-  double Flatness_mm(const Motors& by_steps) const;
-
   Built built_;
   double before_mm_ = 0, after_mm_ = 0;
 };

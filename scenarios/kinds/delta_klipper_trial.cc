@@ -15,15 +15,12 @@
 namespace caltwin {
 namespace {
 
-constexpr std::string_view kFeelerGauge = "feeler_gauge", kPaperTest = "paper_test",
-                           kMeasuredPrint = "measured_print";
+Vec3<double> TowerSteps(const Machine& machine) {
+  return Vec3<double>(TowerStepsPerMm(machine).data());
+}
 
 }  // namespace
 
-std::vector<std::string> DeltaScenario::PersonsActs() const {
-  return {
-      std::string(kFeelerGauge), std::string(kPaperTest), std::string(kMeasuredPrint)};
-}
 DeltaKlipperTrial::DeltaKlipperTrial(const Machine& machine,
                                      const BuiltDelta& built,
                                      std::unique_ptr<Board> board,
@@ -35,7 +32,6 @@ DeltaKlipperTrial::DeltaKlipperTrial(const Machine& machine,
       built_(built),
       truth_{.machine = machine_, .built = built_},
       calliper_(built.build, calliper_sigma_mm, chance.seed, chance.sample),
-      calliper_sigma_mm_(calliper_sigma_mm),
       felt_(chance.seed, chance.sample, "feeler_gauge") {
   truth_.before = DeltaBelievedBy(config_before());
 }
@@ -57,14 +53,8 @@ Expected<std::vector<std::string>> DeltaKlipperTrial::PersonDoes(std::string_vie
 std::optional<double> DeltaKlipperTrial::NozzleOverBed_mm() {
   const auto steps = MotorsAfter({"M400"});
   if (!steps) return std::nullopt;
-  const Wiring wiring = WiringOfDelta(machine_);
-  const auto steps_per_mm = TowerStepsPerMm(machine_);
-  Vec3<double> motors_mm;
-  for (int i = 0; i < kNumTowers; ++i) {
-    const auto at = static_cast<std::size_t>(i);
-    const Wiring::Motor& motor = wiring.motors[at];
-    motors_mm[i] = (motor.start_steps + motor.sense * (*steps)[i]) / steps_per_mm[at];
-  }
+  const Vec3<double> motors_mm =
+      InPlant(WiringOfDelta(machine_), *steps).cwiseQuotient(TowerSteps(machine_));
   const auto nozzle_mm =
       NozzleOfDelta(machine_, built_, motors_mm, /*motor_dir=*/Vec3<double>::Ones());
   if (!nozzle_mm) return std::nullopt;
@@ -107,15 +97,12 @@ std::optional<std::vector<std::string>> DeltaKlipperTrial::PrintAsMeasured() {
   constexpr double kPillar_mm = 9;
   constexpr std::size_t kSpokes = 6, kCentreWidths = 3;
   const DeltaModel<double> believed = DeltaBelievedBy(host()->Config());
-  const auto steps_per_mm = TowerStepsPerMm(machine_);
+  const Vec3<double> steps_per_mm = TowerSteps(machine_);
   // Drawn by whole steps.
   const auto motors_at = [&](const Eigen::Vector2d& at_mm) {
-    Vec3<double> motors_mm = DeltaMotors_mm(believed, {at_mm[0], at_mm[1], 0});
-    for (int i = 0; i < kNumTowers; ++i) {
-      const double per_mm = steps_per_mm[static_cast<std::size_t>(i)];
-      motors_mm[i] = std::round(motors_mm[i] * per_mm) / per_mm;
-    }
-    return motors_mm;
+    const Vec3<double> motors_mm = DeltaMotors_mm(believed, {at_mm[0], at_mm[1], 0});
+    const Vec3<double> steps = motors_mm.cwiseProduct(steps_per_mm).array().round();
+    return Vec3<double>(steps.cwiseQuotient(steps_per_mm));
   };
   const auto read = [](double mm) {
     return fmt::format("{:.2f}", mm);
@@ -130,7 +117,7 @@ std::optional<std::vector<std::string>> DeltaKlipperTrial::PrintAsMeasured() {
   const auto widths = [&](std::size_t num) {
     std::vector<std::string> texts;
     for (std::size_t i = 0; i < num; ++i) {
-      texts.push_back(read(kPillar_mm + calliper_sigma_mm_ * felt_.Normal()));
+      texts.push_back(read(calliper_.Read_mm(kPillar_mm)));
     }
     return texts;
   };

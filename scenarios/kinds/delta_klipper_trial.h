@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "scenarios/kinds/delta_scenario.h"
@@ -11,6 +12,11 @@
 #include "sim/kinds/delta/calliper.h"
 
 namespace caltwin {
+
+/// @name What a person does at a delta: DeltaKlipperTrial::PersonDoes
+inline constexpr std::string_view kFeelerGauge = "feeler_gauge",
+                                  kPaperTest = "paper_test",
+                                  kMeasuredPrint = "measured_print";
 
 /// A delta under Klipper's own host. What the host has saved in its printer.cfg is what
 /// its firmware believes: the nozzle's height over its bed has to become a tenth of
@@ -50,7 +56,6 @@ class DeltaKlipperTrial final : public KlipperTrial {
   BuiltDelta built_;
   DeltaTruth truth_;
   SimulatedDeltaCalliper calliper_;
-  double calliper_sigma_mm_;
   Rng felt_;
 };
 

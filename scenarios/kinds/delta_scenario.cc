@@ -121,6 +121,11 @@ void DeltaScenario::Vary(const std::string& effect,
   }
 }
 
+std::vector<std::string> DeltaScenario::PersonsActs() const {
+  return {
+      std::string(kFeelerGauge), std::string(kPaperTest), std::string(kMeasuredPrint)};
+}
+
 std::unique_ptr<KindTrial> DeltaScenario::BeginUnderKlipper(
     const Scenario& scenario, const Chance& chance) const {
   return BeginDeltaUnderKlipper(*this, scenario, chance);

@@ -28,9 +28,6 @@ class GantryKlipperTrial final : public KlipperTrial {
       : KlipperTrial(built.machine, std::move(board), std::move(options)),
         built_(std::move(built)) {}
 
-  void AddParameters(const Expectation& /*expect*/,
-                     const std::vector<ProcedureResult>& /*results*/,
-                     RunResult* /*result*/) override {}
   TrueEnd End(const std::vector<ProcedureResult>& results, RunResult* result) override;
   double Figure(const std::string& name, const RunResult& result) override;
 

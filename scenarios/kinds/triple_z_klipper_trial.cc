@@ -15,19 +15,13 @@ namespace {
 
 constexpr double kRecovered = 0.1;  // Of the tilt as it was.
 constexpr double kFlat_mm = 0.01;   // Less is as good as flat.
-constexpr Eigen::Index kFirstScrew = 2;
 
 // By how much each screw stands higher than the mean of the three, by its motor's steps
 // as the board counts them.
 Vec3<double> RaisedBy(const Machine& machine, const Motors& steps) {
-  const Wiring wiring = WiringOfTripleZ(machine);
-  Vec3<double> at_mm;
-  for (int i = 0; i < 3; ++i) {
-    const Wiring::Motor& motor =
-        wiring.motors[static_cast<std::size_t>(kFirstScrew + i)];
-    const double per_mm = machine.settings.steps_per_mm[2];
-    at_mm[i] = -(motor.start_steps + motor.sense * steps[kFirstScrew + i]) / per_mm;
-  }
+  const Vec3<double> at_mm =
+      -InPlant(WiringOfTripleZ(machine), steps).tail<kNumScrews>() /
+      machine.settings.steps_per_mm[2];
   return at_mm.array() - at_mm.mean();
 }
 

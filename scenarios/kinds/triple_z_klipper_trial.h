@@ -20,9 +20,6 @@ class TripleZKlipperTrial final : public KlipperTrial {
                       KlipperHostOptions options);
 
   void Finish(RunResult* result) override;
-  void AddParameters(const Expectation& /*expect*/,
-                     const std::vector<ProcedureResult>& /*results*/,
-                     RunResult* /*result*/) override {}
   TrueEnd End(const std::vector<ProcedureResult>& results, RunResult* result) override;
   double Figure(const std::string& name, const RunResult& result) override;
 

@@ -27,10 +27,8 @@ void ZStationKlipperTrial::Finish(RunResult* result) {
                    fmt::format("G1 X{:.3f} Y{:.3f} F3000", at_mm[0], at_mm[1]),
                    "M400"});
   if (!steps) return;
-  const Wiring wiring = WiringOfStation(machine_);
-  const Wiring::Motor& z = wiring.motors[2];
-  const double carriage_mm =
-      (z.start_steps + z.sense * (*steps)[2]) / machine_.axis(Axis::kZ).steps_per_mm();
+  const double carriage_mm = InPlant(WiringOfStation(machine_), *steps)[2] /
+                             machine_.axis(Axis::kZ).steps_per_mm();
   error_mm_ = twin_.Gap_mm(carriage_mm, at_mm) - kCommanded_mm;
   result->position_error_after_p95_mm = std::abs(*error_mm_);
   result->position_error_before_p95_mm = std::abs(*error_mm_);

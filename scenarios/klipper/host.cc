@@ -15,6 +15,7 @@
 #include "sim/base/temporary_folder.h"
 #include "sim/base/text_file.h"
 #include "sim/controllers/klipper/lock_step.h"
+#include "sim/firmware/stepped_plant.h"
 #include "sim/link/pseudo_terminal.h"
 #include "sim/measure/import/printer_cfg.h"
 
@@ -234,7 +235,11 @@ KlipperHost::KlipperHost(Board* board, const KlipperHostOptions& options)
 KlipperHost::~KlipperHost() = default;
 
 HostAnswer KlipperHost::Say(std::string_view line) {
-  return parts_->Say(line);
+  try {
+    return parts_->Say(line);
+  } catch (const Jammed& jammed) {
+    return {.shut_down = jammed.what()};
+  }
 }
 
 std::string KlipperHost::Config() const {

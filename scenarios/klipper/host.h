@@ -27,10 +27,11 @@ struct KlipperHostOptions {
 
 /// What the host says to one line of G-code.
 struct HostAnswer {
-  std::vector<std::string> lines{};        ///< What it printed, as it printed it.
-  std::optional<std::string> refusal{};    ///< Why it did not do it, or not to its end.
-  std::optional<std::string> shut_down{};  ///< Why the chip has stopped.
-  bool has_restarted = false;              ///< As after SAVE_CONFIG.
+  std::vector<std::string> lines{};      ///< What it printed, as it printed it.
+  std::optional<std::string> refusal{};  ///< Why it did not do it, or not to its end.
+  std::optional<std::string>
+      shut_down{};             ///< Why the chip has stopped, or the machine.
+  bool has_restarted = false;  ///< As after SAVE_CONFIG.
 };
 
 /// An unmodified host of the Klipper family in front of a machine, both in lock-step:

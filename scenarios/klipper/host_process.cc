@@ -66,6 +66,9 @@ void HostProcess::Start(const fs::path& program, const fs::path& folder) {
   const Descriptor nothing(open("/dev/null", O_RDONLY | O_CLOEXEC));
   constexpr int kNewFile = O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC;
   const Descriptor log(open(in_folder("host.log").c_str(), kNewFile, 0600));
+  // The host asks git what version it is. Killed in the middle it would leave a lock in
+  // whatever repository its folder happens to lie in, which is not its own.
+  const std::string above = program.parent_path().parent_path().parent_path().string();
   const Spawned spawned =
       Spawn({.words = {program.string(),
                        in_folder("printer.cfg"),
@@ -77,7 +80,9 @@ void HostProcess::Start(const fs::path& program, const fs::path& folder) {
                        in_folder("tty")},
              .environment = {"LD_PRELOAD=" +
                                  FileBesideProgram("libcaltwin_host_time.so").string(),
-                             fmt::format("{}={}", klipper::kHostTimeVariable, kClock)},
+                             fmt::format("{}={}", klipper::kHostTimeVariable, kClock),
+                             "GIT_CEILING_DIRECTORIES=" + above,
+                             "GIT_OPTIONAL_LOCKS=0"},
              .descriptors = {{nothing.number(), STDIN_FILENO},
                              {log.number(), STDOUT_FILENO},
                              {log.number(), STDERR_FILENO},

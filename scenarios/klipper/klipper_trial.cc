@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "sim/firmware/stepped_plant.h"
 #include "sim/measure/import/fields.h"
 
 namespace caltwin {
@@ -60,8 +59,6 @@ Expected<std::vector<std::string>> HostLink::Send(
     touches_ += static_cast<int>(std::ranges::count_if(
         lines, [](const auto& one) { return one.starts_with("probe at "); }));
     return lines;
-  } catch (const Jammed& jammed) {
-    return tl::unexpected(MachineFault{Kind::kAlarm, jammed.what()});
   } catch (const HostLost& lost) {
     return tl::unexpected(MachineFault{Kind::kLinkLost, lost.what()});
   }

@@ -19,6 +19,7 @@
 #include "sim/controllers/linuxcnc/config.h"
 #include "sim/controllers/linuxcnc/joints.h"
 #include "sim/controllers/linuxcnc/plant_page.h"
+#include "sim/firmware/stepped_plant.h"
 #include "sim/measure/import/fields.h"
 
 namespace caltwin {
@@ -189,7 +190,11 @@ LinuxCncAnswer LinuxCncHost::Parts::Obey(const nlohmann::json& order) {
   if (num != static_cast<ssize_t>(line.size())) {
     throw HostLost("LinuxCNC's operator has ended" + Log());
   }
-  return Await(order.value("line", order.value("file", std::string("homing"))));
+  try {
+    return Await(order.value("line", order.value("file", std::string("homing"))));
+  } catch (const Jammed& jammed) {
+    return {.errors = {jammed.what()}};
+  }
 }
 
 LinuxCncHost::LinuxCncHost(Board* board, const LinuxCncOptions& options)

@@ -25,7 +25,8 @@ struct LinuxCncOptions {
   double longest_s = 7200;  ///< One line or program, by the machine's clock.
 };
 
-/// What LinuxCNC makes of one order.
+/// What LinuxCNC makes of one order. Where the machine is Jammed it makes nothing of
+/// it: that is the error, and it cannot be asked again.
 struct LinuxCncAnswer {
   bool done = false;  ///< To its end, without an error.
   std::vector<std::string> errors{}, messages{};

@@ -9,7 +9,6 @@
 
 #include "scenarios/position_error.h"
 #include "sim/base/units.h"
-#include "sim/firmware/stepped_plant.h"
 
 namespace caltwin {
 namespace {
@@ -22,10 +21,11 @@ MachineFault FaultOf(const LinuxCncAnswer& answer) {
   const auto says = [&](std::string_view words) {
     return text.find(words) != std::string::npos;
   };
-  const Kind kind = says("without making contact") ? Kind::kNoTrigger
-                    : says("non-probe move") || says("following error")
-                        ? Kind::kAlarm
-                        : Kind::kRefused;
+  const Kind kind =
+      says("without making contact") ? Kind::kNoTrigger
+      : says("non-probe move") || says("following error") || says("is jammed")
+          ? Kind::kAlarm
+          : Kind::kRefused;
   return {kind, text};
 }
 
@@ -62,9 +62,6 @@ Expected<std::vector<std::string>> LinuxCncLink::Send(
     return Lines(line == kRunProgram
                      ? host_->Program(asked_.program_name, asked_.program)
                      : host_->Mdi(line));
-  } catch (const Jammed& jammed) {
-    has_failed_ = true;
-    return tl::unexpected(MachineFault{Kind::kAlarm, jammed.what()});
   } catch (const HostLost& lost) {
     has_failed_ = true;
     return tl::unexpected(MachineFault{Kind::kLinkLost, lost.what()});

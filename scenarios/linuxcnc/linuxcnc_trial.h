@@ -74,9 +74,6 @@ class LinuxCncTrial : public KindTrial {
   void Connect(Link* link) override { bench_.link = link; }
   Bench* bench() override { return &bench_; }
   void Finish(RunResult* result) override;
-  void AddParameters(const Expectation& /*expect*/,
-                     const std::vector<ProcedureResult>& /*results*/,
-                     RunResult* /*result*/) override {}
   TrueEnd End(const std::vector<ProcedureResult>& results, RunResult* result) override;
   double Figure(const std::string& name, const RunResult& result) override;
 

@@ -10,6 +10,15 @@ constexpr int kSparePins = 16;
 
 }  // namespace
 
+Motors InPlant(const Wiring& wiring, const Motors& steps) {
+  Motors own(steps.size());
+  for (Eigen::Index i = 0; i < steps.size(); ++i) {
+    const Wiring::Motor& motor = wiring.motors[static_cast<std::size_t>(i)];
+    own[i] = motor.start_steps + motor.sense * steps[i];
+  }
+  return own;
+}
+
 PlantBoard::PlantBoard(Wiring wiring, std::unique_ptr<SteppedPlant> plant)
     : wiring_(std::move(wiring)), plant_(std::move(plant)) {
   for (const Wiring::Motor& motor : wiring_.motors) {
@@ -34,18 +43,9 @@ const PinSensor* PlantBoard::SensorAt(int pin) const {
   return is_input ? &wiring_.inputs[at].sensor : nullptr;
 }
 
-Motors PlantBoard::InPlant(const Motors& steps) const {
-  Motors own(steps.size());
-  for (Eigen::Index i = 0; i < steps.size(); ++i) {
-    const Wiring::Motor& motor = wiring_.motors[static_cast<std::size_t>(i)];
-    own[i] = motor.start_steps + motor.sense * steps[i];
-  }
-  return own;
-}
-
 bool PlantBoard::IsHigh(int pin, const Motors& steps) {
   const PinSensor* const sensor = SensorAt(pin);
-  return sensor != nullptr && plant_->Acts(*sensor, InPlant(steps));
+  return sensor != nullptr && plant_->Acts(*sensor, InPlant(wiring_, steps));
 }
 
 double PlantBoard::Analog(int /*pin*/) const {
@@ -57,7 +57,7 @@ void PlantBoard::Arm(int pin) {
 }
 
 void PlantBoard::Follow(const Motors& steps) {
-  plant_->Follow(InPlant(steps));
+  plant_->Follow(InPlant(wiring_, steps));
 }
 
 }  // namespace caltwin

@@ -26,6 +26,9 @@ struct Wiring {
   std::vector<Input> inputs{};
 };
 
+/// Where a plant's motors stand, in its own steps, that a board counts so.
+Motors InPlant(const Wiring& wiring, const Motors& steps);
+
 /// A board that drives a plant. Beside the pins of the wiring it has some that lead
 /// nowhere, for fans, heaters and the like (SPARE0 to SPARE15); analog ones read half
 /// the reference voltage.
@@ -42,8 +45,6 @@ class PlantBoard : public Board {
   void Follow(const Motors& steps) override;
 
  private:
-  /// In the plant's own steps.
-  Motors InPlant(const Motors& steps) const;
   const PinSensor* SensorAt(int pin) const;
 
   Wiring wiring_;

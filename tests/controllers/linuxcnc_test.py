@@ -9,7 +9,6 @@ late (60 mm/min, 1 ms: 1 um), and its home likewise (0.5 mm/s: 0.5 um).
 """
 
 import concurrent.futures
-import contextlib
 import json
 import os
 import pathlib
@@ -19,6 +18,8 @@ import sys
 import tempfile
 import time
 import unittest
+
+from processes import with_tmpdir
 
 CALTWIN = sys.argv.pop(1)
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -235,15 +236,8 @@ class Scenarios(unittest.TestCase):
 
 
 class NothingIsLeft(Base):
-    # Those of this test: they have its folder as TMPDIR, in whatever namespace.
     def processes(self):
-        found = []
-        for pid in filter(str.isdigit, os.listdir("/proc")):
-            with contextlib.suppress(OSError):
-                environment = pathlib.Path("/proc", pid, "environ").read_bytes()
-                if f"TMPDIR={self.folder.name}\0".encode() in environment:
-                    found.append((int(pid), pathlib.Path("/proc", pid, "comm").read_text().strip()))
-        return found
+        return with_tmpdir(self.folder.name)
 
     def begun(self):
         run = subprocess.Popen(
@@ -254,14 +248,14 @@ class NothingIsLeft(Base):
         self.addCleanup(run.wait)
         self.addCleanup(run.kill)
         self.assertEqual(run.stdout.readline(), "> home\n")
-        self.assertIn("milltask", [name for _, name in self.processes()])
+        self.assertIn("milltask", self.processes().values())
         return run
 
     def gone(self):
         until = time.monotonic() + 10
         while self.processes() and time.monotonic() < until:
             time.sleep(0.1)
-        self.assertEqual(self.processes(), [])
+        self.assertEqual(self.processes(), {})
 
     def test_after_a_kill(self):
         run = self.begun()
@@ -277,7 +271,7 @@ class NothingIsLeft(Base):
 
     def test_after_linuxcnc_was_killed(self):
         run = self.begun()
-        (task,) = [pid for pid, name in self.processes() if name == "milltask"]
+        (task,) = [pid for pid, name in self.processes().items() if name == "milltask"]
         os.kill(task, signal.SIGKILL)
         self.assertEqual(run.wait(10), 3)
         self.assertIn("milltask has ended", run.stdout.read())

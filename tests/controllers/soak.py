@@ -23,7 +23,10 @@ import tempfile
 import threading
 import time
 
+from processes import with_tmpdir
+
 SKIPPED = 77
+ROOT = pathlib.Path(__file__).resolve().parents[2]
 PATIENCE_S = 120
 LEFT_S = 10
 
@@ -50,13 +53,7 @@ class Soak:
             self.words += ["-c", line]
 
     def processes(self):
-        """Those of this soak: they have its folder as TMPDIR, in whatever namespace."""
-        found = {}
-        for pid in filter(str.isdigit, os.listdir("/proc")):
-            with contextlib.suppress(OSError):
-                if f"TMPDIR={self.temporary}\0".encode() in pathlib.Path("/proc", pid, "environ").read_bytes():
-                    found[int(pid)] = pathlib.Path("/proc", pid, "comm").read_text().strip()
-        return found
+        return with_tmpdir(self.temporary)
 
     def fault(self, text):
         self.faults.append(text)
@@ -150,7 +147,8 @@ def shared():
     segments = pathlib.Path("/proc/sysvipc/shm").read_text().splitlines()[1:]
     return {*os.listdir("/dev/shm"), *(line.split()[0] for line in segments),
             *(path.name for path in pathlib.Path("/tmp").glob("linuxcnc*.lock")),
-            *(path.name for path in pathlib.Path("/tmp").glob("klipper_host_*"))}
+            *(path.name for path in pathlib.Path("/tmp").glob("klipper_host_*")),
+            *(str(path) for path in ROOT.glob(".git/*.lock"))}
 
 
 def main():

@@ -159,6 +159,35 @@ TEST(SteppedCorners, TheGantryIsAsHighAsItsCornersBetweenThem) {
   EXPECT_GT(FlatnessOfCorners_mm(built, at(0, 0, there_mm)), 0.3);
 }
 
+// What the head's way does to the height is no move of a screw.
+TEST(SteppedCorners, PlayIsOfTheMotorsThatMove) {
+  const Machine machine = ReadMachine("models/quad_gantry_printer/machine.yaml");
+  constexpr double kGap_mm = 0.1;
+  Built built{
+      .machine = machine,
+      .effects = {
+          {.effect = EffectIndex<Backlash>(), .axis = "z", .values = {kGap_mm}}}};
+  built.Prepare();
+  SteppedCorners gantry(built, /*seed=*/1);
+  const AxisDrawing& z = machine.axis(Axis::kZ);
+  const Eigen::Vector4d tilted_mm(0, 3, 3, 0);
+  const auto at = [&](double x_mm, double y_mm, double z_mm) {
+    Motors steps(6);
+    steps.head<2>() << (x_mm + y_mm) * 320, (x_mm - y_mm) * 320;
+    steps.tail<4>() = (tilted_mm.array() + z_mm - z.max_mm) * z.steps_per_mm();
+    return steps;
+  };
+  gantry.Follow(at(150, 100, 20));
+  gantry.Follow(at(150, 100, 10));  // Down: the nuts are above their motors.
+  gantry.Follow(at(150, 250, 10));  // Along the slope, up and down again.
+  gantry.Follow(at(150, 85, 10));
+  // At y = 85 the slope is at 3 * 95 / 380.
+  const double touch_mm =
+      machine.probe.tip_radius_mm - machine.probe.pretravel_mm - 0.75 - kGap_mm / 2;
+  EXPECT_FALSE(gantry.Acts(kProbe, at(150, 85, touch_mm + 2 * kHair_mm)));
+  EXPECT_TRUE(gantry.Acts(kProbe, at(150, 85, touch_mm - 2 * kHair_mm)));
+}
+
 TEST(SteppedCorners, OneOfFourMotorsHasASwitch) {
   const Machine machine = ReadMachine("models/quad_gantry_printer/machine.yaml");
   const Wiring wiring = WiringOfCorners(machine);

@@ -183,15 +183,12 @@ Action DeclareCompare(CLI::App* app) {
          "--draws", options->draws, "of each noisy row of the measured machine")
       ->capture_default_str()
       ->check(CLI::Range(1, kMostMachines));
-  std::string names;
-  for (const DeltaRival& rival : AllDeltaRivals()) {
-    names += (names.empty() ? "" : ", ") + std::string(rival.name);
-  }
-  app->add_option("--engines",
-                  options->engines,
-                  "of a delta these alone, with commas between them: " + names +
-                      ". kalico is the program that `tools/setup.sh --controllers` "
-                      "installs")
+  app->add_option(
+         "--engines",
+         options->engines,
+         "of a delta these alone, with commas between them: " + DeltaRivalNames() +
+             ". kalico is the program that `tools/setup.sh --controllers` "
+             "installs")
       ->delimiter(',');
   app->add_option("--seed", options->seed, "of the machines and their touches")
       ->capture_default_str();

@@ -16,7 +16,6 @@
 #include "scenarios/klipper/host.h"
 #include "scenarios/klipper/host_process.h"
 #include "sim/base/text_file.h"
-#include "sim/firmware/stepped_plant.h"
 #include "sim/machine/machine.h"
 #include "sim/measure/import/fields.h"
 #include "sim/measure/import/printer_cfg.h"
@@ -165,9 +164,6 @@ int Klipper(const KlipperAsked& asked) {
   try {
     KlipperHost host(board.get(), options);
     return SayAll(&host, asked);
-  } catch (const Jammed& jammed) {
-    std::cerr << "caltwin: " << jammed.what() << '\n';
-    return kCheckFailed;
   } catch (const HostLost& lost) {
     if (InterruptRequested()) return kInterrupted;
     std::cerr << "caltwin: " << lost.what() << '\n';

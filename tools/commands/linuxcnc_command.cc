@@ -15,7 +15,6 @@
 #include "scenarios/linuxcnc/host.h"
 #include "sim/base/text_file.h"
 #include "sim/controllers/linuxcnc/config.h"
-#include "sim/firmware/stepped_plant.h"
 #include "sim/machine/machine.h"
 #include "tools/commands/command.h"
 #include "tools/commands/kinds/served.h"
@@ -133,9 +132,6 @@ int Drive(Board* board, const LinuxCncOptions& options, const LinuxCncAsked& ask
     PrintSpeed(host.machine_s() - before_s,
                std::chrono::duration<double>(Now::now() - start).count());
     code = all.back().answer.done ? kPassed : kCheckFailed;
-  } catch (const Jammed& jammed) {
-    std::cerr << "caltwin: " << jammed.what() << '\n';
-    code = kCheckFailed;
   } catch (const HostLost& lost) {
     if (InterruptRequested()) {
       code = kInterrupted;

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "sim/controllers/klipper/printer_cfg.h"
+#include "sim/kinds/cartesian/klipper.h"
 #include "sim/machine/drive_map.h"
 #include "sim/machine/machine_kind.h"
 
@@ -20,35 +20,46 @@ const CornersDrawing& CornersOf(const Machine& machine) {
   return *machine.Own<CornersDrawing>();
 }
 
-// Where the head is, by the drawing.
-Vec3<double> HeadAt_mm(const Machine& machine, const Motors& steps) {
-  Vec3<double> drives_mm;
-  Vec3<double> home_mm;
-  for (const Axis axis : kAxes) {
-    const auto i = static_cast<std::size_t>(Index(axis));
-    home_mm[Index(axis)] = machine.axis(axis).home_mm();
-    drives_mm[Index(axis)] = steps[Index(axis)] / machine.axes[i].steps_per_mm();
-  }
-  return home_mm + AxesOf(machine.kind->drive_map(), drives_mm);
+// Of Z the corners have the play, each its own.
+Built WithoutPlayOfZ(Built built) {
+  built.lost_motion_mm[kZ] = 0;
+  return built;
 }
 
 }  // namespace
 
-SteppedCorners::SteppedCorners(Built built, std::uint64_t seed)
-    : machine_(built.machine), gantry_(std::move(built), seed) {}
+SteppedCorners::SteppedCorners(const Built& built, std::uint64_t seed)
+    : built_(built), gantry_(WithoutPlayOfZ(built), seed) {}
 
-Motors SteppedCorners::AsOne(const Motors& steps) const {
+Corners SteppedCorners::LagAt_mm(const Motors& steps) const {
+  const Corners travel_mm =
+      (steps.tail<CornersDrawing::kNum>() - steps_) / built_.steps_per_mm[kZ];
+  Corners lag_mm;
+  for (int i = 0; i < CornersDrawing::kNum; ++i) {
+    lag_mm[i] = LagAfter_mm(lag_mm_[i], travel_mm[i], built_.lost_motion_mm[kZ]);
+  }
+  return lag_mm;
+}
+
+Motors SteppedCorners::AsOne(const Motors& steps, bool is_at_first) const {
   Motors one = steps.head<3>();
-  const Vec3<double> head_mm = HeadAt_mm(machine_, one);
-  one[kZ] = CornersOf(machine_)
-                .Weights(head_mm[0], head_mm[1])
-                .dot(steps.tail<CornersDrawing::kNum>());
+  const Corners nuts =
+      steps.tail<CornersDrawing::kNum>() + built_.steps_per_mm[kZ] * LagAt_mm(steps);
+  const Vec3<double> head_mm = built_.Drawn_mm(one);
+  const Corners weights = CornersOf(built_.machine).Weights(head_mm[0], head_mm[1]);
+  one[kZ] = is_at_first ? nuts[0] : weights.dot(nuts);
   return one;
 }
 
 bool SteppedCorners::Acts(const PinSensor& sensor, const Motors& steps) {
   const bool is_switch = sensor.kind == PinSensor::Kind::kSwitch;
-  return gantry_.Acts(sensor, is_switch ? Motors(steps.head<3>()) : AsOne(steps));
+  return gantry_.Acts(sensor, AsOne(steps, /*is_at_first=*/is_switch));
+}
+
+void SteppedCorners::Follow(const Motors& steps) {
+  gantry_.Follow(AsOne(steps, /*is_at_first=*/false));
+  lag_mm_ = LagAt_mm(steps);
+  steps_ = steps.tail<CornersDrawing::kNum>();
 }
 
 Wiring WiringOfCorners(const Machine& machine) {
@@ -74,16 +85,12 @@ std::unique_ptr<PlantBoard> BoardOfGantry(const Built& built, std::uint64_t seed
 }
 
 std::string CornersCfg(const Machine& machine) {
-  const AxisDrawing& z = machine.axis(Axis::kZ);
   std::string text;
   for (std::size_t i = 0; i < kFollowing.size(); ++i) {
-    text += klipper::StepperCfg({.section = fmt::format("stepper_z{}", i + 1),
-                                 .pin = kFollowing[i],
-                                 .full_steps_per_rev = z.full_steps_per_rev,
-                                 .microsteps = z.microsteps,
-                                 .mm_per_rev = z.full_steps_per_rev * z.microsteps /
-                                               machine.settings.steps_per_mm[kZ],
-                                 .has_endstop = false});
+    klipper::StepperText motor =
+        StepperOf(machine, Axis::kZ, fmt::format("stepper_z{}", i + 1), kFollowing[i]);
+    motor.has_endstop = false;
+    text += klipper::StepperCfg(motor);
   }
   const CornersDrawing& corners = CornersOf(machine);
   const auto at = [&](const Eigen::Vector2d& place_mm) {

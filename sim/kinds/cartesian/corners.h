@@ -9,24 +9,31 @@
 
 namespace caltwin {
 
+/// A number for each of them, in the order of CornersDrawing.
+using Corners = Eigen::Matrix<double, CornersDrawing::kNum, 1>;
+
 /// A CoreXY whose gantry hangs on four motors of Z, in closed form, its motors stepped
 /// one by one: X, Y, Z, Z1, Z2, Z3. The first of Z has a switch; the others follow from
-/// where they stand.
+/// where they stand. `backlash.z` is each corner's own.
 class SteppedCorners final : public SteppedPlant {
  public:
   /// The machine has a CornersDrawing.
-  SteppedCorners(Built built, std::uint64_t seed);
+  SteppedCorners(const Built& built, std::uint64_t seed);
 
   bool Acts(const PinSensor& sensor, const Motors& steps) override;
-  void Follow(const Motors& steps) override { gantry_.Follow(AsOne(steps)); }
+  void Follow(const Motors& steps) override;
   void Arm(const PinSensor& sensor) override { gantry_.Arm(sensor); }
 
  private:
-  /// The same with one motor of Z, that has the head as high where it is.
-  Motors AsOne(const Motors& steps) const;
+  /// Nut minus motor of each, having come there from where it was followed to.
+  Corners LagAt_mm(const Motors& steps) const;
+  /// The same with one motor of Z, without play, that has the head as high where it is;
+  /// or as high as the first corner, where the switch is.
+  Motors AsOne(const Motors& steps, bool is_at_first) const;
 
-  Machine machine_;
+  Built built_;
   SteppedGantry gantry_;
+  Corners steps_ = Corners::Zero(), lag_mm_ = Corners::Zero();
 };
 
 /// How it is wired: as WiringOfGantry, and Z1 to Z3. When it is switched on its corners
@@ -40,7 +47,8 @@ std::unique_ptr<PlantBoard> BoardOfGantry(const Built& built, std::uint64_t seed
 std::string CornersCfg(const Machine& machine);
 
 /// How uneven the ball stands over the table with the motors there, as the plant counts
-/// them: rms about the mean of 49 places, nine tenths of the travel wide [mm].
+/// them: rms about the mean of 49 places, nine tenths of the travel wide, play left out
+/// [mm].
 double FlatnessOfCorners_mm(const Built& built, const Motors& steps);
 
 }  // namespace caltwin

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include <fmt/format.h>
 
-#include "sim/controllers/klipper/printer_cfg.h"
 #include "sim/kinds/cartesian/corners.h"
 #include "sim/machine/kinds/cartesian/drawing.h"
 #include "sim/machine/machine_kind.h"
@@ -21,33 +21,30 @@ constexpr std::array kSections = {"stepper_x", "stepper_y", "stepper_z"};
 std::string AxisCfg(const Machine& machine, Axis axis) {
   const auto at = static_cast<std::size_t>(Index(axis));
   const AxisDrawing& drawn = machine.axis(axis);
-  const double steps_per_rev = drawn.full_steps_per_rev * drawn.microsteps;
   const bool is_z = axis == Axis::kZ;
-  return klipper::StepperCfg(
-      {.section = kSections[at],
-       .pin = kNames[at],
-       .full_steps_per_rev = drawn.full_steps_per_rev,
-       .microsteps = drawn.microsteps,
-       .mm_per_rev = steps_per_rev / machine.settings.steps_per_mm[at],
-       .rail = {{.min_mm = is_z ? drawn.min_mm - 5 : drawn.min_mm,
-                 .max_mm = drawn.max_mm,
-                 .endstop_mm = drawn.home_mm(),
-                 .homing_mm_s = std::min(is_z ? 10.0 : 50.0, drawn.max_feed_mm_s)}}});
-}
-
-// A second motor of Y, with an endstop of its own.
-std::string SecondMotorCfg(const Machine& machine) {
-  const AxisDrawing& drawn = machine.axis(Axis::kY);
-  const double steps_per_rev = drawn.full_steps_per_rev * drawn.microsteps;
-  return klipper::StepperCfg(
-      {.section = "stepper_y1",
-       .pin = "Y1",
-       .full_steps_per_rev = drawn.full_steps_per_rev,
-       .microsteps = drawn.microsteps,
-       .mm_per_rev = steps_per_rev / machine.settings.steps_per_mm[1]});
+  klipper::StepperText text = StepperOf(machine, axis, kSections[at], kNames[at]);
+  text.rail = {.min_mm = is_z ? drawn.min_mm - 5 : drawn.min_mm,
+               .max_mm = drawn.max_mm,
+               .endstop_mm = drawn.home_mm(),
+               .homing_mm_s = std::min(is_z ? 10.0 : 50.0, drawn.max_feed_mm_s)};
+  return klipper::StepperCfg(text);
 }
 
 }  // namespace
+
+klipper::StepperText StepperOf(const Machine& machine,
+                               Axis axis,
+                               std::string section,
+                               std::string pin) {
+  const AxisDrawing& drawn = machine.axis(axis);
+  const auto at = static_cast<std::size_t>(Index(axis));
+  return {.section = std::move(section),
+          .pin = std::move(pin),
+          .full_steps_per_rev = drawn.full_steps_per_rev,
+          .microsteps = drawn.microsteps,
+          .mm_per_rev = drawn.full_steps_per_rev * drawn.microsteps /
+                        machine.settings.steps_per_mm[at]};
+}
 
 std::string PrinterCfgOfGantry(const Machine& machine, const std::string& serial) {
   const AxisDrawing& x = machine.axis(Axis::kX);
@@ -62,7 +59,9 @@ std::string PrinterCfgOfGantry(const Machine& machine, const std::string& serial
            .max_z_velocity_mm_s = z.max_feed_mm_s,
            .max_z_accel_mm_s2 = z.acceleration_mm_s2});
   for (const Axis axis : kAxes) text += AxisCfg(machine, axis);
-  if (machine.Own<BeamDrawing>() != nullptr) text += SecondMotorCfg(machine);
+  if (machine.Own<BeamDrawing>() != nullptr) {
+    text += klipper::StepperCfg(StepperOf(machine, Axis::kY, "stepper_y1", "Y1"));
+  }
   if (machine.Own<CornersDrawing>() != nullptr) text += CornersCfg(machine);
   const auto at = [](const AxisDrawing& axis, double share) {
     return CfgNumber(axis.min_mm + share * axis.travel_mm());

@@ -26,35 +26,31 @@ class SteppedGantry final : public SteppedPlant {
   void Follow(const Motors& steps) override;
   void Arm(const PinSensor& sensor) override;
   /// Where the ball's centre truly is, the stylus not bent.
-  Vec3<double> Tip_mm() const { return built_.Tip_mm(steps_, lag_mm_); }
+  Vec3<double> Tip_mm() const { return TipAt_mm(stand_, lag_mm_); }
   /// Where all motors stand that were homed on their switches and then told so, by
   /// axis.
   Motors TurnedOn(const Vec3<double>& steps) const;
 
  private:
-  /// The axes' steps where the motors stand so; turns the beam with them.
-  Vec3<double> Axes(const Motors& steps);
-  /// A beam that is turned by more than 50 mrad is jammed.
-  void RequireUnjammed(const Motors& steps) const;
-  bool SwitchActs(int motor, const Motors& steps);
-  bool ProbeActs(const Motors& steps);
-  Vec3<double> LagAt_mm(const Vec3<double>& steps) const {
-    return built_.LagAt_mm(lag_mm_, steps_, steps);
+  /// Where the motors have the drives.
+  struct Stand {
+    Vec3<double> steps = Vec3<double>::Zero();
+    double racking_mrad = 0;  ///< Of a beam whose two motors stand apart.
+  };
+  Stand StandAt(const Motors& motors) const;
+  Vec3<double> LagAt_mm(const Stand& stand) const {
+    return built_.LagAt_mm(lag_mm_, stand_.steps, stand.steps);
   }
-  /// `steps` of the drives, whose carriages lag so.
-  double BeforeHome_mm(Axis axis,
-                       const Vec3<double>& steps,
-                       const Vec3<double>& lag_mm) const;
+  Vec3<double> TipAt_mm(const Stand& stand, const Vec3<double>& lag_mm) const;
+  bool SwitchActs(int motor, const Motors& motors) const;
 
-  Built built_;
+  Built built_;              ///< Of a beam without its racking, which its motors make.
+  const BeamDrawing* beam_;  ///< Null: Y has one motor.
+  double apart_mm_ = 0;      ///< By how much its second switch stands further up Y.
   Rng scatter_;
-  Vec3<double> steps_;
+  Stand stand_{};
   Vec3<double> lag_mm_;  ///< Carriage minus motor, by drive.
   double late_mm_ = 0;   ///< By how much chance has the probe now armed act too deep.
-  const BeamDrawing* beam_;  ///< Null: Y has one motor.
-  std::size_t racking_ = 0;  ///< Of a beam: which of the frame's effects turns it.
-  double turned_mrad_ = 0;   ///< By where the motors were last followed to.
-  double apart_mm_ = 0;      ///< By how much its second switch stands further up Y.
 };
 
 /// How such a machine is wired to a board: motors X, Y, Z (of belts: the two

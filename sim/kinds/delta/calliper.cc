@@ -6,8 +6,7 @@ namespace caltwin {
 
 double SimulatedDeltaCalliper::Rod_mm(int rod) {
   const auto at = static_cast<std::size_t>(rod);
-  return build_.model.arm_mm[at / 2] + build_.rod_error_mm[at] +
-         sigma_mm_ * scatter_.Normal();
+  return Read_mm(build_.model.arm_mm[at / 2] + build_.rod_error_mm[at]);
 }
 
 std::optional<double> SimulatedDeltaCalliper::Between_mm(const Vec3<double>& from_mm,
@@ -15,7 +14,7 @@ std::optional<double> SimulatedDeltaCalliper::Between_mm(const Vec3<double>& fro
   const auto from = DeltaPoseOf(build_, from_mm);
   const auto to = DeltaPoseOf(build_, to_mm);
   if (!from || !to) return std::nullopt;
-  return (to->nozzle_mm - from->nozzle_mm).norm() + sigma_mm_ * scatter_.Normal();
+  return Read_mm((to->nozzle_mm - from->nozzle_mm).norm());
 }
 
 }  // namespace caltwin

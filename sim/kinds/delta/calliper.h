@@ -17,6 +17,8 @@ class SimulatedDeltaCalliper {
                          std::uint64_t sample)
       : build_(build), sigma_mm_(sigma_mm), scatter_(seed, sample, "calliper") {}
 
+  /// Any length.
+  double Read_mm(double true_mm) { return true_mm + sigma_mm_ * scatter_.Normal(); }
   /// The length of a rod, joint to joint.
   double Rod_mm(int rod);
   /// The distance of two features of a print, drawn with the motors at these commanded

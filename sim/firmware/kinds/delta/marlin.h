@@ -25,8 +25,8 @@ DeltaModel<double> AsMarlinHasIt(const DeltaModel<double>& settings);
 /// A controller that understands Marlin's dialect as far as a delta's calibration needs
 /// it: G0 G1 G28 G30 G33 G90 G91 M92 M114 M115 M119 M400 M420 M421 M500-M503 M665 M666
 /// M851. Anything else is answered as Marlin does, `echo:Unknown command: "..."`, but
-/// G20 and G92, without which later moves would go elsewhere, are refused. Touches are
-/// not lifted by the mesh.
+/// G2, G3, G20 and G92 X Y Z, without which later moves would go elsewhere, are
+/// refused. Touches are not lifted by the mesh.
 class MarlinDelta final : public EmulatedController {
  public:
   /// Answers G33: its words in, the lines that it prints; settings in place.
