@@ -40,6 +40,13 @@ struct Chance {
   Fidelity fidelity = Fidelity::kPhysics;
 };
 
+/// @name What a person does who is asked how high a nozzle stands: answers by TESTZ
+/// Until a gauge of 0.1 mm fits under it, felt to 10 um (standard deviation); then that
+/// much down.
+inline constexpr std::string_view kFeelerGauge = "feeler_gauge";
+/// The same with a sheet of paper, whose thickness most leave.
+inline constexpr std::string_view kPaperTest = "paper_test";
+
 /// What a scenario has of its own by the kind of its machine: how its keys are read,
 /// what it calls effects and procedures, and how a trial of it begins. One class a kind
 /// (scenarios/kinds); everything else in scenarios is the same for all.
@@ -100,7 +107,9 @@ class KindScenario {
   virtual std::unique_ptr<KindTrial> BeginUnderKlipper(const Scenario& scenario,
                                                        const Chance& chance) const;
   /// What a person can do beside it then, among the lines for the host.
-  virtual std::vector<std::string> PersonsActs() const { return {}; }
+  virtual std::vector<std::string> PersonsActs() const {
+    return {std::string(kFeelerGauge), std::string(kPaperTest)};
+  }
   /// Likewise LinuxCNC.
   virtual bool CanBeUnderLinuxCnc() const { return false; }
   virtual std::unique_ptr<KindTrial> BeginUnderLinuxCnc(const Scenario& scenario,

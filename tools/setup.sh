@@ -4,8 +4,9 @@
 #
 #   tools/setup.sh [PACKAGE ...]    these packages too
 #   tools/setup.sh --controllers    and the shipped programs that drive the twin
-#                                   (docs/klipper.md): kalico, in build/controllers, and
-#                                   Moonraker, in build/moonraker; and LinuxCNC
+#                                   (docs/klipper.md): kalico, in build/controllers,
+#                                   Klipper 0.12, in build/klipper, and Moonraker, in
+#                                   build/moonraker; and LinuxCNC
 #                                   (docs/linuxcnc.md), where Debian has it
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -130,6 +131,28 @@ compile_helper() {
   "$1/bin/python" -c 'from klippy import chelper; chelper.get_ffi()'
 }
 
+# Klipper's own package cannot be built as it is published: its source is unpacked, its helper
+# compiled.
+unpack_klipper() {
+  local folder=$1
+  mkdir -p "$folder/source" "$folder/fetched"
+  "$folder/bin/pip" download --quiet --disable-pip-version-check --no-deps --no-build-isolation \
+    --no-binary=:all: --require-hashes -r tools/controllers/klipper_source.txt \
+    --dest "$folder/fetched" &&
+    tar -C "$folder/source" -xzf "$folder"/fetched/*.tar.gz --strip-components=1 &&
+    PYTHONPATH="$folder/source" "$folder/bin/python" -c \
+      'from klippy.chelper import builder; builder.build_chelper()' &&
+    sed "1s|.*|#!$PWD/$folder/bin/python3|" tools/controllers/start_klipper.py >"$folder/bin/klipper" &&
+    chmod +x "$folder/bin/klipper" &&
+    "$folder/bin/klipper" --help >/dev/null &&
+    cp tools/controllers/klipper_source.txt "$folder/source.txt"
+}
+
+install_klipper() {
+  cmp -s tools/controllers/klipper_source.txt build/klipper/source.txt || rm -rf build/klipper
+  install_python build/klipper tools/controllers/klipper_requirements.txt unpack_klipper
+}
+
 # The programs that drive the twin.
 install_controllers() {
   install_python build/controllers tools/controllers/requirements.txt compile_helper
@@ -148,6 +171,7 @@ if [[ ${1:-} == --controllers ]]; then
   install_packages "${packages[@]}" gcc libc6-dev python3-venv "${@:2}"
   install_mujoco
   install_controllers
+  install_klipper || echo "setup: without Klipper 0.12 its test is skipped" >&2
   install_moonraker || echo "setup: without Moonraker its test is skipped" >&2
   install_packages linuxcnc-uspace linuxcnc-uspace-dev ||
     echo "setup: there is no LinuxCNC for this system: its tests are skipped" >&2

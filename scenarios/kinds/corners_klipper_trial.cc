@@ -1,7 +1,6 @@
 #include "scenarios/kinds/corners_klipper_trial.h"
 
 #include <algorithm>
-#include <limits>
 
 #include <fmt/format.h>
 
@@ -12,13 +11,18 @@ namespace caltwin {
 
 void CornersKlipperTrial::Finish(RunResult* result) {
   KlipperTrial::Finish(result);
-  const Wiring wiring = WiringOfCorners(built_.machine);
-  const auto flatness_mm = [&](const Motors& steps) {
-    return FlatnessOfCorners_mm(built_, InPlant(wiring, steps));
-  };
+  const Wiring wiring = WiringOfCorners(built().machine);
   const auto num = static_cast<Eigen::Index>(wiring.motors.size());
-  before_mm_ = after_mm_ = flatness_mm(Motors::Zero(num));
-  if (const auto steps = host()->MotorsNow()) after_mm_ = flatness_mm(*steps);
+  const Motors switched_on = InPlant(wiring, Motors::Zero(num));
+  const auto now = host()->MotorsNow();
+  steps_ = now ? InPlant(wiring, *now) : switched_on;
+  before_mm_ = FlatnessOfCorners_mm(built(), switched_on);
+  after_mm_ = FlatnessOfCorners_mm(built(), steps_);
+}
+
+// The ball's own height does not count: a mesh has none.
+double CornersKlipperTrial::TableHeight_mm(const Eigen::Vector2d& at_mm) const {
+  return -OverTableAt_mm(built(), steps_, at_mm);
 }
 
 TrueEnd CornersKlipperTrial::End(const std::vector<ProcedureResult>& /*results*/,
@@ -29,17 +33,18 @@ TrueEnd CornersKlipperTrial::End(const std::vector<ProcedureResult>& /*results*/
       "switched on",
       UmFromMm(after_mm_),
       UmFromMm(before_mm_)));
+  const auto mesh = JudgedMesh(result);
+  const double left_mm = mesh ? mesh->after : after_mm_;
   return {.figure = TrueFigure{
               .before = before_mm_,
-              .after = after_mm_,
+              .after = left_mm,
               .noise = kFlat_mm,
-              .is_met = after_mm_ <= std::max(kRecovered * before_mm_, kFlat_mm)}};
+              .is_met = left_mm <= std::max(kRecovered * before_mm_, kFlat_mm)}};
 }
 
-double CornersKlipperTrial::Figure(const std::string& name,
-                                   const RunResult& /*result*/) {
+double CornersKlipperTrial::Figure(const std::string& name, const RunResult& result) {
   if (name == "flatness_mm.rms") return after_mm_;
-  return std::numeric_limits<double>::quiet_NaN();
+  return GantryKlipperTrial::Figure(name, result);
 }
 
 }  // namespace caltwin

@@ -27,12 +27,11 @@ DeltaKlipperTrial::DeltaKlipperTrial(const Machine& machine,
                                      KlipperHostOptions options,
                                      const Chance& chance,
                                      double calliper_sigma_mm)
-    : KlipperTrial(machine, std::move(board), std::move(options)),
+    : KlipperTrial(machine, std::move(board), std::move(options), chance),
       machine_(machine),
       built_(built),
       truth_{.machine = machine_, .built = built_},
-      calliper_(built.build, calliper_sigma_mm, chance.seed, chance.sample),
-      felt_(chance.seed, chance.sample, "feeler_gauge") {
+      calliper_(built.build, calliper_sigma_mm, chance.seed, chance.sample) {
   truth_.before = DeltaBelievedBy(config_before());
 }
 
@@ -45,51 +44,16 @@ Expected<std::vector<std::string>> DeltaKlipperTrial::PersonDoes(std::string_vie
     return tl::unexpected(MachineFault{MachineFault::Kind::kRefused,
                                        "it does not reach where the print would be"});
   }
-  if (act == kFeelerGauge) return GaugeUnderNozzle(/*is_taken_off=*/true);
-  if (act == kPaperTest) return GaugeUnderNozzle(/*is_taken_off=*/false);
   return KlipperTrial::PersonDoes(act);
 }
 
-std::optional<double> DeltaKlipperTrial::NozzleOverBed_mm() {
-  const auto steps = MotorsAfter({"M400"});
-  if (!steps) return std::nullopt;
+std::optional<double> DeltaKlipperTrial::NozzleOverBed_mm(const Motors& steps) {
   const Vec3<double> motors_mm =
-      InPlant(WiringOfDelta(machine_), *steps).cwiseQuotient(TowerSteps(machine_));
+      InPlant(WiringOfDelta(machine_), steps).cwiseQuotient(TowerSteps(machine_));
   const auto nozzle_mm =
       NozzleOfDelta(machine_, built_, motors_mm, /*motor_dir=*/Vec3<double>::Ones());
   if (!nozzle_mm) return std::nullopt;
   return (*nozzle_mm)[2] - built_.bed.Height_mm((*nozzle_mm)[0], (*nozzle_mm)[1]);
-}
-
-Expected<std::vector<std::string>> DeltaKlipperTrial::GaugeUnderNozzle(
-    bool is_taken_off) {
-  constexpr double kGauge_mm = 0.1, kFelt_mm = 0.01, kTypes_mm = 0.001;
-  constexpr int kMostLooks = 5;
-  const double stops_at_mm = kGauge_mm + kFelt_mm * felt_.Normal();
-  std::vector<std::string> all;
-  const auto type = [&](double by_mm) {
-    const auto said = Typed({fmt::format("TESTZ Z={:.3f}", by_mm)});
-    if (said) all.insert(all.end(), said->begin(), said->end());
-    return said;
-  };
-  bool is_felt = false;
-  for (int i = 0; i < kMostLooks && !is_felt; ++i) {
-    const auto over_mm = NozzleOverBed_mm();
-    if (!over_mm) break;
-    const double by_mm = stops_at_mm - *over_mm;
-    is_felt = std::abs(by_mm) < kFelt_mm;
-    if (std::abs(by_mm) < kTypes_mm) break;
-    if (const auto said = type(by_mm); !said) return said;
-  }
-  if (!is_felt) {
-    return tl::unexpected(
-        MachineFault{MachineFault::Kind::kRefused,
-                     "the gauge does not come to fit under the nozzle"});
-  }
-  if (is_taken_off) {
-    if (const auto said = type(-kGauge_mm); !said) return said;
-  }
-  return all;
 }
 
 // A pillar's width is read like any distance, and taken off again by the host.

@@ -122,8 +122,9 @@ void DeltaScenario::Vary(const std::string& effect,
 }
 
 std::vector<std::string> DeltaScenario::PersonsActs() const {
-  return {
-      std::string(kFeelerGauge), std::string(kPaperTest), std::string(kMeasuredPrint)};
+  std::vector<std::string> acts = KindScenario::PersonsActs();
+  acts.emplace_back(kMeasuredPrint);
+  return acts;
 }
 
 std::unique_ptr<KindTrial> DeltaScenario::BeginUnderKlipper(

@@ -30,51 +30,54 @@ std::optional<KlipperMesh> SavedMeshOf(const std::string& config) {
   return ReadKlipperBed(config, "printer.cfg").meshes.back();
 }
 
-// How high a ball stands that rests on the table there.
-double TableHeight_mm(const Built& built, double x_mm, double y_mm) {
-  constexpr double kAbove_mm = 5;
-  return kAbove_mm - built.Clearance(Vec3<double>(x_mm, y_mm, kAbove_mm)).distance_mm;
+}  // namespace
+
+std::optional<double> GantryKlipperTrial::NozzleOverBed_mm(const Motors& steps) {
+  plant_->Follow(InPlant(WiringOf(built_.machine), steps));
+  return built_.Clearance(plant_->Tip_mm()).distance_mm;
 }
 
-MeshAgainstTable Compared(const KlipperMesh& mesh, const Built& built) {
-  const auto count = static_cast<Eigen::Index>(mesh.points.size());
+double GantryKlipperTrial::TableHeight_mm(const Eigen::Vector2d& at_mm) const {
+  constexpr double kAbove_mm = 5;
+  return kAbove_mm -
+         built_.Clearance(Vec3<double>(at_mm[0], at_mm[1], kAbove_mm)).distance_mm;
+}
+
+std::optional<TrueFigure> GantryKlipperTrial::JudgedMesh(RunResult* result) {
+  const auto saved = SavedMeshOf(host()->Config());
+  if (!saved) return std::nullopt;
+  const auto count = static_cast<Eigen::Index>(saved->points.size());
   Eigen::ArrayXd table(count), errors(count);
   for (Eigen::Index i = 0; i < count; ++i) {
-    const MeshPoint& point = mesh.points[static_cast<std::size_t>(i)];
-    table[i] = TableHeight_mm(built, point.x_mm, point.y_mm);
+    const MeshPoint& point = saved->points[static_cast<std::size_t>(i)];
+    table[i] = TableHeight_mm({point.x_mm, point.y_mm});
     errors[i] = point.z_mm - table[i];
   }
   table -= table.mean();
   errors -= errors.mean();
-  return {.table_rms_mm = std::sqrt(table.square().mean()),
-          .error_rms_mm = std::sqrt(errors.square().mean()),
-          .error_most_mm = errors.abs().maxCoeff()};
-}
-
-}  // namespace
-
-TrueEnd GantryKlipperTrial::End(const std::vector<ProcedureResult>& /*results*/,
-                                RunResult* result) {
-  const auto saved = SavedMeshOf(host()->Config());
-  if (!saved) {
-    result->messages.emplace_back(
-        "no mesh was saved: the table is as little known as "
-        "before");
-    return {.told_wrong = true};
-  }
-  mesh_ = Compared(*saved, built_);
+  mesh_ = {.table_rms_mm = std::sqrt(table.square().mean()),
+           .error_rms_mm = std::sqrt(errors.square().mean()),
+           .error_most_mm = errors.abs().maxCoeff()};
   result->messages.push_back(fmt::format(
       "the saved mesh says the table's shape to {:.1f} um rms ({:.1f} at most); the "
       "table itself is {:.1f} um rms from flat",
       UmFromMm(mesh_->error_rms_mm),
       UmFromMm(mesh_->error_most_mm),
       UmFromMm(mesh_->table_rms_mm)));
-  return {.figure = TrueFigure{
-              .before = mesh_->table_rms_mm,
-              .after = mesh_->error_rms_mm,
-              .noise = kFlat_mm,
-              .is_met = mesh_->error_rms_mm <=
-                        std::max(kRecovered * mesh_->table_rms_mm, kFlat_mm)}};
+  return TrueFigure{.before = mesh_->table_rms_mm,
+                    .after = mesh_->error_rms_mm,
+                    .noise = kFlat_mm,
+                    .is_met = mesh_->error_rms_mm <=
+                              std::max(kRecovered * mesh_->table_rms_mm, kFlat_mm)};
+}
+
+TrueEnd GantryKlipperTrial::End(const std::vector<ProcedureResult>& /*results*/,
+                                RunResult* result) {
+  const auto mesh = JudgedMesh(result);
+  if (mesh) return {.figure = mesh};
+  result->messages.emplace_back(
+      "no mesh was saved: the table is as little known as before");
+  return {.told_wrong = true};
 }
 
 double GantryKlipperTrial::Figure(const std::string& name,
@@ -94,13 +97,14 @@ std::unique_ptr<KindTrial> BeginGantryUnderKlipper(const Scenario& scenario,
   const Machine& machine = built.machine;
   KlipperHostOptions options = *scenario.klipper;
   if (options.config.empty()) options.config = PrinterCfgOfGantry(machine, "-");
-  auto board = BoardOfGantry(built, config.seed);
+  BoardWithTip board =
+      BoardOfGantry(built, config.fidelity == Fidelity::kPhysics, config.seed);
   if (machine.Own<CornersDrawing>() != nullptr) {
     return std::make_unique<CornersKlipperTrial>(
-        std::move(built), std::move(board), std::move(options));
+        std::move(built), std::move(board), std::move(options), chance);
   }
   return std::make_unique<GantryKlipperTrial>(
-      std::move(built), std::move(board), std::move(options));
+      std::move(built), std::move(board), std::move(options), chance);
 }
 
 }  // namespace caltwin

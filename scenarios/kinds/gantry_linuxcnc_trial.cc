@@ -55,7 +55,7 @@ std::vector<Stop> GantryLinuxCncTrial::Stops() const {
 
 std::vector<Vec3<double>> GantryLinuxCncTrial::Uncorrected_mm(
     const std::vector<Stop>& stops) const {
-  SteppedGantry machine(built_, seed_);
+  SteppedGantry machine(built_, is_physics_, seed_);
   std::vector<Vec3<double>> errors_mm;
   for (const Stop& stop : stops) {
     Vec3<double> steps;
@@ -79,11 +79,16 @@ std::unique_ptr<KindTrial> BeginGantryUnderLinuxCnc(const Scenario& scenario,
   Built built = BuiltUnderController(config);
   const Machine& machine = built.machine;
   UnderLinuxCnc asked = Completed(*scenario.linuxcnc, LinuxCncOfGantry(machine));
-  auto plant = std::make_unique<SteppedGantry>(built, config.seed);
+  const bool is_physics = config.fidelity == Fidelity::kPhysics;
+  auto plant = std::make_unique<SteppedGantry>(built, is_physics, config.seed);
   const SteppedGantry* const seen = plant.get();
   auto board = std::make_unique<PlantBoard>(WiringOfGantry(machine), std::move(plant));
-  return std::make_unique<GantryLinuxCncTrial>(
-      std::move(built), config.seed, std::move(board), seen, std::move(asked));
+  return std::make_unique<GantryLinuxCncTrial>(std::move(built),
+                                               is_physics,
+                                               config.seed,
+                                               std::move(board),
+                                               seen,
+                                               std::move(asked));
 }
 
 }  // namespace caltwin

@@ -18,12 +18,14 @@ class GantryLinuxCncTrial final : public LinuxCncTrial {
  public:
   /// `plant` belongs to `board`.
   GantryLinuxCncTrial(Built built,
+                      bool is_physics,
                       std::uint64_t seed,
                       std::unique_ptr<Board> board,
                       const SteppedGantry* plant,
                       UnderLinuxCnc asked)
       : LinuxCncTrial(built.machine, std::move(board), std::move(asked)),
         built_(std::move(built)),
+        is_physics_(is_physics),
         seed_(seed),
         plant_(plant) {}
 
@@ -41,6 +43,7 @@ class GantryLinuxCncTrial final : public LinuxCncTrial {
 
  private:
   Built built_;
+  bool is_physics_;
   std::uint64_t seed_;
   const SteppedGantry* plant_;
 };

@@ -40,13 +40,6 @@ FirmwareOptions ReadFirmware(YamlMap map) {
   return options;
 }
 
-void RequireClosedForm(const Scenario& scenario, const Chance& chance) {
-  if (chance.fidelity == Fidelity::kFast) return;
-  throw InputError({.file = scenario.file.string()},
-                   "under a real controller such a machine is simulated in closed form",
-                   "fidelity: fast");
-}
-
 }  // namespace
 
 ProbeInput ReadProbeInput(YamlMap* map) {
@@ -118,13 +111,11 @@ void GantryScenario::CheckVaried(const Scenario& scenario, Faults* faults) const
 
 std::unique_ptr<KindTrial> GantryScenario::BeginUnderKlipper(
     const Scenario& scenario, const Chance& chance) const {
-  RequireClosedForm(scenario, chance);
   return BeginGantryUnderKlipper(scenario, chance);
 }
 
 std::unique_ptr<KindTrial> GantryScenario::BeginUnderLinuxCnc(
     const Scenario& scenario, const Chance& chance) const {
-  RequireClosedForm(scenario, chance);
   return BeginGantryUnderLinuxCnc(scenario, chance);
 }
 

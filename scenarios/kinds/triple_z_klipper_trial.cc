@@ -29,10 +29,16 @@ Vec3<double> RaisedBy(const Machine& machine, const Motors& steps) {
 
 TripleZKlipperTrial::TripleZKlipperTrial(const BuiltTripleZ& built,
                                          std::unique_ptr<Board> board,
-                                         KlipperHostOptions options)
-    : KlipperTrial(built.machine, std::move(board), std::move(options)),
+                                         KlipperHostOptions options,
+                                         const Chance& chance)
+    : KlipperTrial(built.machine, std::move(board), std::move(options), chance),
       built_(built),
       flat_before_mm_(TrueLevelOf(built, Vec3<double>::Zero(), 0).flat_rms_mm) {}
+
+std::optional<double> TripleZKlipperTrial::NozzleOverBed_mm(const Motors& steps) {
+  const TripleZTwinPlant plant(built_, /*is_physics=*/false, /*seed=*/1, /*sample=*/0);
+  return plant.NozzleOverBed_mm(InPlant(WiringOfTripleZ(built_.machine), steps));
+}
 
 void TripleZKlipperTrial::Finish(RunResult* result) {
   KlipperTrial::Finish(result);
@@ -89,7 +95,7 @@ std::unique_ptr<KindTrial> BeginTripleZUnderKlipper(const TripleZScenario& tripl
     options.config = PrinterCfgOfTripleZ(believed, "-");
   }
   return std::make_unique<TripleZKlipperTrial>(
-      built, std::move(board), std::move(options));
+      built, std::move(board), std::move(options), chance);
 }
 
 }  // namespace caltwin

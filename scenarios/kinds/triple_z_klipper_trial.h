@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,11 +18,15 @@ class TripleZKlipperTrial final : public KlipperTrial {
  public:
   TripleZKlipperTrial(const BuiltTripleZ& built,
                       std::unique_ptr<Board> board,
-                      KlipperHostOptions options);
+                      KlipperHostOptions options,
+                      const Chance& chance);
 
   void Finish(RunResult* result) override;
   TrueEnd End(const std::vector<ProcedureResult>& results, RunResult* result) override;
   double Figure(const std::string& name, const RunResult& result) override;
+
+ protected:
+  std::optional<double> NozzleOverBed_mm(const Motors& steps) override;
 
  private:
   BuiltTripleZ built_;

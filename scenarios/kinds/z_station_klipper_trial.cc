@@ -18,6 +18,15 @@ constexpr double kCommanded_mm = 5;
 
 }  // namespace
 
+std::optional<double> ZStationKlipperTrial::NozzleOverBed_mm(const Motors& steps) {
+  Vec3<double> at_mm = InPlant(WiringOfStation(machine_), steps);
+  for (const Axis axis : kAxes) {
+    at_mm[Index(axis)] /= machine_.axis(axis).steps_per_mm();
+    if (axis != Axis::kZ) at_mm[Index(axis)] += machine_.axis(axis).home_mm();
+  }
+  return twin_.Gap_mm(at_mm[2], at_mm.head<2>());
+}
+
 void ZStationKlipperTrial::Finish(RunResult* result) {
   KlipperTrial::Finish(result);
   const Eigen::Vector2d& at_mm = twin_.middle_mm();
@@ -27,9 +36,7 @@ void ZStationKlipperTrial::Finish(RunResult* result) {
                    fmt::format("G1 X{:.3f} Y{:.3f} F3000", at_mm[0], at_mm[1]),
                    "M400"});
   if (!steps) return;
-  const double carriage_mm = InPlant(WiringOfStation(machine_), *steps)[2] /
-                             machine_.axis(Axis::kZ).steps_per_mm();
-  error_mm_ = twin_.Gap_mm(carriage_mm, at_mm) - kCommanded_mm;
+  error_mm_ = *NozzleOverBed_mm(*steps) - kCommanded_mm;
   result->position_error_after_p95_mm = std::abs(*error_mm_);
   result->position_error_before_p95_mm = std::abs(*error_mm_);
   result->is_error_of_nozzle = true;
@@ -86,7 +93,8 @@ std::unique_ptr<KindTrial> BeginStationUnderKlipper(const ZStationScenario& z,
                    chance.sample,
                    ZStationOf(machine).bed_at_mm),
       std::move(board),
-      std::move(options));
+      std::move(options),
+      chance);
 }
 
 }  // namespace caltwin

@@ -19,8 +19,9 @@ class ZStationKlipperTrial final : public KlipperTrial {
   ZStationKlipperTrial(const Machine& machine,
                        ZStationTwin twin,
                        std::unique_ptr<Board> board,
-                       KlipperHostOptions options)
-      : KlipperTrial(machine, std::move(board), std::move(options)),
+                       KlipperHostOptions options,
+                       const Chance& chance)
+      : KlipperTrial(machine, std::move(board), std::move(options), chance),
         machine_(machine),
         twin_(std::move(twin)) {}
 
@@ -30,6 +31,9 @@ class ZStationKlipperTrial final : public KlipperTrial {
                      RunResult* result) override;
   TrueEnd End(const std::vector<ProcedureResult>& results, RunResult* result) override;
   double Figure(const std::string& name, const RunResult& result) override;
+
+ protected:
+  std::optional<double> NozzleOverBed_mm(const Motors& steps) override;
 
  private:
   Machine machine_;

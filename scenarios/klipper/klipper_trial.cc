@@ -1,8 +1,12 @@
 #include "scenarios/klipper/klipper_trial.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
+#include <fmt/format.h>
+
+#include "scenarios/kind_scenario.h"
 #include "sim/measure/import/fields.h"
 
 namespace caltwin {
@@ -71,10 +75,12 @@ std::optional<Motors> HostLink::MotorsNow() const {
 
 KlipperTrial::KlipperTrial(const Machine& machine,
                            std::unique_ptr<Board> board,
-                           KlipperHostOptions options)
+                           KlipperHostOptions options,
+                           const Chance& chance)
     : board_(std::move(board)),
       config_before_(options.config),
-      host_(board_.get(), std::move(options)) {
+      host_(board_.get(), std::move(options)),
+      felt_(chance.seed, chance.sample, "feeler_gauge") {
   bench_.gauge = &gauges_;
   bench_.person = &hands_;
   bench_.machine = machine;
@@ -82,6 +88,8 @@ KlipperTrial::KlipperTrial(const Machine& machine,
 }
 
 Expected<std::vector<std::string>> KlipperTrial::PersonDoes(std::string_view act) {
+  if (act == kFeelerGauge) return GaugeUnderNozzle(/*is_taken_off=*/true);
+  if (act == kPaperTest) return GaugeUnderNozzle(/*is_taken_off=*/false);
   return tl::unexpected(MachineFault{
       Kind::kRefused, "nobody is there who does that: " + std::string(act)});
 }
@@ -95,6 +103,38 @@ Expected<std::vector<std::string>> KlipperTrial::Typed(
     if (!said) return said;
     all.push_back("typed: " + line);
     all.insert(all.end(), said->begin(), said->end());
+  }
+  return all;
+}
+
+Expected<std::vector<std::string>> KlipperTrial::GaugeUnderNozzle(bool is_taken_off) {
+  constexpr double kGauge_mm = 0.1, kFelt_mm = 0.01, kTypes_mm = 0.001;
+  constexpr int kMostLooks = 5;
+  const double stops_at_mm = kGauge_mm + kFelt_mm * felt_.Normal();
+  std::vector<std::string> all;
+  const auto type = [&](double by_mm) {
+    const auto said = Typed({fmt::format("TESTZ Z={:.3f}", by_mm)});
+    if (said) all.insert(all.end(), said->begin(), said->end());
+    return said;
+  };
+  bool is_felt = false;
+  for (int i = 0; i < kMostLooks && !is_felt; ++i) {
+    const auto steps = MotorsAfter({"M400"});
+    if (!steps) break;
+    const auto over_mm = NozzleOverBed_mm(*steps);
+    if (!over_mm) break;
+    const double by_mm = stops_at_mm - *over_mm;
+    is_felt = std::abs(by_mm) < kFelt_mm;
+    if (std::abs(by_mm) < kTypes_mm) break;
+    if (const auto said = type(by_mm); !said) return said;
+  }
+  if (!is_felt) {
+    return tl::unexpected(
+        MachineFault{MachineFault::Kind::kRefused,
+                     "the gauge does not come to fit under the nozzle"});
+  }
+  if (is_taken_off) {
+    if (const auto said = type(-kGauge_mm); !said) return said;
   }
   return all;
 }

@@ -11,6 +11,7 @@
 #include "scenarios/kind_trial.h"
 #include "scenarios/kinds/nobody.h"
 #include "scenarios/klipper/host.h"
+#include "sim/base/rng.h"
 #include "sim/machine/machine.h"
 
 namespace caltwin {
@@ -55,7 +56,8 @@ class KlipperTrial : public KindTrial {
   /// @param config  its printer.cfg as it begins
   KlipperTrial(const Machine& machine,
                std::unique_ptr<Board> board,
-               KlipperHostOptions options);
+               KlipperHostOptions options,
+               const Chance& chance);
 
   Link* wire() override { return &host_; }
   void Connect(Link* link) override { bench_.link = link; }
@@ -67,18 +69,26 @@ class KlipperTrial : public KindTrial {
   const std::string& config_before() const { return config_before_; }
   /// What a person does beside it who sees the truth: a word of PersonsActs().
   virtual Expected<std::vector<std::string>> PersonDoes(std::string_view act);
+  /// How high the clean nozzle, or a probe's ball, truly is over what lies beneath it,
+  /// the motors standing there as the board counts; nullopt: nobody can say.
+  virtual std::optional<double> NozzleOverBed_mm(const Motors& /*steps*/) {
+    return std::nullopt;
+  }
   /// Types lines; what all of them are answered, or the first refusal.
   Expected<std::vector<std::string>> Typed(const std::vector<std::string>& lines);
   /// Where the motors stand once the host has gone there; nullopt where it refuses.
   std::optional<Motors> MotorsAfter(const std::vector<std::string>& lines);
 
  private:
+  Expected<std::vector<std::string>> GaugeUnderNozzle(bool is_taken_off);
+
   std::unique_ptr<Board> board_;
   std::string config_before_;
   HostLink host_;
   NoGauges gauges_{};
   NoHands hands_{};
   Bench bench_{};
+  Rng felt_;
 };
 
 }  // namespace caltwin

@@ -15,6 +15,7 @@
 #include "sim/effects/gap_sense.h"
 #include "sim/effects/injected.h"
 #include "sim/effects/surroundings.h"
+#include "sim/twin/built_world.h"
 
 namespace caltwin {
 namespace {
@@ -39,11 +40,6 @@ constexpr int kMostAims = 10;
 constexpr double kMostTravel_mm = 8;
 constexpr double kPushedIn_mm = 0.02;  // Beyond the trigger, before a release.
 constexpr double kAlong = 1e-6;        // Part of n below which an axis does not move.
-
-double HangingLoad_n(const Machine& machine) {
-  const AxisDrawing& z = machine.axis(Axis::kZ);
-  return z.moving_mass_kg * kGravity_m_s2 - z.counterbalance_n;
-}
 
 Vec3<double> NominalOf(const Row& row, const Machine& machine) {
   Vec3<double> nominal_mm;

@@ -4,14 +4,10 @@
 #include <cmath>
 #include <utility>
 
-#include <fmt/format.h>
-
-#include "sim/effects/acts/acts.h"
-
 namespace caltwin {
 namespace {
 
-constexpr double kTimestep_s = 2e-4;
+constexpr double kTimestep_s = BuiltWorld::kTimestep_s;
 constexpr int kStepsBeforeContact = 20;
 constexpr int kStepsBetweenLooks = 10;
 constexpr double kLeastBeforeContact_mm = 0.005;
@@ -19,62 +15,22 @@ constexpr double kLeastBeforeContact_mm = 0.005;
 // than this is at rest long before the next contact.
 constexpr double kSwinging_mm = 3e-3;
 constexpr double kSwinging_mm_s = 0.5;
-constexpr double kAtRest_mm = 1e-6;
 constexpr double kAtRest_mm_s = 1e-3;
 constexpr double kFarthestSeen_mm = 1000;
 constexpr int kSettleSteps = 5;
 constexpr int kMostSettleSteps = 250;
-
-double HangingLoad_n(const Machine& machine) {
-  const AxisDrawing& z = machine.axis(Axis::kZ);
-  return z.moving_mass_kg * kGravity_m_s2 - z.counterbalance_n;
-}
 
 }  // namespace
 
 PhysicsPlant::PhysicsPlant(Built built, std::uint64_t seed, std::uint64_t sample)
     : TwinPlant(std::move(built), seed, sample), drawn_(ModelOf(built_.machine)) {
   Rebuild();
-  const Vec3<double> motors_mm = built_.Motors_mm(steps_);
-  const Vec3<double> carriages_mm =
-      AxesOf(built_.drives(), motors_mm + built_.lag_center_mm);
-  const Vec3<double> still = Vec3<double>::Zero();
-  world_->Place(motors_mm, carriages_mm, still, still);
+  world_->StandAt(built_, steps_, built_.lag_center_mm);
 }
 
 void PhysicsPlant::Rebuild() {
-  Mjcf model = drawn_.Copy();
-  EditModel(built_.machine, built_.effects, &model);
-  for (std::size_t i = 0; i < built_.solids.size(); ++i) {
-    model.AddSolid(fmt::format("solid_{}", i), built_.solids[i]);
-  }
-  model.SetTimestep_s(kTimestep_s);
-  model.FitDisc(built_.stylus == Stylus::kDisc);
-  world_ = std::make_unique<World>(model.Compile(/*with_looks=*/false),
-                                   HangingLoad_n(built_.machine));
-  for (const Axis axis : kAxes) drawn_gap_mm_[Index(axis)] = world_->Gap_mm(axis);
-  Feel(steps_);
-}
-
-void PhysicsPlant::Feel(const Vec3<double>& steps) {
-  const Vec3<double> q_mm = built_.Drawn_mm(steps);
-  if (!built_.drive_effects.empty()) {
-    const Vec3<double> wider_mm = built_.LocalLostMotion_mm(q_mm);
-    for (const Axis axis : kAxes) {
-      const int i = Index(axis);
-      if (wider_mm[i] != 0) world_->SetGap_mm(axis, drawn_gap_mm_[i] + wider_mm[i]);
-    }
-  }
-  if (!built_.tool_effects.empty()) world_->MoveTool_mm(built_.ToolOffset_mm(q_mm));
-  if (built_.raising_effects.empty()) return;
-  const Vec3<double> tip_mm = q_mm + built_.now.probe_off_mm;
-  const double height_mm = built_.Raised_mm(tip_mm);
-  // A ball meets the point below it; a disc feels the slope.
-  const bool is_disc = built_.stylus == Stylus::kDisc;
-  const auto slope = [&](Axis axis) {
-    return is_disc ? built_.Raised_mm(tip_mm + Unit(axis)) - height_mm : 0;
-  };
-  world_->SetTable(tip_mm, height_mm, slope(Axis::kX), slope(Axis::kY));
+  world_ = std::make_unique<BuiltWorld>(drawn_, built_);
+  world_->Feel(built_, steps_);
 }
 
 void PhysicsPlant::Change(const std::vector<Artefact>& artefacts, Stylus stylus) {
@@ -97,12 +53,10 @@ Vec3<double> PhysicsPlant::Tip_mm() {
   return world_->Tip_mm();
 }
 
-// Deflection beyond that at which the switch opens, along the direction of deflection.
+// -1: the stylus is not bent.
 double PhysicsPlant::TriggerSignal_mm() const {
-  const Vec3<double> deflection_mm = world_->Deflection_mm();
-  const double size_mm = deflection_mm.norm();
-  if (size_mm < kAtRest_mm) return -1;
-  return size_mm - built_.Pretravel_mm(deflection_mm / size_mm) - scatter_mm_;
+  const auto beyond_mm = world_->BeyondTrigger_mm(built_);
+  return beyond_mm ? *beyond_mm - scatter_mm_ : -1;
 }
 
 // What is watched for, negative before and 0 when it happens.
@@ -135,7 +89,8 @@ bool PhysicsPlant::MayJump(const Segment& segment) const {
   if (!jumps_) return false;
   const Vec3<double> travel = Travel_mm(segment);
   const double length_mm = travel.norm();
-  const bool is_any_loose = !built_.lost_motion_mm.isZero() || !drawn_gap_mm_.isZero();
+  const bool is_any_loose =
+      !built_.lost_motion_mm.isZero() || !world_->drawn_gap_mm().isZero();
   // A belt without play pulls the head along the rail that rubs less; the play operator
   // holds only where both rub alike.
   const bool rubs_alike = built_.machine.axis(Axis::kX).rail_friction_n ==
@@ -143,7 +98,8 @@ bool PhysicsPlant::MayJump(const Segment& segment) const {
   if (built_.drives() != nullptr && is_any_loose && !rubs_alike) return false;
   for (const Axis axis : kAxes) {
     const int i = Index(axis);
-    const bool is_own_loose = built_.lost_motion_mm[i] != 0 || drawn_gap_mm_[i] != 0;
+    const bool is_own_loose =
+        built_.lost_motion_mm[i] != 0 || world_->drawn_gap_mm()[i] != 0;
     const bool is_loose = built_.drives() != nullptr ? is_any_loose : is_own_loose;
     if ((!is_loose && built_.drive_effects.empty()) || length_mm == 0) continue;
     const AxisDrawing& drawing = built_.machine.axis(axis);
@@ -180,7 +136,7 @@ void PhysicsPlant::PlaceAt(const Segment& segment, double t_s) {
     if (!is_pushed) carriages_mm_s[i] = 0;
   }
   const Vec3<double> nuts_mm = built_.Motors_mm(steps);
-  Feel(steps);
+  world_->Feel(built_, steps);
   world_->Place(nuts_mm,
                 AxesOf(built_.drives(), nuts_mm + lag_mm),
                 nuts_mm_s,
@@ -215,7 +171,7 @@ double PhysicsPlant::Jump(const Segment& segment, const Watch& watch, double t_s
 }
 
 void PhysicsPlant::StepTo(const Vec3<double>& steps) {
-  Feel(steps);
+  world_->Feel(built_, steps);
   world_->Step(built_.Motors_mm(steps));
   steps_ = steps;
   ++num_steps_;

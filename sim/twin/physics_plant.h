@@ -3,7 +3,7 @@
 #include <memory>
 #include <optional>
 
-#include "sim/physics/world.h"
+#include "sim/twin/built_world.h"
 #include "sim/twin/twin_plant.h"
 
 namespace caltwin {
@@ -37,8 +37,6 @@ class PhysicsPlant final : public TwinPlant {
  private:
   struct Watched;
   void Rebuild();
-  /// Brings tool, table and plays to where they are at these motor steps.
-  void Feel(const Vec3<double>& steps);
   Outcome Perform(const Segment& segment, const Watch& watch);
   bool MayJump(const Segment& segment) const;
   double FreePath_mm(const Watch& watch) const;
@@ -52,8 +50,7 @@ class PhysicsPlant final : public TwinPlant {
   Outcome Stopped(const Segment& segment, const Watch& watch, double t_s, double at_s);
 
   Mjcf drawn_;  ///< The model with the drawing applied, before effects and artefacts.
-  std::unique_ptr<World> world_;
-  Vec3<double> drawn_gap_mm_ = Vec3<double>::Zero();  ///< As the model has them.
+  std::unique_ptr<BuiltWorld> world_;
   bool triggered_ = false;
   bool jumps_ = true;
   std::int64_t num_steps_ = 0;

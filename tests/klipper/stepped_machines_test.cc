@@ -32,7 +32,7 @@ TEST(SteppedGantry, PlayIsOnTheSideThatItsDriveCameFrom) {
       .effects = {
           {.effect = EffectIndex<Backlash>(), .axis = "z", .values = {kGap_mm}}}};
   built.Prepare();
-  SteppedGantry gantry(built, /*seed=*/1);
+  SteppedGantry gantry(built, /*is_physics=*/false, /*seed=*/1);
   const auto at = [&](double z_mm) {
     return Motors(Vec3<double>(150, 150, z_mm - machine.axis(Axis::kZ).max_mm) * 800);
   };
@@ -71,7 +71,7 @@ class Beam : public testing::Test {
 };
 
 TEST_F(Beam, EachMotorHasASwitchAndTheyStandApart) {
-  SteppedGantry gantry(built_, /*seed=*/1);
+  SteppedGantry gantry(built_, /*is_physics=*/false, /*seed=*/1);
   EXPECT_TRUE(gantry.Acts(Switch(1), At(0, 0, 50)));
   EXPECT_FALSE(gantry.Acts(Switch(1), At(0, kHair_mm, -50)));
   EXPECT_TRUE(gantry.Acts(Switch(3), At(0, 50, apart_mm_ - kHair_mm)));
@@ -83,7 +83,7 @@ TEST_F(Beam, PlayShowsAtBothSwitchesAlike) {
   built_.effects.push_back(
       {.effect = EffectIndex<Backlash>(), .axis = "y", .values = {0.1}});
   built_.Prepare();
-  SteppedGantry gantry(built_, /*seed=*/1);
+  SteppedGantry gantry(built_, /*is_physics=*/false, /*seed=*/1);
   gantry.Follow(At(0, 50, 50 + apart_mm_));
   gantry.Follow(At(0, 5, 5 + apart_mm_));
   // Coming down the carriage is half the gap above its motor.
@@ -94,13 +94,13 @@ TEST_F(Beam, PlayShowsAtBothSwitchesAlike) {
 }
 
 TEST_F(Beam, JamsWhenItsEndsAreFarApart) {
-  SteppedGantry gantry(built_, /*seed=*/1);
+  SteppedGantry gantry(built_, /*is_physics=*/false, /*seed=*/1);
   gantry.Follow(At(0, 100, 117));
   EXPECT_THROW(gantry.Follow(At(0, 100, 118)), Jammed);
 }
 
 TEST_F(Beam, TurnsAsItsMotorsComeApart) {
-  SteppedGantry gantry(built_, /*seed=*/1);
+  SteppedGantry gantry(built_, /*is_physics=*/false, /*seed=*/1);
   gantry.Follow(At(150, 100, 100));
   const Vec3<double> middle_mm = gantry.Tip_mm();
   EXPECT_NEAR(middle_mm[1], 100, 1e-9);
@@ -115,7 +115,7 @@ TEST_F(Beam, TurnsAsItsMotorsComeApart) {
 // What a firmware that homes each on its own switch leaves is the racking of the
 // effect.
 TEST_F(Beam, HomedOnItsSwitchesItIsRackedAsTheEffectSays) {
-  SteppedGantry gantry(built_, /*seed=*/1);
+  SteppedGantry gantry(built_, /*is_physics=*/false, /*seed=*/1);
   const Vec3<double> axes =
       Vec3<double>(250, 100, 100 - machine_.axis(Axis::kZ).max_mm);
   gantry.Follow(gantry.TurnedOn(axes * 800));
@@ -124,13 +124,99 @@ TEST_F(Beam, HomedOnItsSwitchesItIsRackedAsTheEffectSays) {
   EXPECT_NEAR(tip_mm[1] - gantry.Tip_mm()[1], 100 * std::sin(0.002), 1e-9);
 }
 
+/// The height at which the probe first acts, found by halving; Z in steps of the
+/// drawing.
+double TouchOf_mm(SteppedPlant* plant,
+                  const Machine& machine,
+                  double x_mm,
+                  double y_mm) {
+  const auto at = [&](double z_mm) {
+    return Motors(Vec3<double>(x_mm, y_mm, z_mm - machine.axis(Axis::kZ).max_mm) * 800);
+  };
+  double above_mm = 3, below_mm = -2;
+  plant->Follow(at(above_mm + 1));
+  plant->Follow(at(above_mm));
+  while (above_mm - below_mm > 1e-5) {
+    const double middle_mm = (above_mm + below_mm) / 2;
+    (plant->Acts(kProbe, at(middle_mm)) ? below_mm : above_mm) = middle_mm;
+  }
+  return above_mm;
+}
+
+struct Alike {
+  const char* what;
+  std::vector<Injected> effects;
+};
+
+void PrintTo(const Alike& alike, std::ostream* out) {
+  *out << alike.what;
+}
+
+class SteppedInMujoco : public testing::TestWithParam<Alike> {};
+
+// Contact that bends a spring and a ball that is bent by what it would be inside are
+// two models of one probe: they act at the same heights.
+TEST_P(SteppedInMujoco, TouchesAndStandsAsInClosedForm) {
+  const Machine machine = ReadMachine("models/gantry_router/machine.yaml");
+  Built built{.machine = machine, .effects = GetParam().effects};
+  built.Prepare();
+  SteppedGantry closed(built, /*is_physics=*/false, /*seed=*/1);
+  SteppedGantry physics(built, /*is_physics=*/true, /*seed=*/1);
+  for (const Eigen::Vector2d& at_mm :
+       {Eigen::Vector2d(60, 70), Eigen::Vector2d(230, 180)}) {
+    EXPECT_NEAR(TouchOf_mm(&physics, machine, at_mm[0], at_mm[1]),
+                TouchOf_mm(&closed, machine, at_mm[0], at_mm[1]),
+                kHair_mm);
+    EXPECT_LT((physics.Tip_mm() - closed.Tip_mm()).norm(), kHair_mm);
+    for (SteppedGantry* const gantry : {&closed, &physics}) {
+      gantry->Follow(Vec3<double>(at_mm[0], at_mm[1], -20) * 800);
+    }
+    EXPECT_LT((physics.Tip_mm() - closed.Tip_mm()).norm(), kHair_mm);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    OfAGantry,
+    SteppedInMujoco,
+    testing::Values(
+        Alike{"drawn", {}},
+        Alike{"play",
+              {{.effect = EffectIndex<Backlash>(), .axis = "z", .values = {0.1}}}},
+        Alike{"tilt", {{.effect = EffectIndex<BedTilt>(), .values = {2, -1}}}},
+        Alike{"bowl", {{.effect = EffectIndex<BedBowl>(), .values = {80}}}},
+        Alike{
+            "skew",
+            {{.effect = EffectIndex<Squareness>(), .axis = "B0Z", .values = {1.5}}}}));
+
+TEST_F(Beam, StandsAskewInMujocoAsInClosedForm) {
+  SteppedGantry closed(built_, /*is_physics=*/false, /*seed=*/1);
+  SteppedGantry physics(built_, /*is_physics=*/true, /*seed=*/1);
+  for (const double apart_mm : {0.0, 0.7}) {
+    for (SteppedGantry* const gantry : {&closed, &physics}) {
+      gantry->Follow(At(250, 100, 100 + apart_mm));
+    }
+    EXPECT_LT((physics.Tip_mm() - closed.Tip_mm()).norm(), kHair_mm) << apart_mm;
+  }
+}
+
+// What was asked in between leaves nothing behind.
+TEST(SteppedInMujoco, ThePinSaysTheSameAgain) {
+  const Machine machine = ReadMachine("models/gantry_router/machine.yaml");
+  Built built{.machine = machine};
+  built.Prepare();
+  SteppedGantry gantry(built, /*is_physics=*/true, /*seed=*/1);
+  const double first_mm = TouchOf_mm(&gantry, machine, 60, 70);
+  TouchOf_mm(&gantry, machine, 200, 100);
+  EXPECT_EQ(TouchOf_mm(&gantry, machine, 60, 70), first_mm);
+}
+
 /// Corners at (-60, -10) and (360, 370); the board counts from where it was switched
 /// on.
 TEST(SteppedCorners, TheGantryIsAsHighAsItsCornersBetweenThem) {
   const Machine machine = ReadMachine("models/quad_gantry_printer/machine.yaml");
   Built built{.machine = machine};
   built.Prepare();
-  SteppedCorners gantry(built, /*seed=*/1);
+  SteppedCorners gantry(built, /*is_physics=*/false, /*seed=*/1);
   const AxisDrawing& z = machine.axis(Axis::kZ);
   // A ball of 1 mm, pushed in by its pre-travel.
   const double touch_mm = machine.probe.tip_radius_mm - machine.probe.pretravel_mm;
@@ -168,7 +254,7 @@ TEST(SteppedCorners, PlayIsOfTheMotorsThatMove) {
       .effects = {
           {.effect = EffectIndex<Backlash>(), .axis = "z", .values = {kGap_mm}}}};
   built.Prepare();
-  SteppedCorners gantry(built, /*seed=*/1);
+  SteppedCorners gantry(built, /*is_physics=*/false, /*seed=*/1);
   const AxisDrawing& z = machine.axis(Axis::kZ);
   const Eigen::Vector4d tilted_mm(0, 3, 3, 0);
   const auto at = [&](double x_mm, double y_mm, double z_mm) {

@@ -93,20 +93,5 @@ TEST(LinuxCncScenario, WhatCannotBeMeantIsRefusedWithItsPlace) {
   EXPECT_THAT(message("home: false"), HasSubstr("mdi"));
 }
 
-// Under a real controller nothing is simulated by MuJoCo: a run may not say it was.
-TEST(LinuxCncScenario, PhysicsIsRefused) {
-  for (const char* const controller :
-       {"{linuxcnc: {mdi: [G0]}}", "{klipper: {gcode: [G28]}}"}) {
-    const Scenario scenario = ReadScenarioText(
-        "machine: gantry_router\ncontroller: " + std::string(controller) + "\n", "t");
-    try {
-      RunScenario(scenario, {});
-      FAIL() << controller;
-    } catch (const InputError& error) {
-      EXPECT_THAT(error.what(), HasSubstr("simulated in closed form"));
-    }
-  }
-}
-
 }  // namespace
 }  // namespace caltwin

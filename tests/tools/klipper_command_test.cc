@@ -45,13 +45,6 @@ TEST(KlipperCommand, NobodyElseSharesTheMachine) {
   EXPECT_THAT(run.err, HasSubstr("Klipper's host alone drives the machine"));
 }
 
-TEST(KlipperCommand, AGantryIsServedInClosedFormOnly) {
-  const Finished run = Caltwin("serve --machine gantry_router --klipper /tmp/nowhere");
-
-  EXPECT_THAT(run.code, Eq(2));
-  EXPECT_THAT(run.err, HasSubstr("--fidelity fast"));
-}
-
 TEST(KlipperCommand, APathThatIsTakenIsRefused) {
   const TempFolder folder;
   const std::string taken = (folder.path() / "taken").string();

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "sim/effects/catalog.h"
+#include "sim/effects/drive.h"
 #include "sim/kinds/cartesian/klipper.h"
 #include "sim/machine/drive_map.h"
 #include "sim/machine/machine_kind.h"
@@ -23,13 +25,16 @@ const CornersDrawing& CornersOf(const Machine& machine) {
 // Of Z the corners have the play, each its own.
 Built WithoutPlayOfZ(Built built) {
   built.lost_motion_mm[kZ] = 0;
+  std::erase_if(built.effects, [](const Injected& effect) {
+    return effect.effect == EffectIndex<Backlash>() && effect.axis == "z";
+  });
   return built;
 }
 
 }  // namespace
 
-SteppedCorners::SteppedCorners(const Built& built, std::uint64_t seed)
-    : built_(built), gantry_(WithoutPlayOfZ(built), seed) {}
+SteppedCorners::SteppedCorners(const Built& built, bool is_physics, std::uint64_t seed)
+    : built_(built), gantry_(WithoutPlayOfZ(built), is_physics, seed) {}
 
 Corners SteppedCorners::LagAt_mm(const Motors& steps) const {
   const Corners travel_mm =
@@ -75,13 +80,22 @@ Wiring WiringOfCorners(const Machine& machine) {
   return wiring;
 }
 
-std::unique_ptr<PlantBoard> BoardOfGantry(const Built& built, std::uint64_t seed) {
+Wiring WiringOf(const Machine& machine) {
+  const bool has_corners = machine.Own<CornersDrawing>() != nullptr;
+  return has_corners ? WiringOfCorners(machine) : WiringOfGantry(machine);
+}
+
+BoardWithTip BoardOfGantry(const Built& built, bool is_physics, std::uint64_t seed) {
+  std::unique_ptr<SteppedTip> plant;
   if (built.machine.Own<CornersDrawing>() != nullptr) {
-    return std::make_unique<PlantBoard>(WiringOfCorners(built.machine),
-                                        std::make_unique<SteppedCorners>(built, seed));
+    plant = std::make_unique<SteppedCorners>(built, is_physics, seed);
+  } else {
+    plant = std::make_unique<SteppedGantry>(built, is_physics, seed);
   }
-  return std::make_unique<PlantBoard>(WiringOfGantry(built.machine),
-                                      std::make_unique<SteppedGantry>(built, seed));
+  SteppedTip* const seen = plant.get();
+  return {
+      .board = std::make_unique<PlantBoard>(WiringOf(built.machine), std::move(plant)),
+      .plant = seen};
 }
 
 std::string CornersCfg(const Machine& machine) {
@@ -115,32 +129,41 @@ std::string CornersCfg(const Machine& machine) {
                     inside(kHigh, kLow));
 }
 
+double OverTableAt_mm(const Built& built,
+                      const Motors& steps,
+                      const Eigen::Vector2d& at_mm) {
+  constexpr double kLifted_mm = 50;
+  const Machine& machine = built.machine;
+  Vec3<double> axes_mm = Vec3<double>::Zero();
+  axes_mm.head<2>() = at_mm;
+  for (const Axis axis : {Axis::kX, Axis::kY}) {
+    axes_mm[Index(axis)] -= machine.axis(axis).home_mm();
+  }
+  Vec3<double> head_steps = DrivesOf(machine.kind->drive_map(), axes_mm);
+  for (int k = 0; k < 2; ++k) {
+    head_steps[k] *= machine.axes[static_cast<std::size_t>(k)].steps_per_mm();
+  }
+  head_steps[kZ] = CornersOf(machine)
+                       .Weights(at_mm[0], at_mm[1])
+                       .dot(steps.tail<CornersDrawing::kNum>()) +
+                   kLifted_mm * machine.axis(Axis::kZ).steps_per_mm();
+  return built.Clearance(built.Tip_mm(head_steps, built.lag_center_mm)).distance_mm;
+}
+
 double FlatnessOfCorners_mm(const Built& built, const Motors& steps) {
   constexpr int kSide = 7;
-  constexpr double kMargin = 0.05, kLifted_mm = 50;
-  const Machine& machine = built.machine;
-  const double z_per_mm = machine.axis(Axis::kZ).steps_per_mm();
-  const Vec3<double> home_mm(machine.axes[0].home_mm(), machine.axes[1].home_mm(), 0);
+  constexpr double kMargin = 0.05;
   Eigen::ArrayXd heights_mm(kSide * kSide);
   for (int i = 0; i < kSide * kSide; ++i) {
-    Vec3<double> at_mm = Vec3<double>::Zero();
+    Eigen::Vector2d at_mm = Eigen::Vector2d::Zero();
     const std::array places = {i % kSide, i / kSide};
     for (std::size_t k = 0; k < places.size(); ++k) {
+      const AxisDrawing& axis = built.machine.axes[k];
       const double share =
           kMargin + (1 - 2 * kMargin) * places[k] / static_cast<double>(kSide - 1);
-      at_mm[static_cast<Eigen::Index>(k)] =
-          machine.axes[k].min_mm + share * machine.axes[k].travel_mm();
+      at_mm[static_cast<Eigen::Index>(k)] = axis.min_mm + share * axis.travel_mm();
     }
-    Vec3<double> head_steps = DrivesOf(machine.kind->drive_map(), at_mm - home_mm);
-    for (int k = 0; k < 2; ++k) {
-      head_steps[k] *= machine.axes[static_cast<std::size_t>(k)].steps_per_mm();
-    }
-    head_steps[kZ] = CornersOf(machine)
-                         .Weights(at_mm[0], at_mm[1])
-                         .dot(steps.tail<CornersDrawing::kNum>()) +
-                     kLifted_mm * z_per_mm;
-    heights_mm[i] =
-        built.Clearance(built.Tip_mm(head_steps, built.lag_center_mm)).distance_mm;
+    heights_mm[i] = OverTableAt_mm(built, steps, at_mm);
   }
   return std::sqrt((heights_mm - heights_mm.mean()).square().mean());
 }

@@ -25,19 +25,25 @@ constexpr double kJammed_mrad = 50;
 
 }  // namespace
 
-SteppedGantry::SteppedGantry(Built built, std::uint64_t seed)
+SteppedGantry::SteppedGantry(Built built, bool is_physics, std::uint64_t seed)
     : built_(std::move(built)),
       beam_(built_.machine.Own<BeamDrawing>()),
       scatter_(seed, /*sample=*/0, "trigger_scatter"),
       lag_mm_(built_.lag_center_mm) {
-  if (beam_ == nullptr) return;
-  for (const Injected& effect : built_.frame_effects) {
-    if (effect.effect != EffectIndex<Racking>()) continue;
-    apart_mm_ += beam_->apart_mm() * std::sin(RadFromMrad(effect.values[0]));
+  if (beam_ != nullptr) {
+    const auto is_racking = [](const Injected& effect) {
+      return effect.effect == EffectIndex<Racking>();
+    };
+    for (const Injected& effect : built_.effects) {
+      if (!is_racking(effect)) continue;
+      apart_mm_ += beam_->apart_mm() * std::sin(RadFromMrad(effect.values[0]));
+    }
+    std::erase_if(built_.effects, is_racking);
+    std::erase_if(built_.frame_effects, is_racking);
   }
-  std::erase_if(built_.frame_effects, [](const Injected& effect) {
-    return effect.effect == EffectIndex<Racking>();
-  });
+  if (is_physics) {
+    world_ = std::make_unique<BuiltWorld>(ModelOf(built_.machine), built_);
+  }
 }
 
 Motors SteppedGantry::TurnedOn(const Vec3<double>& steps) const {
@@ -57,17 +63,27 @@ SteppedGantry::Stand SteppedGantry::StandAt(const Motors& motors) const {
   return stand;
 }
 
-Vec3<double> SteppedGantry::TipAt_mm(const Stand& stand,
-                                     const Vec3<double>& lag_mm) const {
-  const Vec3<double> tip_mm = built_.Tip_mm(stand.steps, lag_mm);
-  if (stand.racking_mrad == 0) return tip_mm;
+Vec3<double> SteppedGantry::MovedByRacking_mm(const Stand& stand,
+                                              const Vec3<double>& lag_mm) const {
+  if (stand.racking_mrad == 0) return Vec3<double>::Zero();
   At at =
       built_.AtAxes(AxesOf(built_.drives(), built_.Motors_mm(stand.steps) + lag_mm));
   at.steps_per_mm.setZero();
   at.compensation_mm.setZero();
   const std::vector<Injected> racking = {
       {.effect = EffectIndex<Racking>(), .values = {stand.racking_mrad}}};
-  return tip_mm + ErrorsAt<double>(built_.machine, at, racking).motion_mm;
+  return ErrorsAt<double>(built_.machine, at, racking).motion_mm;
+}
+
+Vec3<double> SteppedGantry::TipAt_mm(const Stand& stand,
+                                     const Vec3<double>& lag_mm) const {
+  return built_.Tip_mm(stand.steps, lag_mm) + MovedByRacking_mm(stand, lag_mm);
+}
+
+Vec3<double> SteppedGantry::Tip_mm() const {
+  if (world_ == nullptr) return TipAt_mm(stand_, lag_mm_);
+  world_->StandAt(built_, stand_.steps, lag_mm_, MovedByRacking_mm(stand_, lag_mm_));
+  return world_->Tip_mm();
 }
 
 // Both ends of a beam have come the way that its middle has, so lag alike.
@@ -83,11 +99,23 @@ bool SteppedGantry::SwitchActs(int motor, const Motors& motors) const {
   return drawn.home == HomeEnd::kMin ? off_mm <= 0 : off_mm >= 0;
 }
 
+bool SteppedGantry::ProbeActs(const Stand& stand) const {
+  // Beyond it nothing has to be looked at closely.
+  constexpr double kClose_mm = 1;
+  const Vec3<double> lag_mm = LagAt_mm(stand);
+  const SurfaceDistance clearance = built_.Clearance(TipAt_mm(stand, lag_mm));
+  if (world_ == nullptr || std::abs(clearance.distance_mm) > kClose_mm) {
+    return clearance.distance_mm + built_.Pretravel_mm(clearance.normal) + late_mm_ <=
+           0;
+  }
+  world_->StandAt(built_, stand.steps, lag_mm, MovedByRacking_mm(stand, lag_mm));
+  const auto beyond_mm = world_->RestsBeyondTrigger_mm(built_, stand.steps);
+  return beyond_mm && *beyond_mm >= late_mm_;
+}
+
 bool SteppedGantry::Acts(const PinSensor& sensor, const Motors& steps) {
   if (sensor.kind == PinSensor::Kind::kSwitch) return SwitchActs(sensor.motor, steps);
-  const Stand stand = StandAt(steps);
-  const SurfaceDistance clearance = built_.Clearance(TipAt_mm(stand, LagAt_mm(stand)));
-  return clearance.distance_mm + built_.Pretravel_mm(clearance.normal) + late_mm_ <= 0;
+  return ProbeActs(StandAt(steps));
 }
 
 void SteppedGantry::Follow(const Motors& steps) {

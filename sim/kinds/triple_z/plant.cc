@@ -117,6 +117,16 @@ bool TripleZTwinPlant::ProbeActs(const Stand& stand) {
          stand.nozzle_mm <= trigger->height_mm + trigger->scatter_mm * chance_;
 }
 
+// At its trigger the nozzle is pushed in.
+double TripleZTwinPlant::NozzleOverBed_mm(const Motors& steps) const {
+  const Stand stand = StandAt(steps);
+  const Row row = TouchRow(built_.machine, stand.raised_mm, stand.head_mm);
+  const At at = AtOf(row, built_.machine, built_.machine.settings);
+  const auto errors = ErrorsAt<double>(built_.machine, at, built_.effects);
+  return stand.nozzle_mm - TrueBedHeight_mm(built_, stand.raised_mm, stand.head_mm) -
+         Pretravel_mm(errors, at.n) - errors.more_pretravel_mm;
+}
+
 bool TripleZTwinPlant::Acts(const PinSensor& sensor, const Motors& steps) {
   const Stand stand = StandAt(steps);
   if (sensor.kind == PinSensor::Kind::kProbe) return ProbeActs(stand);

@@ -42,6 +42,8 @@ class TripleZTwinPlant final : public Plant, public SteppedPlant {
   void Arm(const PinSensor& sensor) override;
 
   const BuiltTripleZ& built() const { return built_; }
+  /// Clear height of the nozzle over the bed beneath it, by the closed forms.
+  double NozzleOverBed_mm(const Motors& steps) const;
 
  private:
   /// Where the motors have head and screws, by the steps/mm of the machine's settings.

@@ -41,19 +41,13 @@ Served Gantry(const fs::path&, const TwinOptions& options, const std::string&) {
 }
 
 std::unique_ptr<Board> GantryBoard(const fs::path&, const TwinOptions& options) {
-  if (options.fidelity == "physics") {
-    throw InputError(
-        {.file = "--fidelity physics"},
-        "under a real controller such a machine is simulated in closed form",
-        "--fidelity fast");
-  }
   const TwinConfig config = MakeTwinConfig(options);
   // Its table is empty: nobody tells the host of a block to keep clear of.
   Built built{.machine = config.machine,
               .effects = config.effects,
               .probe_sigma_mm = ProbeSigma_mm(options.instruments)};
   built.Prepare();
-  return BoardOfGantry(built, config.seed);
+  return BoardOfGantry(built, config.fidelity == Fidelity::kPhysics, config.seed).board;
 }
 
 Served Delta(const fs::path& file,
