@@ -58,6 +58,7 @@ void ReadUnderKlipper(YamlMap keys, const fs::path& folder, Scenario* scenario) 
     } else if (fs::is_regular_file(file, error)) {
       scenario->klipper->config = ReadTextFile(file, kLargestFile_bytes);
       scenario->klipper->beside = fs::absolute(file).parent_path();
+      scenario->klipper->name = file.string();
     } else {
       config->Fail(
           "there is no file " + file.string(),

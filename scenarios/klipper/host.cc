@@ -9,6 +9,7 @@
 
 #include "scenarios/host_log.h"
 #include "scenarios/interrupt.h"
+#include "scenarios/klipper/config_text.h"
 #include "scenarios/klipper/host_api.h"
 #include "scenarios/klipper/host_process.h"
 #include "sim/base/input_error.h"
@@ -28,25 +29,6 @@ using klipper::LockStep;
 /// The host takes a line whose path begins so as it is, without the settings of a
 /// serial port.
 constexpr std::string_view kFolders = "klipper_host_caltwin";
-
-// [mcu] serial, with its place.
-const CsvField& SerialOf(const PrinterCfg& cfg) {
-  const CfgSetting* const serial = cfg.Find("mcu", "serial");
-  if (serial != nullptr) return serial->value;
-  throw InputError({.file = cfg.name()},
-                   "there is no [mcu] with a `serial:`",
-                   "caltwin new klipper MACHINE --out printer.cfg writes one");
-}
-
-// The same with the chip elsewhere.
-std::string WithSerial(const std::string& config, const std::string& serial) {
-  const PrinterCfg cfg(config, "printer.cfg");
-  std::size_t at = 0;
-  for (int line = 1; line < SerialOf(cfg).line; ++line) at = config.find('\n', at) + 1;
-  std::string text = config;
-  return text.replace(
-      at, std::min(config.find('\n', at), config.size()) - at, "serial: " + serial);
-}
 
 // What the host includes stands beside its printer.cfg; it may read it there, and write
 // nothing back.
@@ -70,8 +52,10 @@ class KlipperHost::Parts {
         terminal_(folder_.path() / "serial", "the host's serial line"),
         api_(folder_.path() / "api"),
         lock_step_(board, terminal_.number(), process_.clock()) {
-    WriteTextFile(config(),
-                  WithSerial(options.config + "\n" + options.add, terminal_.path()));
+    WriteTextFile(
+        config(),
+        WithSerial(
+            WithAdded(options.config, options.add), terminal_.path(), options.name));
     LinkNeighbours(options.beside, folder_.path());
     const fs::path program =
         options.program.empty() ? HostProgram("") : options.program;
@@ -81,8 +65,16 @@ class KlipperHost::Parts {
   HostAnswer Say(std::string_view line);
   void Hear(HostAnswer* answer);
   std::string Config() const {
-    const PrinterCfg given(options_.config, "printer.cfg");
-    return WithSerial(WrittenIn(config()), SerialOf(given).text);
+    const std::string now = WrittenIn(config());
+    const PrinterCfg given(options_.config, options_.name);
+    const CfgSetting* const serial = given.Find("mcu", "serial");
+    if (serial != nullptr) return WithSerial(now, serial->value.text, options_.name);
+    // It stands in a file that is included: what was added for it goes.
+    const std::string added = WithSerial("[include x]\n", terminal_.path(), "");
+    const std::string lines = added.substr(added.find("[mcu]"));
+    const std::size_t at = now.find(lines);
+    return at == std::string::npos ? now
+                                   : std::string(now).replace(at, lines.size(), "");
   }
   fs::path config() const { return folder_.path() / "printer.cfg"; }
   std::string LogEnd() const;
@@ -153,7 +145,7 @@ void KlipperHost::Parts::WaitUntilReady() {
     if (state == "ready") break;
     const std::string says = info.value("state_message", "");
     if (state == "error" && says.find("mcu") == std::string::npos) {
-      throw InputError({.file = "printer.cfg"},
+      throw InputError(PlaceOfComplaint(says, options_.config, options_.name),
                        "the host does not take it: " + says.substr(0, says.find('\n')));
     }
     if (state != "startup" || printer_s() > until_s) {

@@ -14,9 +14,10 @@
 namespace caltwin {
 
 struct KlipperHostOptions {
-  std::filesystem::path program{};  ///< Its start script; empty: HostProgram finds it.
-  std::string config{};             ///< Its printer.cfg; `serial:` is exchanged.
-  std::string add{};                ///< Further lines of it.
+  std::filesystem::path program{};   ///< Its start script; empty: HostProgram finds it.
+  std::string config{};              ///< Its printer.cfg; `serial:` is exchanged.
+  std::string name = "printer.cfg";  ///< What faults call it.
+  std::string add{};                 ///< Further lines of it.
   std::filesystem::path
       beside{};                 ///< Where files are that it includes; empty: nowhere.
   std::filesystem::path log{};  ///< Where its log is kept; empty: nowhere.

@@ -78,7 +78,7 @@ KlipperTrial::KlipperTrial(const Machine& machine,
                            KlipperHostOptions options,
                            const Chance& chance)
     : board_(std::move(board)),
-      config_before_(options.config),
+      config_before_(WithIncluded(options.config, options.beside)),
       host_(board_.get(), std::move(options)),
       felt_(chance.seed, chance.sample, "feeler_gauge") {
   bench_.gauge = &gauges_;

@@ -10,6 +10,7 @@
 
 #include "scenarios/kind_trial.h"
 #include "scenarios/kinds/nobody.h"
+#include "scenarios/klipper/config_text.h"
 #include "scenarios/klipper/host.h"
 #include "sim/base/rng.h"
 #include "sim/machine/machine.h"
@@ -29,8 +30,10 @@ class HostLink : public Link {
 
   Expected<std::vector<std::string>> Send(std::string_view line,
                                           std::chrono::milliseconds patience) override;
-  /// Its printer.cfg: as given, until it is started.
-  std::string Config() const { return host_ ? host_->Config() : options_.config; }
+  /// Its printer.cfg, with what it includes: as given, until it is started.
+  std::string Config() const {
+    return WithIncluded(host_ ? host_->Config() : options_.config, options_.beside);
+  }
   /// Where its motors stand, as the board counts; nullopt: it was never started.
   std::optional<Motors> MotorsNow() const;
   int touches() const { return touches_; }  ///< That the host has told of.

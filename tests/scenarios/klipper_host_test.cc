@@ -8,10 +8,12 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include "scenarios/klipper/config_text.h"
 #include "scenarios/klipper/host_api.h"
 #include "scenarios/klipper/host_process.h"
 #include "scenarios/scenario.h"
 #include "sim/base/input_error.h"
+#include "sim/base/text_file.h"
 #include "tests/base/temp_folder.h"
 
 namespace caltwin {
@@ -117,6 +119,48 @@ TEST(ControllerKey, APersonStandsAmongTheLines) {
   EXPECT_THAT(MessageOf("machine: gantry_router\nfidelity: fast\ncontroller: {klipper: "
                         "{gcode: [{person: measured_print}]}}\n"),
               testing::AllOf(HasSubstr("measured_print"), HasSubstr("feeler_gauge")));
+}
+
+TEST(ConfigText, LinesAreAddedBeforeWhatWasSaved) {
+  EXPECT_EQ(WithAdded("[a]\nb: 1\n#*# <--- SAVE_CONFIG --->\n#*# [a]\n", "[c]\nd: 2\n"),
+            "[a]\nb: 1\n[c]\nd: 2\n\n#*# <--- SAVE_CONFIG --->\n#*# [a]\n");
+  EXPECT_EQ(WithAdded("[a]", "[c]\n"), "[a]\n[c]\n");
+}
+
+TEST(ConfigText, TheSerialLineIsTheTwinsWhereverItStands) {
+  EXPECT_EQ(WithSerial("[mcu]\nserial: /dev/x\nbaud: 1\n", "/tmp/y", "p"),
+            "[mcu]\nserial: /tmp/y\nbaud: 1\n");
+  EXPECT_EQ(WithSerial("[include mcu.cfg]\n", "/tmp/y", "p"),
+            "[include mcu.cfg]\n[mcu]\nserial: /tmp/y\n");
+  EXPECT_THROW(WithSerial("[printer]\n", "/tmp/y", "p"), InputError);
+}
+
+TEST(ConfigText, IncludedFilesStandWhereTheyAreNamed) {
+  const TempFolder folder;
+  std::filesystem::create_directory(folder / "parts");
+  WriteTextFile(folder / "parts/a.cfg", "[a]\n[include b.cfg]\n");
+  WriteTextFile(folder / "parts/b.cfg", "[b]\n[include ../printer.cfg]\n");
+  WriteTextFile(folder / "printer.cfg", "[include parts/*.cfg]\n");
+  EXPECT_EQ(WithIncluded("[x]\n[include parts/*.cfg]\n[include none.cfg]\n[y]\n",
+                         folder.path()),
+            "[x]\n[a]\n[b]\n[y]\n");
+}
+
+TEST(ConfigText, AComplaintHasTheLineOfWhatItNames) {
+  const std::string config = "[mcu]\nserial: x\n[stepper_x]\nbad: 1\n";
+  EXPECT_EQ(
+      PlaceOfComplaint("Option 'bad' is not valid in section 'stepper_x'", config, "p")
+          .line,
+      4);
+  EXPECT_EQ(
+      PlaceOfComplaint("Section 'stepper_x' is not a valid config section", config, "p")
+          .line,
+      3);
+  EXPECT_EQ(
+      PlaceOfComplaint("Option 'a' in section 'none' must be specified", config, "p")
+          .line,
+      Place{}.line);
+  EXPECT_EQ(PlaceOfComplaint("Internal error", config, "p").line, Place{}.line);
 }
 
 TEST(HostProgram, ThatIsNotThereIsSaidSo) {

@@ -158,6 +158,7 @@ int Klipper(const KlipperAsked& asked) {
       .program = HostProgram(asked.host),
       .config = has_config ? ReadTextFile(asked.config, kLargestFile_bytes)
                            : kind.printer_cfg(ReadAnyMachineFile(file).machine, "-"),
+      .name = has_config ? asked.config : "printer.cfg",
       .beside = has_config ? fs::absolute(asked.config).parent_path() : fs::path(),
       .log = asked.log,
       .patience = std::chrono::milliseconds(std::llround(asked.patience_s * 1e3))};

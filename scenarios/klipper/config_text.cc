@@ -1,0 +1,131 @@
+#include "scenarios/klipper/config_text.h"
+
+#include <algorithm>
+#include <regex>
+#include <set>
+#include <system_error>
+#include <vector>
+
+#include <fnmatch.h>
+
+#include "sim/base/text_file.h"
+#include "sim/measure/import/fields.h"
+#include "sim/measure/import/printer_cfg.h"
+
+namespace caltwin {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kSaved = "#*#", kInclude = "[include ";
+
+// Empty: the line includes nothing.
+std::string_view IncludedBy(std::string_view line) {
+  if (!line.starts_with(kInclude)) return {};
+  line.remove_prefix(kInclude.size());
+  return line.substr(0, line.find(']'));
+}
+
+std::vector<fs::path> FilesNamed(std::string_view pattern, const fs::path& folder) {
+  const fs::path path = folder / pattern;
+  std::vector<fs::path> files;
+  std::error_code is_not_there;
+  for (const auto& entry : fs::directory_iterator(path.parent_path(), is_not_there)) {
+    const std::string file = entry.path().filename();
+    if (fnmatch(path.filename().c_str(), file.c_str(), FNM_PERIOD) == 0) {
+      files.push_back(entry.path());
+    }
+  }
+  std::ranges::sort(files);
+  return files;
+}
+
+void AddIncluded(const std::string& config,
+                 const fs::path& folder,
+                 std::set<fs::path>* read,
+                 std::string* whole) {
+  constexpr std::size_t kLargest_bytes = 1 << 20;
+  for (const TextLine& line : LinesOf(config)) {
+    const std::string_view named = IncludedBy(line.text);
+    if (named.empty()) {
+      whole->append(line.text).append("\n");
+      continue;
+    }
+    for (const fs::path& file : FilesNamed(named, folder)) {
+      std::error_code error;
+      const fs::path real = fs::canonical(file, error);
+      if (error || !fs::is_regular_file(real, error) || !read->insert(real).second) {
+        continue;
+      }
+      if (fs::file_size(real, error) > kLargest_bytes) continue;
+      AddIncluded(ReadTextFile(real, kLargest_bytes), real.parent_path(), read, whole);
+    }
+  }
+}
+
+// Of "Section 'x'" x; empty where there is none.
+std::string Named(const std::string& says, const std::string& what) {
+  std::smatch found;
+  const std::regex words(what + " '([^']+)'", std::regex::icase);
+  return std::regex_search(says, found, words) ? found[1].str() : "";
+}
+
+}  // namespace
+
+std::string WithAdded(const std::string& config, std::string_view lines) {
+  if (lines.empty()) return config;
+  std::size_t at = config.starts_with(kSaved) ? 0 : config.find("\n#*#");
+  if (at == std::string::npos) {
+    return config + (config.ends_with('\n') ? "" : "\n") + std::string(lines);
+  }
+  at += config[at] == '\n' ? 1 : 0;
+  return config.substr(0, at) + std::string(lines) + "\n" + config.substr(at);
+}
+
+std::string WithSerial(const std::string& config,
+                       const std::string& serial,
+                       const std::string& name) {
+  const std::string setting = "serial: " + serial;
+  const CfgSetting* const given = PrinterCfg(config, name).Find("mcu", "serial");
+  const auto has_include = [&] {
+    const auto lines = LinesOf(config);
+    return std::ranges::any_of(
+        lines, [](const TextLine& line) { return !IncludedBy(line.text).empty(); });
+  };
+  if (given == nullptr && has_include()) {
+    return WithAdded(config, "[mcu]\n" + setting + "\n");
+  }
+  if (given == nullptr) {
+    throw InputError({.file = name},
+                     "there is no [mcu] with a `serial:`",
+                     "caltwin new klipper MACHINE --out printer.cfg writes one");
+  }
+  std::size_t at = 0;
+  for (int line = 1; line < given->value.line; ++line) at = config.find('\n', at) + 1;
+  std::string text = config;
+  return text.replace(at, std::min(config.find('\n', at), config.size()) - at, setting);
+}
+
+std::string WithIncluded(const std::string& config, const fs::path& folder) {
+  if (folder.empty()) return config;
+  std::string whole;
+  std::set<fs::path> read;
+  AddIncluded(config, folder, &read, &whole);
+  return whole;
+}
+
+Place PlaceOfComplaint(const std::string& says,
+                       const std::string& config,
+                       const std::string& name) {
+  const std::string section = Named(says, "section"), option = Named(says, "option");
+  const PrinterCfg cfg(config, name);
+  const CfgSetting* const setting = cfg.Find(section, option);
+  if (setting != nullptr) {
+    return {.file = name, .line = setting->value.line, .column = 1};
+  }
+  const auto titles = cfg.Sections(section.substr(0, section.find(' ')));
+  if (std::ranges::find(titles, section) == titles.end()) return {.file = name};
+  return cfg.PlaceOfSection(section);
+}
+
+}  // namespace caltwin

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "sim/base/input_error.h"
+
+namespace caltwin {
+
+/// The printer.cfg with further lines, before what SAVE_CONFIG has written at its end.
+std::string WithAdded(const std::string& config, std::string_view lines);
+
+/// The same with the chip elsewhere. Where no [mcu] of it has a `serial:` but it
+/// includes files, one is added, which counts before theirs. Throws InputError.
+/// @param name  what a fault calls it
+std::string WithSerial(const std::string& config,
+                       const std::string& serial,
+                       const std::string& name);
+
+/// The same with what its `[include FILE]` name in their place, each file once, as a
+/// host reads it: paths are relative to the file that names them, `*` and `?` stand for
+/// letters. What is not there, or no text of at most a megabyte, is left out.
+std::string WithIncluded(const std::string& config,
+                         const std::filesystem::path& folder);
+
+/// Where what a host complains of stands: "Option 'x' is not valid in section 'y'",
+/// "Section 'y' ...". Without a line where it is not to be found.
+Place PlaceOfComplaint(const std::string& says,
+                       const std::string& config,
+                       const std::string& name);
+
+}  // namespace caltwin
