@@ -9,7 +9,7 @@
 
 #include "scenarios/host_log.h"
 #include "scenarios/interrupt.h"
-#include "scenarios/klipper/config_text.h"
+#include "sim/measure/import/printer_cfg_text.h"
 #include "scenarios/klipper/host_api.h"
 #include "scenarios/klipper/host_process.h"
 #include "sim/base/input_error.h"

@@ -10,7 +10,7 @@
 
 #include "scenarios/kind_trial.h"
 #include "scenarios/kinds/nobody.h"
-#include "scenarios/klipper/config_text.h"
+#include "sim/measure/import/printer_cfg_text.h"
 #include "scenarios/klipper/host.h"
 #include "sim/base/rng.h"
 #include "sim/machine/machine.h"

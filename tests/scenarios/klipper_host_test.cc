@@ -8,7 +8,7 @@
 #include <sys/un.h>
 #include <unistd.h>
 
-#include "scenarios/klipper/config_text.h"
+#include "sim/measure/import/printer_cfg_text.h"
 #include "scenarios/klipper/host_api.h"
 #include "scenarios/klipper/host_process.h"
 #include "scenarios/scenario.h"

@@ -301,6 +301,24 @@ TEST(NewMachine, IsAValidFileAndNeverOverwrites) {
   EXPECT_THAT(in_scratch("new machine other --like nobody"), Eq(2));
 }
 
+TEST(NewMachine, ComesFromAPersonsOwnPrinterCfg) {
+  const fs::path config =
+      fs::absolute("tests/fuzz/corpus/printer_cfg/delta.cfg").string();
+  const std::string here = "cd " + Scratch().string() + " && ";
+  const auto in_scratch = [&](const std::string& arguments) {
+    const std::string command =
+        fmt::format("{}{} {} >out 2>err", here, CALTWIN_BINARY, arguments);
+    return std::system(command.c_str()) >> 8;
+  };
+
+  EXPECT_THAT(in_scratch("new machine my_delta --from " + config.string()), Eq(0));
+  EXPECT_THAT(in_scratch("validate models/my_delta/machine.yaml"), Eq(0));
+  EXPECT_TRUE(fs::exists(Scratch() / "models/my_delta/printer.cfg"));
+  EXPECT_THAT(in_scratch("new machine my_delta --from " + config.string()), Eq(2));
+  EXPECT_THAT(in_scratch("new machine none --from /dev/null"), Eq(2));
+  EXPECT_FALSE(fs::exists(Scratch() / "models/none"));
+}
+
 TEST(Calibrate, RefusesToChangeARealMachineUnasked) {
   const Finished run = Caltwin(
       "calibrate --link tcp:127.0.0.1:1 --procedure 'gcode: {lines: [M114]}' --apply");

@@ -7,9 +7,13 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "sim/base/temporary_folder.h"
 #include "sim/base/text_file.h"
 #include "sim/machine/machine.h"
 #include "sim/machine/machine_kind.h"
+#include "sim/measure/import/kinds/printer_of_cfg.h"
+#include "sim/measure/import/printer_cfg_adapted.h"
+#include "sim/measure/import/printer_cfg_text.h"
 #include "tools/commands/command.h"
 #include "tools/commands/kinds/served.h"
 #include "tools/commands/starter.h"
@@ -20,10 +24,58 @@ namespace fs = std::filesystem;
 
 namespace {
 
+constexpr const char* kUsualSerial = "/tmp/klipper_host_caltwin";
+
 struct NewAsked {
   std::string name{};
   std::string like = "gantry_router";
+  std::string from{};
 };
+
+void RefuseIfThere(const fs::path& file) {
+  std::error_code error;
+  if (!fs::exists(file, error)) return;
+  throw InputError({.file = file.string()},
+                   "this file is already there",
+                   "take another name, or move it away");
+}
+
+// The printer.cfg of a machine that was made of a person's.
+std::string AsDrawn(const std::string& machine, const NewAsked& options) {
+  const TemporaryFolder folder{"caltwin_new"};
+  const fs::path file = folder.path() / "machine.yaml";
+  WriteTextFile(file, machine);
+  try {
+    return ServedToKlipper(file, options.name)
+        .printer_cfg(ReadAnyMachineFile(file).machine, kUsualSerial);
+  } catch (const InputError& error) {
+    const std::string what = error.what();
+    throw InputError(
+        {.file = options.from},
+        "no such machine can be drawn: " + what.substr(what.find(": ") + 2));
+  }
+}
+
+// A person's printer.cfg makes both: the machine, and the same file on its pins.
+int NewFromPrinterCfg(const NewAsked& options, const fs::path& file) {
+  const std::string whole =
+      WithIncluded(ReadTextFile(options.from, kLargestFile_bytes),
+                   fs::absolute(fs::path(options.from)).parent_path());
+  const std::string text = MachineFileOf(PrinterCfg(whole, options.from), options.name);
+  const fs::path config = file.parent_path() / "printer.cfg";
+  RefuseIfThere(config);
+  const AdaptedConfig adapted = AdaptedToTwin(whole, AsDrawn(text, options));
+  WriteTextFile(file, text);
+  WriteTextFile(config, adapted.text);
+  std::cout << fmt::format("{}\n{}\n", file.string(), config.string());
+  for (const std::string& change : adapted.changes) std::cout << "  " << change << '\n';
+  std::cout << fmt::format(
+      "Say in hidden.yaml how it is truly built, then:\n"
+      "  caltwin klipper {0} --config {1} --truth hidden.yaml -c G28\n",
+      options.name,
+      config.string());
+  return kPassed;
+}
 
 int NewMachine(const NewAsked& options) {
   const bool is_plain =
@@ -36,15 +88,11 @@ int NewMachine(const NewAsked& options) {
                      fmt::format("'{}' is no name for a machine", options.name),
                      "letters, digits, _ and - only: it becomes a folder in models/");
   }
+  const fs::path file = fs::path("models") / options.name / "machine.yaml";
+  RefuseIfThere(file);
+  if (!options.from.empty()) return NewFromPrinterCfg(options, file);
   const fs::path like =
       FindMachine(options.like, "", {.file = "--like " + options.like});
-  const fs::path file = fs::path("models") / options.name / "machine.yaml";
-  std::error_code error;
-  if (fs::exists(file, error)) {
-    throw InputError({.file = file.string()},
-                     "this file is already there",
-                     "take another name, or move it away");
-  }
   const Machine machine = ReadMachine(like);
   WriteTextFile(
       file,
@@ -63,7 +111,7 @@ int NewMachine(const NewAsked& options) {
 struct NewKlipperAsked {
   std::string machine{};
   std::string out{};
-  std::string serial = "/tmp/klipper_host_caltwin";
+  std::string serial = kUsualSerial;
 };
 
 int NewKlipper(const NewKlipperAsked& options) {
@@ -150,8 +198,17 @@ Action DeclareNew(CLI::App* app) {
   CLI::App* machine =
       app->add_subcommand("machine", "a commented models/NAME/machine.yaml");
   machine->add_option("NAME", options->name, "letters, digits, _ and -")->required();
-  machine->add_option("--like", options->like, "the machine whose sizes it starts with")
-      ->capture_default_str();
+  CLI::Option* const like =
+      machine
+          ->add_option(
+              "--like", options->like, "the machine whose sizes it starts with")
+          ->capture_default_str();
+  machine
+      ->add_option("--from",
+                   options->from,
+                   "your own printer.cfg: its sizes, and beside the machine file the "
+                   "same printer.cfg on the twin's pins")
+      ->excludes(like);
   CLI::App* klipper = app->add_subcommand(
       "klipper", "the printer.cfg of a machine as drawn, for Klipper's host");
   klipper->add_option("MACHINE", klipper_options->machine, "a name or a machine file")

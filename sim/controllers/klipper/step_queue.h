@@ -40,7 +40,9 @@ class StepQueue {
   bool IsActive(Clock now) const {
     return !moves_.empty() && moves_.back().end() > now;
   }
-  std::size_t num_waiting() const { return moves_.size(); }
+  /// Moves that take a place in the chip's queue: the one that is performed, or is to
+  /// be next, was taken out of it.
+  std::size_t num_waiting() const { return moves_.empty() ? 0 : moves_.size() - 1; }
 
   enum class Fault { kNone, kTooClose, kTooFarInPast };
   /// Appends steps; the first falls an interval after the last one queued or after the

@@ -1,15 +1,13 @@
-#include "scenarios/klipper/config_text.h"
+#include "sim/measure/import/printer_cfg_text.h"
 
 #include <algorithm>
 #include <regex>
 #include <set>
 #include <system_error>
-#include <vector>
 
 #include <fnmatch.h>
 
 #include "sim/base/text_file.h"
-#include "sim/measure/import/fields.h"
 #include "sim/measure/import/printer_cfg.h"
 
 namespace caltwin {
@@ -45,10 +43,10 @@ void AddIncluded(const std::string& config,
                  std::set<fs::path>* read,
                  std::string* whole) {
   constexpr std::size_t kLargest_bytes = 1 << 20;
-  for (const TextLine& line : LinesOf(config)) {
-    const std::string_view named = IncludedBy(line.text);
+  for (const std::string_view line : RawLines(config)) {
+    const std::string_view named = IncludedBy(line);
     if (named.empty()) {
-      whole->append(line.text).append("\n");
+      whole->append(line).append("\n");
       continue;
     }
     for (const fs::path& file : FilesNamed(named, folder)) {
@@ -72,6 +70,17 @@ std::string Named(const std::string& says, const std::string& what) {
 
 }  // namespace
 
+std::vector<std::string_view> RawLines(std::string_view config) {
+  std::vector<std::string_view> lines;
+  while (!config.empty()) {
+    std::string_view line = config.substr(0, config.find('\n'));
+    config.remove_prefix(std::min(config.size(), line.size() + 1));
+    if (line.ends_with('\r')) line.remove_suffix(1);
+    lines.push_back(line);
+  }
+  return lines;
+}
+
 std::string WithAdded(const std::string& config, std::string_view lines) {
   if (lines.empty()) return config;
   std::size_t at = config.starts_with(kSaved) ? 0 : config.find("\n#*#");
@@ -88,9 +97,9 @@ std::string WithSerial(const std::string& config,
   const std::string setting = "serial: " + serial;
   const CfgSetting* const given = PrinterCfg(config, name).Find("mcu", "serial");
   const auto has_include = [&] {
-    const auto lines = LinesOf(config);
-    return std::ranges::any_of(
-        lines, [](const TextLine& line) { return !IncludedBy(line.text).empty(); });
+    return std::ranges::any_of(RawLines(config), [](std::string_view line) {
+      return !IncludedBy(line).empty();
+    });
   };
   if (given == nullptr && has_include()) {
     return WithAdded(config, "[mcu]\n" + setting + "\n");

@@ -3,10 +3,14 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "sim/base/input_error.h"
 
 namespace caltwin {
+
+/// Its lines with their indentation, which says that a value goes on; no ends of lines.
+std::vector<std::string_view> RawLines(std::string_view config);
 
 /// The printer.cfg with further lines, before what SAVE_CONFIG has written at its end.
 std::string WithAdded(const std::string& config, std::string_view lines);

@@ -1,0 +1,366 @@
+#include "sim/measure/import/printer_cfg_adapted.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <functional>
+#include <optional>
+#include <set>
+#include <string_view>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "sim/measure/import/printer_cfg.h"
+#include "sim/measure/import/printer_cfg_text.h"
+
+namespace caltwin {
+namespace {
+
+constexpr std::string_view kBlanks = " \t", kMacro = "gcode_macro ";
+
+// Sections that need no hardware of their own, by their first word.
+constexpr std::array<std::string_view, 32> kKept = {"printer",
+                                                    "bed_mesh",
+                                                    "z_tilt",
+                                                    "z_tilt_ng",
+                                                    "quad_gantry_level",
+                                                    "screws_tilt_adjust",
+                                                    "bed_screws",
+                                                    "bed_tilt",
+                                                    "delta_calibrate",
+                                                    "skew_correction",
+                                                    "axis_twist_compensation",
+                                                    "safe_z_home",
+                                                    "homing_override",
+                                                    "manual_probe",
+                                                    "endstop_phase",
+                                                    "input_shaper",
+                                                    "gcode_macro",
+                                                    "delayed_gcode",
+                                                    "gcode_arcs",
+                                                    "force_move",
+                                                    "idle_timeout",
+                                                    "pause_resume",
+                                                    "respond",
+                                                    "save_variables",
+                                                    "exclude_object",
+                                                    "virtual_sdcard",
+                                                    "display_status",
+                                                    "firmware_retraction",
+                                                    "danger_options",
+                                                    "z_calibration",
+                                                    "constants",
+                                                    "tuning_tower"};
+constexpr std::array<std::string_view, 9> kProbes = {"probe",
+                                                     "bltouch",
+                                                     "smart_effector",
+                                                     "probe_eddy_current",
+                                                     "cartographer",
+                                                     "beacon",
+                                                     "scanner",
+                                                     "dockable_probe",
+                                                     "load_cell_probe"};
+constexpr std::array<std::string_view, 7> kOfAnyProbe = {"speed",
+                                                         "lift_speed",
+                                                         "samples",
+                                                         "sample_retract_dist",
+                                                         "samples_result",
+                                                         "samples_tolerance",
+                                                         "samples_tolerance_retries"};
+constexpr std::array<std::string_view, 4> kPins = {
+    "step_pin", "dir_pin", "enable_pin", "endstop_pin"};
+constexpr std::array<std::string_view, 2> kWhichEnd = {"position_endstop",
+                                                       "homing_positive_dir"};
+
+/// What macros say to parts that are left out; the first word of a section begins so.
+struct SaidTo {
+  std::string_view part{};
+  std::vector<std::string_view> commands{};
+};
+
+const std::vector<SaidTo>& Unheard() {
+  static const std::vector<SaidTo> kAll = {
+      {"extruder",
+       {"M104",
+        "M109",
+        "SET_HEATER_TEMPERATURE",
+        "TEMPERATURE_WAIT",
+        "TURN_OFF_HEATERS",
+        "SET_PRESSURE_ADVANCE",
+        "ACTIVATE_EXTRUDER"}},
+      {"heater_",
+       {"M140",
+        "M190",
+        "SET_HEATER_TEMPERATURE",
+        "TEMPERATURE_WAIT",
+        "TURN_OFF_HEATERS"}},
+      {"fan", {"M106", "M107", "SET_FAN_SPEED"}},
+      {"temperature_fan", {"SET_TEMPERATURE_FAN_TARGET"}},
+      {"neopixel", {"SET_LED"}},
+      {"led", {"SET_LED"}},
+      {"dotstar", {"SET_LED"}},
+      {"tmc", {"SET_TMC_CURRENT", "SET_TMC_FIELD", "INIT_TMC"}},
+      {"output_pin", {"SET_PIN"}},
+      {"servo", {"SET_SERVO"}},
+      {"bltouch", {"BLTOUCH_DEBUG"}},
+      {"filament_", {"SET_FILAMENT_SENSOR"}}};
+  return kAll;
+}
+
+std::string Capitals(std::string_view text) {
+  std::string capitals(text);
+  std::ranges::transform(
+      capitals, capitals.begin(), [](unsigned char c) { return std::toupper(c); });
+  return capitals;
+}
+
+template <std::size_t kNum>
+bool IsAmong(const std::array<std::string_view, kNum>& all, std::string_view one) {
+  return std::ranges::find(all, one) != all.end();
+}
+
+std::string_view Stripped(std::string_view text) {
+  const std::size_t first = text.find_first_not_of(kBlanks);
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
+}
+
+// Of "[stepper_x]" stepper_x; empty: it is no heading.
+std::string_view TitleOf(std::string_view line) {
+  if (!line.starts_with('[') || line.find(']') == line.npos) return {};
+  return Stripped(line.substr(1, line.find(']') - 1));
+}
+
+std::string_view FirstWord(std::string_view title) {
+  return title.substr(0, title.find_first_of(kBlanks));
+}
+
+// Of "step_pin: PF0" step_pin; empty: the line goes on with what was before.
+std::string_view KeyOf(std::string_view line) {
+  if (line.empty() || kBlanks.find(line.front()) != kBlanks.npos) return {};
+  if (line.front() == '#' || line.front() == ';') return {};
+  return Stripped(line.substr(0, line.find_first_of(":=")));
+}
+
+bool IsAtTop(const PrinterCfg& cfg) {
+  Faults ignored;
+  const auto number = [&](const char* key) {
+    return cfg.Number("stepper_z", key, -1e4, 1e4, &ignored);
+  };
+  const double min_mm = number("position_min").value_or(0);
+  const double max_mm = number("position_max").value_or(0);
+  return number("position_endstop").value_or(min_mm) > (min_mm + max_mm) / 2;
+}
+
+class Adapter {
+ public:
+  Adapter(const std::string& config, const std::string& drawn)
+      : config_(config), given_(config, "printer.cfg"), drawn_(drawn, "drawn") {
+    const CfgSetting* const z = given_.Find("stepper_z", "endstop_pin");
+    const bool has_own = z != nullptr && z->value.text.starts_with("probe:");
+    is_z_by_probe_ = has_own || (z != nullptr && IsAtTop(given_) != IsAtTop(drawn_));
+    if (is_z_by_probe_ && !has_own) {
+      changes_.emplace_back(
+          "[stepper_z]: homes by the probe; the twin has the switch of Z at the other "
+          "end of its travel");
+    }
+    for (const std::string_view line : RawLines(config)) {
+      const std::string_view title = TitleOf(line);
+      if (title.starts_with(kMacro)) {
+        macros_.insert(Capitals(title.substr(kMacro.size())));
+      }
+      for (const SaidTo& said : Unheard()) {
+        if (title.starts_with(said.part)) {
+          unheard_.insert(said.commands.begin(), said.commands.end());
+        }
+      }
+    }
+  }
+
+  AdaptedConfig Done() {
+    for (const std::string_view line : RawLines(config_)) Take(line);
+    if (!left_out_.empty()) {
+      changes_.push_back(fmt::format("left out, the twin has no such parts: {}",
+                                     fmt::join(left_out_, ", ")));
+    }
+    std::string deaf;
+    unheard_.insert(renamed_.begin(), renamed_.end());
+    for (const std::string_view command : unheard_) {
+      if (macros_.contains(std::string(command))) continue;
+      deaf += fmt::format("[gcode_macro {}]\ngcode: G4 P0\n", command);
+    }
+    if (!deaf.empty()) {
+      deaf = "# What macros say to parts that the twin does not have.\n" + deaf;
+    }
+    return {.text = WithAdded(text_, deaf), .changes = std::move(changes_)};
+  }
+
+ private:
+  enum class Now { kKeep, kDrop, kMotor, kProbe };
+
+  void Take(std::string_view line) {
+    constexpr std::string_view kSaved = "#*#";
+    is_saved_ = line.starts_with(kSaved);
+    const std::string_view body =
+        is_saved_ ? line.substr(std::min(line.size(), kSaved.size() + 1)) : line;
+    const std::string_view title = TitleOf(body);
+    if (!title.empty()) {
+      Begin(title, line);
+      return;
+    }
+    if (is_saved_ && body.starts_with('<')) {
+      now_ = Now::kKeep;  // The heading of what was saved.
+    }
+    const std::string_view key = KeyOf(body);
+    if (!key.empty()) is_key_kept_ = Keeps(key, body);
+    if (now_ == Now::kDrop || !is_key_kept_) return;
+    const bool is_bound = key == "mesh_min" || key == "mesh_max";
+    Add(is_bound && title_ == "bed_mesh" && !is_saved_ ? Reached(key, line)
+                                                       : std::string(line));
+  }
+
+  void Begin(std::string_view title, std::string_view line) {
+    title_ = title;
+    is_key_kept_ = true;
+    const std::string_view word = FirstWord(title);
+    if (title == "mcu") {
+      now_ = Now::kDrop;
+      if (is_saved_) return;
+      Add(line);
+      Add("serial: " + drawn_.Find("mcu", "serial")->value.text + "\n");
+    } else if (IsAmong(kProbes, word)) {
+      BeginProbe(word);
+    } else if (title.starts_with("stepper_")) {
+      BeginMotor(line);
+    } else if (IsAmong(kKept, word) && HasMotorsFor(word)) {
+      now_ = Now::kKeep;
+      Add(line);
+      if (title == "printer") AddLower("printer", "minimum_z_position");
+    } else {
+      LeaveOut();
+    }
+  }
+
+  // What levels by several motors of Z the twin has, or has not.
+  bool HasMotorsFor(std::string_view word) const {
+    const bool is_tilt = word == "z_tilt" || word == "z_tilt_ng";
+    if (is_tilt) return drawn_.Find("z_tilt", "z_positions") != nullptr;
+    return word != "quad_gantry_level" ||
+           drawn_.Find("quad_gantry_level", "gantry_corners") != nullptr;
+  }
+
+  // A probe may have to look below where the person's own triggers.
+  void AddLower(const char* section, const char* key) {
+    Faults ignored;
+    const auto drawn = drawn_.Number(section, key, -1e4, 1e4, &ignored);
+    const auto given = given_.Number(section, key, -1e4, 1e4, &ignored);
+    is_lower_ = drawn && given.value_or(0) > *drawn;
+    if (is_lower_ && !is_saved_) Add(fmt::format("{}: {:g}", key, *drawn));
+  }
+
+  // A mesh is measured where the nozzle comes, not where a probe beside it would.
+  std::string Reached(std::string_view key, std::string_view line) const {
+    Faults ignored;
+    auto at_mm = given_.Numbers("bed_mesh", key, 2, &ignored);
+    if (!at_mm) return std::string(line);
+    for (std::size_t i = 0; i < 2; ++i) {
+      const char* const stepper = i == 0 ? "stepper_x" : "stepper_y";
+      const auto limit = [&](const char* name, double otherwise) {
+        return given_.Number(stepper, name, -1e4, 1e4, &ignored).value_or(otherwise);
+      };
+      const double most_mm = limit("position_max", (*at_mm)[i]);
+      (*at_mm)[i] = std::max(limit("position_min", 0), std::min((*at_mm)[i], most_mm));
+    }
+    return fmt::format("{}: {:g}, {:g}", key, (*at_mm)[0], (*at_mm)[1]);
+  }
+
+  void LeaveOut() {
+    now_ = Now::kDrop;
+    if (!is_saved_) left_out_.insert("[" + title_ + "]");
+  }
+
+  void BeginProbe(std::string_view word) {
+    now_ = Now::kProbe;
+    const CfgSetting* const z_offset = drawn_.Find("probe", "z_offset");
+    if (is_saved_ || has_probe_ || z_offset == nullptr) {
+      now_ = Now::kDrop;
+      return;
+    }
+    has_probe_ = true;
+    Add("[probe]");
+    Add("pin: PROBE");
+    Add("z_offset: " + z_offset->value.text);
+    changes_.push_back(fmt::format(
+        "[{}]: the twin's probe is where the nozzle is, z_offset {}; no x_offset and "
+        "y_offset",
+        word,
+        z_offset->value.text));
+  }
+
+  void BeginMotor(std::string_view line) {
+    if (drawn_.Find(title_, "step_pin") == nullptr) {
+      LeaveOut();
+      return;
+    }
+    now_ = Now::kMotor;
+    Add(line);
+    is_lower_ = false;
+    if (is_saved_) return;
+    if (title_ == "stepper_z") AddLower("stepper_z", "position_min");
+    for (const std::string_view pin : kPins) {
+      const CfgSetting* const setting = drawn_.Find(title_, pin);
+      const bool is_z = title_ == "stepper_z" && pin == "endstop_pin";
+      if (is_z && is_z_by_probe_) {
+        Add("endstop_pin: probe:z_virtual_endstop");
+      } else if (setting != nullptr && (pin != "endstop_pin" || HasEndstop())) {
+        Add(fmt::format("{}: {}", pin, setting->value.text));
+      }
+    }
+  }
+
+  bool HasEndstop() const { return given_.Find(title_, "endstop_pin") != nullptr; }
+
+  bool Keeps(std::string_view key, std::string_view line) {
+    // A macro in place of a command that is not there has nothing to rename: what it
+    // calls by the new name is not heard either.
+    const bool is_renamed = key == "rename_existing" && title_.starts_with(kMacro) &&
+                            unheard_.contains(Capitals(title_.substr(kMacro.size())));
+    if (is_renamed) {
+      const std::size_t mark = line.find_first_of(":=");
+      renamed_.push_back(Capitals(Stripped(line.substr(mark + 1))));
+      return false;
+    }
+    if (now_ == Now::kProbe) return IsAmong(kOfAnyProbe, key);
+    const bool is_lowered =
+        is_lower_ && ((title_ == "printer" && key == "minimum_z_position") ||
+                      (title_ == "stepper_z" && key == "position_min"));
+    if (is_lowered) return false;
+    if (now_ != Now::kMotor) return true;
+    const bool is_end =
+        title_ == "stepper_z" && is_z_by_probe_ && IsAmong(kWhichEnd, key);
+    return !IsAmong(kPins, key) && !is_end;
+  }
+
+  void Add(std::string_view line) { text_.append(line).append("\n"); }
+
+  const std::string& config_;
+  PrinterCfg given_, drawn_;
+  bool is_z_by_probe_ = false;
+  std::string text_{};
+  std::vector<std::string> changes_{};
+  std::set<std::string> left_out_{}, macros_{};
+  std::set<std::string, std::less<>> unheard_{};  ///< Commands of what is left out.
+  std::vector<std::string> renamed_{};
+  Now now_ = Now::kKeep;
+  std::string title_{};
+  bool is_saved_ = false, is_key_kept_ = true, has_probe_ = false, is_lower_ = false;
+};
+
+}  // namespace
+
+AdaptedConfig AdaptedToTwin(const std::string& config, const std::string& drawn) {
+  return Adapter(config, drawn).Done();
+}
+
+}  // namespace caltwin
