@@ -21,4 +21,6 @@ LD_PRELOAD=/tmp/time.so linuxcnc -r "./$ini" </dev/null 3<&- &
 cat <&3 >/dev/null &
 # A realtime process that dies while LinuxCNC starts is missed by nobody else.
 until realtime=$(pgrep -x -o rtapi_app -P 1); do sleep 0.02; done && tail -s 0.2 -f /dev/null --pid "$realtime" 3<&- &
+# Without its operator LinuxCNC cleans up, for up to 20 s, what goes with these namespaces.
+until operator=$(pgrep -o -f caltwin_operator.py); do sleep 0.02; done && tail -s 0.2 -f /dev/null --pid "$operator" 3<&- &
 wait -n
