@@ -9,7 +9,6 @@
 
 #include "scenarios/host_log.h"
 #include "scenarios/interrupt.h"
-#include "sim/measure/import/printer_cfg_text.h"
 #include "scenarios/klipper/host_api.h"
 #include "scenarios/klipper/host_process.h"
 #include "sim/base/input_error.h"
@@ -19,6 +18,7 @@
 #include "sim/firmware/stepped_plant.h"
 #include "sim/link/pseudo_terminal.h"
 #include "sim/measure/import/printer_cfg.h"
+#include "sim/measure/import/printer_cfg_text.h"
 
 namespace caltwin {
 namespace {

@@ -10,10 +10,10 @@
 
 #include "scenarios/kind_trial.h"
 #include "scenarios/kinds/nobody.h"
-#include "sim/measure/import/printer_cfg_text.h"
 #include "scenarios/klipper/host.h"
 #include "sim/base/rng.h"
 #include "sim/machine/machine.h"
+#include "sim/measure/import/printer_cfg_text.h"
 
 namespace caltwin {
 

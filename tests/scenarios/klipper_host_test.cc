@@ -8,12 +8,12 @@
 #include <sys/un.h>
 #include <unistd.h>
 
-#include "sim/measure/import/printer_cfg_text.h"
 #include "scenarios/klipper/host_api.h"
 #include "scenarios/klipper/host_process.h"
 #include "scenarios/scenario.h"
 #include "sim/base/input_error.h"
 #include "sim/base/text_file.h"
+#include "sim/measure/import/printer_cfg_text.h"
 #include "tests/base/temp_folder.h"
 
 namespace caltwin {
