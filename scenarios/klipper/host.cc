@@ -1,6 +1,7 @@
 #include "scenarios/klipper/host.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <functional>
 #include <system_error>
 #include <utility>
@@ -41,6 +42,31 @@ void LinkNeighbours(const fs::path& from, const fs::path& to) {
   }
 }
 
+// What makes the host keep its variables in a copy: a person's own file stays as it is.
+// Empty: it keeps none.
+std::string OwnVariables(const KlipperHostOptions& options, const fs::path& folder) {
+  const std::string whole =
+      WithIncluded(WithAdded(options.config, options.add), options.beside);
+  const CfgSetting* const setting =
+      PrinterCfg(whole, options.name).Find("save_variables", "filename");
+  if (setting == nullptr) return "";
+  fs::path from = setting->value.text;
+  const char* const home = std::getenv("HOME");
+  if (setting->value.text.starts_with("~/") && home != nullptr) {
+    from = fs::path(home) / setting->value.text.substr(2);
+  }
+  const fs::path copy = folder / "variables_of_caltwin.cfg";
+  std::error_code is_not_there;
+  fs::copy_file(options.beside / from, copy, is_not_there);
+  return fmt::format("[save_variables]\nfilename: {}\n", copy.string());
+}
+
+std::string Without(const std::string& text, const std::string& part) {
+  const std::size_t at = part.empty() ? std::string::npos : text.find(part);
+  return at == std::string::npos ? text
+                                 : std::string(text).replace(at, part.size(), "");
+}
+
 }  // namespace
 
 // Everything of one host, in the order in which it is needed.
@@ -52,10 +78,10 @@ class KlipperHost::Parts {
         terminal_(folder_.path() / "serial", "the host's serial line"),
         api_(folder_.path() / "api"),
         lock_step_(board, terminal_.number(), process_.clock()) {
-    WriteTextFile(
-        config(),
-        WithSerial(
-            WithAdded(options.config, options.add), terminal_.path(), options.name));
+    variables_ = OwnVariables(options, folder_.path());
+    const std::string text =
+        WithAdded(WithAdded(options.config, options.add), variables_);
+    WriteTextFile(config(), WithSerial(text, terminal_.path(), options.name));
     LinkNeighbours(options.beside, folder_.path());
     const fs::path program =
         options.program.empty() ? HostProgram("") : options.program;
@@ -65,16 +91,13 @@ class KlipperHost::Parts {
   HostAnswer Say(std::string_view line);
   void Hear(HostAnswer* answer);
   std::string Config() const {
-    const std::string now = WrittenIn(config());
+    const std::string now = Without(WrittenIn(config()), variables_);
     const PrinterCfg given(options_.config, options_.name);
     const CfgSetting* const serial = given.Find("mcu", "serial");
     if (serial != nullptr) return WithSerial(now, serial->value.text, options_.name);
     // It stands in a file that is included: what was added for it goes.
     const std::string added = WithSerial("[include x]\n", terminal_.path(), "");
-    const std::string lines = added.substr(added.find("[mcu]"));
-    const std::size_t at = now.find(lines);
-    return at == std::string::npos ? now
-                                   : std::string(now).replace(at, lines.size(), "");
+    return Without(now, added.substr(added.find("[mcu]")));
   }
   fs::path config() const { return folder_.path() / "printer.cfg"; }
   std::string LogEnd() const;
@@ -90,6 +113,7 @@ class KlipperHost::Parts {
 
   KlipperHostOptions options_;
   TemporaryFolder folder_{kFolders, "/tmp"};
+  std::string variables_{};  ///< Lines that were added for them.
   KeptLog kept_log_;
   PseudoTerminal terminal_;
   HostApi api_;

@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "scenarios/kind_scenario.h"
 #include "sim/measure/import/fields.h"
 
 namespace caltwin {

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "scenarios/kind_scenario.h"
 #include "scenarios/kind_trial.h"
 #include "scenarios/kinds/nobody.h"
 #include "scenarios/klipper/host.h"

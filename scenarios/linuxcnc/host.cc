@@ -85,6 +85,10 @@ class LinuxCncHost::Parts {
     std::string& ini = files.front().second;
     for (const std::string& one : options.set) ini = WithIniSetting(ini, one, one);
     ini = linuxcnc::WithIniValue(ini, "DISPLAY", "DISPLAY", kOperator);
+    ini = linuxcnc::WithoutIniValue(ini, "DISPLAY", "INTRO_GRAPHIC");
+    // Time goes fast: what LinuxCNC's programs wait for each other is by its clock.
+    ini = linuxcnc::WithIniValue(ini, "TASK", "CYCLE_TIME", "0.001");
+    ini = linuxcnc::WithIniValue(ini, "EMCIO", "CYCLE_TIME", "0.01");
     for (const auto& [name, text] : files) WriteTextFile(config() / name, text);
     sandbox_.Start(folder_.path(), options.files.front().first);
     if (!Await("start").done) throw HostLost("LinuxCNC cannot be switched on" + Log());

@@ -28,6 +28,7 @@ double HangingLoad_n(const Machine& machine) {
 BuiltWorld::BuiltWorld(const Mjcf& drawn, const Built& built)
     : World(Compiled(drawn, built), HangingLoad_n(built.machine)) {
   for (const Axis axis : kAxes) drawn_gap_mm_[Index(axis)] = Gap_mm(axis);
+  gap_mm_ = drawn_gap_mm_;
 }
 
 void BuiltWorld::Feel(const Built& built,
@@ -38,12 +39,13 @@ void BuiltWorld::Feel(const Built& built,
     const Vec3<double> wider_mm = built.LocalLostMotion_mm(q_mm);
     for (const Axis axis : kAxes) {
       const int i = Index(axis);
-      if (wider_mm[i] != 0) SetGap_mm(axis, drawn_gap_mm_[i] + wider_mm[i]);
+      const double gap_mm = drawn_gap_mm_[i] + wider_mm[i];
+      if (gap_mm != gap_mm_[i]) SetGap_mm(axis, gap_mm);
+      gap_mm_[i] = gap_mm;
     }
   }
-  if (!built.tool_effects.empty() || !moved_mm.isZero()) {
-    MoveTool_mm(built.ToolOffset_mm(q_mm) + moved_mm);
-  }
+  is_tool_moved_ |= !built.tool_effects.empty() || !moved_mm.isZero();
+  if (is_tool_moved_) MoveTool_mm(built.ToolOffset_mm(q_mm) + moved_mm);
   if (built.raising_effects.empty()) return;
   const Vec3<double> tip_mm = q_mm + built.now.probe_off_mm;
   const double height_mm = built.Raised_mm(tip_mm);

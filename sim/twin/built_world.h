@@ -44,7 +44,8 @@ class BuiltWorld : public World {
                                               const Vec3<double>& steps);
 
  private:
-  Vec3<double> drawn_gap_mm_ = Vec3<double>::Zero();
+  Vec3<double> drawn_gap_mm_ = Vec3<double>::Zero(), gap_mm_ = Vec3<double>::Zero();
+  bool is_tool_moved_ = false;  ///< It was ever moved: no more where the model has it.
 };
 
 }  // namespace caltwin

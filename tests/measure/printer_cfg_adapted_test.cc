@@ -95,14 +95,18 @@ TEST(AdaptedToTwin, MotorsEndstopsAndProbeGetItsPins) {
 TEST(AdaptedToTwin, WhatHasNoPartIsLeftOutAndNotHeard) {
   const AdaptedConfig adapted =
       AdaptedToTwin(Sample("screws.cfg") + "[extruder]\nheater_pin: PA2\n", kDrawn);
-  EXPECT_THAT(adapted.changes, Contains(HasSubstr("[extruder], ")));
   EXPECT_THAT(adapted.changes, Contains(HasSubstr("[tmc2209 stepper_x]")));
-  EXPECT_THAT(adapted.text, Not(HasSubstr("heater_pin")));
-  EXPECT_THAT(adapted.text, HasSubstr("[gcode_macro M104]\ngcode: G4 P0\n"));
-  // The person's own M109 stays, its indented lines too; what it renamed is not there.
+  EXPECT_THAT(adapted.text, HasSubstr("[gcode_macro SET_TMC_CURRENT]\ngcode: G4 P0\n"));
+  // A heater that macros may ask, and that nobody waits for.
+  EXPECT_THAT(adapted.text, Not(HasSubstr("PA2")));
+  EXPECT_THAT(adapted.text, HasSubstr("heater_pin: SPARE0\n"));
+  EXPECT_THAT(
+      adapted.text,
+      HasSubstr("[gcode_macro M104]\nrename_existing: M1040000\ngcode: G4 P0\n"));
+  // The person's own M109 stays, its indented lines too; what it renamed does nothing.
   EXPECT_THAT(adapted.text, HasSubstr("    M99109 S{s}\n"));
-  EXPECT_THAT(adapted.text, Not(HasSubstr("rename_existing")));
-  EXPECT_THAT(adapted.text, HasSubstr("[gcode_macro M99109]\n"));
+  EXPECT_THAT(adapted.text, HasSubstr("rename_existing: M991090000\n"));
+  EXPECT_THAT(adapted.text, HasSubstr("[gcode_macro M99109]\ngcode: G4 P0\n"));
 }
 
 // The nozzle comes from 0 to 250 mm.
@@ -131,6 +135,27 @@ TEST(AdaptedToTwin, WithoutThoseMotorsNothingIsLevelledByThem) {
       "[quad_gantry_level]\ngantry_corners:\n  0, 0\n  1, 1\n[printer]\n", kDrawn);
   EXPECT_THAT(adapted.text, Not(HasSubstr("gantry_corners")));
   EXPECT_THAT(adapted.changes, Contains(HasSubstr("[quad_gantry_level]")));
+  EXPECT_THAT(adapted.text, HasSubstr("[gcode_macro QUAD_GANTRY_LEVEL]\n"));
+}
+
+TEST(AdaptedToTwin, SectionsInPartsAndCapitalKeysCount) {
+  const AdaptedConfig adapted = AdaptedToTwin(
+      "[probe]\nPin: PA1\nX_Offset = 3\n[printer]\n[probe]\nsamples: 5\n[stepper_x]\n"
+      "Step_Pin: PA2\nmicrosteps: 8\n",
+      kDrawn);
+  const PrinterCfg cfg(adapted.text, "p");
+  EXPECT_EQ(cfg.Find("probe", "pin")->value.text, "PROBE");
+  EXPECT_EQ(cfg.Find("probe", "samples")->value.text, "5");
+  EXPECT_EQ(cfg.Find("probe", "x_offset"), nullptr);
+  EXPECT_EQ(cfg.Find("stepper_x", "step_pin")->value.text, "X_STEP");
+}
+
+TEST(PrinterCfg, FlagsAreReadAsKlipperReadsThem) {
+  const PrinterCfg cfg("[a]\nB: On\nc = no\nd: 2\n", "p");
+  EXPECT_EQ(cfg.Flag("a", "b"), std::optional(true));
+  EXPECT_EQ(cfg.Flag("a", "c"), std::optional(false));
+  EXPECT_EQ(cfg.Flag("a", "d"), std::nullopt);
+  EXPECT_EQ(cfg.Flag("a", "e"), std::nullopt);
 }
 
 }  // namespace

@@ -143,7 +143,7 @@ TEST(ConfigText, IncludedFilesStandWhereTheyAreNamed) {
   WriteTextFile(folder / "printer.cfg", "[include parts/*.cfg]\n");
   EXPECT_EQ(WithIncluded("[x]\n[include parts/*.cfg]\n[include none.cfg]\n[y]\n",
                          folder.path()),
-            "[x]\n[a]\n[b]\n[y]\n");
+            "[x]\n[a]\n[b]\n[include none.cfg]\n[y]\n");
 }
 
 TEST(ConfigText, AComplaintHasTheLineOfWhatItNames) {

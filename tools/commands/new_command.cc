@@ -9,6 +9,7 @@
 
 #include "sim/base/temporary_folder.h"
 #include "sim/base/text_file.h"
+#include "sim/controllers/linuxcnc/own_ini.h"
 #include "sim/machine/machine.h"
 #include "sim/machine/machine_kind.h"
 #include "sim/measure/import/kinds/printer_of_cfg.h"
@@ -40,20 +41,28 @@ void RefuseIfThere(const fs::path& file) {
                    "take another name, or move it away");
 }
 
-// The printer.cfg of a machine that was made of a person's.
-std::string AsDrawn(const std::string& machine, const NewAsked& options) {
+// A machine that was made of a person's file, read as any is.
+template <typename Use>
+auto Drawn(const std::string& machine, const NewAsked& options, const Use& use) {
   const TemporaryFolder folder{"caltwin_new"};
   const fs::path file = folder.path() / "machine.yaml";
   WriteTextFile(file, machine);
   try {
-    return ServedToKlipper(file, options.name)
-        .printer_cfg(ReadAnyMachineFile(file).machine, kUsualSerial);
+    return use(file);
   } catch (const InputError& error) {
-    const std::string what = error.what();
-    throw InputError(
-        {.file = options.from},
-        "no such machine can be drawn: " + what.substr(what.find(": ") + 2));
+    // Lines of a file that nobody has say nothing.
+    std::string what = error.what();
+    for (auto at = what.find(file.string()); at != what.npos;
+         at = what.find(file.string())) {
+      what.erase(at, what.find(": ", at) + 2 - at);
+    }
+    throw InputError({.file = options.from}, "no such machine can be drawn: " + what);
   }
+}
+
+void Tell(const std::vector<fs::path>& files, const std::vector<std::string>& changes) {
+  for (const fs::path& file : files) std::cout << file.string() << '\n';
+  for (const std::string& change : changes) std::cout << "  " << change << '\n';
 }
 
 // A person's printer.cfg makes both: the machine, and the same file on its pins.
@@ -64,16 +73,64 @@ int NewFromPrinterCfg(const NewAsked& options, const fs::path& file) {
   const std::string text = MachineFileOf(PrinterCfg(whole, options.from), options.name);
   const fs::path config = file.parent_path() / "printer.cfg";
   RefuseIfThere(config);
-  const AdaptedConfig adapted = AdaptedToTwin(whole, AsDrawn(text, options));
+  const std::string drawn = Drawn(text, options, [&](const fs::path& read) {
+    return ServedToKlipper(read, options.name)
+        .printer_cfg(ReadAnyMachineFile(read).machine, kUsualSerial);
+  });
+  const AdaptedConfig adapted = AdaptedToTwin(whole, drawn);
   WriteTextFile(file, text);
   WriteTextFile(config, adapted.text);
-  std::cout << fmt::format("{}\n{}\n", file.string(), config.string());
-  for (const std::string& change : adapted.changes) std::cout << "  " << change << '\n';
+  Tell({file, config}, adapted.changes);
   std::cout << fmt::format(
       "Say in hidden.yaml how it is truly built, then:\n"
       "  caltwin klipper {0} --config {1} --truth hidden.yaml -c G28\n",
       options.name,
       config.string());
+  return kPassed;
+}
+
+// The component that caltwin's HAL file loads.
+void WriteComponent(const fs::path& folder) {
+  const fs::path component = ShareFolder() / "sim/controllers/linuxcnc/component";
+  for (const char* const name : {"caltwin.comp", "page.h", "COPYING"}) {
+    WriteTextFile(folder / name, ReadTextFile(component / name, kLargestFile_bytes));
+  }
+}
+
+// A person's INI file of LinuxCNC likewise, with the tables that it names.
+int NewFromIni(const NewAsked& options, const fs::path& file) {
+  const std::string ini = ReadTextFile(options.from, kLargestFile_bytes);
+  const std::string text = linuxcnc::MachineFileOfIni(ini, options.from, options.name);
+  const fs::path folder = file.parent_path() / "linuxcnc";
+  RefuseIfThere(folder / "machine.ini");
+  const auto drawn = Drawn(text, options, [&](const fs::path& read) {
+    return ServedToLinuxCnc(read, options.name)
+        .linuxcnc(ReadAnyMachineFile(read).machine);
+  });
+  linuxcnc::OwnIni own = linuxcnc::WithTwin(ini, drawn);
+  WriteTextFile(file, text);
+  WriteTextFile(folder / "machine.ini", own.ini);
+  WriteTextFile(folder / "machine.hal", own.hal);
+  WriteTextFile(folder / "tool.tbl", "T1 P1\n");
+  WriteComponent(folder);
+  for (const std::string& section : linuxcnc::IniSections(ini)) {
+    const std::string table = linuxcnc::IniValue(ini, section, "COMP_FILE");
+    if (table.empty()) continue;
+    const fs::path from = fs::path(options.from).parent_path() / table;
+    std::error_code error;
+    if (fs::is_regular_file(from, error)) {
+      WriteTextFile(folder / fs::path(table).filename(),
+                    ReadTextFile(from, kLargestFile_bytes));
+    } else {
+      own.changes.push_back(table + " is not beside your INI file");
+    }
+  }
+  Tell({file, folder / "machine.ini", folder / "machine.hal"}, own.changes);
+  std::cout << fmt::format(
+      "Say in hidden.yaml how it is truly built, then:\n"
+      "  caltwin linuxcnc {} --ini {} --truth hidden.yaml -c \"G0 X10\"\n",
+      options.name,
+      (folder / "machine.ini").string());
   return kPassed;
 }
 
@@ -90,6 +147,7 @@ int NewMachine(const NewAsked& options) {
   }
   const fs::path file = fs::path("models") / options.name / "machine.yaml";
   RefuseIfThere(file);
+  if (options.from.ends_with(".ini")) return NewFromIni(options, file);
   if (!options.from.empty()) return NewFromPrinterCfg(options, file);
   const fs::path like =
       FindMachine(options.like, "", {.file = "--like " + options.like});
@@ -160,10 +218,7 @@ int NewLinuxCnc(const NewLinuxCncAsked& options) {
        linuxcnc::ConfigFiles(kind.linuxcnc(machine), "axis", options.page)) {
     WriteTextFile(folder / name, text);
   }
-  const fs::path component = ShareFolder() / "sim/controllers/linuxcnc/component";
-  for (const char* const name : {"caltwin.comp", "page.h", "COPYING"}) {
-    WriteTextFile(folder / name, ReadTextFile(component / name, kLargestFile_bytes));
-  }
+  WriteComponent(folder);
   std::cout << fmt::format(
       "{0}/machine.ini\nOnce: cd {0} && sudo halcompile --install caltwin.comp\n"
       "The machine: caltwin serve --machine {1} --fidelity fast --linuxcnc {2}\n"
@@ -206,8 +261,8 @@ Action DeclareNew(CLI::App* app) {
   machine
       ->add_option("--from",
                    options->from,
-                   "your own printer.cfg: its sizes, and beside the machine file the "
-                   "same printer.cfg on the twin's pins")
+                   "your own printer.cfg of Klipper, or .ini of LinuxCNC: its sizes, "
+                   "and beside the machine file the same with the twin's pins")
       ->excludes(like);
   CLI::App* klipper = app->add_subcommand(
       "klipper", "the printer.cfg of a machine as drawn, for Klipper's host");

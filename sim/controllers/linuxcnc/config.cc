@@ -197,6 +197,37 @@ std::vector<std::string> IniKeys(std::string_view ini, std::string_view section)
   return keys;
 }
 
+std::string IniValue(std::string_view ini,
+                     std::string_view section,
+                     std::string_view key) {
+  for (const IniLine& line : IniLines(ini)) {
+    if (line.section == section && line.key == key) {
+      return Trimmed(std::string_view(line.text).substr(line.text.find('=') + 1));
+    }
+  }
+  return "";
+}
+
+std::string WithoutIniValue(const std::string& ini,
+                            std::string_view section,
+                            std::string_view key) {
+  std::string text;
+  for (const IniLine& line : IniLines(ini)) {
+    const bool is_meant = line.section == section && !line.key.empty() &&
+                          (key.empty() || line.key == key);
+    if (!is_meant) text += line.text + "\n";
+  }
+  return text;
+}
+
+std::string WithoutIniSection(const std::string& ini, std::string_view section) {
+  std::string text;
+  for (const IniLine& line : IniLines(ini)) {
+    if (line.section != section) text += line.text + "\n";
+  }
+  return text;
+}
+
 bool IniIncludes(std::string_view ini) {
   return std::ranges::any_of(IniLines(ini), [](const IniLine& line) {
     return Trimmed(line.text).starts_with("#INCLUDE");

@@ -56,6 +56,10 @@ std::vector<std::pair<std::string, std::string>> ConfigFiles(const MachineText& 
 /// @name What an INI file has; each once, in its order
 std::vector<std::string> IniSections(std::string_view ini);
 std::vector<std::string> IniKeys(std::string_view ini, std::string_view section);
+/// What stands there first, as LinuxCNC takes it; empty: nothing.
+std::string IniValue(std::string_view ini,
+                     std::string_view section,
+                     std::string_view key);
 /// Whether it takes in other files.
 bool IniIncludes(std::string_view ini);
 
@@ -65,6 +69,13 @@ std::string WithIniValue(const std::string& ini,
                          std::string_view section,
                          std::string_view key,
                          std::string_view value);
+
+/// `ini` without that key of a section; without any key of it where that is empty.
+std::string WithoutIniValue(const std::string& ini,
+                            std::string_view section,
+                            std::string_view key);
+/// `ini` without that section.
+std::string WithoutIniSection(const std::string& ini, std::string_view section);
 
 }  // namespace linuxcnc
 }  // namespace caltwin

@@ -37,8 +37,9 @@ std::optional<double> GearOf(std::string_view pair) {
   return turns.value_or(1) / by.value_or(1);
 }
 
-/// `80:16, 57:11` as turns of the motor a turn of the pulley; 1 where there is none.
-double GearRatio(const PrinterCfg& cfg, const std::string& section, Faults* faults) {
+}  // namespace
+
+double GearRatioOf(const PrinterCfg& cfg, const std::string& section, Faults* faults) {
   const CfgSetting* setting = cfg.Find(section, "gear_ratio");
   if (setting == nullptr || setting->value.text.empty()) return 1;
   std::optional<double> ratio = 1;
@@ -57,6 +58,8 @@ double GearRatio(const PrinterCfg& cfg, const std::string& section, Faults* faul
   return 1;
 }
 
+namespace {
+
 KlipperDrive DriveOf(const PrinterCfg& cfg,
                      int tower,
                      std::optional<double> step_mm,
@@ -73,7 +76,7 @@ KlipperDrive DriveOf(const PrinterCfg& cfg,
   if (turn_mm) {
     drive.rotation_distance_mm = *turn_mm;
     drive.full_steps_per_mm =
-        full_steps.value_or(kFullSteps) * GearRatio(cfg, section, faults) / *turn_mm;
+        full_steps.value_or(kFullSteps) * GearRatioOf(cfg, section, faults) / *turn_mm;
   }
   if (microsteps) drive.microsteps = *microsteps;
   if (step_mm) {

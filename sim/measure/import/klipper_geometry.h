@@ -28,6 +28,10 @@ struct KlipperGeometry {
   std::vector<std::string> assumed{};
 };
 
+/// `gear_ratio: 80:16, 57:11` as turns of the motor a turn of the pulley; 1 where there
+/// is none, or a fault.
+double GearRatioOf(const PrinterCfg& cfg, const std::string& section, Faults* faults);
+
 /// Reads [printer] and [stepper_a], [stepper_b], [stepper_c]. `step_mm`, if given, is
 /// the step of all three. Without it drives may stay unknown: `step_mm` of the drive
 /// says. nullopt, with faults, where the geometry is not whole or not possible.

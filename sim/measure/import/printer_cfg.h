@@ -22,8 +22,8 @@ struct CfgSetting {
 /// and `;` comments. The block that SAVE_CONFIG writes stands in comments that begin
 /// with `#*#`; what it says wins over what the person wrote.
 ///
-/// A key given twice counts where it stands last, as Klipper takes it. At most 4000
-/// sections.
+/// Keys are in small letters, as Klipper reads them. A key given twice counts where it
+/// stands last, as Klipper takes it. At most 4000 sections.
 class PrinterCfg {
  public:
   PrinterCfg(const std::string& text, std::string name);
@@ -47,6 +47,8 @@ class PrinterCfg {
                                double min,
                                double max,
                                Faults* faults) const;
+  /// yes, true, on, 1 or no, false, off, 0 in any case; nullopt: neither.
+  std::optional<bool> Flag(std::string_view section, std::string_view key) const;
   /// Exactly `count` numbers apart by commas, as above.
   std::optional<std::vector<double>> Numbers(std::string_view section,
                                              std::string_view key,

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <functional>
 #include <optional>
 #include <set>
 #include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -79,22 +79,46 @@ struct SaidTo {
   std::vector<std::string_view> commands{};
 };
 
-const std::vector<SaidTo>& Unheard() {
+// Of a heater that stays as one that never heats: what would wait for it.
+const std::vector<SaidTo>& Muted() {
   static const std::vector<SaidTo> kAll = {
       {"extruder",
-       {"M104",
-        "M109",
-        "SET_HEATER_TEMPERATURE",
-        "TEMPERATURE_WAIT",
-        "TURN_OFF_HEATERS",
-        "SET_PRESSURE_ADVANCE",
-        "ACTIVATE_EXTRUDER"}},
-      {"heater_",
+       {"M104", "M109", "SET_HEATER_TEMPERATURE", "TEMPERATURE_WAIT", "PID_CALIBRATE"}},
+      {"heater_bed",
        {"M140",
         "M190",
         "SET_HEATER_TEMPERATURE",
         "TEMPERATURE_WAIT",
-        "TURN_OFF_HEATERS"}},
+        "PID_CALIBRATE"}}};
+  return kAll;
+}
+
+// Macros ask for their temperatures; of pins that lead nowhere that is 113 degrees.
+constexpr std::string_view kExtruder =
+    "nozzle_diameter: 0.4\nfilament_diameter: 1.75\nmin_extrude_temp: 0\nheater_pin: "
+    "SPARE0\nsensor_pin: SPARE1\n";
+constexpr std::string_view kBed = "heater_pin: SPARE2\nsensor_pin: SPARE3\n";
+constexpr std::string_view kHeater =
+    "sensor_type: Generic 3950\ncontrol: watermark\nmin_temp: 0\nmax_temp: 300\n";
+
+const std::vector<SaidTo>& Unheard() {
+  static const std::vector<SaidTo> kAll = {
+      {"z_tilt", {"Z_TILT_ADJUST", "Z_TILT_CALIBRATE", "Z_TILT_AUTODETECT"}},
+      {"quad_gantry_level", {"QUAD_GANTRY_LEVEL"}},
+      {"display", {"M117", "M73", "SET_DISPLAY_TEXT", "SET_DISPLAY_GROUP"}},
+      {"manual_stepper", {"MANUAL_STEPPER"}},
+      {"extruder_stepper", {"SYNC_EXTRUDER_MOTION"}},
+      {"dual_carriage",
+       {"SET_DUAL_CARRIAGE",
+        "SAVE_DUAL_CARRIAGE_STATE",
+        "RESTORE_DUAL_CARRIAGE_STATE"}},
+      {"resonance_tester",
+       {"TEST_RESONANCES", "SHAPER_CALIBRATE", "MEASURE_AXES_NOISE"}},
+      {"mcp4018", {"SET_DIGIPOT"}},
+      {"extruder",
+       {"SET_PRESSURE_ADVANCE",
+        "SET_EXTRUDER_ROTATION_DISTANCE",
+        "SYNC_EXTRUDER_MOTION"}},
       {"fan", {"M106", "M107", "SET_FAN_SPEED"}},
       {"temperature_fan", {"SET_TEMPERATURE_FAN_TARGET"}},
       {"neopixel", {"SET_LED"}},
@@ -104,7 +128,7 @@ const std::vector<SaidTo>& Unheard() {
       {"output_pin", {"SET_PIN"}},
       {"servo", {"SET_SERVO"}},
       {"bltouch", {"BLTOUCH_DEBUG"}},
-      {"filament_", {"SET_FILAMENT_SENSOR"}}};
+      {"filament_", {"SET_FILAMENT_SENSOR", "QUERY_FILAMENT_SENSOR"}}};
   return kAll;
 }
 
@@ -143,7 +167,17 @@ std::string_view KeyOf(std::string_view line) {
   return Stripped(line.substr(0, line.find_first_of(":=")));
 }
 
+// As Klipper reads it.
+std::string SmallLetters(std::string_view text) {
+  std::string small(text);
+  std::ranges::transform(
+      small, small.begin(), [](unsigned char c) { return std::tolower(c); });
+  return small;
+}
+
 bool IsAtTop(const PrinterCfg& cfg) {
+  const auto is_positive = cfg.Flag("stepper_z", "homing_positive_dir");
+  if (is_positive) return *is_positive;
   Faults ignored;
   const auto number = [&](const char* key) {
     return cfg.Number("stepper_z", key, -1e4, 1e4, &ignored);
@@ -171,8 +205,13 @@ class Adapter {
         macros_.insert(Capitals(title.substr(kMacro.size())));
       }
       for (const SaidTo& said : Unheard()) {
-        if (title.starts_with(said.part)) {
+        if (title.starts_with(said.part) && !IsKept(title)) {
           unheard_.insert(said.commands.begin(), said.commands.end());
+        }
+      }
+      for (const SaidTo& said : Muted()) {
+        if (title == said.part) {
+          muted_.insert(said.commands.begin(), said.commands.end());
         }
       }
     }
@@ -185,12 +224,22 @@ class Adapter {
                                      fmt::join(left_out_, ", ")));
     }
     std::string deaf;
+    std::vector<std::string> names;
+    const auto add = [&](const std::string& command, const std::string& renamed) {
+      if (macros_.contains(command)) return;
+      names.push_back(command);
+      deaf += fmt::format("[gcode_macro {}]\n{}gcode: G4 P0\n", command, renamed);
+    };
+    for (const std::string& command : muted_) {
+      add(command, "rename_existing: " + RealNameOf(command) + "\n");
+    }
     unheard_.insert(renamed_.begin(), renamed_.end());
-    for (const std::string_view command : unheard_) {
-      if (macros_.contains(std::string(command))) continue;
-      deaf += fmt::format("[gcode_macro {}]\ngcode: G4 P0\n", command);
+    for (const std::string& command : unheard_) {
+      if (!muted_.contains(command)) add(command, "");
     }
     if (!deaf.empty()) {
+      changes_.push_back(fmt::format("does nothing, for want of the part: {}",
+                                     fmt::join(names, ", ")));
       deaf = "# What macros say to parts that the twin does not have.\n" + deaf;
     }
     return {.text = WithAdded(text_, deaf), .changes = std::move(changes_)};
@@ -212,7 +261,7 @@ class Adapter {
     if (is_saved_ && body.starts_with('<')) {
       now_ = Now::kKeep;  // The heading of what was saved.
     }
-    const std::string_view key = KeyOf(body);
+    const std::string key = SmallLetters(KeyOf(body));
     if (!key.empty()) is_key_kept_ = Keeps(key, body);
     if (now_ == Now::kDrop || !is_key_kept_) return;
     const bool is_bound = key == "mesh_min" || key == "mesh_max";
@@ -233,13 +282,19 @@ class Adapter {
       BeginProbe(word);
     } else if (title.starts_with("stepper_")) {
       BeginMotor(line);
-    } else if (IsAmong(kKept, word) && HasMotorsFor(word)) {
+    } else if (title == "extruder" || title == "heater_bed") {
+      BeginHeater(title);
+    } else if (IsKept(title)) {
       now_ = Now::kKeep;
       Add(line);
       if (title == "printer") AddLower("printer", "minimum_z_position");
     } else {
       LeaveOut();
     }
+  }
+
+  bool IsKept(std::string_view title) const {
+    return IsAmong(kKept, FirstWord(title)) && HasMotorsFor(FirstWord(title));
   }
 
   // What levels by several motors of Z the twin has, or has not.
@@ -256,14 +311,18 @@ class Adapter {
     const auto drawn = drawn_.Number(section, key, -1e4, 1e4, &ignored);
     const auto given = given_.Number(section, key, -1e4, 1e4, &ignored);
     is_lower_ = drawn && given.value_or(0) > *drawn;
-    if (is_lower_ && !is_saved_) Add(fmt::format("{}: {:g}", key, *drawn));
+    if (!is_lower_ || is_saved_) return;
+    Add(fmt::format("{}: {:g}", key, *drawn));
+    changes_.push_back(fmt::format(
+        "[{}]: {} {:g}, that the probe may look lower", section, key, *drawn));
   }
 
   // A mesh is measured where the nozzle comes, not where a probe beside it would.
-  std::string Reached(std::string_view key, std::string_view line) const {
+  std::string Reached(std::string_view key, std::string_view line) {
     Faults ignored;
     auto at_mm = given_.Numbers("bed_mesh", key, 2, &ignored);
     if (!at_mm) return std::string(line);
+    const auto asked_mm = *at_mm;
     for (std::size_t i = 0; i < 2; ++i) {
       const char* const stepper = i == 0 ? "stepper_x" : "stepper_y";
       const auto limit = [&](const char* name, double otherwise) {
@@ -272,7 +331,11 @@ class Adapter {
       const double most_mm = limit("position_max", (*at_mm)[i]);
       (*at_mm)[i] = std::max(limit("position_min", 0), std::min((*at_mm)[i], most_mm));
     }
-    return fmt::format("{}: {:g}, {:g}", key, (*at_mm)[0], (*at_mm)[1]);
+    if (*at_mm == asked_mm) return std::string(line);
+    const std::string reached =
+        fmt::format("{}: {:g}, {:g}", key, (*at_mm)[0], (*at_mm)[1]);
+    changes_.push_back("[bed_mesh]: " + reached + ", as far as the nozzle comes");
+    return reached;
   }
 
   void LeaveOut() {
@@ -280,20 +343,27 @@ class Adapter {
     if (!is_saved_) left_out_.insert("[" + title_ + "]");
   }
 
+  // Once, of however many parts it is written in.
+  void BeginHeater(std::string_view title) {
+    now_ = Now::kDrop;
+    if (is_saved_ || !heaters_.insert(std::string(title)).second) return;
+    Add("[" + title_ + "]");
+    Add(std::string(title == "extruder" ? kExtruder : kBed) + std::string(kHeater));
+    changes_.push_back("[" + title_ + "]: is there, and never heats");
+  }
+
   void BeginProbe(std::string_view word) {
-    now_ = Now::kProbe;
     const CfgSetting* const z_offset = drawn_.Find("probe", "z_offset");
-    if (is_saved_ || has_probe_ || z_offset == nullptr) {
-      now_ = Now::kDrop;
-      return;
-    }
-    has_probe_ = true;
+    now_ = is_saved_ || z_offset == nullptr ? Now::kDrop : Now::kProbe;
+    if (now_ == Now::kDrop) return;
     Add("[probe]");
+    // A section may stand in parts.
+    if (std::exchange(has_probe_, true)) return;
     Add("pin: PROBE");
     Add("z_offset: " + z_offset->value.text);
     changes_.push_back(fmt::format(
         "[{}]: the twin's probe is where the nozzle is, z_offset {}; no x_offset and "
-        "y_offset",
+        "y_offset, nothing that it does when it is taken or put down",
         word,
         z_offset->value.text));
   }
@@ -319,16 +389,25 @@ class Adapter {
     }
   }
 
+  // Where a command goes that a macro stands for: numbers stay numbers, words words.
+  static std::string RealNameOf(const std::string& command) {
+    const bool is_numbered =
+        command.size() > 1 && std::isdigit(static_cast<unsigned char>(command[1])) != 0;
+    return is_numbered ? command + "0000" : "CALTWIN_" + command;
+  }
+
   bool HasEndstop() const { return given_.Find(title_, "endstop_pin") != nullptr; }
 
   bool Keeps(std::string_view key, std::string_view line) {
-    // A macro in place of a command that is not there has nothing to rename: what it
-    // calls by the new name is not heard either.
-    const bool is_renamed = key == "rename_existing" && title_.starts_with(kMacro) &&
-                            unheard_.contains(Capitals(title_.substr(kMacro.size())));
-    if (is_renamed) {
+    const std::string macro =
+        title_.starts_with(kMacro) ? Capitals(title_.substr(kMacro.size())) : "";
+    const bool is_muted = muted_.contains(macro);
+    // A macro in place of a command that is not there, or is not to act: what it calls
+    // by the new name does nothing either.
+    if (key == "rename_existing" && (is_muted || unheard_.contains(macro))) {
       const std::size_t mark = line.find_first_of(":=");
       renamed_.push_back(Capitals(Stripped(line.substr(mark + 1))));
+      if (is_muted) Add("rename_existing: " + RealNameOf(renamed_.back()));
       return false;
     }
     if (now_ == Now::kProbe) return IsAmong(kOfAnyProbe, key);
@@ -349,8 +428,9 @@ class Adapter {
   bool is_z_by_probe_ = false;
   std::string text_{};
   std::vector<std::string> changes_{};
-  std::set<std::string> left_out_{}, macros_{};
-  std::set<std::string, std::less<>> unheard_{};  ///< Commands of what is left out.
+  std::set<std::string> left_out_{}, macros_{}, heaters_{};
+  std::set<std::string> unheard_{};  ///< Commands of what is left out.
+  std::set<std::string> muted_{};    ///< Commands that are there and are not to act.
   std::vector<std::string> renamed_{};
   Now now_ = Now::kKeep;
   std::string title_{};

@@ -15,8 +15,9 @@ struct AdaptedConfig {
 /// Puts a printer.cfg, with what it includes, on the pins of a machine of which `drawn`
 /// is the printer.cfg as drawn. What only moves, measures and computes stays as it is,
 /// macros too. A motor, an endstop and a probe get the twin's pins: its own senses are
-/// taken for right. Heaters, fans, drivers, displays and other boards are left out, and
-/// what SAVE_CONFIG wrote of them; the commands to them that macros say do nothing.
+/// taken for right. Fans, drivers, displays and other boards are left out, and what
+/// SAVE_CONFIG wrote of them; extruder and bed never heat. The commands to them that
+/// macros say do nothing.
 ///
 /// A probe is where the nozzle is: it has no x_offset and y_offset, and the twin's
 /// z_offset. Where the twin has the switch of Z at the other end, Z homes by the probe.

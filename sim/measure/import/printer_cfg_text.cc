@@ -5,7 +5,7 @@
 #include <set>
 #include <system_error>
 
-#include <fnmatch.h>
+#include <glob.h>
 
 #include "sim/base/text_file.h"
 #include "sim/measure/import/printer_cfg.h"
@@ -25,38 +25,35 @@ std::string_view IncludedBy(std::string_view line) {
 }
 
 std::vector<fs::path> FilesNamed(std::string_view pattern, const fs::path& folder) {
-  const fs::path path = folder / pattern;
   std::vector<fs::path> files;
-  std::error_code is_not_there;
-  for (const auto& entry : fs::directory_iterator(path.parent_path(), is_not_there)) {
-    const std::string file = entry.path().filename();
-    if (fnmatch(path.filename().c_str(), file.c_str(), FNM_PERIOD) == 0) {
-      files.push_back(entry.path());
+  glob_t found{};
+  if (glob((folder / pattern).c_str(), 0, nullptr, &found) == 0) {
+    for (std::size_t i = 0; i < found.gl_pathc; ++i) {
+      std::error_code error;
+      const fs::path real = fs::canonical(found.gl_pathv[i], error);
+      const bool is_text = !error && fs::is_regular_file(real, error) &&
+                           fs::file_size(real, error) <= kLargestFile_bytes;
+      if (is_text) files.push_back(real);
     }
   }
-  std::ranges::sort(files);
+  globfree(&found);
   return files;
 }
 
+// Read once each; a file that is being read includes itself no more.
 void AddIncluded(const std::string& config,
                  const fs::path& folder,
                  std::set<fs::path>* read,
                  std::string* whole) {
-  constexpr std::size_t kLargest_bytes = 1 << 20;
   for (const std::string_view line : RawLines(config)) {
     const std::string_view named = IncludedBy(line);
-    if (named.empty()) {
-      whole->append(line).append("\n");
-      continue;
-    }
-    for (const fs::path& file : FilesNamed(named, folder)) {
-      std::error_code error;
-      const fs::path real = fs::canonical(file, error);
-      if (error || !fs::is_regular_file(real, error) || !read->insert(real).second) {
-        continue;
-      }
-      if (fs::file_size(real, error) > kLargest_bytes) continue;
-      AddIncluded(ReadTextFile(real, kLargest_bytes), real.parent_path(), read, whole);
+    const auto files =
+        named.empty() ? std::vector<fs::path>() : FilesNamed(named, folder);
+    if (files.empty()) whole->append(line).append("\n");
+    for (const fs::path& file : files) {
+      if (!read->insert(file).second) continue;
+      AddIncluded(
+          ReadTextFile(file, kLargestFile_bytes), file.parent_path(), read, whole);
     }
   }
 }

@@ -24,7 +24,7 @@ std::string WithSerial(const std::string& config,
 
 /// The same with what its `[include FILE]` name in their place, each file once, as a
 /// host reads it: paths are relative to the file that names them, `*` and `?` stand for
-/// letters. What is not there, or no text of at most a megabyte, is left out.
+/// letters. What names nothing but folders and files of more than a megabyte stays.
 std::string WithIncluded(const std::string& config,
                          const std::filesystem::path& folder);
 

@@ -74,28 +74,10 @@ class Reader {
     return 1;
   }
 
-  // "80:16, 2:1": turns of the motor for one of what it drives.
-  double GearRatio(const std::string& section) const {
-    const CfgSetting* const setting = cfg_.Find(section, "gear_ratio");
-    if (setting == nullptr) return 1;
-    double ratio = 1;
-    std::string_view rest = setting->value.text;
-    while (!rest.empty()) {
-      std::string_view pair = rest.substr(0, rest.find(','));
-      rest.remove_prefix(std::min(rest.size(), pair.size() + 1));
-      pair.remove_prefix(std::min(pair.size(), pair.find_first_not_of(" \t")));
-      const std::size_t colon = pair.find(':');
-      if (colon == std::string_view::npos) continue;
-      const auto of = NumberOf(pair.substr(0, colon));
-      const auto to = NumberOf(pair.substr(colon + 1));
-      if (of && to && *of > 0 && *to > 0) ratio *= *of / *to;
-    }
-    return ratio;
-  }
-
   Motor MotorOf(const std::string& section) {
     return {
-        .mm_per_rev = Required(section, "rotation_distance", 1e-3) / GearRatio(section),
+        .mm_per_rev = Required(section, "rotation_distance", 1e-3) /
+                      GearRatioOf(cfg_, section, &faults_),
         .full_steps = Number(section, "full_steps_per_rotation", 1, 1e4).value_or(200),
         .microsteps = Required(section, "microsteps", 1, 256)};
   }
@@ -119,10 +101,8 @@ class Reader {
     const double max_mm = Required(section, "position_max");
     const double min_mm = Number(section, "position_min").value_or(0);
     const double end_mm = Number(section, "position_endstop").value_or(min_mm);
-    const std::string word = WordOf(section.c_str(), "homing_positive_dir");
-    const bool is_at_max = word.empty()
-                               ? end_mm > (min_mm + max_mm) / 2
-                               : word == "true" || word == "True" || word == "1";
+    const bool is_at_max = cfg_.Flag(section, "homing_positive_dir")
+                               .value_or(end_mm > (min_mm + max_mm) / 2);
     const Motor motor = MotorOf(section);
     // The switch is the end of the drawn travel; a bed on screws is told from 0 up.
     const bool has_home = !(is_z && is_on_screws);
