@@ -162,9 +162,12 @@ std::string HalText(const MachineText& machine, std::string_view page) {
         "\nsetp caltwin.scale-{1} [JOINT_{0}]SCALE\n"
         "net command-{0} joint.{0}.motor-pos-cmd => caltwin.position-cmd-{1}\n"
         "net feedback-{0} caltwin.position-fb-{1} => joint.{0}.motor-pos-fb\n"
-        "net switch-{0} caltwin.home-sw-{1} => joint.{0}.home-sw-in\n",
+        "net switch-{0} caltwin.home-sw-{1} => joint.{0}.home-sw-in\n"
+        "net index-{0} joint.{0}.index-enable <=> caltwin.index-enable-{1}\n"
+        "setp caltwin.index-every-{1} {2:.9g}\n",
         i,
-        machine.joints[i].motor);
+        machine.joints[i].motor,
+        machine.joints[i].steps_per_turn);
   }
   return text;
 }

@@ -25,8 +25,9 @@ struct JointText {
   /// together.
   int home_sequence = 0;
   double max_feed_mm_s = 10, acceleration_mm_s2 = 100;
-  double steps_per_mm = 1;  ///< `SCALE`
-  double backlash_mm = 0;   ///< `BACKLASH`: what its firmware takes for the play.
+  double steps_per_mm = 1;    ///< `SCALE`
+  double steps_per_turn = 0;  ///< Of its motor, from index pulse to index pulse.
+  double backlash_mm = 0;     ///< `BACKLASH`: what its firmware takes for the play.
 };
 
 /// A machine as LinuxCNC is told of it.

@@ -101,7 +101,7 @@ class Reader {
   bool IsHomeAtMax(char letter) const {
     const std::size_t joint = FirstJointOf(letter);
     if (!HasSwitch(joint)) return letter == 'Z';
-    return *Number(ini_, Joint(joint), "HOME_SEARCH_VEL") > 0;
+    return Number(ini_, Joint(joint), "HOME_SEARCH_VEL").value_or(0) > 0;
   }
   /// Ends of the travel, its switch at one of them.
   std::array<double, 2> Travel(char letter) const {
@@ -224,7 +224,7 @@ class Adapter {
     const std::string section = Reader::Joint(joint);
     Set(section, "SCALE", read_.StepsPerUnit(joint));
     for (const char* const key :
-         {"HOME_USE_INDEX", "HOME_INDEX_NO_ENCODER_RESET", "HOME_ABSOLUTE_ENCODER"}) {
+         {"HOME_INDEX_NO_ENCODER_RESET", "HOME_ABSOLUTE_ENCODER"}) {
       ini_ = WithoutIniValue(ini_, section, key);
     }
     if (read_.HasSwitch(joint)) return;

@@ -30,6 +30,7 @@ linuxcnc::MachineText LinuxCncOfGantry(const Machine& machine) {
          .max_feed_mm_s = drawn.max_feed_mm_s,
          .acceleration_mm_s2 = drawn.acceleration_mm_s2,
          .steps_per_mm = machine.settings.steps_per_mm[at],
+         .steps_per_turn = drawn.full_steps_per_rev * drawn.microsteps,
          .backlash_mm = machine.settings.backlash_mm[at]});
   };
   const bool has_beam = machine.Own<BeamDrawing>() != nullptr;

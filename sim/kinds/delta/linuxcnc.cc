@@ -43,7 +43,9 @@ linuxcnc::MachineText LinuxCncOfDelta(const Machine& machine) {
                            .is_home_at_min = false,
                            .max_feed_mm_s = drawn.max_feed_mm_s,
                            .acceleration_mm_s2 = drawn.acceleration_mm_s2,
-                           .steps_per_mm = steps_per_mm[at]});
+                           .steps_per_mm = steps_per_mm[at],
+                           .steps_per_turn = machine.axes[at].full_steps_per_rev *
+                                             machine.axes[at].microsteps});
   }
   return text;
 }

@@ -13,11 +13,13 @@ again when caltwin is back.""";
 pin in float position-cmd-#[9] "as joint.N.motor-pos-cmd";
 pin out float position-fb-#[9] "for joint.N.motor-pos-fb";
 pin out bit home-sw-#[9] "the joint's switch is closed";
+pin io bit index-enable-#[9] "as joint.N.index-enable: goes false where the motor passes an index pulse, from where position-fb then counts";
 pin out bit probe "the probe has met something";
 pin in bit enable = 1 "as iocontrol.0.user-enable-out";
 pin out bit enabled "for iocontrol.0.emc-enable-in: enable, while caltwin answers";
 pin out u32 missed "how often caltwin did not answer in time";
 param rw float scale-#[9] = 1.0 "motor steps per machine unit, as of a step generator";
+param rw float index-every-#[9] = 0 "motor steps from one index pulse to the next; 0: it has none";
 option singleton yes;
 option extra_setup yes;
 option extra_cleanup yes;
@@ -30,6 +32,7 @@ author "the authors of caltwin";
 #include <fcntl.h>
 #include <limits.h>
 #include <linux/futex.h>
+#include <rtapi_math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <sys/mman.h>
@@ -47,6 +50,8 @@ static char page_path[PATH_MAX];
 static struct CaltwinPage *shared;
 static double now_s;
 static int is_lost;
+/* Where each motor was a cycle ago, and the index pulse that it counts from. */
+static double last_steps[kCaltwinPageJoints], index_steps[kCaltwinPageJoints];
 
 static int refuse(const char *why) {
   rtapi_print_msg(RTAPI_MSG_ERR, "caltwin: %s: %s\n", page_path, why);
@@ -118,6 +123,14 @@ static void ask(void) {
   syscall(SYS_futex, &shared->asked, FUTEX_WAKE, 1, NULL, NULL, 0);
 }
 
+/* The pulse between two places, the nearer to where the motor has come; is_passed: whether
+   there is one. */
+static double pulse(double from, double to, double every, int *is_passed) {
+  const double behind = floor(from / every), now = floor(to / every);
+  *is_passed = behind != now;
+  return every * (to > from ? now : now + 1);
+}
+
 FUNCTION(cycle) {
   int i;
   /* What a lost twin was asked it has to answer before it is asked anew. */
@@ -127,7 +140,7 @@ FUNCTION(cycle) {
   }
   now_s += 1e-9 * (double)period;
   for (i = 0; i < kCaltwinPageJoints; ++i)
-    shared->commanded_steps[i] = position_cmd(i) * scale(i);
+    shared->commanded_steps[i] = position_cmd(i) * scale(i) + index_steps[i];
   shared->time_s = now_s;
   ask();
   is_lost = !await();
@@ -138,7 +151,17 @@ FUNCTION(cycle) {
     return;
   }
   for (i = 0; i < kCaltwinPageJoints; ++i) {
-    position_fb(i) = scale(i) != 0 ? shared->feedback_steps[i] / scale(i) : 0;
+    const double steps = shared->feedback_steps[i];
+    if (index_enable(i) && index_every(i) > 0) {
+      int is_passed;
+      const double at = pulse(last_steps[i], steps, index_every(i), &is_passed);
+      if (is_passed) {
+        index_steps[i] = at;
+        index_enable(i) = 0;
+      }
+    }
+    last_steps[i] = steps;
+    position_fb(i) = scale(i) != 0 ? (steps - index_steps[i]) / scale(i) : 0;
     home_sw(i) = shared->switches >> i & 1;
   }
   probe = shared->has_met != 0;
