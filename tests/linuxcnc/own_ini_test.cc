@@ -94,6 +94,8 @@ TEST(OwnIni, KeepsWhatThePersonSetAndExchangesTheCard) {
   EXPECT_EQ(IniValue(own.ini, "TRAJ", "COORDINATES"), "XYZ");
   EXPECT_EQ(IniValue(own.ini, "TRAJ", "LINEAR_UNITS"), "inch");
   EXPECT_EQ(IniValue(own.ini, "KINS", "JOINTS"), "3");
+  EXPECT_EQ(IniValue(own.ini, "JOINT_2", "HOME_SEQUENCE"), "0");
+  EXPECT_EQ(IniValue(own.ini, "JOINT_0", "HOME_SEQUENCE"), "1");
 }
 
 // Z goes from -4 to 0 inch: raised by 4 inch less 5 mm, homed at the top, where its

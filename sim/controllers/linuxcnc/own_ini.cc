@@ -227,6 +227,13 @@ class Adapter {
          {"HOME_INDEX_NO_ENCODER_RESET", "HOME_ABSOLUTE_ENCODER"}) {
       ini_ = WithoutIniValue(ini_, section, key);
     }
+    // Without it nobody can home all joints at once.
+    if (!Number(ini_, section, "HOME_SEQUENCE")) {
+      Set(section, "HOME_SEQUENCE", DrawnOf(joint).home_sequence);
+      changes_.push_back(fmt::format("[{}]: HOME_SEQUENCE {}, yours has none",
+                                     section,
+                                     DrawnOf(joint).home_sequence));
+    }
     if (read_.HasSwitch(joint)) return;
     const double unit_mm = read_.mm_per_unit();
     const JointText& drawn = DrawnOf(joint);
@@ -238,7 +245,6 @@ class Adapter {
     Set(section, "HOME_SEARCH_VEL", sense * search_mm_s / unit_mm);
     Set(section, "HOME_LATCH_VEL", sense * kLatch_mm_s / unit_mm);
     Set(section, "HOME_FINAL_VEL", search_mm_s / unit_mm);
-    Set(section, "HOME_SEQUENCE", drawn.home_sequence);
     changes_.push_back(
         fmt::format("[{}]: homes on a switch at the {} end of its travel, "
                     "yours on none",
