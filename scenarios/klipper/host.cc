@@ -47,8 +47,8 @@ void LinkNeighbours(const fs::path& from, const fs::path& to) {
 std::string OwnVariables(const KlipperHostOptions& options, const fs::path& folder) {
   const std::string whole =
       WithIncluded(WithAdded(options.config, options.add), options.beside);
-  const CfgSetting* const setting =
-      PrinterCfg(whole, options.name).Find("save_variables", "filename");
+  const PrinterCfg cfg(whole, options.name);
+  const CfgSetting* const setting = cfg.Find("save_variables", "filename");
   if (setting == nullptr) return "";
   fs::path from = setting->value.text;
   const char* const home = std::getenv("HOME");

@@ -114,7 +114,7 @@ void PrinterCfg::ReadLine(std::string_view line,
 }
 
 const CfgSetting* PrinterCfg::Find(std::string_view section,
-                                   std::string_view key) const {
+                                   std::string_view key) const& {
   for (const SectionsByName* sections : {&saved_, &written_}) {
     const auto found = sections->find(section);
     if (found == sections->end()) continue;

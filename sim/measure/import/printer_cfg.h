@@ -30,7 +30,10 @@ class PrinterCfg {
 
   const std::string& name() const { return name_; }
   /// The setting; null where there is none. `section` in the words of the file.
-  const CfgSetting* Find(std::string_view section, std::string_view key) const;
+  const CfgSetting* Find(std::string_view section, std::string_view key) const&;
+  /// Of one that is gone at the end of the line nothing is to be found.
+  const CfgSetting* Find(std::string_view section,
+                         std::string_view key) const&& = delete;
   /// All that SAVE_CONFIG has written, by section and key.
   struct Saved {
     std::string section{};  ///< "stepper_a"

@@ -92,7 +92,8 @@ std::string WithSerial(const std::string& config,
                        const std::string& serial,
                        const std::string& name) {
   const std::string setting = "serial: " + serial;
-  const CfgSetting* const given = PrinterCfg(config, name).Find("mcu", "serial");
+  const PrinterCfg cfg(config, name);
+  const CfgSetting* const given = cfg.Find("mcu", "serial");
   const auto has_include = [&] {
     return std::ranges::any_of(RawLines(config), [](std::string_view line) {
       return !IncludedBy(line).empty();
