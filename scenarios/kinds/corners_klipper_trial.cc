@@ -1,7 +1,5 @@
 #include "scenarios/kinds/corners_klipper_trial.h"
 
-#include <algorithm>
-
 #include <fmt/format.h>
 
 #include "sim/base/units.h"
@@ -27,19 +25,13 @@ double CornersKlipperTrial::TableHeight_mm(const Eigen::Vector2d& at_mm) const {
 
 TrueEnd CornersKlipperTrial::End(const std::vector<ProcedureResult>& /*results*/,
                                  RunResult* result) {
-  constexpr double kRecovered = 0.1, kFlat_mm = 0.01;
   result->messages.push_back(fmt::format(
       "the gantry truly hangs {:.1f} um rms from even over its bed; {:.1f} when it was "
       "switched on",
       UmFromMm(after_mm_),
       UmFromMm(before_mm_)));
   const auto mesh = JudgedMesh(result);
-  const double left_mm = mesh ? mesh->after : after_mm_;
-  return {.figure = TrueFigure{
-              .before = before_mm_,
-              .after = left_mm,
-              .noise = kFlat_mm,
-              .is_met = left_mm <= std::max(kRecovered * before_mm_, kFlat_mm)}};
+  return {.figure = Flattened(before_mm_, mesh ? mesh->after : after_mm_)};
 }
 
 double CornersKlipperTrial::Figure(const std::string& name, const RunResult& result) {

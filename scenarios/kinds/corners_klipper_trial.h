@@ -12,8 +12,8 @@ namespace caltwin {
 
 /// A gantry on four motors of Z under Klipper's own host, which levels it by
 /// QUAD_GANTRY_LEVEL: over its table it has to hang a tenth as uneven as when it was
-/// switched on, or even to 10 um. Where a mesh was saved
-/// what counts is how far that errs.
+/// switched on, or even to 10 um. Where a mesh was saved what counts is how far that
+/// errs.
 class CornersKlipperTrial final : public GantryKlipperTrial {
  public:
   CornersKlipperTrial(Built built,

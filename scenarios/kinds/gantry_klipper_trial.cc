@@ -18,9 +18,6 @@
 namespace caltwin {
 namespace {
 
-constexpr double kRecovered = 0.1;
-constexpr double kFlat_mm = 0.01;
-
 // The mesh that the host has saved, the last where there are several; nullopt: none.
 std::optional<KlipperMesh> SavedMeshOf(const std::string& config) {
   const auto saved = PrinterCfg(config, "printer.cfg").AllSaved();
@@ -64,11 +61,7 @@ std::optional<TrueFigure> GantryKlipperTrial::JudgedMesh(RunResult* result) {
       UmFromMm(mesh_->error_rms_mm),
       UmFromMm(mesh_->error_most_mm),
       UmFromMm(mesh_->table_rms_mm)));
-  return TrueFigure{.before = mesh_->table_rms_mm,
-                    .after = mesh_->error_rms_mm,
-                    .noise = kFlat_mm,
-                    .is_met = mesh_->error_rms_mm <=
-                              std::max(kRecovered * mesh_->table_rms_mm, kFlat_mm)};
+  return Flattened(mesh_->table_rms_mm, mesh_->error_rms_mm);
 }
 
 TrueEnd GantryKlipperTrial::End(const std::vector<ProcedureResult>& /*results*/,

@@ -1,6 +1,5 @@
 #include "scenarios/kinds/triple_z_klipper_trial.h"
 
-#include <algorithm>
 #include <limits>
 #include <utility>
 
@@ -12,9 +11,6 @@
 
 namespace caltwin {
 namespace {
-
-constexpr double kRecovered = 0.1;  // Of the tilt as it was.
-constexpr double kFlat_mm = 0.01;   // Less is as good as flat.
 
 // By how much each screw stands higher than the mean of the three, by its motor's steps
 // as the board counts them.
@@ -57,11 +53,7 @@ TrueEnd TripleZKlipperTrial::End(const std::vector<ProcedureResult>& /*results*/
       "the bed truly lies {:.1f} um rms from flat; {:.1f} with all screws alike",
       UmFromMm(flat_mm),
       UmFromMm(flat_before_mm_)));
-  return {.figure = TrueFigure{
-              .before = flat_before_mm_,
-              .after = flat_mm,
-              .noise = kFlat_mm,
-              .is_met = flat_mm <= std::max(kRecovered * flat_before_mm_, kFlat_mm)}};
+  return {.figure = Flattened(flat_before_mm_, flat_mm)};
 }
 
 double TripleZKlipperTrial::Figure(const std::string& name, const RunResult& result) {

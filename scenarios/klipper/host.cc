@@ -61,12 +61,6 @@ std::string OwnVariables(const KlipperHostOptions& options, const fs::path& fold
   return fmt::format("[save_variables]\nfilename: {}\n", copy.string());
 }
 
-std::string Without(const std::string& text, const std::string& part) {
-  const std::size_t at = part.empty() ? std::string::npos : text.find(part);
-  return at == std::string::npos ? text
-                                 : std::string(text).replace(at, part.size(), "");
-}
-
 }  // namespace
 
 // Everything of one host, in the order in which it is needed.
@@ -78,10 +72,10 @@ class KlipperHost::Parts {
         terminal_(folder_.path() / "serial", "the host's serial line"),
         api_(folder_.path() / "api"),
         lock_step_(board, terminal_.number(), process_.clock()) {
-    variables_ = OwnVariables(options, folder_.path());
-    const std::string text =
-        WithAdded(WithAdded(options.config, options.add), variables_);
-    WriteTextFile(config(), WithSerial(text, terminal_.path(), options.name));
+    // What is written last counts.
+    added_ = fmt::format("[mcu]\nserial: {}\n", fs::path(terminal_.path()).string()) +
+             OwnVariables(options, folder_.path());
+    WriteTextFile(config(), WithAdded(WithAdded(options.config, options.add), added_));
     LinkNeighbours(options.beside, folder_.path());
     const fs::path program =
         options.program.empty() ? HostProgram("") : options.program;
@@ -91,13 +85,9 @@ class KlipperHost::Parts {
   HostAnswer Say(std::string_view line);
   void Hear(HostAnswer* answer);
   std::string Config() const {
-    const std::string now = Without(WrittenIn(config()), variables_);
-    const PrinterCfg given(options_.config, options_.name);
-    const CfgSetting* const serial = given.Find("mcu", "serial");
-    if (serial != nullptr) return WithSerial(now, serial->value.text, options_.name);
-    // It stands in a file that is included: what was added for it goes.
-    const std::string added = WithSerial("[include x]\n", terminal_.path(), "");
-    return Without(now, added.substr(added.find("[mcu]")));
+    std::string now = WrittenIn(config());
+    const std::size_t at = now.find(added_);
+    return at == std::string::npos ? now : now.erase(at, added_.size());
   }
   fs::path config() const { return folder_.path() / "printer.cfg"; }
   std::string LogEnd() const;
@@ -113,7 +103,7 @@ class KlipperHost::Parts {
 
   KlipperHostOptions options_;
   TemporaryFolder folder_{kFolders, "/tmp"};
-  std::string variables_{};  ///< Lines that were added for them.
+  std::string added_{};  ///< Lines for the twin, not the person's.
   KeptLog kept_log_;
   PseudoTerminal terminal_;
   HostApi api_;

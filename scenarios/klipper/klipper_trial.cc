@@ -42,6 +42,14 @@ void AddLines(const std::string& printed, std::vector<std::string>* lines) {
 
 }  // namespace
 
+TrueFigure Flattened(double before_mm, double after_mm) {
+  constexpr double kRecovered = 0.1, kFlat_mm = 0.01;
+  return {.before = before_mm,
+          .after = after_mm,
+          .noise = kFlat_mm,
+          .is_met = after_mm <= std::max(kRecovered * before_mm, kFlat_mm)};
+}
+
 Expected<std::vector<std::string>> HostLink::Send(
     std::string_view line, std::chrono::milliseconds /*patience*/) {
   if (line.starts_with(kPersonDoes)) return person_(line.substr(kPersonDoes.size()));

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "scenarios/judge.h"
 #include "scenarios/kind_scenario.h"
 #include "scenarios/kind_trial.h"
 #include "scenarios/kinds/nobody.h"
@@ -52,6 +53,10 @@ class HostLink : public Link {
   double ready_s_ = 0;
   int touches_ = 0;
 };
+
+/// What every machine under the host asks of a height where the scenario asks for
+/// nothing: a tenth of what it was, or 10 um.
+TrueFigure Flattened(double before_mm, double after_mm);
 
 /// A machine in a trial that Klipper's own host drives: `controller: {klipper: ...}`.
 /// What the truth says of what the host saved is the kind's.

@@ -110,5 +110,27 @@ TEST(OwnIni, ZCountsFromTheTableAndHomesOnASwitch) {
   EXPECT_THAT(own.changes, testing::Contains(HasSubstr("yours on none")));
 }
 
+// The nominal places of both are Z's own, raised with it; corrections stay.
+TEST(OwnIni, TablesGoAlongAndCountAsTheirJoint) {
+  const std::string ini =
+      With(With(kMill, "SCALE = 32000", "SCALE = 32000\nCOMP_FILE = a/z.comp"),
+           "INPUT_SCALE = 16000",
+           "INPUT_SCALE = 16000\nCOMP_FILE = x.comp");
+  const auto own = linuxcnc::WithTwin(ini, LinuxCncOfGantry(MachineOf(ini)));
+  ASSERT_EQ(own.tables.size(), 2U);
+  EXPECT_EQ(own.tables[0].Raised("0 0 0.1\n"), "0 0 0.1\n");
+  EXPECT_EQ(own.tables[1].from, "a/z.comp");
+  EXPECT_EQ(IniValue(own.ini, "JOINT_2", "COMP_FILE"), own.tables[1].name);
+  EXPECT_EQ(own.tables[1].name, "JOINT_2_z.comp");
+  linuxcnc::OwnTable table{.raised = 2};
+  EXPECT_EQ(table.Raised("# words\n-1 -1.01 -1.02\n"), "# words\n1 0.99 0.98\n");
+  table.has_trims = true;
+  EXPECT_EQ(table.Raised("-1 0.01 0.02\n"), "1 0.01 0.02\n");
+}
+
+TEST(MachineOfIni, WhatItIncludesIsAskedFor) {
+  EXPECT_THROW(MachineOf("#INCLUDE joints.inc\n" + kMill), InputError);
+}
+
 }  // namespace
 }  // namespace caltwin

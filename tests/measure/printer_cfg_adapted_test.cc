@@ -138,6 +138,17 @@ TEST(AdaptedToTwin, WithoutThoseMotorsNothingIsLevelledByThem) {
   EXPECT_THAT(adapted.text, HasSubstr("[gcode_macro QUAD_GANTRY_LEVEL]\n"));
 }
 
+// A page's [display_status] knows M117; a display that is left out would have loaded
+// it.
+TEST(AdaptedToTwin, ADisplayLeavesItsCommands) {
+  for (const char* const more : {"", "[display_status]\n"}) {
+    const AdaptedConfig adapted = AdaptedToTwin(
+        "[printer]\n[display]\nlcd_type: st7920\n" + std::string(more), kDrawn);
+    EXPECT_THAT(adapted.text, HasSubstr("[display_status]\n")) << more;
+    EXPECT_THAT(adapted.text, Not(HasSubstr("M117"))) << more;
+  }
+}
+
 TEST(AdaptedToTwin, SectionsInPartsAndCapitalKeysCount) {
   const AdaptedConfig adapted = AdaptedToTwin(
       "[probe]\nPin: PA1\nX_Offset = 3\n[printer]\n[probe]\nsamples: 5\n[stepper_x]\n"

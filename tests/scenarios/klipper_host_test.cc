@@ -127,14 +127,6 @@ TEST(ConfigText, LinesAreAddedBeforeWhatWasSaved) {
   EXPECT_EQ(WithAdded("[a]", "[c]\n"), "[a]\n[c]\n");
 }
 
-TEST(ConfigText, TheSerialLineIsTheTwinsWhereverItStands) {
-  EXPECT_EQ(WithSerial("[mcu]\nserial: /dev/x\nbaud: 1\n", "/tmp/y", "p"),
-            "[mcu]\nserial: /tmp/y\nbaud: 1\n");
-  EXPECT_EQ(WithSerial("[include mcu.cfg]\n", "/tmp/y", "p"),
-            "[include mcu.cfg]\n[mcu]\nserial: /tmp/y\n");
-  EXPECT_THROW(WithSerial("[printer]\n", "/tmp/y", "p"), InputError);
-}
-
 TEST(ConfigText, IncludedFilesStandWhereTheyAreNamed) {
   const TempFolder folder;
   std::filesystem::create_directory(folder / "parts");

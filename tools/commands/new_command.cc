@@ -33,12 +33,11 @@ struct NewAsked {
   std::string from{};
 };
 
-void RefuseIfThere(const fs::path& file) {
+void RefuseIfThere(const fs::path& file,
+                   const std::string& hint = "take another name, or move it away") {
   std::error_code error;
   if (!fs::exists(file, error)) return;
-  throw InputError({.file = file.string()},
-                   "this file is already there",
-                   "take another name, or move it away");
+  throw InputError({.file = file.string()}, "this file is already there", hint);
 }
 
 // A machine that was made of a person's file, read as any is.
@@ -113,16 +112,14 @@ int NewFromIni(const NewAsked& options, const fs::path& file) {
   WriteTextFile(folder / "machine.hal", own.hal);
   WriteTextFile(folder / "tool.tbl", "T1 P1\n");
   WriteComponent(folder);
-  for (const std::string& section : linuxcnc::IniSections(ini)) {
-    const std::string table = linuxcnc::IniValue(ini, section, "COMP_FILE");
-    if (table.empty()) continue;
-    const fs::path from = fs::path(options.from).parent_path() / table;
+  for (const linuxcnc::OwnTable& table : own.tables) {
+    const fs::path from = fs::path(options.from).parent_path() / table.from;
     std::error_code error;
     if (fs::is_regular_file(from, error)) {
-      WriteTextFile(folder / fs::path(table).filename(),
-                    ReadTextFile(from, kLargestFile_bytes));
+      WriteTextFile(folder / table.name,
+                    table.Raised(ReadTextFile(from, kLargestFile_bytes)));
     } else {
-      own.changes.push_back(table + " is not beside your INI file");
+      own.changes.push_back(table.from + " is not there: its joint is without a table");
     }
   }
   Tell({file, folder / "machine.ini", folder / "machine.hal"}, own.changes);
@@ -175,14 +172,9 @@ struct NewKlipperAsked {
 int NewKlipper(const NewKlipperAsked& options) {
   const fs::path file = FindMachine(options.machine, "", {.file = options.machine});
   const ServedKind& kind = ServedToKlipper(file, options.machine);
-  std::error_code error;
-  if (fs::exists(options.out, error)) {
-    throw InputError(
-        {.file = options.out},
-        "this file is already there",
-        "a host keeps what it calibrated in it: take another name, or move "
-        "it away");
-  }
+  RefuseIfThere(options.out,
+                "a host keeps what it calibrated in it: take another name, or move it "
+                "away");
   WriteTextFile(options.out,
                 kind.printer_cfg(ReadAnyMachineFile(file).machine, options.serial));
   std::cout << fmt::format(
@@ -207,12 +199,7 @@ int NewLinuxCnc(const NewLinuxCncAsked& options) {
   const fs::path file = FindMachine(options.machine, "", {.file = options.machine});
   const ServedKind& kind = ServedToLinuxCnc(file, options.machine);
   const fs::path folder = options.out;
-  std::error_code error;
-  if (fs::exists(folder / "machine.ini", error)) {
-    throw InputError({.file = (folder / "machine.ini").string()},
-                     "this file is already there",
-                     "take another folder, or move it away");
-  }
+  RefuseIfThere(folder / "machine.ini", "take another folder, or move it away");
   const Machine machine = ReadAnyMachineFile(file).machine;
   for (const auto& [name, text] :
        linuxcnc::ConfigFiles(kind.linuxcnc(machine), "axis", options.page)) {

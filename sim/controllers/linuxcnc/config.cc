@@ -13,13 +13,6 @@ namespace {
 /// Off its switch, so that the end of homing is inside the travel.
 constexpr double kBesideHome_mm = 2;
 
-std::string LettersOf(const MachineText& machine) {
-  std::string letters = machine.coordinates;
-  if (!letters.empty()) return letters;
-  for (const AxisText& axis : machine.axes) letters += axis.letter;
-  return letters;
-}
-
 std::string AxisSection(const AxisText& axis) {
   return fmt::format(
       "\n[AXIS_{}]\nMIN_LIMIT = {:.9g}\nMAX_LIMIT = {:.9g}\nMAX_VELOCITY = {:.9g}\n"
@@ -31,20 +24,12 @@ std::string AxisSection(const AxisText& axis) {
       axis.acceleration_mm_s2);
 }
 
-// The switch is met twice from the same side, the second time slowly: LinuxCNC takes
-// the joint's place in the servo cycle that sees it close.
 std::string HomingText(const JointText& joint) {
-  constexpr double kSearch_mm_s = 10, kLatch_mm_s = 0.5;
-  const double sense = joint.is_home_at_min ? -1 : 1;
-  return fmt::format(
-      "HOME_OFFSET = {:.9g}\nHOME = {:.9g}\nHOME_SEARCH_VEL = {:.9g}\n"
-      "HOME_LATCH_VEL = {:.9g}\nHOME_FINAL_VEL = {:.9g}\nHOME_SEQUENCE = {}\n",
-      joint.home_mm,
-      joint.home_mm - sense * kBesideHome_mm,
-      sense * std::min(kSearch_mm_s, joint.max_feed_mm_s),
-      sense * kLatch_mm_s,
-      std::min(kSearch_mm_s, joint.max_feed_mm_s),
-      joint.home_sequence);
+  std::string text;
+  for (const auto& [key, value] : HomingOf(joint)) {
+    text += fmt::format("{} = {:.9g}\n", key, value);
+  }
+  return text;
 }
 
 std::string JointTextOf(std::size_t index, const JointText& joint) {
@@ -97,6 +82,27 @@ std::vector<IniLine> IniLines(std::string_view ini) {
 }
 
 }  // namespace
+
+std::string LettersOf(const MachineText& machine) {
+  std::string letters = machine.coordinates;
+  if (!letters.empty()) return letters;
+  for (const AxisText& axis : machine.axes) letters += axis.letter;
+  return letters;
+}
+
+// The switch is met twice from the same side, the second time slowly: LinuxCNC takes
+// the joint's place in the servo cycle that sees it close.
+std::vector<std::pair<std::string, double>> HomingOf(const JointText& joint) {
+  constexpr double kSearch_mm_s = 10, kLatch_mm_s = 0.5;
+  const double sense = joint.is_home_at_min ? -1 : 1;
+  const double search_mm_s = std::min(kSearch_mm_s, joint.max_feed_mm_s);
+  return {{"HOME_OFFSET", joint.home_mm},
+          {"HOME", joint.home_mm - sense * kBesideHome_mm},
+          {"HOME_SEARCH_VEL", sense * search_mm_s},
+          {"HOME_LATCH_VEL", sense * kLatch_mm_s},
+          {"HOME_FINAL_VEL", search_mm_s},
+          {"HOME_SEQUENCE", joint.home_sequence}};
+}
 
 std::string IniText(const MachineText& machine, std::string_view display) {
   double feed_mm_s = 0, acceleration_mm_s2 = 0;

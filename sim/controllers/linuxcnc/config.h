@@ -42,6 +42,12 @@ struct MachineText {
   std::vector<std::pair<std::string, double>> sizes{};
 };
 
+/// How a joint homes on its switch: keys and values of its section of an INI file.
+std::vector<std::pair<std::string, double>> HomingOf(const JointText& joint);
+
+/// Axes of the joints, in their order: "XYYZ".
+std::string LettersOf(const MachineText& machine);
+
 /// The text of its INI file. `display`: the program that its operator sits at.
 std::string IniText(const MachineText& machine, std::string_view display);
 

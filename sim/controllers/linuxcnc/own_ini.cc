@@ -5,19 +5,19 @@
 #include <charconv>
 #include <cmath>
 #include <optional>
+#include <sstream>
 #include <string_view>
 
 #include <fmt/format.h>
 
 #include "sim/base/input_error.h"
+#include "sim/machine/machine_text.h"
 
 namespace caltwin {
 namespace linuxcnc {
 namespace {
 
 constexpr double kTable_mm = 5, kOutOfTheWay_mm = 3;
-/// An INI file has steps per mm, not how a motor makes them.
-constexpr double kFullSteps = 200, kMicrosteps = 16;
 
 std::optional<double> Number(const std::string& ini,
                              const std::string& section,
@@ -34,6 +34,11 @@ std::optional<double> Number(const std::string& ini,
 class Reader {
  public:
   Reader(const std::string& ini, std::string file) : ini_(ini), file_(std::move(file)) {
+    if (IniIncludes(ini)) {
+      throw InputError({.file = file_},
+                       "it takes in other files",
+                       "put what they have in the place of each #INCLUDE");
+    }
     const std::string kinematics = IniValue(ini, "KINS", "KINEMATICS");
     if (!kinematics.starts_with("trivkins")) {
       throw InputError({.file = file_},
@@ -142,24 +147,18 @@ class Reader {
   std::size_t num_joints_ = 0;
 };
 
-std::string AxisLine(const Reader& read, char letter) {
+AxisSettingsText AxisOf(const Reader& read, char letter) {
   const double unit_mm = read.mm_per_unit();
   const double raised = letter == 'Z' ? read.Raised() : 0;
   const auto [min, max] = read.Travel(letter);
-  const double steps_per_mm = read.StepsPerUnit(read.FirstJointOf(letter)) / unit_mm;
-  return fmt::format(
-      "  {}: {{min_mm: {:.9g}, max_mm: {:.9g}, home: {}, lead_mm: {:.9g}, "
-      "full_steps_per_rev: {:g}, microsteps: {:g},\n      max_feed_mm_s: {:.9g}, "
-      "acceleration_mm_s2: {:.9g}}}\n",
-      static_cast<char>(std::tolower(static_cast<unsigned char>(letter))),
-      (min + raised) * unit_mm,
-      (max + raised) * unit_mm,
-      read.IsHomeAtMax(letter) ? "max" : "min",
-      kFullSteps * kMicrosteps / steps_per_mm,
-      kFullSteps,
-      kMicrosteps,
-      read.Required(letter, "MAX_VELOCITY") * unit_mm,
-      read.Of(letter, "MAX_ACCELERATION").value_or(100 / unit_mm) * unit_mm);
+  const auto acceleration = read.Of(letter, "MAX_ACCELERATION");
+  return {.min_mm = (min + raised) * unit_mm,
+          .max_mm = (max + raised) * unit_mm,
+          .steps_per_mm = read.StepsPerUnit(read.FirstJointOf(letter)) / unit_mm,
+          .max_feed_mm_s = read.Required(letter, "MAX_VELOCITY") * unit_mm,
+          .acceleration_mm_s2 =
+              acceleration ? *acceleration * unit_mm : AxisSettingsText::kUnstated,
+          .home = read.IsHomeAtMax(letter) ? HomeEnd::kMax : HomeEnd::kMin};
 }
 
 class Adapter {
@@ -177,8 +176,10 @@ class Adapter {
     for (std::size_t i = 0; i < read_.num_joints(); ++i) {
       wired.joints.push_back(DrawnOf(i));
     }
-    return {
-        .ini = ini_, .hal = HalText(wired, "caltwin"), .changes = std::move(changes_)};
+    return {.ini = ini_,
+            .hal = HalText(wired, "caltwin"),
+            .tables = std::move(tables_),
+            .changes = std::move(changes_)};
   }
 
  private:
@@ -191,14 +192,27 @@ class Adapter {
     Set(section, key, fmt::format("{:.9g}", value));
   }
 
-  // The drawn joint that moves the same: of two of Y the second is the beam's other
-  // end.
+  // The drawn joint that moves the same: of two of one axis the first is the first.
   const JointText& DrawnOf(std::size_t joint) const {
-    constexpr int kSecondY = 3;
     const char letter = read_.letters()[joint];
     const bool is_second = joint != read_.FirstJointOf(letter);
-    const int motor = is_second ? kSecondY : letter - 'X';
-    return *std::ranges::find(drawn_.joints, motor, &JointText::motor);
+    const std::string drawn = LettersOf(drawn_);
+    const std::size_t first = drawn.find(letter);
+    return drawn_.joints.at(is_second ? drawn.find(letter, first + 1) : first);
+  }
+
+  void TakeTable(std::size_t joint) {
+    const std::string section = Reader::Joint(joint);
+    const std::string table = IniValue(ini_, section, "COMP_FILE");
+    if (table.empty()) return;
+    const std::string name =
+        fmt::format("{}_{}", section, table.substr(table.rfind('/') + 1));
+    tables_.push_back(
+        {.from = table,
+         .name = name,
+         .has_trims = Number(ini_, section, "COMP_FILE_TYPE").value_or(0) != 0,
+         .raised = read_.letters()[joint] == 'Z' ? read_.Raised() : 0});
+    Set(section, "COMP_FILE", name);
   }
 
   void RaiseZ() {
@@ -223,28 +237,24 @@ class Adapter {
   void SetJoint(std::size_t joint) {
     const std::string section = Reader::Joint(joint);
     Set(section, "SCALE", read_.StepsPerUnit(joint));
+    TakeTable(joint);
     for (const char* const key :
          {"HOME_INDEX_NO_ENCODER_RESET", "HOME_ABSOLUTE_ENCODER"}) {
       ini_ = WithoutIniValue(ini_, section, key);
     }
     // Without it nobody can home all joints at once.
-    if (!Number(ini_, section, "HOME_SEQUENCE")) {
-      Set(section, "HOME_SEQUENCE", DrawnOf(joint).home_sequence);
+    const std::string kSequence = "HOME_SEQUENCE";
+    if (!Number(ini_, section, kSequence)) {
+      Set(section, kSequence, DrawnOf(joint).home_sequence);
       changes_.push_back(fmt::format("[{}]: HOME_SEQUENCE {}, yours has none",
                                      section,
                                      DrawnOf(joint).home_sequence));
     }
     if (read_.HasSwitch(joint)) return;
-    const double unit_mm = read_.mm_per_unit();
     const JointText& drawn = DrawnOf(joint);
-    constexpr double kSearch_mm_s = 10, kLatch_mm_s = 0.5, kBeside_mm = 2;
-    const double sense = drawn.is_home_at_min ? -1 : 1;
-    const double search_mm_s = std::min(kSearch_mm_s, drawn.max_feed_mm_s);
-    Set(section, "HOME_OFFSET", drawn.home_mm / unit_mm);
-    Set(section, "HOME", (drawn.home_mm - sense * kBeside_mm) / unit_mm);
-    Set(section, "HOME_SEARCH_VEL", sense * search_mm_s / unit_mm);
-    Set(section, "HOME_LATCH_VEL", sense * kLatch_mm_s / unit_mm);
-    Set(section, "HOME_FINAL_VEL", search_mm_s / unit_mm);
+    for (const auto& [key, value] : HomingOf(drawn)) {
+      if (key != kSequence) Set(section, key, value / read_.mm_per_unit());
+    }
     changes_.push_back(
         fmt::format("[{}]: homes on a switch at the {} end of its travel, "
                     "yours on none",
@@ -291,6 +301,7 @@ class Adapter {
   Reader read_;
   const MachineText& drawn_;
   std::string ini_;
+  std::vector<OwnTable> tables_{};
   std::vector<std::string> changes_{};
 };
 
@@ -300,32 +311,32 @@ std::string MachineFileOfIni(const std::string& ini,
                              const std::string& file,
                              const std::string& name) {
   const Reader read(ini, file);
-  std::string text = fmt::format(
-      "# As {} has it: what LinuxCNC believes, not what was built. Steps are what "
-      "counts: "
-      "leads\n# and microsteps stand in no INI file.\nformat: 1\nname: {}\nkinematics: "
-      "cartesian\n",
-      file,
-      name);
+  CartesianMachineText machine{.source = file, .name = name, .has_belts = false};
+  for (std::size_t i = 0; i < 3; ++i) machine.axes[i] = AxisOf(read, "XYZ"[i]);
   if (read.has_beam()) {
     // Its motors stand beside the travel of X.
     constexpr double kBeside_mm = 20;
-    const auto [min, max] = read.Travel('X');
-    text += fmt::format("\nbeam: {{motors_at_x_mm: [{:.9g}, {:.9g}]}}\n",
-                        min * read.mm_per_unit() - kBeside_mm,
-                        max * read.mm_per_unit() + kBeside_mm);
+    const AxisSettingsText& x = machine.axes[0];
+    machine.beam_mm = {x.min_mm - kBeside_mm, x.max_mm + kBeside_mm};
   }
-  text += "\naxes:\n";
-  std::string steps;
-  for (const char letter : {'X', 'Y', 'Z'}) {
-    text += AxisLine(read, letter);
-    steps +=
-        fmt::format("{}{}: {:.9g}",
-                    steps.empty() ? "" : ", ",
-                    static_cast<char>(std::tolower(static_cast<unsigned char>(letter))),
-                    read.StepsPerUnit(read.FirstJointOf(letter)) / read.mm_per_unit());
+  return CartesianMachineYaml(machine);
+}
+
+std::string OwnTable::Raised(const std::string& text) const {
+  if (raised == 0) return text;
+  std::istringstream lines(text);
+  std::string result;
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    double nominal = 0, forwards = 0, backwards = 0;
+    if (words >> nominal >> forwards >> backwards) {
+      const double by = has_trims ? 0 : raised;
+      line = fmt::format(
+          "{:.9g} {:.9g} {:.9g}", nominal + raised, forwards + by, backwards + by);
+    }
+    result += line + "\n";
   }
-  return text + fmt::format("\nsettings: {{steps_per_mm: {{{}}}}}\n", steps);
+  return result;
 }
 
 OwnIni WithTwin(const std::string& ini, const MachineText& drawn) {

@@ -17,9 +17,21 @@ std::string MachineFileOfIni(const std::string& ini,
                              const std::string& file,
                              const std::string& name);
 
+/// A table of corrections that a joint has as COMP_FILE.
+struct OwnTable {
+  std::string from{};      ///< As the person's INI file names it.
+  std::string name{};      ///< As the new one does.
+  bool has_trims = false;  ///< COMP_FILE_TYPE 1: its last two columns are corrections.
+  double raised = 0;       ///< By so much the joint counts more, in the file's units.
+
+  /// Its text with places as the joint counts now.
+  std::string Raised(const std::string& text) const;
+};
+
 /// A person's INI file with caltwin in place of the card.
 struct OwnIni {
   std::string ini{}, hal{};
+  std::vector<OwnTable> tables{};
   std::vector<std::string> changes{};  ///< What is otherwise than the person wrote it.
 };
 

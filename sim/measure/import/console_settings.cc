@@ -7,9 +7,9 @@
 #include <fmt/format.h>
 
 #include "sim/base/units.h"
+#include "sim/machine/machine_text.h"
 #include "sim/measure/import/fields.h"
 #include "sim/measure/import/klipper_geometry.h"
-#include "sim/measure/import/machine_text.h"
 
 namespace caltwin {
 namespace {

@@ -1,7 +1,6 @@
 #include "sim/measure/import/printer_cfg.h"
 
 #include <algorithm>
-#include <cctype>
 
 #include <fmt/format.h>
 
@@ -33,20 +32,13 @@ bool IsKey(std::string_view text) {
   });
 }
 
-std::string SmallLetters(std::string_view text) {
-  std::string small(text);
-  std::ranges::transform(
-      small, small.begin(), [](unsigned char c) { return std::tolower(c); });
-  return small;
-}
-
 }  // namespace
 
 std::optional<bool> PrinterCfg::Flag(std::string_view section,
                                      std::string_view key) const {
   const CfgSetting* const setting = Find(section, key);
   if (setting == nullptr) return std::nullopt;
-  const std::string word = SmallLetters(setting->value.text);
+  const std::string word = Lowered(setting->value.text);
   if (word == "yes" || word == "true" || word == "on" || word == "1") return true;
   if (word == "no" || word == "false" || word == "off" || word == "0") return false;
   return std::nullopt;
@@ -106,7 +98,7 @@ void PrinterCfg::ReadLine(std::string_view line,
     return;
   }
   const std::string_view behind = words.substr(mark + 1);
-  setting = &section->settings[SmallLetters(key)];
+  setting = &section->settings[Lowered(key)];
   *setting = {
       .value = {.text = std::string(WithoutBlanks(behind)),
                 .line = number,

@@ -1,148 +1,25 @@
 #include "sim/measure/import/printer_cfg_adapted.h"
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <optional>
 #include <set>
 #include <string_view>
 #include <utility>
 
+#include <boost/algorithm/string/case_conv.hpp>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "sim/measure/import/fields.h"
 #include "sim/measure/import/printer_cfg.h"
+#include "sim/measure/import/printer_cfg_parts.h"
 #include "sim/measure/import/printer_cfg_text.h"
 
 namespace caltwin {
 namespace {
 
 constexpr std::string_view kBlanks = " \t", kMacro = "gcode_macro ";
-
-// Sections that need no hardware of their own, by their first word.
-constexpr std::array<std::string_view, 32> kKept = {"printer",
-                                                    "bed_mesh",
-                                                    "z_tilt",
-                                                    "z_tilt_ng",
-                                                    "quad_gantry_level",
-                                                    "screws_tilt_adjust",
-                                                    "bed_screws",
-                                                    "bed_tilt",
-                                                    "delta_calibrate",
-                                                    "skew_correction",
-                                                    "axis_twist_compensation",
-                                                    "safe_z_home",
-                                                    "homing_override",
-                                                    "manual_probe",
-                                                    "endstop_phase",
-                                                    "input_shaper",
-                                                    "gcode_macro",
-                                                    "delayed_gcode",
-                                                    "gcode_arcs",
-                                                    "force_move",
-                                                    "idle_timeout",
-                                                    "pause_resume",
-                                                    "respond",
-                                                    "save_variables",
-                                                    "exclude_object",
-                                                    "virtual_sdcard",
-                                                    "display_status",
-                                                    "firmware_retraction",
-                                                    "danger_options",
-                                                    "z_calibration",
-                                                    "constants",
-                                                    "tuning_tower"};
-constexpr std::array<std::string_view, 9> kProbes = {"probe",
-                                                     "bltouch",
-                                                     "smart_effector",
-                                                     "probe_eddy_current",
-                                                     "cartographer",
-                                                     "beacon",
-                                                     "scanner",
-                                                     "dockable_probe",
-                                                     "load_cell_probe"};
-constexpr std::array<std::string_view, 7> kOfAnyProbe = {"speed",
-                                                         "lift_speed",
-                                                         "samples",
-                                                         "sample_retract_dist",
-                                                         "samples_result",
-                                                         "samples_tolerance",
-                                                         "samples_tolerance_retries"};
-constexpr std::array<std::string_view, 4> kPins = {
-    "step_pin", "dir_pin", "enable_pin", "endstop_pin"};
-constexpr std::array<std::string_view, 2> kWhichEnd = {"position_endstop",
-                                                       "homing_positive_dir"};
-
-/// What macros say to parts that are left out; the first word of a section begins so.
-struct SaidTo {
-  std::string_view part{};
-  std::vector<std::string_view> commands{};
-};
-
-// Of a heater that stays as one that never heats: what would wait for it.
-const std::vector<SaidTo>& Muted() {
-  static const std::vector<SaidTo> kAll = {
-      {"extruder",
-       {"M104", "M109", "SET_HEATER_TEMPERATURE", "TEMPERATURE_WAIT", "PID_CALIBRATE"}},
-      {"heater_bed",
-       {"M140",
-        "M190",
-        "SET_HEATER_TEMPERATURE",
-        "TEMPERATURE_WAIT",
-        "PID_CALIBRATE"}}};
-  return kAll;
-}
-
-// Macros ask for their temperatures; of pins that lead nowhere that is 113 degrees.
-constexpr std::string_view kExtruder =
-    "nozzle_diameter: 0.4\nfilament_diameter: 1.75\nmin_extrude_temp: 0\nheater_pin: "
-    "SPARE0\nsensor_pin: SPARE1\n";
-constexpr std::string_view kBed = "heater_pin: SPARE2\nsensor_pin: SPARE3\n";
-constexpr std::string_view kHeater =
-    "sensor_type: Generic 3950\ncontrol: watermark\nmin_temp: 0\nmax_temp: 300\n";
-
-const std::vector<SaidTo>& Unheard() {
-  static const std::vector<SaidTo> kAll = {
-      {"z_tilt", {"Z_TILT_ADJUST", "Z_TILT_CALIBRATE", "Z_TILT_AUTODETECT"}},
-      {"quad_gantry_level", {"QUAD_GANTRY_LEVEL"}},
-      {"display", {"M117", "M73", "SET_DISPLAY_TEXT", "SET_DISPLAY_GROUP"}},
-      {"manual_stepper", {"MANUAL_STEPPER"}},
-      {"extruder_stepper", {"SYNC_EXTRUDER_MOTION"}},
-      {"dual_carriage",
-       {"SET_DUAL_CARRIAGE",
-        "SAVE_DUAL_CARRIAGE_STATE",
-        "RESTORE_DUAL_CARRIAGE_STATE"}},
-      {"resonance_tester",
-       {"TEST_RESONANCES", "SHAPER_CALIBRATE", "MEASURE_AXES_NOISE"}},
-      {"mcp4018", {"SET_DIGIPOT"}},
-      {"extruder",
-       {"SET_PRESSURE_ADVANCE",
-        "SET_EXTRUDER_ROTATION_DISTANCE",
-        "SYNC_EXTRUDER_MOTION"}},
-      {"fan", {"M106", "M107", "SET_FAN_SPEED"}},
-      {"temperature_fan", {"SET_TEMPERATURE_FAN_TARGET"}},
-      {"neopixel", {"SET_LED"}},
-      {"led", {"SET_LED"}},
-      {"dotstar", {"SET_LED"}},
-      {"tmc", {"SET_TMC_CURRENT", "SET_TMC_FIELD", "INIT_TMC"}},
-      {"output_pin", {"SET_PIN"}},
-      {"servo", {"SET_SERVO"}},
-      {"bltouch", {"BLTOUCH_DEBUG"}},
-      {"filament_", {"SET_FILAMENT_SENSOR", "QUERY_FILAMENT_SENSOR"}}};
-  return kAll;
-}
-
-std::string Capitals(std::string_view text) {
-  std::string capitals(text);
-  std::ranges::transform(
-      capitals, capitals.begin(), [](unsigned char c) { return std::toupper(c); });
-  return capitals;
-}
-
-template <std::size_t kNum>
-bool IsAmong(const std::array<std::string_view, kNum>& all, std::string_view one) {
-  return std::ranges::find(all, one) != all.end();
-}
 
 std::string_view Stripped(std::string_view text) {
   const std::size_t first = text.find_first_not_of(kBlanks);
@@ -165,14 +42,6 @@ std::string_view KeyOf(std::string_view line) {
   if (line.empty() || kBlanks.find(line.front()) != kBlanks.npos) return {};
   if (line.front() == '#' || line.front() == ';') return {};
   return Stripped(line.substr(0, line.find_first_of(":=")));
-}
-
-// As Klipper reads it.
-std::string SmallLetters(std::string_view text) {
-  std::string small(text);
-  std::ranges::transform(
-      small, small.begin(), [](unsigned char c) { return std::tolower(c); });
-  return small;
 }
 
 bool IsAtTop(const PrinterCfg& cfg) {
@@ -202,14 +71,14 @@ class Adapter {
     for (const std::string_view line : RawLines(config)) {
       const std::string_view title = TitleOf(line);
       if (title.starts_with(kMacro)) {
-        macros_.insert(Capitals(title.substr(kMacro.size())));
+        macros_.insert(boost::to_upper_copy(std::string(title.substr(kMacro.size()))));
       }
-      for (const SaidTo& said : Unheard()) {
+      for (const SaidTo& said : SaidToMissing()) {
         if (title.starts_with(said.part) && !IsKept(title)) {
           unheard_.insert(said.commands.begin(), said.commands.end());
         }
       }
-      for (const SaidTo& said : Muted()) {
+      for (const SaidTo& said : SaidToHeaters()) {
         if (title == said.part) {
           muted_.insert(said.commands.begin(), said.commands.end());
         }
@@ -242,6 +111,9 @@ class Adapter {
                                      fmt::join(names, ", ")));
       deaf = "# What macros say to parts that the twin does not have.\n" + deaf;
     }
+    if (has_display_ && given_.Sections("display_status").empty()) {
+      deaf += "[display_status]\n";  // What a display would load: M117, M73.
+    }
     return {.text = WithAdded(text_, deaf), .changes = std::move(changes_)};
   }
 
@@ -261,7 +133,7 @@ class Adapter {
     if (is_saved_ && body.starts_with('<')) {
       now_ = Now::kKeep;  // The heading of what was saved.
     }
-    const std::string key = SmallLetters(KeyOf(body));
+    const std::string key = Lowered(KeyOf(body));
     if (!key.empty()) is_key_kept_ = Keeps(key, body);
     if (now_ == Now::kDrop || !is_key_kept_) return;
     const bool is_bound = key == "mesh_min" || key == "mesh_max";
@@ -294,7 +166,7 @@ class Adapter {
   }
 
   bool IsKept(std::string_view title) const {
-    return IsAmong(kKept, FirstWord(title)) && HasMotorsFor(FirstWord(title));
+    return IsAmong(kKeptSections, FirstWord(title)) && HasMotorsFor(FirstWord(title));
   }
 
   // What levels by several motors of Z the twin has, or has not.
@@ -340,6 +212,7 @@ class Adapter {
 
   void LeaveOut() {
     now_ = Now::kDrop;
+    has_display_ |= title_ == "display";
     if (!is_saved_) left_out_.insert("[" + title_ + "]");
   }
 
@@ -399,14 +272,16 @@ class Adapter {
   bool HasEndstop() const { return given_.Find(title_, "endstop_pin") != nullptr; }
 
   bool Keeps(std::string_view key, std::string_view line) {
-    const std::string macro =
-        title_.starts_with(kMacro) ? Capitals(title_.substr(kMacro.size())) : "";
+    const std::string macro = title_.starts_with(kMacro)
+                                  ? boost::to_upper_copy(title_.substr(kMacro.size()))
+                                  : std::string();
     const bool is_muted = muted_.contains(macro);
     // A macro in place of a command that is not there, or is not to act: what it calls
     // by the new name does nothing either.
     if (key == "rename_existing" && (is_muted || unheard_.contains(macro))) {
       const std::size_t mark = line.find_first_of(":=");
-      renamed_.push_back(Capitals(Stripped(line.substr(mark + 1))));
+      renamed_.push_back(
+          boost::to_upper_copy(std::string(Stripped(line.substr(mark + 1)))));
       if (is_muted) Add("rename_existing: " + RealNameOf(renamed_.back()));
       return false;
     }
@@ -434,7 +309,8 @@ class Adapter {
   std::vector<std::string> renamed_{};
   Now now_ = Now::kKeep;
   std::string title_{};
-  bool is_saved_ = false, is_key_kept_ = true, has_probe_ = false, is_lower_ = false;
+  bool is_saved_ = false, is_key_kept_ = true, has_probe_ = false, is_lower_ = false,
+       has_display_ = false;
 };
 
 }  // namespace

@@ -88,31 +88,6 @@ std::string WithAdded(const std::string& config, std::string_view lines) {
   return config.substr(0, at) + std::string(lines) + "\n" + config.substr(at);
 }
 
-std::string WithSerial(const std::string& config,
-                       const std::string& serial,
-                       const std::string& name) {
-  const std::string setting = "serial: " + serial;
-  const PrinterCfg cfg(config, name);
-  const CfgSetting* const given = cfg.Find("mcu", "serial");
-  const auto has_include = [&] {
-    return std::ranges::any_of(RawLines(config), [](std::string_view line) {
-      return !IncludedBy(line).empty();
-    });
-  };
-  if (given == nullptr && has_include()) {
-    return WithAdded(config, "[mcu]\n" + setting + "\n");
-  }
-  if (given == nullptr) {
-    throw InputError({.file = name},
-                     "there is no [mcu] with a `serial:`",
-                     "caltwin new klipper MACHINE --out printer.cfg writes one");
-  }
-  std::size_t at = 0;
-  for (int line = 1; line < given->value.line; ++line) at = config.find('\n', at) + 1;
-  std::string text = config;
-  return text.replace(at, std::min(config.find('\n', at), config.size()) - at, setting);
-}
-
 std::string WithIncluded(const std::string& config, const fs::path& folder) {
   if (folder.empty()) return config;
   std::string whole;

@@ -15,13 +15,6 @@ std::vector<std::string_view> RawLines(std::string_view config);
 /// The printer.cfg with further lines, before what SAVE_CONFIG has written at its end.
 std::string WithAdded(const std::string& config, std::string_view lines);
 
-/// The same with the chip elsewhere. Where no [mcu] of it has a `serial:` but it
-/// includes files, one is added, which counts before theirs. Throws InputError.
-/// @param name  what a fault calls it
-std::string WithSerial(const std::string& config,
-                       const std::string& serial,
-                       const std::string& name);
-
 /// The same with what its `[include FILE]` name in their place, each file once, as a
 /// host reads it: paths are relative to the file that names them, `*` and `?` stand for
 /// letters. What names nothing but folders and files of more than a megabyte stays.

@@ -11,9 +11,9 @@
 
 #include "sim/base/units.h"
 #include "sim/machine/kinds/delta/model.h"
+#include "sim/machine/machine_text.h"
 #include "sim/measure/import/fields.h"
 #include "sim/measure/import/klipper_geometry.h"
-#include "sim/measure/import/machine_text.h"
 
 namespace caltwin {
 namespace {
@@ -221,7 +221,7 @@ class ConfigReader {
                      "RepRapFirmware config.g or config-override.g");
   }
 
-  void ReadAxis(std::size_t i, const ImportOptions& options, AxisText* axis) {
+  void ReadAxis(std::size_t i, const ImportOptions& options, AxisSettingsText* axis) {
     const char letter = "XYZ"[i];
     constexpr double kMost = SettingsInForce::kSteps_per_mm.max;
     axis->steps_per_mm =

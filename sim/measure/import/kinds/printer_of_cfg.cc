@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "sim/base/input_error.h"
+#include "sim/machine/machine_text.h"
 #include "sim/measure/import/fields.h"
 #include "sim/measure/import/klipper_geometry.h"
 
@@ -16,12 +17,6 @@ namespace caltwin {
 namespace {
 
 constexpr double kMost_mm = 1e4;
-
-/// A motor as Klipper has it.
-struct Motor {
-  double mm_per_rev = 0, full_steps = 200, microsteps = 16;
-  double steps_per_mm() const { return full_steps * microsteps / mm_per_rev; }
-};
 
 class Reader {
  public:
@@ -74,64 +69,56 @@ class Reader {
     return 1;
   }
 
-  Motor MotorOf(const std::string& section) {
-    return {
-        .mm_per_rev = Required(section, "rotation_distance", 1e-3) /
-                      GearRatioOf(cfg_, section, &faults_),
-        .full_steps = Number(section, "full_steps_per_rotation", 1, 1e4).value_or(200),
-        .microsteps = Required(section, "microsteps", 1, 256)};
+  // What drives it, and how fast: `is_z` by its own limits.
+  AxisSettingsText DriveOf(const std::string& section, bool is_z) {
+    const double v_mm_s = Required("printer", "max_velocity", 1e-3);
+    const double a_mm_s2 = Required("printer", "max_accel", 1e-3, 1e6);
+    AxisSettingsText axis{
+        .full_steps_per_rev =
+            Number(section, "full_steps_per_rotation", 1, 1e4).value_or(200),
+        .microsteps = Required(section, "microsteps", 1, 256),
+        .max_feed_mm_s = v_mm_s,
+        .acceleration_mm_s2 = a_mm_s2};
+    axis.steps_per_mm = axis.full_steps_per_rev * axis.microsteps *
+                        GearRatioOf(cfg_, section, &faults_) /
+                        Required(section, "rotation_distance", 1e-3);
+    if (is_z) {
+      axis.max_feed_mm_s = Number("printer", "max_z_velocity", 1e-3).value_or(v_mm_s);
+      axis.acceleration_mm_s2 =
+          Number("printer", "max_z_accel", 1e-3, 1e6).value_or(a_mm_s2);
+    }
+    return axis;
   }
 
-  struct Feeds {
-    double x_mm_s, x_mm_s2, z_mm_s, z_mm_s2;
-  };
-  Feeds FeedsOf() {
-    const double v = Required("printer", "max_velocity", 1e-3);
-    const double a = Required("printer", "max_accel", 1e-3, 1e6);
-    return {.x_mm_s = v,
-            .x_mm_s2 = a,
-            .z_mm_s = Number("printer", "max_z_velocity", 1e-3).value_or(v),
-            .z_mm_s2 = Number("printer", "max_z_accel", 1e-3, 1e6).value_or(a)};
-  }
-
-  // Klipper homes towards the nearer end.
-  std::string AxisLine(char axis, const Feeds& feeds, bool is_on_screws) {
-    const std::string section = std::string("stepper_") + axis;
-    const bool is_z = axis == 'z';
+  // Klipper homes towards the nearer end. The switch is the end of the drawn travel; a
+  // bed on screws is told from 0 up.
+  AxisSettingsText AxisOf(char letter, bool is_on_screws) {
+    const std::string section = std::string("stepper_") + letter;
+    const bool is_z = letter == 'z';
     const double max_mm = Required(section, "position_max");
     const double min_mm = Number(section, "position_min").value_or(0);
     const double end_mm = Number(section, "position_endstop").value_or(min_mm);
     const bool is_at_max = cfg_.Flag(section, "homing_positive_dir")
                                .value_or(end_mm > (min_mm + max_mm) / 2);
-    const Motor motor = MotorOf(section);
-    // The switch is the end of the drawn travel; a bed on screws is told from 0 up.
-    const bool has_home = !(is_z && is_on_screws);
-    const double low_mm = !has_home ? 0 : is_at_max ? min_mm : end_mm;
-    const double high_mm = has_home && is_at_max ? end_mm : max_mm;
-    return fmt::format(
-        "  {}: {{min_mm: {:g}, max_mm: {:g}, {}{}: {:g}, full_steps_per_rev: {:g}, "
-        "microsteps: {:g},\n      max_feed_mm_s: {:g}, acceleration_mm_s2: {:g}}}\n",
-        axis,
-        low_mm,
-        high_mm,
-        has_home ? is_at_max ? "home: max, " : "home: min, " : "",
-        is_z ? "lead_mm" : "pulley_mm_per_rev",
-        motor.mm_per_rev,
-        motor.full_steps,
-        motor.microsteps,
-        is_z ? feeds.z_mm_s : feeds.x_mm_s,
-        is_z ? feeds.z_mm_s2 : feeds.x_mm_s2);
+    AxisSettingsText axis = DriveOf(section, is_z);
+    axis.max_mm = max_mm;
+    if (is_z && is_on_screws) return axis;
+    axis.min_mm = is_at_max ? min_mm : end_mm;
+    axis.max_mm = is_at_max ? end_mm : max_mm;
+    axis.home = is_at_max ? HomeEnd::kMax : HomeEnd::kMin;
+    return axis;
   }
 
-  std::vector<std::vector<double>> Places(const std::string& section, const char* key) {
-    std::vector<std::vector<double>> places;
+  std::vector<std::array<double, 2>> Places(const std::string& section,
+                                            const char* key) {
+    std::vector<std::array<double, 2>> places;
     const CfgSetting* const setting = cfg_.Find(section, key);
     if (setting == nullptr) return places;
     std::vector<CsvField> lines = setting->more;
     if (!setting->value.text.empty()) lines.insert(lines.begin(), setting->value);
     for (const CsvField& line : lines) {
       const auto numbers = NumbersIn(line, key, cfg_.name(), &faults_);
-      if (numbers.size() == 2) places.push_back(numbers);
+      if (numbers.size() == 2) places.push_back({numbers[0], numbers[1]});
     }
     return places;
   }
@@ -142,71 +129,20 @@ class Reader {
     return num;
   }
 
-  // Empty: it has none.
-  std::string Screws() {
-    auto places = Places("z_tilt", "z_positions");
-    if (places.empty()) places = Places("z_tilt_ng", "z_positions");
-    if (NumZ() != 3 || places.size() != 3) return "";
-    std::string text = "\nscrews:\n";
-    for (std::size_t i = 0; i < places.size(); ++i) {
-      const Motor motor = MotorOf(i == 0 ? "stepper_z" : fmt::format("stepper_z{}", i));
-      text += fmt::format(
-          "  z{}: {{at_mm: [{:g}, {:g}], lead_mm: {:g}, full_steps_per_rev: {:g}, "
-          "microsteps: {:g}}}\n",
-          i + 1,
-          places[i][0],
-          places[i][1],
-          motor.mm_per_rev,
-          motor.full_steps,
-          motor.microsteps);
-    }
-    return text;
-  }
-
-  std::string Corners() {
-    const auto places = Places("quad_gantry_level", "gantry_corners");
-    if (NumZ() != 4 || places.size() != 2) return "";
-    return fmt::format("\ngantry: {{corners_mm: [[{:g}, {:g}], [{:g}, {:g}]]}}\n",
-                       places[0][0],
-                       places[0][1],
-                       places[1][0],
-                       places[1][1]);
-  }
-
-  std::string Head(std::string_view kinematics) const {
-    return fmt::format(
-        "# As {} has it: what its firmware believes, not what was built.\n"
-        "format: 1\nname: {}\nkinematics: {}\n",
-        cfg_.name(),
-        name_,
-        kinematics);
-  }
-
   std::string OnAxes(bool is_corexy) {
-    const std::string screws = Screws();
-    const std::string corners = is_corexy ? Corners() : "";
-    const bool is_on_screws = !screws.empty();
-    const Feeds feeds = FeedsOf();
-    std::string text = Head(is_corexy      ? "corexy"
-                            : is_on_screws ? "triple_z"
-                                           : "cartesian") +
-                       screws + corners + "\naxes:\n";
-    for (const char axis : {'x', 'y', 'z'}) {
-      text += AxisLine(axis, feeds, is_on_screws);
+    CartesianMachineText machine{
+        .source = cfg_.name(), .name = name_, .is_corexy = is_corexy};
+    auto screws_mm = Places("z_tilt", "z_positions");
+    if (screws_mm.empty()) screws_mm = Places("z_tilt_ng", "z_positions");
+    if (NumZ() == 3 && screws_mm.size() == 3) machine.screws_mm = screws_mm;
+    const auto corners_mm = Places("quad_gantry_level", "gantry_corners");
+    if (is_corexy && NumZ() == 4 && corners_mm.size() == 2) {
+      machine.corners_mm = corners_mm;
     }
-    if (!faults_.empty()) return "";
-    const double z = MotorOf("stepper_z").steps_per_mm();
-    if (is_on_screws && !is_corexy) {
-      return text + fmt::format("\nsettings: {{steps_per_mm: {{z: {:g}}}}}\n", z);
+    for (std::size_t i = 0; i < 3; ++i) {
+      machine.axes[i] = AxisOf("xyz"[i], !machine.screws_mm.empty());
     }
-    return text + fmt::format(
-                      "\nsettings: {{steps_per_mm: {{{}: {:g}, {}: {:g}, z: "
-                      "{:g}}}}}\n",
-                      is_corexy ? 'a' : 'x',
-                      MotorOf("stepper_x").steps_per_mm(),
-                      is_corexy ? 'b' : 'y',
-                      MotorOf("stepper_y").steps_per_mm(),
-                      z);
+    return CartesianMachineYaml(machine);
   }
 
   std::string Delta() {
