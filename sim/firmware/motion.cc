@@ -9,9 +9,6 @@ namespace caltwin {
 namespace {
 
 constexpr std::size_t kQueueLength = 40;  // As many as a Duet holds, about.
-constexpr double kHomingFast_mm_s = 20;
-constexpr double kHomingSlow_mm_s = 2;
-constexpr double kHomingBackOff_mm = 5;
 
 MotionLimits LimitsOf(const Machine& machine) {
   MotionLimits limits;
@@ -126,9 +123,23 @@ void Motion::PerformFirst() {
     RaiseAlarm(*outcome.alarm, segment, outcome.time_s);
     return;
   }
+  if (outcome.stopped) {  // By nobody but a hand: nothing was watched for.
+    StandAt(segment, outcome.time_s);
+    return;
+  }
   motors_done_ = segment.to_steps;
   counts_done_ = counts_queued_.front();
   counts_queued_.pop_front();
+}
+
+void Motion::SetLimits(const MotionLimits& limits) {
+  Finish();
+  limits_ = limits;
+  queue_ = MoveQueue(limits);
+}
+
+void Motion::PerformOne() {
+  if (!alarm_ && !queue_.empty()) PerformFirst();
 }
 
 void Motion::Finish() {
@@ -142,9 +153,9 @@ void Motion::Dwell(double s) {
   time_s_ += s;
 }
 
-Outcome Motion::RunAlone(const Vec3<double>& target_mm,
-                         double feed_mm_s,
-                         const Watch& watch) {
+Motion::Ended Motion::RunAlone(const Vec3<double>& target_mm,
+                               double feed_mm_s,
+                               const Watch& watch) {
   const StepPlan plan = PlanSteps(target_mm);
   if (plan.is_empty) return {};
   MoveQueue alone(limits_);
@@ -161,7 +172,7 @@ Outcome Motion::RunAlone(const Vec3<double>& target_mm,
     if (outcome.stopped) AccountForStop(plan, segment, outcome);
     NoteDone();
   }
-  return outcome;
+  return {.outcome = outcome, .feed_mm_s = segment.profile.Feed_mm_s(outcome.time_s)};
 }
 
 void Motion::AccountForStop(const StepPlan& plan,
@@ -189,17 +200,27 @@ void Motion::AccountForStop(const StepPlan& plan,
   plant_->Settle(whole);
 }
 
-void Motion::RaiseAlarm(const std::string& words,
-                        const Segment& segment,
-                        double time_s) {
+void Motion::StandAt(const Segment& segment, double time_s) {
   const Motors whole = segment.Steps(time_s).array().round();
   plant_->Settle(whole);
   motors_done_ = whole;
-  Abandon();
+  DropQueue();
+}
+
+void Motion::RaiseAlarm(const std::string& words,
+                        const Segment& segment,
+                        double time_s) {
+  StandAt(segment, time_s);
+  is_homed_.fill(false);
   alarm_ = words;
 }
 
 void Motion::Abandon() {
+  DropQueue();
+  is_homed_.fill(false);
+}
+
+void Motion::DropQueue() {
   queue_.Clear();
   counts_queued_.clear();
   for (int i = 0; i < 3; ++i) {
@@ -209,7 +230,6 @@ void Motion::Abandon() {
   }
   NoteBeside(Motors(motors_done_));
   commanded_mm_ = AxesAt_mm(counts_now());
-  is_homed_.fill(false);
   NoteDone();
 }
 
@@ -218,42 +238,8 @@ void Motion::NoteDone() {
   motors_done_ = MotorsNow();
 }
 
-Motion::Probed Motion::Probe(const Vec3<double>& target_mm,
-                             double feed_mm_s,
-                             Watch::Kind kind) {
-  Finish();
-  if (alarm_) return {};
-  return {.stopped = RunAlone(target_mm, feed_mm_s, {.kind = kind}).stopped};
-}
-
-bool Motion::RunToSwitch(Axis axis, double travel_mm, double feed_mm_s) {
-  if (plant_->SwitchClosed(axis)) return true;
-  Vec3<double> target_mm = commanded_mm();
-  target_mm[Index(axis)] += travel_mm;
-  return RunAlone(target_mm, feed_mm_s, {Watch::Kind::kSwitchClosed, axis}).stopped;
-}
-
 void Motion::ForgetRests() {
   for (Motor& motor : motors_) motor.rest_steps = 0;
-}
-
-bool Motion::Home(Axis axis) {
-  Finish();
-  if (alarm_) return false;
-  const AxisDrawing& drawing = drawings_[Index(axis)];
-  const double to_home = drawing.home == HomeEnd::kMin ? -1 : 1;
-  const double search_mm = 1.1 * drawing.travel_mm() + 2 * kHomingBackOff_mm;
-  is_homed_[Index(axis)] = false;
-  if (axis == Axis::kZ) ForgetRests();
-  if (!RunToSwitch(axis, to_home * search_mm, kHomingFast_mm_s)) return false;
-  Vec3<double> away_mm = commanded_mm();
-  away_mm[Index(axis)] -= to_home * kHomingBackOff_mm;
-  if (RunAlone(away_mm, kHomingFast_mm_s, Watch{}).alarm) return false;
-  if (!RunToSwitch(axis, to_home * 2 * kHomingBackOff_mm, kHomingSlow_mm_s)) {
-    return false;
-  }
-  SetPosition(axis, drawing.home_mm());
-  return true;
 }
 
 Vec3<double> Motion::beside_mm() const {
@@ -336,6 +322,12 @@ void Motion::KeepPosition() {
   NoteDone();
 }
 
+void Motion::KeepCounts() {
+  Finish();
+  commanded_mm_ = AxesAt_mm(counts_now());
+  NoteDone();
+}
+
 void Motion::Recompute(bool ignores_backlash) {
   Finish();
   for (DriveState& state : states_) {
@@ -345,6 +337,11 @@ void Motion::Recompute(bool ignores_backlash) {
   }
   commanded_mm_ = AxesAt_mm(counts_now());
   NoteDone();
+}
+
+void Motion::PowerUpAt(const Motors& steps) {
+  motors_done_ = steps;
+  Restart();
 }
 
 void Motion::Restart() {

@@ -38,14 +38,37 @@ class Motion {
   void Finish();
   void Dwell(double s);
 
+  /// Performs the first of what is queued, if anything is.
+  void PerformOne();
+  bool has_queued() const { return !queue_.empty(); }
+  std::size_t num_queued() const { return queue_.size(); }
+
   struct Probed {
     bool stopped = false;  ///< By what was watched for.
+    /// Where whole steps had the axes then; not stopped: at the end.
+    Vec3<double> at_mm = Vec3<double>::Zero();
+  };
+  /// What a controller does at the probe's word.
+  enum class AtTrigger {
+    kStands,  ///< The motors stop on the step that they are at (RepRapFirmware).
+    kBrakes   ///< It notes the place and brakes at the axes' acceleration (grbl).
   };
   /// A move that the probe ends; stands still before and after.
-  Probed Probe(const Vec3<double>& target_mm, double feed_mm_s, Watch::Kind kind);
-  /// Fast to the switch, 5 mm back, slowly again; there the position is the drawing's
-  /// end. False where the switch never closed.
-  bool Home(Axis axis);
+  Probed Probe(const Vec3<double>& target_mm,
+               double feed_mm_s,
+               Watch::Kind kind,
+               AtTrigger then = AtTrigger::kStands);
+  /// How an axis looks for its switch: fast to it, back, slowly again, and away.
+  struct Homing {
+    double fast_mm_s = 20;
+    double slow_mm_s = 2;
+    double back_off_mm = 5;
+    double pull_off_mm = 0;  ///< How far it leaves the switch when all is done.
+  };
+  /// At the switch, met slowly, the position is the drawing's end. False where the
+  /// switch never closed.
+  bool Home(Axis axis, const Homing& homing);
+  bool Home(Axis axis) { return Home(axis, Homing{}); }
   /// How many motors carry z.
   std::size_t num_z_motors() const { return motors_.size() - 2; }
   /// Each of z's motors beside z's own position.
@@ -60,13 +83,21 @@ class Motion {
   void SetPosition(Axis axis, double mm);
   /// After a change of steps per mm: the position stays, the counts follow.
   void KeepPosition();
+  /// The same for a controller that keeps its steps: the position follows (grbl).
+  void KeepCounts();
   /// After M400 and G4: the commanded position is recomputed from the counts. With the
   /// defect before 3.6.1 the backlash steps applied are taken for travel.
   void Recompute(bool ignores_backlash);
   /// As after power-up: not homed, position 0 wherever the machine stands.
   void Restart();
-  /// Drops the queue where it stands (M112).
+  /// The same, where the motors are known to stand so.
+  void PowerUpAt(const Motors& steps);
+  /// Drops the queue where it stands.
+  void DropQueue();
+  /// The same (M112); nothing is homed any more.
   void Abandon();
+  /// What stopped the machine is over; where it is counted to stand stays.
+  void Acknowledge() { alarm_.reset(); }
 
   bool is_homed(Axis axis) const { return is_homed_[Index(axis)]; }
   void Unhome(Axis axis) { is_homed_[Index(axis)] = false; }
@@ -74,6 +105,8 @@ class Motion {
   const std::optional<std::string>& alarm() const { return alarm_; }
   double time_s() const { return time_s_; }
   const MotionLimits& limits() const { return limits_; }
+  /// For moves from now on; what is queued is performed first.
+  void SetLimits(const MotionLimits& limits);
   /// How much longer than a backlash correction a move must be to take all of it.
   void set_backlash_factor(double factor) { backlash_factor_ = factor; }
   double backlash_factor() const { return backlash_factor_; }
@@ -110,8 +143,17 @@ class Motion {
   };
   StepPlan PlanSteps(const Vec3<double>& target_mm);
   void PerformFirst();
+  /// How a move that was made alone ended, and how fast it then went.
+  struct Ended {
+    Outcome outcome{};
+    double feed_mm_s = 0;
+  };
   /// One move from rest to rest, or to the stop; the queue is empty.
-  Outcome RunAlone(const Vec3<double>& target_mm, double feed_mm_s, const Watch& watch);
+  Ended RunAlone(const Vec3<double>& target_mm, double feed_mm_s, const Watch& watch);
+  /// Brakes from a feed, in a direction.
+  void Brake(const Vec3<double>& along, double feed_mm_s);
+  /// The motors stand on whole steps where a move was left; the queue is dropped.
+  void StandAt(const Segment& segment, double time_s);
   void AccountForStop(const StepPlan& plan,
                       const Segment& done,
                       const Outcome& outcome);

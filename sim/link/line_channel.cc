@@ -42,7 +42,7 @@ LineChannel::~LineChannel() {
   close(descriptor_);
 }
 
-bool LineChannel::TakeLine(std::string* line) {
+bool LineSplitter::Take(std::string* line) {
   for (;;) {
     const std::size_t end = waiting_.find_first_of("\r\n");
     if (end == std::string::npos) return false;
@@ -52,20 +52,33 @@ bool LineChannel::TakeLine(std::string* line) {
   }
 }
 
-bool LineChannel::Fill() {
+std::optional<std::string> LineChannel::ReadNow() {
   std::array<char, 4096> buffer{};
   const ssize_t count = read(descriptor_, buffer.data(), buffer.size());
-  if (count > 0) {
-    waiting_.append(buffer.data(), static_cast<std::size_t>(count));
-    return true;
+  if (count > 0) return std::string(buffer.data(), static_cast<std::size_t>(count));
+  if (count < 0 && (errno == EAGAIN || errno == EINTR)) return "";
+  return std::nullopt;
+}
+
+bool LineChannel::Fill() {
+  const auto bytes = ReadNow();
+  if (bytes) waiting_.Add(*bytes);
+  return bytes.has_value();
+}
+
+LineChannel::Result LineChannel::ReadSome(milliseconds patience) {
+  if (!WaitFor(descriptor_, POLLIN, Clock::now() + patience)) {
+    return {.status = Status::kTimeout};
   }
-  return count < 0 && (errno == EAGAIN || errno == EINTR);
+  auto bytes = ReadNow();
+  if (!bytes) return {.status = Status::kClosed};
+  return {.status = Status::kLine, .line = std::move(*bytes)};
 }
 
 LineChannel::Result LineChannel::ReadLine(milliseconds patience) {
   const Clock::time_point until = Clock::now() + patience;
   std::string line;
-  while (!TakeLine(&line)) {
+  while (!waiting_.Take(&line)) {
     if (waiting_.size() > most_bytes_) return {.status = Status::kClosed};
     if (!WaitFor(descriptor_, POLLIN, until)) return {.status = Status::kTimeout};
     if (!Fill()) return {.status = Status::kClosed};
@@ -73,10 +86,9 @@ LineChannel::Result LineChannel::ReadLine(milliseconds patience) {
   return {.status = Status::kLine, .line = std::move(line)};
 }
 
-bool LineChannel::WriteLine(std::string_view line) {
+bool LineChannel::Write(std::string_view text) {
   const std::lock_guard<std::mutex> lock(writing_);
   const Clock::time_point until = Clock::now() + kWritePatience;
-  const std::string text = std::string(line) + "\n";
   std::size_t sent = 0;
   while (sent < text.size()) {
     ssize_t count =
@@ -95,10 +107,10 @@ bool LineChannel::WriteLine(std::string_view line) {
 }
 
 void LineChannel::Discard() {
-  waiting_.clear();
+  waiting_.Clear();
   const Clock::time_point now = Clock::now();
-  while (WaitFor(descriptor_, POLLIN, now) && Fill() && !waiting_.empty()) {
-    waiting_.clear();
+  while (WaitFor(descriptor_, POLLIN, now) && Fill() && waiting_.size() > 0) {
+    waiting_.Clear();
   }
 }
 

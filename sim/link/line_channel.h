@@ -3,13 +3,28 @@
 #include <chrono>
 #include <cstddef>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <string_view>
 
 namespace caltwin {
 
+/// Takes bytes as they come and gives lines: they end in LF, CR or both; empty ones are
+/// dropped.
+class LineSplitter {
+ public:
+  void Add(std::string_view bytes) { waiting_.append(bytes); }
+  /// The next line, without its end; false: none is whole.
+  bool Take(std::string* line);
+  /// Of what is not taken yet.
+  std::size_t size() const { return waiting_.size(); }
+  void Clear() { waiting_.clear(); }
+
+ private:
+  std::string waiting_{};
+};
+
 /// Lines of text over a file descriptor: a socket, a serial port, a pseudo-terminal.
-/// Lines end in LF, CR or both; empty ones are dropped.
 class LineChannel {
  public:
   enum class Status { kLine, kTimeout, kClosed };
@@ -27,20 +42,23 @@ class LineChannel {
 
   /// The next line, or why there is none within `patience`.
   Result ReadLine(std::chrono::milliseconds patience);
+  /// What has come, at most so long waited for: kLine with bytes as they are.
+  Result ReadSome(std::chrono::milliseconds patience);
   /// Sends the line and a newline; false where the other side is gone or takes nothing
   /// for ten seconds.
-  bool WriteLine(std::string_view line);
+  bool WriteLine(std::string_view line) { return Write(std::string(line) + "\n"); }
+  bool Write(std::string_view bytes);
   /// Forgets what has arrived and was not read.
   void Discard();
 
  private:
-  bool TakeLine(std::string* line);
-  /// Reads what is there; false where the other side is gone.
+  /// Reads what is there, perhaps nothing; nullopt where the other side is gone.
+  std::optional<std::string> ReadNow();
   bool Fill();
 
   int descriptor_;
   std::size_t most_bytes_;
-  std::string waiting_{};
+  LineSplitter waiting_{};
   std::mutex writing_{};  ///< A line is sent whole, whoever else sends one.
 };
 

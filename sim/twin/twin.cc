@@ -23,14 +23,14 @@ Built MakeBuilt(const TwinConfig& config) {
   return built;
 }
 
-std::unique_ptr<TwinPlant> MakePlant(const TwinConfig& config) {
+}  // namespace
+
+std::unique_ptr<TwinPlant> MakeTwinPlant(const TwinConfig& config) {
   if (config.fidelity == Fidelity::kFast) {
     return std::make_unique<FastPlant>(MakeBuilt(config), config.seed, config.sample);
   }
   return std::make_unique<PhysicsPlant>(MakeBuilt(config), config.seed, config.sample);
 }
-
-}  // namespace
 
 std::string ToString(Fidelity fidelity) {
   return fidelity == Fidelity::kPhysics ? "physics" : "fast";
@@ -39,7 +39,7 @@ std::string ToString(Fidelity fidelity) {
 struct Twin::Parts {
   explicit Parts(const TwinConfig& twin_config)
       : config(twin_config),
-        plant(MakePlant(config)),
+        plant(MakeTwinPlant(config)),
         firmware(config.machine, config.settings, config.firmware, plant.get()),
         link(&firmware),
         gauge(config.instruments, plant.get(), &firmware, config.seed, config.sample),

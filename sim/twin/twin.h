@@ -32,6 +32,9 @@ struct TwinConfig {
   std::uint64_t sample = 0;
 };
 
+/// The machine alone, for another controller than RepRapFirmware's.
+std::unique_ptr<TwinPlant> MakeTwinPlant(const TwinConfig& config);
+
 /// A simulated machine with its firmware, instruments and operator. Calibration sees
 /// the three interfaces only; the rest is the simulator's truth, for tests, scenarios
 /// and pictures.

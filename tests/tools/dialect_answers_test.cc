@@ -155,7 +155,7 @@ class EveryDialect : public ::testing::TestWithParam<const char*> {};
 TEST_P(EveryDialect, AnswersInTextWhateverItIsTold) {
   TwinOptions options{.machine = GetParam(), .fidelity = "fast"};
   const auto file = FindMachine(options.machine, "", {.file = options.machine});
-  const Served served = ServedKindOf(file).make(file, options, "");
+  const Served served = DialectOf(ServedKindOf(file), "").make(file, {.twin = options});
   Rng rng(20261125, 0, GetParam());
   constexpr int kLines = 1500;
   int answered = 0;

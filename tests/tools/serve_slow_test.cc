@@ -46,7 +46,8 @@ class TcpServer {
     std::promise<int> port;
     std::future<int> known = port.get_future();
     thread_ = std::thread([this, &port] {
-      ServeTcp(&link_, 0, &stop_, [&port](int number) { port.set_value(number); });
+      ServeTcp(
+          PortsOf(&link_), 0, &stop_, [&port](int number) { port.set_value(number); });
     });
     port_ = known.get();
   }
@@ -102,7 +103,7 @@ TEST(ServeTcp, TakenPortIsAnInputError) {
   CountingLink link;
   const std::atomic<bool> stop = true;
 
-  EXPECT_THROW(ServeTcp(&link, server.port(), &stop), InputError);
+  EXPECT_THROW(ServeTcp(PortsOf(&link), server.port(), &stop), InputError);
 }
 
 TEST(ServePty, TerminalMayBeOpenedTwice) {
@@ -112,7 +113,7 @@ TEST(ServePty, TerminalMayBeOpenedTwice) {
   std::atomic<bool> stop = false;
   std::promise<void> ready;
   std::thread server(
-      [&] { ServePty(&machine, path, &stop, [&] { ready.set_value(); }); });
+      [&] { ServePty(PortsOf(&machine), path, &stop, [&] { ready.set_value(); }); });
   ready.get_future().get();
 
   for (const char* const count : {"1", "2"}) {
@@ -148,7 +149,9 @@ TEST(ServeTcp, ADeltaIsCalibratedOverThePortAsBesideIt) {
   std::atomic<bool> stop = false;
   std::promise<int> port;
   std::thread server([&] {
-    ServeTcp(&served.link(), 0, &stop, [&port](int number) { port.set_value(number); });
+    ServeTcp(PortsOf(&served.link()), 0, &stop, [&port](int number) {
+      port.set_value(number);
+    });
   });
 
   const auto link =
@@ -187,8 +190,9 @@ TEST(ServePty, ExistingFileIsNotOverwritten) {
   CountingLink machine;
   const std::atomic<bool> stop = true;
 
-  EXPECT_THROW(ServePty(&machine, std::filesystem::temp_directory_path(), &stop),
-               InputError);
+  EXPECT_THROW(
+      ServePty(PortsOf(&machine), std::filesystem::temp_directory_path(), &stop),
+      InputError);
 }
 
 }  // namespace

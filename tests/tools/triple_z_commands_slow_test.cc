@@ -91,7 +91,9 @@ TEST(TripleZCommands, AServedPrinterIsCalibratedAsBesideIt) {
   std::atomic<bool> stop = false;
   std::promise<int> port;
   std::thread server([&] {
-    ServeTcp(&served.link(), 0, &stop, [&port](int number) { port.set_value(number); });
+    ServeTcp(PortsOf(&served.link()), 0, &stop, [&port](int number) {
+      port.set_value(number);
+    });
   });
   const auto over_port =
       OpenLink("tcp:127.0.0.1:" + std::to_string(port.get_future().get()));

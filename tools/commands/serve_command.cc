@@ -1,5 +1,6 @@
 #include <exception>
 #include <iostream>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -21,6 +22,7 @@ namespace caltwin {
 namespace {
 
 constexpr int kLargestPort = 65535;
+constexpr double kSlowest = 0.01, kFastest = 10'000;
 
 struct ServeAsked {
   TwinOptions twin{};
@@ -32,39 +34,39 @@ struct ServeAsked {
   std::string klipper{};
   std::string linuxcnc{};
   std::string dialect{};  ///< Empty: as the machine's controller speaks.
+  std::optional<double> speed{};
 };
 
 void Announce(const std::string& text) {
   std::cout << text << '\n' << std::flush;
 }
 
-void OnPort(const ServeAsked& options, Link* link) {
-  ServeTcp(link, *options.port, &InterruptFlag(), [](int port) {
+void OnPort(const ServeAsked& options, const OpenPort& open_port) {
+  ServeTcp(open_port, *options.port, &InterruptFlag(), [](int port) {
     Announce(fmt::format("listening on 127.0.0.1:{}", port));
   });
 }
 
-void OnPty(const ServeAsked& options, Link* link) {
-  ServePty(link, options.pty, &InterruptFlag(), [&] {
+void OnPty(const ServeAsked& options, const OpenPort& open_port) {
+  ServePty(open_port, options.pty, &InterruptFlag(), [&] {
     Announce(fmt::format("terminal at {}", options.pty));
   });
 }
 
 // Both at once, the terminal in a thread of its own; where one cannot be had the other
 // ends too, and the fault is told.
-void OnBoth(const ServeAsked& options, Link* link) {
-  SharedLink shared(link);
+void OnBoth(const ServeAsked& options, const OpenPort& open_port) {
   std::exception_ptr fault;
   std::thread terminal([&] {
     try {
-      OnPty(options, &shared);
+      OnPty(options, open_port);
     } catch (const InputError&) {
       fault = std::current_exception();
       RequestInterrupt();
     }
   });
   try {
-    OnPort(options, &shared);
+    OnPort(options, open_port);
   } catch (const InputError&) {
     fault = std::current_exception();
     RequestInterrupt();
@@ -73,21 +75,13 @@ void OnBoth(const ServeAsked& options, Link* link) {
   if (fault) std::rethrow_exception(fault);
 }
 
-void RequireDialect(const ServeAsked& options, const std::string& spoken) {
-  if (options.dialect.empty() || options.dialect == spoken) return;
-  throw InputError(
-      {.file = "--dialect"},
-      fmt::format("'{}' is not what this machine's controller speaks", options.dialect),
-      fmt::format("it speaks {}: leave the option away", spoken));
-}
-
-int Listen(const ServeAsked& options, Link* link) {
+int Listen(const ServeAsked& options, const OpenPort& open_port) {
   if (options.port && !options.pty.empty()) {
-    OnBoth(options, link);
+    OnBoth(options, open_port);
   } else if (options.port) {
-    OnPort(options, link);
+    OnPort(options, open_port);
   } else {
-    OnPty(options, link);
+    OnPty(options, open_port);
   }
   return InterruptRequested() ? kInterrupted : kPassed;
 }
@@ -163,6 +157,16 @@ int ServeToKlipper(const ServeAsked& options) {
   return InterruptRequested() ? kInterrupted : kPassed;
 }
 
+// Seconds of the machine in one of ours; infinite where nobody asks for any.
+double SpeedOf(const ServeAsked& options, const ServedDialect& dialect) {
+  if (!options.speed) return std::numeric_limits<double>::infinity();
+  if (dialect.keeps_pace) return *options.speed;
+  throw InputError(
+      {.file = "--speed"},
+      fmt::format("with --dialect {} each move is over at once", dialect.name),
+      "leave it away, or take --dialect grbl");
+}
+
 int Serve(ServeAsked options) {
   if (!options.klipper.empty()) return ServeToKlipper(options);
   if (!options.linuxcnc.empty()) return ServeToLinuxCnc(options);
@@ -177,10 +181,13 @@ int Serve(ServeAsked options) {
   const std::filesystem::path machine =
       FindMachine(options.twin.machine, "", {.file = options.twin.machine});
   const ServedKind& kind = ServedKindOf(machine);
-  RequireDialect(options, std::string(kind.dialect));
-  const Served served = kind.make(machine, options.twin, options.bench);
+  const ServedDialect& dialect = DialectOf(kind, options.dialect);
+  const double speed = SpeedOf(options, dialect);
+  const Served served = dialect.make(machine, {options.twin, options.bench, speed});
   Announce(served.about + "; Ctrl-C ends");
-  return Listen(options, served.link);
+  if (served.open_port) return Listen(options, served.open_port);
+  SharedLink shared(served.link);
+  return Listen(options, PortsOf(&shared));
 }
 
 void DeclareWeb(CLI::App* app, ServeAsked* options) {
@@ -246,9 +253,15 @@ Action DeclareServe(CLI::App* app) {
   app->add_option(
          "--dialect",
          options->dialect,
-         "the controller's: rrf of a gantry or a triple-Z printer, marlin of a "
-         "delta, klipper of a z_station, motor of a motor stage")
-      ->check(CLI::IsMember({"rrf", "marlin", "klipper", "motor"}));
+         "the controller's: rrf or grbl of a gantry, rrf of a CoreXY or a "
+         "triple-Z printer, marlin of a delta, klipper of a z_station, motor of "
+         "a motor stage")
+      ->check(CLI::IsMember({"rrf", "grbl", "marlin", "klipper", "motor"}));
+  app->add_option("--speed",
+                  options->speed,
+                  "with --dialect grbl: seconds of the machine in one of ours, 1 as a "
+                  "real one; without it a move is over as soon as it is computed")
+      ->check(CLI::Range(kSlowest, kFastest));
   app->footer(
       "A browser shows the pages of --http; a terminal program or G-code sender "
       "connects "

@@ -1,12 +1,13 @@
 #include "tools/commands/kinds/served.h"
 
-#include <array>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "scenarios/kinds/delta_g33.h"
 #include "sim/base/input_error.h"
+#include "sim/firmware/grbl/controller.h"
+#include "sim/firmware/pace.h"
 #include "sim/kinds/cartesian/corners.h"
 #include "sim/kinds/cartesian/klipper.h"
 #include "sim/kinds/cartesian/linuxcnc.h"
@@ -24,6 +25,7 @@
 #include "tools/commands/kinds/simulated_printer.h"
 #include "tools/commands/kinds/simulated_stage.h"
 #include "tools/commands/kinds/simulated_station.h"
+#include "tools/commands/serve/grbl_port.h"
 
 namespace caltwin {
 
@@ -31,13 +33,45 @@ namespace fs = std::filesystem;
 
 namespace {
 
-Served Gantry(const fs::path&, const TwinOptions& options, const std::string&) {
-  const auto twin = std::make_shared<Twin>(MakeTwinConfig(options));
+Served Gantry(const fs::path&, const ServeOptions& options) {
+  const auto twin = std::make_shared<Twin>(MakeTwinConfig(options.twin));
   return {.about = fmt::format("{}, {}, RepRapFirmware's dialect",
                                twin->config().machine.name,
                                ToString(twin->config().fidelity)),
           .machine = twin,
           .link = &twin->link()};
+}
+
+/// A gantry behind grbl, and what they share.
+struct GrblGantry {
+  GrblGantry(const TwinConfig& config, double speed)
+      : plant(MakeTwinPlant(config)),
+        pace(speed),
+        paced(plant.get(), &pace),
+        controller(config.machine, config.settings, &paced, &pace, plant->steps()),
+        machine(&controller, &pace) {}
+
+  std::unique_ptr<TwinPlant> plant;
+  Pace pace;
+  PacedPlant paced;
+  grbl::Controller controller;
+  GrblMachine machine;
+};
+
+Served GantryWithGrbl(const fs::path& file, const ServeOptions& options) {
+  const TwinConfig config = MakeTwinConfig(options.twin);
+  if (config.machine.kind->drive_map() != nullptr) {
+    throw InputError(
+        {.file = file.string()},
+        "grbl drives each axis by a motor of its own, this machine's drives "
+        "move two together",
+        "--dialect rrf");
+  }
+  const auto gantry = std::make_shared<GrblGantry>(config, options.speed);
+  return {.about = fmt::format(
+              "{}, {}, grbl 1.1h", config.machine.name, ToString(config.fidelity)),
+          .machine = gantry,
+          .open_port = gantry->machine.ports()};
 }
 
 std::unique_ptr<Board> GantryBoard(const fs::path&, const TwinOptions& options) {
@@ -50,11 +84,10 @@ std::unique_ptr<Board> GantryBoard(const fs::path&, const TwinOptions& options) 
   return BoardOfGantry(built, config.fidelity == Fidelity::kPhysics, config.seed).board;
 }
 
-Served Delta(const fs::path& file,
-             const TwinOptions& options,
-             const std::string& bench) {
+Served Delta(const fs::path& file, const ServeOptions& asked) {
+  const TwinOptions& options = asked.twin;
   if (!options.artefacts.empty()) {
-    throw InputError({.file = bench},
+    throw InputError({.file = asked.bench},
                      "a delta's bench has no artefacts",
                      "it knows instruments: probe and calliper");
   }
@@ -79,9 +112,10 @@ std::unique_ptr<Board> DeltaBoard(const fs::path& file, const TwinOptions& optio
                                      config.seed));
 }
 
-Served Printer(const fs::path&, const TwinOptions& options, const std::string& bench) {
+Served Printer(const fs::path&, const ServeOptions& asked) {
+  const TwinOptions& options = asked.twin;
   if (!options.artefacts.empty()) {
-    throw InputError({.file = bench},
+    throw InputError({.file = asked.bench},
                      "a printer's bench has no artefacts",
                      "it knows instruments: probe");
   }
@@ -101,9 +135,10 @@ std::unique_ptr<Board> PrinterBoard(const fs::path&, const TwinOptions& options)
           built, options.fidelity == "physics", options.seed, /*sample=*/0));
 }
 
-Served Station(const fs::path&, const TwinOptions& options, const std::string& bench) {
-  if (!bench.empty()) {
-    throw InputError({.file = bench}, "a printer's station has no bench");
+Served Station(const fs::path&, const ServeOptions& asked) {
+  const TwinOptions& options = asked.twin;
+  if (!asked.bench.empty()) {
+    throw InputError({.file = asked.bench}, "a printer's station has no bench");
   }
   const auto station = std::make_shared<SimulatedStation>(options);
   return {
@@ -120,11 +155,10 @@ std::unique_ptr<Board> StationBoard(const fs::path& file, const TwinOptions& opt
           machine, BuiltStation(options), options.fidelity == "physics", options.seed));
 }
 
-Served Motors(const fs::path& file,
-              const TwinOptions& options,
-              const std::string& bench) {
-  if (!bench.empty()) {
-    throw InputError({.file = bench},
+Served Motors(const fs::path& file, const ServeOptions& asked) {
+  const TwinOptions& options = asked.twin;
+  if (!asked.bench.empty()) {
+    throw InputError({.file = asked.bench},
                      "a motor stage on a wire has no bench",
                      "nobody at the other end reads its gauges");
   }
@@ -139,14 +173,29 @@ Served Motors(const fs::path& file,
       .link = &stage->link()};
 }
 
-constexpr std::array kKinds = {
-    ServedKind{
-        "cartesian", "rrf", Gantry, GantryBoard, PrinterCfgOfGantry, LinuxCncOfGantry},
-    ServedKind{
-        "delta", "marlin", Delta, DeltaBoard, PrinterCfgOfDelta, LinuxCncOfDelta},
-    ServedKind{"triple_z", "rrf", Printer, PrinterBoard, PrinterCfgOfTripleZ},
-    ServedKind{"z_station", "klipper", Station, StationBoard, PrinterCfgOfStation},
-    ServedKind{"motor_stage", "motor", Motors}};
+const std::vector<ServedKind>& Kinds() {
+  static const std::vector<ServedKind> kinds = {
+      {.kind = "cartesian",
+       .dialects = {{"rrf", Gantry}, {"grbl", GantryWithGrbl, /*keeps_pace=*/true}},
+       .board = GantryBoard,
+       .printer_cfg = PrinterCfgOfGantry,
+       .linuxcnc = LinuxCncOfGantry},
+      {.kind = "delta",
+       .dialects = {{"marlin", Delta}},
+       .board = DeltaBoard,
+       .printer_cfg = PrinterCfgOfDelta,
+       .linuxcnc = LinuxCncOfDelta},
+      {.kind = "triple_z",
+       .dialects = {{"rrf", Printer}},
+       .board = PrinterBoard,
+       .printer_cfg = PrinterCfgOfTripleZ},
+      {.kind = "z_station",
+       .dialects = {{"klipper", Station}},
+       .board = StationBoard,
+       .printer_cfg = PrinterCfgOfStation},
+      {.kind = "motor_stage", .dialects = {{"motor", Motors}}}};
+  return kinds;
+}
 
 }  // namespace
 
@@ -154,10 +203,23 @@ const ServedKind& ServedKindOf(const fs::path& file) {
   const Machine machine = ReadAnyMachineFile(file).machine;
   const bool is_on_screws = machine.Own<TripleZDrawing>() != nullptr;
   const std::string_view name = is_on_screws ? "triple_z" : machine.kind->name();
-  for (const ServedKind& one : kKinds) {
+  for (const ServedKind& one : Kinds()) {
     if (one.kind == name) return one;
   }
-  return kKinds[0];
+  return Kinds().front();
+}
+
+const ServedDialect& DialectOf(const ServedKind& kind, const std::string& name) {
+  if (name.empty()) return kind.dialects.front();
+  std::string spoken;
+  for (const ServedDialect& dialect : kind.dialects) {
+    if (dialect.name == name) return dialect;
+    spoken += fmt::format("{}{}", spoken.empty() ? "" : ", ", dialect.name);
+  }
+  throw InputError(
+      {.file = "--dialect"},
+      fmt::format("'{}' is not what this machine's controller speaks", name),
+      fmt::format("it speaks {}: leave the option away for the first", spoken));
 }
 
 namespace {
@@ -172,7 +234,7 @@ const ServedKind& ServedTo(std::string_view controller,
   const ServedKind& kind = ServedKindOf(machine);
   if (can(kind)) return kind;
   std::string able;
-  for (const ServedKind& one : kKinds) {
+  for (const ServedKind& one : Kinds()) {
     if (!can(one)) continue;
     able += fmt::format("{}{}", able.empty() ? "" : ", ", one.kind);
   }

@@ -1,19 +1,21 @@
 #include "tools/commands/serve/serve.h"
 
+#include <array>
 #include <cerrno>
 #include <chrono>
+#include <optional>
 
 #include <fmt/format.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <poll.h>
+#include <sys/inotify.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
 #include "sim/base/input_error.h"
 #include "sim/link/line_channel.h"
 #include "sim/link/pseudo_terminal.h"
-#include "tools/commands/serve/session.h"
 
 namespace caltwin {
 namespace {
@@ -22,19 +24,51 @@ namespace fs = std::filesystem;
 using std::chrono::milliseconds;
 
 constexpr milliseconds kGlance{200};  // Between two looks at the stop flag.
-constexpr std::size_t kLongestLine = 4096;
+/// So long after opening a serial port clients throw away what has come by it.
+constexpr milliseconds kOpening{300};
 
-/// Answers one client until it goes, or until the stop.
-void Converse(Link* link, int descriptor, const std::atomic<bool>& stop) {
-  LineChannel channel(descriptor, kLongestLine);
-  ServeSession session(link);
+/// Tells when somebody opens a terminal.
+class Openings {
+ public:
+  explicit Openings(const fs::path& terminal)
+      : watch_(inotify_init1(IN_NONBLOCK | IN_CLOEXEC)) {
+    if (watch_.number() >= 0)
+      inotify_add_watch(watch_.number(), terminal.c_str(), IN_OPEN);
+  }
+  bool HasBeenOpened() const {
+    std::array<char, 4096> events{};
+    return read(watch_.number(), events.data(), events.size()) > 0;
+  }
+
+ private:
+  Descriptor watch_;
+};
+
+/// Answers one client until it goes, or until the stop; at a terminal one after
+/// another.
+void Converse(const OpenPort& open_port,
+              int descriptor,
+              const std::atomic<bool>& stop,
+              const Openings* openings) {
+  LineChannel channel(descriptor);
+  std::atomic<bool> is_deaf = false;
+  const std::unique_ptr<Port> port = open_port([&](std::string_view bytes) {
+    if (!is_deaf && !channel.Write(bytes)) is_deaf = true;
+  });
+  if (openings == nullptr) port->Open(/*is_serial=*/false);
+  std::optional<std::chrono::steady_clock::time_point> opening;
   while (!stop) {
-    const auto [status, line] = channel.ReadLine(kGlance);
-    if (status == LineChannel::Status::kClosed) return;
-    if (status == LineChannel::Status::kTimeout) continue;
-    for (const std::string& answer : session.Answer(line)) {
-      if (!channel.WriteLine(answer)) return;
+    const auto now = std::chrono::steady_clock::now();
+    if (openings != nullptr && openings->HasBeenOpened()) opening = now + kOpening;
+    if (opening && now >= *opening) {
+      opening.reset();
+      is_deaf = false;
+      port->Open(/*is_serial=*/true);
     }
+    const auto [status, bytes] = channel.ReadSome(opening ? kOpening / 4 : kGlance / 4);
+    if (status == LineChannel::Status::kTimeout) continue;
+    const bool is_over = status == LineChannel::Status::kClosed || !port->Hear(bytes);
+    if (is_over || (is_deaf && openings == nullptr)) return;
   }
 }
 
@@ -77,7 +111,7 @@ bool IsReadable(int descriptor, milliseconds patience) {
 
 }  // namespace
 
-int ServeTcp(Link* link,
+int ServeTcp(const OpenPort& open_port,
              int port,
              const std::atomic<bool>* stop,
              const std::function<void(int port)>& listening) {
@@ -93,18 +127,19 @@ int ServeTcp(Link* link,
     if (client < 0) continue;
     const int on = 1;
     setsockopt(client, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
-    Converse(link, client, *stop);
+    Converse(open_port, client, *stop, nullptr);
   }
   return 0;
 }
 
-int ServePty(Link* link,
+int ServePty(const OpenPort& open_port,
              const fs::path& path,
              const std::atomic<bool>* stop,
              const std::function<void()>& ready) {
   PseudoTerminal terminal(path, "--pty");
+  const Openings openings(path);
   if (ready) ready();
-  Converse(link, terminal.ReleaseMaster(), *stop);
+  Converse(open_port, terminal.ReleaseMaster(), *stop, &openings);
   return 0;
 }
 

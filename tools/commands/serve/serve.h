@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "sim/link/link.h"
+#include "tools/commands/serve/port.h"
 
 namespace caltwin {
 
@@ -29,29 +30,26 @@ class SharedLink : public Link {
   std::mutex mutex_{};
 };
 
-/// Serves a Link as a machine that terminal programs and G-code senders connect to: a
-/// line in, its answer and `ok` out, in RepRapFirmware's manner. A fault of the link is
-/// answered by its words, then `ok`, since a sender that gets none waits for ever.
-/// Numbered lines (N... *nn) are checked and answered with `Resend: n` where they are
-/// damaged or out of turn.
+/// Serves a machine that terminal programs and G-code senders connect to, a port
+/// (port.h) for each.
 ///
-/// Both functions block until `*stop` is true, which they notice within a fifth of a
+/// The functions block until `*stop` is true, which they notice within a fifth of a
 /// second (a signal handler may set it), serving one client at a time: on the port
 /// further ones wait until the first has gone. To serve one machine on a port and a
-/// terminal at once, run each in a thread of its own on the same SharedLink.
+/// terminal at once, run each in a thread of its own, a Link as a SharedLink.
 
 /// Listens on 127.0.0.1 only. `port` 0: any free one. `listening` is called once with
 /// the port. Returns 0; throws InputError where the port cannot be had.
-int ServeTcp(Link* link,
+int ServeTcp(const OpenPort& open_port,
              int port,
              const std::atomic<bool>* stop,
              const std::function<void(int port)>& listening = {});
 
 /// Makes a pseudo-terminal and `path` a symbolic link to it, removed at the end; a
-/// client may open and close it any number of times. `ready` is called once. Returns 0;
-/// throws InputError where `path` is taken by anything but a dangling link, or cannot
-/// be made.
-int ServePty(Link* link,
+/// client may open and close it any number of times, and the port is told when one has.
+/// `ready` is called once. Returns 0; throws InputError where `path` is taken by
+/// anything but a dangling link, or cannot be made.
+int ServePty(const OpenPort& open_port,
              const std::filesystem::path& path,
              const std::atomic<bool>* stop,
              const std::function<void()>& ready = {});

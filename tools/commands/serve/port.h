@@ -1,0 +1,36 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "sim/link/link.h"
+
+namespace caltwin {
+
+/// Writes bytes to a client; from any thread, and after the client has gone to nobody.
+using Say = std::function<void(std::string_view bytes)>;
+
+/// The machine's end of one client's wire.
+class Port {
+ public:
+  Port() = default;
+  Port(const Port&) = delete;
+  Port& operator=(const Port&) = delete;
+  virtual ~Port() = default;
+  /// A client has come. `is_serial`: it opened a serial port, which restarts boards
+  /// that do so.
+  virtual void Open(bool /*is_serial*/) {}
+  /// What the client sends, in pieces of any size. false: no client of ours, end it.
+  virtual bool Hear(std::string_view bytes) = 0;
+};
+
+/// Makes the port of a client that has come.
+using OpenPort = std::function<std::unique_ptr<Port>(Say say)>;
+
+/// Ports to a link: a line in, its answer and `ok` out, in RepRapFirmware's manner
+/// (session.h). `link` is borrowed.
+OpenPort PortsOf(Link* link);
+
+}  // namespace caltwin
