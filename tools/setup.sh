@@ -8,6 +8,10 @@
 #                                   Klipper 0.12, in build/klipper, and Moonraker, in
 #                                   build/moonraker; and LinuxCNC
 #                                   (docs/linuxcnc.md), where Debian has it
+#   tools/setup.sh --clients        and the programs that talk to it as to a real machine
+#                                   (docs/clients.md): OctoPrint and grbl-streamer, in
+#                                   build/clients, cncjs, in build/clients-node, and Debian's
+#                                   pronsole
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -177,7 +181,53 @@ install_linuxcnc() {
   return 1
 }
 
-if [[ ${1:-} == --controllers ]]; then
+# Three of the packages are published as source only: they are built with what the list has,
+# not with whatever is the newest.
+install_clients() {
+  local folder=build/clients wanted=tools/clients/requirements.txt
+  cmp -s "$wanted" "$folder/installed.txt" && return 0
+  echo "setup: installing $folder"
+  rm -rf "$folder"
+  /usr/bin/python3 -m venv "$folder"
+  local pip=("$folder/bin/pip" install --quiet --disable-pip-version-check --no-deps --require-hashes)
+  grep -A 1 -E '^(setuptools|wheel|hatchling|packaging|pathspec|pluggy|trove-classifiers)==' "$wanted" | grep -v '^--' >"$folder/builders.txt"
+  if ! { "${pip[@]}" -r "$folder/builders.txt" &&
+    "${pip[@]}" --no-build-isolation --only-binary=:all: \
+      --no-binary=grbl-streamer,gcode-machine,netifaces -r "$wanted" &&
+    "$folder/bin/octoprint" --version >/dev/null; }; then
+    rm -rf "$folder"
+    echo "setup: $folder could not be installed (Python 3.11 on x86_64 is what $wanted is for)" >&2
+    return 1
+  fi
+  cp "$wanted" "$folder/installed.txt"
+}
+
+# npm checks each package against the lock file's hash; no script of theirs is run.
+install_node_clients() {
+  local folder=build/clients-node
+  cmp -s tools/clients/package-lock.json "$folder/installed.json" && return 0
+  echo "setup: installing $folder"
+  rm -rf "$folder"
+  mkdir -p "$folder"
+  cp tools/clients/package.json tools/clients/package-lock.json "$folder/"
+  local node=$PWD/third_party/node # tools/pages.sh fetches it.
+  local npm=(npm)
+  [[ -x $node/bin/node ]] && npm=("$node/bin/node" "$node/lib/node_modules/npm/bin/npm-cli.js")
+  if ! (cd "$folder" && "${npm[@]}" ci --silent --no-audit --no-fund --ignore-scripts); then
+    rm -rf "$folder"
+    echo "setup: $folder could not be installed" >&2
+    return 1
+  fi
+  cp tools/clients/package-lock.json "$folder/installed.json"
+}
+
+if [[ ${1:-} == --clients ]]; then
+  install_packages "${packages[@]}" gcc libc6-dev python3-dev python3-venv pronsole "${@:2}"
+  [[ -x third_party/node/bin/node ]] || command -v npm >/dev/null || install_packages nodejs npm
+  install_mujoco
+  install_clients || echo "setup: without OctoPrint and grbl-streamer their tests are skipped" >&2
+  install_node_clients || echo "setup: without cncjs its test is skipped" >&2
+elif [[ ${1:-} == --controllers ]]; then
   install_packages "${packages[@]}" gcc libc6-dev python3-venv "${@:2}"
   install_mujoco
   install_controllers

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace caltwin {
 namespace {
@@ -10,7 +11,7 @@ using std::chrono::duration;
 using std::chrono::duration_cast;
 
 constexpr std::chrono::milliseconds kGlance(20);  // Between two looks at a timed move.
-/// So late a move may begin and the time be made good: what computing took.
+/// What computing took is made good in the next move, up to so much.
 constexpr std::chrono::milliseconds kMadeGood(500);
 
 /// The beginning of a move, as far as it gets in that time.
@@ -98,7 +99,8 @@ double Pace::Play(double duration_s, const std::function<void(double)>& show) {
     show(duration_s);
     return duration_s;
   }
-  Clock::time_point begin = std::max(due_, Clock::now() - kMadeGood);
+  Clock::time_point begin =
+      Clock::now() - std::min<Clock::duration>(std::exchange(late_, {}), kMadeGood);
   const auto whole =
       duration_cast<Clock::duration>(duration<double>(duration_s / speed_));
   while (Clock::now() < begin + whole) {
@@ -115,7 +117,6 @@ double Pace::Play(double duration_s, const std::function<void(double)>& show) {
     }
     changed_.wait_until(lock, std::min(begin + whole, Clock::now() + kGlance));
   }
-  due_ = begin + whole;
   show(duration_s);
   return duration_s;
 }
@@ -131,12 +132,19 @@ double PacedPlant::Play(const Segment& segment, double until_s) {
   });
 }
 
+Outcome PacedPlant::Compute(const Segment& segment, const Watch& watch) {
+  const Pace::Clock::time_point begin = Pace::Clock::now();
+  const Outcome outcome = plant_->Run(segment, watch);
+  pace_->late_ += Pace::Clock::now() - begin;
+  return outcome;
+}
+
 Outcome PacedPlant::RunPlain(const Segment& segment) {
   const double duration_s = segment.profile.Duration_s();
   const double gone_s = Play(segment, duration_s);
-  if (gone_s >= duration_s) return plant_->Run(segment, Watch{});
+  if (gone_s >= duration_s) return Compute(segment, Watch{});
   if (segment.profile.Distance_mm(gone_s) <= 0) return {.stopped = true};
-  Outcome outcome = plant_->Run(Beginning(segment, gone_s), Watch{});
+  Outcome outcome = Compute(Beginning(segment, gone_s), Watch{});
   outcome.stopped = true;
   if (!outcome.alarm) outcome.time_s = gone_s;
   return outcome;
@@ -147,7 +155,7 @@ Outcome PacedPlant::Run(const Segment& segment, const Watch& watch) {
   if (watch.kind == Watch::Kind::kNothing) {
     outcome = RunPlain(segment);
   } else if (pace_->WaitWhileHeld()) {
-    outcome = plant_->Run(segment, watch);
+    outcome = Compute(segment, watch);
     if (Play(segment, outcome.time_s) < outcome.time_s) outcome.alarm = "stopped";
   } else {
     outcome = {.alarm = "stopped"};

@@ -60,7 +60,7 @@ class Pace {
   bool is_moving_ = false;
   double feed_mm_s_ = 0;
   Motors steps_ = Motors::Zero(3);
-  Clock::time_point due_{};  ///< When what was played last was over.
+  Clock::duration late_{};  ///< What computing took, not yet made good.
 };
 
 /// A plant whose moves keep a pace. A plain move is performed once its time has passed,
@@ -79,6 +79,7 @@ class PacedPlant final : public Plant {
   bool SwitchClosed(Axis axis) override { return plant_->SwitchClosed(axis); }
 
  private:
+  Outcome Compute(const Segment& segment, const Watch& watch);
   Outcome RunPlain(const Segment& segment);
   double Play(const Segment& segment, double until_s);
 

@@ -1,7 +1,11 @@
 #include <algorithm>
 #include <array>
+#include <chrono>
+#include <mutex>
 #include <string>
 #include <string_view>
+#include <thread>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -184,6 +188,75 @@ TEST_P(EveryDialect, AnswersInTextWhateverItIsTold) {
     if (HasFailure()) return;
   }
   EXPECT_GT(answered, kLines / 10);
+}
+
+/// What a port says, as it comes.
+struct Heard {
+  std::mutex mutex{};
+  std::string bytes{};
+  Say Into() {
+    return [this](std::string_view said) {
+      const std::lock_guard<std::mutex> lock(mutex);
+      bytes += said;
+    };
+  }
+  std::string Take() {
+    const std::lock_guard<std::mutex> lock(mutex);
+    return std::exchange(bytes, {});
+  }
+};
+
+// Whatever it was told, it answers each line once, and after a reset it is there.
+TEST(GrblDialect, AnswersInTextAndOnceALine) {
+  TwinOptions options{.machine = "gantry_router", .fidelity = "fast"};
+  const auto file = FindMachine(options.machine, "", {.file = options.machine});
+  const Served served =
+      DialectOf(ServedKindOf(file), "grbl").make(file, {.twin = options});
+  Heard heard;
+  const auto port = served.open_port(heard.Into());
+  Rng rng(20261128, 0, "grbl");
+  const auto told = [&](const std::string& bytes, const std::string& until) {
+    port->Hear(bytes);
+    std::string said;
+    for (int i = 0; i < 2000 && said.find(until) == std::string::npos; ++i) {
+      said += heard.Take();
+      if (said.find(until) == std::string::npos)
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    return said;
+  };
+  constexpr int kLines = 1500;
+  for (int i = 0; i < kLines; ++i) {
+    std::string line = Line(&rng);
+    if (rng.Uniform() < 0.3) line = "$" + line;
+    // What acts at once is told apart below; a sleep or a pause lasts until a reset.
+    std::erase_if(line, [](char byte) {
+      return byte == '?' || byte == '!' || byte == '~' || byte == 0x18 || byte < 0;
+    });
+    port->Hear(line + "\n");
+    const std::string said = told("\x18", "Grbl 1.1h");
+    EXPECT_NE(said.find("Grbl 1.1h"), std::string::npos) << Escaped(line);
+    EXPECT_NE(told("?", ">").find("MPos:"), std::string::npos) << Escaped(line);
+    std::string text = said;
+    std::erase(text, '\r');
+    std::ranges::replace(text, '\n', ' ');
+    EXPECT_EQ(WrongWith(text), "")
+        << "told " << Escaped(line) << "\nsaid " << Escaped(said);
+    if (HasFailure()) return;
+  }
+  told("$X\n", "ok");
+  std::string many;
+  for (int i = 0; i < 6; ++i) many += i % 2 == 0 ? "G91 G0 X-0.1\n" : "foo\n";
+  const std::string said = told(many + "$I\n", "128]\r\nok");
+  const auto count = [&](const std::string& word) {
+    int found = 0;
+    for (std::size_t at = said.find(word); at != std::string::npos;
+         at = said.find(word, at + 1)) {
+      ++found;
+    }
+    return found;
+  };
+  EXPECT_EQ(count("ok\r\n") + count("error:"), 7) << said;
 }
 
 INSTANTIATE_TEST_SUITE_P(AsServed, EveryDialect, ::testing::ValuesIn(kMachines));

@@ -52,6 +52,7 @@ Action DeclareIso230(CLI::App* app);
 Action DeclareKlipper(CLI::App* app);
 Action DeclareLinuxCnc(CLI::App* app);
 Action DeclareNew(CLI::App* app);
+Action DeclareOracle(CLI::App* app);
 Action DeclarePlan(CLI::App* app);
 Action DeclareRender(CLI::App* app);
 Action DeclareRun(CLI::App* app);

@@ -23,6 +23,7 @@ constexpr std::array kCommands = {
     Command{"plan", "what a measuring plan can and cannot see", DeclarePlan},
     Command{"simulate", "the twin performs a measuring plan", DeclareSimulate},
     Command{"serve", "let real clients talk to a twin", DeclareServe},
+    Command{"oracle", "score a program that calibrates deltas", DeclareOracle},
     Command{"klipper", "Klipper's own host drives a twin", DeclareKlipper},
     Command{"linuxcnc", "LinuxCNC drives a twin", DeclareLinuxCnc},
     Command{"import", "read somebody else's measurements", DeclareImport},

@@ -13,6 +13,7 @@
 #include "tools/commands/api/web_service.h"
 #include "tools/commands/command.h"
 #include "tools/commands/kinds/served.h"
+#include "tools/commands/serve/paced_link.h"
 #include "tools/commands/serve/serve.h"
 #include "tools/commands/serve/serve_klipper.h"
 #include "tools/commands/serve/serve_linuxcnc.h"
@@ -186,8 +187,9 @@ int Serve(ServeAsked options) {
   const Served served = dialect.make(machine, {options.twin, options.bench, speed});
   Announce(served.about + "; Ctrl-C ends");
   if (served.open_port) return Listen(options, served.open_port);
-  SharedLink shared(served.link);
-  return Listen(options, PortsOf(&shared));
+  PacedLink paced(served.link, served.time_s, speed);
+  SharedLink shared(&paced);
+  return Listen(options, PortsOf(&shared, dialect.says_busy));
 }
 
 void DeclareWeb(CLI::App* app, ServeAsked* options) {
@@ -259,8 +261,8 @@ Action DeclareServe(CLI::App* app) {
       ->check(CLI::IsMember({"rrf", "grbl", "marlin", "klipper", "motor"}));
   app->add_option("--speed",
                   options->speed,
-                  "with --dialect grbl: seconds of the machine in one of ours, 1 as a "
-                  "real one; without it a move is over as soon as it is computed")
+                  "seconds of the machine in one of ours, 1 as a real one (rrf, grbl, "
+                  "marlin); without it a move is over as soon as it is computed")
       ->check(CLI::Range(kSlowest, kFastest));
   app->footer(
       "A browser shows the pages of --http; a terminal program or G-code sender "

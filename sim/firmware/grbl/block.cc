@@ -88,6 +88,7 @@ bool BlockReader::TakeAxisG(int code, int hundredths) {
       TakeAxes(Block::AxisCommand::kMotion);
       RequireWhole(hundredths);
       groups_.Take(kMotionMode);
+      block_.sets_motion = true;
       block_.modal.motion = code;
       return true;
     case 38:
@@ -95,6 +96,7 @@ bool BlockReader::TakeAxisG(int code, int hundredths) {
       if (hundredths % 10 != 0 || hundredths < 20 || hundredths > 50)
         throw LineError(kUnsupported);
       groups_.Take(kMotionMode);
+      block_.sets_motion = true;
       block_.modal.motion = 380 + hundredths / 10;
       return true;
     case 43:
@@ -116,6 +118,7 @@ void BlockReader::TakeG(int code, int hundredths) {
     block_.non_modal = code;
   } else if (code == 80) {
     groups_.Take(kMotionMode);
+    block_.sets_motion = true;
     modal.motion = kNoMotion;
   } else if (code >= 17 && code <= 19) {
     groups_.Take(kPlane);

@@ -87,8 +87,9 @@ struct Block {
   /// The command that takes the axis words: none, of this line alone, a motion, G43.1.
   enum class AxisCommand { kNone, kNonModal, kMotion, kToolLength };
   AxisCommand axis_command = AxisCommand::kNone;
-  bool cancels_tool_length = false;                ///< G49.
-  bool sets_feed_mode = false;                     ///< G93 or G94 stands in it.
+  bool cancels_tool_length = false;  ///< G49.
+  bool sets_motion = false;          ///< A command of the motion group stands in it.
+  bool sets_feed_mode = false;       ///< G93 or G94 stands in it.
   std::array<std::optional<double>, 26> values{};  ///< Of words that are no G and M.
 
   std::optional<double> Value(char letter) const { return values[Place(letter)]; }

@@ -157,14 +157,13 @@ void Controller::Jog(std::string_view line) {
   if (motion_.has_queued() && !is_jogging()) throw LineError(kNotIdle);
   Block block = ReadBlock(line, modal_);
   // Nothing but units, distances and G53 may stand beside its places and its feed.
-  const bool is_jog = block.axis_command == Block::AxisCommand::kMotion &&
-                      block.modal.motion == modal_.motion && block.program < 0 &&
-                      (block.non_modal < 0 || block.non_modal == 53) &&
-                      block.modal.plane == modal_.plane &&
-                      block.modal.spindle == modal_.spindle &&
-                      block.modal.has_flood == modal_.has_flood &&
-                      block.modal.workplace == modal_.workplace &&
-                      !block.sets_feed_mode && !block.cancels_tool_length;
+  const bool is_jog =
+      block.axis_command == Block::AxisCommand::kMotion && !block.sets_motion &&
+      block.program < 0 && (block.non_modal < 0 || block.non_modal == 53) &&
+      block.modal.plane == modal_.plane && block.modal.spindle == modal_.spindle &&
+      block.modal.has_flood == modal_.has_flood &&
+      block.modal.workplace == modal_.workplace && !block.sets_feed_mode &&
+      !block.cancels_tool_length;
   if (!is_jog) throw LineError(kInvalidJog);
   if (!block.has_axis_words()) throw LineError(kNoAxisWords);
   const auto feed_mm_min = TakeLength_mm(&block, 'F');

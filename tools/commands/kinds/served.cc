@@ -39,7 +39,10 @@ Served Gantry(const fs::path&, const ServeOptions& options) {
                                twin->config().machine.name,
                                ToString(twin->config().fidelity)),
           .machine = twin,
-          .link = &twin->link()};
+          .link = &twin->link(),
+          .time_s = [twin = twin.get()] {
+            return twin->machine_time_s();
+          }};
 }
 
 /// A gantry behind grbl, and what they share.
@@ -99,7 +102,10 @@ Served Delta(const fs::path& file, const ServeOptions& asked) {
                                read.machine.name,
                                ToString(twin->config().fidelity)),
           .machine = twin,
-          .link = &twin->link()};
+          .link = &twin->link(),
+          .time_s = [twin = twin.get()] {
+            return twin->machine_time_s();
+          }};
 }
 
 std::unique_ptr<Board> DeltaBoard(const fs::path& file, const TwinOptions& options) {
@@ -176,12 +182,14 @@ Served Motors(const fs::path& file, const ServeOptions& asked) {
 const std::vector<ServedKind>& Kinds() {
   static const std::vector<ServedKind> kinds = {
       {.kind = "cartesian",
-       .dialects = {{"rrf", Gantry}, {"grbl", GantryWithGrbl, /*keeps_pace=*/true}},
+       .dialects = {{.name = "rrf", .make = Gantry, .keeps_pace = true},
+                    {.name = "grbl", .make = GantryWithGrbl, .keeps_pace = true}},
        .board = GantryBoard,
        .printer_cfg = PrinterCfgOfGantry,
        .linuxcnc = LinuxCncOfGantry},
       {.kind = "delta",
-       .dialects = {{"marlin", Delta}},
+       .dialects =
+           {{.name = "marlin", .make = Delta, .keeps_pace = true, .says_busy = true}},
        .board = DeltaBoard,
        .printer_cfg = PrinterCfgOfDelta,
        .linuxcnc = LinuxCncOfDelta},

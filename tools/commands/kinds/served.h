@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <string>
@@ -21,6 +22,8 @@ struct Served {
   std::string about{};  ///< Its name, its fidelity and what its controller speaks.
   std::shared_ptr<void> machine{};
   Link* link = nullptr;
+  /// Of a link: the machine's own time; empty: it knows none.
+  std::function<double()> time_s{};
   OpenPort open_port{};
 };
 
@@ -38,6 +41,7 @@ struct ServedDialect {
   /// The machine of that file. Throws InputError.
   Served (*make)(const std::filesystem::path& machine, const ServeOptions& options);
   bool keeps_pace = false;  ///< It knows `--speed`.
+  bool says_busy = false;   ///< While a line takes long, as Marlin does.
 };
 
 /// How the machines of one kind are served.

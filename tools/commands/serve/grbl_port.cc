@@ -30,9 +30,10 @@ class GrblMachine::ClientPort final : public Port {
   ClientPort(const ClientPort&) = delete;
   ClientPort& operator=(const ClientPort&) = delete;
 
-  void Open(bool is_serial) override {
+  bool RestartsWhenOpened() const override { return true; }
+  void Open(bool has_restarted) override {
     grbl::Controller* const controller = machine_->controller_;
-    if (!is_serial) {
+    if (!has_restarted) {
       client_->Tell("\r\nGrbl 1.1h ['$' for help]\r\n");
       return;
     }
@@ -206,11 +207,12 @@ bool GrblMachine::Turn() {
     const Line line = std::move(lines_.front());
     lines_.pop_front();
     lock.unlock();
-    const std::string answer = TextOf(controller_->Execute(line.text));
     {
+      // Out of the buffer while it is obeyed, as in grbl.
       const std::lock_guard<std::mutex> client_lock(line.client->mutex);
       line.client->waiting -= line.bytes;
     }
+    const std::string answer = TextOf(controller_->Execute(line.text));
     line.client->Tell(answer);
     begin_ = std::chrono::steady_clock::now() + kGathering;
   } else {

@@ -19,9 +19,11 @@ class Port {
   Port(const Port&) = delete;
   Port& operator=(const Port&) = delete;
   virtual ~Port() = default;
-  /// A client has come. `is_serial`: it opened a serial port, which restarts boards
-  /// that do so.
-  virtual void Open(bool /*is_serial*/) {}
+  /// Whether the board restarts when somebody opens its serial port, as an Arduino
+  /// does; what it is sent meanwhile it does not hear.
+  virtual bool RestartsWhenOpened() const { return false; }
+  /// A client has come. `has_restarted`: by a serial port, of a board that does so.
+  virtual void Open(bool /*has_restarted*/) {}
   /// What the client sends, in pieces of any size. false: no client of ours, end it.
   virtual bool Hear(std::string_view bytes) = 0;
 };
@@ -30,7 +32,8 @@ class Port {
 using OpenPort = std::function<std::unique_ptr<Port>(Say say)>;
 
 /// Ports to a link: a line in, its answer and `ok` out, in RepRapFirmware's manner
-/// (session.h). `link` is borrowed.
-OpenPort PortsOf(Link* link);
+/// (session.h). `link` is borrowed. `says_busy`: a line that takes longer is not
+/// silent, every two seconds it says `echo:busy: processing`, in Marlin's manner.
+OpenPort PortsOf(Link* link, bool says_busy = false);
 
 }  // namespace caltwin

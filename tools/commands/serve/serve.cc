@@ -24,8 +24,8 @@ namespace fs = std::filesystem;
 using std::chrono::milliseconds;
 
 constexpr milliseconds kGlance{200};  // Between two looks at the stop flag.
-/// So long after opening a serial port clients throw away what has come by it.
-constexpr milliseconds kOpening{300};
+/// So long a board takes to restart. Clients throw away what has come by then.
+constexpr milliseconds kRestart{300};
 
 /// Tells when somebody opens a terminal.
 class Openings {
@@ -55,18 +55,21 @@ void Converse(const OpenPort& open_port,
   const std::unique_ptr<Port> port = open_port([&](std::string_view bytes) {
     if (!is_deaf && !channel.Write(bytes)) is_deaf = true;
   });
-  if (openings == nullptr) port->Open(/*is_serial=*/false);
-  std::optional<std::chrono::steady_clock::time_point> opening;
+  if (openings == nullptr) port->Open(/*has_restarted=*/false);
+  const bool restarts = openings != nullptr && port->RestartsWhenOpened();
+  std::optional<std::chrono::steady_clock::time_point> restarted;
   while (!stop) {
+    const auto [status, bytes] =
+        channel.ReadSome(restarted ? kRestart / 4 : kGlance / 4);
     const auto now = std::chrono::steady_clock::now();
-    if (openings != nullptr && openings->HasBeenOpened()) opening = now + kOpening;
-    if (opening && now >= *opening) {
-      opening.reset();
+    if (restarts && openings->HasBeenOpened()) restarted = now + kRestart;
+    if (restarted && now >= *restarted) {
+      restarted.reset();
       is_deaf = false;
-      port->Open(/*is_serial=*/true);
+      port->Open(/*has_restarted=*/true);
     }
-    const auto [status, bytes] = channel.ReadSome(opening ? kOpening / 4 : kGlance / 4);
     if (status == LineChannel::Status::kTimeout) continue;
+    if (status == LineChannel::Status::kLine && restarted) continue;
     const bool is_over = status == LineChannel::Status::kClosed || !port->Hear(bytes);
     if (is_over || (is_deaf && openings == nullptr)) return;
   }

@@ -122,8 +122,18 @@ Reply MarlinDelta::Obey(const GcodeCommand& command) {
   if (command.Is('M', 503)) return Report();
   if (command.Is('M', 115)) {
     return {.lines = {"FIRMWARE_NAME:Marlin (caltwin) PROTOCOL_VERSION:1.0 "
-                      "MACHINE_TYPE:Delta EXTRUDER_COUNT:1"}};
+                      "MACHINE_TYPE:Delta EXTRUDER_COUNT:1",
+                      "Cap:EEPROM:1",
+                      "Cap:AUTOREPORT_TEMP:0",
+                      "Cap:AUTOLEVEL:1",
+                      "Cap:Z_PROBE:1",
+                      "Cap:LEVELING_DATA:1",
+                      "Cap:EMERGENCY_PARSER:0"}};
   }
+  if (command.Is('M', 20) || command.Is('M', 21) || command.Is('M', 27)) {
+    return {.lines = {"echo:No SD card"}};
+  }
+  if (command.Is('M', 105)) return {.lines = {"T:0.00 /0.00 B:0.00 /0.00 @:0 B@:0"}};
   if (command.Is('M', 119)) return Switches();
   if (command.Is('M', 92)) {
     return {.lines = {fmt::format("echo: M92 X{:.2f} Y{:.2f} Z{:.2f}",
@@ -142,7 +152,14 @@ Reply MarlinDelta::Obey(const GcodeCommand& command) {
   if (shifts || command.Is('G', 20) || command.Is('G', 2) || command.Is('G', 3)) {
     return Refusal(command.Name() + " is not part of this machine");
   }
-  if (command.Is('M', 400) || command.Is('G', 21) || command.Is('G', 92)) return {};
+  if (command.Is('G', 21) || command.Is('G', 92)) return {};
+  // Waiting, and what printing needs besides: nothing here is warm, or turns.
+  constexpr std::array kAccepted = {17,  18,  82,  83,  84,  104, 106, 107,
+                                    108, 109, 110, 113, 117, 140, 155, 190,
+                                    201, 203, 204, 205, 211, 220, 221, 400};
+  if (command.letter == 'M' &&
+      std::ranges::find(kAccepted, command.code) != kAccepted.end())
+    return {};
   return {.lines = {fmt::format("echo:Unknown command: \"{}\"", command.Name())}};
 }
 
