@@ -78,6 +78,9 @@ struct RunResult {
   /// Both are instead how far the clean nozzle, commanded to 0 over the middle of the
   /// bed, is from its surface.
   bool is_error_of_nozzle = false;
+  /// The figure that its kind is calibrated for (TrueFigure), in the kind's own unit;
+  /// none where it has none. Not written.
+  std::optional<double> figure_before{}, figure_after{};
   double machine_time_s = 0;
   double cpu_s = 0;
   int touches = 0;

@@ -128,6 +128,10 @@ void Judge(const Scenario& scenario,
       result->parameters,
       [](const ParameterResult& row) { return row.error.has_value(); });
   end.told_wrong = end.told_wrong || (!Calibrates(scenario) && !is_told);
+  if (end.figure) {
+    result->figure_before = end.figure->before;
+    result->figure_after = end.figure->after;
+  }
   result->outcome = JudgeOutcome(results, end, all_met);
   CheckParameters(expect, results, result);
   for (const FigureExpectation& expected : expect.figures) {

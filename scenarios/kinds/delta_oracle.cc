@@ -25,8 +25,9 @@ DeltaModel<double> Drawn() {
 
 Json GeometryJson(const DeltaModel<double>& model) {
   std::array<double, 3> angle_deg{};
-  std::ranges::transform(
-      model.angle_rad, angle_deg.begin(), [](double rad) { return DegFromRad(rad); });
+  std::ranges::transform(model.angle_rad, angle_deg.begin(), [](double rad) {
+    return std::round(DegFromRad(rad) * 1e9) / 1e9;
+  });
   return {{"endstop_mm", model.endstop_mm},
           {"radius_mm", model.radius_mm},
           {"angle_deg", angle_deg},
@@ -176,7 +177,8 @@ Json DeltaOracle::Done(const nlohmann::json& asked) {
                     .touches = touches_,
                     .before_um = rms_um(Drawn()),
                     .after_um = rms_um(geometry)};
-  score.is_worse = !(score.after_um < score.before_um);
+  constexpr double kSame = 1 - 1e-6;
+  score.is_worse = !(score.after_um < kSame * score.before_um);
   const double scale =
       DeltaAccuracyOf(machine_.build, machine_.bed, geometry, kCompareRadius_mm)
           .xy_scale;

@@ -150,6 +150,8 @@ class Motion {
   };
   /// One move from rest to rest, or to the stop; the queue is empty.
   Ended RunAlone(const Vec3<double>& target_mm, double feed_mm_s, const Watch& watch);
+  /// One move that nothing is to end; whether nothing did.
+  bool RunWhole(const Vec3<double>& target_mm, double feed_mm_s);
   /// Brakes from a feed, in a direction.
   void Brake(const Vec3<double>& along, double feed_mm_s);
   /// The motors stand on whole steps where a move was left; the queue is dropped.

@@ -1,4 +1,4 @@
-// Moves that something met on the way ends: the probe, a switch.
+// Moves that are ended by what they meet: the probe, a switch.
 
 #include "sim/firmware/motion.h"
 
@@ -42,6 +42,11 @@ void Motion::Brake(const Vec3<double>& along, double feed_mm_s) {
   NoteDone();
 }
 
+bool Motion::RunWhole(const Vec3<double>& target_mm, double feed_mm_s) {
+  const Outcome outcome = RunAlone(target_mm, feed_mm_s, Watch{}).outcome;
+  return !outcome.alarm && !outcome.stopped;
+}
+
 bool Motion::RunToSwitch(Axis axis, double travel_mm, double feed_mm_s) {
   if (plant_->SwitchClosed(axis)) return true;
   Vec3<double> target_mm = commanded_mm();
@@ -61,7 +66,7 @@ bool Motion::Home(Axis axis, const Homing& homing) {
   if (!RunToSwitch(axis, to_home * search_mm, homing.fast_mm_s)) return false;
   Vec3<double> away_mm = commanded_mm();
   away_mm[Index(axis)] -= to_home * homing.back_off_mm;
-  if (RunAlone(away_mm, homing.fast_mm_s, Watch{}).outcome.alarm) return false;
+  if (!RunWhole(away_mm, homing.fast_mm_s)) return false;
   if (!RunToSwitch(axis, to_home * 2 * homing.back_off_mm, homing.slow_mm_s)) {
     return false;
   }
@@ -69,7 +74,7 @@ bool Motion::Home(Axis axis, const Homing& homing) {
   if (homing.pull_off_mm == 0) return true;
   away_mm = commanded_mm();
   away_mm[Index(axis)] -= to_home * homing.pull_off_mm;
-  return !RunAlone(away_mm, homing.fast_mm_s, Watch{}).outcome.alarm;
+  return RunWhole(away_mm, homing.fast_mm_s);
 }
 
 }  // namespace caltwin

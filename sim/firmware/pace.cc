@@ -10,6 +10,7 @@ namespace {
 using std::chrono::duration;
 using std::chrono::duration_cast;
 
+constexpr double kLongest_s = 1e7;  // Of one move: nobody waits that long.
 constexpr std::chrono::milliseconds kGlance(20);  // Between two looks at a timed move.
 /// What computing took is made good in the next move, up to so much.
 constexpr std::chrono::milliseconds kMadeGood(500);
@@ -50,9 +51,16 @@ void Pace::Stop() {
   changed_.notify_all();
 }
 
+void Pace::StopForGood() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  is_over_ = true;
+  is_stopped_ = true;
+  changed_.notify_all();
+}
+
 void Pace::Clear() {
   const std::lock_guard<std::mutex> lock(mutex_);
-  is_stopped_ = false;
+  is_stopped_ = is_over_;
   is_held_ = false;
 }
 
@@ -101,8 +109,8 @@ double Pace::Play(double duration_s, const std::function<void(double)>& show) {
   }
   Clock::time_point begin =
       Clock::now() - std::min<Clock::duration>(std::exchange(late_, {}), kMadeGood);
-  const auto whole =
-      duration_cast<Clock::duration>(duration<double>(duration_s / speed_));
+  const auto whole = duration_cast<Clock::duration>(
+      duration<double>(std::min(duration_s / speed_, kLongest_s)));
   while (Clock::now() < begin + whole) {
     const duration<double> passed = Clock::now() - begin;
     const double gone_s = std::clamp(passed.count() * speed_, 0.0, duration_s);
@@ -121,8 +129,9 @@ double Pace::Play(double duration_s, const std::function<void(double)>& show) {
   return duration_s;
 }
 
-double PacedPlant::Play(const Segment& segment, double until_s) {
+double PacedPlant::Play(const Segment& segment, double until_s, bool is_plain) {
   return pace_->Play(until_s, [&](double gone_s) {
+    if (is_plain && pace_->meanwhile_ && gone_s < until_s) pace_->meanwhile_();
     const Motors steps = segment.Steps(gone_s);
     const double feed_mm_s = segment.profile.Feed_mm_s(gone_s);
     const std::lock_guard<std::mutex> lock(pace_->mutex_);
@@ -141,7 +150,7 @@ Outcome PacedPlant::Compute(const Segment& segment, const Watch& watch) {
 
 Outcome PacedPlant::RunPlain(const Segment& segment) {
   const double duration_s = segment.profile.Duration_s();
-  const double gone_s = Play(segment, duration_s);
+  const double gone_s = Play(segment, duration_s, /*is_plain=*/true);
   if (gone_s >= duration_s) return Compute(segment, Watch{});
   if (segment.profile.Distance_mm(gone_s) <= 0) return {.stopped = true};
   Outcome outcome = Compute(Beginning(segment, gone_s), Watch{});
@@ -156,7 +165,8 @@ Outcome PacedPlant::Run(const Segment& segment, const Watch& watch) {
     outcome = RunPlain(segment);
   } else if (pace_->WaitWhileHeld()) {
     outcome = Compute(segment, watch);
-    if (Play(segment, outcome.time_s) < outcome.time_s) outcome.alarm = "stopped";
+    if (Play(segment, outcome.time_s, /*is_plain=*/false) < outcome.time_s)
+      outcome.alarm = "stopped";
   } else {
     outcome = {.alarm = "stopped"};
   }

@@ -5,6 +5,7 @@
 #include <functional>
 #include <limits>
 #include <mutex>
+#include <utility>
 
 #include "sim/firmware/plant.h"
 
@@ -30,6 +31,8 @@ class Pace {
   bool is_held() const;
   /// Ends the move being performed where it is, and all that follow, until Clear.
   void Stop();
+  /// The same, and Clear does not end it.
+  void StopForGood();
   bool is_stopped() const;
   /// Whether a move is on its way, and how fast it goes.
   bool is_moving() const;
@@ -39,6 +42,11 @@ class Pace {
 
   /// @name From the thread that performs moves
   void Clear();
+  /// Called while a plain move goes on, every 20 ms or oftener: what its controller
+  /// does besides. It may add moves and must perform none.
+  void SetMeanwhile(std::function<void()> meanwhile) {
+    meanwhile_ = std::move(meanwhile);
+  }
   /// Where the motors stand while nothing moves.
   void Show(const Motors& steps);
   /// Lets so much of the machine's time pass, `show` called on the way with the part
@@ -57,9 +65,11 @@ class Pace {
   std::condition_variable changed_{};
   bool is_held_ = false;
   bool is_stopped_ = false;
+  bool is_over_ = false;
   bool is_moving_ = false;
   double feed_mm_s_ = 0;
   Motors steps_ = Motors::Zero(3);
+  std::function<void()> meanwhile_{};
   Clock::duration late_{};  ///< What computing took, not yet made good.
 };
 
@@ -81,7 +91,7 @@ class PacedPlant final : public Plant {
  private:
   Outcome Compute(const Segment& segment, const Watch& watch);
   Outcome RunPlain(const Segment& segment);
-  double Play(const Segment& segment, double until_s);
+  double Play(const Segment& segment, double until_s, bool is_plain);
 
   Plant* plant_;
   Pace* pace_;

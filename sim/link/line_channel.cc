@@ -16,8 +16,6 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
-constexpr milliseconds kWritePatience{10'000};
-
 /// Waits until the descriptor is ready or the time is up; false: the time is up.
 bool WaitFor(int descriptor, short events, Clock::time_point until) {
   for (;;) {
@@ -86,9 +84,9 @@ LineChannel::Result LineChannel::ReadLine(milliseconds patience) {
   return {.status = Status::kLine, .line = std::move(line)};
 }
 
-bool LineChannel::Write(std::string_view text) {
+bool LineChannel::Write(std::string_view text, milliseconds patience) {
   const std::lock_guard<std::mutex> lock(writing_);
-  const Clock::time_point until = Clock::now() + kWritePatience;
+  const Clock::time_point until = Clock::now() + patience;
   std::size_t sent = 0;
   while (sent < text.size()) {
     ssize_t count =

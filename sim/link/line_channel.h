@@ -45,9 +45,10 @@ class LineChannel {
   /// What has come, at most so long waited for: kLine with bytes as they are.
   Result ReadSome(std::chrono::milliseconds patience);
   /// Sends the line and a newline; false where the other side is gone or takes nothing
-  /// for ten seconds.
+  /// for as long as the patience, ten seconds.
   bool WriteLine(std::string_view line) { return Write(std::string(line) + "\n"); }
-  bool Write(std::string_view bytes);
+  bool Write(std::string_view bytes,
+             std::chrono::milliseconds patience = std::chrono::seconds(10));
   /// Forgets what has arrived and was not read.
   void Discard();
 

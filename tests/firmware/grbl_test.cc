@@ -93,7 +93,8 @@ TEST(Grbl, RefusesWithItsNumbers) {
                                                           {"G92", 26},
                                                           {"G10 L2 P1", 26},
                                                           {"G4", 28},
-                                                          {"G10 P1 X0", 28},
+                                                          {"G10 X0", 28},
+                                                          {"G10 P1 X0", 20},
                                                           {"G10 L2 P9 X0", 29},
                                                           {"G53 G2 X-1 I1 F9", 30},
                                                           {"G80 X-1", 31},
@@ -143,7 +144,7 @@ TEST(Grbl, ProbeThatFindsNothingIsAnAlarmOnlyWhereItMustFind) {
   EXPECT_THAT(bench.Say("G38.3 X-200 F6000"),
               ElementsAre("[PRB:-200.000,-298.000,-2.000:0]", "ok"));
   EXPECT_THAT(bench.Say("G38.2 X-190 F6000"),
-              ElementsAre("ALARM:5", "[PRB:-190.000,-298.000,-2.000:0]", "ok"));
+              ElementsAre("ALARM:5", "[PRB:-200.000,-298.000,-2.000:0]", "ok"));
   EXPECT_THAT(bench.Say("G0 X-1"), ElementsAre("error:9"));
   EXPECT_THAT(bench.Say("$X"), ElementsAre("[MSG:Caution: Unlocked]", "ok"));
   EXPECT_THAT(bench.Say("G38.4 X-180 F6000"), ElementsAre("ALARM:4", "ok"));
@@ -207,6 +208,63 @@ TEST(Grbl, InchesAndInverseTime) {
   // 25.4 mm in a second.
   EXPECT_NEAR(bench.plant.segments.back().profile.feed_top_mm_s, 25.4, 0.01);
   EXPECT_THAT(bench.Say("G1 X-2"), ElementsAre("error:22"));
+}
+
+// Found by an independent review.
+TEST(Grbl, ChecksAProgramWithoutMoving) {
+  GrblBench bench;
+  bench.Do({"$H"});
+  EXPECT_THAT(bench.Say("$C"), ElementsAre("[MSG:Enabled]", "ok"));
+  bench.Do({"G90 G0 X-10 Y-10", "G2 X-20 Y-10 I-5 J0 F100"});  // On its circle there.
+  EXPECT_THAT(bench.Say("$H"), ElementsAre("error:8"));
+  EXPECT_THAT(bench.Say("$J=X-5 F100"), ElementsAre("error:8"));
+  EXPECT_THAT(bench.Say("G0 X5"), ElementsAre("ALARM:2", "[MSG:Reset to continue]"));
+  EXPECT_NEAR(bench.Place()[0], -298, 1e-9);
+}
+
+TEST(Grbl, InverseTimeOfACircleIsItsOwnLength) {
+  GrblBench bench;
+  bench.Do({"$H", "G90 G0 X-100 Y-100 Z-20", "G91 G93 G2 X0 Y0 I5 J0 F60"});
+  bench.Place();
+  // 31.4 mm in a second; the jerk at the chords' corners allows it.
+  EXPECT_NEAR(
+      bench.plant.segments[bench.plant.segments.size() / 2].profile.feed_top_mm_s,
+      31.4,
+      0.2);
+}
+
+TEST(Grbl, SettingsThatNothingCouldMoveWithAreRefused) {
+  GrblBench bench;
+  for (const char* const line : {"$24=0", "$25=0", "$27=0", "$100=0", "$110=0"}) {
+    EXPECT_THAT(bench.Say(line), ElementsAre("error:3")) << line;
+  }
+}
+
+TEST(Grbl, AnswersOkBeforeItBeginsAnew) {
+  GrblBench bench;
+  bench.Do({"$H"});
+  EXPECT_THAT(
+      bench.Say("$RST=#"),
+      ElementsAre("[MSG:Restoring defaults]", "ok", "", StartsWith("Grbl 1.1h")));
+  EXPECT_THAT(bench.Say("$SLP"), ElementsAre("ok", "[MSG:Sleeping]"));
+  EXPECT_TRUE(bench.Say("$G").empty());
+  bench.pace.Stop();
+  EXPECT_THAT(bench.grbl.Reset(false), testing::Contains("[MSG:'$H'|'$X' to unlock]"));
+}
+
+TEST(Grbl, OptionalStopDoesNotPause) {
+  GrblBench bench;
+  bench.Do({"$H", "M1"});
+  EXPECT_THAT(bench.Say("M30"), ElementsAre("[MSG:Pgm End]", "ok"));
+}
+
+TEST(Grbl, RapidsGoAsTheirOverrideSays) {
+  GrblBench bench;
+  bench.Do({"$H"});
+  bench.grbl.Override(0x97);  // A quarter of 100 mm/s.
+  bench.Do({"G0 X-10"});
+  bench.Place();
+  EXPECT_NEAR(bench.plant.segments.back().profile.feed_top_mm_s, 25, 1e-6);
 }
 
 /// A thread that performs what waits, as the server's does.

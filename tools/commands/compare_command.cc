@@ -19,6 +19,7 @@
 #include "scenarios/kinds/compare_delta.h"
 #include "scenarios/kinds/compare_levelling.h"
 #include "scenarios/kinds/compare_measured.h"
+#include "scenarios/museum.h"
 #include "sim/base/input_error.h"
 #include "sim/base/text_file.h"
 #include "tools/commands/command.h"
@@ -134,6 +135,24 @@ int RunRandom(const CompareAsked& options) {
   return comparison.is_interrupted ? kInterrupted : kPassed;
 }
 
+// Public faults beside their cures; nothing of it is random.
+int RunMuseumOf(const CompareAsked& options) {
+  if (options.has_machines || !options.engines.empty() || !options.report.empty()) {
+    throw InputError({.file = "museum"},
+                     "has its own machines and procedures",
+                     "caltwin compare museum [--json FILE]");
+  }
+  const std::vector<Exhibit> exhibits =
+      ReadExhibits(ShareFolder() / "scenarios" / "museum" / "exhibits.yaml");
+  ProgressLine line;
+  const std::vector<ExhibitShown> shown =
+      RunMuseum(exhibits, [&](const std::string& fault) { line.Show(fault); });
+  line.Clear();
+  Write(options, MuseumText(shown), MuseumJson(shown));
+  if (InterruptRequested()) return kInterrupted;
+  return MuseumPassed(shown) ? kPassed : kCheckFailed;
+}
+
 /// What is calibrated on random machines; `on_measured`: on one that was measured.
 struct Comparison {
   std::string_view name;
@@ -149,7 +168,8 @@ constexpr std::array kComparisons = {
         RunRandom<CompareLevelling, LevellingComparisonText, LevellingComparisonJson>},
     Comparison{
         "backlash",
-        RunRandom<CompareBacklash, BacklashComparisonText, BacklashComparisonJson>}};
+        RunRandom<CompareBacklash, BacklashComparisonText, BacklashComparisonJson>},
+    Comparison{"museum", RunMuseumOf}};
 
 int RunCompare(const CompareAsked& options) {
   const auto* const asked =
@@ -166,9 +186,12 @@ int RunCompare(const CompareAsked& options) {
 Action DeclareCompare(CLI::App* app) {
   const auto options = std::make_shared<CompareAsked>();
   app->add_option(
-         "kind", options->kind, "what is calibrated: delta, levelling, backlash")
+         "kind",
+         options->kind,
+         "what is calibrated: delta, levelling, backlash; or museum: public faults, "
+         "each beside its cure")
       ->required()
-      ->check(CLI::IsMember({"delta", "levelling", "backlash"}));
+      ->check(CLI::IsMember({"delta", "levelling", "backlash", "museum"}));
   const CLI::Option* const machines =
       app->add_option("--machines", options->machines, "how many random machines")
           ->capture_default_str()

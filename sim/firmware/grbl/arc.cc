@@ -38,9 +38,9 @@ std::array<double, 2> FromRadius(double x_mm,
 
 Controller::Arc Controller::TakeArc(Block* block, const Vec3<double>& target_mm) const {
   Arc arc{.axes = PlaneOf(block->modal),
-          .from_mm = motion_.commanded_mm(),
+          .from_mm = At_mm(),
           .to_mm = target_mm,
-          .center_mm = motion_.commanded_mm(),
+          .center_mm = At_mm(),
           .is_clockwise = block->modal.motion == kClockwise};
   const Eigen::Index first = arc.axes[0], second = arc.axes[1];
   const double x_mm = arc.to_mm[first] - arc.from_mm[first];
@@ -68,18 +68,30 @@ Controller::Arc Controller::TakeArc(Block* block, const Vec3<double>& target_mm)
   return arc;
 }
 
+double Controller::Arc::turn_rad() const {
+  const Eigen::Index first = axes[0], second = axes[1];
+  const Vec3<double> begin_mm = from_mm - center_mm, end_mm = to_mm - center_mm;
+  constexpr double kTurn = 2 * std::numbers::pi, kNothing_rad = 5e-7;
+  const double turn =
+      std::atan2(begin_mm[first] * end_mm[second] - begin_mm[second] * end_mm[first],
+                 begin_mm[first] * end_mm[first] + begin_mm[second] * end_mm[second]);
+  if (is_clockwise && turn >= -kNothing_rad) return turn - kTurn;
+  if (!is_clockwise && turn <= kNothing_rad) return turn + kTurn;
+  return turn;
+}
+
+double Controller::Arc::length_mm() const {
+  const Vec3<double> begin_mm = from_mm - center_mm;
+  const double radius_mm = std::hypot(begin_mm[axes[0]], begin_mm[axes[1]]);
+  return std::hypot(radius_mm * turn_rad(), to_mm[axes[2]] - from_mm[axes[2]]);
+}
+
 // Chords that stay within the tolerance of $12.
 void Controller::MoveAlong(const Arc& arc, double feed_mm_s) {
   const Eigen::Index first = arc.axes[0], second = arc.axes[1], along = arc.axes[2];
   const Vec3<double> begin_mm = arc.from_mm - arc.center_mm;
-  const Vec3<double> end_mm = arc.to_mm - arc.center_mm;
   const double radius_mm = std::hypot(begin_mm[first], begin_mm[second]);
-  constexpr double kTurn = 2 * std::numbers::pi, kNothing_rad = 5e-7;
-  double turn_rad =
-      std::atan2(begin_mm[first] * end_mm[second] - begin_mm[second] * end_mm[first],
-                 begin_mm[first] * end_mm[first] + begin_mm[second] * end_mm[second]);
-  if (arc.is_clockwise && turn_rad >= -kNothing_rad) turn_rad -= kTurn;
-  if (!arc.is_clockwise && turn_rad <= kNothing_rad) turn_rad += kTurn;
+  const double turn_rad = arc.turn_rad();
   const double tolerance_mm = memory_.Value(kArcTolerance);
   const double under_root = tolerance_mm * (2 * radius_mm - tolerance_mm);
   constexpr int kMostChords = 20'000;

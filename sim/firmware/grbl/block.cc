@@ -88,7 +88,6 @@ bool BlockReader::TakeAxisG(int code, int hundredths) {
       TakeAxes(Block::AxisCommand::kMotion);
       RequireWhole(hundredths);
       groups_.Take(kMotionMode);
-      block_.sets_motion = true;
       block_.modal.motion = code;
       return true;
     case 38:
@@ -96,7 +95,6 @@ bool BlockReader::TakeAxisG(int code, int hundredths) {
       if (hundredths % 10 != 0 || hundredths < 20 || hundredths > 50)
         throw LineError(kUnsupported);
       groups_.Take(kMotionMode);
-      block_.sets_motion = true;
       block_.modal.motion = 380 + hundredths / 10;
       return true;
     case 43:
@@ -110,6 +108,9 @@ bool BlockReader::TakeAxisG(int code, int hundredths) {
 }
 
 void BlockReader::TakeG(int code, int hundredths) {
+  const bool is_for_jogs = code == 20 || code == 21 || code == 53 || code == 90 ||
+                           (code == 91 && hundredths == 0);
+  block_.has_more_than_jog = block_.has_more_than_jog || !is_for_jogs;
   if (TakeAxisG(code, hundredths)) return;
   Modal& modal = block_.modal;
   if (code == 91 && hundredths == 10) return groups_.Take(kArcDistance);
@@ -118,7 +119,6 @@ void BlockReader::TakeG(int code, int hundredths) {
     block_.non_modal = code;
   } else if (code == 80) {
     groups_.Take(kMotionMode);
-    block_.sets_motion = true;
     modal.motion = kNoMotion;
   } else if (code >= 17 && code <= 19) {
     groups_.Take(kPlane);
@@ -136,6 +136,7 @@ void BlockReader::TakeG(int code, int hundredths) {
   } else if (code == 40) {
     groups_.Take(kCutterRadius);
   } else if (code == 49) {
+    TakeAxes(Block::AxisCommand::kToolLength);
     groups_.Take(kToolLengthOffset);
     block_.cancels_tool_length = true;
   } else if (code >= 54 && code <= 59) {
@@ -150,6 +151,7 @@ void BlockReader::TakeG(int code, int hundredths) {
 }
 
 void BlockReader::TakeM(int code) {
+  block_.has_more_than_jog = true;
   switch (code) {
     case 0:
     case 1:
@@ -257,6 +259,11 @@ std::optional<double> ReadNumber(std::string_view text, std::size_t* at) {
 
 std::optional<double> Block::Take(char letter) {
   return std::exchange(values[Place(letter)], std::nullopt);
+}
+
+bool Block::HasValues() const {
+  return std::ranges::any_of(
+      values, [](const std::optional<double>& value) { return value.has_value(); });
 }
 
 Block ReadBlock(std::string_view stripped, const Modal& modal) {

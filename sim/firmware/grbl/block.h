@@ -51,6 +51,7 @@ inline constexpr int kArcRadius = 34;
 inline constexpr int kArcOffsets = 35;
 inline constexpr int kUnusedWords = 36;
 inline constexpr int kToolLengthAxis = 37;
+inline constexpr int kNoSuchTool = 38;
 
 /// The motion modes of G-code's group 1; a probe's are 382 to 385.
 inline constexpr int kRapid = 0, kLinear = 1, kClockwise = 2, kCounterClockwise = 3;
@@ -88,13 +89,16 @@ struct Block {
   enum class AxisCommand { kNone, kNonModal, kMotion, kToolLength };
   AxisCommand axis_command = AxisCommand::kNone;
   bool cancels_tool_length = false;  ///< G49.
-  bool sets_motion = false;          ///< A command of the motion group stands in it.
-  bool sets_feed_mode = false;       ///< G93 or G94 stands in it.
+  /// Commands beside G20 G21 G53 G90 G91, which are all that a jog may have.
+  bool has_more_than_jog = false;
+  bool sets_feed_mode = false;                     ///< G93 or G94 stands in it.
   std::array<std::optional<double>, 26> values{};  ///< Of words that are no G and M.
 
   std::optional<double> Value(char letter) const { return values[Place(letter)]; }
   /// The value, which counts as used from then on.
   std::optional<double> Take(char letter);
+  /// Whether any is not used yet.
+  bool HasValues() const;
   bool has_axis_words() const { return Value('X') || Value('Y') || Value('Z'); }
 
   static std::size_t Place(char letter) {

@@ -69,12 +69,15 @@ Controller::Lines Controller::Execute(std::string_view line) {
   said_.clear();
   if (needs_reset_ || is_asleep_) return {};
   says_ok_ = true;
+  begins_anew_ = false;
   try {
     const std::string stripped = Stripped(line);
     if (stripped.size() > kLongestLine) throw LineError(kLineTooLong);
     Obey(stripped);
     CheckMotion();
     if (says_ok_) said_.emplace_back("ok");
+    if (is_asleep_) said_.emplace_back("[MSG:Sleeping]");
+    if (begins_anew_) Begin();
   } catch (const LineError& error) {
     said_.emplace_back(error.what());
   }
@@ -94,8 +97,10 @@ void Controller::Obey(std::string_view line) {
 }
 
 Controller::Lines Controller::GoOn() {
+  is_performing_ = true;
+  motion_.PerformOne();  // On the way it may obey lines.
+  is_performing_ = false;
   said_.clear();
-  motion_.PerformOne();
   CheckMotion();
   Publish();
   return std::exchange(said_, {});
@@ -178,9 +183,33 @@ Controller::Lines Controller::Reset(bool in_motion) {
   }
   motion_.DropQueue();
   motion_.Acknowledge();
+  // Who wakes up does not know where it is.
+  is_locked_ = is_locked_ || is_asleep_;
   if (in_motion) Lock(was_homing ? Alarm::kResetInHoming : Alarm::kResetInMotion);
   Begin();
   return std::exchange(said_, {});
+}
+
+bool Controller::TakesMeanwhile(std::string_view line) const {
+  constexpr std::size_t kPlannerBlocks = 15;
+  if (needs_reset_ || is_asleep_ || motion_.num_queued() >= kPlannerBlocks)
+    return false;
+  try {
+    const std::string stripped = Stripped(line);
+    const bool is_jog = stripped.starts_with("$J=");
+    if (stripped.empty() || (stripped.front() == '$' && !is_jog)) return true;
+    Block block = ReadBlock(std::string_view(stripped).substr(is_jog ? 3 : 0), modal_);
+    // What waits for the moves before it, or may stop them, has to wait itself.
+    const int motion = block.modal.motion;
+    const bool moves = block.axis_command == Block::AxisCommand::kMotion;
+    if (block.program >= 0 || block.non_modal == 4 || block.non_modal == 28 ||
+        block.non_modal == 30 || (moves && motion != kRapid && motion != kLinear)) {
+      return false;
+    }
+    return !moves || !IsBeyondLimits(TakeTarget_mm(&block));
+  } catch (const LineError&) {
+    return true;  // It is refused, at once.
+  }
 }
 
 void Controller::EndJogs() {
@@ -191,6 +220,11 @@ void Controller::EndJogs() {
 }
 
 void Controller::Hold() {
+  {
+    const std::lock_guard<std::mutex> lock(live_mutex_);
+    const bool is_heard = !live_.is_locked && !live_.is_checking && !live_.is_asleep;
+    if (!is_heard && !live_.is_homing) return;
+  }
   pace_->Hold();
 }
 
@@ -204,10 +238,9 @@ bool Controller::is_jogging() const {
 }
 
 bool Controller::InMotion() const {
-  if (pace_->is_held()) return false;
-  const bool is_moving = pace_->is_moving();
+  const bool is_held = pace_->is_held(), is_moving = pace_->is_moving();
   const std::lock_guard<std::mutex> lock(live_mutex_);
-  return is_moving || live_.waiting_moves > 0 || live_.is_homing;
+  return live_.is_homing || (!is_held && (is_moving || live_.waiting_moves > 0));
 }
 
 void Controller::Override(unsigned char byte) {

@@ -18,7 +18,7 @@
 namespace caltwin::grbl {
 
 /// What grbl 1.1h answers and does on a machine of three straight axes, written from
-/// its documentation of the interface. docs/grbl.md lists what is simpler.
+/// its documentation of the interface. docs/grbl.md says what is simpler.
 ///
 /// Machine coordinates are grbl's: 0 at the upper end of each axis, negative below.
 /// Lines come from one thread, the one that performs moves; the members under "from any
@@ -41,6 +41,8 @@ class Controller {
   /// Moves that wait are performed one by one; what is printed of itself, an alarm.
   bool has_moves() const { return motion_.has_queued(); }
   Lines GoOn();
+  /// Whether it obeys that line also while a move goes on; else it is to wait.
+  bool TakesMeanwhile(std::string_view line) const;
   /// As a serial port that is opened does to the board: nothing is homed, the greeting.
   Lines SwitchOn();
   /// Ctrl-X; the pace is stopped by then. `in_motion`: it was InMotion() before that.
@@ -53,8 +55,9 @@ class Controller {
   /// The answer to `?`; while only a reset helps there is none, an empty text.
   /// `rx_free`: bytes that its serial buffer still takes.
   std::string Status(std::size_t rx_free);
-  /// `!` and `~`.
+  /// `!`, where it means something: neither in an alarm nor while it checks or sleeps.
   void Hold();
+  /// `~`.
   void Resume();
   bool is_jogging() const;
   /// Whether a reset now would lose the place.
@@ -110,6 +113,10 @@ class Controller {
   void TakeWorkplace(Block* block, Deeds* deeds);
   void TakeMotion(Block* block, Deeds* deeds);
   void EndProgram(int program);
+  /// Where the program is; while it is only checked, nothing moves.
+  Vec3<double> At_mm() const {
+    return is_checking_ ? checked_mm_ : motion_.commanded_mm();
+  }
   /// Where the axis words lead [mm]; they are used up.
   Vec3<double> TakeTarget_mm(Block* block) const;
   /// The value of a word that is a length.
@@ -118,7 +125,8 @@ class Controller {
   void MoveTo(const Vec3<double>& target_mm, double feed_mm_s);
   void Probe(const Vec3<double>& target_mm, int mode);
   bool IsBeyondLimits(const Vec3<double>& target_mm) const;
-  double FeedPart() const;  ///< The override of feeds.
+  /// The overrides of feeds and rapids, as parts of one.
+  std::array<double, 2> FeedAndRapidPart() const;
   bool RefuseBeyondLimits(const Vec3<double>& target_mm);
 
   /// @name arc.cc
@@ -127,6 +135,8 @@ class Controller {
     std::array<Eigen::Index, 3> axes{};  ///< The two of the plane, then the other.
     Vec3<double> from_mm{}, to_mm{}, center_mm{};
     bool is_clockwise = false;
+    double turn_rad() const;  ///< Counter-clockwise is positive.
+    double length_mm() const;
   };
   Arc TakeArc(Block* block, const Vec3<double>& target_mm) const;
   void MoveAlong(const Arc& arc, double feed_mm_s);
@@ -157,6 +167,9 @@ class Controller {
   bool is_checking_ = false;
   bool is_asleep_ = false;
   bool says_ok_ = true;
+  bool begins_anew_ = false;    ///< Behind the ok of this line.
+  bool is_performing_ = false;  ///< A move is on its way: GoOn has not returned.
+  Vec3<double> checked_mm_ = Vec3<double>::Zero();  ///< Where $C has come.
   Lines said_{};
 
   /// What `?` tells of, as it last was between two lines.

@@ -70,7 +70,10 @@ void Memory::Set(int number, double value) {
   if (setting == values_.end()) throw LineError(kInvalidStatement);
   if (value < 0) throw LineError(kNegativeValue);
   constexpr double kLargest = 1e7, kShortestPulse_us = 3;
-  const bool divides = number >= kStepsPerMm;  // Nothing moves at 0 of it.
+  // Nothing moves at 0 of it.
+  const bool divides = number >= kStepsPerMm ||
+                       (number >= kHomingFeed && number <= kHomingSeek) ||
+                       number == kHomingPullOff;
   if (value > kLargest || (divides && value == 0)) throw LineError(kInvalidStatement);
   if (number == 0 && value < kShortestPulse_us) throw LineError(kPulseTooShort);
   if (number == kSoftLimits && value != 0 && !Is(kHomingCycle))

@@ -1,17 +1,22 @@
 // Lines of G-code.
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include <fmt/format.h>
 
+#include "sim/base/units.h"
 #include "sim/firmware/grbl/controller.h"
+#include "sim/firmware/planner.h"
 #include "sim/link/gcode.h"
 
 namespace caltwin::grbl {
 namespace {
 
 constexpr double kMmPerInch = 25.4;
+constexpr double kFarthest_mm = 1e6;  // Beyond what any machine has.
+constexpr double kSlowest_mm_s = 1e-3;
 constexpr double kLimitSlack_mm = 1e-3;  // Less than any axis resolves.
 
 bool IsProbe(int motion) {
@@ -27,7 +32,7 @@ std::optional<double> Controller::TakeLength_mm(Block* block, char letter) const
 }
 
 Vec3<double> Controller::TakeTarget_mm(Block* block) const {
-  Vec3<double> target_mm = motion_.commanded_mm();
+  Vec3<double> target_mm = At_mm();
   const Vec3<double> offset_mm = WorkOffset_mm(block->modal);
   for (const Axis axis : kAxes) {
     const auto word_mm = TakeLength_mm(block, CapitalLetter(axis));
@@ -40,6 +45,7 @@ Vec3<double> Controller::TakeTarget_mm(Block* block) const {
     } else {
       coordinate_mm = *word_mm + offset_mm[Index(axis)];
     }
+    if (std::abs(coordinate_mm) > kFarthest_mm) throw LineError(kInvalidTarget);
   }
   return target_mm;
 }
@@ -47,22 +53,23 @@ Vec3<double> Controller::TakeTarget_mm(Block* block) const {
 void Controller::ObeyBlock(Block block) {
   Deeds deeds;
   if (const auto rpm = block.Take('S')) block.modal.spindle_rpm = *rpm;
-  if (const auto tool = block.Take('T')) block.modal.tool = static_cast<int>(*tool);
+  if (const auto tool = block.Take('T')) {
+    constexpr double kLastTool = 255;
+    if (*tool > kLastTool) throw LineError(kNoSuchTool);
+    block.modal.tool = static_cast<int>(*tool);
+  }
   TakeFeed(&block);
   TakeAlone(&block, &deeds);
-  if (block.axis_command == Block::AxisCommand::kToolLength) {
+  if (block.cancels_tool_length) {
+    deeds.emplace_back([this] { tool_length_mm_ = 0; });
+  } else if (block.axis_command == Block::AxisCommand::kToolLength) {
     if (block.Value('X') || block.Value('Y') || !block.Value('Z'))
       throw LineError(kToolLengthAxis);
     const double length_mm = *TakeLength_mm(&block, 'Z');
     deeds.emplace_back([this, length_mm] { tool_length_mm_ = length_mm; });
-  } else if (block.cancels_tool_length) {
-    deeds.emplace_back([this] { tool_length_mm_ = 0; });
   }
   if (block.axis_command == Block::AxisCommand::kMotion) TakeMotion(&block, &deeds);
-  const auto is_left = [](const std::optional<double>& value) {
-    return value.has_value();
-  };
-  if (std::ranges::any_of(block.values, is_left)) throw LineError(kUnusedWords);
+  if (block.HasValues()) throw LineError(kUnusedWords);
 
   modal_ = block.modal;
   for (const auto& deed : deeds) {
@@ -94,7 +101,12 @@ void Controller::TakeAlone(Block* block, Deeds* deeds) {
     case 4: {
       const auto s = block->Take('P');
       if (!s) throw LineError(kValueMissing);
-      if (!is_checking_) deeds->emplace_back([this, s = *s] { motion_.Dwell(s); });
+      if (!is_checking_)
+        deeds->emplace_back([this, s = *s] {
+          motion_.Finish();
+          Publish();
+          motion_.Dwell(s);
+        });
       break;
     }
     case 10:
@@ -105,7 +117,7 @@ void Controller::TakeAlone(Block* block, Deeds* deeds) {
       const Vec3<double> stored_mm =
           block->non_modal == 28 ? memory_.place_28_mm : memory_.place_30_mm;
       const bool goes_over = block->has_axis_words();
-      Vec3<double> place_mm = goes_over ? motion_.commanded_mm() : stored_mm;
+      Vec3<double> place_mm = goes_over ? At_mm() : stored_mm;
       for (const Axis axis : kAxes) {
         if (block->Value(CapitalLetter(axis)))
           place_mm[Index(axis)] = stored_mm[Index(axis)];
@@ -118,10 +130,10 @@ void Controller::TakeAlone(Block* block, Deeds* deeds) {
       break;
     }
     case 281:
-      deeds->emplace_back([this] { memory_.place_28_mm = motion_.commanded_mm(); });
+      deeds->emplace_back([this] { memory_.place_28_mm = At_mm(); });
       break;
     case 301:
-      deeds->emplace_back([this] { memory_.place_30_mm = motion_.commanded_mm(); });
+      deeds->emplace_back([this] { memory_.place_30_mm = At_mm(); });
       break;
     case 92: {
       if (!block->has_axis_words()) throw LineError(kNoAxisWords);
@@ -131,7 +143,7 @@ void Controller::TakeAlone(Block* block, Deeds* deeds) {
         const auto word_mm = TakeLength_mm(block, CapitalLetter(axis));
         if (!word_mm) continue;
         const int i = Index(axis);
-        g92_mm[i] = motion_.commanded_mm()[i] - offset_mm[i] - *word_mm;
+        g92_mm[i] = At_mm()[i] - offset_mm[i] - *word_mm;
       }
       deeds->emplace_back([this, g92_mm] { g92_mm_ = g92_mm; });
       break;
@@ -147,12 +159,13 @@ void Controller::TakeAlone(Block* block, Deeds* deeds) {
 void Controller::TakeWorkplace(Block* block, Deeds* deeds) {
   if (!block->has_axis_words()) throw LineError(kNoAxisWords);
   const auto place = block->Take('P'), kind = block->Take('L');
-  if (!place || !kind) throw LineError(kValueMissing);
+  if (!place && !kind) throw LineError(kValueMissing);
   const auto most = static_cast<double>(memory_.workplaces_mm.size());
-  if (*place > most) throw LineError(kNoSuchWorkplace);
-  const bool is_here = *kind == 20;
-  if ((*kind != 2 && !is_here) || block->Value('R')) throw LineError(kUnsupported);
-  const int named = static_cast<int>(*place);
+  if (place.value_or(0) > most) throw LineError(kNoSuchWorkplace);
+  const bool is_here = kind.value_or(0) == 20;
+  if ((kind.value_or(0) != 2 && !is_here) || block->Value('R'))
+    throw LineError(kUnsupported);
+  const int named = static_cast<int>(place.value_or(0));
   const auto k =
       static_cast<std::size_t>(named == 0 ? block->modal.workplace : named - 1);
   Vec3<double> at_mm = memory_.workplaces_mm[k];
@@ -161,8 +174,7 @@ void Controller::TakeWorkplace(Block* block, Deeds* deeds) {
     if (!word_mm) continue;
     const int i = Index(axis);
     const double length_mm = axis == Axis::kZ ? tool_length_mm_ : 0;
-    at_mm[i] = is_here ? motion_.commanded_mm()[i] - g92_mm_[i] - length_mm - *word_mm
-                       : *word_mm;
+    at_mm[i] = is_here ? At_mm()[i] - g92_mm_[i] - length_mm - *word_mm : *word_mm;
   }
   deeds->emplace_back([this, k, at_mm] { memory_.workplaces_mm[k] = at_mm; });
 }
@@ -185,14 +197,15 @@ void Controller::TakeMotion(Block* block, Deeds* deeds) {
       (block->modal.plane != 17 && block->Value('Z').has_value());
   const Vec3<double> target_mm = TakeTarget_mm(block);
   double feed_mm_s = block->modal.feed_mm_s;
-  const double way_mm = (target_mm - motion_.commanded_mm()).norm();
-  if (block->modal.is_inverse_time) feed_mm_s *= way_mm;
+  const double way_mm = (target_mm - At_mm()).norm();
+  if (block->modal.is_inverse_time && motion == kLinear) feed_mm_s *= way_mm;
   if (motion == kRapid) {
     feed_mm_s = std::numeric_limits<double>::infinity();
   }
   if (motion == kClockwise || motion == kCounterClockwise) {
     if (!names_plane) throw LineError(kArcOutOfPlane);
     const Arc arc = TakeArc(block, target_mm);
+    if (block->modal.is_inverse_time) feed_mm_s *= arc.length_mm();
     deeds->emplace_back([this, arc, feed_mm_s] { MoveAlong(arc, feed_mm_s); });
   } else if (IsProbe(motion)) {
     if (way_mm == 0) throw LineError(kInvalidTarget);
@@ -232,14 +245,24 @@ bool Controller::RefuseBeyondLimits(const Vec3<double>& target_mm) {
 }
 
 void Controller::MoveTo(const Vec3<double>& target_mm, double feed_mm_s) {
-  if (needs_reset_ || is_checking_ || RefuseBeyondLimits(target_mm)) return;
-  const double part = FeedPart();
-  motion_.MoveTo(target_mm, std::max(feed_mm_s * part, 1e-3));
+  if (needs_reset_ || RefuseBeyondLimits(target_mm)) return;
+  if (is_checking_) {
+    checked_mm_ = target_mm;
+    return;
+  }
+  const auto [feed_part, rapid_part] = FeedAndRapidPart();
+  const Vec3<double> way_mm = target_mm - At_mm();
+  if (std::isfinite(feed_mm_s)) {
+    feed_mm_s = std::max(feed_mm_s * feed_part, kSlowest_mm_s);
+  } else if (rapid_part < 1 && way_mm.norm() > 0) {
+    feed_mm_s = rapid_part * MakeMove(way_mm, feed_mm_s, motion_.limits()).feed_mm_s;
+  }
+  motion_.MoveTo(target_mm, feed_mm_s);
 }
 
-double Controller::FeedPart() const {
+std::array<double, 2> Controller::FeedAndRapidPart() const {
   const std::lock_guard<std::mutex> lock(live_mutex_);
-  return feed_percent_ / 100.0;
+  return {feed_percent_ / 100.0, rapid_percent_ / 100.0};
 }
 
 void Controller::GoToPlace(const Vec3<double>& place_mm) {
@@ -247,9 +270,14 @@ void Controller::GoToPlace(const Vec3<double>& place_mm) {
 }
 
 void Controller::Probe(const Vec3<double>& target_mm, int mode) {
-  if (is_checking_ || RefuseBeyondLimits(target_mm)) return;
+  if (RefuseBeyondLimits(target_mm)) return;
+  if (is_checking_) {
+    checked_mm_ = target_mm;
+    return;
+  }
   motion_.Finish();
   if (motion_.alarm()) return;
+  Publish();
   const bool goes_away = mode >= 384;
   const bool must_find = mode == 382 || mode == 384;
   has_probed_ = false;
@@ -264,19 +292,26 @@ void Controller::Probe(const Vec3<double>& target_mm, int mode) {
       Motion::AtTrigger::kBrakes);
   if (motion_.alarm()) return;
   has_probed_ = probed.stopped;
-  probed_mm_ = probed.at_mm;
+  // One that fails leaves the place of the one before.
+  if (probed.stopped || !must_find) probed_mm_ = probed.at_mm;
   if (!probed.stopped && must_find) Lock(Alarm::kNoContact);
   said_.push_back(ProbeLine());
 }
 
 void Controller::EndProgram(int program) {
+  if (program == 1) return;  // It has no switch that would make it pause.
   motion_.Finish();
-  if (motion_.alarm() || is_checking_) return;
-  if (program <= 1) {
+  if (motion_.alarm()) return;
+  Publish();
+  if (program == 0) {
+    if (is_checking_) return;
     pace_->Hold();
-    Publish();
     if (!pace_->WaitWhileHeld()) says_ok_ = false;
     return;
+  }
+  {
+    const std::lock_guard<std::mutex> lock(live_mutex_);
+    feed_percent_ = rapid_percent_ = spindle_percent_ = 100;
   }
   const Modal before = modal_;
   modal_ = Modal{.motion = kLinear,

@@ -83,7 +83,7 @@ void Controller::Publish() {
   live_.is_checking = is_checking_;
   live_.is_asleep = is_asleep_;
   live_.waiting_moves = motion_.num_queued();
-  if (live_.waiting_moves == 0) live_.is_jogging = false;
+  if (live_.waiting_moves == 0 && !is_performing_) live_.is_jogging = false;
   for (Eigen::Index i = 0; i < 3; ++i) {
     live_.zero_steps[i] = motion_.motor_steps()[i] - motion_.counts()[i];
   }

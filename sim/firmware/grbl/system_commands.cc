@@ -16,7 +16,7 @@ constexpr std::string_view kHelp =
 }  // namespace
 
 void Controller::RequireIdle() const {
-  if (motion_.has_queued() || is_jogging()) throw LineError(kNotIdle);
+  if (is_performing_ || motion_.has_queued() || is_jogging()) throw LineError(kNotIdle);
 }
 
 void Controller::ObeySystem(std::string_view line) {
@@ -31,6 +31,8 @@ void Controller::ObeySystem(std::string_view line) {
     Jog(line.substr(2));
   } else {
     RequireIdle();
+    const bool only_tells = line == "$" || line == "#" || line == "I" || line == "N";
+    if (is_checking_ && !only_tells && line != "C") throw LineError(kNotIdle);
     ObeyIdle(line);
   }
 }
@@ -52,7 +54,6 @@ void Controller::ObeyIdle(std::string_view line) {
   } else if (line == "C") {
     SwitchChecking();
   } else if (line == "SLP") {
-    said_.emplace_back("[MSG:Sleeping]");
     is_asleep_ = true;
   } else {
     ObeyAssignment(line);
@@ -62,11 +63,11 @@ void Controller::ObeyIdle(std::string_view line) {
 void Controller::SwitchChecking() {
   if (is_checking_) {
     said_.emplace_back("[MSG:Disabled]");
-    Begin();
-    says_ok_ = false;
+    begins_anew_ = true;
     return;
   }
   if (is_locked_) throw LineError(kNotIdle);
+  checked_mm_ = motion_.commanded_mm();
   is_checking_ = true;
   said_.emplace_back("[MSG:Enabled]");
 }
@@ -83,7 +84,7 @@ void Controller::ObeyAssignment(std::string_view line) {
   }
   if (name == "N0" || name == "N1") {
     if (is_locked_) throw LineError(kNotIdle);
-    if (!value.empty()) ReadBlock(value, modal_);  // What it cannot read it keeps not.
+    if (!value.empty()) ObeyBlock(ReadBlock(value, modal_));  // Else it is not kept.
     memory_.startup_lines[name == "N0" ? 0 : 1] = std::string(value);
     return;
   }
@@ -109,9 +110,7 @@ void Controller::Restore(std::string_view what) {
   }
   TakeSettings();
   said_.emplace_back("[MSG:Restoring defaults]");
-  is_locked_ = is_locked_ || memory_.Is(kHomingCycle);
-  Begin();
-  says_ok_ = false;
+  begins_anew_ = true;
 }
 
 void Controller::Home() {
@@ -140,43 +139,39 @@ void Controller::Home() {
         to_min ? pull_off_mm - memory_.Value(kMaxTravel + Index(axis)) : -pull_off_mm);
   }
   if (pace_->is_stopped()) return;
-  is_locked_ = false;
+  is_locked_ = !has_switches;
+  motion_.Acknowledge();
+  Publish();
   {
     const std::lock_guard<std::mutex> lock(live_mutex_);
     live_.is_homing = false;
   }
   if (has_switches) return RunStartupLines();
-  motion_.Acknowledge();
   Lock(Alarm::kNoSwitch);
-  Begin();
-  says_ok_ = false;
+  begins_anew_ = true;
 }
 
 void Controller::Jog(std::string_view line) {
-  if (is_locked_) throw LineError(kLocked);
-  if (motion_.has_queued() && !is_jogging()) throw LineError(kNotIdle);
+  const bool is_idle = !is_performing_ && !motion_.has_queued();
+  if (is_locked_ || is_checking_ || (!is_idle && !is_jogging()))
+    throw LineError(kNotIdle);
   Block block = ReadBlock(line, modal_);
   // Nothing but units, distances and G53 may stand beside its places and its feed.
   const bool is_jog =
-      block.axis_command == Block::AxisCommand::kMotion && !block.sets_motion &&
-      block.program < 0 && (block.non_modal < 0 || block.non_modal == 53) &&
-      block.modal.plane == modal_.plane && block.modal.spindle == modal_.spindle &&
-      block.modal.has_flood == modal_.has_flood &&
-      block.modal.workplace == modal_.workplace && !block.sets_feed_mode &&
-      !block.cancels_tool_length;
+      block.axis_command == Block::AxisCommand::kMotion && !block.has_more_than_jog;
   if (!is_jog) throw LineError(kInvalidJog);
   if (!block.has_axis_words()) throw LineError(kNoAxisWords);
   const auto feed_mm_min = TakeLength_mm(&block, 'F');
   if (!feed_mm_min || *feed_mm_min == 0) throw LineError(kUndefinedFeed);
   const Vec3<double> target_mm = TakeTarget_mm(&block);
+  if (block.HasValues()) throw LineError(kUnusedWords);
   if (memory_.Is(kSoftLimits) && IsBeyondLimits(target_mm)) {
     throw LineError(kTravelExceeded);
   }
-  if (is_checking_) return;
-  motion_.MoveTo(target_mm, FeedFromWord_mm_s(*feed_mm_min));
+  MoveTo(target_mm, FeedFromWord_mm_s(*feed_mm_min));
   if (!pace_->is_timed()) return motion_.Finish();
   const std::lock_guard<std::mutex> lock(live_mutex_);
-  live_.is_jogging = motion_.has_queued();
+  live_.is_jogging = is_performing_ || motion_.has_queued();
 }
 
 }  // namespace caltwin::grbl

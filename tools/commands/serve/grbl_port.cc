@@ -1,6 +1,8 @@
 #include "tools/commands/serve/grbl_port.h"
 
+#include <algorithm>
 #include <chrono>
+#include <iterator>
 #include <utility>
 
 #include "sim/base/text_file.h"
@@ -11,6 +13,7 @@ namespace {
 using Lines = grbl::Controller::Lines;
 
 constexpr std::size_t kRxBuffer = 128;
+constexpr std::size_t kLongestRaw = 1024;  // With comments, which it never keeps.
 constexpr std::chrono::milliseconds kGathering(30);
 
 std::string TextOf(const Lines& lines) {
@@ -38,8 +41,8 @@ class GrblMachine::ClientPort final : public Port {
       return;
     }
     line_.clear();
-    machine_->pace_->Stop();
-    machine_->PutFirst([controller] { return controller->SwitchOn(); });
+    machine_->StopFor([controller] { return controller->SwitchOn(); },
+                      /*drops_lines=*/true);
   }
 
   bool Hear(std::string_view bytes) override {
@@ -56,6 +59,8 @@ class GrblMachine::ClientPort final : public Port {
     } else if (byte == '?') {
       const std::string status = machine_->controller_->Status(Free());
       if (!status.empty()) client_->Tell(status + "\r\n");
+    } else if (byte == '!' && machine_->controller_->is_jogging()) {
+      machine_->EndJogs();
     } else if (byte == '!') {
       machine_->controller_->Hold();
     } else if (byte == '~') {
@@ -65,31 +70,22 @@ class GrblMachine::ClientPort final : public Port {
     } else if (code >= 0x80) {
       machine_->controller_->Override(code);
     } else if (byte == '\n' || byte == '\r') {
-      TakeLine(byte);
-    } else if (line_.size() < Free()) {
+      const std::size_t bytes = line_.size() + 1;
+      machine_->Put(
+          {.client = client_, .text = std::exchange(line_, {}), .bytes = bytes});
+    } else if (Free() > 0 && line_.size() < kLongestRaw) {
       line_ += byte;
     }  // Else it is lost, as in a buffer that is full.
   }
 
-  void TakeLine(char end) {
-    // CR LF is one end: the LF behind it would be an empty line, and get its ok.
-    const bool is_second = end == '\n' && last_end_ == '\r' && line_.empty();
-    last_end_ = line_.empty() && is_second ? '\0' : end;
-    if (is_second) return;
-    const std::size_t bytes = line_.size() + 1;
-    machine_->Put(
-        {.client = client_, .text = std::exchange(line_, {}), .bytes = bytes});
-  }
-
   std::size_t Free() const {
-    const std::lock_guard<std::mutex> lock(client_->mutex);
-    return client_->waiting < kRxBuffer ? kRxBuffer - client_->waiting : 0;
+    const std::size_t waiting = client_->waiting;
+    return waiting < kRxBuffer ? kRxBuffer - waiting : 0;
   }
 
   GrblMachine* machine_;
   std::shared_ptr<Client> client_;
   std::string line_{};
-  char last_end_ = '\0';
 };
 
 void GrblMachine::Client::Tell(std::string_view bytes) {
@@ -105,7 +101,7 @@ GrblMachine::~GrblMachine() {
     const std::lock_guard<std::mutex> lock(mutex_);
     is_over_ = true;
   }
-  pace_->Stop();
+  pace_->StopForGood();
   changed_.notify_all();
   thread_.join();
 }
@@ -134,44 +130,40 @@ void GrblMachine::Leave(const std::shared_ptr<Client>& client) {
 }
 
 void GrblMachine::Put(Line line) {
-  {
-    const std::lock_guard<std::mutex> lock(line.client->mutex);
-    line.client->waiting += line.bytes;
-  }
+  line.client->waiting += line.bytes;
   const std::lock_guard<std::mutex> lock(mutex_);
   lines_.push_back(std::move(line));
   changed_.notify_all();
 }
 
-void GrblMachine::PutFirst(std::function<Lines()> act) {
+void GrblMachine::StopFor(std::function<Lines()> act, bool drops_lines) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  for (const Line& line : lines_) {
-    const std::lock_guard<std::mutex> client_lock(line.client->mutex);
-    line.client->waiting -= line.bytes;
+  if (drops_lines) {
+    for (const Line& line : lines_) line.client->waiting -= line.bytes;
+    lines_.clear();
   }
-  lines_.clear();
   acts_.push_back(std::move(act));
+  pace_->Stop();
   changed_.notify_all();
 }
 
 void GrblMachine::SoftReset() {
   const bool in_motion = controller_->InMotion();
-  pace_->Stop();
-  PutFirst([this, in_motion] { return controller_->Reset(in_motion); });
+  StopFor([this, in_motion] { return controller_->Reset(in_motion); },
+          /*drops_lines=*/true);
 }
 
 void GrblMachine::EndJogs() {
   if (!controller_->is_jogging()) return;
-  pace_->Stop();
-  const std::lock_guard<std::mutex> lock(mutex_);
-  acts_.push_back([this] {
-    controller_->EndJogs();
-    return Lines{};
-  });
-  changed_.notify_all();
+  StopFor(
+      [this] {
+        controller_->EndJogs();
+        return Lines{};
+      },
+      /*drops_lines=*/false);
 }
 
-void GrblMachine::TellAll(const Lines& lines) {
+void GrblMachine::TellAll(const Lines& lines, const Client* but) {
   if (lines.empty()) return;
   std::list<std::shared_ptr<Client>> clients;
   {
@@ -179,23 +171,63 @@ void GrblMachine::TellAll(const Lines& lines) {
     clients = clients_;
   }
   const std::string text = TextOf(lines);
-  for (const auto& client : clients) client->Tell(text);
+  for (const auto& client : clients) {
+    if (client.get() != but) client->Tell(text);
+  }
+}
+
+void GrblMachine::Answer(const Line& line) {
+  // Out of the buffer while it is obeyed, as in grbl.
+  line.client->waiting -= line.bytes;
+  const Lines answer = controller_->Execute(line.text);
+  line.client->Tell(TextOf(answer));
+  Lines for_all;
+  std::ranges::copy_if(
+      answer, std::back_inserter(for_all), [](const std::string& said) {
+        return said.starts_with("ALARM:") || said.starts_with("[MSG:Reset") ||
+               said.starts_with("Grbl ") || said.starts_with("[MSG:'$H'");
+      });
+  TellAll(for_all, line.client.get());
+}
+
+void GrblMachine::TakeLinesMeanwhile() {
+  for (;;) {
+    Line line;
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      if (!acts_.empty() || lines_.empty() || pace_->is_held() ||
+          !controller_->TakesMeanwhile(lines_.front().text)) {
+        return;
+      }
+      line = std::move(lines_.front());
+      lines_.pop_front();
+    }
+    Answer(line);
+  }
 }
 
 void GrblMachine::Work() {
+  pace_->SetMeanwhile([this] { TakeLinesMeanwhile(); });
   while (Turn()) {
   }
 }
 
 bool GrblMachine::Turn() {
+  constexpr std::chrono::milliseconds kGlance(10);
   std::unique_lock<std::mutex> lock(mutex_);
+  // Held, it obeys no line.
+  const auto takes_line = [&] {
+    return !lines_.empty() && !pace_->is_held();
+  };
   const auto is_wanted = [&] {
-    return is_over_ || !acts_.empty() || !lines_.empty();
+    return is_over_ || !acts_.empty() || takes_line();
   };
   if (controller_->has_moves()) {
     changed_.wait_until(lock, begin_, is_wanted);
+  } else if (!lines_.empty()) {
+    changed_.wait_for(lock, kGlance, is_wanted);
   } else {
-    changed_.wait(lock, is_wanted);
+    changed_.wait(lock, [&] { return is_wanted() || !lines_.empty(); });
   }
   if (is_over_) return false;
   if (!acts_.empty()) {
@@ -203,19 +235,13 @@ bool GrblMachine::Turn() {
     acts_.pop_front();
     lock.unlock();
     TellAll(act());
-  } else if (!lines_.empty()) {
+  } else if (takes_line()) {
     const Line line = std::move(lines_.front());
     lines_.pop_front();
     lock.unlock();
-    {
-      // Out of the buffer while it is obeyed, as in grbl.
-      const std::lock_guard<std::mutex> client_lock(line.client->mutex);
-      line.client->waiting -= line.bytes;
-    }
-    const std::string answer = TextOf(controller_->Execute(line.text));
-    line.client->Tell(answer);
+    Answer(line);
     begin_ = std::chrono::steady_clock::now() + kGathering;
-  } else {
+  } else if (controller_->has_moves()) {
     lock.unlock();
     TellAll(controller_->GoOn());
   }

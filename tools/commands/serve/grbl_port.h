@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <deque>
@@ -34,8 +35,9 @@ class GrblMachine {
   /// A client as lines that wait remember it; it may have gone.
   struct Client {
     std::mutex mutex{};
-    Say say{};                ///< Empty: gone.
-    std::size_t waiting = 0;  ///< Bytes of its lines that are not obeyed yet.
+    Say say{};  ///< Empty: gone.
+    std::atomic<std::size_t> waiting =
+        0;  ///< Bytes of its lines that are not obeyed yet.
     void Tell(std::string_view bytes);
   };
   struct Line {
@@ -47,11 +49,15 @@ class GrblMachine {
   std::shared_ptr<Client> Join(Say say);
   void Leave(const std::shared_ptr<Client>& client);
   void Put(Line line);
-  /// What acts at once, before any line.
-  void PutFirst(std::function<grbl::Controller::Lines()> act);
+  /// Stops the move that is on its way; what acts then comes before any line, and where
+  /// `drops_lines`, in place of those that wait.
+  void StopFor(std::function<grbl::Controller::Lines()> act, bool drops_lines);
   void SoftReset();
   void EndJogs();
-  void TellAll(const grbl::Controller::Lines& lines);
+  void TellAll(const grbl::Controller::Lines& lines, const Client* but = nullptr);
+  void Answer(const Line& line);
+  /// While a move goes on: lines that need not wait for its end.
+  void TakeLinesMeanwhile();
   void Work();
   /// The next thing to do; false: the end.
   bool Turn();

@@ -27,6 +27,8 @@ constexpr milliseconds kGlance{200};  // Between two looks at the stop flag.
 /// So long a board takes to restart. Clients throw away what has come by then.
 constexpr milliseconds kRestart{300};
 
+constexpr milliseconds kUnread{200};
+
 /// Tells when somebody opens a terminal.
 class Openings {
  public:
@@ -53,7 +55,12 @@ void Converse(const OpenPort& open_port,
   LineChannel channel(descriptor);
   std::atomic<bool> is_deaf = false;
   const std::unique_ptr<Port> port = open_port([&](std::string_view bytes) {
-    if (!is_deaf && !channel.Write(bytes)) is_deaf = true;
+    // A terminal that nobody reads loses what does not fit; a connection is given up.
+    if (openings != nullptr) {
+      channel.Write(bytes, kUnread);
+    } else if (!is_deaf && !channel.Write(bytes)) {
+      is_deaf = true;
+    }
   });
   if (openings == nullptr) port->Open(/*has_restarted=*/false);
   const bool restarts = openings != nullptr && port->RestartsWhenOpened();
@@ -65,13 +72,12 @@ void Converse(const OpenPort& open_port,
     if (restarts && openings->HasBeenOpened()) restarted = now + kRestart;
     if (restarted && now >= *restarted) {
       restarted.reset();
-      is_deaf = false;
       port->Open(/*has_restarted=*/true);
     }
     if (status == LineChannel::Status::kTimeout) continue;
     if (status == LineChannel::Status::kLine && restarted) continue;
     const bool is_over = status == LineChannel::Status::kClosed || !port->Hear(bytes);
-    if (is_over || (is_deaf && openings == nullptr)) return;
+    if (is_over || is_deaf) return;
   }
 }
 
