@@ -212,7 +212,7 @@ Block BlockReader::Read(std::string_view line) {
   if (block_.Take('N').value_or(0) > kLastLine) throw LineError(kInvalidLineNumber);
   if (block_.has_axis_words() && block_.axis_command == Block::AxisCommand::kNone)
     block_.axis_command = Block::AxisCommand::kMotion;
-  return std::move(block_);
+  return block_;
 }
 
 }  // namespace

@@ -65,7 +65,7 @@ void Controller::ObeyBlock(Block block) {
   } else if (block.axis_command == Block::AxisCommand::kToolLength) {
     if (block.Value('X') || block.Value('Y') || !block.Value('Z'))
       throw LineError(kToolLengthAxis);
-    const double length_mm = *TakeLength_mm(&block, 'Z');
+    const double length_mm = TakeLength_mm(&block, 'Z').value_or(0);
     deeds.emplace_back([this, length_mm] { tool_length_mm_ = length_mm; });
   }
   if (block.axis_command == Block::AxisCommand::kMotion) TakeMotion(&block, &deeds);

@@ -59,14 +59,12 @@ class GrblMachine::ClientPort final : public Port {
     } else if (byte == '?') {
       const std::string status = machine_->controller_->Status(Free());
       if (!status.empty()) client_->Tell(status + "\r\n");
-    } else if (byte == '!' && machine_->controller_->is_jogging()) {
+    } else if (code == 0x85 || (byte == '!' && machine_->controller_->is_jogging())) {
       machine_->EndJogs();
     } else if (byte == '!') {
       machine_->controller_->Hold();
     } else if (byte == '~') {
       machine_->controller_->Resume();
-    } else if (code == 0x85) {
-      machine_->EndJogs();
     } else if (code >= 0x80) {
       machine_->controller_->Override(code);
     } else if (byte == '\n' || byte == '\r') {

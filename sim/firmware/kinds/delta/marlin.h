@@ -23,10 +23,11 @@ namespace caltwin {
 DeltaModel<double> AsMarlinHasIt(const DeltaModel<double>& settings);
 
 /// A controller that understands Marlin's dialect as far as a delta's calibration needs
-/// it: G0 G1 G28 G30 G33 G90 G91 M92 M114 M115 M119 M400 M420 M421 M500-M503 M665 M666
-/// M851. Anything else is answered as Marlin does, `echo:Unknown command: "..."`, but
-/// G2, G3, G20 and G92 X Y Z, without which later moves would go elsewhere, are
-/// refused. Touches are not lifted by the mesh.
+/// it: G0 G1 G28 G30 G33 G90 G91 M92 M105 M114 M115 M119 M400 M420 M421 M500-M503 M665
+/// M666 M851; what printing needs besides (M104, M106 ...) changes nothing. Anything
+/// else is answered as Marlin does, `echo:Unknown command: "..."`, but G2, G3, G20 and
+/// G92 X Y Z, without which later moves would go elsewhere, are refused. Touches are
+/// not lifted by the mesh.
 class MarlinDelta final : public EmulatedController {
  public:
   /// Answers G33: its words in, the lines that it prints; settings in place.
@@ -69,7 +70,9 @@ class MarlinDelta final : public EmulatedController {
  private:
   void Take(const DeltaModel<double>& settings);
   Reply Obey(const GcodeCommand& command);
-  Reply Keep(int code);    ///< M500 to M502.
+  Reply Keep(int code);  ///< M500 to M502.
+  /// Of commands that only tell, or that nothing here minds; else nullopt.
+  std::optional<Reply> Tell(const GcodeCommand& command) const;
   Reply Switches() const;  ///< M119.
   /// The motors for a place of the nozzle, in steps.
   Motors StepsAt(const DeltaModel<double>& settings,
