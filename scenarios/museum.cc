@@ -71,6 +71,7 @@ std::vector<Exhibit> ReadExhibits(const fs::path& file) {
       exhibit.cured = (file.parent_path() / entry.Text("cured")).lexically_normal();
       exhibit.figure = entry.TextOr("figure", std::string(kJudged));
       exhibit.needs = entry.WordOr("needs", "", {"", "klipper", "linuxcnc"});
+      exhibit.cure_changes = entry.TextOr("cure_changes", "");
       entry.NoMoreKeys();
       exhibits.push_back(std::move(exhibit));
     }
@@ -126,8 +127,10 @@ std::string MuseumText(const std::vector<ExhibitShown>& shown) {
   }
   for (const ExhibitShown& one : shown) {
     if (one.not_run.empty()) continue;
-    text +=
-        fmt::format("not run, it needs {}: {}\n", one.exhibit.needs, one.exhibit.fault);
+    text += fmt::format("not run, it needs {}: {}\n          {}\n",
+                        one.exhibit.needs,
+                        one.exhibit.fault,
+                        one.not_run);
   }
   return fmt::format(
              "{} public faults, each on a machine with known truth: the error as "

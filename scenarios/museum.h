@@ -18,6 +18,9 @@ struct Exhibit {
   /// What is compared: `judged`, the figure that its kind of machine is calibrated for
   /// (RunResult::figure_after), or a parameter's error.
   std::string figure = "judged";
+  /// A key of the scenarios that the cure itself is, such as a clean nozzle; else what
+  /// the machine is stands alike in both.
+  std::string cure_changes{};
   std::string needs{};  ///< klipper or linuxcnc: a program that runs it; empty: none.
 };
 

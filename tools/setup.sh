@@ -222,7 +222,8 @@ install_node_clients() {
 }
 
 if [[ ${1:-} == --clients ]]; then
-  install_packages "${packages[@]}" gcc libc6-dev python3-dev python3-venv pronsole "${@:2}"
+  install_packages "${packages[@]}" gcc libc6-dev python3-dev python3-venv "${@:2}"
+  install_packages pronsole || echo "setup: without pronsole its test is skipped" >&2
   [[ -x third_party/node/bin/node ]] || command -v npm >/dev/null || install_packages nodejs npm
   install_mujoco
   install_clients || echo "setup: without OctoPrint and grbl-streamer their tests are skipped" >&2

@@ -182,7 +182,7 @@ Json DeltaOracle::Done(const nlohmann::json& asked) {
   const double scale =
       DeltaAccuracyOf(machine_.build, machine_.bed, geometry, kCompareRadius_mm)
           .xy_scale;
-  score.scale_um_per_mm = std::isfinite(scale) ? UmFromMm(scale) : 0;
+  score.scale_um_per_mm = UmFromMm(scale);
   scores_.push_back(score);
   if (static_cast<int>(scores_.size()) < machines_) Begin();
   const auto number = [](double value) {
@@ -199,13 +199,17 @@ Json DeltaOracle::Done(const nlohmann::json& asked) {
 
 namespace {
 
-/// Of those whose geometry was one.
+/// Nonsense counts as infinitely far.
 Spread HeightsOf(const DeltaOracle& oracle, double OracleScore::*figure) {
   std::vector<double> um;
   for (const OracleScore& score : oracle.scores()) {
-    if (std::isfinite(score.*figure)) um.push_back(score.*figure);
+    um.push_back(score.*figure);
   }
   return SpreadOf(um);
+}
+
+nlohmann::ordered_json NumberOrNull(double value) {
+  return std::isfinite(value) ? Json(value) : Json(nullptr);
 }
 
 int WorseOf(const DeltaOracle& oracle) {
@@ -238,18 +242,20 @@ std::string OracleText(const DeltaOracle& oracle, std::uint64_t seed) {
       WorseOf(oracle) > 0
           ? fmt::format("left worse than as drawn: {}\n", WorseOf(oracle))
           : "",
-      "held against others: caltwin compare delta\n");
+      fmt::format(
+          "held against others: caltwin compare delta --machines {} --seed {}\n",
+          oracle.machines(),
+          seed));
 }
 
 Json OracleJson(const DeltaOracle& oracle, std::uint64_t seed) {
   Json machines = Json::array();
   for (const OracleScore& score : oracle.scores()) {
-    machines.push_back(
-        {{"touches", score.touches},
-         {"z_rms_before_um", score.before_um},
-         {"z_rms_um", std::isfinite(score.after_um) ? Json(score.after_um) : Json()},
-         {"scale_um_per_mm", score.scale_um_per_mm},
-         {"is_worse", score.is_worse}});
+    machines.push_back({{"touches", score.touches},
+                        {"z_rms_before_um", score.before_um},
+                        {"z_rms_um", NumberOrNull(score.after_um)},
+                        {"scale_um_per_mm", NumberOrNull(score.scale_um_per_mm)},
+                        {"is_worse", score.is_worse}});
   }
   const Spread after = HeightsOf(oracle, &OracleScore::after_um);
   return {{"format", 1},
@@ -260,9 +266,9 @@ Json OracleJson(const DeltaOracle& oracle, std::uint64_t seed) {
           {"left_worse", WorseOf(oracle)},
           {"touches", TouchesOf(oracle)},
           {"z_rms_um",
-           {{"median", after.median},
-            {"p95", after.p95},
-            {"ci95", {after.low, after.high}}}},
+           {{"median", NumberOrNull(after.median)},
+            {"p95", NumberOrNull(after.p95)},
+            {"ci95", {NumberOrNull(after.low), NumberOrNull(after.high)}}}},
           {"machines", machines}};
 }
 

@@ -10,4 +10,5 @@ own = pathlib.Path(__file__).parents[2] / "third_party/node/bin/node"  # tools/p
 with Served(sys.argv[1], "--machine", "gantry_router", "--dialect", "grbl", "--fidelity",
             "fast", "--speed", "60") as served:
     script = pathlib.Path(__file__).with_suffix(".mjs")
-    subprocess.run([own if own.exists() else "node", script, sys.argv[2], served.terminal], check=True, timeout=180)
+    subprocess.run([own if own.exists() else "node", script,
+                    pathlib.Path(sys.argv[2]).resolve(), served.terminal], check=True, timeout=120)

@@ -64,6 +64,7 @@ def main(program):
 
         lines = job(side_mm=40, lines=400)
         grbl.job_new()
+        session.heard["on_job_completed"].clear()  # It says so at each start too.
         grbl.incremental_streaming = False
         grbl.write("\n".join(lines))
         grbl.job_run()

@@ -48,7 +48,7 @@ class OctoPrint:
         self.process = subprocess.Popen(
             [program, "serve", "--iknowwhatimdoing", "--host", "127.0.0.1", "--port",
              str(self.port), "--basedir", folder], stdout=self.out, stderr=subprocess.STDOUT)
-        wait_for("OctoPrint's server", self.is_up, 60)
+        self.terminal = terminal
 
     def is_up(self):
         with contextlib.suppress(OSError, http.client.HTTPException):
@@ -93,6 +93,7 @@ def main(program, octoprint):
             program, "--machine", "delta_printer", "--fidelity", "fast", "--speed", "2") as served:
         client = OctoPrint(octoprint, folder, served.terminal)
         try:
+            wait_for("OctoPrint's server", client.is_up, 60)
             client.ask("POST", "/api/connection", {
                 "command": "connect", "port": served.terminal, "baudrate": 115200})
             wait_for("Operational", lambda: client.state() == "Operational", 20)
@@ -104,7 +105,7 @@ def main(program, octoprint):
             client.print("job.gcode", job())
             wait_for("the print", lambda: client.state().startswith("Printing"), 20)
             wait_for("its end", lambda: client.state() == "Operational" and
-                     "Recv: ok" in client.log().split("M400")[-1], 90)
+                     "Recv: ok" in client.log().split("M400")[-1], 60)
         except BaseException:
             print((client.folder / "out").read_text()[-3000:])
             with contextlib.suppress(OSError, http.client.HTTPException):

@@ -4,6 +4,7 @@ to its end.
     pronsole_test.py CALTWIN
 """
 
+import atexit
 import pathlib
 import re
 import subprocess
@@ -54,6 +55,7 @@ def main(program):
         with Served(program, "--machine", "delta_printer", "--truth", str(truth),
                     "--fidelity", "fast") as served:
             client = Pronsole(folder, served.terminal)
+            atexit.register(client.process.kill)  # Nothing stays behind a claim that fails.
             client.tell("G28")
             client.tell("G33 P4 V1")
             deviations = client.hears(r"std dev:\s*([0-9.]+)")

@@ -18,14 +18,15 @@ class Served:
             [program, "serve", "--pty", self.terminal, "--tcp", "0", *options],
             stdout=subprocess.PIPE, text=True)
         self.port = None
-        said = []
+        said, has_terminal = [], False
         for line in self.process.stdout:
             said.append(line)
             if line.startswith("listening on"):
                 self.port = int(line.rsplit(":", 1)[1])
-            if self.port and os.path.islink(self.terminal):
+            has_terminal = any(text.startswith("terminal at") for text in said)
+            if self.port and has_terminal:
                 break
-        assert self.port, f"caltwin serve said {said}"
+        assert self.port and has_terminal, f"caltwin serve said {said}"
         threading.Thread(target=self.process.stdout.read, daemon=True).start()
 
     def __enter__(self):

@@ -76,6 +76,25 @@ TEST(GrblPort, AnswersWhileAMoveGoesOn) {
   EXPECT_THAT(served.Status(), HasSubstr("<Run|"));
 }
 
+// Lines behind one that waits for moves do not overtake it.
+TEST(GrblPort, LinesKeepTheirOrder) {
+  Served served(/*speed=*/20);
+  served.Say("$H\n", "ok");
+  const std::string said = served.Say(
+      "G90 G1 X-250 F2400\nG38.3 Z-10 F1200\nG1 X-280 F2400\n$I\nM2\n", "Pgm End");
+  // Probed where the first move ended, x -250, and not on the way to the third.
+  EXPECT_THAT(said, HasSubstr("[PRB:-250.000,-298.000,-10.000:0]"));
+  EXPECT_LT(said.find("PRB"), said.find("Pgm End"));
+  EXPECT_THAT(served.Status(), HasSubstr("MPos:-280.000,-298.000,-10.000"));
+}
+
+TEST(GrblPort, LinesBehindHomingWaitForIt) {
+  Served served(/*speed=*/20);
+  const std::string said = served.Say("$H\nG0X-10\nM2\n", "Pgm End");
+  EXPECT_THAT(said, Not(HasSubstr("error")));
+  EXPECT_THAT(said, Not(HasSubstr("ALARM")));
+}
+
 TEST(GrblPort, JogCancelEndsTheJogsBehindItToo) {
   Served served(/*speed=*/10);
   served.Say("$H\n", "ok");

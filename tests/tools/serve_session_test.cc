@@ -36,6 +36,14 @@ TEST(ServeSession, NumbersAndChecksumsAreTakenOff) {
   EXPECT_THAT(session.Answer("N1 G28*18"), ElementsAre("G28", "ok"));
 }
 
+TEST(ServeSession, LineNumberIsSetWithoutBeingNumbered) {
+  EchoLink link;
+  ServeSession session(&link);
+
+  EXPECT_THAT(session.Answer("M110 N5"), ElementsAre("ok"));
+  EXPECT_THAT(session.Answer("N6 G28*21"), ElementsAre("G28", "ok"));
+}
+
 // What words mean is the controller's affair: RepRapFirmware has lists.
 TEST(ServeSession, WordsAreNotRead) {
   EchoLink link;

@@ -35,6 +35,7 @@ struct CompareAsked {
   std::string machine = "random";
   int machines = 200;
   bool has_machines = false;  ///< Given, not by default.
+  bool has_chance = false;    ///< --machine, --draws or --seed likewise.
   int draws = 200;
   std::uint64_t seed = 1;
   std::vector<std::string> engines{};
@@ -137,7 +138,8 @@ int RunRandom(const CompareAsked& options) {
 
 // Public faults beside their cures; nothing of it is random.
 int RunMuseumOf(const CompareAsked& options) {
-  if (options.has_machines || !options.engines.empty() || !options.report.empty()) {
+  if (options.has_machines || options.has_chance || !options.engines.empty() ||
+      !options.report.empty()) {
     throw InputError({.file = "museum"},
                      "has its own machines and procedures",
                      "caltwin compare museum [--json FILE]");
@@ -174,7 +176,8 @@ constexpr std::array kComparisons = {
 int RunCompare(const CompareAsked& options) {
   const auto* const asked =
       std::ranges::find(kComparisons, options.kind, &Comparison::name);
-  if (options.machine != "measured") return asked->on_random(options);
+  if (options.machine != "measured" || options.kind == "museum")
+    return asked->on_random(options);
   if (asked->on_measured != nullptr) return asked->on_measured(options);
   throw InputError({.file = "--machine"},
                    "only a delta has been measured",
@@ -218,8 +221,10 @@ Action DeclareCompare(CLI::App* app) {
   app->add_option(
       "--json", options->json, "write the figures as JSON; - for stdout alone");
   app->add_option("--report", options->report, "write an HTML report to this folder");
-  return [options, machines] {
+  return [app, options, machines] {
     options->has_machines = machines->count() > 0;
+    options->has_chance =
+        app->count("--machine") + app->count("--draws") + app->count("--seed") > 0;
     try {
       return RunCompare(*options);
     } catch (const HostLost& lost) {

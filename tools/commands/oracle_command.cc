@@ -34,41 +34,60 @@ void AnswerInput(DeltaOracle* oracle) {
   }
 }
 
+// Whether the program came to its end by itself.
+bool AnswerProgram(const OracleAsked& options, DeltaOracle* oracle) {
+  const ChildEnd end =
+      ConverseWith({.words = options.program, .patience = std::chrono::hours(24)},
+                   [&](std::string_view line) { return oracle->Answer(line); });
+  if (end.how == ChildEnd::How::kNotStarted) {
+    throw InputError({.file = options.program.front()},
+                     ToString(end),
+                     "caltwin oracle -- PROGRAM ARGUMENT...");
+  }
+  if (end.how == ChildEnd::How::kExited && end.code == 0) return true;
+  std::cerr << fmt::format("{} {}\n", options.program.front(), ToString(end));
+  return false;
+}
+
+void Tell(const OracleAsked& options, const DeltaOracle& oracle) {
+  const std::string dump = OracleJson(oracle, options.seed).dump(kJsonIndent) + "\n";
+  if (options.json == "-") {
+    std::cout << dump;
+  } else {
+    if (!options.json.empty()) WriteTextFile(options.json, dump);
+    // Standard output is the conversation's where no program is run.
+    (options.program.empty() ? std::cerr : std::cout)
+        << OracleText(oracle, options.seed);
+  }
+  if (oracle.errors() == 0) return;
+  std::cerr << fmt::format("{} lines were answered by an error\n", oracle.errors());
+}
+
 int RunOracle(const OracleAsked& options) {
+  if (options.program.empty() && options.json == "-") {
+    throw InputError({.file = "--json"},
+                     "standard output is the conversation's where no program is run",
+                     "--json FILE");
+  }
   DeltaOracle oracle(options.machines, options.seed);
+  bool has_ended = true;
   if (options.program.empty()) {
     AnswerInput(&oracle);
   } else {
-    const ChildEnd end =
-        ConverseWith({.words = options.program, .patience = std::chrono::hours(24)},
-                     [&](std::string_view line) { return oracle.Answer(line); });
-    if (end.how == ChildEnd::How::kNotStarted) {
-      throw InputError({.file = options.program.front()},
-                       "cannot be started: " + ToString(end),
-                       "caltwin oracle -- PROGRAM ARGUMENT...");
-    }
-    const bool has_failed = end.how != ChildEnd::How::kExited || end.code != 0;
-    if (has_failed) {
-      std::cerr << fmt::format("{} {}\n", options.program.front(), ToString(end));
-      if (end.how == ChildEnd::How::kInterrupted) return kInterrupted;
-      if (oracle.scores().empty()) return kLost;
-    }
+    has_ended = AnswerProgram(options, &oracle);
   }
   if (oracle.scores().empty()) {
+    if (InterruptRequested()) return kInterrupted;
+    if (!has_ended) return kLost;
     throw InputError({},
                      "no machine was calibrated",
                      R"(a program says {"ask": "done", "geometry": {...}} for each)");
   }
-  if (!options.json.empty()) {
-    WriteTextFile(options.json,
-                  OracleJson(oracle, options.seed).dump(kJsonIndent) + "\n");
-  }
-  // Standard output is the program's where none is run.
-  (options.program.empty() ? std::cerr : std::cout) << OracleText(oracle, options.seed);
-  if (oracle.errors() > 0) {
-    std::cerr << fmt::format("{} lines were answered by an error\n", oracle.errors());
-  }
-  return InterruptRequested() ? kInterrupted : kPassed;
+  Tell(options, oracle);
+  if (InterruptRequested()) return kInterrupted;
+  if (!has_ended) return kLost;
+  const bool are_all = static_cast<int>(oracle.scores().size()) == oracle.machines();
+  return are_all ? kPassed : kCheckFailed;
 }
 
 }  // namespace
@@ -79,8 +98,9 @@ Action DeclareOracle(CLI::App* app) {
       ->check(CLI::Range(1, kMostMachines))
       ->capture_default_str();
   app->add_option("--seed", options->seed, "of all chance")->capture_default_str();
-  app->add_option(
-      "--json", options->json, "writes the score of each machine to a file");
+  app->add_option("--json",
+                  options->json,
+                  "writes the score of each machine to a file; - for stdout");
   app->add_option("program",
                   options->program,
                   "that calibrates them, and its arguments, behind --");

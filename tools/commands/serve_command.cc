@@ -2,6 +2,7 @@
 #include <iostream>
 #include <limits>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <thread>
@@ -38,8 +39,11 @@ struct ServeAsked {
   std::optional<double> speed{};
 };
 
+// In one piece, from whatever thread.
 void Announce(const std::string& text) {
-  std::cout << text << '\n' << std::flush;
+  static std::mutex mutex;
+  const std::lock_guard<std::mutex> lock(mutex);
+  std::cout << text + "\n" << std::flush;
 }
 
 void OnPort(const ServeAsked& options, const OpenPort& open_port) {
@@ -165,10 +169,24 @@ double SpeedOf(const ServeAsked& options, const ServedDialect& dialect) {
   throw InputError(
       {.file = "--speed"},
       fmt::format("with --dialect {} each move is over at once", dialect.name),
-      "leave it away, or take --dialect grbl");
+      "leave it away; a gantry, a CoreXY and a delta keep a pace");
 }
 
 int Serve(ServeAsked options) {
+  const bool keeps_own_time =
+      options.http || !options.klipper.empty() || !options.linuxcnc.empty();
+  if (keeps_own_time && options.speed) {
+    throw InputError({.file = "--speed"},
+                     "is of a machine on --tcp or --pty: the pages' machine is never "
+                     "waited for, and real controllers bring their own time",
+                     "leave it away");
+  }
+  if (options.http && !options.dialect.empty()) {
+    throw InputError({.file = "--dialect"},
+                     "is of a machine on --tcp or --pty: pages and REST speak the "
+                     "machine's own",
+                     "leave it away");
+  }
   if (!options.klipper.empty()) return ServeToKlipper(options);
   if (!options.linuxcnc.empty()) return ServeToLinuxCnc(options);
   if (!options.port && options.pty.empty() && !options.http) {
@@ -261,8 +279,8 @@ Action DeclareServe(CLI::App* app) {
       ->check(CLI::IsMember({"rrf", "grbl", "marlin", "klipper", "motor"}));
   app->add_option("--speed",
                   options->speed,
-                  "seconds of the machine in one of ours, 1 as a real one (rrf, grbl, "
-                  "marlin); without it a move is over as soon as it is computed")
+                  "seconds of the machine in one of ours, 1 as a real one (gantry, "
+                  "CoreXY, delta); without it a move is over as soon as it is computed")
       ->check(CLI::Range(kSlowest, kFastest));
   app->footer(
       "A browser shows the pages of --http; a terminal program or G-code sender "

@@ -12,7 +12,7 @@ namespace {
 
 using Lines = grbl::Controller::Lines;
 
-constexpr std::size_t kRxBuffer = 128;
+constexpr std::size_t kRxBuffer = 128, kLineBuffer = 80;
 constexpr std::size_t kLongestRaw = 1024;  // With comments, which it never keeps.
 constexpr std::chrono::milliseconds kGathering(30);
 
@@ -57,7 +57,8 @@ class GrblMachine::ClientPort final : public Port {
       line_.clear();
       machine_->SoftReset();
     } else if (byte == '?') {
-      const std::string status = machine_->controller_->Status(Free());
+      const std::string status =
+          machine_->controller_->Status(std::min(Free(), kRxBuffer));
       if (!status.empty()) client_->Tell(status + "\r\n");
     } else if (code == 0x85 || (byte == '!' && machine_->controller_->is_jogging())) {
       machine_->EndJogs();
@@ -67,18 +68,23 @@ class GrblMachine::ClientPort final : public Port {
       machine_->controller_->Resume();
     } else if (code >= 0x80) {
       machine_->controller_->Override(code);
+    } else if (Free() == 0) {
+      // Lost, as in a buffer that is full: ends of lines too.
     } else if (byte == '\n' || byte == '\r') {
       const std::size_t bytes = line_.size() + 1;
       machine_->Put(
           {.client = client_, .text = std::exchange(line_, {}), .bytes = bytes});
-    } else if (Free() > 0 && line_.size() < kLongestRaw) {
+    } else if (line_.size() < kLongestRaw) {
       line_ += byte;
-    }  // Else it is lost, as in a buffer that is full.
+    }
   }
 
+  /// What still fits: into the serial buffer, and the line that is taken out of it to
+  /// be obeyed and may have to wait for moves.
   std::size_t Free() const {
+    constexpr std::size_t kAll = kRxBuffer + kLineBuffer;
     const std::size_t waiting = client_->waiting;
-    return waiting < kRxBuffer ? kRxBuffer - waiting : 0;
+    return waiting < kAll ? kAll - waiting : 0;
   }
 
   GrblMachine* machine_;
@@ -177,7 +183,9 @@ void GrblMachine::TellAll(const Lines& lines, const Client* but) {
 void GrblMachine::Answer(const Line& line) {
   // Out of the buffer while it is obeyed, as in grbl.
   line.client->waiting -= line.bytes;
+  is_obeying_ = true;
   const Lines answer = controller_->Execute(line.text);
+  is_obeying_ = false;
   line.client->Tell(TextOf(answer));
   Lines for_all;
   std::ranges::copy_if(
@@ -189,6 +197,8 @@ void GrblMachine::Answer(const Line& line) {
 }
 
 void GrblMachine::TakeLinesMeanwhile() {
+  // A line that waits for moves lets them be made: those behind it wait for their turn.
+  if (is_obeying_) return;
   for (;;) {
     Line line;
     {
@@ -215,13 +225,16 @@ bool GrblMachine::Turn() {
   std::unique_lock<std::mutex> lock(mutex_);
   // Held, it obeys no line.
   const auto takes_line = [&] {
-    return !lines_.empty() && !pace_->is_held();
+    return !lines_.empty() && !pace_->is_held() &&
+           (!controller_->has_moves() ||
+            controller_->TakesMeanwhile(lines_.front().text));
   };
   const auto is_wanted = [&] {
     return is_over_ || !acts_.empty() || takes_line();
   };
   if (controller_->has_moves()) {
-    changed_.wait_until(lock, begin_, is_wanted);
+    // A line that waits for them is no reason to.
+    if (lines_.empty()) changed_.wait_until(lock, begin_, is_wanted);
   } else if (!lines_.empty()) {
     changed_.wait_for(lock, kGlance, is_wanted);
   } else {
@@ -232,7 +245,10 @@ bool GrblMachine::Turn() {
     const auto act = std::move(acts_.front());
     acts_.pop_front();
     lock.unlock();
-    TellAll(act());
+    is_obeying_ = true;
+    const Lines said = act();
+    is_obeying_ = false;
+    TellAll(said);
   } else if (takes_line()) {
     const Line line = std::move(lines_.front());
     lines_.pop_front();

@@ -70,6 +70,7 @@ class GrblMachine {
   std::deque<std::function<grbl::Controller::Lines()>> acts_{};
   std::list<std::shared_ptr<Client>> clients_{};
   bool is_over_ = false;
+  bool is_obeying_ = false;  ///< A line or an act, in the thread that performs moves.
   /// When moves that wait begin: soon after the last line, of which more may come and
   /// be blended.
   std::chrono::steady_clock::time_point begin_{};

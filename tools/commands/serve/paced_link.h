@@ -1,12 +1,15 @@
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <functional>
 #include <string>
 #include <string_view>
 #include <thread>
+#include <utility>
 #include <vector>
 
+#include "scenarios/interrupt.h"
 #include "sim/link/link.h"
 
 namespace caltwin {
@@ -26,9 +29,16 @@ class PacedLink final : public Link {
     const auto begin = std::chrono::steady_clock::now();
     const double before_s = time_s_();
     auto reply = inner_->Send(line, patience);
-    const std::chrono::duration<double> takes((time_s_() - before_s) / speed_);
-    std::this_thread::sleep_until(
-        begin + std::chrono::duration_cast<std::chrono::steady_clock::duration>(takes));
+    constexpr double kLongest_s = 1e7;  // Nobody waits that long.
+    constexpr std::chrono::milliseconds kGlance(50);
+    const std::chrono::duration<double> takes(
+        std::min((time_s_() - before_s) / speed_, kLongest_s));
+    const auto end =
+        begin + std::chrono::duration_cast<std::chrono::steady_clock::duration>(takes);
+    while (!InterruptRequested() && std::chrono::steady_clock::now() < end) {
+      std::this_thread::sleep_until(
+          std::min(end, std::chrono::steady_clock::now() + kGlance));
+    }
     return reply;
   }
 

@@ -27,7 +27,7 @@ constexpr milliseconds kGlance{200};  // Between two looks at the stop flag.
 /// So long a board takes to restart. Clients throw away what has come by then.
 constexpr milliseconds kRestart{300};
 
-constexpr milliseconds kUnread{200};
+constexpr milliseconds kUnread{2000};
 
 /// Tells when somebody opens a terminal.
 class Openings {

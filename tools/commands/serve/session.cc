@@ -1,6 +1,8 @@
 #include "tools/commands/serve/session.h"
 
+#include <charconv>
 #include <chrono>
+#include <optional>
 #include <sstream>
 
 #include <fmt/format.h>
@@ -18,6 +20,19 @@ constexpr std::chrono::hours kPatience{1};
 bool SetsLineNumber(std::string_view text) {
   const std::string_view command = text.substr(0, text.find(' '));
   return command == "M110" || command == "m110";
+}
+
+// The 5 of `M110 N5`, which need not be numbered itself.
+std::optional<int> NumberSet(std::string_view text) {
+  if (!SetsLineNumber(text)) return std::nullopt;
+  const std::size_t at = text.find_first_of("Nn");
+  int number = 0;
+  if (at == std::string_view::npos ||
+      std::from_chars(text.data() + at + 1, text.data() + text.size(), number).ec !=
+          std::errc()) {
+    return std::nullopt;
+  }
+  return number;
 }
 
 void AppendLines(const std::string& text, std::vector<std::string>* lines) {
@@ -39,6 +54,10 @@ std::vector<std::string> ServeSession::Answer(std::string_view line) {
     const GcodeFrame frame = ReadGcodeFrame(line);
     if (frame.number && SetsLineNumber(frame.text)) {
       last_number_ = *frame.number;
+      return {"ok"};
+    }
+    if (const auto number = NumberSet(frame.text); !frame.number && number) {
+      last_number_ = *number;
       return {"ok"};
     }
     if (frame.number && *frame.number != last_number_ + 1) {
