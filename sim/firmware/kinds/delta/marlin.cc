@@ -120,16 +120,6 @@ Reply MarlinDelta::Obey(const GcodeCommand& command) {
     return Keep(command.code);
   }
   if (command.Is('M', 503)) return Report();
-  if (command.Is('M', 115)) {
-    return {.lines = {"FIRMWARE_NAME:Marlin (caltwin) PROTOCOL_VERSION:1.0 "
-                      "MACHINE_TYPE:Delta EXTRUDER_COUNT:1",
-                      "Cap:EEPROM:1",
-                      "Cap:AUTOREPORT_TEMP:0",
-                      "Cap:AUTOLEVEL:1",
-                      "Cap:Z_PROBE:1",
-                      "Cap:LEVELING_DATA:1",
-                      "Cap:EMERGENCY_PARSER:0"}};
-  }
   if (command.Is('M', 119)) return Switches();
   if (auto told = Tell(command)) return *std::move(told);
   if (command.Is('G', 90) || command.Is('G', 91)) {

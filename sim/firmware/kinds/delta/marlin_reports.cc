@@ -17,6 +17,18 @@ constexpr double kAtEnd_mm = 1e-6;
 }  // namespace
 
 std::optional<Reply> MarlinDelta::Tell(const GcodeCommand& command) const {
+  if (command.Is('M', 115)) {
+    const std::string about =
+        "FIRMWARE_NAME:Marlin (caltwin) PROTOCOL_VERSION:1.0 MACHINE_TYPE:Delta "
+        "EXTRUDER_COUNT:1";
+    return Reply{.lines = {about,
+                           "Cap:EEPROM:1",
+                           "Cap:AUTOREPORT_TEMP:0",
+                           "Cap:AUTOLEVEL:1",
+                           "Cap:Z_PROBE:1",
+                           "Cap:LEVELING_DATA:1",
+                           "Cap:EMERGENCY_PARSER:0"}};
+  }
   if (command.Is('M', 20) || command.Is('M', 21) || command.Is('M', 27)) {
     return Reply{.lines = {"echo:No SD card"}};
   }
