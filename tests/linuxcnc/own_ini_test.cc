@@ -132,5 +132,12 @@ TEST(MachineOfIni, WhatItIncludesIsAskedFor) {
   EXPECT_THROW(MachineOf("#INCLUDE joints.inc\n" + kMill), InputError);
 }
 
+// Found by its fuzzer: a beam's second motor that the machine file has not.
+TEST(OwnIni, MachineOfAnotherFileIsRefused) {
+  linuxcnc::MachineText drawn = LinuxCncOfGantry(MachineOf(kMill));
+  drawn.joints.resize(1);
+  EXPECT_THROW(linuxcnc::WithTwin(kMill, drawn), InputError);
+}
+
 }  // namespace
 }  // namespace caltwin

@@ -198,7 +198,13 @@ class Adapter {
     const bool is_second = joint != read_.FirstJointOf(letter);
     const std::string drawn = LettersOf(drawn_);
     const std::size_t first = drawn.find(letter);
-    return drawn_.joints.at(is_second ? drawn.find(letter, first + 1) : first);
+    const std::size_t at = is_second ? drawn.find(letter, first + 1) : first;
+    if (at < drawn_.joints.size()) return drawn_.joints[at];
+    throw InputError(
+        {.file = drawn_.name},
+        fmt::format("{} has no motor for joint {} of {}", drawn_.name, joint, letter),
+        "a machine file made of this INI file: caltwin new machine NAME --from "
+        "FILE.ini");
   }
 
   void TakeTable(std::size_t joint) {
