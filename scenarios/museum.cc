@@ -47,8 +47,7 @@ std::string Figure(const std::optional<double>& value) {
 
 nlohmann::ordered_json RunJson(const ShownRun& run) {
   const auto number = [](const std::optional<double>& value) {
-    return value && std::isfinite(*value) ? nlohmann::ordered_json(*value)
-                                          : nlohmann::ordered_json(nullptr);
+    return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
   };
   return {{"outcome", run.outcome},
           {"before", number(run.before)},

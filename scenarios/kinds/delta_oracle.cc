@@ -185,31 +185,24 @@ Json DeltaOracle::Done(const nlohmann::json& asked) {
   score.scale_um_per_mm = UmFromMm(scale);
   scores_.push_back(score);
   if (static_cast<int>(scores_.size()) < machines_) Begin();
-  const auto number = [](double value) {
-    return std::isfinite(value) ? Json(value) : Json(nullptr);
-  };
   return {{"score",
            {{"machine", score.machine},
             {"touches", score.touches},
-            {"z_rms_before_um", number(score.before_um)},
-            {"z_rms_um", number(score.after_um)},
-            {"scale_um_per_mm", number(score.scale_um_per_mm)},
+            {"z_rms_before_um", score.before_um},
+            {"z_rms_um", score.after_um},
+            {"scale_um_per_mm", score.scale_um_per_mm},
             {"is_worse", score.is_worse}}}};
 }
 
 namespace {
 
-/// Nonsense counts as infinitely far.
+/// Nonsense counts as infinitely far, which JSON writes as null.
 Spread HeightsOf(const DeltaOracle& oracle, double OracleScore::*figure) {
   std::vector<double> um;
   for (const OracleScore& score : oracle.scores()) {
     um.push_back(score.*figure);
   }
   return SpreadOf(um);
-}
-
-nlohmann::ordered_json NumberOrNull(double value) {
-  return std::isfinite(value) ? Json(value) : Json(nullptr);
 }
 
 int WorseOf(const DeltaOracle& oracle) {
@@ -253,8 +246,8 @@ Json OracleJson(const DeltaOracle& oracle, std::uint64_t seed) {
   for (const OracleScore& score : oracle.scores()) {
     machines.push_back({{"touches", score.touches},
                         {"z_rms_before_um", score.before_um},
-                        {"z_rms_um", NumberOrNull(score.after_um)},
-                        {"scale_um_per_mm", NumberOrNull(score.scale_um_per_mm)},
+                        {"z_rms_um", score.after_um},
+                        {"scale_um_per_mm", score.scale_um_per_mm},
                         {"is_worse", score.is_worse}});
   }
   const Spread after = HeightsOf(oracle, &OracleScore::after_um);
@@ -266,9 +259,9 @@ Json OracleJson(const DeltaOracle& oracle, std::uint64_t seed) {
           {"left_worse", WorseOf(oracle)},
           {"touches", TouchesOf(oracle)},
           {"z_rms_um",
-           {{"median", NumberOrNull(after.median)},
-            {"p95", NumberOrNull(after.p95)},
-            {"ci95", {NumberOrNull(after.low), NumberOrNull(after.high)}}}},
+           {{"median", after.median},
+            {"p95", after.p95},
+            {"ci95", {after.low, after.high}}}},
           {"machines", machines}};
 }
 

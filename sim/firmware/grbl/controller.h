@@ -65,9 +65,7 @@ class Controller {
   /// A byte from 0x90: changes an override of feed, rapid or spindle.
   void Override(unsigned char byte);
 
-  double machine_time_s() const { return motion_.time_s(); }
   Vec3<double> machine_mm() const { return motion_.counted_mm(); }
-  const Memory& memory() const { return memory_; }
 
  private:
   enum class Alarm {

@@ -14,7 +14,6 @@
 namespace caltwin::grbl {
 namespace {
 
-constexpr double kMmPerInch = 25.4;
 constexpr double kFarthest_mm = 1e6;  // Beyond what any machine has.
 constexpr double kSlowest_mm_s = 1e-3;
 constexpr double kLimitSlack_mm = 1e-3;  // Less than any axis resolves.
@@ -28,7 +27,7 @@ bool IsProbe(int motion) {
 std::optional<double> Controller::TakeLength_mm(Block* block, char letter) const {
   const auto value = block->Take(letter);
   if (!value) return std::nullopt;
-  return block->modal.is_inches ? *value * kMmPerInch : *value;
+  return block->modal.is_inches ? MmFromInch(*value) : *value;
 }
 
 Vec3<double> Controller::TakeTarget_mm(Block* block) const {
@@ -79,17 +78,16 @@ void Controller::ObeyBlock(Block block) {
 }
 
 void Controller::TakeFeed(Block* block) const {
-  const auto word = TakeLength_mm(block, 'F');
   const bool needs_feed = block->axis_command == Block::AxisCommand::kMotion &&
                           block->modal.motion != kRapid &&
                           block->modal.motion != kNoMotion;
   if (block->modal.is_inverse_time) {
-    if (needs_feed && !word) throw LineError(kUndefinedFeed);
-    // One over minutes is no length, whatever the units.
-    const double per_min = word.value_or(0) / (block->modal.is_inches ? kMmPerInch : 1);
-    block->modal.feed_mm_s = FeedFromWord_mm_s(per_min);
+    const auto per_min = block->Take('F');  // No length, whatever the units.
+    if (needs_feed && !per_min) throw LineError(kUndefinedFeed);
+    block->modal.feed_mm_s = FeedFromWord_mm_s(per_min.value_or(0));
     return;
   }
+  const auto word = TakeLength_mm(block, 'F');
   if (block->sets_feed_mode && modal_.is_inverse_time) block->modal.feed_mm_s = 0;
   if (word) block->modal.feed_mm_s = FeedFromWord_mm_s(*word);
   if (needs_feed && block->modal.feed_mm_s == 0) throw LineError(kUndefinedFeed);

@@ -4,13 +4,14 @@
 
 #include <fmt/format.h>
 
+#include "sim/base/units.h"
 #include "sim/firmware/grbl/controller.h"
 #include "sim/link/gcode.h"
 
 namespace caltwin::grbl {
 namespace {
 
-constexpr double kMmPerInch = 25.4;
+constexpr double kMmPerInch = MmFromInch(1.0);
 
 std::string PlaceText(const Vec3<double>& at_mm, bool in_inches) {
   const Vec3<double> at = in_inches ? Vec3<double>(at_mm / kMmPerInch) : at_mm;

@@ -17,7 +17,6 @@ constexpr double kProbe_mm_s = 5;
 constexpr double kClearance_mm = 5;
 constexpr double kHoming_s = 12;
 constexpr double kDeepest_mm = 50;  // Below the bed believed in: then it is past it.
-constexpr double kAtEnd_mm = 1e-6;
 
 // A letter that wants a number and has none: that of `M665 Lnan` reads as a bare L. 0:
 // every one has its own.

@@ -109,6 +109,7 @@ class MarlinDelta final : public EmulatedController {
   bool is_relative_ = false;  ///< G91.
   Vec3<double> at_mm_ = Vec3<double>::Zero();
   Vec3<double> probe_offset_mm_ = Vec3<double>::Zero();
+  static constexpr double kAtEnd_mm = 1e-6;  ///< So near a carriage is at its endstop.
   static constexpr int kMeshNodes = 7;
   DeltaMesh mesh_{
       .nodes = kMeshNodes,

@@ -10,11 +10,6 @@
 #include "sim/firmware/kinds/delta/marlin.h"
 
 namespace caltwin {
-namespace {
-
-constexpr double kAtEnd_mm = 1e-6;
-
-}  // namespace
 
 std::optional<Reply> MarlinDelta::Tell(const GcodeCommand& command) const {
   if (command.Is('M', 115)) {
